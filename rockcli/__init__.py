@@ -1,0 +1,25 @@
+"""rockcli: seismic response of rocking bodies, from a study file to a dataset."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import xarray
+
+__version__ = "0.1.0"
+
+__all__ = ["__version__", "run"]
+
+
+def run(study: dict[str, Any] | str | Path) -> xarray.Dataset:
+    """Solve a study and return its dataset; nothing is written.
+
+    `study` is the path of a YAML file or a mapping of the same form.  Raises `StudyError` or `RecordError`
+    for what is wrong with it.
+    """
+    from rockcli.engine.run import solve_study
+
+    return solve_study(study)

@@ -1,0 +1,144 @@
+"""`rock records`: what a record is, and the same record in another format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rockcli.motion.motion import Motion
+
+app = typer.Typer(help="Look at ground-motion records and convert them.", no_args_is_help=True)
+
+Component = Annotated[str | None, typer.Option(help="Which one, if a file holds several: its name, or its place from 0.")]
+Units = Annotated[str | None, typer.Option(help="Of the values, where the format does not say: g, m/s2, cm/s2, gal.")]
+TimeStep = Annotated[float | None, typer.Option("--dt", help="Time step [s], where the format does not say.")]
+Gravity = Annotated[float, typer.Option("--g", help="Gravity [m/s2] by which values in g are turned into m/s2.")]
+
+
+@app.command()
+def info(
+    files: Annotated[list[Path], typer.Argument(help="Records.", show_default=False)],
+    component: Component = None,
+    units: Units = None,
+    dt: TimeStep = None,
+    g: Gravity = 9.81,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON list instead of a table.")] = False,
+) -> None:
+    """Length, time step and measures of records as they stand in their files, without any processing."""
+    import json as json_module
+
+    from rockcli.motion.reading import read_record
+
+    motions = [(file, read_record(file, component=_component(component), units=units, dt=dt)) for file in files]
+    rows = [{"file": str(file), **_facts(motion, g)} for file, motion in motions]
+    if json:
+        typer.echo(json_module.dumps(rows, indent=2))
+        return
+    for i, row in enumerate(rows):
+        if i:
+            typer.echo()
+        typer.echo(_table(row))
+
+
+@app.command()
+def convert(
+    source: Annotated[Path, typer.Argument(metavar="IN", help="The record.", show_default=False)],
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="OUT.AT2 or OUT.txt.", show_default=False)],
+    component: Component = None,
+    units: Units = None,
+    dt: TimeStep = None,
+    g: Annotated[float, typer.Option("--g", help="What 1 g is [m/s2], for a record in m/s2 written in g.")] = 9.80665,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is already there.")] = False,
+) -> None:
+    """Write a record as AT2 (values in g) or as two columns, time and acceleration (in the units read)."""
+    from rockcli.errors import RecordError
+    from rockcli.motion.at2 import write_at2
+    from rockcli.motion.reading import read_record
+    from rockcli.motion.writing import write_two_columns
+
+    kind = target.suffix.lower()
+    if kind not in (".at2", ".txt"):
+        raise RecordError(f"the name ends in {target.suffix!r}; expected .AT2 or .txt, which says the format", target)
+    if not g > 0.0:
+        raise RecordError(f"--g is {g}; expected m/s2, above zero", target)
+    motion = read_record(source, component=_component(component), units=units, dt=dt)
+    if kind == ".txt":
+        title = f"converted from {motion.name} ({motion.format})"
+        write_two_columns(target, motion.values, motion.dt, motion.units, title, force=force)
+    else:
+        values = motion.values if motion.in_g else motion.values / g
+        write_at2(target, values, motion.dt, _titles(motion, g), force=force)
+    for remark in motion.warnings:
+        typer.echo(f"{source}: {remark}", err=True)
+    typer.echo(f"{target}: {len(motion.values)} values, dt {motion.dt:g} s", err=True)
+
+
+def _component(text: str | None) -> str | int | None:
+    """A place in the file if it is a number without leading zeros, else a name."""
+    return int(text) if text is not None and text.isdigit() and str(int(text)) == text else text
+
+
+def _titles(motion: Motion, g: float) -> list[str]:
+    """Two lines of header that say where the values come from."""
+    unit = "" if motion.in_g else f", 1 g = {g:g} m/s2"
+    identity = [str(motion.header.get(key) or "") for key in ("event", "date", "station")]
+    known = [part for part in (*identity, motion.component) if part]
+    return [_printable(f"Converted from {motion.name} ({motion.format}{unit})"), _printable(", ".join(known) or "-")]
+
+
+def _printable(text: str) -> str:
+    return "".join(character if character.isprintable() else " " for character in text)
+
+
+def _facts(motion: Motion, g: float) -> dict[str, Any]:
+    from rockcli.motion.measures import measures
+
+    values = measures(motion.acceleration(g), motion.dt, g)
+    return {
+        "format": motion.format,
+        "component": motion.component,
+        "title": "; ".join(motion.header.get("title", [])),
+        "npts": len(motion.values),
+        "dt": motion.dt,
+        "duration": motion.duration,
+        "units": motion.units,
+        "pga_g": values["pga"] / g,
+        **values,
+        "sha256": motion.sha256,
+        "processing": list(motion.processing),
+        "warnings": list(motion.warnings),
+    }
+
+
+LINES = (
+    ("format", "format", ""),
+    ("component", "component", ""),
+    ("title", "title", ""),
+    ("npts", "values", ""),
+    ("dt", "time step", "s"),
+    ("duration", "duration", "s"),
+    ("units", "units in file", ""),
+    ("pga_g", "PGA", "g"),
+    ("pga", "PGA", "m/s2"),
+    ("pgv", "PGV", "m/s"),
+    ("pgd", "PGD", "m"),
+    ("arias", "Arias intensity", "m/s"),
+    ("cav", "CAV", "m/s"),
+    ("d5_95", "duration 5-95 %", "s"),
+    ("t_mean", "mean period", "s"),
+)
+"""The table of `info`: key, words, unit."""
+
+
+def _table(row: dict[str, Any]) -> str:
+    lines = [row["file"]]
+    for key, words, unit in LINES:
+        value = f"{row[key]:.6g}" if isinstance(row[key], float) else str(row[key])
+        if value:
+            lines.append(f"  {words:<16} {value} {unit}".rstrip())
+    lines += [f"  processing       {sentence}" for sentence in row["processing"]]
+    lines += [f"  remark           {sentence}" for sentence in row["warnings"]]
+    return "\n".join(lines)

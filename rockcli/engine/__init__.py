@@ -1,0 +1,1 @@
+"""Runs studies: chooses backends, walks the cases, judges the results, writes them whole or not at all."""

@@ -1,0 +1,88 @@
+"""From what the solvers said to the contents of a dataset."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.engine.compare import with_comparison
+from rockcli.engine.provenance import attributes
+from rockcli.engine.sweep import Results
+from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
+from rockcli.storage.contents import (
+    COORDINATES,
+    DIM_IMPACT,
+    DIM_TIME,
+    Contents,
+    Field,
+    axis_field,
+    reasons_field,
+    time_field,
+    variable_field,
+)
+from rockcli.study.study import Study
+
+
+def assemble(study: Study, results: Results) -> Contents:
+    """Contents of the dataset of a solved study, comparison included."""
+    axes = tuple(axis.name for axis in study.axes)
+    fields = {
+        axis.name: axis_field(axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit)
+        for axis in study.axes
+    }
+    fields |= _symbols(results, axes, study.shape)
+    if results.histories:
+        fields["time"] = time_field(results.time)
+    for name in study.scalars:
+        values = results.sentences if name == "reason" else results.scalars[name]
+        fields[name] = variable_field(name, axes, values.reshape(study.shape))
+        if name in ("n_impacts", "n_steps"):
+            fields[name].attrs["comment"] = "-1: no answer"
+    if "reason" in study.scalars:
+        fields["reasons"] = reasons_field(list(results.codes))
+    fields |= _beside_axes(results.histories, HISTORIES, axes, study.shape, DIM_TIME)
+    fields |= _beside_axes(results.impacts, IMPACTS, axes, study.shape, DIM_IMPACT)
+    if "M_base" in fields and results.has_mass:
+        unit = {"units": "N m", "long_name": "moment of the base on the body, opposing theta"}
+        fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
+    contents = Contents(axes, fields, attributes(study, results))
+    return contents if study.compare_to is None else with_comparison(contents, study.compare_to)
+
+
+def _beside_axes(
+    arrays: dict[str, NDArray[np.float64]], order: tuple[str, ...], axes: tuple[str, ...], shape: tuple[int, ...], dim: str
+) -> dict[str, Field]:
+    known = [name for name in order if name in arrays] + [name for name in arrays if name not in order]
+    return {
+        name: variable_field(name, (*axes, dim), arrays[name].reshape(*shape, arrays[name].shape[1]))
+        for name in known
+        if name in VARIABLES
+    }
+
+
+def _symbols(results: Results, axes: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Field]:
+    """The symbols over the axes they depend on; those no case has are left out."""
+    fields = {}
+    for name in COORDINATES:
+        full = results.symbols.get(name)
+        if full is not None and not np.isnan(full).all():
+            dims, values = reduce(full.reshape(shape), axes)
+            fields[name] = variable_field(name, dims, values)
+    return fields
+
+
+def reduce(values: NDArray[Any], axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[Any]]:
+    """Drop the axes along which values do not change (NaN equals NaN); the dims left and the values over them."""
+    kept = []
+    for axis in axes:
+        at = len(kept)
+        first = np.take(values, [0], axis=at)
+        same = (values == first) | (np.isnan(values) & np.isnan(first))
+        if same.all():
+            values = first.squeeze(axis=at)
+        else:
+            kept.append(axis)
+    return tuple(kept), np.asarray(values)

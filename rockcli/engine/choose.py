@@ -1,0 +1,74 @@
+"""Which backend solves a batch: a table of lazy imports and what each supports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import cast
+
+from rockcli.errors import SolverError
+from rockcli.scene.batch import Batch
+from rockcli.scene.models import MODELS
+from rockcli.scene.response import Response
+
+Solver = Callable[[Batch], Response]
+
+
+@dataclass(frozen=True)
+class Support:
+    """What a backend can do: (model, geometry) pairs, damping schemes, and a sentence for people."""
+
+    models: frozenset[tuple[str, str | None]]
+    damping: frozenset[str]
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Backend:
+    """A row: name in the study, `module:function` of its `solve(batch) -> Response`, and its support."""
+
+    name: str
+    target: str
+    support: Support
+
+    def supports(self, batch: Batch) -> bool:
+        """Whether this backend can solve the batch."""
+        pair = (batch.model, batch.geometry)
+        return pair in self.support.models and batch.damping.scheme in self.support.damping
+
+    def load(self) -> Solver:
+        """Import the solver."""
+        module, name = self.target.split(":")
+        return cast(Solver, getattr(import_module(module), name))
+
+
+_ROWS: tuple[Backend, ...] = (
+    Backend(
+        "event",
+        "rockcli.solvers.event:solve",
+        Support(
+            models=frozenset(MODELS),
+            damping=frozenset({"none", "restitution"}),
+            sentence="event-driven Taylor steps: impacts, uplift and rest are located, never stepped over",
+        ),
+    ),
+)
+
+BACKENDS: dict[str, Backend] = {row.name: row for row in _ROWS}
+"""In order of preference for `backend: auto`."""
+
+
+def choose(batch: Batch) -> Backend:
+    """Backend of a batch; `SolverError` if the one asked for, or for `auto` every one, cannot solve it."""
+    asked = batch.numerics.backend
+    if asked != "auto" and asked not in BACKENDS:
+        raise SolverError(f"there is no backend {asked!r}; there are {', '.join(BACKENDS)}")
+    candidates = list(BACKENDS.values()) if asked == "auto" else [BACKENDS[asked]]
+    for backend in candidates:
+        if backend.supports(batch):
+            return backend
+    what = f"model {batch.model!r}" + (f" ({batch.geometry})" if batch.geometry else "")
+    who = "no backend" if asked == "auto" else f"backend {asked!r} does not"
+    verb = "solves" if asked == "auto" else "solve"
+    raise SolverError(f"{who} {verb} {what} with damping {batch.damping.scheme!r}")

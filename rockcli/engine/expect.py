@@ -1,0 +1,196 @@
+"""Judges the `expect` clauses of a study on plain arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.engine.compare import ERRORS, locate
+from rockcli.errors import StudyError
+from rockcli.scene.response import FAILED, OUTCOMES
+from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
+from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
+from rockcli.study.study import Expect, Study
+
+Mask = NDArray[np.bool_]
+
+_COUNTS = ("n_impacts", "n_steps")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of one clause.
+
+    Attributes:
+        clause: the clause; text: the clause in words.
+        points: points it speaks of; failing: how many do not satisfy it (no point at all fails too).
+        worst: the value farthest from what was expected, in words; where: its place on the axes.
+    """
+
+    clause: Expect
+    text: str
+    points: int
+    failing: int
+    worst: str
+    where: str
+
+    @property
+    def passed(self) -> bool:
+        return self.points > 0 and self.failing == 0
+
+
+def check_quantities(study: Study) -> None:
+    """`StudyError` if a clause speaks of something the dataset will not have."""
+    saved = {*study.scalars, *COORDINATES}
+    if study.histories:
+        saved |= {*HISTORIES, *IMPACTS}
+    if study.compare_to is not None:
+        saved |= set(ERRORS)
+    for clause in study.expect:
+        if clause.quantity not in saved:
+            if clause.quantity not in VARIABLES:
+                known = f"is not a variable of the dataset (`rock show variables` lists them): {clause.quantity!r}"
+            else:
+                known = f"{clause.quantity!r} will not be in the dataset (see `save` and `compare_to`)"
+            raise StudyError(f"expect: {known}", file=study.file, line=clause.line)
+
+
+def judge(contents: Contents, clauses: tuple[Expect, ...]) -> list[Verdict]:
+    """Judge every clause, in order."""
+    return [_judge(contents, clause) for clause in clauses]
+
+
+def expected_failures(contents: Contents, clauses: tuple[Expect, ...]) -> Mask:
+    """Cases a clause expects to fail (`quantity: outcome, is: failed`), over the axes."""
+    mask = np.zeros(contents.shape, dtype=bool)
+    for clause in clauses:
+        if clause.quantity == "outcome" and clause.check == "is" and FAILED in _flags(clause):
+            mask[_selection(contents, clause)] = True
+    return mask
+
+
+def _judge(contents: Contents, clause: Expect) -> Verdict:
+    text = describe(clause)
+    if clause.quantity not in contents.fields:
+        return Verdict(clause, text, 0, 0, "not in the dataset", "")
+    values = _values(contents, clause)
+    speaks = _points(values, clause)
+    distance = _distance(values, clause)
+    failing = speaks & ~(distance <= 0.0)  # a NaN distance satisfies nothing
+    points, bad = int(speaks.sum()), int(failing.sum())
+    if points == 0:
+        return Verdict(clause, text, 0, 0, "no value", "")
+    rank = np.where(speaks, np.where(np.isnan(distance), np.inf, distance), -np.inf)
+    at = np.unravel_index(int(np.argmax(rank)), rank.shape)
+    return Verdict(clause, text, points, bad, _word(values[at], clause), _place(contents, clause, at))
+
+
+def _values(contents: Contents, clause: Expect) -> NDArray[Any]:
+    """Values the clause speaks of: (axes..., [time or impact]), axes named in `at` of length 1; no answer is NaN."""
+    item = contents.fields[clause.quantity]
+    beside = tuple(dim for dim in item.dims if dim not in contents.axes)
+    values = item.values if beside else contents.over_axes(clause.quantity)
+    if clause.quantity != "outcome":
+        values = values.astype(float)
+        if clause.quantity in _COUNTS:
+            values = np.where(values < 0, np.nan, values)
+    values = values[_selection(contents, clause)]
+    if clause.time is not None and beside == (DIM_TIME,):
+        return _at_time(values, contents.values(DIM_TIME), clause.time)
+    return values
+
+
+def _selection(contents: Contents, clause: Expect) -> tuple[slice, ...]:
+    chosen = []
+    for axis in contents.axes:
+        if axis in clause.at:
+            i = locate(contents, axis, clause.at[axis])
+            chosen.append(slice(i, i + 1))
+        else:
+            chosen.append(slice(None))
+    return tuple(chosen)
+
+
+def _at_time(values: NDArray[Any], time: NDArray[np.float64], t: float) -> NDArray[Any]:
+    """Linear between output times, exact on them; NaN outside."""
+    if len(time) == 0 or not time[0] <= t <= time[-1] * (1.0 + 1e-12):
+        return np.full(values.shape[:-1], np.nan)
+    nearest = int(np.argmin(np.abs(time - t)))
+    if abs(time[nearest] - t) <= 1e-9 * max(abs(t), 1.0):
+        return np.asarray(values[..., nearest])
+    i = int(np.searchsorted(time, t)) - 1
+    u = (t - time[i]) / (time[i + 1] - time[i])
+    return np.asarray((1.0 - u) * values[..., i] + u * values[..., i + 1])
+
+
+def _points(values: NDArray[Any], clause: Expect) -> Mask:
+    """Points a clause speaks of: all, but not the padding after a history's end or a case's last impact."""
+    ragged = clause.quantity in IMPACTS or (clause.quantity in HISTORIES and clause.time is None)
+    if not ragged:
+        return np.ones(values.shape, dtype=bool)
+    present = ~np.isnan(values)
+    inside = np.flip(np.logical_or.accumulate(np.flip(present, axis=-1), axis=-1), axis=-1)
+    if clause.quantity in HISTORIES:  # a case without any history fails once
+        inside[..., 0] |= ~present.any(axis=-1)
+    return np.asarray(inside)
+
+
+def _distance(values: NDArray[Any], clause: Expect) -> NDArray[np.float64]:
+    """How far beyond what is allowed, <= 0 where satisfied, NaN where there is no answer."""
+    if clause.check in ("is", "is_not"):
+        inside = np.isin(values, _flags(clause))
+        return np.where(inside == (clause.check == "is"), 0.0, 1.0)
+    target = float(clause.target)  # type: ignore[arg-type]
+    with np.errstate(invalid="ignore"):
+        if clause.check == "min":
+            excess = target - values
+        elif clause.check == "max":
+            excess = values - target
+        else:
+            excess = np.abs(values - target) - (clause.atol + clause.rtol * abs(target))
+    return np.where(np.isinf(values) & (values == target), 0.0, excess)  # infinity equals infinity
+
+
+def _flags(clause: Expect) -> tuple[int, ...]:
+    return clause.target if isinstance(clause.target, tuple) else (int(clause.target),)
+
+
+def _word(value: Any, clause: Expect) -> str:
+    return OUTCOMES[int(value)] if clause.quantity == "outcome" else f"{float(value):.9g}"
+
+
+def _place(contents: Contents, clause: Expect, at: tuple[Any, ...]) -> str:
+    """The axes' coordinates of a point, in words; the axes `at` fixes are in the clause's own words."""
+    parts = []
+    for number, axis in enumerate(contents.axes):
+        if axis not in clause.at:
+            parts.append(f"{axis}={coordinate_word(contents.values(axis)[at[number]])}")
+    if len(at) > len(contents.axes):
+        beside = contents.fields[clause.quantity].dims[-1]
+        last = contents.values(DIM_TIME)[at[-1]] if beside == DIM_TIME else at[-1]
+        parts.append(f"{beside}={coordinate_word(last)}")
+    return ", ".join(parts)
+
+
+def coordinate_word(value: Any) -> str:
+    """A coordinate value for people: at most six digits."""
+    return value if isinstance(value, str) else f"{float(value):.6g}"
+
+
+def describe(clause: Expect) -> str:
+    """A clause in words: `theta_peak_over_alpha at model=rigid = 0.5537 (rtol 1e-05)`."""
+    where = ", ".join(f"{axis}={coordinate_word(value)}" for axis, value in clause.at.items())
+    words = clause.quantity + (f" at {where}" if where else "")
+    if clause.time is not None:
+        words += f" at t = {clause.time:g} s"
+    if clause.check in ("is", "is_not"):
+        names = " or ".join(OUTCOMES[flag] for flag in _flags(clause))
+        return f"{words} {clause.check.replace('_', ' ')} {names}"
+    sign = {"min": ">=", "max": "<=", "value": "="}[clause.check]
+    allowed = ""
+    if clause.check == "value":
+        allowed = f" (rtol {clause.rtol:g}" + (f", atol {clause.atol:g})" if clause.atol else ")")
+    return f"{words} {sign} {float(clause.target):.9g}{allowed}"  # type: ignore[arg-type]

@@ -1,0 +1,134 @@
+"""What a run has to tell: counts, verdicts, files; and which exit code they amount to."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rockcli.engine.expect import Verdict, coordinate_word, expected_failures, judge
+from rockcli.scene.response import FAILED, OUTCOMES
+from rockcli.storage.contents import Contents
+from rockcli.study.study import Study
+
+SOLVED, UP_TO_DATE, SKIPPED = "solved", "up to date", "skipped"
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """One study's run.
+
+    Attributes:
+        name: of the study; status: SOLVED, UP_TO_DATE or SKIPPED; file: the dataset, None if skipped.
+        cases: number of cases; outcomes: cases by outcome, without those that have none.
+        failed: cases that failed although no clause expected it.
+        peak: largest finite theta_peak_over_alpha (None without one); peak_at: its place on the axes.
+        verdicts: of the `expect` clauses, in order.
+        reasons: sentence -> number of cases, most first; warnings: about the physics and the study.
+        plots: files drawn; seconds: wall time of the run.
+    """
+
+    name: str
+    status: str
+    file: Path | None = None
+    cases: int = 0
+    outcomes: dict[str, int] = field(default_factory=dict)
+    failed: int = 0
+    peak: float | None = None
+    peak_at: str = ""
+    verdicts: tuple[Verdict, ...] = ()
+    reasons: dict[str, int] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    plots: tuple[Path, ...] = ()
+    seconds: float = 0.0
+
+    @property
+    def unmet(self) -> int:
+        """Number of clauses that are not met."""
+        return sum(not verdict.passed for verdict in self.verdicts)
+
+    @property
+    def exit_code(self) -> int:
+        """3 some cases failed, 1 an expectation is not met, 0."""
+        return 3 if self.failed else 1 if self.unmet else 0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; verdicts in words."""
+        plain = asdict(self) | {
+            "file": None if self.file is None else str(self.file),
+            "plots": [str(path) for path in self.plots],
+            "exit_code": self.exit_code,
+        }
+        plain["expect"] = [
+            {
+                "clause": v.text,
+                "passed": v.passed,
+                "points": v.points,
+                "failing": v.failing,
+                "worst": v.worst,
+                "where": v.where,
+                "references": v.clause.references,
+            }
+            for v in self.verdicts
+        ]
+        del plain["verdicts"]
+        return plain
+
+
+def report_on(study: Study, contents: Contents, **more: Any) -> RunReport:
+    """Report on a dataset of a study, whether just solved or read back."""
+    peak, where = _largest_peak(contents)
+    return RunReport(
+        name=study.name,
+        cases=study.size,
+        outcomes=_outcomes(contents),
+        failed=_failed(study, contents),
+        peak=peak,
+        peak_at=where,
+        verdicts=tuple(judge(contents, study.expect)),
+        reasons=_reasons(contents),
+        **more,
+    )
+
+
+def exit_code(reports: list[RunReport]) -> int:
+    """The first that applies: 3, 1, 0."""
+    codes = {report.exit_code for report in reports}
+    return 3 if 3 in codes else 1 if 1 in codes else 0
+
+
+def _outcomes(contents: Contents) -> dict[str, int]:
+    if "outcome" not in contents.fields:
+        return {}
+    flags, counts = np.unique(contents.values("outcome"), return_counts=True)
+    return {OUTCOMES[int(flag)]: int(count) for flag, count in zip(flags, counts, strict=True)}
+
+
+def _failed(study: Study, contents: Contents) -> int:
+    if "outcome" not in contents.fields:
+        return 0
+    failed = contents.values("outcome") == FAILED
+    return int(np.sum(failed & ~expected_failures(contents, study.expect)))
+
+
+def _largest_peak(contents: Contents) -> tuple[float | None, str]:
+    if "theta_peak_over_alpha" not in contents.fields:
+        return None, ""
+    values = contents.values("theta_peak_over_alpha")
+    finite = np.where(np.isfinite(values), values, -1.0)
+    if not finite.size or finite.max() < 0.0:
+        return None, ""
+    at = np.unravel_index(int(np.argmax(finite)), finite.shape)
+    words = [f"{axis}={coordinate_word(contents.values(axis)[i])}" for axis, i in zip(contents.axes, at, strict=True)]
+    return float(finite[at]), ", ".join(words)
+
+
+def _reasons(contents: Contents) -> dict[str, int]:
+    if "reason" not in contents.fields:
+        return {}
+    codes, counts = np.unique(contents.values("reason"), return_counts=True)
+    sentences = contents.values("reasons")
+    said = {str(sentences[code]): int(n) for code, n in zip(codes, counts, strict=True) if sentences[code]}
+    return dict(sorted(said.items(), key=lambda item: -item[1]))

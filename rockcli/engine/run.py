@@ -1,0 +1,130 @@
+"""Runs studies: in memory, or into a folder where results appear whole or not at all."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from rockcli.engine.assemble import assemble
+from rockcli.engine.compare import with_comparison
+from rockcli.engine.expect import check_quantities
+from rockcli.engine.lock import locked
+from rockcli.engine.provenance import refreshed
+from rockcli.engine.report import SOLVED, UP_TO_DATE, RunReport, report_on
+from rockcli.engine.sweep import Progress, solve_cases
+from rockcli.errors import StudyError
+from rockcli.storage import netcdf
+from rockcli.storage.atomic import sweep_leftovers
+from rockcli.storage.contents import Contents
+from rockcli.study.study import Study
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def solve_study(source: dict[str, Any] | str | Path) -> xarray.Dataset:
+    """Solve a study given as a mapping or a file and return its dataset; nothing is written.
+
+    Raises `StudyError` or `RecordError` for what is wrong with it.
+    """
+    from rockcli.storage.read import to_xarray
+    from rockcli.study.open import open_study
+
+    study = open_study(source if isinstance(source, dict) else Path(source))
+    check_quantities(study)
+    return to_xarray(solve(study))
+
+
+def solve(study: Study, progress: Progress | None = None) -> Contents:
+    """Solve a checked study in memory."""
+    return assemble(study, solve_cases(study, progress))
+
+
+def dataset_path(study: Study, out_dir: Path) -> Path:
+    """Where a study's dataset belongs: DIR/<name>/<name>.nc."""
+    return out_dir / study.name / f"{study.name}.nc"
+
+
+def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
+    """Everything that can be said against running a study before it is solved.
+
+    Raises:
+        StudyError: a clause of `expect` speaks of what will not be saved, or other results stand in the folder.
+    """
+    check_quantities(study)
+    path = dataset_path(study, out_dir)
+    if fresh or not path.exists():
+        return
+    found = netcdf.identity(path)
+    if found != study.identity:
+        what = "a file that is not a dataset of this program" if found is None else "the results of another study"
+        raise StudyError(f"{path} holds {what} (or of another version of it); --fresh replaces it", file=study.file)
+
+
+def run_study(
+    study: Study,
+    out_dir: Path,
+    *,
+    fresh: bool = False,
+    plots: bool = True,
+    plot_format: str = "png",
+    progress: Progress | None = None,
+) -> RunReport:
+    """Solve a study into DIR/<name>/<name>.nc, judge it and draw its plots.
+
+    A finished study of the same identity is not solved again: its words, errors, verdicts and plots are renewed.
+
+    Args:
+        study: a checked study.
+        out_dir: DIR.
+        fresh: replace whatever stands there.
+        plots: draw; plot_format: png, pdf or svg.
+        progress: called with (cases done, cases in all).
+
+    Raises:
+        StudyError: other results stand in the folder, or another process works in it.
+    """
+    started = perf_counter()
+    path = dataset_path(study, out_dir)
+    with locked(path.parent):
+        sweep_leftovers(path.parent)
+        check_study(study, out_dir, fresh=fresh)
+        if path.exists() and not fresh:
+            contents, status = _renewed(study, path), UP_TO_DATE
+        else:
+            contents, status = solve(study, progress), SOLVED
+            netcdf.write(contents, path)
+        drawn, complaints = _draw(study, path, plot_format) if plots else ((), ())
+    return report_on(
+        study,
+        contents,
+        status=status,
+        file=path,
+        plots=drawn,
+        warnings=(*_warnings(contents), *complaints),
+        seconds=perf_counter() - started,
+    )
+
+
+def _renewed(study: Study, path: Path) -> Contents:
+    """The finished dataset, with the study's present words and comparison; rewritten only if they changed."""
+    contents = netcdf.read(path)
+    if contents.attrs.get("study") == study.resolved_yaml:
+        return contents
+    contents = Contents(contents.axes, contents.fields, refreshed(contents.attrs, study))
+    contents = with_comparison(contents, study.compare_to) if study.compare_to is not None else contents
+    netcdf.write(contents, path)
+    return contents
+
+
+def _draw(study: Study, path: Path, plot_format: str) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+    from rockcli.engine.draw import draw
+
+    return draw(path, study.plots, plot_format)
+
+
+def _warnings(contents: Contents) -> tuple[str, ...]:
+    import json
+
+    return tuple(json.loads(contents.attrs.get("warnings", "[]")))

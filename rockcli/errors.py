@@ -1,0 +1,52 @@
+"""The errors a user can meet; each carries the exit code of the command that met it.
+
+A failed case is not an error: it is a `Response` with an outcome and a sentence.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+__all__ = ["RecordError", "RockError", "SolverError", "StudyError"]
+
+
+class RockError(Exception):
+    """Something the user can mend: what was wrong, where, and what was expected.
+
+    Args:
+        message: one sentence or two: what is wrong and what to do.
+        file: the file it was found in, if any.
+        line: the line in that file, counted from 1, if known.
+    """
+
+    exit_code = 4
+
+    def __init__(self, message: str, file: str | Path | None = None, line: int | None = None) -> None:
+        self.message = message
+        self.file = None if file is None else str(file)
+        self.line = line
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        if self.file is None:
+            return self.message
+        where = self.file if self.line is None else f"{self.file}:{self.line}"
+        return f"{where}: {self.message}"
+
+
+class StudyError(RockError):
+    """The study file or the command line is wrong."""
+
+    exit_code = 2
+
+
+class RecordError(RockError):
+    """A ground-motion record is missing, unreadable or not what it should be."""
+
+    exit_code = 2
+
+
+class SolverError(RockError):
+    """A solver was asked for what it cannot do."""
+
+    exit_code = 3

@@ -1,0 +1,32 @@
+"""Scalar physics: floats in, floats out; one source that runs compiled by numba or as plain Python.
+
+Compiling costs half a second from a warm cache, so one case is faster uncompiled and a sweep compiled.
+`load` is the only way in: it decides before the kernels are first imported.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from types import ModuleType
+
+_KERNELS = ("motion", "series", "roots", "decide", "rest", "watch", "march")
+
+compiled: bool | None = None
+"""How the kernels in use were loaded; None before the first `load`."""
+
+
+def load(*, compile_them: bool) -> ModuleType:
+    """The module `march`, compiled if asked.  Kernels once compiled stay so for the life of the process.
+
+    The environment variable ROCK_KERNELS = ("motion", "series", "roots", "decide", "rest", "watch", "march")
+    """
+    global compiled
+    wish = {"compiled": True, "interpreted": False}.get(os.environ.get("ROCK_KERNELS", ""), compile_them)
+    if compiled is None or (wish and not compiled):
+        for name in _KERNELS:
+            sys.modules.pop(f"{__name__}.{name}", None)
+        compiled = wish
+        importlib.import_module(f"{__name__}.jit").decide(wish)
+    return importlib.import_module(f"{__name__}.march")

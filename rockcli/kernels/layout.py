@@ -1,0 +1,30 @@
+"""Where a number stands in the vectors that go into and come out of the kernels."""
+
+from __future__ import annotations
+
+# one edge of the body, from its offset on
+(
+    P2, ALPHA, R0, RS, RC, FC, FS, THRESHOLD, Q_STAR, SLOPE, ETA, DAMPER, RADIUS, EDGE,
+) = range(14)  # fmt: skip
+"""p^2; alpha; the law's five coefficients; uplift |a_g|/(g + a_v); rotation of zero restoring moment and the slope
+of the restoring law there; restitution when landing on this edge; base damper c/I_O; R; then the length."""
+
+# a case: g, the two edges, then
+G, LEFT, RIGHT = 0, 1, 1 + EDGE
+THETA_0, THETA_DOT_0, T_MOTION, T_STOP, HAS_DURATION, FACTOR_H, FACTOR_V, N_PAR = range(1 + 2 * EDGE, 9 + 2 * EDGE)
+"""T_MOTION end of the motion, T_STOP end of the report [s]; FACTOR_* multiply sampled motions; the length."""
+
+# what a case returns
+(
+    STATUS, FELL, PEAK, PEAK_SIDE, PEAK_ALPHA, T_PEAK, RATE_PEAK, T_UPLIFT, T_OVERTURN, T_END, N_IMPACTS, MU, N_MIN,
+    ENERGY, N_STEPS, ONTO_LEFT, ONTO_RIGHT, IMPACTS_STORED, N_OUT,
+) = range(19)  # fmt: skip
+"""STATUS how the run ended; FELL the verdict; PEAK |theta| at its earliest maximum, PEAK_SIDE its sign, PEAK_ALPHA
+alpha of that edge; MU, N_MIN over [0, T_END]; ENERGY not accounted for, over m g; ONTO_* counted impacts that landed
+on each edge; IMPACTS_STORED of them; N_OUT the length."""
+
+DONE, OUT_OF_STEPS, NOT_FINITE = 0, 1, 2
+"""STATUS."""
+
+RETURNS, FALLS, UNDECIDED = 0, 1, 2
+"""Verdicts on free rocking."""

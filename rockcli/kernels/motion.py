@@ -1,0 +1,86 @@
+"""Taylor coefficients of the ground acceleration about a time t (scene/excitation.py for the pieces)."""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.jit import jit
+
+WIDTH = 14
+"""Numbers per piece of a pulse table."""
+
+NOTHING, SAMPLES, PULSES = 0, 1, 2
+"""Kinds of channel."""
+
+
+@jit
+def piece_end(kind, table, dt, i):
+    """End of piece i [s]; samples: of the interval between samples i and i + 1."""
+    if kind == SAMPLES:
+        return (i + 1) * dt
+    return table[i * WIDTH + 1]
+
+
+@jit
+def bound_from(kind, table, tail, factor, i):
+    """Bound of |a| over piece i and all later ones [m/s^2]."""
+    if kind == SAMPLES:
+        return tail[i] * abs(factor)
+    return table[i * WIDTH + 13]
+
+
+@jit
+def expand(kind, values, dt, factor, table, i, t, n, out):
+    """Write the Taylor coefficients about t of piece i into out[0..deg]; return deg <= n.
+
+    Coefficients beyond deg are zero and not written.
+    """
+    if kind == SAMPLES:
+        a, b = values[i], values[i + 1]
+        slope = (b - a) / dt
+        out[0] = (a + slope * (t - i * dt)) * factor
+        out[1] = slope * factor
+        return 1
+    row = i * WIDTH
+    if table[row + 2] == 0.0:  # LINEAR
+        out[0] = table[row + 3] + table[row + 4] * (t - table[row])
+        out[1] = table[row + 4]
+        return 1 if out[1] != 0.0 else 0
+    if table[row + 2] == 1.0:
+        return _expand_waves(table, row, t, n, out)
+    return _expand_bell(table, row, t, n, out)
+
+
+@jit
+def _expand_waves(table, row, t, n, out):
+    for k in range(n + 1):
+        out[k] = 0.0
+    x = t - table[row + 3]
+    for j in range(3):
+        A = table[row + 4 + 3 * j]
+        if A != 0.0:
+            w = table[row + 5 + 3 * j]
+            phase = w * x + table[row + 6 + 3 * j]
+            s, c = A * math.sin(phase), A * math.cos(phase)
+            out[0] += s
+            for k in range(1, n + 1):
+                s, c = c * w / k, -s * w / k
+                out[k] += s
+    return n
+
+
+@jit
+def _expand_bell(table, row, t, n, out):
+    # exp(-y^2/2) obeys E' = -y y' E; out = (d0 + d1 y + d2 y^2 + d3 y^3) E with y = y0 + w x
+    w = table[row + 4]
+    y = w * (t - table[row + 3])
+    d0, d1, d2, d3 = table[row + 5], table[row + 6], table[row + 7], table[row + 8]
+    c0 = d0 + y * (d1 + y * (d2 + y * d3))
+    c1 = w * (d1 + y * (2.0 * d2 + y * 3.0 * d3))
+    c2 = w * w * (d2 + 3.0 * y * d3)
+    c3 = w * w * w * d3
+    e, e1, e2, e3 = math.exp(-0.5 * y * y), 0.0, 0.0, 0.0
+    for k in range(n + 1):
+        out[k] = c0 * e + c1 * e1 + c2 * e2 + c3 * e3
+        e, e1, e2, e3 = -w * (y * e + w * e1) / (k + 1), e, e1, e2
+    return n

@@ -1,0 +1,113 @@
+"""Guards: the first root of a Taylor polynomial, never overshot."""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.jit import jit
+from rockcli.kernels.series import bend, slope, value
+
+NO_ROOT = -1.0
+
+
+@jit
+def first_root(c, n, h, skip):
+    """Smallest x in (0, h] where P(x) = c[skip] + c[skip+1] x + ... reaches zero from above, or NO_ROOT.
+
+    `skip` leading coefficients are known to be zero: a root at x = 0 is divided out, so that an event just
+    handled is not found again.  P(0) must be positive.  |P''| <= M on [0, h] gives the lower bound
+    P(x) + P'(x) y - M y^2/2: stepping to its zero cannot pass a root, and is Newton's step near one.
+    """
+    m = n - skip
+    M = 0.0
+    for k in range(m, 1, -1):
+        M = M * h + k * (k - 1) * abs(c[k + skip])
+    x = 0.0
+    for _ in range(400):
+        P = c[n]
+        dP = 0.0
+        for k in range(m - 1, -1, -1):
+            dP = dP * x + P
+            P = P * x + c[k + skip]
+        if P <= 0.0:
+            return min(x, h)
+        step = 2.0 * P / (math.sqrt(dP * dP + 2.0 * M * P) - dP) if (dP < 0.0 or M > 0.0) else 2.0 * h
+        if not step <= h - x:  # also where the bound has no zero (step infinite or NaN)
+            return NO_ROOT
+        x += step
+        if step <= 4e-16 * x:
+            return min(x, h)
+    return min(x, h)
+
+
+@jit
+def turning_point(c, n, lo, hi):
+    """Root of P' in [lo, hi] where P' > 0 at lo and <= 0 at hi: Newton kept inside the bracket."""
+    x = 0.5 * (lo + hi)
+    for _ in range(60):
+        f = slope(c, n, x)
+        if f > 0.0:
+            lo = x
+        else:
+            hi = x
+        df = bend(c, n, x)
+        new = x - f / df if df != 0.0 else lo
+        if not lo < new < hi:
+            new = 0.5 * (lo + hi)
+        if abs(new - x) <= 4e-16 * abs(new):
+            return new
+        x = new
+    return x
+
+
+@jit
+def passage(c, n, level, lo, hi):
+    """Root of P - level in [lo, hi] where P < level at lo and >= level at hi."""
+    x = 0.5 * (lo + hi)
+    for _ in range(60):
+        f = value(c, n, x) - level
+        if f < 0.0:
+            lo = x
+        else:
+            hi = x
+        df = slope(c, n, x)
+        new = x - f / df if df != 0.0 else lo
+        if not lo < new < hi:
+            new = 0.5 * (lo + hi)
+        if abs(new - x) <= 4e-16 * abs(new):
+            return new
+        x = new
+    return x
+
+
+@jit
+def uplift(d, n, h, scale):
+    """First x in [0, h] where the guard polynomial d turns negative for good, or NO_ROOT.
+
+    d is threshold minus driving acceleration, positive at rest.  A touch of zero that rounding of `scale`
+    cannot tell from none is not an uplift: at least the tangent must promise to go below.
+    """
+    if d[0] < 0.0:
+        return 0.0
+    noise = 4e-16 * scale
+    M = 0.0
+    for k in range(n, 1, -1):
+        M = M * h + k * (k - 1) * abs(d[k])
+    x = 0.0
+    for _ in range(2000):
+        P = value(d, n, x)
+        dP = slope(d, n, x)
+        if P < 0.0:
+            return x
+        if noise >= P:
+            if dP < 0.0 and dP * dP > 2.0 * M * noise:
+                return x
+            step = math.sqrt(8.0 * noise / M) if M > 0.0 else h
+        else:
+            step = 2.0 * P / (math.sqrt(dP * dP + 2.0 * M * P) - dP) if (dP < 0.0 or M > 0.0) else 2.0 * h
+        if not step <= h - x:
+            return NO_ROOT
+        x += step
+        if step <= 4e-16 * x:
+            return x
+    return x

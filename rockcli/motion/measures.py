@@ -1,0 +1,106 @@
+"""Measures of a ground motion, exact for acceleration that is linear between samples and starts at rest.
+
+All take acceleration (k,) [m/s^2] and dt [s].  References: Arias (1970); Trifunac and Brady (1975) for the
+significant duration; EPRI (1988) for CAV; Rathje, Abrahamson and Bray (1998) for the mean period.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["arias", "cav", "mean_period", "measures", "pga", "pgd", "pgv", "significant_duration", "velocity"]
+
+Array = NDArray[np.float64]
+
+
+def pga(a: Array) -> float:
+    """Peak ground acceleration [m/s^2] (or in the units of `a`)."""
+    return float(np.abs(a).max())
+
+
+def velocity(a: Array, dt: float) -> Array:
+    """Ground velocity at the samples, (k,) [m/s], zero at the first."""
+    return np.concatenate(([0.0], np.cumsum(0.5 * dt * (a[:-1] + a[1:]))))
+
+
+def displacement(a: Array, dt: float) -> Array:
+    """Ground displacement at the samples, (k,) [m], zero at the first."""
+    steps = velocity(a, dt)[:-1] * dt + dt * dt / 6.0 * (2.0 * a[:-1] + a[1:])
+    return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def pgv(a: Array, dt: float) -> float:
+    """Peak ground velocity [m/s], also between samples, where the acceleration passes zero."""
+    v = velocity(a, dt)
+    i = np.flatnonzero(a[:-1] * a[1:] < 0.0)
+    between = v[i] + 0.5 * dt * a[i] * a[i] / (a[i] - a[i + 1])
+    return float(np.abs(np.concatenate((v, between))).max())
+
+
+def pgd(a: Array, dt: float) -> float:
+    """Peak ground displacement [m], also between samples, where the velocity passes zero.
+
+    Of a record without baseline correction it is mostly drift.
+    """
+    v, d = velocity(a, dt)[:-1], displacement(a, dt)
+    a0, slope = a[:-1], np.diff(a) / dt
+    peaks = [d]
+    root = np.sqrt(np.maximum(a0 * a0 - 2.0 * slope * v, 0.0))
+    q = -(a0 + np.copysign(root, a0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for s in (q / slope, 2.0 * v / q):
+            inside = (s > 0.0) & (s < dt)
+            peaks.append((d[:-1] + s * (v + s * (a0 / 2.0 + s * slope / 6.0)))[inside])
+    return float(np.abs(np.concatenate(peaks)).max())
+
+
+def arias(a: Array, dt: float, g: float = 9.81) -> float:
+    """Arias intensity pi/(2 g) times the integral of a^2 [m/s]."""
+    return float(np.pi / (2.0 * g) * _squares(a, dt).sum())
+
+
+def cav(a: Array, dt: float) -> float:
+    """Cumulative absolute velocity, the integral of |a| [m/s]."""
+    left, right = np.abs(a[:-1]), np.abs(a[1:])
+    total = left + right
+    crossing = a[:-1] * a[1:] < 0.0
+    part = np.where(crossing, (left * left + right * right) / np.where(total > 0.0, total, 1.0), total)
+    return float(0.5 * dt * part.sum())
+
+
+def significant_duration(a: Array, dt: float, start: float = 0.05, end: float = 0.95) -> float:
+    """Time in which the Arias intensity grows from `start` to `end` of its final value [s]; 0 for no motion."""
+    husid = np.concatenate(([0.0], np.cumsum(_squares(a, dt))))
+    if husid[-1] == 0.0:
+        return 0.0
+    times = np.interp([start * husid[-1], end * husid[-1]], husid, dt * np.arange(len(a)))
+    return float(times[1] - times[0])
+
+
+def mean_period(a: Array, dt: float) -> float:
+    """Mean period [s]: sum(C^2/f)/sum(C^2) over Fourier amplitudes C at 0.25 Hz <= f <= 20 Hz; NaN if none."""
+    f = np.fft.rfftfreq(len(a), dt)
+    power = np.abs(np.fft.rfft(a)) ** 2
+    band = (f >= 0.25) & (f <= 20.0)
+    total = power[band].sum()
+    return float((power[band] / f[band]).sum() / total) if total > 0.0 else float("nan")
+
+
+def measures(a: Array, dt: float, g: float = 9.81) -> dict[str, float]:
+    """All measures by name: pga [m/s^2], pgv [m/s], pgd [m], arias [m/s], cav [m/s], d5_95 [s], t_mean [s]."""
+    return {
+        "pga": pga(a),
+        "pgv": pgv(a, dt),
+        "pgd": pgd(a, dt),
+        "arias": arias(a, dt, g),
+        "cav": cav(a, dt),
+        "d5_95": significant_duration(a, dt),
+        "t_mean": mean_period(a, dt),
+    }
+
+
+def _squares(a: Array, dt: float) -> Array:
+    """Integral of a^2 over each interval, (k-1,)."""
+    left, right = a[:-1], a[1:]
+    return np.asarray(dt / 3.0 * (left * left + left * right + right * right))

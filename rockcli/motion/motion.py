@@ -1,0 +1,54 @@
+"""A recorded motion: values, time step, and everything that was ever done to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Motion"]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """One component of ground acceleration, equally spaced in time.
+
+    Attributes:
+        values: acceleration, (k,), k >= 2, in g if `in_g`, else in m/s^2.
+        dt: time between samples [s].
+        in_g: whether `values` are in g, to be multiplied by the g of whoever uses them.
+        name: the file's name, without its folder.
+        sha256: of the bytes of the file.
+        processing: what was done to the values since the file, one sentence each, in order.
+        warnings: what a careful reader of the file would remark, one sentence each.
+        format: name of the format: `AT2`, `text`, or ObsPy's.
+        component: as the file names it, empty if it does not.
+        header: what else the file says.
+    """
+
+    values: NDArray[np.float64]
+    dt: float
+    in_g: bool
+    name: str = ""
+    sha256: str = ""
+    processing: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    format: str = ""
+    component: str = ""
+    header: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample [s]."""
+        return (len(self.values) - 1) * self.dt
+
+    @property
+    def units(self) -> str:
+        """Of `values`: `g` or `m/s2`."""
+        return "g" if self.in_g else "m/s2"
+
+    def acceleration(self, g: float) -> NDArray[np.float64]:
+        """The values in m/s^2, (k,), values in g multiplied by this g [m/s^2]."""
+        return self.values * g if self.in_g else self.values

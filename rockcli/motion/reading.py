@@ -1,0 +1,278 @@
+"""A file of a record -> a Motion, whatever the format; units and time step are never guessed.
+
+AT2 and plain text are read here; for all other formats ObsPy is asked.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import RecordError
+from rockcli.motion.at2 import looks_like_at2, parse_at2
+from rockcli.motion.motion import Motion
+from rockcli.motion.text import is_numeric_text, parse_text
+from rockcli.motion.units import FACTORS, unit_named
+
+__all__ = ["read_record"]
+
+KNOWN_UNITS = "g, m/s2, cm/s2, gal, mm/s2"
+
+LARGE = 10.0
+"""Peak [g] above which the units are doubted aloud: no earthquake has been recorded that shook so hard."""
+
+FOREIGN = {
+    b"(Format v01.": "COSMOS",
+    b"CORRECTED ACCELEROGRAM   ": "CSMIP V2",
+    b"Uncorrected Accelerogram Data": "CSMIP V1",
+    b"CORRECTED ACCELEROGRAM": "USGS SMC",
+    b"Corrected accelerogram": "GeoNet V2A",
+    b"EVENT_NAME:": "ESM ASCII",
+    b"Station Code / Name": "RESORCE ASCII",
+}
+"""Formats that are not read, by words at the beginning of their files: to name them to the user."""
+
+OFFSET = 0.05
+"""Mean value over PGA above which it is mentioned: the raw output of an instrument, not a motion."""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a reader found in a file: values (k,) in `units`, one of the names of `units.py`."""
+
+    values: NDArray[np.float64]
+    dt: float
+    units: str
+    format: str
+    component: str = ""
+    header: dict[str, Any] = field(default_factory=dict)
+    processing: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def read_record(
+    path: str | Path, *, component: str | int | None = None, units: str | None = None, dt: float | None = None
+) -> Motion:
+    """Read one component of a ground-motion record.
+
+    Args:
+        path: of the file: AT2, text in one column (acceleration), two (time, acceleration) or as many as one
+            likes (acceleration, line by line), or any format ObsPy reads; compressed files are not.
+        component: which one, if the file holds several: its name as the file gives it, or its place from 0.
+            If the file holds one, it must be that one.
+        units: of the values: `g`, `m/s2`, `cm/s2`, `gal`, `mm/s2`; needed where the format does not state
+            them, and must not contradict the file where it does.
+        dt: time step [s]; the same holds.
+
+    Returns:
+        values in g where the file is in g, else in m/s^2 (calibration applied), float64.
+
+    Raises:
+        RecordError: naming file, line if any, what is wrong and what to do.
+    """
+    path = Path(path)
+    unit = _known_unit(units, path)
+    if dt is not None and not 0.0 < dt < np.inf:
+        raise RecordError(f"`dt` is {dt}; expected the time step in seconds, above zero", path)
+    data = _bytes(path)
+    if looks_like_at2(data):
+        found = _at2(data, path, component, unit)
+    elif is_numeric_text(data):
+        _only_component("", component, path)
+        text = parse_text(data, str(path), unit, dt)
+        found = Found(text.values, text.dt, text.units, "text", processing=text.processing)
+    else:
+        found = _through_obspy(path, component, unit)
+    if dt is not None and abs(dt - found.dt) > 1e-6 * found.dt:
+        raise RecordError(f"the file says its time step is {found.dt:g} s, `dt` says {dt:g} s; leave `dt` out", path)
+    return _motion(found, path, hashlib.sha256(data).hexdigest())
+
+
+def _known_unit(units: str | None, path: Path) -> str | None:
+    if units is None:
+        return None
+    unit = unit_named(str(units))
+    if unit is None:
+        raise RecordError(f"`units` is {units!r}; expected one of {KNOWN_UNITS}", path)
+    return unit
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise RecordError("there is no such file", path) from None
+    except IsADirectoryError:
+        raise RecordError("this is a folder, not a record; name a file in it", path) from None
+    except OSError as error:
+        raise RecordError(f"cannot be read: {error.strerror or error}", path) from error
+    if not data.strip():
+        raise RecordError("the file is empty; get it anew", path)
+    return data
+
+
+def _motion(found: Found, path: Path, sha256: str) -> Motion:
+    in_g = found.units == "g"
+    values = found.values if in_g else found.values * FACTORS[found.units]
+    converted = () if found.units in ("g", "m/s2") else (f"values in {found.units} converted to m/s2",)
+    if len(values) < 2 or not np.isfinite(values).all():
+        raise RecordError("a record needs two or more values, all finite", path)
+    return Motion(
+        values=np.ascontiguousarray(values),
+        dt=found.dt,
+        in_g=in_g,
+        name=path.name,
+        sha256=sha256,
+        processing=(*found.processing, *converted),
+        warnings=(*found.warnings, *_remarks(values, in_g)),
+        format=found.format,
+        component=found.component,
+        header=found.header,
+    )
+
+
+def _remarks(values: NDArray[np.float64], in_g: bool) -> tuple[str, ...]:
+    peak, mean = float(np.abs(values).max()), float(values.mean())
+    unit = "g" if in_g else "m/s2"
+    remarks = []
+    if peak > (LARGE if in_g else LARGE * 9.80665):
+        remarks.append(f"the peak is {peak:.4g} {unit}: are the units right?")
+    if abs(mean) > OFFSET * peak > 0.0:
+        remarks.append(
+            f"the mean value is {mean:.3g} {unit}, {abs(mean) / peak:.0%} of the peak, as an instrument's offset "
+            "would be: consider `detrend: constant`"
+        )
+    if peak == 0.0:
+        remarks.append("all values are zero")
+    return tuple(remarks)
+
+
+def _at2(data: bytes, path: Path, component: str | int | None, unit: str | None) -> Found:
+    record = parse_at2(data, str(path), unit)
+    _only_component(record.component, component, path)
+    header = {
+        "title": list(record.titles),
+        "event": record.event,
+        "date": record.date,
+        "station": record.station,
+    }
+    return Found(record.values, record.dt, record.units, "AT2", record.component, header, warnings=record.warnings)
+
+
+def _same_name(name: str, asked: str | int) -> bool:
+    asked = str(asked)
+    return name.casefold() == asked.casefold() or (name.isdigit() and asked.isdigit() and int(name) == int(asked))
+
+
+def _only_component(name: str, asked: str | int | None, path: Path) -> None:
+    """Refuse to take the only component of a file for another one."""
+    if asked is None or asked == 0 or (name and _same_name(name, asked)):
+        return
+    has = f"holds component {name!r} only" if name else "does not name its component"
+    raise RecordError(f"`component` is {asked!r}, but the file {has}; leave `component` out", path)
+
+
+def _through_obspy(path: Path, component: str | int | None, unit: str | None) -> Found:
+    """The record through ObsPy, its traces multiplied by their calibration factors."""
+    format_name = _obspy_format(path)
+    trace = _chosen_trace(_obspy_traces(path, format_name), component, path)
+    stats = trace.stats
+    calib = float(stats.calib)
+    values = np.ma.filled(np.ma.asarray(trace.data, dtype=float), np.nan) * calib
+    processing = () if calib == 1.0 else (f"values as stored multiplied by the file's calibration factor {calib:.8g}",)
+    header = {
+        "network": stats.network,
+        "station": stats.station,
+        "start": str(stats.starttime),
+        **{key: str(value) for key, value in stats.get(format_name.lower(), {}).items()},
+    }
+    units = _obspy_units(format_name, unit, path)
+    return Found(values, float(stats.delta), units, format_name, str(stats.channel), header, processing)
+
+
+def _obspy_units(format_name: str, unit: str | None, path: Path) -> str:
+    """K-NET and KiK-net state theirs (ObsPy's factor gives m/s^2); the seismological formats do not."""
+    if format_name == "KNET":
+        if unit not in (None, "gal", "cm/s2"):
+            raise RecordError(f"the file states its own units, gal per count, `units` says {unit}; leave it out", path)
+        return "m/s2"
+    if unit is None:
+        raise RecordError(
+            f"the format ({format_name}) does not state the units; give them with `units:`, one of {KNOWN_UNITS} "
+            "(of the values times the file's calibration factor)",
+            path,
+        )
+    return unit
+
+
+def _obspy_format(path: Path) -> str:
+    """Name of the format ObsPy would read the file in.
+
+    ObsPy's pickle reader is not asked: it runs whatever program the file contains.
+    """
+    from obspy.core.util.base import ENTRY_POINTS
+
+    for name in ENTRY_POINTS["waveform"]:
+        if name not in ("PICKLE", "AT2") and _is_format(name, path):
+            return str(name)
+    with path.open("rb") as file:
+        head = file.read(400)
+    foreign = next((name for words, name in FOREIGN.items() if words in head), None)
+    what = f"{foreign} files are not read" if foreign else "the format is not known"
+    raise RecordError(
+        f"{what} (read are AT2, columns of numbers, and what ObsPy reads); write the record as AT2, or as two "
+        "columns, time [s] and acceleration, without other text, and give `units`",
+        path,
+    )
+
+
+def _is_format(name: str, path: Path) -> bool:
+    import warnings
+    from importlib.metadata import entry_points
+
+    for entry in entry_points(group=f"obspy.plugin.waveform.{name}", name="isFormat"):
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                return bool(entry.load()(str(path)))
+        except Exception:
+            return False
+    return False
+
+
+def _obspy_traces(path: Path, format_name: str) -> list[Any]:
+    import glob
+    import warnings
+
+    import obspy
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return list(obspy.read(glob.escape(str(path)), format=format_name, check_compression=False))
+    except RecordError:
+        raise
+    except Exception as error:
+        raise RecordError(f"ObsPy takes it for {format_name} but cannot read it: {error}", path) from error
+
+
+def _chosen_trace(traces: list[Any], component: str | int | None, path: Path) -> Any:
+    names = [str(trace.stats.channel) for trace in traces]
+    listed = ", ".join(f"{i}: {trace.id}" for i, trace in enumerate(traces))
+    if not traces:
+        raise RecordError("the file holds no component", path)
+    if component is None:
+        chosen = list(range(len(traces)))
+    else:
+        chosen = [i for i, name in enumerate(names) if _same_name(name, component) or traces[i].id == component]
+        if not chosen and isinstance(component, int) and 0 <= component < len(traces):
+            chosen = [component]
+    if len(chosen) != 1:
+        what = "choose one with `component`" if component is None else f"`component` is {component!r}"
+        raise RecordError(f"{what}; the file holds {listed}", path)
+    return traces[chosen[0]]

@@ -1,0 +1,164 @@
+"""Records as columns of numbers without a header.
+
+One column, or more than two: acceleration, line by line, with stated `dt`.  Two columns: time and
+acceleration.  Lines that begin with # or % are comments; one that says `# units: g` states the units.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import RecordError
+from rockcli.motion.numbers import Numbers, read_numbers
+from rockcli.motion.units import same_unit, unit_named
+
+__all__ = ["Text", "is_numeric_text", "parse_text"]
+
+UNIFORM = 0.05
+"""A time column may deviate from equal steps by this part of a step (times are printed with few digits)."""
+
+AGREE = 1e-3
+"""Relative difference at which a stated dt contradicts the time column."""
+
+_COMMENT = re.compile(r"\s*[#%]")
+_UNITS = re.compile(r"\s*[#%]\s*units\s*:\s*(\S+)", re.I)
+_CHARACTERS = re.compile(r"[0-9.eEdD+\-,\s]*")
+
+
+@dataclass(frozen=True, eq=False)
+class Text:
+    """Values (k,) in `units`, dt [s], and what was made of the file."""
+
+    values: NDArray[np.float64]
+    dt: float
+    units: str
+    processing: tuple[str, ...]
+
+
+def is_numeric_text(data: bytes) -> bool:
+    """Whether the file holds nothing but numbers and comments (and is no SAC text, whose blanks are -12345)."""
+    if b"-12345" in data or not data.isascii():
+        return False
+    lines = [line for line in data.decode("ascii").splitlines() if not _COMMENT.match(line)]
+    body = "\n".join(lines)
+    return bool(_CHARACTERS.fullmatch(body)) and any(character.isdigit() for character in body)
+
+
+def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> Text:
+    """The bytes of a file for which `is_numeric_text`, checked.
+
+    Args:
+        data: the whole file.
+        name: of the file, for messages.
+        units: of the acceleration, if stated outside the file.
+        dt: time step [s], if stated outside the file.
+
+    Raises:
+        RecordError: units or dt missing or contradicted, columns that are not as described above.
+    """
+    lines = data.decode("ascii").splitlines()
+    unit = _unit(lines, units, name)
+    numbers = read_numbers(_without_commas(lines, name), 1, name)
+    columns = _columns(numbers, name)
+    first = numbers.values[::columns]
+    is_time = columns > 1 and len(first) > 2 and _is_time(first)
+    if columns == 2 and is_time:
+        step, start = _time_step(first, dt, name)
+        shifted = () if start == 0.0 else (f"time counted from the first sample, {start:g} s in the file",)
+        return Text(numbers.values[1::2], step, unit, shifted)
+    _refuse_table(columns, is_time, name)
+    if dt is None:
+        raise RecordError("the file does not state the time step; give it with `dt:` in seconds", name)
+    row_major = () if columns == 1 else (f"values read line by line, {columns} on each",)
+    return Text(numbers.values, float(dt), unit, row_major)
+
+
+def _unit(lines: list[str], given: str | None, name: str) -> str:
+    for number, line in enumerate(lines, 1):
+        match = _UNITS.match(line)
+        if match is None:
+            continue
+        stated = unit_named(match[1])
+        if stated is None:
+            raise RecordError(f"{match[1]!r} is no unit of acceleration known here", name, number)
+        if given is not None and not same_unit(stated, given):
+            raise RecordError(f"the file says its units are {stated}, `units` says {given}; leave it out", name, number)
+        return stated
+    if given is None:
+        raise RecordError(
+            "columns of numbers do not state their units; give them with `units:`, one of g, m/s2, cm/s2, gal "
+            "(and, without a time column, the time step with `dt:`)",
+            name,
+        )
+    return given
+
+
+def _without_commas(lines: list[str], name: str) -> list[str]:
+    """The lines with comments emptied and separating commas removed; a decimal comma is refused."""
+    plain = []
+    for number, line in enumerate(lines, 1):
+        if _COMMENT.match(line):
+            plain.append("")
+            continue
+        commas = line.strip().rstrip(",").count(",")
+        if commas and commas != len(line.replace(",", " ").split()) - 1:
+            raise RecordError("a comma can only separate numbers; write decimals with a point", name, number)
+        plain.append(line.replace(",", " "))
+    return plain
+
+
+def _columns(numbers: Numbers, name: str) -> int:
+    """How many numbers stand on each line (the last may hold fewer)."""
+    per_line = numbers.per_line
+    columns = int(per_line[0])
+    different = np.flatnonzero(per_line[:-1] != columns)
+    if len(different) or per_line[-1] > columns or (columns == 2 and per_line[-1] != 2):
+        at = int(different[0]) if len(different) else len(per_line) - 1
+        raise RecordError(
+            f"line {at + 1} of numbers holds {per_line[at]}, the lines before hold {columns}: the file is damaged, "
+            "or a table of another kind",
+            name,
+        )
+    return columns
+
+
+def _is_time(column: NDArray[np.float64]) -> bool:
+    """Whether it grows in equal steps from zero or from one step."""
+    step = (column[-1] - column[0]) / (len(column) - 1)
+    if not step > 0.0 or not -0.5 * step < column[0] < 1.5 * step:
+        return False
+    expected = column[0] + step * np.arange(len(column))
+    return bool((np.abs(column - expected) <= UNIFORM * step).all())
+
+
+def _time_step(time: NDArray[np.float64], stated: float | None, name: str) -> tuple[float, float]:
+    """Step, as the file means it (few digits), and the first time [s]."""
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    if stated is not None:
+        if abs(stated - step) > AGREE * step:
+            raise RecordError(f"the time column says dt is {step:.6g} s, `dt` says {stated:g} s; leave it out", name)
+        return float(stated), float(time[0])
+    for digits in range(1, 17):
+        rounded = float(f"{step:.{digits}g}")
+        if abs(rounded - step) * (len(time) - 1) <= 0.5 * UNIFORM * step:
+            return rounded, float(time[0])
+    return step, float(time[0])
+
+
+def _refuse_table(columns: int, is_time: bool, name: str) -> None:
+    if columns == 2:
+        raise RecordError(
+            "two columns must be time [s] and acceleration, and the first does not grow in equal steps from zero "
+            "(values on both are better written one per line)",
+            name,
+        )
+    if is_time:
+        raise RecordError(
+            f"the file holds a time column and {columns - 1} others; write the one you mean as two columns, "
+            "time [s] and acceleration",
+            name,
+        )

@@ -1,0 +1,36 @@
+"""Units of acceleration a record can be in."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["FACTORS", "same_unit", "unit_named"]
+
+FACTORS = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001}
+"""What turns a value into m/s^2; `g` is not among them: a study says how large its g is."""
+
+_NAMES = {
+    "g": "g",
+    "m/s2": "m/s2",
+    "m/s/s": "m/s2",
+    "m/sec2": "m/s2",
+    "m/sec/sec": "m/s2",
+    "cm/s2": "cm/s2",
+    "cm/s/s": "cm/s2",
+    "cm/sec2": "cm/s2",
+    "cm/sec/sec": "cm/s2",
+    "gal": "gal",
+    "gals": "gal",
+    "mm/s2": "mm/s2",
+    "mm/s/s": "mm/s2",
+}
+
+
+def unit_named(word: str) -> str | None:
+    """The unit a word means (`CM/SEC**2` -> `cm/s2`), None if it means none."""
+    return _NAMES.get(re.sub(r"\*\*|\^|\s", "", word.lower()))
+
+
+def same_unit(a: str, b: str) -> bool:
+    """Whether two units of this table are of the same size (gal and cm/s2 are)."""
+    return a == b or (a != "g" and b != "g" and FACTORS[a] == FACTORS[b])

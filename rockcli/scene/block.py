@@ -1,0 +1,143 @@
+"""The body: a planar rigid body on two edges, and the quantities that follow from its geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+LEFT, RIGHT = 0, 1
+"""Column of the edge the body turns about: LEFT while theta < 0, RIGHT while theta > 0."""
+
+RECTANGLE_INERTIA = 4.0 / 3.0
+"""I_O / (m R^2) of a rectangular block about its edge (2.1)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """`n` bodies.  Two-column arrays hold the left edge in column 0, the right in column 1.
+
+    Attributes:
+        h: height of the centre of mass above the base, (n,) [m].
+        b: horizontal distance from the centre of mass to each edge, (n, 2) [m].
+        tan_alpha: b/h of each edge exactly as given, (n, 2); alpha = atan(b/h), (n, 2) [rad].
+        R: distance from each edge to the centre of mass, (n, 2) [m].
+        inertia: I_O/(m R^2) about each edge, (n, 2).
+        top: height of the point whose displacement is reported, (n,) [m].
+        mass: (n,) [kg], NaN where the study gives none.
+        mu: coefficient of friction of the base, (n,), NaN where the study gives none.
+    """
+
+    h: Array
+    b: Array
+    tan_alpha: Array
+    alpha: Array
+    R: Array
+    inertia: Array
+    top: Array
+    mass: Array
+    mu: Array
+
+    @property
+    def size(self) -> int:
+        return len(self.h)
+
+    @property
+    def symmetric(self) -> NDArray[np.bool_]:
+        """Where both edges are equally far from the centre of mass, (n,)."""
+        return self.b[:, LEFT] == self.b[:, RIGHT]
+
+    @property
+    def weak(self) -> NDArray[np.intp]:
+        """Column of the edge with the smaller alpha, (n,): the one that uplifts first.
+
+        The symbols `R alpha tan_alpha b p` of an asymmetric body are those of this edge.
+        """
+        return np.argmin(self.tan_alpha, axis=1)
+
+    def of_weak_edge(self, both: Array) -> Array:
+        """Pick the weak edge's column of a (n, 2) array: (n,)."""
+        return np.take_along_axis(both, self.weak[:, None], axis=1)[:, 0]
+
+    def p(self, g: Array) -> Array:
+        """Frequency parameter of each edge, p = sqrt(m g R / I_O) (2.2), (n, 2) [rad/s]."""
+        return np.sqrt(g[:, None] / (self.inertia * self.R))
+
+
+def make_block(
+    *,
+    h: ArrayLike,
+    b: ArrayLike,
+    R: ArrayLike | None = None,
+    alpha: ArrayLike | None = None,
+    tan_alpha: ArrayLike | None = None,
+    inertia: ArrayLike | None = None,
+    r_g: ArrayLike | None = None,
+    top: ArrayLike | None = None,
+    mass: ArrayLike | None = None,
+    mu: ArrayLike | None = None,
+    n: int = 1,
+) -> Block:
+    """Build `n` bodies from height and edge distances.
+
+    `b` is one number (or (n,)) for a symmetric body, (2,) or (n, 2) for [left, right].  `R`, `alpha`
+    and `tan_alpha` may be passed beside them so that a value the user gave is kept to the last bit;
+    they are ignored for asymmetric bodies.  `inertia` is I_O/(m R^2) (symmetric bodies only),
+    `r_g` the radius of gyration about the centre of mass [m].  Without either the body is a
+    rectangle: I_O = 4/3 m R^2 (2.1); an asymmetric one then has the radius of gyration of the
+    rectangle of the same base width and of height 2h.
+    """
+    h_ = _column(h, n)
+    b_ = np.asarray(b, dtype=float)
+    if b_.ndim == 0 or (b_.ndim == 1 and b_.shape == (n,) and not (n == 2 and b_.shape == (2,) and R is None)):
+        edges = np.repeat(_column(b_, n)[:, None], 2, axis=1)
+    else:
+        edges = np.ascontiguousarray(np.broadcast_to(b_, (n, 2)))
+    symmetric = (edges[:, LEFT] == edges[:, RIGHT])[:, None]
+
+    def kept(given: ArrayLike | None, computed: Array) -> Array:
+        return computed if given is None else np.where(symmetric, _column(given, n)[:, None], computed)
+
+    height = h_[:, None]
+    tan_ = kept(tan_alpha, edges / height)
+    alpha_ = kept(alpha, np.arctan(tan_))
+    R_ = kept(R, np.hypot(edges, height))
+    if r_g is not None:
+        ratio = 1.0 + (_column(r_g, n)[:, None] / R_) ** 2
+    else:
+        rectangle = 1.0 + (height**2 + (0.5 * edges.sum(axis=1, keepdims=True)) ** 2) / (3.0 * R_**2)
+        given = RECTANGLE_INERTIA if inertia is None else _column(inertia, n)[:, None]
+        ratio = np.where(symmetric, given, rectangle)
+    return Block(
+        h=h_,
+        b=edges,
+        tan_alpha=tan_,
+        alpha=alpha_,
+        R=R_,
+        inertia=ratio,
+        top=2.0 * h_ if top is None else _column(top, n),
+        mass=_column(np.nan if mass is None else mass, n),
+        mu=_column(np.nan if mu is None else mu, n),
+    )
+
+
+def housner_eta(block: Block) -> Array:
+    """Restitution of an inelastic impact that keeps angular momentum about the new edge, (n, 2).
+
+    Column j is the value when the body lands on edge j coming from edge i:
+    eta = [I_cm + m (h^2 - b_i b_j)] / (I_cm + m R_j^2); for equal edges 1 - 2 (m R^2/I_O) sin^2(alpha),
+    for a rectangle 1 - 1.5 sin^2(alpha) [3.2].  It is negative for tan(alpha) > sqrt 2 (rectangle):
+    the caller clamps and says so.
+    """
+    symmetric = 1.0 - 2.0 * np.sin(block.alpha) ** 2 / block.inertia
+    I_cm = (block.inertia - 1.0) * block.R**2
+    product = (block.b[:, LEFT] * block.b[:, RIGHT])[:, None]
+    general = (I_cm + block.h[:, None] ** 2 - product) / (block.inertia * block.R**2)
+    return np.where(block.symmetric[:, None], symmetric, general)
+
+
+def _column(value: ArrayLike, n: int) -> Array:
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, dtype=float), (n,)))

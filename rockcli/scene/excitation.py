@@ -1,0 +1,124 @@
+"""Ground acceleration: what a solver integrates over, piece by piece.
+
+A channel is one component of the ground motion of all cases of a batch.  It is zero before its
+first piece and after its last; inside a piece it is smooth, so that steps land on its breakpoints.
+
+`Samples`: one recorded motion, linear between samples, times a factor per case.
+`Pulses`: an analytic pulse per case, as a table of pieces (see `PIECE_WIDTH`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LINEAR, WAVES, BELL = 0, 1, 2
+"""Kinds of piece.  With c = row[3:], x the time since the beginning of the motion:
+
+LINEAR  c0 + c1 (t - t_a)
+WAVES   sum over j = 0, 1, 2 of A_j sin(w_j (t - c0) + phi_j), A_j w_j phi_j = c[1 + 3j : 4 + 3j]
+BELL    (d0 + d1 y + d2 y^2 + d3 y^3) exp(-y^2/2), y = c1 (t - c0), d = c[2:6]
+"""
+
+PIECE_WIDTH = 14
+"""Columns of a row: t_a, t_b, kind, c0 ... c9, and a bound of |a| over this piece and all later ones."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A recorded motion.
+
+    Attributes:
+        values: acceleration, (k,) [m/s^2], at times i dt, i = 0 ... k-1; linear between, zero after.
+        dt: time between samples [s].
+        factor: what each case multiplies the values with, (n,).
+        name: the record's file name, a coordinate of the dataset.
+        processing: what was done to the record, one sentence each, in order.
+        measures: of the motion as processed, before `factor`: pga [m/s^2], pgv [m/s], and whatever else
+            is known of it; `pga_raw`, `pgv_raw` before any processing.
+        sha256: of the bytes the motion was read from.
+    """
+
+    values: Array
+    dt: float
+    factor: Array
+    name: str = ""
+    processing: tuple[str, ...] = ()
+    measures: dict[str, float] = field(default_factory=dict)
+    sha256: str = ""
+
+    @property
+    def end(self) -> float:
+        """Time of the last sample [s]."""
+        return (len(self.values) - 1) * self.dt
+
+
+@dataclass(frozen=True, eq=False)
+class Pulses:
+    """An analytic pulse per case.
+
+    Attributes:
+        table: (n, m, PIECE_WIDTH), rows in time order without gaps.
+        shape: its name in the study.
+        a_p, omega_p: amplitude [m/s^2] and circular frequency [rad/s] of each case, (n,).
+    """
+
+    table: Array
+    shape: str
+    a_p: Array
+    omega_p: Array
+
+    @property
+    def end(self) -> Array:
+        """Time of the end of the last piece, (n,) [s]."""
+        return self.table[:, -1, 1]
+
+
+Channel = Samples | Pulses
+
+
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """The motion of the ground: horizontal, vertical (positive up), either may be absent.
+
+    `duration` (n,) [s] from t = 0, NaN where the study gives none: the motion ends there at the latest,
+    and the response is reported up to there.
+    """
+
+    horizontal: Channel | None
+    vertical: Channel | None
+    duration: Array
+
+
+def acceleration(channel: Channel | None, t: Array, case: int = 0) -> Array:
+    """Ground acceleration of one case at times t (k,) [s]: (k,) [m/s^2]; at a breakpoint, the later piece."""
+    if channel is None:
+        return np.zeros_like(t)
+    if isinstance(channel, Samples):
+        k = len(channel.values)
+        i = np.clip(np.floor(t / channel.dt).astype(int), 0, k - 2)
+        u = np.clip(t / channel.dt - i, 0.0, 1.0)
+        a = channel.values[i] * (1.0 - u) + channel.values[i + 1] * u
+        a = np.where((t >= 0.0) & (t <= channel.end), a, 0.0)
+        return np.asarray(a * channel.factor[case])
+    a = np.zeros_like(t)
+    for row in channel.table[case]:
+        inside = (t >= row[0]) & (t < row[1])
+        if inside.any():
+            a[inside] = _piece(row, t[inside])
+    return a
+
+
+def _piece(row: Array, t: Array) -> Array:
+    kind, c = int(row[2]), row[3:13]
+    if kind == LINEAR:
+        return np.asarray(c[0] + c[1] * (t - row[0]))
+    if kind == WAVES:
+        x = t - c[0]
+        return np.asarray(sum(c[1 + 3 * j] * np.sin(c[2 + 3 * j] * x + c[3 + 3 * j]) for j in range(3)))
+    y = c[1] * (t - c[0])
+    return np.asarray((c[2] + y * (c[3] + y * (c[4] + y * c[5]))) * np.exp(-0.5 * y * y))

@@ -1,0 +1,48 @@
+"""What a solver returns: results by name, over the cases of its batch.
+
+A failure is a result with a sentence; overturning is a result; neither is an exception.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+FAILED, UNRESOLVED, NO_UPLIFT, ROCKING, OVERTURNED_WITHOUT_IMPACT, OVERTURNED_AFTER_IMPACT = -2, -1, 0, 1, 2, 3
+
+OUTCOMES: dict[int, str] = {
+    FAILED: "failed",
+    UNRESOLVED: "unresolved",
+    NO_UPLIFT: "no_uplift",
+    ROCKING: "rocking",
+    OVERTURNED_WITHOUT_IMPACT: "overturned_without_impact",
+    OVERTURNED_AFTER_IMPACT: "overturned_after_impact",
+}
+
+MAX_IMPACTS_STORED = 1000
+"""Impacts kept per case; more are counted, not stored, and said."""
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Results of a batch of n cases.
+
+    Attributes:
+        scalars: by variable name (scene/variables.py), (n,); `outcome` is int8, counts are int64.
+        reasons: one sentence per case, "" where there is nothing to say, length n.
+        time: output times (k,) [s], empty without histories.
+        histories: by variable name, (n, k); NaN after a case's t_end.
+        impacts: `t_impact`, `theta_dot_before`, `theta_dot_after`, (n, j), NaN-padded, j <= MAX_IMPACTS_STORED.
+        used: what was actually used: backend, method, tolerances, compiled or interpreted.
+    """
+
+    scalars: dict[str, NDArray[np.generic]]
+    reasons: list[str]
+    time: Array = field(default_factory=lambda: np.empty(0))
+    histories: dict[str, Array] = field(default_factory=dict)
+    impacts: dict[str, Array] = field(default_factory=dict)
+    used: dict[str, str] = field(default_factory=dict)

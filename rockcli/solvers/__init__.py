@@ -1,0 +1,1 @@
+"""Solution methods: one file or folder each, all with `solve(batch) -> Response`."""

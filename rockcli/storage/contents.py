@@ -1,0 +1,129 @@
+"""What a dataset holds, as plain arrays: the form between the solvers and the file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.response import OUTCOMES
+from rockcli.scene.variables import VARIABLES
+
+CONVENTIONS = "CF-1.11"
+
+DIM_TIME, DIM_IMPACT, DIM_REASONS = "time", "impact", "reasons"
+
+COORDINATES: tuple[str, ...] = ("R", "alpha", "p", "eta", "a_p", "omega_p", "pga", "pgv")
+"""What a plot needs beside the axes, over the axes they depend on."""
+
+_FLAGS = {name: key for key, name in OUTCOMES.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """One variable: dimension names, values of that shape, attributes; `coordinate` as xarray means it."""
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: dict[str, Any] = field(default_factory=dict)
+    coordinate: bool = False
+
+    @property
+    def is_text(self) -> bool:
+        return self.values.dtype.kind in "OUT"
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """A whole dataset.
+
+    Attributes:
+        axes: names of the dimensions that are axes of the study, outermost first.
+        fields: variables and coordinates by name, in the order they are written.
+        attrs: root attributes, text.
+    """
+
+    axes: tuple[str, ...]
+    fields: dict[str, Field]
+    attrs: dict[str, str]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of points on each axis."""
+        return tuple(len(self.fields[name].values) for name in self.axes)
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Length of every dimension, axes first."""
+        sizes = dict(zip(self.axes, self.shape, strict=True))
+        for item in self.fields.values():
+            sizes.update(zip(item.dims, item.values.shape, strict=True))
+        return sizes
+
+    def values(self, name: str) -> NDArray[Any]:
+        """Values of a variable; KeyError if the dataset has none of that name."""
+        return self.fields[name].values
+
+    def over_axes(self, name: str) -> NDArray[Any]:
+        """Values of a coordinate that depends on some of the axes only, broadcast to all of them."""
+        item = self.fields[name]
+        index = tuple(slice(None) if axis in item.dims else None for axis in self.axes)
+        return np.broadcast_to(item.values[index], self.shape)
+
+
+def axis_field(name: str, path: str, values: Sequence[Any], *, numeric: bool, unit: str) -> Field:
+    """Coordinate of an axis: floats with units, or strings."""
+    if numeric:
+        return Field((name,), np.asarray(values, dtype=float), {"long_name": path, "units": unit}, coordinate=True)
+    return Field((name,), text([str(v) for v in values]), {"long_name": path}, coordinate=True)
+
+
+def variable_field(name: str, dims: tuple[str, ...], values: NDArray[Any], **attrs: Any) -> Field:
+    """A variable of scene/variables.py with its attributes; `attrs` replace or add."""
+    row = VARIABLES[name]
+    described: dict[str, Any] = {"long_name": row.sentence}
+    if name == "outcome":
+        described |= {
+            "flag_values": np.array(sorted(OUTCOMES), dtype=np.int8),
+            "flag_meanings": " ".join(OUTCOMES[flag] for flag in sorted(OUTCOMES)),
+        }
+    elif name != "reason":
+        described["units"] = row.unit
+    return Field(dims, values, described | attrs, coordinate=name in COORDINATES)
+
+
+def time_field(values: NDArray[np.float64]) -> Field:
+    """The output times [s], without a standard name: seconds from the first sample of the motion, not a date."""
+    return Field((DIM_TIME,), values, {"long_name": "time from the beginning of the motion", "units": "s"}, True)
+
+
+def reasons_field(sentences: Sequence[str]) -> Field:
+    """The sentences that `reason` points to."""
+    return Field((DIM_REASONS,), text(sentences), {"long_name": "sentences that `reason` points to"}, True)
+
+
+def text(values: Sequence[str]) -> NDArray[Any]:
+    """Strings as netCDF and xarray hold them: an object array."""
+    array = np.empty(len(values), dtype=object)
+    array[:] = list(values)
+    return array
+
+
+def outcome_names(flags: NDArray[np.int8]) -> NDArray[Any]:
+    """Meanings of outcome flags, same shape, as strings."""
+    table = np.array([OUTCOMES[flag] for flag in sorted(OUTCOMES)], dtype=object)
+    return np.asarray(table[np.asarray(flags, dtype=int) - min(OUTCOMES)])
+
+
+def outcome_flag(name: str) -> int:
+    """Flag of a meaning; KeyError if there is none."""
+    return _FLAGS[name]
+
+
+def root_attributes(*, title: str, source: str, history: str, references: str, more: Mapping[str, str]) -> dict[str, str]:
+    """Root attributes in a fixed order: what CF asks for, then the program's own."""
+    asked = {"Conventions": CONVENTIONS, "title": title, "source": source, "history": history, "references": references}
+    return asked | dict(more)

@@ -1,0 +1,91 @@
+"""Contents <-> netCDF-4 file, with the netCDF4 library alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rockcli.errors import StudyError
+from rockcli.storage.atomic import replacing
+from rockcli.storage.contents import Contents, Field
+
+_COMPRESSED_FROM = 4096
+"""Values from which a variable is compressed (lossless)."""
+
+_AXES = "axes"
+
+
+def write(contents: Contents, path: Path) -> None:
+    """Write a netCDF-4 file; `path` appears whole or not at all."""
+    import netCDF4
+
+    with replacing(path) as scratch:
+        with netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
+            for name, size in contents.sizes.items():
+                file.createDimension(name, size)
+            for name, item in contents.fields.items():
+                _write_field(file, contents, name, item)
+            for name, value in contents.attrs.items():
+                file.setncattr_string(name, value)
+            file.setncattr_string(_AXES, " ".join(contents.axes))
+
+
+def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:
+    is_float = item.values.dtype.kind == "f"
+    variable = file.createVariable(
+        name,
+        str if item.is_text else item.values.dtype,
+        item.dims,
+        fill_value=np.nan if is_float and not item.coordinate else False if not item.is_text else None,
+        compression="zlib" if item.values.size >= _COMPRESSED_FROM and not item.is_text else None,
+        complevel=1,
+    )
+    for key, value in item.attrs.items():
+        variable.setncattr(key, value)
+    beside = [other for other, coord in contents.fields.items() if _is_auxiliary(other, coord, item)]
+    if beside and not item.coordinate:
+        variable.setncattr("coordinates", " ".join(beside))
+    variable[...] = item.values
+
+
+def _is_auxiliary(name: str, coordinate: Field, of: Field) -> bool:
+    return coordinate.coordinate and coordinate.dims != (name,) and set(coordinate.dims) <= set(of.dims)
+
+
+def read(path: Path) -> Contents:
+    """Read a file this program wrote; `StudyError` if it is not one."""
+    import netCDF4
+
+    try:
+        file = netCDF4.Dataset(path, "r")
+    except OSError as error:
+        raise StudyError(f"cannot be opened as netCDF: {error.strerror or error}", file=path) from None
+    with file:
+        file.set_auto_mask(False)
+        attrs = {name: str(file.getncattr(name)) for name in file.ncattrs()}
+        if _AXES not in attrs or "identity" not in attrs:
+            raise StudyError("is not a dataset written by `rock run`", file=path)
+        axes = tuple(attrs.pop(_AXES).split())
+        listed = {c for v in file.variables.values() for c in getattr(v, "coordinates", "").split()}
+        fields = {name: _read_field(variable, name, listed) for name, variable in file.variables.items()}
+    return Contents(axes, fields, attrs)
+
+
+def _read_field(variable: Any, name: str, listed: set[str]) -> Field:
+    kept = [key for key in variable.ncattrs() if key not in ("_FillValue", "coordinates")]
+    dims = tuple(variable.dimensions)
+    values = np.asarray(variable[...])
+    return Field(dims, values, {k: variable.getncattr(k) for k in kept}, name in listed or dims == (name,))
+
+
+def identity(path: Path) -> str | None:
+    """Identity of the results in a file; None if there is no such file or it is not a dataset of this program."""
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(path, "r") as file:
+            return str(file.getncattr("identity"))
+    except (OSError, AttributeError):
+        return None

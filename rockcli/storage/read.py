@@ -1,0 +1,36 @@
+"""Datasets as xarray sees them: from a file, or from memory with the same content."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rockcli.errors import StudyError
+from rockcli.storage.contents import Contents
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def open_dataset(path: Path) -> xarray.Dataset:
+    """Read a dataset file whole; `StudyError` if it cannot be read."""
+    import xarray
+
+    if not path.is_file():
+        raise StudyError("no such file", file=path)
+    try:
+        with xarray.open_dataset(path, engine="netcdf4") as dataset:
+            return dataset.load()
+    except (OSError, ValueError) as error:
+        raise StudyError(f"cannot be read as a dataset: {error}", file=path) from None
+
+
+def to_xarray(contents: Contents) -> xarray.Dataset:
+    """The Dataset that opening the written file would give."""
+    import xarray
+
+    items = {name: (item.dims, item.values, dict(item.attrs)) for name, item in contents.fields.items()}
+    coords = {name: items[name] for name, item in contents.fields.items() if item.coordinate}
+    data = {name: value for name, value in items.items() if name not in coords}
+    attrs = contents.attrs | {"axes": " ".join(contents.axes)}
+    return xarray.Dataset(data, coords, attrs)

@@ -1,0 +1,107 @@
+"""Holds a study against the schema, and says in one sentence what does not fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from rockcli.study.schema import CasePart, Number, Part, StudyPart, describe
+from rockcli.study.tree import Keys, Map, Source, nearest, place, value_at
+
+
+def check_study(source: Source, study: Map) -> StudyPart:
+    """The whole study, validated; the first thing wrong with it is raised as StudyError."""
+    return _checked(source, study, StudyPart, ())
+
+
+def check_case(source: Source, study: Map) -> CasePart:
+    """The case of a study whose other parts are known to be good."""
+    if not isinstance(study.get("case"), Map):
+        raise source.error(study, ("case",), "must be a mapping")
+    return _checked(source, study, CasePart, ("case",))
+
+
+def _checked[P: Part](source: Source, study: Map, part: type[P], at: Keys) -> P:
+    try:
+        return part.model_validate(value_at(study, at))
+    except ValidationError as error:
+        details = error.errors(include_url=False)
+        first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
+        raise source.placed(*_sentence(study, part, at, dict(first))) from None
+
+
+def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) -> tuple[Any, str]:
+    kind = detail["type"]
+    keys = at + _followed(value_at(study, at), detail["loc"])
+    where = place(study, keys)
+    name = "".join(f"[{k}]" if isinstance(k, int) else f".{k}" for k in keys).lstrip(".")
+    value = describe(value_at(study, keys))
+    if kind == "extra_forbidden":
+        known = fields_at(part, keys[len(at) : -1])
+        return where, f"{name}: unknown key {str(keys[-1])!r}; {nearest(str(keys[-1]), known)}"
+    if kind == "missing":
+        missing = detail["loc"][-1]
+        inside = f" in {name}" if name else ""
+        return where, f"the key {missing!r} is missing{inside}"
+    if kind == "literal_error":
+        expected = detail["ctx"]["expected"]
+        choices = [word.strip("'") for word in expected.replace(" or ", ", ").split(", ")]
+        return where, f"{name} is {value}; expected one of {', '.join(choices)}; {nearest(value.strip(chr(39)), choices)}"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        known = list(fields_at(part, keys[len(at) :]))
+        with_keys = f" with the keys {', '.join(known)}" if known else ""
+        return where, f"{name} must be a mapping{with_keys}, not {value}"
+    if kind == "string_pattern_mismatch":
+        return where, f"{name} is {value}; only letters, digits, - and _ are allowed, at most 100 of them"
+    if kind == "value_error":
+        return where, f"{name}: {detail['ctx']['error']}"
+    message = detail["msg"].replace("Input should be a valid", "expected is a").replace("Input should", "it should")
+    return where, f"{name} is {value}: {message[0].lower()}{message[1:]}"
+
+
+def _followed(tree: Any, loc: tuple[str | int, ...]) -> Keys:
+    """The part of pydantic's location that exists in the study."""
+    keys: list[str | int] = []
+    for item in loc:
+        if isinstance(tree, dict) and item in tree:
+            tree = tree[item]
+        elif isinstance(tree, list) and isinstance(item, int) and item < len(tree):
+            tree = tree[item]
+        else:
+            break
+        keys.append(item)
+    return tuple(keys)
+
+
+def fields_at(part: type[BaseModel], keys: Keys) -> dict[str, Any]:
+    """Known keys of the mapping at `keys` inside a part -> their annotations; empty where anything may stand."""
+    for key in keys:
+        if isinstance(key, int):
+            continue
+        field = part.model_fields.get(key)
+        inner = next(_parts((field.annotation, *field.metadata)), None) if field else None
+        if inner is None:
+            return {}
+        part = inner
+    return {field.alias or name: (field.annotation, field.metadata) for name, field in part.model_fields.items()}
+
+
+def is_number(annotation: Any) -> bool:
+    """Whether a key takes a number or an expression (an annotation as `fields_at` gives it)."""
+    marks = get_args(Number)[1:]
+    if isinstance(annotation, tuple | list):
+        return any(is_number(item) for item in annotation)
+    return annotation in marks or any(is_number(item) for item in get_args(annotation))
+
+
+def _parts(annotation: Any) -> Iterator[type[Part]]:
+    if isinstance(annotation, type) and issubclass(annotation, Part):
+        yield annotation
+    elif isinstance(annotation, tuple):
+        for item in annotation:
+            yield from _parts(item)
+    else:
+        for item in get_args(annotation):
+            yield from _parts(item)

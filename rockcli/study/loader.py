@@ -1,0 +1,186 @@
+"""Reads YAML with the scalars of YAML 1.2, every line kept, and nothing that could do harm.
+
+PyYAML follows YAML 1.1: it reads `1e-3` as a string, `on` as true, `12:30` as 750, `010` as 8, and lets the last
+of two equal keys win.  Here the nodes are PyYAML's and the values are not.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from rockcli.errors import StudyError
+from rockcli.study.tree import List, Map, Source, Where
+
+__all__ = ["load_file", "load_mapping", "load_value"]
+
+MAX_BYTES = 1_000_000
+MAX_DEPTH = 40
+MAX_VALUES = 200_000
+
+_INT = re.compile(r"[-+]?[0-9]{1,18}\Z")
+_HEX = re.compile(r"0(x[0-9a-fA-F]{1,15}|o[0-7]{1,20})\Z")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
+_SPECIAL = {".inf": np.inf, "+.inf": np.inf, "-.inf": -np.inf, ".nan": np.nan}
+_WORDS = {"": None, "~": None, "null": None, "true": True, "false": False}
+_CASES = {word for word in _WORDS if word} | {w.capitalize() for w in _WORDS} | {w.upper() for w in _WORDS}
+
+
+class _Nodes(yaml.SafeLoader):
+    """PyYAML's nodes; the tags it guesses are not used."""
+
+    yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}  # noqa: RUF012 (PyYAML's own name)
+
+
+def load_file(path: Path) -> Map:
+    """Read a study file into a `Map`.
+
+    Raises:
+        StudyError: it cannot be read, is no YAML, is empty, is too large or too deep, has a duplicate key.
+    """
+    source = Source(path)
+    try:
+        if path.is_dir():
+            raise source.placed(None, "is a folder, not a study file")
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise source.placed(None, "there is no such study file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise StudyError(f"the study file cannot be read: {reason}", file=str(path)) from None
+    if len(data) > MAX_BYTES:
+        raise source.placed(None, f"a study file has at most {MAX_BYTES} bytes; put long lists into a CSV file")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise source.placed(line, f"is no UTF-8 text (byte {error.start}): not a study file") from None
+    value = _parse(text, source, None)
+    if value is None:
+        raise source.placed(None, "the study is empty; at least `name` and `case` are needed")
+    if not isinstance(value, Map):
+        raise source.placed(1, "a study is a mapping with the keys `name`, `case`, ...")
+    return value
+
+
+def load_value(text: str, label: str) -> Any:
+    """Read the value of a `--set`; its place is `label`."""
+    if len(text) > MAX_BYTES:
+        raise StudyError("the value is too long", file=label)
+    return _parse(text, Source(None), label)
+
+
+def load_mapping(value: Any) -> Map:
+    """A study given as a mapping: copied, and only what YAML could hold let through."""
+    count = [0]
+    copied = _plain(value, 0, count)
+    if not isinstance(copied, Map):
+        raise StudyError("a study is a mapping with the keys `name`, `case`, ...")
+    return copied
+
+
+def _parse(text: str, source: Source, label: str | None) -> Any:
+    loader = None
+    try:
+        loader = _Nodes(text)
+        node = loader.get_single_node()
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = mark.line + 1 if mark is not None else None
+        problem = (error.problem or error.context or "not YAML").strip()
+        if "\\t" in problem:
+            problem = "a tab stands where only spaces may: indent with spaces"
+        raise source.placed(label or line, f"not YAML: {problem}") from None
+    except yaml.YAMLError as error:
+        raise source.placed(label, f"not YAML: {' '.join(str(error).split())[:200]}") from None
+    except RecursionError:
+        raise source.placed(label, f"nested too deeply (at most {MAX_DEPTH} levels)") from None
+    except (ValueError, OverflowError, IndexError, AttributeError) as error:  # PyYAML on hostile directives
+        raise source.placed(label, f"not YAML: {str(error)[:200]}") from None
+    finally:
+        if loader is not None:
+            loader.dispose()
+    return None if node is None else _Builder(source, label).value(node, 0)
+
+
+class _Builder:
+    """Turns nodes into values; counts them, so that aliases cannot multiply without end."""
+
+    def __init__(self, source: Source, label: str | None) -> None:
+        self.source, self.label, self.count = source, label, 0
+
+    def place(self, node: yaml.Node) -> Where:
+        return self.label or node.start_mark.line + 1
+
+    def value(self, node: yaml.Node, depth: int) -> Any:
+        self.count += 1
+        if depth > MAX_DEPTH:
+            raise self.source.placed(self.place(node), f"nested too deeply (at most {MAX_DEPTH} levels)")
+        if self.count > MAX_VALUES:
+            raise self.source.placed(self.place(node), f"more than {MAX_VALUES} values (repeated by aliases?)")
+        if isinstance(node, yaml.MappingNode):
+            return self.mapping(node, depth)
+        if isinstance(node, yaml.SequenceNode):
+            return List([self.value(n, depth + 1) for n in node.value], [self.place(n) for n in node.value])
+        assert isinstance(node, yaml.ScalarNode)
+        return self.scalar(node)
+
+    def mapping(self, node: yaml.MappingNode, depth: int) -> Map:
+        result = Map()
+        for key_node, value_node in node.value:
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise self.source.placed(self.place(key_node), "a key is a word, not a list or a mapping")
+            key = key_node.value
+            if key in result:
+                first = result.where[key]
+                raise self.source.placed(self.place(key_node), f"duplicate key {key!r} (first on line {first})")
+            result[key] = self.value(value_node, depth + 1)
+            result.where[key] = self.place(key_node)
+        return result
+
+    def scalar(self, node: yaml.ScalarNode) -> Any:
+        text = str(node.value)
+        if node.tag not in ("tag:yaml.org,2002:str", "!"):
+            raise self.source.placed(self.place(node), f"the tag {node.tag!r} is not allowed here")
+        if node.style is not None or node.tag == "!":
+            return text
+        return scalar(text)
+
+
+def scalar(text: str) -> Any:
+    """A plain scalar by the core schema of YAML 1.2: null, bool, int, float or str."""
+    if text == "" or text == "~" or text in _CASES:
+        return _WORDS[text.lower()]
+    if _INT.match(text):
+        return int(text)
+    if _HEX.match(text):
+        return int(text, 0)
+    if _FLOAT.match(text):
+        return float(text)
+    return _SPECIAL.get(text.lower(), text)
+
+
+def _plain(value: Any, depth: int, count: list[int]) -> Any:
+    count[0] += 1
+    if depth > MAX_DEPTH:
+        raise StudyError(f"nested too deeply (at most {MAX_DEPTH} levels)")
+    if count[0] > MAX_VALUES:
+        raise StudyError(f"more than {MAX_VALUES} values")
+    if isinstance(value, dict):
+        return Map({str(key): _plain(item, depth + 1, count) for key, item in value.items()})
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, list | tuple | range):
+        return List([_plain(item, depth + 1, count) for item in value])
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, Path):
+        return str(value)
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise StudyError(f"a study holds numbers, text, lists and mappings, not a {type(value).__name__}")

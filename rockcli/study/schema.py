@@ -1,0 +1,378 @@
+"""The form of a study file: every key, what it takes, its unit.  `rock show schema` prints it as JSON Schema."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+
+from rockcli.scene.pulses import SHAPES
+from rockcli.scene.variables import SCALARS
+from rockcli.study.expressions import ExpressionError, parse
+from rockcli.study.tree import nearest
+
+MODEL_NAMES = ("rigid", "linearized", "1", "2", "3", "4", "flexible", "continuum", "auto")
+PLOTS = ("histories", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")
+CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment")
+
+
+def _number(value: Any) -> Any:
+    """A finite number or the text of an expression."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError(f"a number or an expression is expected, not {describe(value)}")
+    if isinstance(value, str):
+        try:
+            parse(value)
+        except ExpressionError as error:
+            raise ValueError(str(error)) from None
+    elif not is_finite(value):
+        raise ValueError(f"a finite number is expected, not {value}")
+    return value
+
+
+def is_finite(value: float) -> bool:
+    """Whether a number is finite as a float."""
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
+
+
+def describe(value: Any) -> str:
+    """A value as an error message shows it."""
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return "a list"
+    if value is None:
+        return "nothing"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _edges(value: Any) -> Any:
+    if isinstance(value, list):
+        if len(value) != 2:
+            raise ValueError("a number, or the two distances [left, right], is expected")
+        return [_number(item) for item in value]
+    return _number(value)
+
+
+def _eta(value: Any) -> Any:
+    return value if value == "housner" else _number(value)
+
+
+def _label(value: Any) -> Any:
+    """A name: what YAML reads as a number or a truth value is meant as text."""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise ValueError(f"a name is expected, not {describe(value)}")
+    return str(value)
+
+
+def _scalars(value: Any) -> Any:
+    if value == "all":
+        return value
+    if not isinstance(value, list) or not value:
+        raise ValueError(f"`all` or a list of scalars is expected, not {describe(value)}")
+    for name in value:
+        if name not in SCALARS:
+            raise ValueError(f"{describe(name)} is no scalar; {nearest(str(name), SCALARS)}")
+    return value
+
+
+def _histories(value: Any) -> Any:
+    if not isinstance(value, bool | dict):
+        raise ValueError(f"true, false or {{axis: value}} is expected, not {describe(value)}")
+    return value
+
+
+_NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
+_PAIR_SCHEMA = {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
+Number = Annotated[Any, BeforeValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
+Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
+Edges = Annotated[
+    Any,
+    BeforeValidator(_edges),
+    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, _PAIR_SCHEMA]}),
+]
+Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": "housner"}, _NUMBER_SCHEMA]})]
+Label = Annotated[str, BeforeValidator(_label)]
+Text = Annotated[str, Field(max_length=10_000)]
+Files = Annotated[
+    Any, WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 2}]})
+]
+
+
+Histories = Annotated[Any, BeforeValidator(_histories), WithJsonSchema({"type": ["boolean", "object"]})]
+Scalars = Annotated[
+    Any,
+    BeforeValidator(_scalars),
+    WithJsonSchema({"anyOf": [{"const": "all"}, {"type": "array", "items": {"enum": list(SCALARS)}, "minItems": 1}]}),
+]
+Meaning = Annotated[
+    Any, WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]})
+]
+
+
+class Part(BaseModel):
+    """A mapping of the study: unknown keys are errors, values do not change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True, populate_by_name=False)
+
+
+def key(description: str, default: Any = None, **more: Any) -> Any:
+    """A key with its sentence."""
+    return Field(default, description=description, **more)
+
+
+class BlockPart(Part):
+    """The body: a sufficient pair of R, h or height, b or width, and one of alpha, tan_alpha, slenderness."""
+
+    R: Number | None = key("distance from the edge to the centre of mass [m]")
+    h: Number | None = key("height of the centre of mass above the base [m]")
+    b: Edges | None = key("distance from the centre of mass to the edge [m], or [left, right] of an asymmetric body")
+    height: Number | None = key("full height 2h of a rectangle [m]")
+    width: Number | None = key("full width 2b of a rectangle [m]")
+    alpha: Number | None = key("slenderness angle atan(b/h) [rad]")
+    tan_alpha: Number | None = key("b/h [1]")
+    slenderness: Number | None = key("h/b [1]")
+    inertia: Number | None = key("I_O/(m R^2) about the edge [1]; default 4/3, a rectangle")
+    r_g: Number | None = key("radius of gyration about the centre of mass [m]")
+    top: Number | None = key("height of the point whose displacement is reported [m]; default 2h")
+    mass: Number | None = key("mass [kg]")
+    mu: Number | None = key("coefficient of friction of the base [1]")
+    outline: Any | None = key("polygon [[x, z], ...] or FILE.csv [m]")
+    density: Number | None = key("density of the outline [kg/m^3]")
+
+
+class PulsePart(Part):
+    """An analytic pulse, zero for t < 0."""
+
+    shape: Literal[tuple(SHAPES)] = key("one of the shapes", ...)  # type: ignore[valid-type]
+    a_p: Number | None = key("peak acceleration [m/s^2]")
+    a_p_over_g_tan_alpha: Number | None = key("peak acceleration over g tan(alpha) [1]")
+    omega_p: Number | None = key("circular frequency [rad/s]")
+    T_p: Number | None = key("period [s]")
+    f_p: Number | None = key("frequency [1/s]")
+    omega_p_over_p: Number | None = key("circular frequency over the frequency parameter p [1]")
+    cycles: Number | None = key("number of cycles of a sine or cosine [1]; default 1")
+    t0: Number | None = key("time of the pulse [s]: its beginning, or the centre of a Ricker or wavelet")
+    gamma: Number | None = key("mavroeidis_papageorgiou: half the number of half cycles [1], > 1")
+    nu: Number | None = key("mavroeidis_papageorgiou: phase [rad]; default 0")
+    A: Number | None = key("mavroeidis_papageorgiou: velocity amplitude [m/s], instead of a_p")
+
+
+class FilterPart(Part):
+    """A Butterworth highpass or lowpass of a record."""
+
+    freq: Number = key("corner frequency [1/s]", ...)
+    corners: int = key("order of the filter", 4, ge=1, le=16)
+    zerophase: bool = key("run forward and back", True)
+
+
+class BandpassPart(Part):
+    """A Butterworth bandpass of a record."""
+
+    freqmin: Number = key("lower corner frequency [1/s]", ...)
+    freqmax: Number = key("upper corner frequency [1/s]", ...)
+    corners: int = key("order of the filter", 4, ge=1, le=16)
+    zerophase: bool = key("run forward and back", True)
+
+
+class TaperPart(Part):
+    """A taper at both ends of a record."""
+
+    fraction: Number = key("part of the record tapered at each end [1]", ...)
+    type: Text = key("shape", "cosine")
+
+
+class ResamplePart(Part):
+    """Another time step for a record."""
+
+    dt: Number = key("new time step [s]", ...)
+    method: Literal["lanczos", "fourier", "linear", "weighted_average_slopes"] = key("how", ...)
+
+
+class RecordPart(Part):
+    """A recorded motion; the keys are applied in this order, nothing by default."""
+
+    file: Files = key("file name, sought beside the study, in records/ folders and in ROCK_RECORDS", ...)
+    component: str | int | None = key("which component of a file with several, by name or place from 0")
+    units: Text | None = key("units of the file's values, for files that do not say")
+    dt: Number | None = key("time step [s], for files that do not say")
+    window: Pair | None = key("[from, to] kept [s]")
+    detrend: Literal["constant", "demean", "linear", "simple"] | None = key("what is taken off")
+    taper: TaperPart | None = key("part of the length tapered at each end [1], or {fraction, type}")
+    highpass: FilterPart | None = key("corner frequency [1/s], or {freq, corners, zerophase}")
+    lowpass: FilterPart | None = key("corner frequency [1/s], or {freq, corners, zerophase}")
+    bandpass: BandpassPart | None = key("[low, high] [1/s], or {freqmin, freqmax, corners, zerophase}")
+    resample: ResamplePart | None = key("{dt [s], method}")
+    scale: Number | None = key("factor on the processed motion [1]")
+    pga: Number | None = key("peak acceleration wanted [m/s^2]")
+    pgv: Number | None = key("peak velocity wanted [m/s]")
+    pga_over_g_tan_alpha: Number | None = key("peak acceleration wanted over g tan(alpha) [1]")
+    polarity: Number | None = key("1 or -1")
+    angle: Number | None = key("direction of the motion between two horizontal components [rad]")
+
+
+class VerticalPart(Part):
+    """Vertical ground motion, upward positive."""
+
+    pulse: PulsePart | None = key("analytic pulse")
+    record: RecordPart | None = key("recorded motion; without its own scaling it takes the horizontal factor")
+
+
+class MotionPart(Part):
+    """Ground motion: a pulse or a record, or neither for free rocking."""
+
+    pulse: PulsePart | None = key("analytic pulse")
+    record: RecordPart | None = key("recorded motion")
+    vertical: VerticalPart | None = key("vertical motion, upward positive")
+    duration: Number | None = key("end of the motion and of the response, from t = 0 [s]")
+
+
+class InitialPart(Part):
+    """State at t = 0."""
+
+    theta: Number = key("rotation [rad]", 0)
+    theta_dot: Number = key("rate of rotation [rad/s]", 0)
+
+
+class ModelPart(Part):
+    """The model by name, with what it needs."""
+
+    name: Literal[MODEL_NAMES] = key("model", "rigid")  # type: ignore[valid-type]
+    tolerance: Number | None = key("auto: error of theta_peak_over_alpha allowed [1]")
+
+
+class ColumnPart(Part):
+    """The deformable column of the flexible models."""
+
+    E: Number | None = key("Young's modulus [Pa]")
+    rho: Number | None = key("density [kg/m^3]")
+    zeta: Number | None = key("damping ratio of the first clamped mode, stiffness-proportional [1]")
+    elements: int = key("number of elements", 5, ge=1)
+    mass: Literal["consistent", "lumped"] = key("mass matrix", "consistent")
+
+
+class BasePart(Part):
+    """What the body stands on."""
+
+    law: Literal["rigid", "winkler"] = key("moment of the base", "rigid")
+    kw: Number | None = key("Winkler stiffness [N/m^3]")
+    fibres: int | None = key("number of fibres", ge=1)
+
+
+class DampingPart(Part):
+    """What is lost at impacts or between them."""
+
+    scheme: Literal["none", "restitution", "dashpot", "hht", "fema356"] = key("damping scheme", "restitution")
+    eta: Eta | None = key("restitution: angular velocity after / before an impact, in [0, 1]; default housner")
+    r_energy: Number | None = key("restitution: kinetic energy after / before an impact, eta^2, in [0, 1]")
+    coefficient: Number | None = key("dashpot: coefficient [1]; default 0.02")
+    alpha_d: Number | None = key("hht: parameter in [2/3, 1]")
+    W_over_Mg: Number | None = key("fema356: weight over M g [1]")
+    spectrum: Any | None = key("fema356: `motion` or a mapping")
+
+
+class SolverPart(Part):
+    """How, and how well."""
+
+    backend: Literal["auto", "event", "scipy", "frame", "opensees", "calculix"] = key("who solves", "auto")
+    accuracy: Literal["draft", "standard", "reference"] = key("named tolerances", "standard")
+    rtol: Number | None = key("truncation error per step, relative to alpha [1]")
+    method: Text | None = key("method of the backend")
+    events: bool | None = key("whether impacts are located")
+    dt: Number | None = key("time step [s]")
+    yield_rotation: Number | None = key("penalty backends: rotation at which the base yields [rad]")
+
+
+class CasePart(Part):
+    """What is solved; every number is SI, radians, or an expression."""
+
+    g: Number = key("acceleration of gravity [m/s^2]", 9.81)
+    block: BlockPart = key("the body", ...)
+    motion: MotionPart = key("ground motion; none = free rocking", MotionPart.model_construct())
+    initial: InitialPart = key("state at t = 0", InitialPart.model_construct())
+    model: ModelPart = key("rigid, linearized, 1, 2, 3, 4, flexible, continuum or auto", ModelPart.model_construct())
+    geometry: Literal["negative_stiffness", "corotational"] | None = key("restoring law of models 1-4")
+    column: ColumnPart | None = key("the column of the flexible models")
+    base: BasePart | None = key("the base; default rigid")
+    damping: DampingPart = key("what is lost", DampingPart.model_construct())
+    solver: SolverPart = key("how it is solved", SolverPart.model_construct())
+
+
+class SavePart(Part):
+    """What is kept."""
+
+    histories: Histories | None = key("true, false or {axis: value}; default true for <= 100 cases")
+    dt_out: Number | None = key("output spacing [s]; default min(0.005 s, T_p/200, record dt)")
+    scalars: Scalars | None = key("all, or a list; default all for <= 100 000 cases")
+
+
+Target = Annotated[Any, WithJsonSchema({"type": ["number", "string"]})]
+
+
+class ExpectPart(Part):
+    """A statement about the results that makes the study its own test."""
+
+    quantity: Text = key("a variable of the dataset", ...)
+    at: dict[str, Any] = key("{axis: value}; an absent axis = every point", {})
+    time: Number | None = key("time at which a history is read [s]")
+    value: Target | None = key("what it is")
+    rtol: Number = key("relative tolerance on value [1]", 1e-6)
+    atol: Number = key("absolute tolerance on value", 0)
+    min: Target | None = key("at least this")
+    max: Target | None = key("at most this")
+    is_: Meaning | None = key("outcome: a meaning, a list of them, or `overturned`", alias="is")
+    is_not: Meaning | None = key("outcome: none of these")
+    references: Text = key("where the number comes from", "")
+
+
+class StudyPart(Part):
+    """A study of rocking bodies."""
+
+    name: Annotated[Label, Field(pattern=r"^[A-Za-z0-9_-]{1,100}$")] = key(
+        "letters, digits, - and _; names the output folder", ...
+    )
+    title: Label = key("title", "")
+    references: Label = key("where the study comes from", "")
+    let: dict[str, Number] = key("own symbols for expressions", {})
+    case: CasePart = key("the base case", ...)
+    vary: dict[str, Any] = key("path inside the case -> list, range, file glob, named settings or CSV file", {})
+    compare_to: dict[str, Any] | None = key("{axis: value} of the reference")
+    over: Text | None = key("axis of the ensemble statistics")
+    refine: bool = key("trace the outcome boundary of a two-axis map", False)
+    save: SavePart = key("what is kept", SavePart.model_construct())
+    plots: list[Literal[PLOTS]] = key("kinds of plot", [])  # type: ignore[valid-type]
+    expect: list[ExpectPart] = key("statements about the results", [])
+    curves: list[Literal[CURVES]] = key("static curves", [])  # type: ignore[valid-type]
+    audit: Any | None = key("checks of the source's assumptions")
+
+
+_SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
+    ("CasePart", "damping"): {"enum": ["none", "restitution", "dashpot", "hht", "fema356"]},
+    ("CasePart", "model"): {"enum": [*MODEL_NAMES, 1, 2, 3, 4]},
+    ("CasePart", "motion"): {"const": "none"},
+    ("MotionPart", "record"): {"type": "string"},
+    ("MotionPart", "vertical"): {"$ref": "#/$defs/RecordPart"},
+    ("RecordPart", "taper"): _NUMBER_SCHEMA,
+    ("RecordPart", "highpass"): _NUMBER_SCHEMA,
+    ("RecordPart", "lowpass"): _NUMBER_SCHEMA,
+    ("RecordPart", "bandpass"): _PAIR_SCHEMA,
+}
+"""Short forms that `shorthands.expanded` writes out before the schema sees them."""
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of a study file, short forms included."""
+    schema = StudyPart.model_json_schema(by_alias=True)
+    for (part, name), short in _SHORTHANDS.items():
+        properties = schema["$defs"][part]["properties"]
+        long = dict(properties[name])
+        described = {word: long.pop(word) for word in ("description", "title") if word in long}
+        long.pop("default", None)
+        forms = long.pop("anyOf", None) or [long]
+        properties[name] = {"anyOf": [short, *forms], **described}
+    return schema

@@ -1,0 +1,131 @@
+"""A study as the rest of the program sees it: axes, batches of cases, and what to do with the results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.batch import Batch
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One dimension of the dataset.
+
+    Attributes:
+        name: dimension name: the last part of `path` (the whole path with `_` where that collides;
+            `record` for motion.record.file and record settings).
+        path: path inside the case, `let....`, or `case`.
+        values: the coordinate: floats (numeric axis) or strings (labels, models, record file names).
+        numeric: whether the coordinate is numeric.
+        unit: unit of a numeric coordinate, "1" if dimensionless or unknown.
+    """
+
+    name: str
+    path: str
+    values: tuple[Any, ...]
+    numeric: bool
+    unit: str = "1"
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return len(self.values)
+
+
+@dataclass(frozen=True)
+class Expect:
+    """One clause of `expect`.
+
+    Attributes:
+        quantity: a variable of the dataset.
+        at: {axis name: coordinate value} already matched to the axes; an absent axis = every point.
+        check: `value`, `min`, `max`, `is` or `is_not`.
+        target: the number, or for is / is_not the tuple of outcome flags meant.
+        rtol, atol: for `value`.
+        time: for a history, the time [s] at which it is read.
+        references: where the number comes from.
+        line: line in the study file.
+    """
+
+    quantity: str
+    at: dict[str, Any]
+    check: str
+    target: float | tuple[int, ...]
+    rtol: float = 1e-6
+    atol: float = 0.0
+    time: float | None = None
+    references: str = ""
+    line: int | None = None
+
+
+class CaseSource(Protocol):
+    """Builds the cases of a study on demand, so that a sweep never holds them all."""
+
+    def batches(self, indices: Index) -> Iterator[tuple[Index, Batch]]:
+        """Yield (flat indices, batch) for the flat case indices (C order over the axes), grouped by tags."""
+        ...
+
+
+@dataclass(frozen=True)
+class Study:
+    """A checked study.
+
+    Attributes:
+        name, title, references: as in the file.
+        file: the study file, None for a study given as a mapping.
+        axes: outermost first.
+        cases: builds batches.
+        compare_to: {axis name: coordinate value} of the reference, or None.
+        expect: clauses in file order.
+        plots: kinds of plot asked for; () = the defaults.
+        histories: whether histories are saved; dt_out: output spacing [s]; scalars: names in contract order.
+        histories_at: {axis name: coordinate value} of the only cases whose histories are saved; None = all.
+        resolved: the resolved study as a plain mapping (re-runnable when dumped as YAML).
+        resolved_yaml: the same as YAML text.
+        identity: SHA-256 hex of what changes numbers (case, let, vary, save, record bytes, program version).
+        inputs: record file name -> SHA-256 of its bytes.
+        processing: record name -> what was done to it, sentences in order, with the effect on PGA and PGV.
+        warnings: sentences about the study as a whole.
+    """
+
+    name: str
+    title: str
+    references: str
+    file: Path | None
+    axes: tuple[Axis, ...]
+    cases: CaseSource
+    compare_to: dict[str, Any] | None
+    expect: tuple[Expect, ...]
+    plots: tuple[str, ...]
+    histories: bool
+    dt_out: float
+    scalars: tuple[str, ...]
+    resolved: dict[str, Any]
+    resolved_yaml: str
+    identity: str
+    inputs: dict[str, str] = field(default_factory=dict)
+    processing: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    histories_at: dict[str, Any] | None = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of points of each axis; () without axes."""
+        return tuple(axis.size for axis in self.axes)
+
+    @property
+    def size(self) -> int:
+        """Number of cases."""
+        return int(np.prod(self.shape, dtype=np.int64))
+
+    def batches(self, indices: Index | None = None) -> Iterator[tuple[Index, Batch]]:
+        """Yield (flat indices, batch) for all cases, or for the flat indices given."""
+        return self.cases.batches(np.arange(self.size) if indices is None else indices)

@@ -1,0 +1,141 @@
+"""What stands in a study file, with the place of every value kept beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from rockcli.errors import RecordError, StudyError
+
+Where = int | str | None
+"""A line of the study file, the `--set` that put the value there, or None for a study given as a mapping."""
+
+Keys = tuple[str | int, ...]
+"""Path from the top of a study: ("case", "block", "R"), ("vary", "block.R", 2)."""
+
+
+class Map(dict[str, Any]):
+    """A mapping that knows where its keys stand."""
+
+    __slots__ = ("where",)
+
+    def __init__(self, items: dict[str, Any] | None = None, where: dict[str, Where] | None = None) -> None:
+        super().__init__(items or {})
+        self.where: dict[str, Where] = dict(where or {})
+
+
+class List(list[Any]):
+    """A list that knows where its items stand."""
+
+    __slots__ = ("where",)
+
+    def __init__(self, items: Iterable[Any] = (), where: Iterable[Where] = ()) -> None:
+        super().__init__(items)
+        self.where: list[Where] = list(where)
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a study came from; makes the errors that name file, line and key."""
+
+    file: Path | None
+
+    @property
+    def folder(self) -> Path:
+        """The folder that relative files are sought from."""
+        return Path() if self.file is None else self.file.parent
+
+    def error(self, tree: Any, keys: Keys, message: str, *, suffix: str = "") -> StudyError:
+        """`message` about the value at `keys`, which is put in front of it."""
+        return self.placed(place(tree, keys), f"{dotted(keys)}{suffix} {message}")
+
+    def placed(self, where: Where, message: str) -> StudyError:
+        """An error at a known place."""
+        file, line = self._spot(where)
+        return StudyError(message, file=file, line=line)
+
+    def record_error(self, where: Where, message: str, kind: type[RecordError] = RecordError) -> RecordError:
+        """An error about a record, at the place of the study that asks for it."""
+        file, line = self._spot(where)
+        return kind(message, file=file, line=line)
+
+    def _spot(self, where: Where) -> tuple[str | Path | None, int | None]:
+        if isinstance(where, str):
+            return where, None
+        return self.file, where
+
+
+def dotted(keys: Keys) -> str:
+    """A path as people write it: case.block.b[0]."""
+    text = ""
+    for key in keys:
+        text += f"[{key}]" if isinstance(key, int) else f".{key}" if text else key
+    return text
+
+
+def place(tree: Any, keys: Keys) -> Where:
+    """Place of the value at `keys`, or of the nearest value around it that has one."""
+    found: Where = None
+    for key in keys:
+        if isinstance(tree, Map) and isinstance(key, str) and key in tree:
+            found = tree.where.get(key, found)
+        elif isinstance(tree, List) and isinstance(key, int) and key < len(tree):
+            found = tree.where[key] if key < len(tree.where) and tree.where[key] is not None else found
+        else:
+            break
+        tree = tree[key]
+    return found
+
+
+def value_at(tree: Any, keys: Keys) -> Any:
+    """The value at `keys`; None where there is none."""
+    for key in keys:
+        if isinstance(tree, dict):
+            tree = tree.get(key)
+        elif isinstance(tree, list) and isinstance(key, int) and key < len(tree):
+            tree = tree[key]
+        else:
+            return None
+    return tree
+
+
+def replaced(tree: Any, keys: Sequence[str], value: Any, where: Where) -> Map:
+    """A copy of `tree` with `value` at `keys` and the alternatives of its keys dropped; the rest is shared."""
+    head, rest = keys[0], keys[1:]
+    copy = Map(tree, tree.where) if isinstance(tree, Map) else Map()
+    copy[head] = replaced(copy.get(head), rest, value, where) if rest else value
+    if not rest or copy.where.get(head) is None:
+        copy.where[head] = where
+    for group in ALTERNATIVES:
+        if head in group:
+            for other in group - {head}:
+                copy.pop(other, None)
+    return copy
+
+
+ALTERNATIVES: tuple[frozenset[str], ...] = (
+    frozenset({"pulse", "record"}),
+    frozenset({"a_p", "a_p_over_g_tan_alpha", "A"}),
+    frozenset({"omega_p", "T_p", "f_p", "omega_p_over_p"}),
+    frozenset({"scale", "pga", "pgv", "pga_over_g_tan_alpha"}),
+    frozenset({"eta", "r_energy"}),
+    frozenset({"alpha", "tan_alpha", "slenderness"}),
+    frozenset({"h", "height"}),
+    frozenset({"b", "width"}),
+    frozenset({"inertia", "r_g"}),
+)
+"""Keys of one mapping that say the same thing in different ways: a varied or `--set` key displaces the others."""
+
+
+def nearest(key: str, known: Iterable[str]) -> str:
+    """A hint with the nearest known key, or all of them: a clause to put at the end of a message."""
+    names = list(known)
+    lowered = {name.lower(): name for name in reversed(names)}
+    close = get_close_matches(key[:80].lower(), lowered, n=1, cutoff=0.55)
+    if close:
+        return f"did you mean {lowered[close[0]]!r}?"
+    shown = ", ".join(sorted(names)[:30])
+    return f"known: {shown}" if shown else "nothing is known here"
