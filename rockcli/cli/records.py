@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(help="Look at ground-motion records and convert them.", no_args_is_help=True)
 
-Component = Annotated[str | None, typer.Option(help="Which one, if a file holds several: its name, or its place from 0.")]
+Component = Annotated[str | None, typer.Option(help="Which one of several: its name, or its place from 0.")]
 Units = Annotated[str | None, typer.Option(help="Of the values, where the format does not say: g, m/s2, cm/s2, gal.")]
 TimeStep = Annotated[float | None, typer.Option("--dt", help="Time step [s], where the format does not say.")]
 Gravity = Annotated[float, typer.Option("--g", help="Gravity [m/s2] by which values in g are turned into m/s2.")]
@@ -84,9 +84,10 @@ def _component(text: str | None) -> str | int | None:
 def _titles(motion: Motion, g: float) -> list[str]:
     """Two lines of header that say where the values come from."""
     unit = "" if motion.in_g else f", 1 g = {g:g} m/s2"
-    identity = [str(motion.header.get(key) or "") for key in ("event", "date", "station")]
-    known = [part for part in (*identity, motion.component) if part]
-    return [_printable(f"Converted from {motion.name} ({motion.format}{unit})"), _printable(", ".join(known) or "-")]
+    event, date, station = (str(motion.header.get(key) or "") for key in ("event", "date", "station"))
+    known = (event or "event not stated", date, station or "station not stated", motion.component)
+    identity = ", ".join(part for part in known if part) if motion.component else "-"
+    return [_printable(f"Converted from {motion.name} ({motion.format}{unit})"), _printable(identity)]
 
 
 def _printable(text: str) -> str:

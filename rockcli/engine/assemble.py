@@ -53,7 +53,11 @@ def assemble(study: Study, results: Results) -> Contents:
 
 
 def _beside_axes(
-    arrays: dict[str, NDArray[np.float64]], order: tuple[str, ...], axes: tuple[str, ...], shape: tuple[int, ...], dim: str
+    arrays: dict[str, NDArray[np.float64]],
+    order: tuple[str, ...],
+    axes: tuple[str, ...],
+    shape: tuple[int, ...],
+    dim: str,
 ) -> dict[str, Field]:
     known = [name for name in order if name in arrays] + [name for name in arrays if name not in order]
     return {
@@ -76,7 +80,7 @@ def _symbols(results: Results, axes: tuple[str, ...], shape: tuple[int, ...]) ->
 
 def reduce(values: NDArray[Any], axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[Any]]:
     """Drop the axes along which values do not change (NaN equals NaN); the dims left and the values over them."""
-    kept = []
+    kept: list[str] = []
     for axis in axes:
         at = len(kept)
         first = np.take(values, [0], axis=at)

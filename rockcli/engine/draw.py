@@ -25,19 +25,19 @@ def draw(path: Path, kinds: tuple[str, ...] = (), plot_format: str = "png") -> t
     Raises:
         StudyError: the file cannot be read, or the format or a kind is unknown.
     """
-    from rockcli.plotting import figures
+    from rockcli.plotting.figures import default_kinds, figure, save, why_not
 
     if plot_format not in FORMATS:
         raise StudyError(f"unknown format {plot_format!r}; there are {', '.join(FORMATS)}")
     dataset = open_dataset(path)
     drawn, complaints = [], []
-    for kind in kinds or figures.default_kinds(dataset):
-        why_not = figures.why_not(kind, dataset)
-        if why_not:
-            complaints.append(f"plot {kind!r}: {why_not}")
+    for kind in kinds or default_kinds(dataset):
+        complaint = why_not(kind, dataset)
+        if complaint:
+            complaints.append(f"plot {kind!r}: {complaint}")
             continue
         target = path.parent / f"{kind}.{plot_format}"
         with replacing(target) as scratch:
-            figures.save(figures.figure(kind, dataset), scratch, plot_format)
+            save(figure(kind, dataset), scratch, plot_format)
         drawn.append(target)
     return tuple(drawn), tuple(complaints)

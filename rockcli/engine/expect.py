@@ -39,6 +39,7 @@ class Verdict:
 
     @property
     def passed(self) -> bool:
+        """Whether the clause is met."""
         return self.points > 0 and self.failing == 0
 
 

@@ -23,6 +23,7 @@ def attributes(study: Study, results: Results) -> dict[str, str]:
         "study": study.resolved_yaml,
         "study_name": study.name,
         "identity": study.identity,
+        "compare_to": as_json(study.compare_to),
         "inputs": as_json(study.inputs),
         "processing": as_json({name: list(steps) for name, steps in study.processing.items()}),
         "backends": ", ".join(sorted({used["backend"] for used in results.used if "backend" in used})),
@@ -47,6 +48,7 @@ def refreshed(attrs: dict[str, str], study: Study) -> dict[str, str]:
         "title": study.title or study.name,
         "references": study.references,
         "study": study.resolved_yaml,
+        "compare_to": as_json(study.compare_to),
         "history": f"{attrs['history']}\n{now} described anew by rockcli {__version__}",
     }
 

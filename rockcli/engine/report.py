@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from rockcli.engine.expect import Verdict, coordinate_word, expected_failures, j
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Study
+
+_NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 SOLVED, UP_TO_DATE, SKIPPED = "solved", "up to date", "skipped"
 
@@ -26,7 +29,8 @@ class RunReport:
         failed: cases that failed although no clause expected it.
         peak: largest finite theta_peak_over_alpha (None without one); peak_at: its place on the axes.
         verdicts: of the `expect` clauses, in order.
-        reasons: sentence -> number of cases, most first; warnings: about the physics and the study.
+        reasons: sentence -> number of cases, most first; sentences that differ in numbers only count as the first.
+        warnings: about the physics and the study.
         plots: files drawn; seconds: wall time of the run.
     """
 
@@ -130,5 +134,10 @@ def _reasons(contents: Contents) -> dict[str, int]:
         return {}
     codes, counts = np.unique(contents.values("reason"), return_counts=True)
     sentences = contents.values("reasons")
-    said = {str(sentences[code]): int(n) for code, n in zip(codes, counts, strict=True) if sentences[code]}
-    return dict(sorted(said.items(), key=lambda item: -item[1]))
+    kinds: dict[str, tuple[str, int]] = {}
+    for code, count in zip(codes, counts, strict=True):
+        if sentence := str(sentences[code]):
+            kind = _NUMBER.sub("#", sentence)
+            example, before = kinds.get(kind, (sentence, 0))
+            kinds[kind] = (example, before + int(count))
+    return dict(sorted(kinds.values(), key=lambda item: -item[1]))

@@ -11,6 +11,15 @@ NO_ROOT = -1.0
 
 
 @jit
+def safe_step(P, dP, M):
+    """Zero y > 0 of the lower bound P + dP y - M y^2/2, P >= 0; infinite if it has none."""
+    root = math.sqrt(dP * dP + 2.0 * M * P)
+    if dP > 0.0:
+        return (dP + root) / M if M > 0.0 else math.inf
+    return 2.0 * P / (root - dP) if root > dP else math.inf
+
+
+@jit
 def first_root(c, n, h, skip):
     """Smallest x in (0, h] where P(x) = c[skip] + c[skip+1] x + ... reaches zero from above, or NO_ROOT.
 
@@ -31,8 +40,8 @@ def first_root(c, n, h, skip):
             P = P * x + c[k + skip]
         if P <= 0.0:
             return min(x, h)
-        step = 2.0 * P / (math.sqrt(dP * dP + 2.0 * M * P) - dP) if (dP < 0.0 or M > 0.0) else 2.0 * h
-        if not step <= h - x:  # also where the bound has no zero (step infinite or NaN)
+        step = safe_step(P, dP, M)
+        if not step <= h - x:  # also where the bound has no zero
             return NO_ROOT
         x += step
         if step <= 4e-16 * x:
@@ -89,7 +98,7 @@ def uplift(d, n, h, scale):
     """
     if d[0] < 0.0:
         return 0.0
-    noise = 4e-16 * scale
+    noise = 1e-15 * scale  # rounding of a polynomial of terms up to twice the threshold
     M = 0.0
     for k in range(n, 1, -1):
         M = M * h + k * (k - 1) * abs(d[k])
@@ -97,14 +106,14 @@ def uplift(d, n, h, scale):
     for _ in range(2000):
         P = value(d, n, x)
         dP = slope(d, n, x)
-        if P < 0.0:
+        if P < -noise:
             return x
-        if noise >= P:
-            if dP < 0.0 and dP * dP > 2.0 * M * noise:
+        if P <= noise:
+            if dP < 0.0 and dP * dP > 8.0 * M * noise:
                 return x
-            step = math.sqrt(8.0 * noise / M) if M > 0.0 else h
+            step = math.sqrt(8.0 * noise / M) if M > 0.0 else math.inf
         else:
-            step = 2.0 * P / (math.sqrt(dP * dP + 2.0 * M * P) - dP) if (dP < 0.0 or M > 0.0) else 2.0 * h
+            step = safe_step(P, dP, M)
         if not step <= h - x:
             return NO_ROOT
         x += step

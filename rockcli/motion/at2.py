@@ -169,7 +169,7 @@ def write_at2(
     Raises:
         RecordError: the file is there, the values are not finite, or a title line cannot stand in a header.
     """
-    values = np.asarray(values_in_g, dtype=float)
+    values = np.asarray(values_in_g, dtype=float) + 0.0  # -0 becomes 0
     if values.ndim != 1 or len(values) < 2 or not np.isfinite(values).all() or not 0.0 < dt < np.inf:
         raise RecordError("an AT2 file holds two or more finite values and a time step above zero", path)
     for line in title_lines:

@@ -89,7 +89,7 @@ def _trace(motion: Motion) -> Any:
 def _after(motion: Motion, values: NDArray[np.float64], dt: float, step: str, g: float) -> Motion:
     """The motion with new values and a sentence about them."""
     if not np.isfinite(values).all():
-        raise RecordError(f"{step} leaves values that are not finite; the filter does not suit this record", motion.name)
+        raise RecordError(f"{step} leaves values that are not finite; it does not suit this record", motion.name)
     after = dataclasses.replace(motion, values=np.ascontiguousarray(values, dtype=np.float64), dt=dt)
     sentence = (
         f"{step}: PGA {pga(motion.values):.4g} -> {pga(after.values):.4g} {motion.units}, "

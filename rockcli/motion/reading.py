@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from rockcli.motion.at2 import looks_like_at2, parse_at2
 from rockcli.motion.motion import Motion
 from rockcli.motion.text import is_numeric_text, parse_text
 from rockcli.motion.units import FACTORS, unit_named
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 __all__ = ["read_record"]
 
@@ -215,10 +218,14 @@ def _obspy_format(path: Path) -> str:
 
     ObsPy's pickle reader is not asked: it runs whatever program the file contains.
     """
+    from importlib.metadata import entry_points
+
     from obspy.core.util.base import ENTRY_POINTS
 
+    declared = entry_points()
     for name in ENTRY_POINTS["waveform"]:
-        if name not in ("PICKLE", "AT2") and _is_format(name, path):
+        asked = declared.select(group=f"obspy.plugin.waveform.{name}", name="isFormat")
+        if name not in ("PICKLE", "AT2") and any(_says_yes(entry, path) for entry in asked):
             return str(name)
     with path.open("rb") as file:
         head = file.read(400)
@@ -231,18 +238,16 @@ def _obspy_format(path: Path) -> str:
     )
 
 
-def _is_format(name: str, path: Path) -> bool:
+def _says_yes(entry: EntryPoint, path: Path) -> bool:
+    """Whether a format's own test recognises the file; one that stumbles does not."""
     import warnings
-    from importlib.metadata import entry_points
 
-    for entry in entry_points(group=f"obspy.plugin.waveform.{name}", name="isFormat"):
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                return bool(entry.load()(str(path)))
-        except Exception:
-            return False
-    return False
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return bool(entry.load()(str(path)))
+    except Exception:
+        return False
 
 
 def _obspy_traces(path: Path, format_name: str) -> list[Any]:
@@ -258,7 +263,7 @@ def _obspy_traces(path: Path, format_name: str) -> list[Any]:
     except RecordError:
         raise
     except Exception as error:
-        raise RecordError(f"ObsPy takes it for {format_name} but cannot read it: {error}", path) from error
+        raise RecordError(f"ObsPy takes it for {format_name} but cannot read it; get it anew: {error}", path) from error
 
 
 def _chosen_trace(traces: list[Any], component: str | int | None, path: Path) -> Any:

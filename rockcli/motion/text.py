@@ -21,6 +21,9 @@ __all__ = ["Text", "is_numeric_text", "parse_text"]
 UNIFORM = 0.05
 """A time column may deviate from equal steps by this part of a step (times are printed with few digits)."""
 
+DRIFT = 0.01
+"""A step is rounded to the few digits it was meant in if the last time moves by less than this part of a step."""
+
 AGREE = 1e-3
 """Relative difference at which a stated dt contradicts the time column."""
 
@@ -63,6 +66,8 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     lines = data.decode("ascii").splitlines()
     unit = _unit(lines, units, name)
     numbers = read_numbers(_without_commas(lines, name), 1, name)
+    if numbers.text_after:
+        raise RecordError(f"{numbers.text_after[0]!r} is no line of numbers; remove it or begin it with #", name)
     columns = _columns(numbers, name)
     first = numbers.values[::columns]
     is_time = columns > 1 and len(first) > 2 and _is_time(first)
@@ -144,7 +149,7 @@ def _time_step(time: NDArray[np.float64], stated: float | None, name: str) -> tu
         return float(stated), float(time[0])
     for digits in range(1, 17):
         rounded = float(f"{step:.{digits}g}")
-        if abs(rounded - step) * (len(time) - 1) <= 0.5 * UNIFORM * step:
+        if abs(rounded - step) * (len(time) - 1) <= DRIFT * step:
             return rounded, float(time[0])
     return step, float(time[0])
 

@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 FREE_ROCKING = 20.0
 """The report goes on this many 1/p after the motion's end."""
 
-MAX_STEPS = {True: 200_000_000, False: 100_000}
+MAX_STEPS = {True: 200_000_000, False: 30_000}
 """Steps a case may take, compiled or not; a case that needs more uncompiled is solved again compiled."""
 
 COMPILE_ABOVE = 2.0
@@ -55,7 +55,7 @@ def solve(batch: Batch) -> Response:
     began = time.perf_counter()
     level = batch.numerics.tolerances
     parameters = _parameters(batch)
-    march = kernels.load(compile_them=_estimated_seconds(batch) > COMPILE_ABOVE)
+    march = kernels.load(compile_them=_estimated_seconds(batch, parameters) > COMPILE_ABOVE)
     run = _march(march, batch, parameters, level, histories=batch.save.histories)
     if not kernels.compiled and np.any(run.out[:, k.STATUS] == k.OUT_OF_STEPS):
         march = kernels.load(compile_them=True)
@@ -139,14 +139,15 @@ def _channel(channel: Channel | None, n: int) -> tuple[int, Any, Any, float, Any
     return 0, nothing, nothing, 1.0, np.broadcast_to(nothing, (n, 1)), 0
 
 
-def _estimated_seconds(batch: Batch) -> float:
+def _estimated_seconds(batch: Batch, parameters: Array) -> float:
     """Rough time of plain Python for the batch [s]."""
     pieces = 0
     for channel in (batch.excitation.horizontal, batch.excitation.vertical):
         if isinstance(channel, Samples):
             pieces += len(channel.values)
+    swings = float(np.sum(parameters[:, k.T_STOP] * batch.p.max(axis=1)))
     passes = 2 if "error_estimate" in batch.save.scalars else 1
-    return passes * batch.size * (0.03 + 60e-6 * pieces)
+    return passes * (batch.size * (0.01 + 60e-6 * pieces) + 1e-3 * swings)
 
 
 # -- running ------------------------------------------------------------------------------------------------

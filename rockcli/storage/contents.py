@@ -33,6 +33,7 @@ class Field:
 
     @property
     def is_text(self) -> bool:
+        """Whether the values are strings."""
         return self.values.dtype.kind in "OUT"
 
 
@@ -123,7 +124,9 @@ def outcome_flag(name: str) -> int:
     return _FLAGS[name]
 
 
-def root_attributes(*, title: str, source: str, history: str, references: str, more: Mapping[str, str]) -> dict[str, str]:
+def root_attributes(
+    *, title: str, source: str, history: str, references: str, more: Mapping[str, str]
+) -> dict[str, str]:
     """Root attributes in a fixed order: what CF asks for, then the program's own."""
     asked = {"Conventions": CONVENTIONS, "title": title, "source": source, "history": history, "references": references}
     return asked | dict(more)

@@ -21,15 +21,14 @@ def write(contents: Contents, path: Path) -> None:
     """Write a netCDF-4 file; `path` appears whole or not at all."""
     import netCDF4
 
-    with replacing(path) as scratch:
-        with netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
-            for name, size in contents.sizes.items():
-                file.createDimension(name, size)
-            for name, item in contents.fields.items():
-                _write_field(file, contents, name, item)
-            for name, value in contents.attrs.items():
-                file.setncattr_string(name, value)
-            file.setncattr_string(_AXES, " ".join(contents.axes))
+    with replacing(path) as scratch, netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
+        for name, size in contents.sizes.items():
+            file.createDimension(name, size)
+        for name, item in contents.fields.items():
+            _write_field(file, contents, name, item)
+        for name, value in contents.attrs.items():
+            file.setncattr_string(name, value)
+        file.setncattr_string(_AXES, " ".join(contents.axes))
 
 
 def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from rockcli.study.schema import CasePart, Number, Part, StudyPart, describe
 from rockcli.study.tree import Keys, Map, Source, nearest, place, value_at
+
+
+P = TypeVar("P", bound=Part)
 
 
 def check_study(source: Source, study: Map) -> StudyPart:
@@ -23,7 +26,7 @@ def check_case(source: Source, study: Map) -> CasePart:
     return _checked(source, study, CasePart, ("case",))
 
 
-def _checked[P: Part](source: Source, study: Map, part: type[P], at: Keys) -> P:
+def _checked(source: Source, study: Map, part: type[P], at: Keys) -> P:
     try:
         return part.model_validate(value_at(study, at))
     except ValidationError as error:
@@ -48,10 +51,13 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
     if kind == "literal_error":
         expected = detail["ctx"]["expected"]
         choices = [word.strip("'") for word in expected.replace(" or ", ", ").split(", ")]
-        return where, f"{name} is {value}; expected one of {', '.join(choices)}; {nearest(value.strip(chr(39)), choices)}"
+        return (
+            where,
+            f"{name} is {value}; expected one of {', '.join(choices)}; {nearest(value.strip(chr(39)), choices)}",
+        )
     if kind in ("model_type", "model_attributes_type", "dict_type"):
-        known = list(fields_at(part, keys[len(at) :]))
-        with_keys = f" with the keys {', '.join(known)}" if known else ""
+        keys_of_it = ", ".join(fields_at(part, keys[len(at) :]))
+        with_keys = f" with the keys {keys_of_it}" if keys_of_it else ""
         return where, f"{name} must be a mapping{with_keys}, not {value}"
     if kind == "string_pattern_mismatch":
         return where, f"{name} is {value}; only letters, digits, - and _ are allowed, at most 100 of them"
@@ -65,12 +71,13 @@ def _followed(tree: Any, loc: tuple[str | int, ...]) -> Keys:
     """The part of pydantic's location that exists in the study."""
     keys: list[str | int] = []
     for item in loc:
-        if isinstance(tree, dict) and item in tree:
-            tree = tree[item]
-        elif isinstance(tree, list) and isinstance(item, int) and item < len(tree):
-            tree = tree[item]
+        if isinstance(tree, dict):
+            inside = item in tree
         else:
+            inside = isinstance(tree, list) and isinstance(item, int) and item < len(tree)
+        if not inside:
             break
+        tree = tree[item]
         keys.append(item)
     return tuple(keys)
 

@@ -62,7 +62,11 @@ FUNCTIONS: dict[str, Callable[[Any], Any]] = {
 
 
 class ExpressionError(ValueError):
-    """What is wrong with an expression, in words."""
+    """What is wrong with an expression, in words; `index` is the first case concerned, if it is an array's."""
+
+    def __init__(self, message: str, index: int = 0) -> None:
+        super().__init__(message)
+        self.index = index
 
 
 def _power(x: Any, y: Any) -> Any:
@@ -113,8 +117,8 @@ class Expression:
                     stack.append(what(stack.pop(), right))
         result = stack.pop()
         if not np.isfinite(result).all():
-            bad = result if np.ndim(result) == 0 else result[~np.isfinite(result)][0]
-            raise ExpressionError(f"{self.text!r} gives {bad}, not a finite number")
+            first = int(np.argmin(np.isfinite(result)))
+            raise ExpressionError(f"{self.text!r} gives {np.ravel(result)[first]}, not a finite number", first)
         return float(result) if np.ndim(result) == 0 else result
 
 

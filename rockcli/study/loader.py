@@ -16,7 +16,7 @@ import yaml
 from rockcli.errors import StudyError
 from rockcli.study.tree import List, Map, Source, Where
 
-__all__ = ["load_file", "load_mapping", "load_value"]
+__all__ = ["load_any", "load_file", "load_mapping", "load_value", "read_bytes", "scalar"]
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 40
@@ -42,30 +42,40 @@ def load_file(path: Path) -> Map:
     Raises:
         StudyError: it cannot be read, is no YAML, is empty, is too large or too deep, has a duplicate key.
     """
-    source = Source(path)
-    try:
-        if path.is_dir():
-            raise source.placed(None, "is a folder, not a study file")
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise source.placed(None, "there is no such study file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise StudyError(f"the study file cannot be read: {reason}", file=str(path)) from None
-    if len(data) > MAX_BYTES:
-        raise source.placed(None, f"a study file has at most {MAX_BYTES} bytes; put long lists into a CSV file")
+    value = load_any(path)
+    if value is None:
+        raise StudyError("the study is empty; at least `name` and `case` are needed", file=path)
+    if not isinstance(value, Map):
+        raise StudyError("a study is a mapping with the keys `name`, `case`, ...", file=path, line=1)
+    return value
+
+
+def load_any(path: Path) -> Any:
+    """Read a YAML file of any form; raises StudyError like `load_file`."""
+    data = read_bytes(path)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise source.placed(line, f"is no UTF-8 text (byte {error.start}): not a study file") from None
-    value = _parse(text, source, None)
-    if value is None:
-        raise source.placed(None, "the study is empty; at least `name` and `case` are needed")
-    if not isinstance(value, Map):
-        raise source.placed(1, "a study is a mapping with the keys `name`, `case`, ...")
-    return value
+        raise StudyError(f"is no UTF-8 text (byte {error.start})", file=path, line=line) from None
+    return _parse(text, Source(path), None)
+
+
+def read_bytes(path: Path) -> bytes:
+    """The bytes of a file of a study, at most MAX_BYTES; raises StudyError."""
+    try:
+        if path.is_dir():
+            raise StudyError("is a folder, not a study file", file=path)
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise StudyError("there is no such file", file=path) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise StudyError(f"cannot be read: {reason}", file=path) from None
+    if len(data) > MAX_BYTES:
+        raise StudyError(f"is larger than {MAX_BYTES} bytes", file=path)
+    return data
 
 
 def load_value(text: str, label: str) -> Any:

@@ -103,16 +103,15 @@ def value_at(tree: Any, keys: Keys) -> Any:
 
 
 def replaced(tree: Any, keys: Sequence[str], value: Any, where: Where) -> Map:
-    """A copy of `tree` with `value` at `keys` and the alternatives of its keys dropped; the rest is shared."""
+    """A copy of `tree` with `value` at `keys`, alternatives of the last key dropped; the rest is shared."""
     head, rest = keys[0], keys[1:]
     copy = Map(tree, tree.where) if isinstance(tree, Map) else Map()
     copy[head] = replaced(copy.get(head), rest, value, where) if rest else value
     if not rest or copy.where.get(head) is None:
         copy.where[head] = where
-    for group in ALTERNATIVES:
-        if head in group:
-            for other in group - {head}:
-                copy.pop(other, None)
+    if not rest:
+        for other in alternatives(head):
+            copy.pop(other, None)
     return copy
 
 
@@ -128,6 +127,11 @@ ALTERNATIVES: tuple[frozenset[str], ...] = (
     frozenset({"inertia", "r_g"}),
 )
 """Keys of one mapping that say the same thing in different ways: a varied or `--set` key displaces the others."""
+
+
+def alternatives(key: str) -> frozenset[str]:
+    """The other keys of the same mapping that a key stands for."""
+    return next((group - {key} for group in ALTERNATIVES if key in group), frozenset())
 
 
 def nearest(key: str, known: Iterable[str]) -> str:

@@ -1,0 +1,1 @@
+"""The command `rock`: talks to people, one file per command, bodies import what they need."""

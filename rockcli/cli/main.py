@@ -1,0 +1,90 @@
+"""The command `rock` and its exit codes; imports typer only, so that help is instant."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Annotated
+
+import typer
+
+from rockcli.cli import check, plot, run, show, verify
+from rockcli.errors import RockError
+
+BROKE, INTERRUPTED = 4, 130
+
+app = typer.Typer(
+    name="rock",
+    help="Seismic response of rocking bodies: studies in, datasets out.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+app.command("run")(run.run)
+app.command("check")(check.check)
+app.command("plot")(plot.plot)
+app.command("show")(show.show)
+app.command("verify")(verify.verify)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from rockcli import __version__
+
+        typer.echo(f"rock {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _rock(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command(
+    "records",
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []},
+    add_help_option=False,
+)
+def _records(context: typer.Context) -> None:
+    """Look at ground-motion records and convert them (info, convert)."""
+    from rockcli.cli.records import app as records
+
+    records(args=context.args, prog_name="rock records")
+
+
+def main() -> None:
+    """Run the command; every error the user can mend is one sentence on stderr."""
+    try:
+        app()
+    except RockError as error:
+        typer.echo(f"rock: {error}", err=True)
+        sys.exit(error.exit_code)
+    except KeyboardInterrupt:
+        typer.echo("rock: interrupted", err=True)
+        sys.exit(INTERRUPTED)
+    except BrokenPipeError:  # the reader of our output went away
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except Exception as error:  # a bug: say so, and show the way to its trace
+        if os.environ.get("ROCK_DEBUG") == "1":
+            raise_with_code(error)
+        typer.echo(f"rock: this is a bug in rock: {type(error).__name__}: {error}", err=True)
+        typer.echo("rock: set ROCK_DEBUG=1 for the traceback", err=True)
+        sys.exit(BROKE)
+
+
+def raise_with_code(error: Exception) -> None:
+    """Print the traceback of a bug and leave with its exit code."""
+    import traceback
+
+    traceback.print_exception(error)
+    sys.exit(BROKE)
+
+
+if __name__ == "__main__":
+    main()

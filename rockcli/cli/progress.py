@@ -1,0 +1,49 @@
+"""One line that tells how far a run is, in a terminal only."""
+
+from __future__ import annotations
+
+import sys
+from time import perf_counter
+
+
+class Progress:
+    """Call with (cases done, cases in all); `close` wipes the line.  Silent unless `shown` and stderr is a terminal."""
+
+    def __init__(self, name: str, *, shown: bool) -> None:
+        self.name = name
+        self.shown = shown and sys.stderr.isatty()
+        self.began = perf_counter()
+        self.width = 0
+
+    def __call__(self, done: int, total: int) -> None:
+        """Rewrite the line."""
+        if not self.shown or total < 2:
+            return
+        spent = perf_counter() - self.began
+        rate = done / spent if spent > 0.0 else 0.0
+        left = (total - done) / rate if rate > 0.0 else 0.0
+        self._put(f"{self.name}: {done}/{total} cases, {rate:,.0f}/s, {duration(left)} left")
+
+    def close(self) -> None:
+        """Wipe the line."""
+        if self.width:
+            self._put("")
+            sys.stderr.write("\r")
+            sys.stderr.flush()
+
+    def _put(self, words: str) -> None:
+        sys.stderr.write("\r" + words.ljust(self.width))
+        sys.stderr.flush()
+        self.width = len(words)
+
+
+def duration(seconds: float) -> str:
+    """`0.41 s`, `12 s`, `3 min 20 s`, `2 h 5 min`."""
+    if seconds < 10.0:
+        return f"{seconds:.2g} s"
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"

@@ -1,0 +1,88 @@
+"""`rock run`: solve studies, judge and draw their results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from rockcli.engine.report import RunReport
+    from rockcli.study.study import Study
+
+
+def run(
+    studies: Annotated[
+        list[Path], typer.Argument(metavar="STUDY.yaml|FOLDER...", help="Studies; folders are searched.")
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where results go.")] = Path("results"),
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2.")
+    ] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Replace results that are there.")] = False,
+    skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
+    plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress, no summary; errors only.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
+    junit: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write verdicts as JUnit XML.")] = None,
+) -> None:
+    """Solve studies into DIR/<name>/<name>.nc, judge their `expect` clauses and draw their plots."""
+    from rockcli.cli.sources import open_all
+    from rockcli.cli.words import totals_text
+    from rockcli.engine.report import SKIPPED, RunReport, exit_code
+    from rockcli.engine.run import check_study
+
+    _check_format(plot_format)
+    opened = open_all(
+        studies, settings or (), skip_missing=skip_missing, also=lambda study: check_study(study, out, fresh=fresh)
+    )
+    reports = [RunReport(name=file.stem, status=SKIPPED, warnings=(why,)) for file, why in opened.skipped]
+    for report in reports:
+        typer.echo(f"rock: skipped {report.name}: {report.warnings[0]}", err=True)
+    spoken = not quiet and not as_json
+    for study in opened.studies:
+        report = _run_one(study, out, fresh=fresh, plots=not no_plots, plot_format=plot_format, progress=not quiet)
+        _tell(report, spoken=spoken, quiet=quiet)
+        reports.append(report)
+    if spoken and len(reports) > 1:
+        typer.echo(totals_text(reports))
+    code = exit_code(reports)
+    if as_json:
+        import json
+
+        typer.echo(json.dumps({"exit_code": code, "studies": [r.as_dict() for r in reports]}, indent=2))
+    if junit is not None:
+        from rockcli.cli.junit import write_junit
+
+        write_junit(reports, junit)
+    raise typer.Exit(code)
+
+
+def _check_format(plot_format: str) -> None:
+    from rockcli.errors import StudyError
+
+    if plot_format not in ("png", "pdf", "svg"):
+        raise StudyError(f"--format {plot_format}: expected png, pdf or svg")
+
+
+def _run_one(study: Study, out: Path, *, fresh: bool, plots: bool, plot_format: str, progress: bool) -> RunReport:
+    from rockcli.cli.progress import Progress
+    from rockcli.engine.run import run_study
+
+    line = Progress(study.name, shown=progress)
+    try:
+        return run_study(study, out, fresh=fresh, plots=plots, plot_format=plot_format, progress=line)
+    finally:
+        line.close()
+
+
+def _tell(report: RunReport, *, spoken: bool, quiet: bool) -> None:
+    from rockcli.cli.words import report_text
+
+    if not quiet:
+        for warning in report.warnings:
+            typer.echo(f"rock: {report.name}: warning: {warning}", err=True)
+    if spoken:
+        typer.echo(report_text(report))

@@ -1,0 +1,86 @@
+"""`rock show`: what there is to choose from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Annotated
+
+import typer
+
+
+def show(
+    topic: Annotated[
+        str, typer.Argument(metavar="models|backends|variables|pulses|plots|schema", help="What to list.")
+    ],
+) -> None:
+    """List models, backends, variables of the dataset, pulses, plots, or print the schema of a study (JSON)."""
+    from rockcli.errors import StudyError
+
+    if topic not in _TOPICS:
+        raise StudyError(f"show {topic}: expected one of {', '.join(_TOPICS)}")
+    typer.echo(_TOPICS[topic]())
+
+
+def _models() -> str:
+    from rockcli.scene.models import MODELS
+
+    rows = [(m.name, m.geometry or "-", m.reference, m.sentence) for m in MODELS.values()]
+    return _table(("model", "geometry", "equation", "good for"), rows)
+
+
+def _backends() -> str:
+    from rockcli.engine.choose import BACKENDS
+
+    rows = []
+    for backend in BACKENDS.values():
+        models = ", ".join(sorted({name for name, _ in backend.support.models}))
+        rows.append((backend.name, models, ", ".join(sorted(backend.support.damping)), backend.support.sentence))
+    return _table(("backend", "models", "damping", "method"), rows)
+
+
+def _variables() -> str:
+    from rockcli.scene.variables import VARIABLES
+
+    beside = {"case": "axes", "time": "axes, time", "impact": "axes, impact"}
+    rows = [(v.name, beside[v.over], v.unit, v.sentence) for v in VARIABLES.values()]
+    return _table(("variable", "over", "unit", "meaning"), rows)
+
+
+def _pulses() -> str:
+    from rockcli.scene.pulses import SHAPES
+
+    rows = [(s.name, ", ".join(s.options) or "-", s.sentence) for s in SHAPES.values()]
+    return _table(("shape", "options", "a_g, tau = t - t0"), rows)
+
+
+def _plots() -> str:
+    from rockcli.plotting.figures import KINDS
+
+    return _table(("plot", "shows"), [(kind.name, kind.sentence) for kind in KINDS.values()])
+
+
+def _schema() -> str:
+    import json
+
+    from rockcli.study.schema import json_schema
+
+    return json.dumps(json_schema(), indent=2)
+
+
+_TOPICS: dict[str, Callable[[], str]] = {
+    "models": _models,
+    "backends": _backends,
+    "variables": _variables,
+    "pulses": _pulses,
+    "plots": _plots,
+    "schema": _schema,
+}
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    """Columns as wide as they need; the last one runs free."""
+    lines = [head, *rows]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(head) - 1)]
+    return "\n".join(
+        "  ".join([*(cell.ljust(width) for cell, width in zip(line, widths, strict=False)), line[-1]]) for line in lines
+    )

@@ -1,0 +1,106 @@
+"""Which study files the command line means, and their checked studies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from rockcli.errors import RecordError, RockError, StudyError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rockcli.study.study import Study
+
+
+@dataclass(frozen=True)
+class Opened:
+    """Studies that may run, and (file, why) of those skipped for want of a record."""
+
+    studies: tuple[Study, ...]
+    skipped: tuple[tuple[Path, str], ...]
+
+
+def study_files(paths: Sequence[Path]) -> list[Path]:
+    """Files as given, folders searched for *.yaml and *.yml (sorted); `StudyError` for what is not there."""
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            found = sorted({*path.rglob("*.yaml"), *path.rglob("*.yml")})
+            if not found:
+                raise StudyError("no *.yaml in this folder", file=path)
+            files += found
+        elif path.is_file():
+            files.append(path)
+        else:
+            raise StudyError("no such file or folder", file=path)
+    return list(dict.fromkeys(files))
+
+
+def overrides(assignments: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """`case.block.R=2` -> ("case.block.R", "2"); `StudyError` without `=`."""
+    pairs = []
+    for assignment in assignments:
+        path, equals, value = assignment.partition("=")
+        if not equals or not path.strip():
+            raise StudyError(f"--set {assignment}: expected PATH=VALUE, such as case.block.R=2")
+        pairs.append((path.strip(), value.strip()))
+    return tuple(pairs)
+
+
+def open_all(
+    paths: Sequence[Path],
+    settings: Sequence[str] = (),
+    *,
+    skip_missing: bool = False,
+    also: Callable[[Study], None] | None = None,
+) -> Opened:
+    """Open and check every study before any is solved.
+
+    Args:
+        paths: files and folders.
+        settings: `--set` assignments, for every study.
+        skip_missing: put studies whose record is absent aside.
+        also: a further check of each study.
+
+    Raises:
+        StudyError, RecordError: the last of all complaints; those before it are printed to stderr.
+    """
+    from rockcli.study.open import open_study
+
+    pairs = overrides(settings)
+    studies: list[Study] = []
+    skipped: list[tuple[Path, str]] = []
+    complaints: list[RockError] = []
+    for file in study_files(paths):
+        try:
+            study = open_study(file, overrides=pairs)
+            if also is not None:
+                also(study)
+        except RockError as error:
+            if skip_missing and isinstance(error, RecordError) and getattr(error, "missing", False):
+                skipped.append((file, str(error)))
+            else:
+                complaints.append(error)
+        else:
+            studies.append(study)
+    complaints += _same_names(studies)
+    for complaint in complaints[:-1]:
+        typer.echo(f"rock: {complaint}", err=True)
+    if complaints:
+        raise complaints[-1]
+    return Opened(tuple(studies), tuple(skipped))
+
+
+def _same_names(studies: Sequence[Study]) -> list[RockError]:
+    first: dict[str, Study] = {}
+    complaints: list[RockError] = []
+    for study in studies:
+        other = first.setdefault(study.name, study)
+        if other is not study:
+            complaints.append(StudyError(f"has the name of {other.file}: {study.name!r}", file=study.file))
+    return complaints

@@ -1,0 +1,78 @@
+"""Reports in words, for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rockcli.cli.progress import duration
+
+if TYPE_CHECKING:
+    from rockcli.engine.expect import Verdict
+    from rockcli.engine.report import RunReport
+
+_MOST_REASONS = 5
+
+
+def report_text(report: RunReport) -> str:
+    """A study's summary: a headline and a few aligned lines."""
+    cases = f"{report.cases} case" + ("" if report.cases == 1 else "s")
+    time = f" in {duration(report.seconds)}" if report.status == "solved" else ""
+    lines = [f"{report.name}: {cases}, {report.status}{time}"]
+    if report.outcomes:
+        lines.append(
+            _row("outcomes", ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in report.outcomes.items()))
+        )
+    if report.peak is not None:
+        where = f" at {report.peak_at}" if report.peak_at else ""
+        lines.append(_row("peak", f"|theta|/alpha = {report.peak:.6g}{where}" + _survivors(report)))
+    for number, (sentence, count) in enumerate(list(report.reasons.items())[:_MOST_REASONS]):
+        often = f" ({count} cases)" if report.cases > 1 else ""
+        lines.append(_row("notes" if number == 0 else "", sentence + often))
+    if len(report.reasons) > _MOST_REASONS:
+        lines.append(
+            _row("", f"and {len(report.reasons) - _MOST_REASONS} other sentences, in `reasons` of the dataset")
+        )
+    if report.verdicts:
+        met = len(report.verdicts) - report.unmet
+        lines.append(_row("expect", f"{met} of {len(report.verdicts)} met"))
+        lines += ["    " + verdict_text(verdict) for verdict in report.verdicts]
+    lines.append(_row("file", str(report.file)))
+    if report.plots:
+        lines.append(_row("plots", " ".join(path.name for path in report.plots)))
+    return "\n".join(lines)
+
+
+def _survivors(report: RunReport) -> str:
+    return " (largest of those that stand)" if any(name.startswith("overturned") for name in report.outcomes) else ""
+
+
+def verdict_text(verdict: Verdict) -> str:
+    """`ok    clause: got`, or `FAIL  clause: how many points fail, the worst and where`."""
+    if verdict.points == 0:
+        return f"FAIL  {verdict.text}: {verdict.worst}"
+    where = f" at {verdict.where}" if verdict.where else ""
+    if verdict.passed:
+        return f"ok    {verdict.text}: {verdict.worst}{where}"
+    many = "" if verdict.points == 1 else f"{verdict.failing} of {verdict.points} points fail, worst "
+    line = f" (line {verdict.clause.line})" if verdict.clause.line is not None else ""
+    return f"FAIL  {verdict.text}: {many}{verdict.worst}{where}{line}"
+
+
+def totals_text(reports: Sequence[RunReport]) -> str:
+    """The last line of a run of several studies."""
+    ran = [report for report in reports if report.status != "skipped"]
+    clauses = sum(len(report.verdicts) for report in ran)
+    unmet = sum(report.unmet for report in ran)
+    parts = [f"{len(ran)} studies", f"{sum(report.cases for report in ran)} cases"]
+    if failed := sum(report.failed for report in ran):
+        parts.append(f"{failed} failed")
+    if clauses:
+        parts.append(f"{clauses - unmet} of {clauses} expectations met")
+    if len(ran) < len(reports):
+        parts.append(f"{len(reports) - len(ran)} skipped")
+    return ", ".join(parts)
+
+
+def _row(name: str, words: str) -> str:
+    return f"  {name:<9} {words}"

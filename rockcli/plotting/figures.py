@@ -1,0 +1,86 @@
+"""Which figures there are, which a dataset suggests, and which it cannot show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+
+from rockcli.plotting import curve, histories, phase, style
+from rockcli.plotting import map as outcomes
+from rockcli.plotting.cases import axes_of, is_numeric
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A row: name, what it shows, why a dataset cannot be drawn so ("" if it can), and how it is drawn."""
+
+    name: str
+    sentence: str
+    why_not: Callable[[xarray.Dataset], str]
+    draw: Callable[[xarray.Dataset], Figure]
+
+
+def _without_histories(dataset: xarray.Dataset) -> str:
+    missing = [name for name in ("theta", "theta_dot", "alpha") if name not in dataset.variables]
+    return "the dataset holds no histories (save: {histories: true})" if missing else ""
+
+
+def _without_map(dataset: xarray.Dataset) -> str:
+    if outcomes.plane(dataset) is not None and "outcome" in dataset.variables:
+        return ""
+    if curve.along(dataset) is None:
+        return "the dataset has no numeric axis"
+    return "" if "theta_peak_over_alpha" in dataset.variables else "theta_peak_over_alpha was not saved"
+
+
+def _draw_map(dataset: xarray.Dataset) -> Figure:
+    """Two numeric axes make a map; one makes curves."""
+    mapped = outcomes.plane(dataset) is not None and "outcome" in dataset.variables
+    return outcomes.draw(dataset) if mapped else curve.draw(dataset)
+
+
+_ROWS: tuple[Kind, ...] = (
+    Kind("histories", "rotation, rate and ground acceleration against time", _without_histories, histories.draw),
+    Kind("phase", "rate against rotation, with the separatrix", _without_histories, phase.draw),
+    Kind("map", "outcomes over two numeric axes, peaks over one", _without_map, _draw_map),
+)
+
+KINDS: dict[str, Kind] = {row.name: row for row in _ROWS}
+
+
+def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
+    """Kinds of figure the content suggests: a map for numeric sweeps, histories and portraits where there are any."""
+    chosen = []
+    numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= 3]
+    if not _without_histories(dataset):
+        chosen += ["histories", "phase"]
+    if numeric and not _without_map(dataset):
+        chosen.append("map")
+    return tuple(chosen)
+
+
+def why_not(kind: str, dataset: xarray.Dataset) -> str:
+    """Why a dataset cannot be drawn as `kind`; "" if it can."""
+    if kind not in KINDS:
+        return f"not drawn by this version, which draws {', '.join(KINDS)}"
+    return KINDS[kind].why_not(dataset)
+
+
+def figure(kind: str, dataset: xarray.Dataset) -> Figure:
+    """Draw a kind the dataset can show."""
+    with mpl.rc_context(style.RC):
+        return KINDS[kind].draw(dataset)
+
+
+def save(drawn: Figure, path: Path, plot_format: str) -> None:
+    """Write a figure as png, pdf or svg."""
+    with mpl.rc_context(style.RC):
+        style.save(drawn, path, plot_format)

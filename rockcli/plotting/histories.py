@@ -1,0 +1,179 @@
+"""Rotation, its rate and the ground acceleration against time."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockcli.plotting.cases import (
+    Array,
+    Shown,
+    number_at,
+    outcome_at,
+    pick,
+    reference_words,
+    selection_note,
+    values_at,
+)
+from rockcli.plotting.labels import title_of, unit_in_brackets
+from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, headline, legend_beside, new_figure
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST_CURVES = 8
+
+_RATES_UP_TO = 4
+"""Curves up to which the rate is drawn too: more of them are only readable with room for theta."""
+
+_SHOWN_UP_TO = 1.3
+"""|theta|/alpha beyond which an overturning body is no longer followed."""
+
+_G = 9.81
+"""Unit of acceleration in plots: the standard g, whatever the study's own."""
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """Panels over a common time axis: ground acceleration, theta/alpha, theta_dot, and the difference if compared."""
+    shown, total = pick(dataset, MOST_CURVES)
+    moving = "a_g" in dataset and bool(np.nanmax(np.abs(dataset["a_g"].values), initial=0.0) > 0.0)
+    compared = any(case.reference is not None for case in shown)
+    crowded = len(shown) > _RATES_UP_TO
+    heights = {
+        "ground": 0.55 if moving else 0.0,
+        "theta": 1.6 if crowded else 1.0,
+        "rate": 0.0 if crowded else 0.75,
+        "difference": 0.65 if compared else 0.0,
+    }
+    names = [name for name, height in heights.items() if height]
+    figure = new_figure(DOUBLE, 0.6 + 1.75 * sum(heights.values()))
+    grid = figure.subplots(len(names), 1, sharex=True, squeeze=False, height_ratios=[heights[n] for n in names])
+    panel: dict[str, Axes] = dict(zip(names, grid[:, 0], strict=True))
+    if moving:
+        _ground(panel["ground"], dataset, shown)
+    _rotation(panel["theta"], dataset, shown)
+    if not crowded:
+        _rate(panel["rate"], dataset, shown)
+    if compared:
+        _difference(panel["difference"], dataset, shown)
+    _time_axis(panel, dataset, shown)
+    figure.align_ylabels()
+    notes = [selection_note(len(shown), total)]
+    if compared:
+        notes.append(f"dashed: {reference_words(dataset)}")
+    if len(shown) == 1 and not compared:
+        notes.append(_summary(dataset, shown[0]))
+    headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
+    if total > 1:
+        legend_beside(figure, panel["theta"], columns=_columns(shown))
+    return figure
+
+
+def _columns(shown: list[Shown]) -> int:
+    longest = max(len(re.sub(r"\\[a-z]+|[$,]", "", case.label)) for case in shown)
+    return max(1, min(len(shown), 4, int(125 / (longest + 14))))
+
+
+def _ground(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
+    time = dataset["time"].values
+    ground = [values_at(dataset, "a_g", case.position) / _G for case in shown]
+    same = all(_agree(ground[0], other) for other in ground[1:])
+    longest = max(ground, key=lambda a: int(np.isfinite(a).sum()))
+    for number, a in enumerate([longest] if same else ground):
+        axes.plot(time, a, color="#333333" if same else COLOURS[number], linewidth=0.7)
+    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    axes.set_ylabel(r"$a_g$ [g]")
+
+
+def _agree(a: Array, b: Array) -> bool:
+    both = np.isfinite(a) & np.isfinite(b)
+    return bool(np.array_equal(a[both], b[both]))
+
+
+def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
+    time = dataset["time"].values
+    low, high = 0.0, 0.0
+    for number, case in enumerate(shown):
+        colour = COLOURS[number]
+        ratio = _ratio(dataset, case.position)
+        fate = outcome_at(dataset, case.position)
+        ended = fate.startswith("overturned")
+        label = case.label + (" (overturns)" if ended else f" ({fate})" if fate in ("failed", "unresolved") else "")
+        axes.plot(time, ratio, color=colour, label=label or "response", zorder=3)
+        if case.reference is not None:
+            axes.plot(time, _ratio(dataset, case.reference), color=colour, linewidth=0.8, dashes=(4, 2), zorder=2)
+        impacts = values_at(dataset, "t_impact", case.position) if "t_impact" in dataset else np.empty(0)
+        if len(shown) <= 3:
+            axes.plot(impacts, np.zeros_like(impacts), "o", color=colour, markersize=2.6, markeredgewidth=0.0, zorder=4)
+        seen = np.clip(ratio, -_SHOWN_UP_TO, _SHOWN_UP_TO) if ended else ratio
+        low = min(low, float(np.nanmin(seen, initial=0.0)))
+        high = max(high, float(np.nanmax(seen, initial=0.0)))
+    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    margin = 0.08 * (high - low) or 1.0
+    axes.set_ylim(low - margin, high + margin)
+    for level in (-1.0, 1.0):
+        if low - margin < level < high + margin:
+            axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
+    axes.set_ylabel(r"$\theta/\alpha$")
+
+
+def _rate(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
+    time = dataset["time"].values
+    reach = 0.0
+    for number, case in enumerate(shown):
+        rate = values_at(dataset, "theta_dot", case.position)
+        axes.plot(time, rate, color=COLOURS[number], zorder=3)
+        if case.reference is not None:
+            other = values_at(dataset, "theta_dot", case.reference)
+            axes.plot(time, other, color=COLOURS[number], linewidth=0.8, dashes=(4, 2), zorder=2)
+        near = np.abs(_ratio(dataset, case.position)) <= _SHOWN_UP_TO
+        reach = max(reach, float(np.max(np.abs(rate), where=near & np.isfinite(rate), initial=0.0)))
+    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    if reach > 0.0:
+        axes.set_ylim(-1.12 * reach, 1.12 * reach)
+    axes.set_ylabel(r"$\dot\theta$" + unit_in_brackets("rad s-1"))
+
+
+def _difference(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
+    time = dataset["time"].values
+    for number, case in enumerate(shown):
+        if case.reference is None:
+            continue
+        own, other = _ratio(dataset, case.position), values_at(dataset, "theta", case.reference)
+        gap = own - other / number_at(dataset, "alpha", case.position)
+        lasts = np.fmin(
+            number_at(dataset, "t_overturn", case.position), number_at(dataset, "t_overturn", case.reference)
+        )
+        axes.plot(time, np.where(time >= lasts, np.nan, gap), color=COLOURS[number], linewidth=0.8)
+    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    axes.set_ylabel(r"$\Delta\theta/\alpha$")
+
+
+def _time_axis(panel: dict[str, Axes], dataset: xarray.Dataset, shown: list[Shown]) -> None:
+    last = list(panel.values())[-1]
+    last.set_xlabel("time [s]")
+    time = dataset["time"].values
+    alive = np.zeros(len(time), dtype=bool)
+    for case in shown:
+        alive |= np.isfinite(values_at(dataset, "theta", case.position))
+    end = float(time[alive][-1]) if alive.any() else float(time[-1])
+    last.set_xlim(0.0, end if end > 0.0 else 1.0)
+
+
+def _ratio(dataset: xarray.Dataset, position: tuple[int, ...]) -> Array:
+    return values_at(dataset, "theta", position) / number_at(dataset, "alpha", position)
+
+
+def _summary(dataset: xarray.Dataset, case: Shown) -> str:
+    fate = outcome_at(dataset, case.position)
+    if fate != "rocking":
+        return fate.replace("_", " ")
+    peak = number_at(dataset, "theta_peak_over_alpha", case.position)
+    when = number_at(dataset, "t_peak", case.position)
+    impacts = number_at(dataset, "n_impacts", case.position)
+    words = rf"peak $|\theta|/\alpha$ = {peak:.4g}" + (f" at {when:.3g} s" if np.isfinite(when) else "")
+    return words + (f", {impacts:.0f} impacts" if np.isfinite(impacts) else "")

@@ -1,0 +1,88 @@
+"""Words and symbols for axes, curves and panels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockcli.scene.variables import VARIABLES
+
+if TYPE_CHECKING:
+    import xarray
+
+_SYMBOLS: dict[str, str] = {
+    "tan_alpha": r"$\tan\alpha$",
+    "slenderness": r"$h/b$",
+    "h": r"$h$",
+    "b": r"$b$",
+    "height": r"$2h$",
+    "width": r"$2b$",
+    "mu": r"$\mu$",
+    "inertia": r"$I_O/mR^2$",
+    "a_p_over_g_tan_alpha": r"$a_p/(g\,\tan\alpha)$",
+    "omega_p_over_p": r"$\omega_p/p$",
+    "T_p": r"$T_p$",
+    "f_p": r"$f_p$",
+    "t0": r"$t_0$",
+    "pga_over_g_tan_alpha": r"PGA$/(g\,\tan\alpha)$",
+    "initial.theta": r"$\theta_0$",
+    "initial.theta_dot": r"$\dot\theta_0$",
+    "r_energy": r"$r$",
+    "g": r"$g$",
+    "gamma": r"$\gamma$",
+    "nu": r"$\nu$",
+    "zeta": r"$\zeta$",
+    "rho": r"$\rho$",
+}
+
+_UNITS = {"1": "", "m s-2": "m/s²", "m s-1": "m/s", "rad s-1": "rad/s", "m2 s-2": "m²/s²", "N m": "N m"}
+
+
+def unit_in_brackets(unit: str) -> str:
+    """` [m/s²]`, or nothing where there is no dimension."""
+    shown = _UNITS.get(unit, unit)
+    return f" [{shown}]" if shown else ""
+
+
+def variable_label(name: str, unit: str | None = None) -> str:
+    """Symbol and unit of a variable of the dataset."""
+    row = VARIABLES[name]
+    return row.symbol + unit_in_brackets(row.unit if unit is None else unit)
+
+
+def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:
+    """Symbol of an axis of the study, or its name where it has none."""
+    path = str(dataset[axis].attrs.get("long_name", axis))
+    for name in (".".join(path.split(".")[-2:]), path.split(".")[-1], axis):
+        if name in _SYMBOLS:
+            return _SYMBOLS[name]
+        if name in VARIABLES and VARIABLES[name].symbol != name:
+            return VARIABLES[name].symbol
+    return axis.replace("_", " ")
+
+
+def axis_label(dataset: xarray.Dataset, axis: str) -> str:
+    """Symbol and unit of an axis of the study."""
+    return axis_symbol(dataset, axis) + unit_in_brackets(str(dataset[axis].attrs.get("units", "1")))
+
+
+def coordinate_label(dataset: xarray.Dataset, axis: str, position: int) -> str:
+    """`$R$ = 5 m` for a numeric axis; the label itself, or `model 3` for a bare number, for a labelled one."""
+    value: Any = dataset[axis].values[position]
+    if isinstance(value, (str, np.str_)):
+        label = escape(str(value))
+        return f"{axis.replace('_', ' ')} {label}" if label.replace(".", "").isdigit() else label
+    unit = str(dataset[axis].attrs.get("units", "1"))
+    shown = _UNITS.get(unit, unit)
+    return f"{axis_symbol(dataset, axis)} = {value:.4g}" + (f" {shown}" if shown else "")
+
+
+def escape(words: str) -> str:
+    """Words in which a dollar sign means a dollar."""
+    return words.replace("$", r"\$")
+
+
+def title_of(dataset: xarray.Dataset) -> str:
+    """The study's title."""
+    return escape(str(dataset.attrs.get("title", "")))

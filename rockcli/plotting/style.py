@@ -1,0 +1,98 @@
+"""How figures look: sizes of a journal column, fonts, colours told apart by everyone, files."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+SINGLE, DOUBLE = 3.54, 7.2
+"""Widths of one and two journal columns [in]."""
+
+DPI = 300
+
+COLOURS: tuple[str, ...] = (
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5D3A9B", "#000000",
+)  # fmt: skip
+"""Okabe and Ito's palette (its yellow, too pale for a line, replaced by a violet)."""
+
+OUTCOME_COLOURS: dict[str, str] = {
+    "failed": "#000000",
+    "unresolved": "#CC79A7",
+    "no_uplift": "#DADADA",
+    "rocking": "#9CC9E6",
+    "overturned_without_impact": "#A33B00",
+    "overturned_after_impact": "#F0A23C",
+}
+
+QUIET = "#8A8A8A"
+"""Reference lines."""
+
+RC: Any = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0,
+    "legend.fontsize": 8.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.unicode_minus": True,
+    "xtick.direction": "out",
+    "ytick.direction": "out",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "xtick.major.size": 3.0,
+    "ytick.major.size": 3.0,
+    "xtick.minor.size": 1.8,
+    "ytick.minor.size": 1.8,
+    "lines.linewidth": 1.0,
+    "lines.solid_joinstyle": "round",
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
+    "legend.borderaxespad": 0.0,
+    "figure.constrained_layout.h_pad": 0.03,
+    "figure.constrained_layout.w_pad": 0.03,
+    "figure.constrained_layout.hspace": 0.02,
+    "svg.hashsalt": "rockcli",
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
+}
+
+_UNDATED: dict[str, dict[str, None]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure, width x height [in], laid out so that nothing overlaps."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def headline(figure: Figure, title: str, note: str = "") -> None:
+    """Title of a figure, wrapped to its width, with a lighter second line."""
+    columns = int(figure.get_figwidth() * 14.5)
+    words = "\n".join(textwrap.wrap(title, columns))
+    if note:
+        words += "\n" + "\n".join(textwrap.wrap(note, columns + 6))
+    figure.suptitle(words, fontsize=9.5, linespacing=1.3)
+
+
+def legend_beside(figure: Figure, axes: Axes, columns: int) -> None:
+    """One legend below the figure, in columns."""
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, columnspacing=1.4)
+
+
+def save(figure: Figure, path: Path, plot_format: str) -> None:
+    """Write a figure; the same figure gives the same bytes."""
+    figure.savefig(path, format=plot_format, dpi=DPI, metadata=_UNDATED[plot_format])

@@ -1,0 +1,312 @@
+"""The axes of a study: from the entries of `vary` to coordinates and what each puts into a case."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import PurePosixPath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import StudyError
+from rockcli.study.expressions import CONSTANTS, ExpressionError, constant, parse
+from rockcli.study.paths import UNITS, Path, dimension_names, resolve, takes_number, varies_in_batch
+from rockcli.study.records import WILDCARDS, Records
+from rockcli.study.schema import describe, is_finite
+from rockcli.study.study import Axis
+from rockcli.study.table import read_table
+from rockcli.study.tree import List, Map, Source, Where, alternatives, nearest, place
+
+MAX_POINTS = 10_000_000
+MAX_CASES = 2**40
+
+RANGE = ("from", "to", "n", "spacing", "find")
+
+Setting = tuple[Path, Any, Where]
+"""A value to put at a path of a study, and where it comes from."""
+
+
+@dataclass(frozen=True, eq=False)
+class Variation:
+    """An axis and what its points put into a case.
+
+    Attributes:
+        axis: as the dataset has it.
+        path: of the axis from the top of a study.
+        settings: per point, what is put where (several settings for `case` and for a table).
+        columns: path -> number of every point, for an axis whose points differ only in numbers that may differ
+            within a batch; None for others.
+        where: place of every point in the study file.
+        inputs: name -> SHA-256 of the file the axis was read from.
+    """
+
+    axis: Axis
+    path: Path
+    settings: tuple[tuple[Setting, ...], ...]
+    columns: dict[Path, NDArray[np.float64]] | None
+    where: Callable[[int], Where]
+    inputs: dict[str, str]
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return self.axis.size
+
+
+_SYMBOL_PATHS = (("case", "block"), ("case", "g"))
+"""What the symbols of expressions come from, beside `let`."""
+
+Evaluate = Callable[[str], float]
+
+
+class _NeedsCase(Exception):  # noqa: N818 (no error: a sign that an axis has to wait for the others)
+    """An expression of an axis speaks of the case."""
+
+
+def read_axes(
+    source: Source, study: Map, records: Records, evaluator: Callable[[list[Variation]], Evaluate]
+) -> list[Variation]:
+    """The axes of a study, outermost first.
+
+    `evaluator(axes)` gives a function that evaluates an expression which is the same at all points of these axes
+    and raises ExpressionError if it is not.
+
+    Raises:
+        StudyError: an unknown path, an entry that is none of the forms, no points, points that repeat.
+    """
+    vary: Map = study.get("vary") or Map()
+    read = {text: _Reader(source, study, text, records) for text in vary}
+    done: dict[str, Variation] = {}
+    for text, reader in read.items():
+        with suppress(_NeedsCase):
+            done[text] = reader.read()
+    evaluate = evaluator(list(done.values())) if len(done) < len(read) else None
+    for text, reader in read.items():
+        if text not in done:
+            if reader.path[:2] in _SYMBOL_PATHS or reader.path[0] == "let" or reader.path == ("case",):
+                raise reader.fail("must be numbers or expressions of numbers and units: other expressions depend on it")
+            reader.evaluate = evaluate
+            done[text] = reader.read()
+    variations = [done[text] for text in vary]
+    names = dimension_names(list(vary))
+    for i, (name, variation) in enumerate(zip(names, variations, strict=True)):
+        keys = ("vary", variation.axis.path)
+        if names.count(name) > 1:
+            raise source.error(study, keys, f"has the same dimension name as another axis, {name!r}")
+        for other in variations[:i]:
+            a, b = variation.path, other.path
+            if a == b or (a[:-1] == b[:-1] and b[-1] in alternatives(a[-1]) and a[0] != "let"):
+                raise source.error(study, keys, f"and the axis {other.axis.path} say the same thing in two ways")
+    total = float(np.prod([float(v.size) for v in variations]))
+    if total > MAX_CASES:
+        raise source.error(study, ("vary",), f"makes {total:.3g} cases, more than {MAX_CASES:.3g}")
+    return [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
+
+
+class _Reader:
+    """Reads one entry of `vary`."""
+
+    def __init__(self, source: Source, study: Map, text: str, records: Records) -> None:
+        self.source, self.study, self.text, self.records = source, study, text, records
+        self.evaluate: Evaluate | None = None
+        try:
+            self.path = resolve(text)
+        except StudyError as error:
+            raise source.placed(place(study, ("vary", text)), f"vary: {error.message}") from None
+
+    def fail(self, message: str, *more: str | int) -> StudyError:
+        return self.source.error(self.study, ("vary", self.text, *more), message)
+
+    def read(self) -> Variation:
+        entry = self.study["vary"][self.text]
+        if isinstance(entry, List):
+            return self.listed(entry)
+        if isinstance(entry, Map):
+            if {"from", "to"} & entry.keys() and all(key in RANGE for key in entry):
+                return self.range(entry)
+            return self.named(entry)
+        if isinstance(entry, str) and entry.lower().endswith(".csv") and not set(entry) & WILDCARDS:
+            return self.table(entry)
+        if isinstance(entry, str) and self.is_file:
+            return self.matched(entry)
+        expected = "a list, a range {from, to, n, spacing}, named settings {label: value}, a file glob or a CSV file"
+        raise self.fail(f"is {describe(entry)}; expected {expected}")
+
+    @property
+    def is_file(self) -> bool:
+        return self.path[-1] in ("file", "record")
+
+    def listed(self, values: List) -> Variation:
+        if not values:
+            raise self.fail("has no values")
+        if len(values) > MAX_POINTS:
+            raise self.fail(f"has more than {MAX_POINTS} values")
+        places = values.where
+
+        def where(i: int) -> Where:
+            return places[i] if i < len(places) else None
+
+        numbers = self.numbers(values)
+        if numbers is not None:
+            return self.numeric(numbers, where)
+        labels = self.labels(values)
+        return self.labelled(labels, [self.put(v, where(i), i) for i, v in enumerate(values)], where)
+
+    def numbers(self, values: List) -> NDArray[np.float64] | None:
+        """The values as numbers; None if they are not all numbers or constant expressions."""
+        if self.path == ("case", "model"):
+            return None
+        found = []
+        for i, value in enumerate(values):
+            if isinstance(value, str) and takes_number(self.path) and value != "housner":
+                value = self.evaluated(value, i)
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                return None
+            if not is_finite(value):
+                raise self.fail(f"is {value}: a finite number is expected", i)
+            found.append(float(value))
+        return np.array(found)
+
+    def evaluated(self, text: str, *more: str | int) -> float:
+        """The value of an expression, the same in all cases.
+
+        Raises:
+            StudyError: it is no expression, or differs from case to case.
+            _NeedsCase: it speaks of the case, and the other axes have not been read yet.
+        """
+        try:
+            expression = parse(text)
+            if expression.names <= CONSTANTS.keys():
+                return float(expression.evaluate(constant))
+            if self.evaluate is None:
+                raise _NeedsCase
+            return self.evaluate(text)
+        except ExpressionError as error:
+            raise self.fail(f": {error}", *more) from None
+
+    def numeric(self, values: NDArray[np.float64], where: Callable[[int], Where]) -> Variation:
+        unit = UNITS.get(self.path[-1], "1") if self.path[0] != "let" else "1"
+        axis = Axis(self.text, self.text, tuple(values.tolist()), True, unit)
+        if len(set(axis.values)) < axis.size:
+            raise self.fail("repeats a value")
+        in_batch = varies_in_batch(self.path)
+        settings = () if in_batch else tuple(self.put(v, where(i), i) for i, v in enumerate(axis.values))
+        return Variation(axis, self.path, settings, {self.path: values} if in_batch else None, where, {})
+
+    def labels(self, values: List) -> list[str]:
+        texts = [v if isinstance(v, str) else json.dumps(v, default=str) for v in values]
+        if self.is_file and all(isinstance(v, str) for v in values):
+            names = [PurePosixPath(v).name for v in values]
+            return names if len(set(names)) == len(names) else texts
+        return texts
+
+    def labelled(
+        self,
+        labels: list[str],
+        settings: list[tuple[Setting, ...]],
+        where: Callable[[int], Where],
+        inputs: dict[str, str] | None = None,
+    ) -> Variation:
+        if not labels:
+            raise self.fail("has no values")
+        if len(set(labels)) < len(labels):
+            twice = next(label for label in labels if labels.count(label) > 1)
+            raise self.fail(f"repeats {twice!r}")
+        axis = Axis(self.text, self.text, tuple(labels), False)
+        columns = self.columns(settings)
+        return Variation(axis, self.path, () if columns else tuple(settings), columns, where, inputs or {})
+
+    def columns(self, settings: list[tuple[Setting, ...]]) -> dict[Path, NDArray[np.float64]] | None:
+        """The settings as columns of numbers, if every point sets the same numbers that may differ in a batch."""
+        paths = [path for path, _, _ in settings[0]]
+        if not paths or not all(varies_in_batch(path) for path in paths):
+            return None
+        for point in settings:
+            if [path for path, _, _ in point] != paths:
+                return None
+            if not all(type(value) in (int, float) and is_finite(value) for _, value, _ in point):
+                return None
+        return {path: np.array([float(point[k][1]) for point in settings]) for k, path in enumerate(paths)}
+
+    def put(self, value: Any, where: Where, *more: str | int) -> tuple[Setting, ...]:
+        """What one point puts into a case."""
+        if self.path != ("case",):
+            return ((self.path, value, where),)
+        if not isinstance(value, Map) or not value:
+            raise self.fail(f"is {describe(value)}; expected a mapping of keys of the case", *more)
+        return tuple((self.below(key, *more), item, value.where.get(key, where)) for key, item in value.items())
+
+    def below(self, key: str, *more: str | int) -> Path:
+        """The path of a key written below the axis' own."""
+        text = key if self.path == ("case",) else ".".join((*self.path, key))
+        try:
+            return resolve(text)
+        except StudyError as error:
+            raise self.fail(f": {error.message}", *more) from None
+
+    def range(self, entry: Map) -> Variation:
+        if entry.get("find") is not None:
+            raise self.fail("searching for overturning is not available in this version; give a range without `find`")
+        ends = []
+        for key in ("from", "to", "n"):
+            if entry.get(key) is None:
+                raise self.fail(f"is a range without `{key}`; expected {{from, to, n, spacing: linear | log}}")
+        for key in ("from", "to"):
+            number = self.numbers(List([entry[key]]))
+            if number is None or not takes_number(self.path):
+                raise self.fail("must be a number or an expression, on a key that takes one", key)
+            ends.append(float(number[0]))
+        n, spacing = entry["n"], entry.get("spacing", "linear")
+        if type(n) is not int or not 2 <= n <= MAX_POINTS:
+            raise self.fail(f"is {describe(n)}; expected a whole number from 2 to {MAX_POINTS}", "n")
+        if spacing not in ("linear", "log"):
+            raise self.fail(
+                f"is {describe(spacing)}; expected linear or log; {nearest(str(spacing), ('linear', 'log'))}", "spacing"
+            )
+        if spacing == "log" and not min(ends) > 0.0:
+            raise self.fail("spacing: log needs ends greater than 0")
+        first, last = ends
+        values = np.linspace(first, last, n) if spacing == "linear" else np.geomspace(first, last, n)
+        values[0], values[-1] = first, last
+        line = place(self.study, ("vary", self.text))
+        return self.numeric(values, lambda i: line)
+
+    def named(self, entry: Map) -> Variation:
+        if not entry:
+            raise self.fail("has no values")
+        places = [entry.where.get(label) for label in entry]
+        settings = [self.put(v, places[i], label) for i, (label, v) in enumerate(entry.items())]
+        settings = [tuple((p, self.as_number(p, v), w) for p, v, w in point) for point in settings]
+        return self.labelled(list(entry), settings, lambda i: places[i])
+
+    @staticmethod
+    def as_number(path: Path, value: Any) -> Any:
+        """A constant expression as its number, so that named numbers stay columns."""
+        if isinstance(value, str) and varies_in_batch(path):
+            try:
+                return parse(value).evaluate(constant)
+            except ExpressionError:
+                return value
+        return value
+
+    def matched(self, pattern: str) -> Variation:
+        names = self.records.match(pattern)
+        if not names:
+            sought = ", ".join(str(folder) for folder in self.records.folders() if folder.is_dir())
+            raise self.fail(f"is {pattern!r}, which no file matches; sought in {sought}")
+        line = place(self.study, ("vary", self.text))
+        return self.listed(List(names, [line] * len(names)))
+
+    def table(self, name: str) -> Variation:
+        line = place(self.study, ("vary", self.text))
+        table = read_table(self.source.folder / name, self.source, line)
+        paths = [self.below(column) for column in table.columns]
+        settings = [
+            tuple((path, self.as_number(path, value), line) for path, value in zip(paths, row, strict=True))
+            for row in table.rows
+        ]
+        return self.labelled(table.labels, settings, lambda i: line, {name: table.sha256})

@@ -1,0 +1,274 @@
+"""The cases of a study, built in batches: what differs only in numbers is one batch of arrays, never a loop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.batch import Batch, Save
+from rockcli.scene.block import housner_eta
+from rockcli.scene.damping import Damping
+from rockcli.scene.numerics import Numerics
+from rockcli.study.axes import Variation
+from rockcli.study.check import check_case
+from rockcli.study.expressions import ExpressionError, parse
+from rockcli.study.features import BACKENDS, DAMPING, available, model_and_geometry
+from rockcli.study.motion import build_excitation
+from rockcli.study.numbers import Numbers, Varied
+from rockcli.study.records import Records
+from rockcli.study.shorthands import expanded
+from rockcli.study.study import Index
+from rockcli.study.tree import Map, Source, Where, replaced
+
+Array = NDArray[np.float64]
+Points = dict[int, NDArray[np.int64]]
+"""Axis -> index of every case on it."""
+
+PROBED = 20_000
+"""A study of at most so many cases is built whole before it is solved; of a larger one, corners and edges."""
+
+_TREES_KEPT = 256
+
+
+@dataclass(eq=False)
+class Cases:
+    """Builds batches of cases (the `CaseSource` of a study).
+
+    Args:
+        study: {case, let}, short forms written out.
+        variations: the axes, outermost first.
+        save: what every batch is asked for.
+    """
+
+    source: Source
+    study: Map
+    variations: list[Variation]
+    records: Records
+    save: Save
+    _trees: dict[tuple[int, ...], Map] = field(default_factory=dict)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points of every axis."""
+        return tuple(v.size for v in self.variations)
+
+    @property
+    def structural(self) -> list[int]:
+        """Axes that need a batch of their own for every point."""
+        return [i for i, v in enumerate(self.variations) if v.columns is None]
+
+    def batches(self, indices: Index) -> Iterator[tuple[Index, Batch]]:
+        """Yield (flat indices, batch); a batch holds all the cases given that share every tag.
+
+        Raises:
+            StudyError, RecordError: a case cannot be built.
+        """
+        for part, combination, points in self.groups(np.asarray(indices, dtype=np.int64)):
+            yield part, self.build(self.numbers(combination, points, len(part)))
+
+    def groups(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points]]:
+        """Split flat indices by the points on the structural axes; keep the points on the others."""
+        if not len(indices):
+            return
+        if not self.variations:
+            yield indices, (), {}
+            return
+        points = [np.asarray(p, dtype=np.int64) for p in np.unravel_index(indices, self.shape)]
+        structural = self.structural
+        if not structural:
+            yield indices, (), dict(enumerate(points))
+            return
+        key = np.ravel_multi_index([points[i] for i in structural], [self.shape[i] for i in structural])
+        order = np.argsort(key, kind="stable")
+        for rows in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
+            combination = tuple(int(points[i][rows[0]]) for i in structural)
+            yield indices[rows], combination, {i: p[rows] for i, p in enumerate(points)}
+
+    def numbers(self, combination: tuple[int, ...], points: Points, n: int) -> Numbers:
+        """The numbers of the cases at a combination of structural points."""
+
+        def column(axis: int, which: int) -> Array:
+            columns = self.variations[axis].columns
+            assert columns is not None
+            return list(columns.values())[which][points[axis]]
+
+        def spot(axis: int | None, i: int) -> tuple[Where, str]:
+            where = None if axis is None else self.variations[axis].where(int(points[axis][i]))
+            at = (f"{v.axis.path} = {_shown(v.axis.values[points[a][i]])}" for a, v in enumerate(self.variations))
+            return where, ", ".join(at)
+
+        return Numbers(self.source, self.tree(combination), n, column, spot)
+
+    def tree(self, combination: tuple[int, ...]) -> Map:
+        """The tree of a combination of structural points, with `Varied` where the other axes stand; checked."""
+        if combination not in self._trees:
+            if len(self._trees) >= _TREES_KEPT:
+                self._trees.clear()
+            self._trees[combination] = self._overlaid(dict(zip(self.structural, combination, strict=True)))
+        return self._trees[combination]
+
+    def _overlaid(self, chosen: dict[int, int]) -> Map:
+        study = self.study
+        settings: list[tuple[tuple[str, ...], Any, Where]] = []
+        for axis, variation in enumerate(self.variations):
+            if variation.columns is None:
+                settings += variation.settings[chosen[axis]]
+            else:
+                for which, (path, values) in enumerate(variation.columns.items()):
+                    settings.append((path, Varied.of(axis, which, values[0]), variation.where(0)))
+        for path, value, where in sorted(settings, key=lambda s: len(s[0])):
+            if path[0] == "let":
+                let = Map(study.get("let") or {}, getattr(study.get("let"), "where", None))
+                let[path[1]], let.where[path[1]] = value, where
+                study = Map({**study, "let": let}, study.where)
+            else:
+                study = expanded(replaced(study, path, value, where))
+        check_case(self.source, study)
+        return study
+
+    def build(self, numbers: Numbers) -> Batch:
+        """The batch of these numbers.
+
+        Raises:
+            StudyError, RecordError: a case cannot be built, or asks for what this version cannot solve.
+        """
+        study, warnings = numbers.tree, list[str]()
+        model, geometry = model_and_geometry(self.source, study)
+        numerics = _numerics(self.source, numbers)
+        g = numbers.array(numbers.g)
+        block = numbers.block
+        damping = _damping(self.source, numbers, warnings)
+        excitation = build_excitation(numbers, self.records, warnings)
+        theta_0, theta_dot_0 = _initial(numbers)
+        return Batch(
+            g=g,
+            block=block,
+            excitation=excitation,
+            theta_0=theta_0,
+            theta_dot_0=theta_dot_0,
+            model=model,
+            geometry=geometry,
+            damping=damping,
+            numerics=numerics,
+            save=self.save,
+            warnings=tuple(dict.fromkeys(warnings)),
+        )
+
+    def probe(self) -> Index:
+        """Flat indices that together show whatever can be wrong: all, or the corners and edges of every combination.
+
+        The edges are walked from the first point of each axis; the corners are the smallest and the largest
+        values, where a quantity that grows or falls along each axis has its extremes.
+        """
+        shape = self.shape
+        if int(np.prod(shape, dtype=np.int64)) <= PROBED:
+            return np.arange(int(np.prod(shape, dtype=np.int64)))
+        structural = self.structural
+        walked = {i: [0] for i in range(len(shape)) if i not in structural}
+        ends = {i: self._ends(i) for i in walked}
+        spots = list(product(*(ends[i] for i in walked)))
+        for k, i in enumerate(walked):
+            spots += [tuple(j if m == k else 0 for m in range(len(walked))) for j in range(shape[i])]
+        numeric = np.array(spots, dtype=np.int64).reshape(len(spots), len(walked))
+        sizes = [shape[i] for i in structural]
+        combos = (
+            np.indices(sizes, dtype=np.int64).reshape(len(sizes), -1) if sizes else np.zeros((0, 1), dtype=np.int64)
+        )
+        count = combos.shape[1]
+        points = np.empty((len(shape), count, len(spots)), dtype=np.int64)
+        for k, i in enumerate(structural):
+            points[i] = combos[k][:, None]
+        for k, i in enumerate(walked):
+            points[i] = numeric[:, k][None, :]
+        return np.unique(np.ravel_multi_index(tuple(points.reshape(len(shape), -1)), shape))
+
+    def _ends(self, axis: int) -> list[int]:
+        columns = self.variations[axis].columns
+        assert columns is not None
+        ends = {0}
+        for values in columns.values():
+            ends |= {int(np.argmin(values)), int(np.argmax(values))}
+        return sorted(ends)
+
+    def evaluate(self, text: str) -> float:
+        """The value of an expression that is the same in all cases.
+
+        Raises:
+            ExpressionError: it differs from case to case.
+        """
+        expression = parse(text)
+        first: float | None = None
+        for part, combination, points in self.groups(self.probe()):
+            values = np.ravel(expression.evaluate(self.numbers(combination, points, len(part)).symbol))
+            first = float(values[0]) if first is None else first
+            if not (values == first).all():
+                raise ExpressionError(
+                    f"{text!r} differs from case to case, so that it is no coordinate; vary a dimensionless key "
+                    "(a_p_over_g_tan_alpha, pga_over_g_tan_alpha, omega_p_over_p), or a symbol of `let`, instead"
+                )
+        assert first is not None
+        return first
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def _initial(numbers: Numbers) -> tuple[Array, Array]:
+    keys = ("case", "initial")
+    theta, theta_dot = numbers.value((*keys, "theta")), numbers.value((*keys, "theta_dot"))
+    if theta is not None:
+        numbers.require((*keys, "theta"), np.abs(theta) < 0.5 * np.pi, "must be between -pi/2 and pi/2 (radians)")
+    return numbers.array(0.0 if theta is None else theta), numbers.array(0.0 if theta_dot is None else theta_dot)
+
+
+def _damping(source: Source, numbers: Numbers, warnings: list[str]) -> Damping:
+    keys = ("case", "damping")
+    given = {key: value for key, value in (numbers.tree["case"].get("damping") or {}).items() if value is not None}
+    scheme = available(source, numbers.tree, keys, given.get("scheme", "restitution"), DAMPING, "damping")
+    for key in given:
+        if key != "scheme" and (scheme != "restitution" or key not in ("eta", "r_energy")):
+            numbers.fail((*keys, key), f"is no key of the damping scheme {scheme}")
+    block = numbers.block
+    if scheme == "none":
+        return Damping(scheme, np.ones((numbers.n, 2)))
+    if "eta" in given and "r_energy" in given:
+        numbers.fail((*keys, "r_energy"), "eta and r_energy say the same thing; leave one out")
+    if given.get("eta", "housner") == "housner" and "r_energy" not in given:
+        eta = housner_eta(block)
+        if (eta < 0.0).any():
+            warnings.append(
+                "Housner's eta is negative (tan alpha > sqrt 2 for a rectangle): taken as 0, the body stops at the impact"
+            )
+            eta = np.maximum(eta, 0.0)
+        return Damping(scheme, eta)
+    key = "eta" if "eta" in given else "r_energy"
+    value = numbers.value((*keys, key))
+    assert value is not None
+    numbers.require((*keys, key), np.greater_equal(value, 0.0) & np.less_equal(value, 1.0), "must be between 0 and 1")
+    column = numbers.array(value if key == "eta" else np.sqrt(value))
+    return Damping(scheme, np.repeat(column[:, None], 2, axis=1))
+
+
+def _numerics(source: Source, numbers: Numbers) -> Numerics:
+    keys = ("case", "solver")
+    solver = numbers.tree["case"].get("solver") or {}
+    backend = available(source, numbers.tree, (*keys, "backend"), solver.get("backend") or "auto", BACKENDS, "backend")
+    rtol, dt, yield_rotation = (numbers.constant((*keys, key)) for key in ("rtol", "dt", "yield_rotation"))
+    for key, value in (("rtol", rtol), ("dt", dt), ("yield_rotation", yield_rotation)):
+        numbers.require((*keys, key), value is None or value > 0.0, "must be greater than 0")
+    numbers.require((*keys, "rtol"), rtol is None or rtol < 1.0, "must be below 1")
+    return Numerics(
+        backend=backend,
+        accuracy=solver.get("accuracy") or "standard",
+        rtol=rtol,
+        method=solver.get("method"),
+        events=solver.get("events"),
+        dt=dt,
+        yield_rotation=yield_rotation,
+    )

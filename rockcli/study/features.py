@@ -1,0 +1,68 @@
+"""What this version can solve: a feature that comes later is one row here (models have their table in the scene)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rockcli.scene.models import MODEL_NAMES, MODELS
+from rockcli.study.tree import Keys, Map, Source, value_at
+
+DAMPING: tuple[str, ...] = ("none", "restitution")
+BACKENDS: tuple[str, ...] = ("auto", "event")
+LATER: dict[Keys, str] = {
+    ("over",): "ensemble statistics along an axis are",
+    ("refine",): "adaptive refinement is",
+    ("curves",): "static curves are",
+    ("audit",): "the audit is",
+    ("case", "column"): "the flexible column is",
+    ("case", "base"): "another base than the rigid one is",
+}
+"""Keys of the study file whose feature is not there yet."""
+
+DEFAULT_GEOMETRY = "negative_stiffness"
+
+
+def check_study_features(source: Source, study: Map) -> None:
+    """Refuse the keys of a study whose feature is not there yet."""
+    for keys, what in LATER.items():
+        value = value_at(study, keys)
+        if value not in (None, False, [], {}) and not (keys[-1] == "base" and value in ({}, {"law": "rigid"})):
+            raise source.error(study, keys, f": {what} not available in this version")
+
+
+def model_and_geometry(source: Source, study: Map) -> tuple[str, str | None]:
+    """The model of a case and its geometry, both of which this version solves."""
+    case: dict[str, Any] = study["case"]
+    model = (case.get("model") or {}).get("name") or "rigid"
+    geometry = case.get("geometry")
+    if model not in MODEL_NAMES:
+        raise source.error(
+            study,
+            ("case", "model"),
+            f": model {model} is not available in this version; available: {_list(MODEL_NAMES)}",
+        )
+    if (case.get("model") or {}).get("tolerance") is not None:
+        raise source.error(study, ("case", "model", "tolerance"), "belongs to model auto")
+    geometries = [pair[1] for pair in MODELS if pair[0] == model]
+    if geometries == [None]:
+        if geometry is not None:
+            raise source.error(study, ("case", "geometry"), f"is for models 1 to 4; model {model} has none")
+        return model, None
+    chosen = geometry or DEFAULT_GEOMETRY
+    if chosen not in geometries:
+        raise source.error(
+            study, ("case", "geometry"), f": model {model} is available as {_list(str(g) for g in geometries)}"
+        )
+    return model, chosen
+
+
+def available(source: Source, study: Map, keys: Keys, value: str, known: tuple[str, ...], what: str) -> str:
+    """`value`, if this version knows it."""
+    if value not in known:
+        message = f": {what} {value} is not available in this version; available: {_list(known)}"
+        raise source.error(study, keys, message)
+    return value
+
+
+def _list(names: Any) -> str:
+    return ", ".join(names)

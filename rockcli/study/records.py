@@ -1,0 +1,128 @@
+"""Finds the records of a study, reads and processes each once."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rockcli.errors import RecordError
+from rockcli.study.catalog import how_to_obtain
+from rockcli.study.tree import Source, Where
+
+if TYPE_CHECKING:
+    from rockcli.motion.motion import Motion
+
+WILDCARDS = frozenset("*?[")
+
+
+class MissingRecordError(RecordError):
+    """A record that stands in none of the folders: `--skip-missing` passes over its study."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A record as a study uses it: the processed motion, and PGA and PGV before processing (g = STANDARD_G)."""
+
+    motion: Motion
+    raw: Motion
+    path: Path
+
+
+@dataclass(eq=False)
+class Records:
+    """The records of one study, each read and processed once per distinct settings."""
+
+    source: Source
+    prepared: dict[str, Prepared] = field(default_factory=dict)
+    found: dict[str, Path] = field(default_factory=dict)
+
+    def folders(self) -> list[Path]:
+        """Where records are sought, first to last."""
+        folder = self.source.folder
+        absolute = folder.absolute()
+        listed = [folder, *(parent / "records" for parent in (absolute, *absolute.parents)), Path("records")]
+        listed += [Path(entry) for entry in os.environ.get("ROCK_RECORDS", "").split(os.pathsep) if entry]
+        unique: dict[Path, Path] = {}
+        for path in listed:
+            unique.setdefault(path.absolute(), path)
+        return list(unique.values())
+
+    def find(self, name: str, where: Where) -> Path:
+        """The file of a record.
+
+        Raises:
+            MissingRecordError: it is nowhere; says where it was sought and how to get it.
+        """
+        if name not in self.found:
+            for folder in self.folders():
+                if _is_file(folder / name):
+                    self.found[name] = folder / name
+                    break
+            else:
+                raise self.source.record_error(where, self._missing(name), MissingRecordError)
+        return self.found[name]
+
+    def match(self, pattern: str) -> list[str]:
+        """Names of the records a glob matches, sorted, in the first folder that has any."""
+        import glob
+
+        for folder in self.folders():
+            try:
+                names = glob.glob(pattern, root_dir=folder, recursive=True)
+            except (OSError, ValueError, RecursionError):
+                continue
+            names = sorted(name.replace(os.sep, "/") for name in names if _is_file(folder / name))
+            if names:
+                return names
+        return []
+
+    def prepare(self, name: str, where: Where, *, reading: dict[str, Any], steps: dict[str, Any], g: float) -> Prepared:
+        """Read and process a record, or take what was prepared before.
+
+        Args:
+            name: as in the study.
+            where: place in the study, for errors.
+            reading: component, units, dt; steps: window ... resample, None left out.
+            g: for the PGV of values in g, in sentences [m/s^2].
+        """
+        path = self.find(name, where)
+        key = json.dumps([str(path), reading, steps, g], sort_keys=True)
+        if key not in self.prepared:
+            from rockcli.motion.reading import read_record
+
+            raw = motion = read_record(path, **reading)
+            if steps:
+                from rockcli.motion.processing import process
+
+                motion = process(raw, **steps, g=g)
+            self.prepared[key] = Prepared(motion, raw, path)
+        return self.prepared[key]
+
+    def _missing(self, name: str) -> str:
+        sought = [str(folder) for folder in self.folders() if folder.is_dir()]
+        parts = [f"the record {name[:200]!r} was not found; sought in {', '.join(sought) or 'no folder that exists'}"]
+        close = get_close_matches(Path(name).name[:200], list(self._present()), n=3, cutoff=0.6)
+        if close:
+            parts.append(f"close names there: {', '.join(close)}")
+        how = how_to_obtain(name)
+        parts.append(how if how else "put it beside the study, into records/, or into a folder named in ROCK_RECORDS")
+        return "; ".join(parts)
+
+    def _present(self) -> Iterator[str]:
+        for folder in self.folders():
+            try:
+                yield from (path.name for path in folder.iterdir() if path.is_file())
+            except OSError:
+                continue
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False

@@ -1,0 +1,54 @@
+"""A CSV file of settings: labels in the first column, a path below the axis over each of the others."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rockcli.errors import StudyError
+from rockcli.study.loader import read_bytes, scalar
+from rockcli.study.tree import Source, Where
+
+
+@dataclass(frozen=True)
+class Table:
+    """Labels, paths of the columns, and the values row by row; SHA-256 of the file."""
+
+    labels: list[str]
+    columns: list[str]
+    rows: list[list[Any]]
+    sha256: str
+
+
+def read_table(path: Path, source: Source, where: Where) -> Table:
+    """Read a CSV file.
+
+    Raises:
+        StudyError: it cannot be read, has no rows or columns, or a row of another length or with an empty cell.
+    """
+    if not path.is_file():
+        raise source.placed(where, f"the table {path} does not exist")
+    data = read_bytes(path)
+    try:
+        lines = list(csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""), skipinitialspace=True))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise StudyError(f"is no CSV text: {error}", file=path) from None
+    rows = [(i, [cell.strip() for cell in row]) for i, row in enumerate(lines, start=1) if any(map(str.strip, row))]
+    if len(rows) < 2 or len(rows[0][1]) < 2:
+        raise StudyError("a table has a line of paths, the first naming the labels, and a line per point", file=path)
+    header = rows[0][1]
+    columns = header[1:]
+    if len(set(columns)) < len(columns) or not all(columns):
+        raise StudyError("a path of the table is empty or repeats", file=path, line=rows[0][0])
+    for i, row in rows[1:]:
+        if len(row) != len(header):
+            raise StudyError(f"the line has {len(row)} cells, the first has {len(header)}", file=path, line=i)
+        if not all(row):
+            raise StudyError(f"the cell below {header[row.index('')]!r} is empty", file=path, line=i)
+    body = [row for _, row in rows[1:]]
+    digest = hashlib.sha256(data).hexdigest()
+    return Table([row[0] for row in body], columns, [[scalar(cell) for cell in row[1:]] for row in body], digest)

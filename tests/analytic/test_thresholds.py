@@ -1,0 +1,115 @@
+"""Overturning thresholds: the outcome flips at (1 -/+ 1e-7) of the closed forms (tables.py)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scenes import G, block, overturns, pulse, rock, still, unit_block
+from tables import BANDS, HALF_SINE, ONE_SINE, ONE_SINE_ONE_IMPACT, RECTANGULAR, SQUARE_CYCLE
+
+EPSILON = 1e-7
+
+
+def outcomes(A: float, shape: str, omega_p: float, *, model: str, eta, alpha: float = 0.1) -> tuple[int, int]:
+    """Outcome flags just below and just above amplitude A (over g alpha if linear, over g tan(alpha) if not)."""
+    unit = G * (alpha if model == "linearized" else np.tan(alpha))
+    found = []
+    for factor in (1.0 - EPSILON, 1.0 + EPSILON):
+        response = rock(unit_block(alpha), pulse(shape, A * factor * unit, omega_p), model=model, eta=eta)
+        overturns(response)  # a resolved outcome
+        found.append(int(response.scalars["outcome"][0]))
+    return found[0], found[1]
+
+
+@pytest.mark.parametrize("row", RECTANGULAR, ids=str)
+def test_rectangular_pulse(row):
+    below, above = outcomes(row["A"], "rectangular", np.pi / row["p_t1"], model="linearized", eta=0.9)
+    assert (below, above) == (1, 2)
+
+
+@pytest.mark.parametrize("row", HALF_SINE, ids=str)
+def test_half_sine(row):
+    assert outcomes(row["A"], "half_sine", row["Omega"], model="linearized", eta=0.9) == (1, 2)
+
+
+@pytest.mark.parametrize("row", ONE_SINE, ids=str)
+def test_one_sine_without_impact(row):
+    below, above = outcomes(row["A"], "sine", row["Omega"], model="linearized", eta=0.9)
+    assert (below != 2, above) == (True, 2)
+
+
+@pytest.mark.parametrize(
+    ("Omega", "eta", "A", "flags"),
+    [
+        (row["Omega"], row["eta"], row[side], flags)
+        for row in ONE_SINE_ONE_IMPACT
+        for side, flags in (("lower", (1, 3)), ("upper", (3, 1)))
+        if row[side] is not None  # without an upper edge the band ends in overturning without impact
+    ],
+)
+def test_one_sine_one_impact(Omega, eta, A, flags):
+    assert outcomes(A, "sine", Omega, model="linearized", eta=eta) == flags
+
+
+@pytest.mark.parametrize("row", SQUARE_CYCLE, ids=str)
+def test_one_square_cycle(row):
+    omega_p = np.pi / row["p_t_half"]
+    below, above = outcomes(row["A"], "square_cycle", omega_p, model="linearized", eta=row["eta"])
+    assert (below != 2, above) == (True, 2)
+    for root in row["roots"]:
+        flags = outcomes(root, "square_cycle", omega_p, model="linearized", eta=row["eta"])
+        assert sorted(flags) == [1, 3]
+
+
+@pytest.mark.parametrize(
+    ("row", "transition"),
+    [(row, transition) for row in BANDS for transition in row["transitions"]],
+    ids=lambda x: str(x) if isinstance(x, tuple) else f"{x['shape']}-{x['alpha']}-{x['Omega']:g}",
+)
+def test_nonlinear_bands(row, transition):
+    A, before, after = transition
+    alpha = row["alpha"] if row["alpha"] is not None else float(np.arctan(row["tan_alpha"]))
+    below, above = outcomes(A, row["shape"], row["Omega"], model="rigid", eta="housner", alpha=alpha)
+    assert (below >= 2) == (before != "s")
+    if before == "s":
+        assert above >= 2
+        if after in ("o0", "o1"):
+            assert above == {"o0": 2, "o1": 3}[after]
+    elif after == "s":
+        assert above == 1
+    elif (before, after) == ("o1", "o0"):  # the band ends here; a thin band of survival may come before o0
+        assert (below, above != 3) == (3, True)
+
+
+def test_ricker_beyond_its_bands_survives():
+    """Omega = 8: nothing overturns up to the largest amplitude scanned."""
+    for A in (2.0, 4.0, 5.0):
+        assert not overturns(rock(unit_block(np.arctan(0.2)), pulse("ricker", A * G * 0.2, 8.0)))
+
+
+def test_velocity_jump_of_ishiyama():
+    """Ishiyama 1982 (EESD 10:635): the ground-velocity jump that overturns, nonlinear and exact."""
+    R, ta = 1.0, 0.1
+    alpha = np.arctan(ta)
+    v_0 = 0.3621123791694383
+    theta_dot_0 = 0.270236463231759064
+    assert np.sqrt(8.0 / 3.0 * G * R * (1.0 - np.cos(alpha))) / np.cos(alpha) == pytest.approx(v_0, rel=1e-11)
+    assert 0.75 * v_0 * np.cos(alpha) / R == pytest.approx(theta_dot_0, rel=1e-11)
+    body = block(R, ta)
+    assert not overturns(rock(body, still(), theta_dot_0=theta_dot_0 * (1.0 - 1e-10)))
+    assert overturns(rock(body, still(), theta_dot_0=theta_dot_0 * (1.0 + 1e-10)))
+
+
+def test_double_impulse():
+    """Nabeshima et al. 2016: a second jump right after the first impact, V = v_0/(1 + eta)."""
+    R, ta, V = 1.0, 0.1, 0.182410724668894106
+    alpha = np.arctan(ta)
+    eta = 1.0 - 1.5 * np.sin(alpha) ** 2
+    jump = 0.75 * V * np.cos(alpha) / R
+    first = rock(block(R, ta), still(), theta_dot_0=jump, histories=True)
+    rate = -first.impacts["theta_dot_after"][0, 0]
+    assert rate == pytest.approx(eta * jump, rel=1e-11)
+    # the second jump is in the sense of the motion onto the other edge
+    for factor, falls in ((1.0 - 1e-9, False), (1.0 + 1e-9, True)):
+        rates = jump * factor * (1.0 + eta)
+        assert overturns(rock(block(R, ta), still(), theta_dot_0=-rates)) is falls

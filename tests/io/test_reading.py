@@ -1,0 +1,243 @@
+"""Any file -> Motion: units and time step stated or refused, never guessed."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rockcli.errors import RecordError
+from rockcli.motion.reading import read_record
+from rockcli.motion.writing import write_two_columns
+
+AT2 = (
+    "PEER NGA STRONG MOTION DATABASE RECORD\nEvent, 1/2/2003, Station, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
+    "NPTS=  6, DT=   .0050 SEC\n .1 -.2 .3\n -.4 .5 -.3\n"
+)
+KNET = """Origin Time       1996/08/11 03:12:00
+Lat.              38.920
+Long.             140.630
+Depth. (km)       7
+Mag.              5.9
+Station Code      AKT013
+Station Lat.      39.6069
+Station Long.     140.3213
+Station Height(m) 34
+Record Time       1996/08/11 03:12:39
+Sampling Freq(Hz) 100Hz
+Duration Time(s)  59
+Dir.              E-W
+Scale Factor      2000(gal)/1000
+Max. Acc. (gal)   10.0
+Last Correction   1996/08/11 03:12:15
+Memo.
+       0       1      -2       3      -4       5       0       0
+"""
+TWO = "".join(f"{0.02 * i:.3f}\t{value}\n" for i, value in enumerate((0.1, -0.2, 0.3, 0.4)))
+
+
+def refused(path: Path, words: str, **options: object) -> None:
+    with pytest.raises(RecordError) as caught:
+        read_record(path, **options)  # type: ignore[arg-type]
+    assert words in caught.value.message
+    assert caught.value.file == str(path)
+
+
+def test_at2(write) -> None:
+    path = write(AT2)
+    motion = read_record(path)
+    assert motion.in_g
+    assert motion.units == "g"
+    assert motion.values.tolist() == [0.1, -0.2, 0.3, -0.4, 0.5, -0.3]
+    assert (motion.dt, motion.duration) == (0.005, 5 * 0.005)
+    assert (motion.name, motion.format, motion.component) == ("record.AT2", "AT2", "090")
+    assert motion.sha256 == hashlib.sha256(AT2.encode()).hexdigest()
+    assert motion.processing == ()
+    assert motion.warnings == ()
+    assert motion.acceleration(9.81)[0] == 0.1 * 9.81
+
+
+def test_what_is_stated_twice_must_agree(write) -> None:
+    path = write(AT2)
+    for component in ("090", 90, "90", 0):
+        assert read_record(path, component=component, units="g", dt=0.005).component == "090"
+    refused(path, "'090' only", component="180")
+    refused(path, "'090' only", component=1)
+    refused(path, "`units` says gal", units="gal")
+    refused(path, "`dt` says 0.01", dt=0.01)
+    refused(path, "expected one of g, m/s2", units="furlong")
+    refused(path, "above zero", dt=-1.0)
+
+
+def test_what_no_format_can_be_read_from(write, tmp_path: Path) -> None:
+    refused(tmp_path / "none.AT2", "no such file")
+    refused(tmp_path, "folder")
+    refused(write(b""), "empty")
+    refused(write("Corrected acceleration    (Format v01.20)\n 1 2 3\n"), "COSMOS files are not read")
+    refused(write("some words\n1 2\n"), "format is not known")
+    refused(write(bytes(range(256)) * 40), "ObsPy")
+
+
+def test_a_pickle_is_not_run(write, tmp_path: Path) -> None:
+    class Trap:
+        def __reduce__(self) -> tuple[object, tuple[str]]:
+            return (Path.touch, (tmp_path / "sprung",))  # type: ignore[return-value]
+
+    refused(write(pickle.dumps(("obspy.core.stream", Trap()))), "format is not known")
+    assert not (tmp_path / "sprung").exists()
+
+
+def test_one_column_needs_units_and_dt(write) -> None:
+    path = write("# a comment\n1.0\n-2.0\n\n3.0D0\n", "one.txt")
+    refused(path, "`units:`")
+    refused(path, "`dt:`", units="g")
+    motion = read_record(path, units="gal", dt=0.01)
+    np.testing.assert_allclose(motion.values, [0.01, -0.02, 0.03], rtol=1e-15)
+    assert not motion.in_g
+    assert motion.processing == ("values in gal converted to m/s2",)
+    assert read_record(path, units="m/s2", dt=0.01).values.tolist() == [1.0, -2.0, 3.0]
+    assert read_record(path, units="cm/s2", dt=0.01).values.tolist() == motion.values.tolist()
+    assert read_record(path, units="g", dt=0.01).in_g
+
+
+@pytest.mark.parametrize("text", [TWO, TWO.replace("\t", ", "), TWO.replace("\n", "\r\n"), "% comment\n" + TWO])
+def test_two_columns(write, text: str) -> None:
+    path = write(text, "two.txt")
+    motion = read_record(path, units="g")
+    assert motion.values.tolist() == [0.1, -0.2, 0.3, 0.4]
+    assert motion.dt == 0.02
+    assert read_record(path, units="g", dt=0.02).dt == 0.02
+    refused(path, "time column says dt is 0.02", units="g", dt=0.01)
+    refused(path, "`units:`")
+
+
+def test_time_that_starts_at_one_step_is_told(write) -> None:
+    text = TWO.split("\n", 1)[1]
+    motion = read_record(write(text, "late.txt"), units="g")
+    assert motion.values.tolist() == [-0.2, 0.3, 0.4]
+    assert "0.02 s in the file" in motion.processing[0]
+
+
+def test_time_printed_with_few_digits(write) -> None:
+    times = [i / 150.0 for i in range(400)]
+    path = write("".join(f"{t:.4f} 0.1\n" for t in times), "rounded.txt")
+    assert read_record(path, units="g").dt == pytest.approx(1.0 / 150.0, rel=3e-5)
+    assert read_record(path, units="g", dt=1.0 / 150.0).dt == 1.0 / 150.0
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("0.0 .1\n.01 .2\n.05 .3\n", "equal steps"),
+        ("0.0 .1\n.02 .2\n.01 .3\n", "equal steps"),
+        ("5.0 .1\n5.1 .2\n5.2 .3\n", "equal steps"),
+        ("-.3 .1\n.2 .2\n-.2 .3\n", "equal steps"),
+        ("0 .1 .2\n.01 .2 .3\n.02 .3 .4\n", "time column and 2 others"),
+        ("1 2 3\n4 5\n6 7 8\n", "damaged"),
+        ("0,00 0,1\n0,01 0,2\n0,02 0,3\n", "comma"),
+        ("1 2 3\n1e 2 3\n", "not a number"),
+        ("1\n1e999\n", "too large"),
+        ("1\n2\ne\n", "no line of numbers"),
+        ("e1\n", "no line of numbers"),
+    ],
+)
+def test_tables_that_are_no_record(write, text: str, words: str) -> None:
+    refused(write(text, "table.txt"), words, units="g", dt=0.01)
+
+
+def test_rows_of_values_are_read_line_by_line(write) -> None:
+    path = write(" .1-.2 .3 .4 .5\n .6 .7\n", "five.acc")
+    motion = read_record(path, units="g", dt=0.01)
+    assert motion.values.tolist() == [0.1, -0.2, 0.3, 0.4, 0.5, 0.6, 0.7]
+    assert "5 on each" in motion.processing[0]
+
+
+def test_units_in_a_comment_are_a_statement(tmp_path: Path) -> None:
+    path = tmp_path / "own.txt"
+    values = np.random.default_rng(0).standard_normal(500)
+    write_two_columns(path, values, 0.0125, "m/s2", "title")
+    motion = read_record(path)
+    assert motion.values.tolist() == values.tolist()
+    assert (motion.dt, motion.units) == (0.0125, "m/s2")
+    refused(path, "`units` says g", units="g")
+
+
+def test_suspicious_values_are_remarked(write) -> None:
+    assert "are the units right" in read_record(write(AT2.replace(".5", "50.")), dt=0.005).warnings[0]
+    assert "offset" in read_record(write(AT2.replace("-", "")), dt=0.005).warnings[0]
+
+
+def test_knet_counts_become_si_with_the_calibration(write) -> None:
+    path = write(KNET, "AKT013.EW")
+    motion = read_record(path)
+    np.testing.assert_allclose(motion.values, np.array([0, 1, -2, 3, -4, 5, 0, 0]) * 0.02, rtol=1e-12)
+    assert (motion.units, motion.format, motion.component, motion.dt) == ("m/s2", "KNET", "EW", 0.01)
+    assert "calibration factor 0.02" in motion.processing[0]
+    assert read_record(path, units="gal", component="EW").units == "m/s2"
+    refused(path, "states its own units", units="g")
+    refused(path, "AKT013", component="NS")
+
+
+def test_seismological_formats_need_units_and_a_component(tmp_path: Path) -> None:
+    from obspy import Stream, Trace
+
+    names = ("HNE", "HNN")
+    traces = [
+        Trace(np.array([1.0, 2.0, -3.0 - i]), {"delta": 0.01, "channel": name, "station": "ABC", "network": "XX"})
+        for i, name in enumerate(names)
+    ]
+    path = tmp_path / "two [1].mseed"
+    Stream(traces).write(str(path), format="MSEED")
+    refused(path, "0: XX.ABC..HNE, 1: XX.ABC..HNN", units="gal")
+    refused(path, "does not state the units", component="HNE")
+    refused(path, "`component` is 'HNZ'", component="HNZ", units="gal")
+    for asked in ("HNN", "hnn", 1, "XX.ABC..HNN"):
+        motion = read_record(path, component=asked, units="gal")
+        np.testing.assert_allclose(motion.values, [0.01, 0.02, -0.04], rtol=1e-12)
+        assert (motion.format, motion.component) == ("MSEED", "HNN")
+
+
+SETTINGS = {
+    "RSN729_SUPER.B_B-IVW360_5col_no_header.acc": {"units": "g", "dt": 0.005},
+    "BM68elc_5col_no_header.acc": {"units": "g", "dt": 0.01},
+    "P695_SortedEQFile_120521_HECTOR_HEC000.txt": {"units": "g"},
+    "P695_SortedEQFile_120522_HECTOR_HEC090.txt": {"units": "g"},
+    "RSN811_LOMAP_WAH090_SF_0.271.txt": {"units": "g", "dt": 0.005},
+    "LomaPrieta_HallsValley090_time_acc.dat": {"units": "m/s2"},
+    "elcentro_NS_time_acc_ms2.dat": {"units": "m/s2"},
+    "AKT013_1996_EW.knet": {},
+    "CHB0031412312349.EW": {},
+    "NGNH311106302345.EW2": {},
+}
+
+
+def test_other_real_files_match_their_index(shared_records: Path) -> None:
+    with (shared_records / "INDEX.csv").open(newline="") as file:
+        rows = {row["file"].removeprefix("other/"): row for row in csv.DictReader(file)}
+    for name, settings in SETTINGS.items():
+        motion = read_record(shared_records / "other" / name, **settings)  # type: ignore[arg-type]
+        values = motion.values if motion.in_g else motion.values / 9.80665
+        if motion.format == "KNET":  # raw counts with the instrument's offset; the index lists the peak without it
+            assert "offset" in motion.warnings[0]
+            values = values - values.mean()
+        assert len(values) == int(rows[name]["npts"]), name
+        assert float(np.abs(values).max()) == pytest.approx(float(rows[name]["pga_g"]), rel=5e-4, abs=5.1e-6), name
+        if rows[name]["dt_s"] and "dt" not in settings:
+            assert motion.dt == float(rows[name]["dt_s"]), name
+
+
+def test_other_real_files_are_refused_with_one_clear_sentence(shared_records: Path) -> None:
+    read = set(SETTINGS)
+    refusals = 0
+    for path in sorted((shared_records / "other").iterdir()):
+        if path.name in read or "_SF_" in path.name:
+            continue
+        with pytest.raises(RecordError) as caught:
+            read_record(path, units="gal", dt=0.01)
+        assert "AT2" in caught.value.message or "two columns" in caught.value.message
+        refusals += 1
+    assert refusals >= 13

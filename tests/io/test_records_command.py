@@ -1,0 +1,75 @@
+"""`rock records`: what it prints, what it writes, what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from rockcli.cli.records import app
+from rockcli.errors import RecordError
+from rockcli.motion.reading import read_record
+
+ROCK = Path(__file__).parents[2] / "records" / "synthetic_rock_m65.AT2"
+
+
+def run(*arguments: object) -> str:
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def test_info_prints_the_measures() -> None:
+    text = run("info", ROCK, ROCK)
+    assert text.count("SYNTHETIC") == 2
+    for line in ("values           4000", "time step        0.005 s", "PGA              0.393", "component        H1"):
+        assert line in text
+
+
+def test_info_as_json() -> None:
+    (row,) = json.loads(run("info", "--json", ROCK))
+    motion = read_record(ROCK)
+    assert row["npts"] == 4000
+    assert row["pga_g"] == pytest.approx(np.abs(motion.values).max(), rel=1e-12)
+    assert row["sha256"] == motion.sha256
+    assert {"pgv", "pgd", "arias", "cav", "d5_95", "duration", "format"} <= set(row)
+
+
+def test_convert_there_and_back(tmp_path: Path) -> None:
+    motion = read_record(ROCK)
+    run("convert", ROCK, tmp_path / "a.txt")
+    text = read_record(tmp_path / "a.txt")
+    assert text.values.tolist() == motion.values.tolist()
+    assert (text.units, text.dt) == ("g", motion.dt)
+    run("convert", tmp_path / "a.txt", tmp_path / "b.AT2")
+    again = read_record(tmp_path / "b.AT2")
+    assert again.values.tolist() == motion.values.tolist()
+    run("convert", ROCK, tmp_path / "c.at2")
+    assert read_record(tmp_path / "c.at2").component == "H1"
+
+
+def test_convert_states_its_g(tmp_path: Path) -> None:
+    source = tmp_path / "one.txt"
+    source.write_text("980.665\n-490.3325\n", encoding="utf-8")
+    run("convert", source, tmp_path / "out.AT2", "--units", "gal", "--dt", "0.01")
+    motion = read_record(tmp_path / "out.AT2")
+    np.testing.assert_allclose(motion.values, [1.0, -0.5], rtol=1e-7)
+    assert "1 g = 9.80665 m/s2" in motion.header["title"][0]
+
+
+def test_refusals(tmp_path: Path) -> None:
+    target = tmp_path / "a.AT2"
+    run("convert", ROCK, target)
+    with pytest.raises(RecordError, match="already there"):
+        run("convert", ROCK, target)
+    run("convert", ROCK, target, "--force")
+    with pytest.raises(RecordError, match=r"expected \.AT2 or \.txt"):
+        run("convert", ROCK, tmp_path / "a.csv")
+    with pytest.raises(RecordError, match="no such file"):
+        run("info", tmp_path / "none.AT2")
+    with pytest.raises(RecordError, match="'H1' only"):
+        run("info", ROCK, "--component", "090")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.AT2"]

@@ -1,0 +1,99 @@
+"""Batches built by hand for the tests of the solvers: no study file in between."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from rockcli.scene.batch import Batch, Save
+from rockcli.scene.block import Block, housner_eta, make_block
+from rockcli.scene.damping import Damping
+from rockcli.scene.excitation import Excitation, Samples
+from rockcli.scene.numerics import Numerics
+from rockcli.scene.pulses import make_pulses
+from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT, Response
+from rockcli.scene.variables import SCALARS
+from rockcli.solvers.event import solve
+
+G = 9.81
+SHARED = Path(__file__).resolve().parents[2] / "shared"
+"""Folder of real records beside the checkout; tests that need it skip where it is absent."""
+
+
+def array(x) -> np.ndarray:
+    return np.atleast_1d(np.asarray(x, dtype=float))
+
+
+def block(R: float, tan_alpha: float) -> Block:
+    """A rectangular block of size R and slenderness tan(alpha)."""
+    alpha = np.arctan(tan_alpha)
+    return make_block(h=R * np.cos(alpha), b=R * np.sin(alpha), R=R, alpha=alpha, tan_alpha=tan_alpha)
+
+
+def unit_block(alpha: float = 0.1, p: float = 1.0) -> Block:
+    """A rectangular block of given alpha and frequency parameter, so that p t = t for p = 1."""
+    R = 0.75 * G / p**2
+    return make_block(h=R * np.cos(alpha), b=R * np.sin(alpha), R=R, alpha=alpha, tan_alpha=np.tan(alpha))
+
+
+def still(duration: float = np.nan) -> Excitation:
+    return Excitation(None, None, array(duration))
+
+
+def pulse(shape: str, a_p, omega_p, *, duration: float = np.nan, **options) -> Excitation:
+    channel = make_pulses(shape, a_p=array(a_p), omega_p=array(omega_p), **{k: array(v) for k, v in options.items()})
+    return Excitation(channel, None, np.full(len(channel.a_p), duration))
+
+
+def record(values, dt: float, *, factor=1.0, vertical=None, duration: float = np.nan) -> Excitation:
+    factor = array(factor)
+    up = None if vertical is None else Samples(np.asarray(vertical, float), dt, np.ones_like(factor))
+    return Excitation(Samples(np.asarray(values, float), dt, factor), up, np.full(len(factor), duration))
+
+
+def make_batch(
+    body: Block,
+    excitation: Excitation,
+    *,
+    eta="housner",
+    model: str = "rigid",
+    theta_0: float = 0.0,
+    theta_dot_0: float = 0.0,
+    g: float = G,
+    accuracy: str = "reference",
+    histories: bool = False,
+    dt_out: float = 0.005,
+    scalars=tuple(s for s in SCALARS if s != "error_estimate"),
+) -> Batch:
+    n = body.size
+    ratio = np.clip(housner_eta(body), 0.0, 1.0) if isinstance(eta, str) else np.broadcast_to(array(eta), (n, 2))
+    return Batch(
+        g=np.full(n, g),
+        block=body,
+        excitation=excitation,
+        theta_0=np.full(n, theta_0),
+        theta_dot_0=np.full(n, theta_dot_0),
+        model=model,
+        geometry=None,
+        damping=Damping("restitution", np.ascontiguousarray(ratio)),
+        numerics=Numerics(accuracy=accuracy),
+        save=Save(histories, dt_out, frozenset(scalars)),
+    )
+
+
+def rock(body: Block, excitation: Excitation, **how) -> Response:
+    return solve(make_batch(body, excitation, **how))
+
+
+def overturns(response: Response) -> bool:
+    outcome = int(response.scalars["outcome"][0])
+    assert outcome >= 0, response.reasons
+    return outcome >= OVERTURNED_WITHOUT_IMPACT
+
+
+def theta_at(response: Response, t, case: int = 0) -> np.ndarray:
+    """theta at times that are output times."""
+    index = np.rint(np.asarray(t) / response.time[1]).astype(int)
+    np.testing.assert_allclose(response.time[index], t, rtol=1e-12)
+    return response.histories["theta"][case, index]
