@@ -21,7 +21,10 @@ def check(
     skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Errors only.")] = False,
 ) -> None:
-    """Read studies, count their cases and show the first one: block, accelerations in g and over g tan(alpha), cost."""
+    """Read studies and show what they would do.
+
+    Counts the cases and prints the first: block, accelerations in g and over g tan(alpha), cost.  Solves nothing.
+    """
     from rockcli.cli.sources import open_all
     from rockcli.engine.expect import check_quantities
     from rockcli.engine.preview import preview

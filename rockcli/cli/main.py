@@ -51,7 +51,7 @@ def _rock(
     add_help_option=False,
 )
 def _records(context: typer.Context) -> None:
-    """Look at ground-motion records and convert them (info, convert)."""
+    """Look at records and convert them."""
     from rockcli.cli.records import app as records
 
     records(args=context.args, prog_name="rock records")

@@ -28,7 +28,10 @@ def run(
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
     junit: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write verdicts as JUnit XML.")] = None,
 ) -> None:
-    """Solve studies into DIR/<name>/<name>.nc, judge their `expect` clauses and draw their plots."""
+    """Solve studies, judge and draw their results.
+
+    Results go to DIR/<name>/<name>.nc, plots beside it; `expect` clauses decide the exit code.
+    """
     from rockcli.cli.sources import open_all
     from rockcli.cli.words import totals_text
     from rockcli.engine.report import SKIPPED, RunReport, exit_code

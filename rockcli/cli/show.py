@@ -13,7 +13,10 @@ def show(
         str, typer.Argument(metavar="models|backends|variables|pulses|plots|schema", help="What to list.")
     ],
 ) -> None:
-    """List models, backends, variables of the dataset, pulses, plots, or print the schema of a study (JSON)."""
+    """List what there is to choose from.
+
+    Models, backends, variables of the dataset, pulses, plots; or the schema of a study as JSON.
+    """
     from rockcli.errors import StudyError
 
     if topic not in _TOPICS:

@@ -10,7 +10,10 @@ import typer
 def verify(
     as_json: Annotated[bool, typer.Option("--json", help="Print the checks as JSON.")] = False,
 ) -> None:
-    """Solve problems with known answers and compare; exit code 1 if one is missed."""
+    """Check the solvers against closed forms.
+
+    Exit code 1 if one is missed.
+    """
     from rockcli.engine.verify import checks
 
     rows = []

@@ -48,8 +48,7 @@ def assemble(study: Study, results: Results) -> Contents:
     if "M_base" in fields and results.has_mass:
         unit = {"units": "N m", "long_name": "moment of the base on the body, opposing theta"}
         fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
-    contents = Contents(axes, fields, attributes(study, results))
-    return contents if study.compare_to is None else with_comparison(contents, study.compare_to)
+    return with_comparison(Contents(axes, fields, attributes(study, results)), study.compare_to)
 
 
 def _beside_axes(

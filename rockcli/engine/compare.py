@@ -15,13 +15,15 @@ Array = NDArray[np.float64]
 ERRORS: tuple[str, ...] = ("error_theta_peak_over_alpha", "error_history", "same_outcome")
 
 
-def with_comparison(contents: Contents, reference: dict[str, Any]) -> Contents:
-    """Add the errors against the points at `reference` ({axis: coordinate value}); an axis not named is matched.
+def with_comparison(contents: Contents, reference: dict[str, Any] | None) -> Contents:
+    """Add the errors against the points at `reference` ({axis: coordinate value}), or take them away if it is None.
 
-    A difference of two overturned cases is NaN: neither has a peak.  Errors whose variables were not saved are absent.
+    An axis not named is matched.  A difference of two overturned cases is NaN: neither has a peak.  Errors whose variables were not saved are absent.
     """
     fields = {name: item for name, item in contents.fields.items() if name not in ERRORS}
     plain = Contents(contents.axes, fields, contents.attrs)
+    if reference is None:
+        return plain
     peak, outcome = "theta_peak_over_alpha", "outcome"
     axes = contents.axes
     if peak in fields:

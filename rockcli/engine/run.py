@@ -112,8 +112,8 @@ def _renewed(study: Study, path: Path) -> Contents:
     contents = netcdf.read(path)
     if contents.attrs.get("study") == study.resolved_yaml:
         return contents
-    contents = Contents(contents.axes, contents.fields, refreshed(contents.attrs, study))
-    contents = with_comparison(contents, study.compare_to) if study.compare_to is not None else contents
+    described = Contents(contents.axes, contents.fields, refreshed(contents.attrs, study))
+    contents = with_comparison(described, study.compare_to)
     netcdf.write(contents, path)
     return contents
 

@@ -177,7 +177,7 @@ def march(
                 if root != NO_ROOT and (x == NO_ROOT or root < x):
                     x, s_up = root, sign
             moved = x if x != NO_ROOT else h
-            watch_rest(a, deg_a, a_v, deg_v, g, moved, force, out)
+            watch_rest(a, deg_a, a_v, deg_v, g, moved, out)
             t_new = t_next if (x == NO_ROOT and h == t_next - t) else t + moved
             if stalled > 100:  # lifted and dropped again and again at one instant
                 x, t_new, stalled = NO_ROOT, min(t_next, t + max(1e-12 * (t_next - t), 4e-16 * t)), 0
@@ -296,6 +296,8 @@ def march(
     out[T_END] = t_stop if par[HAS_DURATION] == 1.0 else t
     if out[FELL] == 1.0:
         verdict = FALLS
+    if verdict == FALLS:
+        out[PEAK_SIDE] = s
     out[FELL] = verdict if out[STATUS] == DONE else UNDECIDED
     if mode == ROCK and v > 0.0 and not outcome_only and (par[HAS_DURATION] == 1.0 or verdict != RETURNS):
         set_peak(par, e, s, q, t, out)  # cut off while rising

@@ -99,6 +99,12 @@ def contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force):
 
 
 @jit
+def vertex(f_0, f_1, f_2, x_1, width):
+    """Where the parabola through three equidistant points about x_1 is extreme; not all three equal."""
+    return x_1 + 0.5 * width * (f_0 - f_2) / (f_0 - 2.0 * f_1 + f_2)
+
+
+@jit
 def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out):
     """Largest rate, friction and smallest normal force on [0, x]."""
     mu_0 = mu_1 = 0.0
@@ -117,8 +123,7 @@ def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out
         out[MU] = max(out[MU], mu)
         out[N_MIN] = min(out[N_MIN], force[1])
         if j >= 2 and mu_1 > mu_0 and mu_1 >= mu and mu_1 < math.inf:
-            # vertex of the parabola through three points
-            z = y - width + 0.5 * width * (mu_0 - mu) / (mu_0 - 2.0 * mu_1 + mu)
+            z = vertex(mu_0, mu_1, mu, y - width, width)
             contact(par, e, s, g, c, n, z, a, deg_a, a_v, deg_v, force)
             out[MU] = max(out[MU], force[0])
             out[N_MIN] = min(out[N_MIN], force[1])
@@ -126,11 +131,17 @@ def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out
 
 
 @jit
-def watch_rest(a, deg_a, a_v, deg_v, g, x, force, out):
-    """Friction and normal force of a body at rest on [0, x]."""
+def watch_rest(a, deg_a, a_v, deg_v, g, x, out):
+    """Friction |a_g|/(g + a_v) and normal force of a body at rest on [0, x]."""
     parts = 1 if max(deg_a, deg_v) <= 1 else 16
+    width = x / parts
+    mu_0 = mu_1 = 0.0
     for j in range(parts + 1):
-        y = x * j / parts
-        N = g + value(a_v, deg_v, y)
+        N = g + value(a_v, deg_v, width * j)
         out[N_MIN] = min(out[N_MIN], N / g)
-        out[MU] = max(out[MU], abs(value(a, deg_a, y)) / N if N > 0.0 else math.inf)
+        mu = abs(value(a, deg_a, width * j)) / N if N > 0.0 else math.inf
+        out[MU] = max(out[MU], mu)
+        if j >= 2 and mu_1 > mu_0 and mu_1 >= mu and mu_1 < math.inf:
+            z = vertex(mu_0, mu_1, mu, width * (j - 1), width)
+            out[MU] = max(out[MU], abs(value(a, deg_a, z)) / (g + value(a_v, deg_v, z)))
+        mu_0, mu_1 = mu_1, mu

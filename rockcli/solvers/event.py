@@ -222,7 +222,6 @@ def _scalars(batch: Batch, run: _Run) -> tuple[dict[str, NDArray[Any]], list[str
 
     unknown = outcome < 0
     side = out[:, k.PEAK_SIDE]
-    # a body that falls after the report's end has no last maximum before: its side is where it goes
     peak = np.where(unknown, np.nan, np.where(fell, np.inf, out[:, k.PEAK]))
     stands = np.where(fell | ~moved | unknown, np.nan, out[:, k.T_PEAK])
     top = batch.block.top * np.sin(np.minimum(out[:, k.PEAK], 0.5 * np.pi))
@@ -233,7 +232,7 @@ def _scalars(batch: Batch, run: _Run) -> tuple[dict[str, NDArray[Any]], list[str
 
     scalars: dict[str, NDArray[Any]] = {
         "outcome": outcome.astype(np.int8),
-        "theta_peak": np.where(peak == 0.0, 0.0, side * peak),
+        "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, side)),
         "theta_peak_over_alpha": peak / out[:, k.PEAK_ALPHA],
         "theta_dot_peak": known(np.where(fell, np.inf, out[:, k.RATE_PEAK]), unknown),
         "u_top_peak": known(np.where(fell, np.inf, top), unknown),

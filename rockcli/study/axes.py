@@ -114,6 +114,8 @@ class _Reader:
         self.source, self.study, self.text, self.records = source, study, text, records
         self.evaluate: Evaluate | None = None
         try:
+            if text.startswith("case."):
+                raise StudyError(f"paths of axes begin inside the case: {text.removeprefix('case.')!r}")
             self.path = resolve(text)
         except StudyError as error:
             raise source.placed(place(study, ("vary", text)), f"vary: {error.message}") from None

@@ -149,8 +149,8 @@ def _angle(numbers: Numbers, block: dict[str, Any]) -> tuple[Any, Any]:
 
 
 def _finite(numbers: Numbers, block: Block, names: list[str]) -> Block:
-    for values in (block.h[:, None], block.b, block.tan_alpha, block.alpha, block.R, block.inertia):
-        good = (np.isfinite(values) & (values > 0.0)).all(axis=1)
+    for values in (block.h, block.b, block.tan_alpha, block.alpha, block.R, block.inertia):
+        good = (values > 0.0) & (values < np.inf)
         numbers.require((*BLOCK, names[-1]), good, f"{' and '.join(names)} give no body of finite size")
-    numbers.require((*BLOCK, names[-1]), (block.alpha < 0.5 * np.pi).all(axis=1), "alpha must be below pi/2")
+    numbers.require((*BLOCK, names[-1]), block.alpha < 0.5 * np.pi, "alpha must be below pi/2")
     return block

@@ -11,14 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import housner_eta
-from rockcli.scene.damping import Damping
-from rockcli.scene.numerics import Numerics
 from rockcli.study.axes import Variation
+from rockcli.study.build import build_batch
 from rockcli.study.check import check_case
 from rockcli.study.expressions import ExpressionError, parse
-from rockcli.study.features import BACKENDS, DAMPING, available, model_and_geometry
-from rockcli.study.motion import build_excitation
 from rockcli.study.numbers import Numbers, Varied
 from rockcli.study.records import Records
 from rockcli.study.shorthands import expanded
@@ -69,7 +65,7 @@ class Cases:
             StudyError, RecordError: a case cannot be built.
         """
         for part, combination, points in self.groups(np.asarray(indices, dtype=np.int64)):
-            yield part, self.build(self.numbers(combination, points, len(part)))
+            yield part, build_batch(self.numbers(combination, points, len(part)), self.records, self.save)
 
     def groups(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points]]:
         """Split flat indices by the points on the structural axes; keep the points on the others."""
@@ -122,42 +118,9 @@ class Cases:
                 for which, (path, values) in enumerate(variation.columns.items()):
                     settings.append((path, Varied.of(axis, which, values[0]), variation.where(0)))
         for path, value, where in sorted(settings, key=lambda s: len(s[0])):
-            if path[0] == "let":
-                let = Map(study.get("let") or {}, getattr(study.get("let"), "where", None))
-                let[path[1]], let.where[path[1]] = value, where
-                study = Map({**study, "let": let}, study.where)
-            else:
-                study = expanded(replaced(study, path, value, where))
+            study = expanded(replaced(study, path, value, where))
         check_case(self.source, study)
         return study
-
-    def build(self, numbers: Numbers) -> Batch:
-        """The batch of these numbers.
-
-        Raises:
-            StudyError, RecordError: a case cannot be built, or asks for what this version cannot solve.
-        """
-        study, warnings = numbers.tree, list[str]()
-        model, geometry = model_and_geometry(self.source, study)
-        numerics = _numerics(self.source, numbers)
-        g = numbers.array(numbers.g)
-        block = numbers.block
-        damping = _damping(self.source, numbers, warnings)
-        excitation = build_excitation(numbers, self.records, warnings)
-        theta_0, theta_dot_0 = _initial(numbers)
-        return Batch(
-            g=g,
-            block=block,
-            excitation=excitation,
-            theta_0=theta_0,
-            theta_dot_0=theta_dot_0,
-            model=model,
-            geometry=geometry,
-            damping=damping,
-            numerics=numerics,
-            save=self.save,
-            warnings=tuple(dict.fromkeys(warnings)),
-        )
 
     def probe(self) -> Index:
         """Flat indices that together show whatever can be wrong: all, or the corners and edges of every combination.
@@ -217,58 +180,3 @@ class Cases:
 
 def _shown(value: Any) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
-
-
-def _initial(numbers: Numbers) -> tuple[Array, Array]:
-    keys = ("case", "initial")
-    theta, theta_dot = numbers.value((*keys, "theta")), numbers.value((*keys, "theta_dot"))
-    if theta is not None:
-        numbers.require((*keys, "theta"), np.abs(theta) < 0.5 * np.pi, "must be between -pi/2 and pi/2 (radians)")
-    return numbers.array(0.0 if theta is None else theta), numbers.array(0.0 if theta_dot is None else theta_dot)
-
-
-def _damping(source: Source, numbers: Numbers, warnings: list[str]) -> Damping:
-    keys = ("case", "damping")
-    given = {key: value for key, value in (numbers.tree["case"].get("damping") or {}).items() if value is not None}
-    scheme = available(source, numbers.tree, keys, given.get("scheme", "restitution"), DAMPING, "damping")
-    for key in given:
-        if key != "scheme" and (scheme != "restitution" or key not in ("eta", "r_energy")):
-            numbers.fail((*keys, key), f"is no key of the damping scheme {scheme}")
-    block = numbers.block
-    if scheme == "none":
-        return Damping(scheme, np.ones((numbers.n, 2)))
-    if "eta" in given and "r_energy" in given:
-        numbers.fail((*keys, "r_energy"), "eta and r_energy say the same thing; leave one out")
-    if given.get("eta", "housner") == "housner" and "r_energy" not in given:
-        eta = housner_eta(block)
-        if (eta < 0.0).any():
-            warnings.append(
-                "Housner's eta is negative (tan alpha > sqrt 2 for a rectangle): taken as 0, the body stops at the impact"
-            )
-            eta = np.maximum(eta, 0.0)
-        return Damping(scheme, eta)
-    key = "eta" if "eta" in given else "r_energy"
-    value = numbers.value((*keys, key))
-    assert value is not None
-    numbers.require((*keys, key), np.greater_equal(value, 0.0) & np.less_equal(value, 1.0), "must be between 0 and 1")
-    column = numbers.array(value if key == "eta" else np.sqrt(value))
-    return Damping(scheme, np.repeat(column[:, None], 2, axis=1))
-
-
-def _numerics(source: Source, numbers: Numbers) -> Numerics:
-    keys = ("case", "solver")
-    solver = numbers.tree["case"].get("solver") or {}
-    backend = available(source, numbers.tree, (*keys, "backend"), solver.get("backend") or "auto", BACKENDS, "backend")
-    rtol, dt, yield_rotation = (numbers.constant((*keys, key)) for key in ("rtol", "dt", "yield_rotation"))
-    for key, value in (("rtol", rtol), ("dt", dt), ("yield_rotation", yield_rotation)):
-        numbers.require((*keys, key), value is None or value > 0.0, "must be greater than 0")
-    numbers.require((*keys, "rtol"), rtol is None or rtol < 1.0, "must be below 1")
-    return Numerics(
-        backend=backend,
-        accuracy=solver.get("accuracy") or "standard",
-        rtol=rtol,
-        method=solver.get("method"),
-        events=solver.get("events"),
-        dt=dt,
-        yield_rotation=yield_rotation,
-    )

@@ -10,7 +10,6 @@ from pydantic import BaseModel, ValidationError
 from rockcli.study.schema import CasePart, Number, Part, StudyPart, describe
 from rockcli.study.tree import Keys, Map, Source, nearest, place, value_at
 
-
 P = TypeVar("P", bound=Part)
 
 

@@ -30,10 +30,17 @@ _WORDS = {"": None, "~": None, "null": None, "true": True, "false": False}
 _CASES = {word for word in _WORDS if word} | {w.capitalize() for w in _WORDS} | {w.upper() for w in _WORDS}
 
 
+PLAIN, TEXT, COLLECTION = "plain", "text", "collection"
+ALLOWED = {PLAIN, TEXT, COLLECTION, *(f"tag:yaml.org,2002:{kind}" for kind in ("str", "seq", "map"))}
+"""Tags of nodes: those without a tag of their own, and the harmless ones one may write."""
+
+
 class _Nodes(yaml.SafeLoader):
     """PyYAML's nodes; the tags it guesses are not used."""
 
-    yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}  # noqa: RUF012 (PyYAML's own name)
+    def resolve(self, kind: Any, value: Any, implicit: Any) -> str:
+        """Tag of a node that has none of its own."""
+        return PLAIN if kind is yaml.ScalarNode and implicit[0] else TEXT if kind is yaml.ScalarNode else COLLECTION
 
 
 def load_file(path: Path) -> Map:
@@ -133,12 +140,13 @@ class _Builder:
             raise self.source.placed(self.place(node), f"nested too deeply (at most {MAX_DEPTH} levels)")
         if self.count > MAX_VALUES:
             raise self.source.placed(self.place(node), f"more than {MAX_VALUES} values (repeated by aliases?)")
+        if node.tag not in ALLOWED:
+            raise self.source.placed(self.place(node), f"the tag {node.tag!r} is not allowed here")
         if isinstance(node, yaml.MappingNode):
             return self.mapping(node, depth)
         if isinstance(node, yaml.SequenceNode):
             return List([self.value(n, depth + 1) for n in node.value], [self.place(n) for n in node.value])
-        assert isinstance(node, yaml.ScalarNode)
-        return self.scalar(node)
+        return scalar(str(node.value)) if node.tag == PLAIN else str(node.value)
 
     def mapping(self, node: yaml.MappingNode, depth: int) -> Map:
         result = Map()
@@ -152,14 +160,6 @@ class _Builder:
             result[key] = self.value(value_node, depth + 1)
             result.where[key] = self.place(key_node)
         return result
-
-    def scalar(self, node: yaml.ScalarNode) -> Any:
-        text = str(node.value)
-        if node.tag not in ("tag:yaml.org,2002:str", "!"):
-            raise self.source.placed(self.place(node), f"the tag {node.tag!r} is not allowed here")
-        if node.style is not None or node.tag == "!":
-            return text
-        return scalar(text)
 
 
 def scalar(text: str) -> Any:

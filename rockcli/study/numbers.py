@@ -90,9 +90,10 @@ class Numbers:
         return np.ascontiguousarray(np.broadcast_to(np.asarray(value, dtype=np.float64), (self.n,)))
 
     def require(self, keys: Keys, good: Any, message: str) -> None:
-        """Raise StudyError about `keys` at the first case where `good`, a bool or (n,), is false."""
+        """Raise StudyError about `keys` at the first case where `good`, a bool, (n,) or (n, ...), is not all true."""
         if not np.all(good):
-            self.fail(keys, message, int(np.argmin(np.broadcast_to(good, (self.n,)))))
+            rows = np.reshape(good, (len(good), -1)).all(axis=1) if np.ndim(good) > 1 else good
+            self.fail(keys, message, int(np.argmin(np.broadcast_to(rows, (self.n,)))))
 
     def positive(self, keys: Keys) -> Value | None:
         """The number at `keys`, which must be greater than zero; None where the study gives none."""
@@ -143,6 +144,13 @@ class Numbers:
         assert value is not None
         self._symbols[name] = value
         return value
+
+    def let(self, name: str) -> Value:
+        """Value of a symbol of `let`; raises StudyError."""
+        try:
+            return self.symbol(name)
+        except ExpressionError as error:
+            self.fail(("let", name), str(error), error.index)
 
     @property
     def g(self) -> Value:

@@ -106,6 +106,10 @@ def replaced(tree: Any, keys: Sequence[str], value: Any, where: Where) -> Map:
     """A copy of `tree` with `value` at `keys`, alternatives of the last key dropped; the rest is shared."""
     head, rest = keys[0], keys[1:]
     copy = Map(tree, tree.where) if isinstance(tree, Map) else Map()
+    if head == "let" and len(rest) == 1:  # own symbols stand for nothing but themselves
+        let = copy["let"] = Map(copy.get("let"), getattr(copy.get("let"), "where", None))
+        let[rest[0]], let.where[rest[0]] = value, where
+        return copy
     copy[head] = replaced(copy.get(head), rest, value, where) if rest else value
     if not rest or copy.where.get(head) is None:
         copy.where[head] = where

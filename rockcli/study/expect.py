@@ -1,0 +1,149 @@
+"""`expect` and `compare_to`: what a study says of its results, matched to its axes before anything is solved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import PurePosixPath
+from typing import Any
+
+from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
+from rockcli.scene.variables import IMPACT, TIME, VARIABLES
+from rockcli.study.expressions import ExpressionError, constant, parse
+from rockcli.study.schema import describe
+from rockcli.study.study import Axis, Expect
+from rockcli.study.tree import Keys, Map, Source, nearest, place
+
+CHECKS = ("value", "min", "max", "is", "is_not")
+
+MATCH = 1e-9
+"""Coordinates are the same if they differ by no more than this, relatively."""
+
+MEANINGS: dict[str, tuple[int, ...]] = {
+    **{name: (flag,) for flag, name in OUTCOMES.items()},
+    "overturned": (OVERTURNED_WITHOUT_IMPACT, OVERTURNED_AFTER_IMPACT),
+}
+
+
+def read_expect(source: Source, study: Map, axes: Sequence[Axis]) -> tuple[Expect, ...]:
+    """The clauses of a study whose form has been checked.
+
+    Raises:
+        StudyError: an unknown quantity, a point that is on no axis, none or several of `value`, `min`, ...
+    """
+    return tuple(_clause(source, study, axes, i) for i in range(len(study.get("expect") or ())))
+
+
+def match(source: Source, study: Map, keys: Keys, at: dict[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
+    """{axis name: coordinate} of the points that a mapping of axes (by name or path) to values means.
+
+    Raises:
+        StudyError: no such axis, or no such value on it.
+    """
+    found: dict[str, Any] = {}
+    for said, value in at.items():
+        axis = next((a for a in axes if said in (a.name, a.path, f"case.{a.path}")), None)
+        if axis is None:
+            names = [name for a in axes for name in dict.fromkeys((a.path, a.name))]
+            hint = nearest(said, names) if names else "the study has no axes"
+            raise source.error(study, (*keys, said), f"is on no axis; {hint}")
+        coordinate = _coordinate(axis, value)
+        if coordinate is None:
+            shown = ", ".join(f"{v:.10g}" if axis.numeric else v for v in axis.values[:12])
+            more = ", ..." if axis.size > 12 else ""
+            raise source.error(
+                study, (*keys, said), f"is {describe(value)}, which is no point of that axis; it has {shown}{more}"
+            )
+        found[axis.name] = coordinate
+    return found
+
+
+def _coordinate(axis: Axis, value: Any) -> Any:
+    if axis.numeric:
+        number = _number(value)
+        return next((v for v in axis.values if number is not None and _same(v, number)), None)
+    text = {True: "true", False: "false"}.get(value, str(value)) if isinstance(value, bool) else str(value)
+    if text in axis.values:
+        return text
+    by_name = [v for v in axis.values if PurePosixPath(v).name == PurePosixPath(text).name]
+    return by_name[0] if len(by_name) == 1 else None
+
+
+def _same(a: float, b: float) -> bool:
+    return a == b or abs(a - b) <= MATCH * max(abs(a), abs(b))
+
+
+def _number(value: Any) -> float | None:
+    """A number or a constant expression as a float; None for anything else."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    try:
+        return float(parse(value).evaluate(constant)) if isinstance(value, str) else float(value)
+    except (ExpressionError, OverflowError):
+        return None
+
+
+def _clause(source: Source, study: Map, axes: Sequence[Axis], i: int) -> Expect:
+    clause: Map = study["expect"][i]
+    keys: Keys = ("expect", i)
+    quantity = clause["quantity"]
+    if quantity not in VARIABLES:
+        raise source.error(study, (*keys, "quantity"), f"is {quantity!r}; {nearest(quantity, VARIABLES)}")
+    over = VARIABLES[quantity].over
+    if over == IMPACT:
+        raise source.error(study, (*keys, "quantity"), "has a value per impact; only scalars and histories are judged")
+    checks = [key for key in CHECKS if clause.get(key) is not None]
+    if len(checks) != 1:
+        has = f"has {' and '.join(checks)}" if checks else "says nothing"
+        raise source.error(study, keys, f"{has}; exactly one of {', '.join(CHECKS)} is needed")
+    time = None if clause.get("time") is None else _positive(source, study, (*keys, "time"), clause["time"])
+    if over == TIME and time is None:
+        raise source.error(study, keys, f"needs `time`: {quantity} is a history")
+    if over != TIME and time is not None:
+        raise source.error(study, (*keys, "time"), f"is for histories; {quantity} has no time")
+    check = checks[0]
+    target: float | tuple[int, ...]
+    if check in ("is", "is_not"):
+        target = _meanings(source, study, (*keys, check), quantity, clause[check])
+    else:
+        target = _target(source, study, (*keys, check), quantity, clause[check])
+    return Expect(
+        quantity=quantity,
+        at=match(source, study, (*keys, "at"), clause.get("at") or {}, axes),
+        check=check,
+        target=target,
+        rtol=_positive(source, study, (*keys, "rtol"), clause.get("rtol", 1e-6)),
+        atol=_positive(source, study, (*keys, "atol"), clause.get("atol", 0.0)),
+        time=time,
+        references=clause.get("references") or "",
+        line=line if isinstance(line := place(study, keys), int) else None,
+    )
+
+
+def _target(source: Source, study: Map, keys: Keys, quantity: str, value: Any) -> float:
+    number = _number(value)
+    if number is None or math.isnan(number):
+        hint = "; a meaning is judged by `is`" if quantity == "outcome" else ""
+        raise source.error(study, keys, f"is {describe(value)}; expected a number{hint}")
+    return number
+
+
+def _meanings(source: Source, study: Map, keys: Keys, quantity: str, value: Any) -> tuple[int, ...]:
+    if quantity != "outcome":
+        raise source.error(study, keys, f"judges meanings of outcome; {quantity} is a number: value, min or max")
+    names = value if isinstance(value, list) else [value]
+    flags: list[int] = []
+    for name in names:
+        if not isinstance(name, str) or name not in MEANINGS:
+            raise source.error(study, keys, f"is {describe(name)}; {nearest(str(name), MEANINGS)}")
+        flags += MEANINGS[name]
+    if not flags:
+        raise source.error(study, keys, f"is empty; expected some of {', '.join(MEANINGS)}")
+    return tuple(dict.fromkeys(flags))
+
+
+def _positive(source: Source, study: Map, keys: Keys, value: Any) -> float:
+    number = _number(value)
+    if number is None or not 0.0 <= number < math.inf:
+        raise source.error(study, keys, f"is {describe(value)}; expected a number that is not negative")
+    return number

@@ -1,0 +1,89 @@
+"""What identifies results, and the resolved study that a dataset carries."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import yaml
+
+import rockcli
+from rockcli.study.axes import Variation
+from rockcli.study.loader import scalar
+
+
+def identity(
+    case: dict[str, Any],
+    let: dict[str, Any],
+    variations: Sequence[Variation],
+    save: dict[str, Any],
+    inputs: dict[str, str],
+) -> str:
+    """SHA-256 of what changes numbers: case, let, axes, save, the bytes of all files, the program's version."""
+    content = {
+        "case": _canonical(case),
+        "let": _canonical(let),
+        "vary": [_axis(variation) for variation in variations],
+        "save": _canonical(save),
+        "inputs": dict(sorted(inputs.items())),
+        "version": rockcli.__version__,
+    }
+    return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=True).encode()).hexdigest()
+
+
+def as_yaml(resolved: dict[str, Any]) -> str:
+    """A study as YAML that this program reads back unchanged."""
+    return str(yaml.dump(resolved, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120))
+
+
+def plain(value: Any) -> Any:
+    """A tree of ordinary dicts and lists."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return value
+
+
+def _axis(variation: Variation) -> list[Any]:
+    axis = variation.axis
+    if variation.columns is not None:
+        content: Any = {".".join(p): hashlib.sha256(v.tobytes()).hexdigest() for p, v in variation.columns.items()}
+    else:
+        content = [[[".".join(path), _canonical(value)] for path, value, _ in point] for point in variation.settings]
+    return [axis.name, ".".join(variation.path), [] if axis.numeric else list(axis.values), content]
+
+
+def _canonical(value: Any) -> Any:
+    """The same for 5 and 5.0, for any order of keys, and for an absent key and an empty one."""
+    if isinstance(value, dict):
+        return {str(key): _canonical(item) for key, item in value.items() if item is not None}
+    if isinstance(value, list | tuple):
+        return [_canonical(item) for item in value]
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    return value
+
+
+class _Dumper(yaml.SafeDumper):
+    """Quotes the text that YAML 1.2 would read as a number, and writes short lists in one line."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Never write anchors: equal parts are written twice."""
+        return True
+
+
+def _text(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
+    style = None if isinstance(scalar(text), str) else "'"
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
+
+
+def _list(dumper: yaml.SafeDumper, items: list[Any]) -> yaml.SequenceNode:
+    short = all(not isinstance(item, dict | list) for item in items)
+    return dumper.represent_sequence("tag:yaml.org,2002:seq", items, flow_style=short)
+
+
+_Dumper.add_representer(str, _text)
+_Dumper.add_representer(list, _list)

@@ -1,0 +1,199 @@
+"""The front door: a study file in, a checked `Study` out."""
+
+from __future__ import annotations
+
+import dataclasses
+import keyword
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from rockcli.scene.batch import Batch, Save
+from rockcli.scene.excitation import Pulses, Samples
+from rockcli.scene.variables import LARGE, SCALARS, SCALARS_LARGE
+from rockcli.study.axes import Evaluate, Variation, read_axes
+from rockcli.study.build import build_batch
+from rockcli.study.cases import Cases
+from rockcli.study.check import check_study
+from rockcli.study.expect import match, read_expect
+from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
+from rockcli.study.features import check_study_features
+from rockcli.study.identity import as_yaml, identity, plain
+from rockcli.study.loader import load_file, load_mapping
+from rockcli.study.overrides import apply_overrides
+from rockcli.study.records import Records
+from rockcli.study.schema import CasePart, StudyPart
+from rockcli.study.shorthands import expanded
+from rockcli.study.study import Study
+from rockcli.study.tree import Map, Source
+
+HISTORIES_UP_TO = 100
+"""Cases up to which histories are saved unless the study says otherwise."""
+
+DT_OUT = 0.005
+"""Largest output spacing by default [s]."""
+
+
+def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple[str, str]] = ()) -> Study:
+    """Read and check a study: everything that can be said against it is said here, before anything is solved.
+
+    Args:
+        source: path of a YAML file, or a mapping of the same form.
+        overrides: (path, text of a YAML value) as of `--set case.block.R=2`, in order.
+
+    Raises:
+        StudyError: the study is wrong; names file, line and key.
+        RecordError: a record is missing (`MissingRecordError`) or cannot be read.
+    """
+    where = Source(None if isinstance(source, dict) else Path(source))
+    tree = load_mapping(source) if isinstance(source, dict) else load_file(Path(source))
+    tree, warnings = apply_overrides(expanded(tree), overrides)
+    part = _check_top(where, tree)
+    base = Map({"case": tree["case"], "let": tree.get("let") or Map()}, tree.where)
+    records = Records(where)
+    provisional = Save(histories=False, dt_out=DT_OUT, scalars=frozenset())
+
+    def evaluator(known: list[Variation]) -> Evaluate:
+        return Cases(where, base, known, records, provisional).evaluate
+
+    variations = read_axes(where, tree, records, evaluator)
+    cases = Cases(where, base, variations, records, provisional)
+    found = _Found()
+    found.inputs.update({name: sha for v in variations for name, sha in v.inputs.items()})
+    _probe(cases, found)
+    axes = tuple(v.axis for v in variations)
+    saved, at = _save(where, tree, cases, found.dt_out)
+    histories, dt_out, scalars = saved["histories"] is not False, saved["dt_out"], tuple(saved["scalars"])
+    cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)))
+    compare_to = tree.get("compare_to")
+    resolved = _resolved(part, base, variations, saved)
+    return Study(
+        name=part.name,
+        title=part.title,
+        references=part.references,
+        file=where.file,
+        axes=axes,
+        cases=cases,
+        compare_to=match(where, tree, ("compare_to",), compare_to, axes) if compare_to else None,
+        expect=read_expect(where, tree, axes),
+        plots=tuple(dict.fromkeys(part.plots)),
+        histories=histories,
+        dt_out=dt_out,
+        scalars=scalars,
+        resolved=resolved,
+        resolved_yaml=as_yaml(resolved),
+        identity=identity(resolved["case"], resolved.get("let", {}), variations, saved, found.inputs),
+        inputs=found.inputs,
+        processing=found.processing,
+        warnings=tuple(warnings),
+        histories_at=at,
+    )
+
+
+def _check_top(source: Source, tree: Map) -> StudyPart:
+    """The study without its case, which is checked with the values of the axes in it."""
+    case = tree.get("case")
+    if isinstance(case, Map):
+        part = check_study(source, Map({**tree, "case": {"block": {}}}, tree.where))
+    else:
+        part = check_study(source, tree)
+    for name in part.let:
+        check_symbol(source, tree, name)
+    check_study_features(source, tree)
+    return part
+
+
+def check_symbol(source: Source, tree: Map, name: str) -> None:
+    """Refuse a symbol of `let` that means something else already."""
+    keys = ("let", name)
+    if not name.isascii() or not name.isidentifier() or keyword.iskeyword(name):
+        raise source.error(tree, keys, "is no name for a symbol: letters, digits and _ only, a letter first")
+    taken = "a symbol of the case" if name in (*SYMBOLS, "g") else "a function" if name in FUNCTIONS else "a unit"
+    if name in (*SYMBOLS, "g") or name in FUNCTIONS or name in CONSTANTS:
+        raise source.error(tree, keys, f"is {taken} already; choose another name")
+
+
+@dataclasses.dataclass(eq=False)
+class _Found:
+    """What the cases of a study show: finest output spacing needed, files read and what was done to them."""
+
+    dt_out: float = DT_OUT
+    inputs: dict[str, str] = dataclasses.field(default_factory=dict)
+    processing: dict[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
+
+    def look(self, batch: Batch) -> None:
+        for channel in (batch.excitation.horizontal, batch.excitation.vertical):
+            if isinstance(channel, Pulses):
+                self.dt_out = min(self.dt_out, float(np.min(2.0 * np.pi / channel.omega_p)) / 200.0)
+            elif isinstance(channel, Samples):
+                self.dt_out = min(self.dt_out, channel.dt)
+                self._note(channel)
+
+    def _note(self, samples: Samples) -> None:
+        name, k = samples.name, 1
+        while self.inputs.get(name, samples.sha256) != samples.sha256:  # two files of one name
+            k += 1
+            name = f"{samples.name} #{k}"
+        self.inputs[name] = samples.sha256
+        label, k = name, 1
+        while self.processing.get(label, samples.processing) != samples.processing:  # one file used in two ways
+            k += 1
+            label = f"{name} ({k})"
+        self.processing[label] = samples.processing
+
+
+def _probe(cases: Cases, found: _Found) -> None:
+    """Build what shows all that can be wrong (see `Cases.probe`)."""
+    for part, combination, points in cases.groups(cases.probe()):
+        numbers = cases.numbers(combination, points, len(part))
+        for name in numbers.tree.get("let") or ():
+            check_symbol(cases.source, numbers.tree, name)
+            numbers.let(name)
+        found.look(build_batch(numbers, cases.records, cases.save))
+
+
+def _save(source: Source, tree: Map, cases: Cases, dt_default: float) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """`save` with its defaults filled in, and the only points whose histories are saved, if not all."""
+    save: Map = tree.get("save") or Map()
+    size = int(np.prod(cases.shape, dtype=np.int64))
+    histories: Any = save.get("histories")
+    at = None
+    if isinstance(histories, dict):
+        at = match(source, tree, ("save", "histories"), histories, [v.axis for v in cases.variations])
+    elif histories is None:
+        histories = size <= HISTORIES_UP_TO
+    wanted = save.get("scalars")
+    if wanted is None:
+        wanted = SCALARS if size <= LARGE else SCALARS_LARGE
+    scalars = [name for name in SCALARS if wanted == "all" or name in wanted]
+    dt_out: Any = save.get("dt_out")
+    if dt_out is None:
+        dt_out = dt_default
+    else:
+        keys = ("save", "dt_out")
+        try:
+            dt_out = float(parse(dt_out).evaluate(constant)) if isinstance(dt_out, str) else float(dt_out)
+        except ExpressionError as error:
+            raise source.error(tree, keys, f": {error}") from None
+        if not dt_out > 0.0:
+            raise source.error(tree, keys, f"is {dt_out:g}; must be greater than 0")
+    return {"histories": plain(histories), "dt_out": dt_out, "scalars": scalars}, at
+
+
+def _resolved(part: StudyPart, base: Map, variations: Sequence[Variation], saved: dict[str, Any]) -> dict[str, Any]:
+    """The study with short forms written out and defaults filled in; globs as the files they matched."""
+    dumped: dict[str, Any] = plain(part.model_dump(by_alias=True))
+    try:
+        dumped["case"] = plain(CasePart.model_validate(base["case"]).model_dump(by_alias=True))
+    except ValidationError:  # a case that is complete only with the values of the axes
+        dumped["case"] = plain(base["case"])
+    vary = dumped.get("vary", {})
+    for variation in variations:
+        path = variation.axis.path
+        if isinstance(vary[path], str) and not variation.inputs:
+            vary[path] = [point[0][1] for point in variation.settings]
+    dumped["save"] = saved
+    return {key: value for key, value in dumped.items() if value not in ("", [], {}, None, False)}

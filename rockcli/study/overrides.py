@@ -1,0 +1,58 @@
+"""`--set PATH=VALUE`: values laid over a study before it is checked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rockcli.errors import StudyError
+from rockcli.study.check import fields_at
+from rockcli.study.loader import load_value
+from rockcli.study.paths import resolve
+from rockcli.study.schema import StudyPart
+from rockcli.study.shorthands import expanded
+from rockcli.study.tree import Map, nearest, replaced, value_at
+
+
+def apply_overrides(study: Map, overrides: Sequence[tuple[str, str]]) -> tuple[Map, list[str]]:
+    """The study with every (path, text of a YAML value) laid over it in order, and warnings.
+
+    Raises:
+        StudyError: a path that a study does not have, or a value that is no YAML.
+    """
+    warnings = []
+    for path, text in overrides:
+        label = f"--set {path}={text if len(text) <= 40 else text[:37] + '...'}"
+        keys = _keys(path, label)
+        study = expanded(replaced(study, keys, load_value(text, label), label))
+        vary = study.get("vary")
+        inside = path.removeprefix("case.")
+        if isinstance(vary, Map) and any(axis.removeprefix("case.") == inside for axis in vary):
+            warnings.append(f"{label} has no effect: the study varies {inside}")
+    return study, warnings
+
+
+def _keys(path: str, label: str) -> tuple[str, ...]:
+    parts = tuple(path.split("."))
+    try:
+        if parts[0] == "vary" and len(parts) > 1:
+            return ("vary", ".".join(parts[1:]))
+        if parts[0] in ("case", "let") and len(parts) > 1:
+            return resolve(path)
+        if parts[0] not in StudyPart.model_fields:
+            raise StudyError(f"{parts[0][:100]!r} is no key of a study; {_hint(path)}")
+    except StudyError as error:
+        raise StudyError(error.message, file=label) from None
+    for i in range(1, len(parts)):
+        known = fields_at(StudyPart, parts[:i])
+        if known and parts[i] not in known:
+            raise StudyError(f"{path[:200]!r} is no path of a study; {nearest(parts[i], known)}", file=label)
+        if not known and value_at({}, parts) is None and parts[0] in ("name", "title", "references", "expect", "plots"):
+            raise StudyError(f"{parts[0]!r} is set as a whole", file=label)
+    return parts
+
+
+def _hint(path: str) -> str:
+    try:
+        return f"did you mean {'.'.join(resolve(path))!r}?"
+    except StudyError:
+        return nearest(path.split(".")[0], StudyPart.model_fields)

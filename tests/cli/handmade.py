@@ -1,0 +1,103 @@
+"""Studies whose cases and answers are made by hand, to test the engine without a solver."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rockcli.engine import sweep
+from rockcli.scene.batch import Batch, Save
+from rockcli.scene.block import make_block
+from rockcli.scene.damping import Damping
+from rockcli.scene.excitation import Excitation
+from rockcli.scene.numerics import Numerics
+from rockcli.scene.response import ROCKING, Response
+from rockcli.scene.variables import SCALARS
+from rockcli.study.study import Axis, Expect, Index, Study
+
+Solver = Callable[[Batch], Response]
+
+
+@dataclass(frozen=True)
+class Cases:
+    """Case i starts at theta_0 = i, which tells a hand-made solver which case it has; at most `most` at a time."""
+
+    histories: bool
+    most: int = 1000
+
+    def batches(self, indices: Index) -> Iterator[tuple[Index, Batch]]:
+        for start in range(0, len(indices), self.most):
+            part = np.asarray(indices)[start : start + self.most]
+            n = len(part)
+            block = make_block(h=np.full(n, 2.0), b=np.full(n, 0.4), n=n)
+            yield (
+                part,
+                Batch(
+                    g=np.full(n, 9.81),
+                    block=block,
+                    excitation=Excitation(None, None, np.full(n, np.nan)),
+                    theta_0=part.astype(float),
+                    theta_dot_0=np.zeros(n),
+                    model="rigid",
+                    geometry=None,
+                    damping=Damping("none", np.ones((n, 2))),
+                    numerics=Numerics(),
+                    save=Save(self.histories, 0.5, frozenset(SCALARS)),
+                ),
+            )
+
+
+MODEL = Axis("model", "model", ("rigid", "linearized"), numeric=False)
+SLENDER = Axis("tan_alpha", "block.tan_alpha", (0.1, 0.2, 0.3), numeric=True)
+
+
+def make_study(*axes: Axis, histories: bool = False, most: int = 1000, **more: Any) -> Study:
+    values: dict[str, Any] = {
+        "name": "made",
+        "title": "Made by hand",
+        "references": "",
+        "file": None,
+        "compare_to": None,
+        "expect": (),
+        "plots": (),
+        "dt_out": 0.5,
+        "scalars": SCALARS,
+        "resolved": {},
+        "resolved_yaml": "name: made\n",
+        "identity": "abc",
+    }
+    return Study(axes=axes, cases=Cases(histories, most), histories=histories, **(values | more))
+
+
+def clause(quantity: str, check: str, target: Any, **more: Any) -> Expect:
+    return Expect(quantity, more.pop("at", {}), check, target, **more)
+
+
+def answer(batch: Batch, **scalars: Any) -> Response:
+    """All cases rock, with the peaks given; reasons empty."""
+    n = batch.size
+    values = {
+        "outcome": np.full(n, ROCKING, dtype=np.int8),
+        "theta_peak_over_alpha": 0.01 * batch.theta_0,
+        "n_impacts": np.full(n, 3),
+    }
+    return Response(scalars=values | scalars, reasons=[""] * n, used={"backend": "hand"})
+
+
+@dataclass(frozen=True)
+class Hand:
+    """Stands where a backend would."""
+
+    solver: Solver
+
+    def load(self) -> Solver:
+        return self.solver
+
+
+def solve_by(monkeypatch: pytest.MonkeyPatch, solver: Solver) -> None:
+    """Make every batch be solved by `solver`."""
+    monkeypatch.setattr(sweep, "choose", lambda batch: Hand(solver))

@@ -1,0 +1,176 @@
+"""Every kind of figure is drawn from a dataset alone, and says what it leaves out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from matplotlib.figure import Figure
+
+from rockcli.plotting import figures
+from rockcli.plotting.labels import axis_label, coordinate_label, variable_label
+from rockcli.plotting.map import is_log, plane
+from rockcli.scene.variables import VARIABLES
+
+ALPHA, P = np.arctan(0.2), 1.2
+
+
+def axis(name: str, path: str, values: object, unit: str = "1") -> xarray.DataArray:
+    array = np.asarray(values)
+    attrs = {"long_name": path} | ({"units": unit} if array.dtype.kind == "f" else {})
+    return xarray.DataArray(array if array.dtype.kind == "f" else array.astype(object), dims=name, attrs=attrs)
+
+
+def histories(n: int, overturns: bool = False, compare_to: str = "null") -> xarray.Dataset:
+    """Decaying swings of n sizes."""
+    t = np.arange(0, 8, 0.01)
+    R = np.linspace(2.0, 9.0, n)
+    theta = ALPHA * 0.5 * np.sin(2 * t[None, :] / np.sqrt(R[:, None] / 2)) * np.exp(-0.2 * t)
+    if overturns:
+        theta[0] = np.where(t < 3, ALPHA * 0.3 * t**2, np.nan)
+    crossing = np.arange(1, 4) * np.pi / 2
+    pulse = np.where(t < 1, 2.0 * np.sin(2 * np.pi * t), 0.0)
+    dims = ("R_m", "time")
+    data = {
+        "theta": (dims, theta),
+        "theta_dot": (dims, np.gradient(theta, t, axis=1)),
+        "a_g": (dims, np.tile(pulse, (n, 1))),
+        "t_impact": (("R_m", "impact"), np.tile(crossing, (n, 1))),
+        "theta_dot_before": (("R_m", "impact"), np.full((n, 3), 0.10)),
+        "theta_dot_after": (("R_m", "impact"), np.full((n, 3), 0.09)),
+        "outcome": ("R_m", np.where((np.arange(n) == 0) & overturns, 3, 1).astype(np.int8)),
+        "theta_peak_over_alpha": ("R_m", np.where((np.arange(n) == 0) & overturns, np.inf, 0.4)),
+        "t_overturn": ("R_m", np.where((np.arange(n) == 0) & overturns, 2.0, np.nan)),
+        "n_impacts": ("R_m", np.full(n, 3)),
+    }
+    coords = {"R_m": axis("R_m", "block.R", R, "m"), "time": t, "alpha": ALPHA, "p": P}
+    attrs = {"title": "Swings of $5 blocks", "axes": "R_m", "compare_to": compare_to}
+    return xarray.Dataset(data, coords, attrs)
+
+
+def spectrum(with_label: bool = False) -> xarray.Dataset:
+    """An outcome map with every outcome in it."""
+    a, w = np.linspace(0.5, 6, 12), np.geomspace(0.5, 8, 15)
+    peak = a[:, None] / w[None, :]
+    flags = np.select([a[:, None] + 0 * w < 1, peak > 2.5, peak > 1.5], [0, 2, 3], 1).astype(np.int8)
+    flags[-1, -1], flags[-1, -2] = -2, -1
+    peak = np.where(flags > 1, np.inf, np.where(flags < 0, np.nan, peak))
+    dims: tuple[str, ...] = ("a_p_over_g_tan_alpha", "omega_p_over_p")
+    coords = {
+        dims[0]: axis(dims[0], "motion.pulse.a_p_over_g_tan_alpha", a),
+        dims[1]: axis(dims[1], "motion.pulse.omega_p_over_p", w),
+    }
+    if with_label:
+        flags, peak = np.stack([flags] * 7), np.stack([peak] * 7)
+        coords["model"] = axis("model", "model", ["rigid", "1", "2", "3", "4", "5", "6"])
+        dims = ("model", *dims)
+    data = {"outcome": (dims, flags), "theta_peak_over_alpha": (dims, peak)}
+    return xarray.Dataset(data, coords, {"title": "A spectrum", "axes": " ".join(dims)})
+
+
+def words(figure: Figure) -> str:
+    figure.draw_without_rendering()
+    return " | ".join([figure.get_suptitle(), *(ax.get_title() for ax in figure.axes)])
+
+
+@pytest.mark.parametrize("kind", ["histories", "phase", "map"])
+@pytest.mark.parametrize("plot_format", ["png", "pdf", "svg"])
+def test_kinds_and_formats(kind: str, plot_format: str, tmp_path: Path) -> None:
+    dataset = histories(3, overturns=True)
+    file = tmp_path / "figure"
+    figures.save(figures.figure(kind, dataset), file, plot_format)
+    head = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}[plot_format]
+    assert file.read_bytes().startswith(head)
+
+
+def test_the_same_figure_gives_the_same_bytes(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        figures.save(figures.figure("histories", histories(2)), tmp_path / name, "svg")
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_what_the_content_suggests() -> None:
+    assert figures.default_kinds(histories(1).isel(R_m=0, drop=True).assign_attrs(axes="")) == ("histories", "phase")
+    assert figures.default_kinds(histories(5)) == ("histories", "phase", "map")
+    assert figures.default_kinds(spectrum()) == ("map",)
+    bare = xarray.Dataset({"outcome": ((), np.int8(1))}, attrs={"axes": ""})
+    assert figures.default_kinds(bare) == ()
+    assert "no histories" in figures.why_not("phase", bare)
+    assert "not drawn by this version" in figures.why_not("fragility", bare)
+    assert figures.why_not("map", spectrum()) == ""
+
+
+def test_one_case_is_summed_up_in_the_title() -> None:
+    one = histories(1).isel(R_m=0, drop=True).assign_attrs(axes="")
+    figure = figures.figure("histories", one)
+    assert "0.4" in words(figure)
+    assert "3 impacts" in words(figure)
+    assert r"\$5" in words(figure)
+    assert [ax.get_ylabel() for ax in figure.axes] == [r"$a_g$ [g]", r"$\theta/\alpha$", r"$\dot\theta$ [rad/s]"]
+
+
+def test_a_selection_is_said() -> None:
+    assert "8 of 20 cases shown" in words(figures.figure("histories", histories(20)))
+    assert "6 of 20 cases shown" in words(figures.figure("phase", histories(20)))
+    assert "6 of 7 maps shown" in words(figures.figure("map", spectrum(with_label=True)))
+
+
+def test_what_overturned_is_said() -> None:
+    figure = figures.figure("histories", histories(3, overturns=True))
+    assert "overturns" in figure.legends[0].get_texts()[0].get_text()
+    low, high = figure.axes[1].get_ylim()
+    assert high < 2.0
+    assert low < 0.0
+    assert "crosses: overturned" in words(figures.figure("map", histories(4, overturns=True)))
+
+
+def test_a_comparison_shows_the_difference() -> None:
+    dataset = histories(3, compare_to='{"R_m": 2.0}')
+    figure = figures.figure("histories", dataset)
+    assert "dashed: $R$ = 2 m" in words(figure)
+    assert figure.axes[-1].get_ylabel() == r"$\Delta\theta/\alpha$"
+    assert len(figure.legends[0].get_texts()) == 2  # the reference is not a case of its own
+    assert "grey: $R$ = 2 m" in words(figures.figure("phase", dataset))
+
+
+def test_nothing_overlaps() -> None:
+    """Titles, labels and legends of the busiest figures keep clear of each other and inside the page."""
+    for kind, dataset in (("histories", histories(20)), ("phase", histories(20)), ("map", spectrum(with_label=True))):
+        figure = figures.figure(kind, dataset)
+        figure.draw_without_rendering()
+        page = figure.bbox
+        boxes = [figure._suptitle.get_window_extent(), *(legend.get_window_extent() for legend in figure.legends)]
+        for ax in figure.axes:
+            if ax.axison:
+                boxes += [t.get_window_extent() for t in (ax.title, ax.xaxis.label, ax.yaxis.label) if t.get_text()]
+        for number, box in enumerate(boxes):
+            assert box.x0 >= page.x0 - 1
+            assert box.x1 <= page.x1 + 1
+            assert box.y0 >= page.y0 - 1
+            assert box.y1 <= page.y1 + 1
+            assert not any(box.overlaps(other) for other in boxes[number + 1 :])
+
+
+def test_the_map_stands_amplitudes_upright_and_knows_spacing() -> None:
+    assert plane(spectrum()) == ("omega_p_over_p", "a_p_over_g_tan_alpha")
+    assert plane(histories(3)) is None
+    assert is_log(np.geomspace(0.1, 10, 30))
+    assert not is_log(np.linspace(0.1, 10, 30))
+    figure = figures.figure("map", spectrum())
+    assert figure.axes[0].get_xscale() == "log"
+    assert figure.axes[0].get_yscale() == "linear"
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert legend == ["no uplift", "overturned without impact", "overturned after impact", "failed", "unresolved"]
+
+
+def test_labels() -> None:
+    dataset = histories(3)
+    assert axis_label(dataset, "R_m") == "$R$ [m]"
+    assert coordinate_label(dataset, "R_m", 0) == "$R$ = 2 m"
+    labelled = spectrum(with_label=True)
+    assert coordinate_label(labelled, "model", 0) == "rigid"
+    assert coordinate_label(labelled, "model", 3) == "model 3"
+    for name in VARIABLES:
+        assert variable_label(name)
