@@ -45,7 +45,7 @@ def check(
 def _text(found: Preview) -> str:
     from rockcli.cli.progress import duration
 
-    lines = [f"{found.name}: {found.title}"]
+    lines = [f"{found.name}: {found.title}" if found.title else found.name]
     axes = " x ".join(f"{points} {name}" for name, _, points in found.axes)
     lines.append(_row("cases", f"{found.cases}" + (f" = {axes}" if axes else "")))
     first = " (first case)" if found.cases > 1 else ""

@@ -18,19 +18,19 @@ def verify(
 
     rows = []
     failed = 0
+    if not as_json:
+        typer.echo(f"     {'':<54} {'expected':>15} {'got':>15} {'difference':>10} {'allowed':>8}")
     for check in checks():
         failed += not check.passed
         rows.append(check.as_dict())
         if not as_json:
             word = "OK" if check.passed else "FAIL"
-            typer.echo(
-                f"{word:<4} {check.name:<54} expected {check.expected:<18.12g} got {check.got:<18.12g} "
-                f"relative difference {check.difference:8.1e}  tolerance {check.tolerance:.0e}"
-            )
+            numbers = f"{check.expected:>15.12g} {check.got:>15.12g} {check.difference:>10.1e} {check.tolerance:>8.0e}"
+            typer.echo(f"{word:<4} {check.name:<54} {numbers}")
     if as_json:
         import json
 
         typer.echo(json.dumps(rows, indent=2))
     else:
-        typer.echo(f"{len(rows) - failed} of {len(rows)} agree")
+        typer.echo(f"{len(rows) - failed} of {len(rows)} agree; differences are relative")
     raise typer.Exit(1 if failed else 0)

@@ -52,8 +52,11 @@ def verdict_text(verdict: Verdict) -> str:
     if verdict.points == 0:
         return f"FAIL  {verdict.text}: {verdict.worst}"
     where = f" at {verdict.where}" if verdict.where else ""
+    if verdict.passed and verdict.points == 1:
+        return f"ok    {verdict.text}: {verdict.worst}"
     if verdict.passed:
-        return f"ok    {verdict.text}: {verdict.worst}{where}"
+        closest = "" if verdict.clause.check in ("is", "is_not") else f", closest {verdict.worst}{where}"
+        return f"ok    {verdict.text}: {verdict.points} points{closest}"
     many = "" if verdict.points == 1 else f"{verdict.failing} of {verdict.points} points fail, worst "
     line = f" (line {verdict.clause.line})" if verdict.clause.line is not None else ""
     return f"FAIL  {verdict.text}: {many}{verdict.worst}{where}{line}"

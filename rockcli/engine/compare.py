@@ -18,7 +18,8 @@ ERRORS: tuple[str, ...] = ("error_theta_peak_over_alpha", "error_history", "same
 def with_comparison(contents: Contents, reference: dict[str, Any] | None) -> Contents:
     """Add the errors against the points at `reference` ({axis: coordinate value}), or take them away if it is None.
 
-    An axis not named is matched.  A difference of two overturned cases is NaN: neither has a peak.  Errors whose variables were not saved are absent.
+    An axis not named is matched.  A difference of two overturned cases is NaN: neither has a peak.
+    Errors whose variables were not saved are absent.
     """
     fields = {name: item for name, item in contents.fields.items() if name not in ERRORS}
     plain = Contents(contents.axes, fields, contents.attrs)

@@ -15,21 +15,25 @@ P = TypeVar("P", bound=Part)
 
 def check_study(source: Source, study: Map) -> StudyPart:
     """The whole study, validated; the first thing wrong with it is raised as StudyError."""
-    return _checked(source, study, StudyPart, ())
+    part = _checked(source, study, StudyPart, ())
+    assert part is not None
+    return part
 
 
-def check_case(source: Source, study: Map) -> CasePart:
-    """The case of a study whose other parts are known to be good."""
+def check_case(source: Source, study: Map, *, complete: bool = True) -> None:
+    """The case of a study; if not `complete`, what is missing in it may come from the axes."""
     if not isinstance(study.get("case"), Map):
         raise source.error(study, ("case",), "must be a mapping")
-    return _checked(source, study, CasePart, ("case",))
+    _checked(source, study, CasePart, ("case",), complete=complete)
 
 
-def _checked(source: Source, study: Map, part: type[P], at: Keys) -> P:
+def _checked(source: Source, study: Map, part: type[P], at: Keys, *, complete: bool = True) -> P | None:
     try:
         return part.model_validate(value_at(study, at))
     except ValidationError as error:
-        details = error.errors(include_url=False)
+        details = [d for d in error.errors(include_url=False) if complete or d["type"] != "missing"]
+        if not details:
+            return None
         first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
         raise source.placed(*_sentence(study, part, at, dict(first))) from None
 

@@ -157,7 +157,7 @@ def parse(text: str) -> Expression:
 def _translate(node: ast.AST, steps: list[_Step], names: set[str], depth: int) -> None:
     if depth > MAX_DEPTH:
         raise ExpressionError(f"is nested too deeply (at most {MAX_DEPTH} levels)")
-    if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+    if isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):
         try:
             steps.append(("number", float(node.value)))
         except OverflowError:

@@ -17,7 +17,7 @@ from rockcli.scene.variables import LARGE, SCALARS, SCALARS_LARGE
 from rockcli.study.axes import Evaluate, Variation, read_axes
 from rockcli.study.build import build_batch
 from rockcli.study.cases import Cases
-from rockcli.study.check import check_study
+from rockcli.study.check import check_case, check_study
 from rockcli.study.expect import match, read_expect
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.features import check_study_features
@@ -98,6 +98,7 @@ def _check_top(source: Source, tree: Map) -> StudyPart:
     case = tree.get("case")
     if isinstance(case, Map):
         part = check_study(source, Map({**tree, "case": {"block": {}}}, tree.where))
+        check_case(source, tree, complete=False)
     else:
         part = check_study(source, tree)
     for name in part.let:

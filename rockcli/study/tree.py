@@ -48,9 +48,9 @@ class Source:
         """The folder that relative files are sought from."""
         return Path() if self.file is None else self.file.parent
 
-    def error(self, tree: Any, keys: Keys, message: str, *, suffix: str = "") -> StudyError:
+    def error(self, tree: Any, keys: Keys, message: str) -> StudyError:
         """`message` about the value at `keys`, which is put in front of it."""
-        return self.placed(place(tree, keys), f"{dotted(keys)}{suffix} {message}")
+        return self.placed(place(tree, keys), f"{dotted(keys)}{'' if message.startswith(':') else ' '}{message}")
 
     def placed(self, where: Where, message: str) -> StudyError:
         """An error at a known place."""

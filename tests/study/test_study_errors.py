@@ -1,0 +1,228 @@
+"""Wrong studies: each is one sentence that names file, line, key and what was expected."""
+
+import json
+
+import pytest
+
+from rockcli.errors import StudyError
+from rockcli.study.open import open_study
+from rockcli.study.schema import json_schema
+
+GOOD = """\
+name: good
+let: {gamma: 5}
+case:
+  block: {R: 5.0, tan_alpha: 0.2}
+  motion: {pulse: {shape: ricker, a_p: 3.6*g*tan_alpha, omega_p: 2*pi}}
+  model: rigid
+  damping: restitution
+vary:
+  block.tan_alpha: [0.1, 0.2, 0.333]
+  model: [rigid, linearized]
+expect:
+  - {quantity: theta_peak_over_alpha, at: {model: rigid, block.tan_alpha: 0.2}, value: 0.5}
+"""
+
+
+def write(tmp_path, text):
+    file = tmp_path / "study.yaml"
+    file.write_text(text)
+    return file
+
+
+def test_the_good_one_is_good(tmp_path):
+    study = open_study(write(tmp_path, GOOD))
+    assert study.shape == (3, 2)
+
+
+WRONG = [
+    # what is replaced, by what, line, words
+    ("name: good\n", "", None, ["'name'", "missing"]),
+    ("name: good", "name: ../evil", 1, ["name", "digits"]),
+    ("name: good", "name: [a]", 1, ["name", "a list"]),
+    ("name: good", "nam: good", 1, ["'nam'", "did you mean 'name'"]),
+    ("case:", "cas:", 3, ["'cas'", "did you mean 'case'"]),
+    ("  model: rigid\n", "  modle: rigid\n", 6, ["case.modle", "did you mean 'model'"]),
+    ("model: rigid\n", "model: rigit\n", 6, ["case.model.name", "did you mean 'rigid'"]),
+    ("model: rigid\n", "model: [rigid]\n", 6, ["case.model", "mapping"]),
+    ("[rigid, linearized]", "[rigid, 3]", 10, ["model 3 is not available in this version", "rigid, linearized"]),
+    ("[rigid, linearized]", "[rigid, flexible]", 10, ["model flexible is not available"]),
+    ("[rigid, linearized]", "[rigid, linear]", 10, ["did you mean 'linearized'"]),
+    ("[rigid, linearized]", "[rigid, rigid]", 10, ["vary.model", "repeats 'rigid'"]),
+    ("[rigid, linearized]", "[]", 10, ["vary.model", "no values"]),
+    ("[rigid, linearized]", "5", 10, ["vary.model", "expected a list"]),
+    ("[rigid, linearized]", "rigid", 10, ["vary.model", "expected a list"]),
+    ("  model: [rigid", "  modell: [rigid", 10, ["'modell'", "did you mean 'model'"]),
+    ("block.tan_alpha: [", "block.tanalpha: [", 9, ["did you mean 'block.tan_alpha'"]),
+    ("block.tan_alpha: [", "tan_alpha: [", 9, ["did you mean 'block.tan_alpha'"]),
+    ("block.tan_alpha: [", "case.block.tan_alpha: [", 9, ["begin inside the case", "'block.tan_alpha'"]),
+    ("[0.1, 0.2, 0.333]", "[0.1, -0.2, 0.333]", 9, ["block.tan_alpha = -0.2", "greater than 0"]),
+    ("[0.1, 0.2, 0.333]", "\n    - 0.1\n    - 0.2\n    - 0\n", 12, ["block.tan_alpha = 0", "greater than 0"]),
+    ("[0.1, 0.2, 0.333]", "[0.1, .nan]", 9, ["finite"]),
+    ("[0.1, 0.2, 0.333]", "[0.1, true]", 9, ["True"]),
+    ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.3}", 9, ["without `n`"]),
+    ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.3, n: 2.5}", 9, ["vary.block.tan_alpha.n", "whole number"]),
+    ("[0.1, 0.2, 0.333]", "{from: 0, to: 0.3, n: 3, spacing: log}", 9, ["greater than 0"]),
+    ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.3, n: 3, spacing: lin}", 9, ["linear or log"]),
+    ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.3, n: 9, find: overturning}", 9, ["not available in this version"]),
+    ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.1, n: 3}", 9, ["repeats a value"]),
+    ("[0.1, 0.2, 0.333]", "['0.5*R', 0.2]\n  block.R: [1, 2]", 9, ["vary.block.tan_alpha", "other expressions"]),
+    ("tan_alpha: 0.2}", "tan_alpha: 0.2, h: 3}", 9, ["over-determined", "R, h, tan_alpha"]),
+    ("{R: 5.0, tan_alpha: 0.2}", "{tan_alpha: 0.2}", 4, ["case.block", "under-determined", "tan_alpha"]),
+    ("{R: 5.0, tan_alpha: 0.2}", "{R: 5.0, r: 3}", 4, ["unknown key 'r'", "did you mean 'R'"]),
+    ("{R: 5.0,", "{R: five,", 4, ["case.block.R", "`five` is not known"]),
+    ("{R: 5.0,", "{R: true,", 4, ["case.block.R", "number"]),
+    ("{R: 5.0,", "{R: [5],", 4, ["case.block.R", "a list"]),
+    ("{R: 5.0,", "{R: .inf,", 4, ["case.block.R", "finite"]),
+    ("{R: 5.0,", "{R: 1e999,", 4, ["case.block.R", "finite"]),
+    ("{R: 5.0,", "{R: 0,", 4, ["case.block.R = 0", "greater than 0"]),
+    ("{R: 5.0,", "{R: 5.0*,", 4, ["case.block.R", "not an arithmetic expression"]),
+    ("{R: 5.0,", "{R: 5*tan_alpha,", 4, ["case.block.R", "known only once the block is"]),
+    ("{R: 5.0,", "{outline: [[0, 0], [1, 0], [0, 1]], R: 5.0,", 4, ["outlines are not available"]),
+    ("{R: 5.0, tan_alpha: 0.2}", "5", 4, ["case.block", "must be a mapping with the keys R, h"]),
+    ("shape: ricker", "shape: rickr", 5, ["case.motion.pulse.shape", "did you mean 'ricker'"]),
+    ("shape: ricker, ", "", 5, ["'shape'", "missing", "case.motion.pulse"]),
+    ("a_p: 3.6*g*tan_alpha", "a_p: 3.6*g*tan_alfa", 5, ["case.motion.pulse.a_p", "did you mean 'tan_alpha'"]),
+    ("a_p: 3.6*g*tan_alpha", "a_p: 3.6*G", 5, ["`G` is not known", "did you mean 'g'"]),
+    ("a_p: 3.6*g*tan_alpha", "a_p: 1/0", 5, ["gives inf"]),
+    ("a_p: 3.6*g*tan_alpha", "a_p: sqrt(-1)", 5, ["gives nan"]),
+    ("a_p: 3.6*g*tan_alpha", "a_p: 1, A: 3", 5, ["A", "no option of the shape ricker"]),
+    ("a_p: 3.6*g*tan_alpha", "a_p: 1, a_p_over_g_tan_alpha: 3", 5, ["say the same thing"]),
+    ("a_p: 3.6*g*tan_alpha, ", "", 5, ["no amplitude"]),
+    (", omega_p: 2*pi", "", 5, ["no frequency", "omega_p, T_p, f_p"]),
+    ("omega_p: 2*pi", "omega_p: 2*Hz", 5, ["Hz is f_p"]),
+    ("omega_p: 2*pi", "T_p: 0", 5, ["greater than 0"]),
+    ("omega_p: 2*pi", "omega_p: 2*pi, cycles: 3", 5, ["cycles", "no option of the shape ricker"]),
+    ("damping: restitution", "damping: restitutio", 7, ["case.damping.scheme", "did you mean 'restitution'"]),
+    ("damping: restitution", "damping: dashpot", 7, ["damping dashpot is not available in this version", "none"]),
+    ("damping: restitution", "damping: {eta: 1.1}", 7, ["case.damping.eta = 1.1", "between 0 and 1"]),
+    ("damping: restitution", "damping: {e: 0.9}", 7, ["unknown key 'e'"]),
+    ("damping: restitution", "damping: {eta: 0.9, r_energy: 0.8}", 7, ["say the same thing"]),
+    ("damping: restitution", "damping: {scheme: none, eta: 0.9}", 7, ["no key of the damping scheme none"]),
+    ("damping: restitution", "initial: {theta: 1.6}", 7, ["case.initial.theta", "pi/2"]),
+    ("damping: restitution", "solver: {backend: opensees}", 7, ["backend opensees is not available", "event"]),
+    ("damping: restitution", "solver: {rtol: 0}", 7, ["case.solver.rtol", "greater than 0"]),
+    ("damping: restitution", "solver: {accuracy: high}", 7, ["draft, standard, reference"]),
+    ("damping: restitution", "geometry: corotational", 7, ["models 1 to 4"]),
+    ("damping: restitution", "column: {E: 30*GPa}", 7, ["case.column", "not available in this version"]),
+    ("damping: restitution", "g: -9.81", 7, ["case.g", "greater than 0"]),
+    ("damping: restitution", "g: 0.5*g", 7, ["needs itself"]),
+    ("{gamma: 5}", "{gamma: delta}", 2, ["let.gamma", "`delta` is not known"]),
+    ("{gamma: 5}", "{gamma: delta, delta: 2*gamma}", 2, ["let.", "needs itself", "gamma"]),
+    ("{gamma: 5}", "{m: 5}", 2, ["let.m", "a unit already"]),
+    ("{gamma: 5}", "{R: 5}", 2, ["let.R", "a symbol of the case already"]),
+    ("{gamma: 5}", "{sin: 5}", 2, ["let.sin", "a function already"]),
+    ("{gamma: 5}", "{a-b: 5}", 2, ["let.a-b", "no name for a symbol"]),
+    ("{gamma: 5}", "[5]", 2, ["let", "must be a mapping"]),
+    ("{gamma: 5}", "{gamma: [5]}", 2, ["let.gamma", "a list"]),
+    ("let: {gamma: 5}", "over: model", 2, ["over", "not available in this version"]),
+    ("let: {gamma: 5}", "refine: true", 2, ["refine", "not available in this version"]),
+    ("let: {gamma: 5}", "curves: [pushover]", 2, ["curves", "not available in this version"]),
+    ("let: {gamma: 5}", "curves: [pushove]", 2, ["did you mean 'pushover'"]),
+    ("let: {gamma: 5}", "plots: [histories, heatmap]", 2, ["plots[1]", "histories, phase, map"]),
+    ("let: {gamma: 5}", "plots: histories", 2, ["plots", "list"]),
+    ("let: {gamma: 5}", "save: {scalars: [outcom]}", 2, ["save.scalars", "did you mean 'outcome'"]),
+    ("let: {gamma: 5}", "save: {dt_out: 0}", 2, ["save.dt_out", "greater than 0"]),
+    ("let: {gamma: 5}", "save: {dt_out: 5*p}", 2, ["save.dt_out", "`p` is not known here"]),
+    ("let: {gamma: 5}", "save: {histories: sometimes}", 2, ["save.histories", "true, false"]),
+    ("let: {gamma: 5}", "save: {histories: {modl: rigid}}", 2, ["save.histories.modl", "did you mean 'model'"]),
+    ("let: {gamma: 5}", "compare_to: {model: flexible}", 2, ["compare_to.model", "rigid, linearized"]),
+    ("let: {gamma: 5}", "vary: {}", 8, ["duplicate key 'vary'"]),
+    ("theta_peak_over_alpha,", "theta_peak_over_alfa,", 12, ["quantity", "did you mean 'theta_peak_over_alpha'"]),
+    ("quantity: theta_peak_over_alpha,", "quantity: theta,", 12, ["needs `time`"]),
+    ("quantity: theta_peak_over_alpha,", "quantity: t_impact,", 12, ["per impact"]),
+    ("block.tan_alpha: 0.2}, v", "block.tan_alpha: 0.25}, v", 12, ["no point of that axis", "0.1, 0.2, 0.333"]),
+    ("block.tan_alpha: 0.2}, v", "block.tan: 0.2}, v", 12, ["expect[0].at.block.tan", "did you mean 'block.tan_alpha'"]),
+    ("value: 0.5", "valu: 0.5", 12, ["unknown key 'valu'", "did you mean 'value'"]),
+    ("value: 0.5", "is: rocking", 12, ["judges meanings of outcome"]),
+    ("value: 0.5", "value: high", 12, ["expected a number"]),
+    ("value: 0.5", "value: 0.5, min: 0.4", 12, ["exactly one of"]),
+    (", value: 0.5", "", 12, ["says nothing"]),
+    ("value: 0.5", "value: 0.5, time: 3", 12, ["no time"]),
+    ("value: 0.5", "value: .nan", 12, ["expected a number"]),
+    ("value: 0.5", "value: 0.5, rtol: -1", 12, ["rtol", "not negative"]),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "line", "words"), WRONG, ids=[f"{i}-{w[1][:30]}" for i, w in enumerate(WRONG)])
+def test_a_wrong_study_is_one_sentence(tmp_path, old, new, line, words):
+    assert old in GOOD
+    file = write(tmp_path, GOOD.replace(old, new, 1))
+    with pytest.raises(StudyError) as caught:
+        open_study(file)
+    message = str(caught.value)
+    assert message.startswith(str(file))
+    assert caught.value.line == line, message
+    for word in words:
+        assert word in message, message
+    assert "\n" not in message
+    assert len(message) < 1000
+
+
+def test_a_mapping_has_no_lines_but_the_same_sentences():
+    with pytest.raises(StudyError, match="did you mean 'block'") as caught:
+        open_study({"name": "a", "case": {"blok": {"R": 1, "alpha": 0.1}}})
+    assert caught.value.file is None
+
+
+def test_the_axis_point_of_a_bad_case_is_named(tmp_path):
+    text = GOOD.replace("{R: 5.0, tan_alpha: 0.2}", "{R: 5.0, h: 0.9*gamma}").replace(
+        "block.tan_alpha: [0.1, 0.2, 0.333]", "let.gamma: [1, 5, 6]"
+    )
+    text = text.split("expect:")[0]
+    with pytest.raises(StudyError, match=r"case\.block\.h.*smaller than R.*let\.gamma = 6"):
+        open_study(write(tmp_path, text))
+
+
+class TestOverrides:
+    def test_values_are_yaml_and_displace_their_alternatives(self, tmp_path):
+        file = write(tmp_path, GOOD)
+        sets = [("case.block.R", "1e1"), ("case.motion.pulse.a_p_over_g_tan_alpha", "2"), ("name", "other")]
+        study = open_study(file, overrides=sets)
+        assert study.name == "other"
+        assert study.resolved["case"]["block"]["R"] == 10.0
+        assert "a_p" not in study.resolved["case"]["motion"]["pulse"]
+
+    def test_short_forms_are_written_out_before(self, tmp_path):
+        study = open_study(write(tmp_path, GOOD), overrides=[("case.damping.eta", "0.9"), ("case.solver.rtol", "1e-9")])
+        assert study.resolved["case"]["damping"] == {"scheme": "restitution", "eta": 0.9}
+        (_, batch), *_ = study.batches()
+        assert (batch.damping.eta == 0.9).all()
+        assert batch.numerics.rtol == 1e-9
+
+    def test_axes_may_be_set(self, tmp_path):
+        study = open_study(write(tmp_path, GOOD), overrides=[("vary.block.tan_alpha", "[0.2, 0.3]")])
+        assert study.axes[0].values == (0.2, 0.3)
+
+    def test_what_is_varied_is_said_to_have_no_effect(self, tmp_path):
+        study = open_study(write(tmp_path, GOOD), overrides=[("case.block.tan_alpha", "0.5")])
+        assert "no effect" in study.warnings[0]
+
+    @pytest.mark.parametrize(
+        ("path", "value", "words"),
+        [
+            ("block.R", "2", "did you mean 'case.block.R'"),
+            ("case.block.r", "2", "did you mean 'block.R'"),
+            ("case.block.R", "[1", "not YAML"),
+            ("case.block.R", "big", "`big` is not known"),
+            ("nothing", "2", "no key of a study"),
+            ("save.dtout", "2", "did you mean 'dt_out'"),
+            ("", "2", "no key of a study"),
+        ],
+    )
+    def test_wrong_ones_name_the_option(self, tmp_path, path, value, words):
+        with pytest.raises(StudyError) as caught:
+            open_study(write(tmp_path, GOOD), overrides=[(path, value)])
+        assert words in str(caught.value)
+        assert str(caught.value).startswith("--set ")
+
+
+def test_the_json_schema_describes_every_key():
+    schema = json_schema()
+    json.dumps(schema)
+    for part in (schema, *schema["$defs"].values()):
+        for name, key in part.get("properties", {}).items():
+            assert key.get("description"), name
+    assert "restitution" in json.dumps(schema["$defs"]["CasePart"]["properties"]["damping"])
+    assert schema["$defs"]["BlockPart"]["properties"]["R"]["anyOf"][0]["type"] == ["number", "string"]
+    assert schema["additionalProperties"] is False
