@@ -72,18 +72,18 @@ def main() -> None:
         sys.exit(0)
     except Exception as error:  # a bug: say so, and show the way to its trace
         if os.environ.get("ROCK_DEBUG") == "1":
-            raise_with_code(error)
+            _show_bug(error)
+            sys.exit(BROKE)
         typer.echo(f"rock: this is a bug in rock: {type(error).__name__}: {error}", err=True)
         typer.echo("rock: set ROCK_DEBUG=1 for the traceback", err=True)
         sys.exit(BROKE)
 
 
-def raise_with_code(error: Exception) -> None:
-    """Print the traceback of a bug and leave with its exit code."""
+def _show_bug(error: Exception) -> None:
+    """Print the traceback of a bug."""
     import traceback
 
     traceback.print_exception(error)
-    sys.exit(BROKE)
 
 
 if __name__ == "__main__":

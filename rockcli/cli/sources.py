@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from rockcli.errors import RecordError, RockError, StudyError
+from rockcli.errors import RockError, StudyError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -71,6 +71,7 @@ def open_all(
         StudyError, RecordError: the last of all complaints; those before it are printed to stderr.
     """
     from rockcli.study.open import open_study
+    from rockcli.study.records import MissingRecordError
 
     pairs = overrides(settings)
     studies: list[Study] = []
@@ -82,7 +83,7 @@ def open_all(
             if also is not None:
                 also(study)
         except RockError as error:
-            if skip_missing and isinstance(error, RecordError) and getattr(error, "missing", False):
+            if skip_missing and isinstance(error, MissingRecordError):
                 skipped.append((file, str(error)))
             else:
                 complaints.append(error)

@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -20,7 +20,7 @@ def decide(compile_them: bool) -> None:
     if compile_them:
         from numba import config
 
-        config.CACHE_DIR = str(_cache_dir())
+        setattr(config, "CACHE_DIR", str(_cache_dir()))  # noqa: B010 - the checker does not know it
 
 
 def jit(function: F) -> F:
@@ -32,7 +32,7 @@ def jit(function: F) -> F:
         return function
     from numba import njit
 
-    return njit(cache=True, error_model="numpy")(function)  # type: ignore[no-any-return]
+    return cast(F, njit(cache=True, error_model="numpy")(function))
 
 
 def zeros(n: int) -> Any:
@@ -47,7 +47,7 @@ def zeros_maker() -> Any:
     import numpy as np
     from numba import njit
 
-    @njit(inline="always")  # type: ignore[untyped-decorator]
+    @njit(inline="always")
     def zeros_compiled(n: int) -> Any:
         return np.zeros(n)
 

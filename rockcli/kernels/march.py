@@ -52,7 +52,7 @@ from rockcli.kernels.layout import (
     UNDECIDED,
     G,
 )
-from rockcli.kernels.motion import NOTHING, SAMPLES, bound_from, expand, piece_end
+from rockcli.kernels.motion import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_end
 from rockcli.kernels.rest import rest_time
 from rockcli.kernels.roots import NO_ROOT, first_root, passage, uplift
 from rockcli.kernels.series import flow, slope, value
@@ -62,8 +62,11 @@ zeros = zeros_maker()
 
 REST, ROCK = 0, 1
 
-ORDER = 30
+MAX_ORDER = 30
 """Highest order of a Taylor step."""
+
+OUTCOME, PEAKS, ALL = 0, 1, 2
+"""How much is wanted: the outcome; peaks and times too; forces, rates and the energy balance too."""
 
 FAST = 1e-6
 """Impacts faster than this fraction of p alpha are counted."""
@@ -71,7 +74,7 @@ FAST = 1e-6
 
 @jit
 def march(
-    par, linear, tol, rest_speed, margin, max_steps, outcome_only,
+    par, linear, tol, rest_speed, margin, max_steps, order, detail,
     hk, h_values, h_tail, h_dt, h_table, h_n, vk, v_values, v_tail, v_dt, v_table, v_n,
     dt_out, theta_out, rate_out, t_impact, rate_before, rate_after, out,
 ):  # fmt: skip
@@ -90,8 +93,8 @@ def march(
     out[N_MIN] = math.inf
     out[PEAK_ALPHA] = 1.0
 
-    c, sin_q, cos_q = zeros(ORDER + 1), zeros(ORDER + 1), zeros(ORDER + 1)
-    a, a_v, guard, force = zeros(ORDER + 1), zeros(ORDER + 1), zeros(ORDER + 1), zeros(3)
+    c, sin_q, cos_q = zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1)
+    a, a_v, guard, force = zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(2)
 
     t = 0.0
     ih = iv = i_hist = 0
@@ -120,7 +123,7 @@ def march(
             verdict = RETURNS
             if mode == ROCK:
                 verdict = free_rocking(par, e, other, q, v, linear, margin * par[e + ALPHA])
-            if outcome_only:
+            if detail == OUTCOME:
                 break
         if t >= t_stop or (t >= t_motion and mode == REST and par[HAS_DURATION] == 0.0):
             break
@@ -140,18 +143,19 @@ def march(
                     ih += 1
                 if ih < h_n:
                     t_next = min(t_next, piece_end(hk, h_table, h_dt, ih))
-                    if mode == REST and vk == NOTHING:
+                    if mode == REST and vk == NOTHING and n_hist == 0 and detail < ALL:
+                        # nothing moves, and nobody asks what the ground does meanwhile
                         quiet = g * min(par[LEFT + THRESHOLD], par[RIGHT + THRESHOLD])
-                        if bound_from(hk, h_table, h_tail, par[FACTOR_H], ih) <= quiet and n_hist == 0 and outcome_only:
+                        if bound_from(hk, h_table, h_tail, par[FACTOR_H], ih) <= quiet:
                             t = t_motion
                             continue
-                    deg_a = expand(hk, h_values, h_dt, par[FACTOR_H], h_table, ih, t, ORDER, a)
+                    deg_a = expand(hk, h_values, h_dt, par[FACTOR_H], h_table, ih, t, order, a)
             if vk != NOTHING:
                 while iv < v_n and piece_end(vk, v_table, v_dt, iv) <= t:
                     iv += 1
                 if iv < v_n:
                     t_next = min(t_next, piece_end(vk, v_table, v_dt, iv))
-                    deg_v = expand(vk, v_values, v_dt, par[FACTOR_V], v_table, iv, t, ORDER, a_v)
+                    deg_v = expand(vk, v_values, v_dt, par[FACTOR_V], v_table, iv, t, order, a_v)
         h = t_next - t
         out[N_STEPS] += 1
 
@@ -177,7 +181,8 @@ def march(
                 if root != NO_ROOT and (x == NO_ROOT or root < x):
                     x, s_up = root, sign
             moved = x if x != NO_ROOT else h
-            watch_rest(a, deg_a, a_v, deg_v, g, moved, out)
+            if detail == ALL:
+                watch_rest(a, deg_a, a_v, deg_v, g, moved, out)
             t_new = t_next if (x == NO_ROOT and h == t_next - t) else t + moved
             if stalled > 100:  # lifted and dropped again and again at one instant
                 x, t_new, stalled = NO_ROOT, min(t_next, t + max(1e-12 * (t_next - t), 4e-16 * t)), 0
@@ -196,7 +201,7 @@ def march(
             continue
 
         h = min(h, 2.0 / p_min)
-        n, h = flow(par, e, g, q, v, s, a, deg_a, a_v, deg_v, launch, linear, h, tol, ORDER, c, sin_q, cos_q)
+        n, h = flow(par, e, g, q, v, s, a, deg_a, a_v, deg_v, launch, linear, h, tol, order, c, sin_q, cos_q)
         if not h > 0.0 or math.isnan(c[n]):
             out[STATUS] = NOT_FINITE
             break
@@ -240,10 +245,11 @@ def march(
         # what happened on the way
         reported = t < t_stop
         parts = 1 if (hk == SAMPLES and t < t_motion) else 8
-        if reach > out[PEAK]:
+        if detail > OUTCOME and reach > out[PEAK]:
             raise_peak(par, e, s, c, n, x, t, parts, out)
-        watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out)
-        work += work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q)
+        if detail == ALL:
+            watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out)
+            work += work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, guard)
         star = par[e + Q_STAR]
         q_new, v_new = (0.0 if event == 1 else value(c, n, x)), slope(c, n, x)
         if q < star <= q_new:
@@ -299,16 +305,16 @@ def march(
     if verdict == FALLS:
         out[PEAK_SIDE] = s
     out[FELL] = verdict if out[STATUS] == DONE else UNDECIDED
-    if mode == ROCK and v > 0.0 and not outcome_only and (par[HAS_DURATION] == 1.0 or verdict != RETURNS):
+    if mode == ROCK and v > 0.0 and detail > OUTCOME and (par[HAS_DURATION] == 1.0 or verdict != RETURNS):
         set_peak(par, e, s, q, t, out)  # cut off while rising
     rest_energy = energy(par, e, q, v, linear) if mode == ROCK else 0.0
     out[ENERGY] = work - lost - rest_energy
-    if out[STATUS] == DONE and mode == ROCK and not outcome_only and (par[HAS_DURATION] == 0.0 or verdict == FALLS):
-        _afterwards(par, e, s, g, q, v, t, verdict, linear, tol, c, sin_q, cos_q, a, a_v, out)
+    if out[STATUS] == DONE and mode == ROCK and detail > OUTCOME and (par[HAS_DURATION] == 0.0 or verdict == FALLS):
+        _afterwards(par, e, s, g, q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out)
 
 
 @jit
-def _afterwards(par, e, s, g, q, v, t, verdict, linear, tol, c, sin_q, cos_q, a, a_v, out):
+def _afterwards(par, e, s, g, q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out):
     """Beyond the report: the swing under way still has its peak, or its last passage of the equilibrium."""
     a[0] = a_v[0] = 0.0
     star = par[e + Q_STAR]
@@ -316,7 +322,7 @@ def _afterwards(par, e, s, g, q, v, t, verdict, linear, tol, c, sin_q, cos_q, a,
     for _ in range(400):
         if v <= 0.0 or verdict == UNDECIDED or (verdict == FALLS and q >= star):
             return
-        n, h = flow(par, e, g, q, v, s, a, 0, a_v, 0, False, linear, 2.0 / p, tol, ORDER, c, sin_q, cos_q)
+        n, h = flow(par, e, g, q, v, s, a, 0, a_v, 0, False, linear, 2.0 / p, tol, order, c, sin_q, cos_q)
         q_new, v_new = value(c, n, h), slope(c, n, h)
         if verdict == FALLS and q < star <= q_new:
             out[T_OVERTURN] = t + passage(c, n, star, 0.0, h)
@@ -327,14 +333,14 @@ def _afterwards(par, e, s, g, q, v, t, verdict, linear, tol, c, sin_q, cos_q, a,
 
 @jit
 def march_all(
-    pars, linear, tol, rest_speed, margin, max_steps, outcome_only,
+    pars, linear, tol, rest_speed, margin, max_steps, order, detail,
     hk, h_values, h_tail, h_dt, h_tables, h_n, vk, v_values, v_tail, v_dt, v_tables, v_n,
     dt_out, theta_out, rate_out, t_impact, rate_before, rate_after, out,
 ):  # fmt: skip
     """`march` for every row of `pars`; pulse tables, histories, impacts and results row by row too."""
     for i in range(len(pars)):
         march(
-            pars[i], linear, tol, rest_speed, margin, max_steps, outcome_only,
-            hk, h_values, h_tail, h_dt, h_tables[i], h_n, vk, v_values, v_tail, v_dt, v_tables[i], v_n,
+            pars[i], linear, tol, rest_speed, margin, max_steps, order, detail,
+            hk, h_values, h_tail, h_dt, h_tables[i if hk == PULSES else 0], h_n, vk, v_values, v_tail, v_dt, v_tables[i if vk == PULSES else 0], v_n,
             dt_out, theta_out[i], rate_out[i], t_impact[i], rate_before[i], rate_after[i], out[i],
         )  # fmt: skip

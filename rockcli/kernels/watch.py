@@ -40,25 +40,28 @@ def energy(par, e, q, v, linear):
 
 
 @jit
-def work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q):
-    """Work of the ground motion over a step, over m g: -R * integral of the forcing moment times q'."""
+def work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, moment):
+    """Work of the ground motion over a step, over m g: -R * integral of the forcing moment times q'.
+
+    `moment` is work space.  sin_q and cos_q are known to order n - 2; the product series is cut there too.
+    """
     if deg_a == 0 and a[0] == 0.0 and deg_v == 0 and a_v[0] == 0.0:
         return 0.0
     r0, rs, rc, fc, fs = par[e + R0], par[e + RS], par[e + RC], par[e + FC], par[e + FS]
     total = 0.0
     power = x
-    # sin_q and cos_q are known to order n - 2; the product series is cut there too
-    m = n - 2
-    for k in range(m + 1):
-        conv = 0.0
+    for k in range(n - 1):
+        driving = 0.0
+        for j in range(min(k, deg_a) + 1):
+            driving += a[j] * (fc * cos_q[k - j] + fs * sin_q[k - j])
+        driving *= s
+        for j in range(min(k, deg_v) + 1):
+            driving += a_v[j] * (rs * sin_q[k - j] + rc * cos_q[k - j])
+        moment[k] = driving + (a_v[k] * r0 if k <= deg_v else 0.0)
+        power_k = 0.0
         for i in range(k + 1):
-            moment = 0.0
-            for j in range(min(i, deg_a) + 1):
-                moment += s * a[j] * (fc * cos_q[i - j] + fs * sin_q[i - j])
-            for j in range(min(i, deg_v) + 1):
-                moment += a_v[j] * (rs * sin_q[i - j] + rc * cos_q[i - j] + (r0 if i == j else 0.0))
-            conv += moment * (k - i + 1) * c[k - i + 1]
-        total += conv * power / (k + 1)
+            power_k += moment[i] * (k - i + 1) * c[k - i + 1]
+        total += power_k * power / (k + 1)
         power *= x
     return -total * par[e + RADIUS] / g
 

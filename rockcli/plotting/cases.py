@@ -37,11 +37,6 @@ def is_numeric(dataset: xarray.Dataset, axis: str) -> bool:
     return bool(dataset[axis].dtype.kind == "f")
 
 
-def shape_of(dataset: xarray.Dataset, axes: tuple[str, ...]) -> tuple[int, ...]:
-    """Number of points on each of the axes."""
-    return tuple(int(dataset.sizes[axis]) for axis in axes)
-
-
 def values_at(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> Array:
     """Values of a variable or coordinate for one case: a number, or (time,) or (impact,)."""
     item = dataset[name]

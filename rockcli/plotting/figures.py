@@ -61,7 +61,9 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
     chosen = []
     numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= 3]
     if not _without_histories(dataset):
-        chosen += ["histories", "phase"]
+        chosen.append("histories")
+        if bool((dataset["theta"] != 0.0).where(dataset["theta"].notnull(), False).any()):
+            chosen.append("phase")
     if numeric and not _without_map(dataset):
         chosen.append("map")
     return tuple(chosen)

@@ -30,11 +30,17 @@ MOST_CURVES = 8
 _RATES_UP_TO = 4
 """Curves up to which the rate is drawn too: more of them are only readable with room for theta."""
 
+_IMPACTS_UP_TO = 3
+"""Curves up to which impacts are marked."""
+
+_SLOW = 0.1
+"""Impacts slower than this fraction of the fastest are not marked: near rest they would make a bar."""
+
 _SHOWN_UP_TO = 1.3
 """|theta|/alpha beyond which an overturning body is no longer followed."""
 
 _G = 9.81
-"""Unit of acceleration in plots: the standard g, whatever the study's own."""
+"""Unit of acceleration in plots [m/s^2], whatever the g of the study."""
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
@@ -75,7 +81,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
 
 def _columns(shown: list[Shown]) -> int:
     longest = max(len(re.sub(r"\\[a-z]+|[$,]", "", case.label)) for case in shown)
-    return max(1, min(len(shown), 4, int(125 / (longest + 14))))
+    most = max(1, min(len(shown), 4, int(125 / (longest + 14))))
+    rows = -(-len(shown) // most)
+    return -(-len(shown) // rows)
 
 
 def _ground(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
@@ -106,36 +114,50 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
         axes.plot(time, ratio, color=colour, label=label or "response", zorder=3)
         if case.reference is not None:
             axes.plot(time, _ratio(dataset, case.reference), color=colour, linewidth=0.8, dashes=(4, 2), zorder=2)
-        impacts = values_at(dataset, "t_impact", case.position) if "t_impact" in dataset else np.empty(0)
-        if len(shown) <= 3:
+        if len(shown) <= _IMPACTS_UP_TO:
+            impacts = _marked_impacts(dataset, case)
             axes.plot(impacts, np.zeros_like(impacts), "o", color=colour, markersize=2.6, markeredgewidth=0.0, zorder=4)
         seen = np.clip(ratio, -_SHOWN_UP_TO, _SHOWN_UP_TO) if ended else ratio
         low = min(low, float(np.nanmin(seen, initial=0.0)))
         high = max(high, float(np.nanmax(seen, initial=0.0)))
     axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
-    margin = 0.08 * (high - low) or 1.0
-    axes.set_ylim(low - margin, high + margin)
+    margin = _limits(axes, low, high)
     for level in (-1.0, 1.0):
         if low - margin < level < high + margin:
             axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
     axes.set_ylabel(r"$\theta/\alpha$")
 
 
+def _marked_impacts(dataset: xarray.Dataset, case: Shown) -> Array:
+    if "t_impact" not in dataset or "theta_dot_before" not in dataset:
+        return np.empty(0)
+    speed = np.abs(values_at(dataset, "theta_dot_before", case.position))
+    fastest = float(np.nanmax(speed, initial=0.0))
+    return values_at(dataset, "t_impact", case.position)[speed >= _SLOW * fastest]
+
+
 def _rate(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
     time = dataset["time"].values
-    reach = 0.0
+    low, high = 0.0, 0.0
     for number, case in enumerate(shown):
         rate = values_at(dataset, "theta_dot", case.position)
         axes.plot(time, rate, color=COLOURS[number], zorder=3)
         if case.reference is not None:
             other = values_at(dataset, "theta_dot", case.reference)
             axes.plot(time, other, color=COLOURS[number], linewidth=0.8, dashes=(4, 2), zorder=2)
-        near = np.abs(_ratio(dataset, case.position)) <= _SHOWN_UP_TO
-        reach = max(reach, float(np.max(np.abs(rate), where=near & np.isfinite(rate), initial=0.0)))
+        near = np.isfinite(rate) & (np.abs(_ratio(dataset, case.position)) <= _SHOWN_UP_TO)
+        low = min(low, float(np.min(rate, where=near, initial=0.0)))
+        high = max(high, float(np.max(rate, where=near, initial=0.0)))
     axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
-    if reach > 0.0:
-        axes.set_ylim(-1.12 * reach, 1.12 * reach)
+    _limits(axes, low, high)
     axes.set_ylabel(r"$\dot\theta$" + unit_in_brackets("rad s-1"))
+
+
+def _limits(axes: Axes, low: float, high: float) -> float:
+    """Room for what lies between low and high; the margin left above and below."""
+    margin = 0.08 * (high - low) or 0.1
+    axes.set_ylim(low - margin, high + margin)
+    return margin
 
 
 def _difference(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:

@@ -10,7 +10,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note, shape_of
+from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note
 from rockcli.plotting.labels import axis_label, title_of, variable_label
 from rockcli.plotting.style import DOUBLE, OUTCOME_COLOURS, SINGLE, headline, new_figure
 from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING
@@ -149,8 +149,3 @@ def _legend(figure: Figure, present: set[int], *, shaded: bool, columns: int) ->
 
 def _words(flag: int) -> str:
     return OUTCOMES[flag].replace("_", " ")
-
-
-def panel_count(dataset: xarray.Dataset, found: tuple[str, str]) -> int:
-    """Number of maps the dataset holds."""
-    return int(np.prod(shape_of(dataset, tuple(a for a in axes_of(dataset) if a not in found)), dtype=int))

@@ -19,6 +19,9 @@ MOST_PANELS = 6
 
 _GREY = "#B9B9B9"
 
+_WIDE = 0.5
+"""Reach from which the whole separatrix is shown."""
+
 _SHOWN_UP_TO = 1.6
 """|theta|/alpha beyond which an overturning body is no longer followed."""
 
@@ -31,39 +34,40 @@ def draw(dataset: xarray.Dataset) -> Figure:
     width = SINGLE * 1.25 if columns == 1 else DOUBLE
     figure = new_figure(width, 0.7 + rows * (width / columns) * 0.86)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    reach = 0.0
+    reach = np.zeros(2)
     for number, case in enumerate(shown):
         axes = grid.flat[number]
-        reach = max(reach, _portrait(axes, dataset, case.position, width=0.9 if len(shown) == 1 else 0.6))
+        reach = np.maximum(reach, _portrait(axes, dataset, case.position, width=0.9 if len(shown) == 1 else 0.6))
         if case.reference is not None:
             _portrait(axes, dataset, case.reference, width=0.6, quiet=True)
-        if case.label:
-            axes.set_title(case.label, fontsize=8.5)
+        fate = outcome_at(dataset, case.position).replace("_", " ")
+        words = ", ".join(part for part in (case.label, "" if fate == "rocking" else fate) if part)
+        axes.set_title(words, fontsize=8.5)
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
+    wide = bool(reach.max() > _WIDE)
+    across = 1.08 * max(reach[0], 1.0 if wide else 0.01)
     for number, case in enumerate(shown):
         axes = grid.flat[number]
-        _separatrix(axes, number_at(dataset, "alpha", case.position))
-        if number + columns >= len(shown):
-            axes.set_xlabel(r"$\theta/\alpha$")
-            axes.tick_params(labelbottom=True)
-        if number % columns == 0:
-            axes.set_ylabel(r"$\dot\theta/(p\,\alpha)$")
-    limit = 1.08 * max(reach, 0.05)
-    grid.flat[0].set_xlim(-limit, limit)
-    grid.flat[0].set_ylim(-limit, limit)
+        _separatrix(axes, number_at(dataset, "alpha", case.position), across)
+        axes.tick_params(labelbottom=number + columns >= len(shown))
+    grid.flat[0].set_xlim(-across, across)
+    up = 1.08 * max(reach[1], 1.0 if wide else 0.01)
+    grid.flat[0].set_ylim(-up, up)
+    figure.supxlabel(r"$\theta/\alpha$", fontsize=9.0)
+    figure.supylabel(r"$\dot\theta/(p\,\alpha)$", fontsize=9.0)
     notes = [
         selection_note(len(shown), total),
-        "dotted: impacts",
-        "dashed: separatrix of free rocking" if limit > 0.5 else "",
+        "dotted: impacts" if reach.max() > 0.0 else "",
+        "dashed: separatrix of free rocking" if wide else "",
         f"grey: {reference_words(dataset)}" if any(case.reference for case in shown) else "",
     ]
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
     return figure
 
 
-def _portrait(axes: Axes, dataset: xarray.Dataset, at: tuple[int, ...], width: float, quiet: bool = False) -> float:
-    """Draw one case, in grey if `quiet`; how far out it reaches."""
+def _portrait(axes: Axes, dataset: xarray.Dataset, at: tuple[int, ...], width: float, quiet: bool = False) -> Array:
+    """Draw one case, in grey if `quiet`; how far it reaches, (theta/alpha, theta_dot/(p alpha))."""
     alpha, p = number_at(dataset, "alpha", at), number_at(dataset, "p", at)
     theta = values_at(dataset, "theta", at) / alpha
     rate = values_at(dataset, "theta_dot", at) / (p * alpha)
@@ -82,7 +86,7 @@ def _portrait(axes: Axes, dataset: xarray.Dataset, at: tuple[int, ...], width: f
     inside = np.isfinite(x) & np.isfinite(y)
     if outcome_at(dataset, at).startswith("overturned"):
         inside &= np.abs(x) <= _SHOWN_UP_TO
-    return float(max(np.abs(x[inside]).max(initial=0.0), np.abs(y[inside]).max(initial=0.0)))
+    return np.array([np.abs(x[inside]).max(initial=0.0), np.abs(y[inside]).max(initial=0.0)])
 
 
 def _impacts(dataset: xarray.Dataset, name: str, at: tuple[int, ...]) -> Array:
@@ -90,9 +94,9 @@ def _impacts(dataset: xarray.Dataset, name: str, at: tuple[int, ...]) -> Array:
     return values[np.isfinite(values)]
 
 
-def _separatrix(axes: Axes, alpha: float) -> None:
+def _separatrix(axes: Axes, alpha: float, reach: float) -> None:
     """The free motions that end in the unstable equilibria, |theta_dot| = 2 p |sin((alpha - |theta|)/2)|."""
-    q = np.linspace(0.0, 2.0, 201)
+    q = np.linspace(0.0, reach, 201)
     rate = 2.0 * np.sin(0.5 * alpha * (1.0 - q)) / alpha
     for side in (-1.0, 1.0):
         for sign in (-1.0, 1.0):

@@ -48,7 +48,7 @@ class Block:
     @property
     def symmetric(self) -> NDArray[np.bool_]:
         """Where both edges are equally far from the centre of mass, (n,)."""
-        return self.b[:, LEFT] == self.b[:, RIGHT]
+        return np.asarray(self.b[:, LEFT] == self.b[:, RIGHT])
 
     @property
     def weak(self) -> NDArray[np.intp]:
@@ -56,7 +56,7 @@ class Block:
 
         The symbols `R alpha tan_alpha b p` of an asymmetric body are those of this edge.
         """
-        return np.argmin(self.tan_alpha, axis=1)
+        return np.asarray(np.argmin(self.tan_alpha, axis=1))
 
     def of_weak_edge(self, both: Array) -> Array:
         """Pick the weak edge's column of a (n, 2) array: (n,)."""

@@ -42,6 +42,12 @@ MAX_STEPS = {True: 200_000_000, False: 30_000}
 COMPILE_ABOVE = 2.0
 """Estimated seconds of plain Python above which the kernels are compiled."""
 
+PEAK_SCALARS = frozenset(
+    "outcome theta_peak theta_peak_over_alpha u_top_peak t_peak t_uplift t_overturn t_end n_impacts mu_impact "
+    "error_estimate wall_time n_steps reason".split()
+)
+"""Scalars that need neither the forces at the edge nor the energy balance; the others are NaN when not wanted."""
+
 COARSER = 1e3
 """The error estimate is the difference to a run with this many times the tolerance."""
 
@@ -69,7 +75,7 @@ def solve(batch: Batch) -> Response:
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",
-        "method": f"Taylor series to order {march.ORDER}, events located on the polynomial",
+        "method": f"Taylor series to order {_order(level.rtol)}, events located on the polynomial",
         "rtol": repr(level.rtol),
         "rest_speed": repr(level.rest_speed),
         "kernels": "compiled" if kernels.compiled else "interpreted",
@@ -131,12 +137,12 @@ def _channel(channel: Channel | None, n: int) -> tuple[int, Any, Any, float, Any
     nothing = np.zeros(1)
     if isinstance(channel, Samples):
         tail = np.maximum.accumulate(np.abs(channel.values)[::-1])[::-1]
-        tables = np.broadcast_to(nothing, (n, 1))
-        return 1, channel.values, np.ascontiguousarray(tail), channel.dt, tables, len(channel.values) - 1
+        values, tail = np.ascontiguousarray(channel.values), np.ascontiguousarray(tail)
+        return 1, values, tail, channel.dt, np.zeros((1, 1)), len(values) - 1
     if isinstance(channel, Pulses):
         pieces = channel.table.shape[1]
         return 2, nothing, nothing, 1.0, channel.table.reshape(n, pieces * PIECE_WIDTH), pieces
-    return 0, nothing, nothing, 1.0, np.broadcast_to(nothing, (n, 1)), 0
+    return 0, nothing, nothing, 1.0, np.zeros((1, 1)), 0
 
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:
@@ -180,6 +186,7 @@ def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, 
         horizontal, vertical = _as_lists(horizontal), _as_lists(vertical)
         outputs = [x.tolist() for x in arrays]
     margin = max(2e-14, 10.0 * level.rtol)
+    detail = _detail(march, batch, histories)
     march.march_all(
         rows,
         MODELS[batch.model, batch.geometry].linear,
@@ -187,7 +194,8 @@ def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, 
         level.rest_speed,
         margin,
         MAX_STEPS[bool(kernels.compiled)],
-        batch.save.scalars == {"outcome"} and not histories,
+        _order(level.rtol),
+        detail,
         *horizontal,
         *vertical,
         batch.save.dt_out,
@@ -197,6 +205,19 @@ def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, 
         for array, output in zip(arrays, outputs, strict=True):
             array[...] = output
     return run
+
+
+def _order(rtol: float) -> int:
+    """Order of the Taylor series: about where the cost of a step of given error per unit of time is least."""
+    return int(np.clip(round(2.0 - 1.75 * np.log10(rtol)), 8, 30))
+
+
+def _detail(march: ModuleType, batch: Batch, histories: bool) -> int:
+    """How much the kernels have to find out; a given `mu` has to be checked whatever is saved."""
+    scalars = batch.save.scalars
+    if histories or scalars - PEAK_SCALARS or np.isfinite(batch.block.mu).any():
+        return int(march.ALL)
+    return int(march.OUTCOME if scalars <= {"outcome", "wall_time", "reason"} else march.PEAKS)
 
 
 def _as_lists(channel: tuple[int, Any, Any, float, Any, int]) -> tuple[int, Any, Any, float, Any, int]:
@@ -318,7 +339,7 @@ def _histories(batch: Batch, run: _Run) -> tuple[dict[str, Array], dict[str, Arr
     written = np.isfinite(run.theta).any(axis=0)
     n_time = int(np.flatnonzero(written)[-1]) + 1 if written.any() else 1
     theta, rate = run.theta[:, :n_time], run.rate[:, :n_time]
-    t = np.arange(n_time) * batch.save.dt_out
+    t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
     live = np.isfinite(theta)
     shaken = np.empty((2, batch.size, n_time))
     for j, channel in enumerate((batch.excitation.horizontal, batch.excitation.vertical)):

@@ -19,8 +19,6 @@ DIM_TIME, DIM_IMPACT, DIM_REASONS = "time", "impact", "reasons"
 COORDINATES: tuple[str, ...] = ("R", "alpha", "p", "eta", "a_p", "omega_p", "pga", "pgv")
 """What a plot needs beside the axes, over the axes they depend on."""
 
-_FLAGS = {name: key for key, name in OUTCOMES.items()}
-
 
 @dataclass(frozen=True, eq=False)
 class Field:
@@ -117,11 +115,6 @@ def outcome_names(flags: NDArray[np.int8]) -> NDArray[Any]:
     """Meanings of outcome flags, same shape, as strings."""
     table = np.array([OUTCOMES[flag] for flag in sorted(OUTCOMES)], dtype=object)
     return np.asarray(table[np.asarray(flags, dtype=int) - min(OUTCOMES)])
-
-
-def outcome_flag(name: str) -> int:
-    """Flag of a meaning; KeyError if there is none."""
-    return _FLAGS[name]
 
 
 def root_attributes(

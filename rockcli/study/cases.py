@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
@@ -15,6 +15,7 @@ from rockcli.study.axes import Variation
 from rockcli.study.build import build_batch
 from rockcli.study.check import check_case
 from rockcli.study.expressions import ExpressionError, parse
+from rockcli.study.features import check_features
 from rockcli.study.numbers import Numbers, Varied
 from rockcli.study.records import Records
 from rockcli.study.shorthands import expanded
@@ -39,6 +40,7 @@ class Cases:
         study: {case, let}, short forms written out.
         variations: the axes, outermost first.
         save: what every batch is asked for.
+        histories_at: axis -> the only point on it whose histories are saved; empty = all.
     """
 
     source: Source
@@ -46,6 +48,7 @@ class Cases:
     variations: list[Variation]
     records: Records
     save: Save
+    histories_at: dict[int, int] = field(default_factory=dict)
     _trees: dict[tuple[int, ...], Map] = field(default_factory=dict)
 
     @property
@@ -65,7 +68,22 @@ class Cases:
             StudyError, RecordError: a case cannot be built.
         """
         for part, combination, points in self.groups(np.asarray(indices, dtype=np.int64)):
-            yield part, build_batch(self.numbers(combination, points, len(part)), self.records, self.save)
+            for rows, save in self._saves(points, len(part)):
+                chosen = {axis: p[rows] for axis, p in points.items()}
+                numbers = self.numbers(combination, chosen, len(part[rows]))
+                yield part[rows], build_batch(numbers, self.records, save)
+
+    def _saves(self, points: Points, n: int) -> Iterator[tuple[Any, Save]]:
+        """Rows of a group and what is asked for them: histories may be wanted of some only."""
+        if not self.histories_at or not self.save.histories:
+            yield slice(None), self.save
+            return
+        wanted = np.ones(n, dtype=bool)
+        for axis, point in self.histories_at.items():
+            wanted &= points[axis] == point
+        for rows, save in ((wanted, self.save), (~wanted, replace(self.save, histories=False))):
+            if rows.any():
+                yield rows, save
 
     def groups(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points]]:
         """Split flat indices by the points on the structural axes; keep the points on the others."""
@@ -120,6 +138,7 @@ class Cases:
         for path, value, where in sorted(settings, key=lambda s: len(s[0])):
             study = expanded(replaced(study, path, value, where))
         check_case(self.source, study)
+        check_features(self.source, study)
         return study
 
     def probe(self) -> Index:

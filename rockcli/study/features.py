@@ -22,7 +22,7 @@ LATER: dict[Keys, str] = {
 DEFAULT_GEOMETRY = "negative_stiffness"
 
 
-def check_study_features(source: Source, study: Map) -> None:
+def check_features(source: Source, study: Map) -> None:
     """Refuse the keys of a study whose feature is not there yet."""
     for keys, what in LATER.items():
         value = value_at(study, keys)

@@ -20,7 +20,7 @@ from rockcli.study.cases import Cases
 from rockcli.study.check import check_case, check_study
 from rockcli.study.expect import match, read_expect
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
-from rockcli.study.features import check_study_features
+from rockcli.study.features import check_features
 from rockcli.study.identity import as_yaml, identity, plain
 from rockcli.study.loader import load_file, load_mapping
 from rockcli.study.overrides import apply_overrides
@@ -67,7 +67,8 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     axes = tuple(v.axis for v in variations)
     saved, at = _save(where, tree, cases, found.dt_out)
     histories, dt_out, scalars = saved["histories"] is not False, saved["dt_out"], tuple(saved["scalars"])
-    cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)))
+    points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
+    cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
     compare_to = tree.get("compare_to")
     resolved = _resolved(part, base, variations, saved)
     return Study(
@@ -103,7 +104,7 @@ def _check_top(source: Source, tree: Map) -> StudyPart:
         part = check_study(source, tree)
     for name in part.let:
         check_symbol(source, tree, name)
-    check_study_features(source, tree)
+    check_features(source, tree)
     return part
 
 

@@ -25,8 +25,12 @@ from rockcli.storage.contents import (
 from rockcli.storage.read import open_dataset, to_xarray
 
 ATTRS = root_attributes(
-    title="Two models", source="rockcli", history="2026 solved", references="Fig. 1", more={"identity": "abc", "study": "name: x\n"}
-)  # fmt: skip
+    title="Two models",
+    source="rockcli",
+    history="2026 solved",
+    references="Fig. 1",
+    more={"identity": "abc", "study": "name: x\n"},
+)
 
 
 def contents() -> Contents:
@@ -38,13 +42,17 @@ def contents() -> Contents:
         "alpha": variable_field("alpha", ("tan_alpha",), np.arctan([0.1, 0.2, 0.3])),
         "time": time_field(np.arange(4) * 0.5),
         "outcome": variable_field("outcome", axes, np.array([[0, 1], [2, 3], [-2, -1]], dtype=np.int8)),
-        "theta_peak_over_alpha": variable_field("theta_peak_over_alpha", axes, np.array([[0, 0.5], [np.inf] * 2, [np.nan] * 2])),
+        "theta_peak_over_alpha": variable_field(
+            "theta_peak_over_alpha", axes, np.array([[0, 0.5], [np.inf] * 2, [np.nan] * 2])
+        ),
         "n_impacts": variable_field("n_impacts", axes, np.arange(6).reshape(3, 2)),
         "reason": variable_field("reason", axes, np.array([[0, 0], [0, 0], [1, 0]], dtype=np.int32)),
         "reasons": reasons_field(["", "gave up: θ is not a number"]),
-        "theta": variable_field("theta", (*axes, "time"), np.where(np.arange(24) % 4 > 2, np.nan, 0.01).reshape(3, 2, 4)),
+        "theta": variable_field(
+            "theta", (*axes, "time"), np.where(np.arange(24) % 4 > 2, np.nan, 0.01).reshape(3, 2, 4)
+        ),
         "t_impact": variable_field("t_impact", (*axes, "impact"), np.full((3, 2, 1), np.nan)),
-    }  # fmt: skip
+    }
     return Contents(axes, fields, ATTRS)
 
 

@@ -132,7 +132,12 @@ WRONG = [
     ("quantity: theta_peak_over_alpha,", "quantity: theta,", 12, ["needs `time`"]),
     ("quantity: theta_peak_over_alpha,", "quantity: t_impact,", 12, ["per impact"]),
     ("block.tan_alpha: 0.2}, v", "block.tan_alpha: 0.25}, v", 12, ["no point of that axis", "0.1, 0.2, 0.333"]),
-    ("block.tan_alpha: 0.2}, v", "block.tan: 0.2}, v", 12, ["expect[0].at.block.tan", "did you mean 'block.tan_alpha'"]),
+    (
+        "block.tan_alpha: 0.2}, v",
+        "block.tan: 0.2}, v",
+        12,
+        ["expect[0].at.block.tan", "did you mean 'block.tan_alpha'"],
+    ),
     ("value: 0.5", "valu: 0.5", 12, ["unknown key 'valu'", "did you mean 'value'"]),
     ("value: 0.5", "is: rocking", 12, ["judges meanings of outcome"]),
     ("value: 0.5", "value: high", 12, ["expected a number"]),

@@ -1,0 +1,287 @@
+"""Axes and batches: coordinates, names, and that a million cases are a few array operations."""
+
+import numpy as np
+import pytest
+
+from rockcli.errors import StudyError
+from rockcli.study.expressions import Expression
+from rockcli.study.open import open_study
+
+PULSE = {"shape": "ricker", "a_p_over_g_tan_alpha": 1, "omega_p_over_p": 1}
+
+
+def study_of(vary, folder=None, **more):
+    case = {"block": {"R": 5.0, "tan_alpha": 0.2}, "motion": {"pulse": PULSE}, **more.pop("case", {})}
+    study = {"name": "a", "case": case, "vary": vary, **more}
+    if folder is None:
+        return open_study(study)
+    import yaml
+
+    (folder / "s.yaml").write_text(yaml.safe_dump(study, sort_keys=False))
+    return open_study(folder / "s.yaml")
+
+
+def all_cases(study, get):
+    """A quantity of every case, in flat order."""
+    values = [None] * study.size
+    for indices, batch in study.batches():
+        for i, value in zip(indices, get(batch), strict=True):
+            values[i] = value
+    return values
+
+
+class TestForms:
+    def test_a_list_and_a_range_are_numeric(self):
+        study = study_of({"block.R": [1, "2*m", 3.5], "motion.pulse.T_p": {"from": 0.1, "to": 0.7, "n": 7}})
+        R, T_p = study.axes
+        assert R.values == (1.0, 2.0, 3.5)
+        assert R.numeric
+        assert R.unit == "m"
+        assert R.name == "block_R"  # R is a variable of the dataset
+        assert T_p.name == "T_p"
+        assert (T_p.values[0], T_p.values[-1], T_p.size) == (0.1, 0.7, 7)
+        assert study.shape == (3, 7)
+        ((indices, batch),) = study.batches()
+        assert (indices == np.arange(21)).all()
+        assert batch.block.R[:, 0].tolist() == np.repeat([1.0, 2.0, 3.5], 7).tolist()
+        np.testing.assert_allclose(2 * np.pi / batch.excitation.horizontal.omega_p, list(T_p.values) * 3, rtol=1e-15)
+
+    def test_a_logarithmic_range_has_exact_ends(self):
+        (axis,) = study_of({"block.R": {"from": 0.3, "to": "70*m", "n": 5, "spacing": "log"}}).axes
+        assert (axis.values[0], axis.values[-1]) == (0.3, 70.0)
+        assert axis.values[2] == pytest.approx(np.sqrt(21.0), rel=1e-14)
+
+    def test_labels(self):
+        study = study_of({"model": ["rigid", "linearized"], "damping": ["none", "restitution"]})
+        assert [a.values for a in study.axes] == [("rigid", "linearized"), ("none", "restitution")]
+        assert all_cases(study, lambda b: [b.model] * b.size) == ["rigid"] * 2 + ["linearized"] * 2
+        assert all_cases(study, lambda b: [b.damping.scheme] * b.size) == ["none", "restitution"] * 2
+
+    def test_numbers_and_words_mixed_are_labels(self):
+        study = study_of({"damping.eta": ["housner", 0.9]})
+        assert study.axes[0].values == ("housner", "0.9")
+        assert all_cases(study, lambda b: b.damping.eta[:, 0])[1] == 0.9
+
+    def test_named_settings_replace_what_stands_there(self):
+        study = study_of(
+            {"block": {"small": {"h": 1, "b": 0.2}, "large": {"R": 20, "alpha": 0.1}}, "block.mu": [0.5, 0.7]}
+        )
+        assert study.axes[0].values == ("small", "large")
+        assert all_cases(study, lambda b: b.block.h)[:2] == [1.0, 1.0]
+        assert all_cases(study, lambda b: b.block.mu) == [0.5, 0.7, 0.5, 0.7]
+
+    def test_settings_of_the_case_are_laid_over_key_by_key(self):
+        settings = {
+            "a": {"block": {"R": 1, "alpha": 0.3}, "motion.pulse.T_p": 0.5},
+            "b": {"block.R": 7, "damping": "none"},
+        }
+        study = study_of({"case": settings})
+        assert study.axes[0].name == "case"
+        assert all_cases(study, lambda b: b.block.R[:, 0]) == [1.0, 7.0]
+        assert all_cases(study, lambda b: b.block.alpha[:, 0])[0] == 0.3
+        assert all_cases(study, lambda b: b.damping.eta[:, 0])[1] == 1.0
+        assert all_cases(study, lambda b: b.block.tan_alpha[:, 0])[1] == 0.2
+
+    def test_named_numbers_are_one_batch(self):
+        study = study_of({"block.R": {"small": 1, "large": "20*m"}})
+        assert study.axes[0].values == ("small", "large")
+        ((_, batch),) = study.batches()
+        assert batch.block.R[:, 0].tolist() == [1.0, 20.0]
+
+    def test_a_table(self, tmp_path):
+        (tmp_path / "t.csv").write_text("name, R, tan_alpha\nfirst, 1, 0.1\n\nsecond, 2*m, 0.3\n")
+        study = study_of({"block": "t.csv"}, tmp_path)
+        assert study.axes[0].values == ("first", "second")
+        ((_, batch),) = study.batches()
+        assert batch.block.R[:, 0].tolist() == [1.0, 2.0]
+        assert batch.block.tan_alpha[:, 0].tolist() == [0.1, 0.3]
+        assert list(study.inputs) == ["t.csv"]
+        (tmp_path / "t.csv").write_text("name, block.R, model\nfirst, 1, rigid\nsecond, 2, linearized\n")
+        study = study_of({"case": "t.csv"}, tmp_path)
+        assert all_cases(study, lambda b: [b.model] * b.size) == ["rigid", "linearized"]
+
+    @pytest.mark.parametrize(
+        ("text", "words"),
+        [
+            ("name,R\n", "a line per point"),
+            ("name,R\na,1,2\n", "3 cells"),
+            ("name,R\na,\n", "empty"),
+            ("name,R,R\na,1,2\n", "repeats"),
+            ("name,r\na,1\n", "did you mean 'block.R'"),
+            ("name,R\na,1\na,2\n", "repeats 'a'"),
+            ("\x00\x01", "line"),
+        ],
+    )
+    def test_wrong_tables(self, tmp_path, text, words):
+        (tmp_path / "t.csv").write_text(text)
+        with pytest.raises(StudyError, match=words):
+            study_of({"block": "t.csv"}, tmp_path)
+
+    def test_a_missing_table(self, tmp_path):
+        with pytest.raises(StudyError, match=r"t\.csv does not exist"):
+            study_of({"block": "t.csv"}, tmp_path)
+
+    def test_records_by_glob(self, tmp_path):
+        (tmp_path / "records").mkdir()
+        for name in ("b", "a"):
+            (tmp_path / "records" / f"{name}.txt").write_text("0.0 0.0\n0.01 0.1\n0.02 0.0\n")
+        case = {"motion": {"record": {"file": "a.txt", "units": "g"}}}
+        study = study_of({"motion.record.file": "*.txt"}, tmp_path, case=case)
+        (axis,) = study.axes
+        assert axis.name == "record"
+        assert axis.values == ("a.txt", "b.txt")
+        assert study.resolved["vary"]["motion.record.file"] == ["a.txt", "b.txt"]
+        assert [b.excitation.horizontal.name for _, b in study.batches()] == ["a.txt", "b.txt"]
+        with pytest.raises(StudyError, match="no file matches"):
+            study_of({"motion.record.file": "*.nothing"}, tmp_path, case=case)
+
+    def test_own_symbols_may_be_varied(self):
+        study = study_of({"let.gamma": [1, 2]}, let={"delta": "2*gamma*R"}, case={"initial": {"theta": "0.01*delta"}})
+        assert study.axes[0].name == "gamma"
+        assert all_cases(study, lambda b: b.theta_0) == [0.1, 0.2]
+
+    def test_pairs_of_edges_and_switches_are_labels(self):
+        study = study_of(
+            {"block.b": [[0.9, 0.6], [0.7, 0.7]], "solver.events": [True, False]}, case={"block": {"h": 4, "b": 1}}
+        )
+        assert [axis.values for axis in study.axes] == [("[0.9, 0.6]", "[0.7, 0.7]"), ("true", "false")]
+        assert all_cases(study, lambda b: b.block.b.tolist())[::2] == [[0.9, 0.6], [0.7, 0.7]]
+
+    def test_numbers_of_the_solver_need_a_batch_each(self):
+        study = study_of({"solver.rtol": [1e-6, "1e-9"]})
+        assert study.axes[0].values == (1e-6, 1e-9)
+        assert [b.numerics.rtol for _, b in study.batches()] == [1e-6, 1e-9]
+
+    def test_features_that_come_later_are_refused_on_axes_too(self):
+        with pytest.raises(StudyError, match=r"case\.column.*not available"):
+            study_of({"column.E": [1e9, 2e9]})
+
+
+class TestNames:
+    @pytest.mark.parametrize(
+        ("paths", "names"),
+        [
+            (["initial.theta"], ["initial_theta"]),
+            (["motion.pulse.a_p", "block.tan_alpha"], ["motion_pulse_a_p", "tan_alpha"]),
+            (["damping.eta"], ["damping_eta"]),
+            (["solver.dt", "let.dt"], ["solver_dt", "let_dt"]),
+            (["let.time", "let.impact"], ["let_time", "let_impact"]),
+        ],
+    )
+    def test_dimensions(self, paths, names):
+        study = study_of({path: [0.1, 0.2] for path in paths})
+        assert [axis.name for axis in study.axes] == names
+        assert [axis.path for axis in study.axes] == paths
+
+
+class TestAlternatives:
+    def test_a_varied_key_displaces_its_alternatives(self):
+        study = study_of({"motion.pulse.a_p": [1, 2], "motion.pulse.f_p": [1], "block.alpha": [0.1]})
+        assert all_cases(study, lambda b: b.excitation.horizontal.a_p) == [1.0, 2.0]
+        assert all_cases(study, lambda b: b.block.alpha[:, 0]) == [0.1, 0.1]
+
+    def test_two_axes_that_say_the_same_thing_are_an_error(self):
+        with pytest.raises(StudyError, match="say the same thing"):
+            study_of({"motion.pulse.a_p": [1, 2], "motion.pulse.a_p_over_g_tan_alpha": [1, 2]})
+
+    def test_shorter_paths_first(self):
+        study = study_of({"block.R": [1, 2], "block": {"x": {"R": 9, "alpha": 0.3}, "y": {"R": 9, "alpha": 0.4}}})
+        assert all_cases(study, lambda b: b.block.R[:, 0]) == [1.0, 1.0, 2.0, 2.0]
+        assert all_cases(study, lambda b: b.block.alpha[:, 0]) == [0.3, 0.4, 0.3, 0.4]
+
+
+class TestExpressionsOnAxes:
+    def test_the_same_in_all_cases_is_a_coordinate(self):
+        study = study_of({"motion.pulse.omega_p": ["2*p", "4*p"], "block.tan_alpha": [0.1, 0.2]})
+        p = np.sqrt(3 * 9.81 / 20)
+        assert study.axes[0].values == pytest.approx((2 * p, 4 * p), rel=1e-15)
+
+    def test_a_range_may_have_such_ends(self):
+        (axis,) = study_of({"motion.pulse.omega_p": {"from": "0.5*p", "to": "2*p", "n": 3}}).axes
+        assert axis.values[2] == pytest.approx(2 * np.sqrt(3 * 9.81 / 20), rel=1e-15)
+
+    @pytest.mark.parametrize("other", ["block.R", "g", "let.x"])
+    def test_different_ones_point_to_the_dimensionless_keys(self, other):
+        vary = {"motion.pulse.omega_p": ["2*p*x", "4*p*x"], other: [1, 2]}
+        with pytest.raises(StudyError, match=r"differs from case to case.*omega_p_over_p"):
+            study_of(vary, let={"x": 1})
+
+
+class TestBatches:
+    def test_a_million_cases_are_one_batch_of_few_evaluations(self, monkeypatch):
+        n = 1000
+        study = study_of(
+            {
+                "motion.pulse.a_p_over_g_tan_alpha": {"from": 0.1, "to": 10, "n": n},
+                "let.ratio": {"from": 0.1, "to": 20, "n": n, "spacing": "log"},
+            },
+            let={"ratio": 1},
+            case={"motion": {"pulse": {"shape": "sine", "a_p_over_g_tan_alpha": 1, "omega_p": "ratio*p"}}},
+        )
+        calls = []
+        evaluate = Expression.evaluate
+        monkeypatch.setattr(Expression, "evaluate", lambda self, f: calls.append(self.text) or evaluate(self, f))
+        ((indices, batch),) = study.batches()
+        assert calls == ["ratio*p"]
+        assert batch.size == len(indices) == n * n
+        a_p = batch.excitation.horizontal.a_p.reshape(n, n)
+        assert (a_p[:, 0] == a_p[:, -1]).all()
+        assert a_p[-1, 0] == pytest.approx(10 * 9.81 * 0.2, rel=1e-15)
+        np.testing.assert_allclose(
+            batch.excitation.horizontal.omega_p.reshape(n, n)[7] / batch.p[0, 0], study.axes[1].values
+        )
+
+    def test_opening_a_large_study_builds_only_its_edges(self):
+        n = 1000
+        study = study_of({"block.R": {"from": 1, "to": 9, "n": n}, "block.tan_alpha": {"from": 0.1, "to": 1, "n": n}})
+        assert len(study.cases.probe()) < 3 * n
+
+    def test_a_bad_corner_of_a_large_study_is_found(self):
+        vary = {"block.R": {"from": 5, "to": 1, "n": 1000}, "block.h": {"from": 0.5, "to": 2, "n": 1000}}
+        with pytest.raises(StudyError, match=r"smaller than R.*block\.R = 1.*block\.h = 2"):
+            open_study({"name": "a", "case": {"block": {"R": 5, "h": 1}}, "vary": vary})
+
+    def test_any_choice_of_cases_is_the_same_as_all(self):
+        vary = {"model": ["rigid", "linearized"], "block.R": [1, 2, 3], "damping": ["none", "restitution"]}
+        study = study_of(vary)
+        whole = {int(i): (b.model, b.damping.scheme, b.block.R[k, 0], b.excitation.horizontal.omega_p[k])
+                 for indices, b in study.batches() for k, i in enumerate(indices)}  # fmt: skip
+        assert sorted(whole) == list(range(12))
+        chosen = np.array([11, 3, 0, 7])
+        parts = list(study.batches(chosen))
+        assert sorted(np.concatenate([i for i, _ in parts]).tolist()) == sorted(chosen.tolist())
+        for indices, b in parts:
+            for k, i in enumerate(indices):
+                assert whole[int(i)] == (b.model, b.damping.scheme, b.block.R[k, 0], b.excitation.horizontal.omega_p[k])
+        assert list(study.batches(np.array([], dtype=np.int64))) == []
+
+    def test_too_many_cases(self):
+        many = {"from": 1, "to": 2, "n": 1_000_000}
+        with pytest.raises(StudyError, match="more than"):
+            study_of({"block.R": many, "block.tan_alpha": many, "g": many})
+
+
+class TestSave:
+    def test_defaults(self):
+        small, large = study_of({}), study_of({"block.R": {"from": 1, "to": 9, "n": 101}})
+        assert small.histories
+        assert not large.histories
+        assert small.scalars == large.scalars
+        huge = study_of({"block.R": {"from": 1, "to": 9, "n": 100_001}})
+        assert huge.scalars == ("outcome", "theta_peak_over_alpha", "n_impacts")
+        ((_, batch),) = small.batches()
+        assert batch.save.scalars == frozenset(small.scalars)
+
+    def test_dt_out(self):
+        pulse = {"motion": {"pulse": {"shape": "sine", "a_p": 1, "T_p": 0.5}}}
+        assert study_of({}, case=pulse).dt_out == pytest.approx(0.0025)
+        assert study_of({"motion.pulse.T_p": [0.2, 3]}, case=pulse).dt_out == pytest.approx(0.001)
+        assert study_of({"motion.pulse.T_p": [3, 4]}, case=pulse).dt_out == 0.005
+        assert study_of({}, case=pulse, save={"dt_out": "10*ms"}).dt_out == 0.01
+
+    def test_asked_for(self):
+        study = study_of({"block.R": [1, 2]}, save={"histories": {"block.R": 2}, "scalars": ["n_impacts", "outcome"]})
+        assert study.histories
+        assert study.histories_at == {"block_R": 2.0}
+        assert study.scalars == ("outcome", "n_impacts")
+        assert {int(i): b.save.histories for indices, b in study.batches() for i in indices} == {0: False, 1: True}

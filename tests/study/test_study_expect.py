@@ -1,0 +1,95 @@
+"""What a study says of its results is matched to its axes before anything is solved."""
+
+import pytest
+
+from rockcli.errors import StudyError
+from rockcli.study.open import open_study
+
+
+def expect_of(*clauses, **more):
+    case = {"block": {"R": 5.0, "tan_alpha": 0.2}}
+    vary = {
+        "block.tan_alpha": {"from": 0.1, "to": 0.7, "n": 7},
+        "model": ["rigid", "linearized"],
+        "damping": {"a/one.AT2": "none", "two": "restitution"},
+    }
+    return open_study({"name": "a", "case": case, "vary": vary, "expect": list(clauses), **more})
+
+
+@pytest.mark.parametrize(
+    ("at", "matched"),
+    [
+        ({}, {}),
+        ({"block.tan_alpha": 0.3}, {"tan_alpha": 0.1 + 2 * 0.1}),
+        ({"tan_alpha": "0.1*3"}, {"tan_alpha": 0.3}),
+        ({"case.block.tan_alpha": 0.3 * (1 + 5e-10)}, {"tan_alpha": 0.3}),
+        ({"model": "rigid"}, {"model": "rigid"}),
+        ({"damping": "one.AT2"}, {"damping": "a/one.AT2"}),
+        ({"damping": "somewhere/else/one.AT2", "model": "linearized"}, {"damping": "a/one.AT2", "model": "linearized"}),
+    ],
+)
+def test_points_are_matched_to_coordinates(at, matched):
+    study = expect_of({"quantity": "theta_peak", "at": at, "value": 0.1})
+    (clause,) = study.expect
+    assert clause.at == pytest.approx(matched, rel=1e-12) if "tan_alpha" in matched else clause.at == matched
+    for name, value in clause.at.items():
+        assert value in next(axis.values for axis in study.axes if axis.name == name)
+
+
+@pytest.mark.parametrize(
+    ("at", "words"),
+    [
+        ({"block.tan_alpha": 0.3 * (1 + 1e-8)}, "no point of that axis"),
+        ({"block.tan_alpha": "rigid"}, "no point of that axis"),
+        ({"model": 0.3}, "no point of that axis; it has rigid, linearized"),
+        ({"R": 5}, "is on no axis"),
+        ({"modell": "rigid"}, "did you mean 'model'"),
+    ],
+)
+def test_no_match_is_an_error(at, words):
+    with pytest.raises(StudyError, match=words):
+        expect_of({"quantity": "theta_peak", "at": at, "value": 0.1})
+
+
+@pytest.mark.parametrize(
+    ("meaning", "flags"),
+    [
+        ("rocking", (1,)),
+        ("overturned", (2, 3)),
+        (["no_uplift", "overturned"], (0, 2, 3)),
+        (["overturned_after_impact", "overturned"], (3, 2)),
+        ("failed", (-2,)),
+    ],
+)
+def test_meanings(meaning, flags):
+    (clause,) = expect_of({"quantity": "outcome", "is": meaning}).expect
+    assert (clause.check, clause.target) == ("is", flags)
+    (clause,) = expect_of({"quantity": "outcome", "is_not": meaning}).expect
+    assert (clause.check, clause.target) == ("is_not", flags)
+
+
+@pytest.mark.parametrize("meaning", ["fell", ["rocking", 5], [], 3, {"a": 1}])
+def test_unknown_meanings(meaning):
+    with pytest.raises(StudyError, match=r"outcome|known|empty|did you mean|is 3|mapping"):
+        expect_of({"quantity": "outcome", "is": meaning})
+
+
+def test_numbers():
+    clauses = expect_of(
+        {"quantity": "theta_peak_over_alpha", "value": ".5", "rtol": "1e-3", "atol": 1e-9, "references": "Fig. 1"},
+        {"quantity": "theta_peak_over_alpha", "value": float("inf")},
+        {"quantity": "n_impacts", "min": 3},
+        {"quantity": "theta", "time": "250*ms", "max": "2*deg"},
+    ).expect
+    assert (clauses[0].target, clauses[0].rtol, clauses[0].atol, clauses[0].references) == (0.5, 1e-3, 1e-9, "Fig. 1")
+    assert (clauses[0].rtol, clauses[1].rtol) == (1e-3, 1e-6)
+    assert clauses[1].target == float("inf")
+    assert (clauses[2].check, clauses[2].target) == ("min", 3.0)
+    assert (clauses[3].time, clauses[3].check) == (0.25, "max")
+
+
+def test_compare_to():
+    assert expect_of(compare_to={"model": "rigid"}).compare_to == {"model": "rigid"}
+    assert expect_of().compare_to is None
+    with pytest.raises(StudyError, match=r"compare_to\.model"):
+        expect_of(compare_to={"model": "3"})
