@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.block import Block
+from rockcli.scene.column import Base, Column
 from rockcli.scene.damping import Damping
 from rockcli.scene.excitation import Excitation
 from rockcli.scene.numerics import Numerics
@@ -43,6 +44,7 @@ class Batch:
         theta_0, theta_dot_0: initial rotation [rad] and rate [rad/s], (n,).
         save: what is wanted back.
         warnings: sentences about the physics of these cases, for people.
+        column: of the flexible model, else None.  base: what the body stands on; None = rigid.
     """
 
     g: Array
@@ -56,6 +58,8 @@ class Batch:
     numerics: Numerics
     save: Save
     warnings: tuple[str, ...] = field(default=())
+    column: Column | None = None
+    base: Base | None = None
 
     @property
     def size(self) -> int:

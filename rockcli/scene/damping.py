@@ -15,10 +15,18 @@ class Damping:
     """A damping scheme of a batch.
 
     Attributes:
-        scheme: `none` or `restitution` (event-based damping, [3.2, 3.5]).
+        scheme: `none`; `restitution` (event-based damping, [3.2, 3.5]); `dashpot` (a rotational damper at the base,
+            acting all the time, no loss at impacts, (3.3)).
         eta: ratio of angular velocities just after / just before an impact, (n, 2); column j when the body
             lands on edge j (0 left, 1 right).  Ones where nothing is lost.
+        coefficient: of the dashpot c = coefficient (alpha/0.1)^2 m g^0.5 R^1.5 (3.3), (n,); zeros without one.
     """
 
     scheme: str
     eta: Array
+    coefficient: Array | None = None
+
+
+def dashpot_rate(coefficient: Array, alpha: Array, R: Array, inertia: Array, g: Array) -> Array:
+    """c / I_O of the base damper (3.3), of the shape of alpha [1/s]: c = coefficient (alpha/0.1)^2 m g^0.5 R^1.5."""
+    return np.asarray(coefficient * (alpha / 0.1) ** 2 * np.sqrt(g / R) / inertia)

@@ -21,7 +21,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """Coefficients of a model for given alpha; all of alpha's shape (module docstring)."""
+    """Coefficients of a model for given alpha; all of alpha's shape (module docstring).
+
+    `q_star` is infinite where the restoring moment never vanishes: such a body cannot overturn.
+    """
 
     r0: Array
     rs: Array
@@ -58,6 +61,26 @@ def _linearized(alpha: Array, tan_alpha: Array) -> Law:
     return Law(r0=alpha, rs=-one, rc=0.0 * one, fc=one, fs=0.0 * one, q_star=alpha, threshold=alpha)
 
 
+def _negative_stiffness(alpha: Array, tan_alpha: Array) -> Law:
+    # the block's restoring moment, the overturning moment -m a_g R cos(alpha) cos(theta) (2.26)
+    sin, cos = np.sin(alpha), np.cos(alpha)
+    return Law(r0=0.0 * alpha, rs=-cos, rc=sin, fc=cos, fs=0.0 * alpha, q_star=alpha, threshold=tan_alpha)
+
+
+def _corotational_at_R(alpha: Array, tan_alpha: Array) -> Law:
+    # rigid-plastic spring m g R sin(alpha), weight at height R
+    sin, one = np.sin(alpha), np.ones_like(alpha)
+    return Law(r0=sin, rs=-one, rc=0.0 * one, fc=np.cos(alpha), fs=0.0 * one, q_star=alpha, threshold=tan_alpha)
+
+
+def _corotational_at_h(alpha: Array, tan_alpha: Array) -> Law:
+    # the same spring, weight at height h = R cos(alpha); the moment vanishes at asin(tan alpha), if anywhere
+    sin, cos, zero = np.sin(alpha), np.cos(alpha), 0.0 * alpha
+    with np.errstate(invalid="ignore"):
+        q_star = np.where(tan_alpha <= 1.0, np.arcsin(tan_alpha), np.inf)
+    return Law(r0=sin, rs=-cos, rc=zero, fc=cos, fs=zero, q_star=q_star, threshold=tan_alpha)
+
+
 _ROWS: tuple[Model, ...] = (
     Model(
         "rigid",
@@ -75,6 +98,14 @@ _ROWS: tuple[Model, ...] = (
         "slender blocks: good to a few per cent for tan(alpha) <= 0.2 away from overturning",
         "(2.3)",
     ),
+    Model("1", "negative_stiffness", False, _negative_stiffness, "mass and rotary inertia at height R", "(2.4), (2.8)"),
+    Model("1", "corotational", False, _corotational_at_R, "the same with a rigid-plastic spring and P-Delta", "(2.9)"),
+    Model("2", "negative_stiffness", False, _negative_stiffness, "rotary inertia alone, driven in rotation", "(2.5)"),
+    Model("2", "corotational", False, _corotational_at_h, "the same with a rigid-plastic spring and P-Delta", "(2.10)"),
+    Model("3", "negative_stiffness", False, _negative_stiffness, "mass at height h, rotary inertia of the rest", "(2.6)"),
+    Model("3", "corotational", False, _corotational_at_h, "the same with a rigid-plastic spring and P-Delta", "(2.10)"),
+    Model("4", "negative_stiffness", False, _negative_stiffness, "distributed mass along 2R, rigid", "(2.7), (2.8)"),
+    Model("4", "corotational", False, _corotational_at_R, "the same with a rigid-plastic spring and P-Delta", "(2.9)"),
 )
 
 MODELS: dict[tuple[str, str | None], Model] = {(row.name, row.geometry): row for row in _ROWS}

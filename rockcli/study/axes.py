@@ -93,6 +93,15 @@ def read_axes(
             done[text] = reader.read()
     variations = [done[text] for text in vary]
     names = dimension_names(list(vary))
+    _check_apart(source, study, variations, names)
+    total = float(np.prod([float(v.size) for v in variations]))
+    if total > MAX_CASES:
+        raise source.error(study, ("vary",), f"makes {total:.3g} cases, more than {MAX_CASES:.3g}")
+    return [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
+
+
+def _check_apart(source: Source, study: Map, variations: list[Variation], names: list[str]) -> None:
+    """Refuse axes of one name, and axes that set the same thing."""
     for i, (name, variation) in enumerate(zip(names, variations, strict=True)):
         keys = ("vary", variation.axis.path)
         if names.count(name) > 1:
@@ -101,10 +110,6 @@ def read_axes(
             a, b = variation.path, other.path
             if a == b or (a[:-1] == b[:-1] and b[-1] in alternatives(a[-1]) and a[0] != "let"):
                 raise source.error(study, keys, f"and the axis {other.axis.path} say the same thing in two ways")
-    total = float(np.prod([float(v.size) for v in variations]))
-    if total > MAX_CASES:
-        raise source.error(study, ("vary",), f"makes {total:.3g} cases, more than {MAX_CASES:.3g}")
-    return [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
 
 
 class _Reader:

@@ -56,7 +56,7 @@ def varies_in_batch(path: Path) -> bool:
 
 def takes_number(path: Path) -> bool:
     """Whether the schema has a number or an expression at this path."""
-    return path[0] == "let" or is_number(fields_at(StudyPart, path[:-1]).get(path[-1], ()))
+    return varies_in_batch(path) or is_number(fields_at(StudyPart, path[:-1]).get(path[-1], ()))
 
 
 def resolve(text: str) -> Path:

@@ -30,7 +30,12 @@ def _motion(motion: Map) -> Map:
 
 
 def _vertical(value: Any, where: Where) -> Any:
-    if isinstance(value, str) or (isinstance(value, Map) and value.keys() & RecordPart.model_fields.keys()):
+    bare = (
+        isinstance(value, Map)
+        and value.keys() & RecordPart.model_fields.keys()
+        and not value.keys() & {"pulse", "record"}
+    )
+    if isinstance(value, str) or bare:
         value = Map({"record": value}, {"record": where})
     return _put(value, "record", _record) if isinstance(value, Map) else value
 

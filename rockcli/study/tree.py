@@ -17,6 +17,10 @@ Keys = tuple[str | int, ...]
 """Path from the top of a study: ("case", "block", "R"), ("vary", "block.R", 2)."""
 
 
+LONGEST = 2000
+"""Characters of an error message: a key may be as long as a file."""
+
+
 class Map(dict[str, Any]):
     """A mapping that knows where its keys stand."""
 
@@ -55,7 +59,7 @@ class Source:
     def placed(self, where: Where, message: str) -> StudyError:
         """An error at a known place."""
         file, line = self._spot(where)
-        return StudyError(message, file=file, line=line)
+        return StudyError(message if len(message) <= LONGEST else message[:LONGEST] + " ...", file=file, line=line)
 
     def record_error(self, where: Where, message: str, kind: type[RecordError] = RecordError) -> RecordError:
         """An error about a record, at the place of the study that asks for it."""

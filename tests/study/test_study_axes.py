@@ -147,6 +147,15 @@ class TestForms:
         assert [axis.values for axis in study.axes] == [("[0.9, 0.6]", "[0.7, 0.7]"), ("true", "false")]
         assert all_cases(study, lambda b: b.block.b.tolist())[::2] == [[0.9, 0.6], [0.7, 0.7]]
 
+    def test_numbers_that_may_also_be_something_else_have_ranges(self):
+        case = {"block": {"h": 4, "b": 1}}
+        study = study_of(
+            {"block.b": {"from": "50*cm", "to": 1, "n": 3}, "damping.eta": {"from": 0.8, "to": 1, "n": 2}}, case=case
+        )
+        ((_, batch),) = study.batches()
+        assert batch.block.b[:, 0].tolist() == [0.5, 0.5, 0.75, 0.75, 1.0, 1.0]
+        assert batch.damping.eta[:, 1].tolist() == [0.8, 1.0] * 3
+
     def test_numbers_of_the_solver_need_a_batch_each(self):
         study = study_of({"solver.rtol": [1e-6, "1e-9"]})
         assert study.axes[0].values == (1e-6, 1e-9)

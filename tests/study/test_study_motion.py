@@ -213,6 +213,17 @@ class TestRecords:
         with pytest.raises(StudyError, match="not both"):
             batch_of({"record": RECORD, "pulse": {"shape": "sine", "a_p": 1, "T_p": 1}}, file=folder / "s.yaml")
 
+    def test_a_scaling_beside_the_vertical_record_is_misplaced(self, folder):
+        with pytest.raises(StudyError, match=r"case\.motion\.vertical\.scale: unknown key"):
+            batch_of({"record": RECORD, "vertical": {"record": RECORD, "scale": 2}}, file=folder / "s.yaml")
+
+    def test_the_vertical_scaling_may_be_an_axis(self, folder):
+        motion = {"record": RECORD, "vertical": RECORD}
+        for path in ("motion.vertical.scale", "motion.vertical.record.scale"):
+            batch = batch_of(motion, vary={path: [0.5, 1.5]}, file=folder / "s.yaml")
+            assert batch.excitation.vertical.factor.tolist() == [0.5, 1.5]
+            assert batch.excitation.horizontal.factor.tolist() == [1.0, 1.0]
+
     def test_a_silent_record_cannot_be_scaled(self, folder):
         write(folder / "records" / "silent.txt", [0.0, 0.0, 0.0])
         with pytest.raises(StudyError, match="zero throughout"):

@@ -1,0 +1,44 @@
+"""The deformable column of the flexible model, and what it stands on (the source's chapter 4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A prismatic column of full height 2h and base width 2b, per unit depth.
+
+    Attributes:
+        E: modulus of elasticity, (n,) [Pa].
+        rho: mass density, (n,) [kg/m^3].
+        zeta: damping ratio of the first clamped mode, stiffness-proportional, (n,).
+        elements: beam elements along the height; a tag, the same for all cases of a batch.
+        mass: `consistent` or `lumped`.
+    """
+
+    E: Array
+    rho: Array
+    zeta: Array
+    elements: int = 5
+    mass: str = "consistent"
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """What the column stands on.
+
+    Attributes:
+        law: `rigid` (the source's all-or-nothing moment) or `winkler` (a no-tension elastic base).
+        kw: stiffness of the Winkler base, (n,) [N/m^3]; NaN for `rigid`.
+        fibres: number of fibres of a discrete base (finite-element backends); None = their default.
+    """
+
+    law: str
+    kw: Array
+    fibres: int | None = None
