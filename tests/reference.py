@@ -111,9 +111,7 @@ def _over_piece(body, piece, y, s, h):
         h.t_impact.append(t)
         h.w_before.append(w)
         y, s = np.array([0.0, body.eta[-s] * w]), -s
-        pressed = all(
-            gravity(t) * np.sin(body.alpha[k]) + k * a_g(t) * np.cos(body.alpha[k]) > 0.0 for k in (-1, 1)
-        )
+        pressed = all(gravity(t) * np.sin(body.alpha[k]) + k * a_g(t) * np.cos(body.alpha[k]) > 0.0 for k in (-1, 1))
         if abs(y[1]) < 1e-9 * p * alpha and pressed:
             y, s = np.zeros(2), 0
         else:  # step off the base, or the same event is found again

@@ -48,14 +48,14 @@ def test_the_right_kernel_agrees(plain):
 def spoil_parameters(monkeypatch, change):
     from rockcli.solvers import event
 
-    right = event._parameters
+    right = event.parameters_of
 
     def wrong(batch):
         parameters = right(batch)
         change(parameters)
         return parameters
 
-    monkeypatch.setattr(event, "_parameters", wrong)
+    monkeypatch.setattr(event, "parameters_of", wrong)
 
 
 def test_wrong_eta_is_noticed(plain, monkeypatch):

@@ -49,7 +49,7 @@ _ROWS: tuple[Backend, ...] = (
         "rockcli.solvers.event:solve",
         Support(
             models=frozenset(MODELS),
-            damping=frozenset({"none", "restitution"}),
+            damping=frozenset({"none", "restitution", "dashpot"}),
             sentence="event-driven Taylor steps: impacts, uplift and rest are located, never stepped over",
         ),
     ),

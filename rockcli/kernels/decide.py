@@ -5,7 +5,22 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.jit import jit
-from rockcli.kernels.layout import ALPHA, ETA, FACTOR_H, FACTOR_V, FALLS, P2, Q_STAR, R0, RETURNS, SLOPE, UNDECIDED
+from rockcli.kernels.layout import (
+    ALPHA,
+    DAMPER,
+    ETA,
+    FACTOR_H,
+    FACTOR_V,
+    FALLS,
+    NOT_YET,
+    P2,
+    Q_STAR,
+    R0,
+    RADIUS,
+    RETURNS,
+    SLOPE,
+    UNDECIDED,
+)
 from rockcli.kernels.motion import NOTHING, bound_from
 
 
@@ -41,6 +56,10 @@ def free_rocking(par, e, other, q, v, linear, margin):
     Each impact multiplies the rate by eta of the edge landed on; on the other edge the barrier may be lower.
     `margin` is the distance from a separatrix, in units of rotation, below which rounding decides.
     """
+    if par[e + Q_STAR] == math.inf:
+        return RETURNS
+    if par[e + DAMPER] > 0.0:
+        return damped_rocking(par, e, other, q, v, linear, margin)
     u = separatrix(par, e, q, v, linear)
     if abs(u) <= margin:
         return UNDECIDED
@@ -66,6 +85,21 @@ def free_rocking(par, e, other, q, v, linear, margin):
         if same or separatrix(par, there, 0.0, rate, linear) < -margin:
             return RETURNS
     return UNDECIDED
+
+
+@jit
+def damped_rocking(par, e, other, q, v, linear, margin):
+    """With a damper at the base: RETURNS or FALLS where the energy, which can only fall, tells; else NOT_YET."""
+    if q >= par[e + Q_STAR] and v >= 0.0:
+        return FALLS if v > 0.0 or q > par[e + Q_STAR] + margin else UNDECIDED
+    if q > par[e + Q_STAR]:
+        return NOT_YET
+    # the largest rate the energy allows, against that which reaches the top on either side
+    energy = 0.5 * v * v + par[e + P2] * (barrier(par, e, 0.0, linear) - barrier(par, e, q, linear))
+    inertia = par[e + RADIUS] / par[e + P2]  # I_O over m g, as I_O p^2 = m g R
+    lowest = min(par[e + RADIUS] * barrier(par, e, 0.0, linear), par[other + RADIUS] * barrier(par, other, 0.0, linear))
+    at_rest_below = par[e + P2] == par[other + P2] and abs(v) <= margin and q < par[e + Q_STAR] - margin
+    return RETURNS if at_rest_below or inertia * energy < lowest * (1.0 - margin) else NOT_YET
 
 
 @jit

@@ -26,5 +26,5 @@ on each edge; IMPACTS_STORED of them; N_OUT the length."""
 DONE, OUT_OF_STEPS, NOT_FINITE = 0, 1, 2
 """STATUS."""
 
-RETURNS, FALLS, UNDECIDED = 0, 1, 2
-"""Verdicts on free rocking."""
+RETURNS, FALLS, UNDECIDED, NOT_YET = 0, 1, 2, -1
+"""Verdicts on free rocking; NOT_YET: only going on can tell."""

@@ -28,6 +28,7 @@ from rockcli.kernels.layout import (
     N_OUT,
     N_STEPS,
     NOT_FINITE,
+    NOT_YET,
     ONTO_LEFT,
     ONTO_RIGHT,
     OUT_OF_STEPS,
@@ -65,6 +66,9 @@ REST, ROCK = 0, 1
 MAX_ORDER = 30
 """Highest order of a Taylor step."""
 
+PATIENCE = 60.0
+"""A damped body near the separatrix is followed this many 1/p beyond the report."""
+
 OUTCOME, PEAKS, ALL = 0, 1, 2
 """How much is wanted: the outcome; peaks and times too; forces, rates and the energy balance too."""
 
@@ -98,7 +102,7 @@ def march(
 
     t = 0.0
     ih = iv = i_hist = 0
-    verdict = -1
+    verdict = NOT_YET
     work = lost = 0.0
     stalled = 0
     launch = False
@@ -119,20 +123,24 @@ def march(
 
     while True:
         e, other = (RIGHT, LEFT) if s > 0.0 else (LEFT, RIGHT)
-        if t >= t_motion and verdict < 0:
+        if t >= t_motion and verdict == NOT_YET:
             verdict = RETURNS
             if mode == ROCK:
                 verdict = free_rocking(par, e, other, q, v, linear, margin * par[e + ALPHA])
-            if detail == OUTCOME:
+            if detail == OUTCOME and verdict != NOT_YET:
                 break
-        if t >= t_stop or (t >= t_motion and mode == REST and par[HAS_DURATION] == 0.0):
+        if t >= t_stop and verdict == NOT_YET:  # beyond the report, until the damper has had its way
+            if t >= t_stop + PATIENCE / p_min:
+                verdict = UNDECIDED
+                break
+        elif t >= t_stop or (t >= t_motion and mode == REST and par[HAS_DURATION] == 0.0):
             break
         if out[N_STEPS] >= max_steps:
             out[STATUS] = OUT_OF_STEPS
             break
 
         # the piece we are in, and its end
-        t_next = t_stop
+        t_next = t_stop if t < t_stop else t_stop + PATIENCE / p_min
         deg_a = deg_v = 0
         a[0] = a_v[0] = 0.0
         a[1] = a_v[1] = 0.0
@@ -224,7 +232,7 @@ def march(
         reach = 0.0
         for k in range(n, -1, -1):
             reach = reach * x + abs(c[k])
-        if reach >= 0.5 * math.pi:
+        if reach >= 0.5 * math.pi and par[e + Q_STAR] < math.inf:
             for k in range(n + 1):
                 guard[k] = -c[k]
             guard[0] = 0.5 * math.pi - q
@@ -247,7 +255,7 @@ def march(
         parts = 1 if (hk == SAMPLES and t < t_motion) else 8
         if detail > OUTCOME and reach > out[PEAK]:
             raise_peak(par, e, s, c, n, x, t, parts, out)
-        if detail == ALL:
+        if detail == ALL and reported:
             watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out)
             work += work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, guard)
         star = par[e + Q_STAR]
@@ -299,7 +307,7 @@ def march(
             elif v == 0.0:
                 mode = REST
 
-    out[T_END] = t_stop if par[HAS_DURATION] == 1.0 else t
+    out[T_END] = t_stop if par[HAS_DURATION] == 1.0 else min(t, t_stop)
     if out[FELL] == 1.0:
         verdict = FALLS
     if verdict == FALLS:
@@ -339,8 +347,9 @@ def march_all(
 ):  # fmt: skip
     """`march` for every row of `pars`; pulse tables, histories, impacts and results row by row too."""
     for i in range(len(pars)):
+        ih, iv = (i if hk == PULSES else 0), (i if vk == PULSES else 0)
         march(
             pars[i], linear, tol, rest_speed, margin, max_steps, order, detail,
-            hk, h_values, h_tail, h_dt, h_tables[i if hk == PULSES else 0], h_n, vk, v_values, v_tail, v_dt, v_tables[i if vk == PULSES else 0], v_n,
+            hk, h_values, h_tail, h_dt, h_tables[ih], h_n, vk, v_values, v_tail, v_dt, v_tables[iv], v_n,
             dt_out, theta_out[i], rate_out[i], t_impact[i], rate_before[i], rate_after[i], out[i],
         )  # fmt: skip

@@ -106,9 +106,9 @@ def uplift(d, n, h, scale):
     for _ in range(2000):
         P = value(d, n, x)
         dP = slope(d, n, x)
-        if P < -noise:
+        if -noise > P:
             return x
-        if P <= noise:
+        if noise >= P:
             if dP < 0.0 and dP * dP > 8.0 * M * noise:
                 return x
             step = math.sqrt(8.0 * noise / M) if M > 0.0 else math.inf

@@ -7,6 +7,7 @@ import math
 from rockcli.kernels.jit import jit
 from rockcli.kernels.layout import (
     ALPHA,
+    DAMPER,
     FC,
     FS,
     MU,
@@ -41,11 +42,12 @@ def energy(par, e, q, v, linear):
 
 @jit
 def work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, moment):
-    """Work of the ground motion over a step, over m g: -R * integral of the forcing moment times q'.
+    """Work of the ground motion and of the damper over a step, over m g: -R * integral of their moments times q'.
 
     `moment` is work space.  sin_q and cos_q are known to order n - 2; the product series is cut there too.
     """
-    if deg_a == 0 and a[0] == 0.0 and deg_v == 0 and a_v[0] == 0.0:
+    damper = par[e + DAMPER] * g / par[e + P2]
+    if deg_a == 0 and a[0] == 0.0 and deg_v == 0 and a_v[0] == 0.0 and damper == 0.0:
         return 0.0
     r0, rs, rc, fc, fs = par[e + R0], par[e + RS], par[e + RC], par[e + FC], par[e + FS]
     total = 0.0
@@ -57,7 +59,7 @@ def work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, moment)
         driving *= s
         for j in range(min(k, deg_v) + 1):
             driving += a_v[j] * (rs * sin_q[k - j] + rc * cos_q[k - j])
-        moment[k] = driving + (a_v[k] * r0 if k <= deg_v else 0.0)
+        moment[k] = driving + (a_v[k] * r0 if k <= deg_v else 0.0) + damper * (k + 1) * c[k + 1]
         power_k = 0.0
         for i in range(k + 1):
             power_k += moment[i] * (k - i + 1) * c[k - i + 1]

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+DASHPOT = 0.02
+"""The source's coefficient of the base damper (3.3)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Damping:

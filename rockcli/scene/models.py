@@ -102,7 +102,9 @@ _ROWS: tuple[Model, ...] = (
     Model("1", "corotational", False, _corotational_at_R, "the same with a rigid-plastic spring and P-Delta", "(2.9)"),
     Model("2", "negative_stiffness", False, _negative_stiffness, "rotary inertia alone, driven in rotation", "(2.5)"),
     Model("2", "corotational", False, _corotational_at_h, "the same with a rigid-plastic spring and P-Delta", "(2.10)"),
-    Model("3", "negative_stiffness", False, _negative_stiffness, "mass at height h, rotary inertia of the rest", "(2.6)"),
+    Model(
+        "3", "negative_stiffness", False, _negative_stiffness, "mass at height h, rotary inertia of the rest", "(2.6)"
+    ),
     Model("3", "corotational", False, _corotational_at_h, "the same with a rigid-plastic spring and P-Delta", "(2.10)"),
     Model("4", "negative_stiffness", False, _negative_stiffness, "distributed mass along 2R, rigid", "(2.7), (2.8)"),
     Model("4", "corotational", False, _corotational_at_R, "the same with a rigid-plastic spring and P-Delta", "(2.9)"),

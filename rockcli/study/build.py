@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import housner_eta
-from rockcli.scene.damping import Damping
+from rockcli.scene.damping import DASHPOT, Damping
 from rockcli.scene.numerics import Numerics
 from rockcli.study.features import BACKENDS, DAMPING, available, model_and_geometry
 from rockcli.study.motion import build_excitation
@@ -16,6 +16,9 @@ from rockcli.study.records import Records
 from rockcli.study.tree import Keys
 
 Array = NDArray[np.float64]
+
+SCHEME_KEYS: dict[str, tuple[str, ...]] = {"restitution": ("eta", "r_energy"), "dashpot": ("coefficient",)}
+"""Keys of a damping scheme beside its name."""
 
 CLAMPED = "Housner's eta is negative (tan alpha > sqrt 2 for a rectangle): taken as 0, the body stops at the impact"
 
@@ -70,10 +73,16 @@ def _damping(numbers: Numbers, warnings: list[str]) -> Damping:
     given = {key: value for key, value in (numbers.tree["case"].get("damping") or {}).items() if value is not None}
     scheme = available(numbers.source, numbers.tree, keys, given.get("scheme", "restitution"), DAMPING, "damping")
     for key in given:
-        if key != "scheme" and (scheme != "restitution" or key not in ("eta", "r_energy")):
+        if key != "scheme" and key not in SCHEME_KEYS.get(scheme, ()):
             numbers.fail((*keys, key), f"is no key of the damping scheme {scheme}")
     if scheme == "none":
         return Damping(scheme, np.ones((numbers.n, 2)))
+    if scheme == "dashpot":
+        coefficient = numbers.value((*keys, "coefficient"))
+        if coefficient is None:
+            coefficient = DASHPOT
+        numbers.require((*keys, "coefficient"), np.greater_equal(coefficient, 0.0), "must not be negative")
+        return Damping(scheme, np.ones((numbers.n, 2)), coefficient=numbers.array(coefficient))
     if "eta" in given and "r_energy" in given:
         numbers.fail((*keys, "r_energy"), "eta and r_energy say the same thing; leave one out")
     if given.get("eta", "housner") == "housner" and "r_energy" not in given:

@@ -7,7 +7,7 @@ from typing import Any
 from rockcli.scene.models import MODEL_NAMES, MODELS
 from rockcli.study.tree import Keys, Map, Source, value_at
 
-DAMPING: tuple[str, ...] = ("none", "restitution")
+DAMPING: tuple[str, ...] = ("none", "restitution", "dashpot")
 BACKENDS: tuple[str, ...] = ("auto", "event")
 LATER: dict[Keys, str] = {
     ("over",): "ensemble statistics along an axis are",
@@ -45,9 +45,7 @@ def model_and_geometry(source: Source, study: Map) -> tuple[str, str | None]:
         raise source.error(study, ("case", "model", "tolerance"), "belongs to model auto")
     geometries = [pair[1] for pair in MODELS if pair[0] == model]
     if geometries == [None]:
-        if geometry is not None:
-            raise source.error(study, ("case", "geometry"), f"is for models 1 to 4; model {model} has none")
-        return model, None
+        return model, None  # a geometry given beside it is that of the models it is compared with
     chosen = geometry or DEFAULT_GEOMETRY
     if chosen not in geometries:
         raise source.error(

@@ -22,7 +22,12 @@ def test_slender_block_needs_four_million_impacts():
     """alpha = 1e-3, Housner's eta: 4 278 226 impacts until the amplitude is 1e-6 alpha; rest at p t = 1 296 572.78."""
     alpha, eta = 1e-3, 0.9999985000005
     response = rock(
-        unit_block(alpha), still(duration=1.3e6), model="linearized", theta_0=0.5 * alpha, eta=eta, scalars=("n_impacts",)
+        unit_block(alpha),
+        still(duration=1.3e6),
+        model="linearized",
+        theta_0=0.5 * alpha,
+        eta=eta,
+        scalars=("n_impacts",),
     )
     # impacts faster than 1e-6 p alpha: v = v_0 eta^n, v_0 = sqrt(1 - 0.5^2)
     v_0 = np.sqrt(0.75)
@@ -166,7 +171,9 @@ def test_energy_over_a_hundred_thousand_periods():
     assert response.scalars["n_impacts"][0] == 200000
     assert abs(response.scalars["energy_residual"][0]) < 1e-9
     # half a period more or less would add or drop an impact: the time of impact 200 000 is 526936.36289
-    shorter = rock(unit_block(0.1), still(duration=526936.36289064673 - 1e-5), theta_0=0.05, eta=1.0, scalars=("n_impacts",))
+    shorter = rock(
+        unit_block(0.1), still(duration=526936.36289064673 - 1e-5), theta_0=0.05, eta=1.0, scalars=("n_impacts",)
+    )
     assert shorter.scalars["n_impacts"][0] == 199999
 
 
@@ -187,7 +194,12 @@ def test_perfectly_plastic_impact():
 
 @pytest.mark.parametrize(
     ("phi", "falls", "tau"),
-    [(0.4, False, 2.29243166956117769), (0.499999, False, 13.8155105579632741), (0.500001, True, None), (0.6, True, None)],
+    [
+        (0.4, False, 2.29243166956117769),
+        (0.499999, False, 13.8155105579632741),
+        (0.500001, True, None),
+        (0.6, True, None),
+    ],
 )
 def test_record_with_an_offset(phi, falls, tau):
     """A constant 0.5 g alpha moves the unstable equilibrium from alpha to alpha/2."""

@@ -11,7 +11,9 @@ from scenes import G, overturns, pulse, record, rock, still, unit_block
 slenderness = st.floats(0.02, 0.6)
 amplitude = st.floats(0.5, 6.0)
 frequency = st.floats(0.3, 12.0)
-shapes = st.sampled_from(["sine", "cosine", "half_sine", "rectangular", "square_cycle", "ricker", "ricker_antisymmetric"])
+shapes = st.sampled_from(
+    ["sine", "cosine", "half_sine", "rectangular", "square_cycle", "ricker", "ricker_antisymmetric"]
+)
 
 FEW = settings(max_examples=25, deadline=None, derandomize=True)
 

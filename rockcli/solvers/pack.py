@@ -1,0 +1,86 @@
+"""From a batch to the parameter vectors of the kernels (`kernels.layout`)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.damping import dashpot_rate
+from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples
+from rockcli.scene.models import MODELS, Law
+
+Array = NDArray[np.float64]
+
+FREE_ROCKING = 20.0
+"""The report goes on this many 1/p after the motion's end."""
+
+
+def parameters_of(batch: Batch) -> Array:
+    """One row per case in the layout of `kernels.layout`."""
+    model = MODELS[batch.model, batch.geometry]
+    block, p = batch.block, batch.p
+    law = model.law(block.alpha, block.tan_alpha)
+    edges = np.stack(
+        [
+            p**2, block.alpha, law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star,
+            _slope(law, model.linear), batch.damping.eta, _damper(batch), block.R,
+        ],
+        axis=2,
+    )  # fmt: skip
+    end = _motion_end(batch)
+    duration = batch.excitation.duration
+    given = np.isfinite(duration)
+    end = np.where(given, np.minimum(end, duration), end)
+    stop = np.where(given, duration, end + FREE_ROCKING / p.min(axis=1))
+    return np.column_stack(
+        [
+            batch.g, edges[:, LEFT], edges[:, RIGHT], batch.theta_0, batch.theta_dot_0, end, stop, given,
+            _factor(batch.excitation.horizontal, batch.size), _factor(batch.excitation.vertical, batch.size),
+        ]
+    )  # fmt: skip
+
+
+def _damper(batch: Batch) -> Array:
+    """c / I_O of the base damper about each edge, (n, 2) [1/s]."""
+    block, coefficient = batch.block, batch.damping.coefficient
+    if coefficient is None:
+        return np.zeros_like(block.alpha)
+    return dashpot_rate(coefficient[:, None], block.alpha, block.R, block.inertia, batch.g[:, None])
+
+
+def _slope(law: Law, linear: bool) -> Array:
+    """|d(restoring law)/dq| at q_star, where the law vanishes."""
+    if linear:
+        return -law.rs
+    q = np.where(np.isfinite(law.q_star), law.q_star, 0.0)
+    return np.asarray(law.rc * np.sin(q) - law.rs * np.cos(q))
+
+
+def _motion_end(batch: Batch) -> Array:
+    """Time the last component of the ground motion ends, (n,) [s]."""
+    end = np.zeros(batch.size)
+    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
+        if channel is not None:
+            end = np.maximum(end, channel.end)
+    return end
+
+
+def _factor(channel: Channel | None, n: int) -> Array:
+    return channel.factor if isinstance(channel, Samples) else np.ones(n)
+
+
+def channel_of(channel: Channel | None, n: int) -> tuple[int, Any, Any, float, Any, int]:
+    """A channel as the kernels want it: kind, values, running bound, dt, tables, number of pieces."""
+    nothing = np.zeros(1)
+    if isinstance(channel, Samples):
+        tail = np.maximum.accumulate(np.abs(channel.values)[::-1])[::-1]
+        values, tail = np.ascontiguousarray(channel.values), np.ascontiguousarray(tail)
+        return 1, values, tail, channel.dt, np.zeros((1, 1)), len(values) - 1
+    if isinstance(channel, Pulses):
+        pieces = channel.table.shape[1]
+        return 2, nothing, nothing, 1.0, channel.table.reshape(n, pieces * PIECE_WIDTH), pieces
+    return 0, nothing, nothing, 1.0, np.zeros((1, 1)), 0

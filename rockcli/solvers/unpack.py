@@ -1,0 +1,199 @@
+"""From the raw output of the kernels to variables by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.kernels import layout as k
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.excitation import acceleration
+from rockcli.scene.models import MODELS
+from rockcli.scene.response import (
+    FAILED,
+    MAX_IMPACTS_STORED,
+    NO_UPLIFT,
+    OVERTURNED_AFTER_IMPACT,
+    OVERTURNED_WITHOUT_IMPACT,
+    ROCKING,
+    UNRESOLVED,
+)
+
+Array = NDArray[np.float64]
+
+
+class Raw:
+    """Raw output of the kernels for a batch: `out` (n, N_OUT), columns as in `kernels.layout`."""
+
+    def __init__(self, n: int, n_time: int, n_impacts: int) -> None:
+        self.out = np.zeros((n, k.N_OUT))
+        self.theta = np.full((n, n_time), np.nan)
+        self.rate = np.full((n, n_time), np.nan)
+        self.t_impact, self.before, self.after = (np.full((n, n_impacts), np.nan) for _ in range(3))
+
+
+def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
+    """Scalars by name and a sentence per case from the raw output."""
+    out = run.out
+    status, verdict = out[:, k.STATUS], out[:, k.FELL]
+    moved = np.isfinite(out[:, k.T_UPLIFT])
+    fell = verdict == k.FALLS
+    impacts = np.rint(out[:, k.N_IMPACTS]).astype(np.int64)
+    outcome = np.where(moved, ROCKING, NO_UPLIFT)
+    outcome = np.where(fell & (impacts == 0), OVERTURNED_WITHOUT_IMPACT, outcome)
+    outcome = np.where(fell & (impacts > 0), OVERTURNED_AFTER_IMPACT, outcome)
+    outcome = np.where(verdict == k.UNDECIDED, UNRESOLVED, outcome)
+    outcome = np.where(status != k.DONE, FAILED, outcome)
+
+    unknown = outcome < 0
+    side = out[:, k.PEAK_SIDE]
+    peak = np.where(unknown, np.nan, np.where(fell, np.inf, out[:, k.PEAK]))
+    stands = np.where(fell | ~moved | unknown, np.nan, out[:, k.T_PEAK])
+    top = batch.block.top * np.sin(np.minimum(out[:, k.PEAK], 0.5 * np.pi))
+    failed = outcome == FAILED
+
+    def known(values: Array, missing: NDArray[np.bool_] = failed) -> Array:
+        return np.where(missing, np.nan, values)
+
+    unseen = failed | ~np.isfinite(out[:, k.N_MIN])  # forces and rates were not asked for
+
+    scalars: dict[str, NDArray[Any]] = {
+        "outcome": outcome.astype(np.int8),
+        "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, side)),
+        "theta_peak_over_alpha": peak / out[:, k.PEAK_ALPHA],
+        "theta_dot_peak": known(np.where(fell, np.inf, out[:, k.RATE_PEAK]), unknown | unseen),
+        "u_top_peak": known(np.where(fell, np.inf, top), unknown),
+        "t_peak": stands,
+        "t_uplift": known(out[:, k.T_UPLIFT]),
+        "t_overturn": np.where(fell & ~failed, out[:, k.T_OVERTURN], np.nan),
+        "t_end": known(out[:, k.T_END]),
+        "n_impacts": impacts,
+        "mu_required": known(out[:, k.MU], unseen),
+        "mu_impact": known(_impact_friction(batch, out[:, k.ONTO_LEFT] > 0, out[:, k.ONTO_RIGHT] > 0)),
+        "N_min_over_mg": known(out[:, k.N_MIN], unseen),
+        "energy_residual": known(out[:, k.ENERGY] / _barrier(batch), unseen),
+        "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
+    }
+    return scalars, _reasons(batch, scalars, out)
+
+
+def _impact_friction(batch: Batch, onto_left: NDArray[np.bool_], onto_right: NDArray[np.bool_]) -> Array:
+    """Largest ratio of the impulses at an impact, h (1 - eta)/(b_i + eta b_j) from edge i onto j, (n,)."""
+    block, eta = batch.block, batch.damping.eta
+    ratio = block.h[:, None] * (1.0 - eta) / (block.b[:, ::-1] + eta * block.b)
+    happened = np.column_stack([onto_left, onto_right])
+    return np.asarray(np.max(np.where(happened, ratio, 0.0), axis=1))
+
+
+def _barrier(batch: Batch) -> Array:
+    """Energy from upright to the unstable equilibrium of the weak edge, over m g, (n,) [m]."""
+    model = MODELS[batch.model, batch.geometry]
+    law = model.law(batch.block.alpha, batch.block.tan_alpha)
+    q = np.minimum(law.q_star, np.pi)
+    if model.linear:
+        energy = q * (law.r0 + 0.5 * law.rs * q)
+    else:
+        energy = law.r0 * q + 2.0 * law.rs * np.sin(0.5 * q) ** 2 + law.rc * np.sin(q)
+    return batch.block.of_weak_edge(batch.block.R * energy)
+
+
+def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list[str]:
+    status = out[:, k.STATUS]
+    reasons = [""] * batch.size
+    outcome, mu = scalars["outcome"], batch.block.mu
+    needs = np.fmax(scalars["mu_required"], scalars["mu_impact"])
+    with np.errstate(invalid="ignore"):
+        slides = needs > mu  # False where no mu is given
+        lifts = scalars["N_min_over_mg"] <= 0.0
+    many = scalars["n_impacts"] > MAX_IMPACTS_STORED if batch.save.histories else np.zeros(batch.size, bool)
+    for i in np.flatnonzero((outcome < 0) | slides | lifts | many):
+        said = []
+        if status[i] == k.OUT_OF_STEPS:
+            said.append(f"gave up after {scalars['n_steps'][i]} steps at t = {out[i, k.T_END]:.6g} s")
+        elif status[i] != k.DONE:
+            said.append("the solution ceased to be finite: check the motion and the block for extreme numbers")
+        elif outcome[i] == UNRESOLVED:
+            said.append("on the separatrix within rounding: whether it overturns cannot be told in double precision")
+        if slides[i]:
+            said.append("needs more friction than mu: it would slide, which is not simulated")
+        if lifts[i]:
+            said.append("the normal force vanishes: the body would leave the ground, which is not simulated")
+        if many[i]:
+            said.append(f"of its impacts the first {MAX_IMPACTS_STORED} are stored")
+        reasons[i] = "; ".join(said)
+    return reasons
+
+
+def compare_accuracies(scalars: dict[str, NDArray[Any]], coarse: dict[str, NDArray[Any]], reasons: list[str]) -> None:
+    """Error estimate of the peak from a coarser run; `unresolved` where the two disagree on the outcome."""
+    fine, rough = scalars["theta_peak_over_alpha"], coarse["theta_peak_over_alpha"]
+    with np.errstate(invalid="ignore"):
+        estimate = np.abs(fine - rough)
+    overturned = scalars["outcome"] >= OVERTURNED_WITHOUT_IMPACT
+    agree = overturned == (coarse["outcome"] >= OVERTURNED_WITHOUT_IMPACT)
+    scalars["error_estimate"] = np.where(overturned & agree, 0.0, estimate)
+    torn = ~agree & (scalars["outcome"] >= NO_UPLIFT) & (coarse["outcome"] >= NO_UPLIFT)
+    for i in np.flatnonzero(torn):
+        reasons[i] = "; ".join(
+            filter(None, [reasons[i], "two accuracies disagree on the outcome: it is too close to a boundary"])
+        )
+        scalars["outcome"][i] = UNRESOLVED
+        for name in ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak"):
+            scalars[name][i] = np.nan
+
+
+def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
+    written = np.isfinite(run.theta).any(axis=0)
+    n_time = int(np.flatnonzero(written)[-1]) + 1 if written.any() else 1
+    theta, rate = run.theta[:, :n_time], run.rate[:, :n_time]
+    t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
+    live = np.isfinite(theta)
+    shaken = np.empty((2, batch.size, n_time))
+    for j, channel in enumerate((batch.excitation.horizontal, batch.excitation.vertical)):
+        for i in range(batch.size):
+            shaken[j, i] = acceleration(channel, t, i)
+    duration = batch.excitation.duration[:, None]
+    with np.errstate(invalid="ignore"):
+        shaken[:, np.broadcast_to(t, theta.shape) > duration] = 0.0
+    a_g, a_v = (np.where(live, a, np.nan) for a in shaken)
+
+    block, q = batch.block, np.abs(theta)
+    top = block.top[:, None]
+    histories = {
+        "theta": theta,
+        "theta_dot": rate,
+        "a_g": a_g,
+        "a_v": a_v,
+        "u_top": top * np.sin(theta),
+        "v_top": -top * (1.0 - np.cos(theta)),
+        "M_base": _base_moment(batch, theta, q, a_g, a_v),
+    }
+    stored = np.isfinite(run.t_impact).any(axis=0)
+    n_impacts = int(stored.sum())
+    impacts = {
+        "t_impact": run.t_impact[:, :n_impacts],
+        "theta_dot_before": run.before[:, :n_impacts],
+        "theta_dot_after": run.after[:, :n_impacts],
+    }
+    return histories, impacts, t
+
+
+def _base_moment(batch: Batch, theta: Array, q: Array, a_g: Array, a_v: Array) -> Array:
+    """Moment of the base opposing theta: restoring moment while rocking, -m a_g h at rest, (n, k)."""
+    model = MODELS[batch.model, batch.geometry]
+    block = batch.block
+    law = model.law(block.alpha, block.tan_alpha)
+
+    def of_side(both: Array) -> Array:
+        return np.where(theta > 0.0, both[:, RIGHT, None], both[:, LEFT, None])
+
+    r0, rs, rc, R = (of_side(x) for x in (law.r0, law.rs, law.rc, block.R))
+    shape = r0 + rs * q if model.linear else r0 + rs * np.sin(q) + rc * np.cos(q)
+    rocking = np.sign(theta) * R * (batch.g[:, None] + a_v) * shape
+    moment = np.where(theta == 0.0, -a_g * block.h[:, None], rocking)
+    mass = np.where(np.isfinite(block.mass), block.mass, 1.0)
+    return np.asarray(moment * mass[:, None])
