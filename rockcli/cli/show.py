@@ -44,7 +44,7 @@ def _backends() -> str:
 def _variables() -> str:
     from rockcli.scene.variables import VARIABLES
 
-    beside = {"case": "axes", "time": "axes, time", "impact": "axes, impact"}
+    beside = {"case": "axes", "time": "axes, time", "impact": "axes, impact", "rotation": "axes, rotation"}
     rows = [(v.name, beside[v.over], v.unit, v.sentence) for v in VARIABLES.values()]
     return _table(("variable", "over", "unit", "meaning"), rows)
 

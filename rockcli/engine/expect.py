@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli.engine.compare import ERRORS, locate
 from rockcli.errors import StudyError
+from rockcli.scene.curves import variables_of
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
@@ -45,7 +46,7 @@ class Verdict:
 
 def check_quantities(study: Study) -> None:
     """`StudyError` if a clause speaks of something the dataset will not have."""
-    saved = {*study.scalars, *COORDINATES}
+    saved = {*study.scalars, *COORDINATES, *variables_of(study.curves)}
     if study.histories:
         saved |= {*HISTORIES, *IMPACTS}
     if study.compare_to is not None:
@@ -55,7 +56,7 @@ def check_quantities(study: Study) -> None:
             if clause.quantity not in VARIABLES:
                 known = f"is not a variable of the dataset (`rock show variables` lists them): {clause.quantity!r}"
             else:
-                known = f"{clause.quantity!r} will not be in the dataset (see `save` and `compare_to`)"
+                known = f"{clause.quantity!r} will not be in the dataset (see `save`, `compare_to` and `curves`)"
             raise StudyError(f"expect: {known}", file=study.file, line=clause.line)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rockcli.engine.assemble import assemble
 from rockcli.engine.compare import with_comparison
+from rockcli.engine.curves import with_curves
 from rockcli.engine.expect import check_quantities
 from rockcli.engine.lock import locked
 from rockcli.engine.provenance import refreshed
@@ -38,7 +39,7 @@ def solve_study(source: dict[str, Any] | str | Path) -> xarray.Dataset:
 
 def solve(study: Study, progress: Progress | None = None) -> Contents:
     """Solve a checked study in memory."""
-    return assemble(study, solve_cases(study, progress))
+    return with_curves(assemble(study, solve_cases(study, progress)), study)
 
 
 def dataset_path(study: Study, out_dir: Path) -> Path:
@@ -108,12 +109,12 @@ def run_study(
 
 
 def _renewed(study: Study, path: Path) -> Contents:
-    """The finished dataset, with the study's present words and comparison; rewritten only if they changed."""
+    """The finished dataset, with the study's present words, comparison and static curves; rewritten only if they changed."""
     contents = netcdf.read(path)
     if contents.attrs.get("study") == study.resolved_yaml:
         return contents
     described = Contents(contents.axes, contents.fields, refreshed(contents.attrs, study))
-    contents = with_comparison(described, study.compare_to)
+    contents = with_curves(with_comparison(described, study.compare_to), study)
     netcdf.write(contents, path)
     return contents
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 
-from rockcli.plotting import curve, histories, phase, style
+from rockcli.plotting import curve, curves, histories, phase, style
 from rockcli.plotting import map as outcomes
 from rockcli.plotting.cases import axes_of, is_numeric
 
@@ -51,6 +51,7 @@ _ROWS: tuple[Kind, ...] = (
     Kind("histories", "rotation, rate and ground acceleration against time", _without_histories, histories.draw),
     Kind("phase", "rate against rotation, with the separatrix", _without_histories, phase.draw),
     Kind("map", "outcomes over two numeric axes, peaks over one", _without_map, _draw_map),
+    Kind("curves", "static curves of the block and its models, with their errors", curves.without_curves, curves.draw),
 )
 
 KINDS: dict[str, Kind] = {row.name: row for row in _ROWS}
@@ -66,6 +67,8 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
             chosen.append("phase")
     if numeric and not _without_map(dataset):
         chosen.append("map")
+    if not curves.without_curves(dataset):
+        chosen.append("curves")
     return tuple(chosen)
 
 

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-CASE, TIME, IMPACT = "case", "time", "impact"
+CASE, TIME, IMPACT, ROTATION = "case", "time", "impact", "rotation"
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A row: `over` is CASE (the axes), TIME (axes, time) or IMPACT (axes, impact); unit "1" = dimensionless."""
+    """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact) or
+    ROTATION (axes, rotation: static curves); unit "1" = dimensionless.
+    """
 
     name: str
     symbol: str
@@ -24,49 +26,49 @@ class Variable:
 _ROWS: tuple[Variable, ...] = (
     Variable("outcome", "outcome", CASE, "1", "what became of the body"),
     Variable(
-        "theta_peak", r"$\theta_{max}$", CASE, "rad", "rotation at the earliest maximum of |theta|; +/-inf overturned"
+        "theta_peak", r"$\theta_{\mathrm{max}}$", CASE, "rad", "rotation at the earliest maximum of |theta|; +/-inf overturned"
     ),
     Variable(
         "theta_peak_over_alpha",
-        r"$|\theta|_{max}/\alpha$",
+        r"$|\theta|_{\mathrm{max}}/\alpha$",
         CASE,
         "1",
         "largest |theta| over alpha of that side; inf overturned",
     ),
-    Variable("theta_dot_peak", r"$|\dot\theta|_{max}$", CASE, "rad s-1", "largest |rate of rotation|; inf overturned"),
+    Variable("theta_dot_peak", r"$|\dot\theta|_{\mathrm{max}}$", CASE, "rad s-1", "largest |rate of rotation|; inf overturned"),
     Variable(
-        "u_top_peak", r"$|u_{top}|_{max}$", CASE, "m", "largest |horizontal displacement of the top|; inf overturned"
+        "u_top_peak", r"$|u_{\mathrm{top}}|_{\mathrm{max}}$", CASE, "m", "largest |horizontal displacement of the top|; inf overturned"
     ),
-    Variable("t_peak", r"$t_{peak}$", CASE, "s", "time of theta_peak; NaN without uplift or overturned"),
-    Variable("t_uplift", r"$t_{uplift}$", CASE, "s", "time rocking begins; NaN without uplift"),
+    Variable("t_peak", r"$t_{\mathrm{peak}}$", CASE, "s", "time of theta_peak; NaN without uplift or overturned"),
+    Variable("t_uplift", r"$t_{\mathrm{uplift}}$", CASE, "s", "time rocking begins; NaN without uplift"),
     Variable(
         "t_overturn",
-        r"$t_{overturn}$",
+        r"$t_{\mathrm{overturn}}$",
         CASE,
         "s",
         "last outward passage of the unstable equilibrium; NaN unless overturned",
     ),
-    Variable("t_end", r"$t_{end}$", CASE, "s", "end of the reported response"),
-    Variable("n_impacts", r"$n_{impacts}$", CASE, "1", "impacts faster than 1e-6 p alpha up to t_end"),
-    Variable("mu_required", r"$\mu_{req}$", CASE, "1", "largest |T/N| at the base between impacts; inf where N <= 0"),
-    Variable("mu_impact", r"$\mu_{impact}$", CASE, "1", "largest ratio of impulses at an impact"),
+    Variable("t_end", r"$t_{\mathrm{end}}$", CASE, "s", "end of the reported response"),
+    Variable("n_impacts", r"$n_{\mathrm{impacts}}$", CASE, "1", "impacts faster than 1e-6 p alpha up to t_end"),
+    Variable("mu_required", r"$\mu_{\mathrm{req}}$", CASE, "1", "largest |T/N| at the base between impacts; inf where N <= 0"),
+    Variable("mu_impact", r"$\mu_{\mathrm{impact}}$", CASE, "1", "largest ratio of impulses at an impact"),
     Variable(
         "N_min_over_mg",
-        r"$N_{min}/mg$",
+        r"$N_{\mathrm{min}}/mg$",
         CASE,
         "1",
         "smallest normal force over the weight; <= 0: the body leaves the ground",
     ),
     Variable(
         "energy_residual",
-        r"$\Delta E/E_{barrier}$",
+        r"$\Delta E/E_{\mathrm{barrier}}$",
         CASE,
         "1",
         "energy not accounted for by work and impacts, over that of the unstable equilibrium",
     ),
     Variable("error_estimate", r"$\epsilon$", CASE, "1", "estimated numerical error of theta_peak_over_alpha"),
     Variable("wall_time", "wall time", CASE, "s", "time the solver took, shared evenly over a batch"),
-    Variable("n_steps", r"$n_{steps}$", CASE, "1", "steps of the solver"),
+    Variable("n_steps", r"$n_{\mathrm{steps}}$", CASE, "1", "steps of the solver"),
     Variable("reason", "reason", CASE, "1", "index into `reasons`: what there is to say about this case"),
     Variable("R", r"$R$", CASE, "m", "distance from the edge to the centre of mass (the edge with the smaller alpha)"),
     Variable("alpha", r"$\alpha$", CASE, "rad", "slenderness angle (the smaller of both edges)"),
@@ -87,12 +89,12 @@ _ROWS: tuple[Variable, ...] = (
     Variable("a_g", r"$a_g$", TIME, "m s-2", "horizontal ground acceleration"),
     Variable("a_v", r"$a_v$", TIME, "m s-2", "vertical ground acceleration, positive up"),
     Variable(
-        "u_top", r"$u_{top}$", TIME, "m", "horizontal displacement of the pivot-side top corner relative to the ground"
+        "u_top", r"$u_{\mathrm{top}}$", TIME, "m", "horizontal displacement of the pivot-side top corner relative to the ground"
     ),
-    Variable("v_top", r"$v_{top}$", TIME, "m", "vertical displacement of the pivot-side top corner"),
+    Variable("v_top", r"$v_{\mathrm{top}}$", TIME, "m", "vertical displacement of the pivot-side top corner"),
     Variable(
         "M_base",
-        r"$M_{base}$",
+        r"$M_{\mathrm{base}}$",
         TIME,
         "m2 s-2",
         "moment of the base on the body, opposing theta; per unit mass unless the study gives a mass (then N m)",
@@ -102,7 +104,7 @@ _ROWS: tuple[Variable, ...] = (
     Variable("theta_dot_after", r"$\dot\theta^+$", IMPACT, "rad s-1", "rate of rotation just after"),
     Variable(
         "error_theta_peak_over_alpha",
-        r"$\Delta|\theta|_{max}/\alpha$",
+        r"$\Delta|\theta|_{\mathrm{max}}/\alpha$",
         CASE,
         "1",
         "theta_peak_over_alpha minus the reference's",
@@ -115,6 +117,26 @@ _ROWS: tuple[Variable, ...] = (
         "largest |theta - theta_ref|/alpha before either overturns",
     ),
     Variable("same_outcome", "same outcome", CASE, "1", "1 where the outcome agrees with the reference's"),
+    Variable("theta_over_alpha", r"$\theta/\alpha$", ROTATION, "1", "rotation over alpha, of the static curves"),
+    Variable("restoring_moment", r"$M_r/(mgR)$", ROTATION, "1", "restoring moment of the model over m g R"),
+    Variable("restoring_moment_block", r"$M_r/(mgR)$", ROTATION, "1", "restoring moment of the block over m g R"),
+    Variable("spring_moment", r"$M_s/(mgR)$", ROTATION, "1", "moment of the model's base spring over m g R; NaN without one"),
+    Variable("pushover_force", r"$F/(mg)$", ROTATION, "1", "horizontal force at the centroid over m g, model"),
+    Variable("pushover_force_block", r"$F/(mg)$", ROTATION, "1", "horizontal force at the centroid over m g, block"),
+    Variable("u_model", r"$u$", ROTATION, "m", "horizontal displacement of the model's top"),
+    Variable("v_model", r"$v$", ROTATION, "m", "vertical displacement of the model's top"),
+    Variable("u_pivot_corner", r"$u$", ROTATION, "m", "horizontal displacement of the block's top corner above the pivot"),
+    Variable("v_pivot_corner", r"$v$", ROTATION, "m", "vertical displacement of the block's top corner above the pivot"),
+    Variable("u_free_corner", r"$u$", ROTATION, "m", "horizontal displacement of the block's other top corner"),
+    Variable("v_free_corner", r"$v$", ROTATION, "m", "vertical displacement of the block's other top corner"),
+    Variable("overturning_moment", r"$M_o/(ma_gR)$", ROTATION, "1", "overturning moment of the model over m a_g R"),
+    Variable("overturning_moment_block", r"$M_o/(ma_gR)$", ROTATION, "1", "overturning moment of the block over m a_g R"),
+    Variable("theta_critical_over_alpha", r"$\theta_{cr}/\alpha$", CASE, "1", "rotation at which the model's restoring moment vanishes, over alpha; inf: never"),
+    Variable("curve_error_moment_rotation", r"$\epsilon_M$", CASE, "1", "largest |model - block| of the restoring moment over the block's at 0"),
+    Variable("curve_error_pushover", r"$\epsilon_F$", CASE, "1", "largest |model - block| of the pushover force over the block's at 0"),
+    Variable("curve_error_displacements", r"$\epsilon_u$", CASE, "1", "largest |model - block's free corner| of u over that corner's u at alpha"),
+    Variable("curve_error_displacements_vertical", r"$\epsilon_v$", CASE, "1", "largest |model - block's free corner| of v over that corner's u at alpha"),
+    Variable("curve_error_overturning_moment", r"$\epsilon_{M_o}$", CASE, "1", "largest |model - block| of the overturning moment over the block's at 0"),
 )
 
 VARIABLES: dict[str, Variable] = {row.name: row for row in _ROWS}

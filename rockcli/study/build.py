@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import housner_eta
+from rockcli.scene.block import Block, housner_eta
 from rockcli.scene.damping import DASHPOT, Damping
 from rockcli.scene.numerics import Numerics
 from rockcli.study.features import BACKENDS, DAMPING, available, model_and_geometry
@@ -45,6 +45,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
     damping = _damping(numbers, warnings)
     excitation = build_excitation(numbers, records, warnings)
     theta_0, theta_dot_0 = _initial(numbers)
+    warnings += leaving_its_ground(model, geometry, block)
     return Batch(
         g=g,
         block=block,
@@ -58,6 +59,20 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         save=save,
         warnings=tuple(dict.fromkeys(warnings)),
     )
+
+
+def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[str]:
+    """Sentences where a model is asked for what it does not describe (2.10), [1.8]."""
+    said = []
+    if geometry == "corotational" and model in ("2", "3"):
+        if (block.tan_alpha > 1.0).any():
+            said.append(f"model {model} (corotational) never overturns for tan alpha > 1, as the block does (2.10)")
+        if (block.tan_alpha <= 1.0).any():
+            said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
+    with np.errstate(invalid="ignore"):
+        if (block.tan_alpha > block.mu[:, None]).any():
+            said.append("tan alpha > mu: the body slides before it rocks, and sliding is not simulated [1.8]")
+    return said
 
 
 def _initial(numbers: Numbers) -> tuple[Array, Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from rockcli.scene.models import MODEL_NAMES, MODELS
@@ -12,7 +13,6 @@ BACKENDS: tuple[str, ...] = ("auto", "event")
 LATER: dict[Keys, str] = {
     ("over",): "ensemble statistics along an axis are",
     ("refine",): "adaptive refinement is",
-    ("curves",): "static curves are",
     ("audit",): "the audit is",
     ("case", "column"): "the flexible column is",
     ("case", "base"): "another base than the rigid one is",
@@ -28,6 +28,13 @@ def check_features(source: Source, study: Map) -> None:
         value = value_at(study, keys)
         if value not in (None, False, [], {}) and not (keys[-1] == "base" and value in ({}, {"law": "rigid"})):
             raise source.error(study, keys, f": {what} not available in this version")
+
+
+def check_curves(source: Source, study: Map, models: Iterable[tuple[str, str | None]]) -> None:
+    """Refuse static curves (`curves`) of a model that has no law of its own."""
+    for pair in models:
+        if study.get("curves") and pair not in MODELS:
+            raise source.error(study, ("curves",), f": model {pair[0]} has no static curves")
 
 
 def model_and_geometry(source: Source, study: Map) -> tuple[str, str | None]:

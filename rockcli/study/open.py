@@ -20,7 +20,7 @@ from rockcli.study.cases import Cases
 from rockcli.study.check import check_case, check_study
 from rockcli.study.expect import match, read_expect
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
-from rockcli.study.features import check_features
+from rockcli.study.features import check_curves, check_features
 from rockcli.study.identity import as_yaml, identity, plain
 from rockcli.study.loader import load_file, load_mapping
 from rockcli.study.overrides import apply_overrides
@@ -65,7 +65,8 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     found.inputs.update({name: sha for v in variations for name, sha in v.inputs.items()})
     _probe(cases, found)
     axes = tuple(v.axis for v in variations)
-    saved, at = _save(where, tree, cases, found.dt_out)
+    check_curves(where, tree, found.models)
+    saved, at = _save(where, tree, cases, found)
     histories, dt_out, scalars = saved["histories"] is not False, saved["dt_out"], tuple(saved["scalars"])
     points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
@@ -91,6 +92,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         processing=found.processing,
         warnings=tuple(warnings),
         histories_at=at,
+        curves=tuple(dict.fromkeys(part.curves)),
     )
 
 
@@ -120,14 +122,22 @@ def check_symbol(source: Source, tree: Map, name: str) -> None:
 
 @dataclasses.dataclass(eq=False)
 class _Found:
-    """What the cases of a study show: finest output spacing needed, files read and what was done to them."""
+    """What the cases of a study show: finest output spacing needed, files read and what was done to them.
+
+    `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases.
+    """
 
     dt_out: float = DT_OUT
     inputs: dict[str, str] = dataclasses.field(default_factory=dict)
     processing: dict[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
+    still: bool = True
+    models: dict[tuple[str, str | None], None] = dataclasses.field(default_factory=dict)
 
     def look(self, batch: Batch) -> None:
+        self.models[batch.model, batch.geometry] = None
+        self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
         for channel in (batch.excitation.horizontal, batch.excitation.vertical):
+            self.still &= channel is None
             if isinstance(channel, Pulses):
                 self.dt_out = min(self.dt_out, float(np.min(2.0 * np.pi / channel.omega_p)) / 200.0)
             elif isinstance(channel, Samples):
@@ -157,23 +167,27 @@ def _probe(cases: Cases, found: _Found) -> None:
         found.look(build_batch(numbers, cases.records, cases.save))
 
 
-def _save(source: Source, tree: Map, cases: Cases, dt_default: float) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """`save` with its defaults filled in, and the only points whose histories are saved, if not all."""
+def _save(source: Source, tree: Map, cases: Cases, found: _Found) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """`save` with its defaults filled in, and the only points whose histories are saved, if not all.
+
+    A study of static curves in which nothing moves saves nothing else unless it says so.
+    """
     save: Map = tree.get("save") or Map()
     size = int(np.prod(cases.shape, dtype=np.int64))
+    curves_only = bool(tree.get("curves")) and found.still
     histories: Any = save.get("histories")
     at = None
     if isinstance(histories, dict):
         at = match(source, tree, ("save", "histories"), histories, [v.axis for v in cases.variations])
     elif histories is None:
-        histories = size <= HISTORIES_UP_TO
+        histories = size <= HISTORIES_UP_TO and not curves_only
     wanted = save.get("scalars")
     if wanted is None:
-        wanted = SCALARS if size <= LARGE else SCALARS_LARGE
+        wanted = () if curves_only else SCALARS if size <= LARGE else SCALARS_LARGE
     scalars = [name for name in SCALARS if wanted == "all" or name in wanted]
     dt_out: Any = save.get("dt_out")
     if dt_out is None:
-        dt_out = dt_default
+        dt_out = found.dt_out
     else:
         keys = ("save", "dt_out")
         try:
@@ -197,5 +211,5 @@ def _resolved(part: StudyPart, base: Map, variations: Sequence[Variation], saved
         path = variation.axis.path
         if isinstance(vary[path], str) and not variation.inputs:
             vary[path] = [point[0][1] for point in variation.settings]
-    dumped["save"] = saved
+    dumped["save"] = {key: value for key, value in saved.items() if value != []}
     return {key: value for key, value in dumped.items() if value not in ("", [], {}, None, False)}

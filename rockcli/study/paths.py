@@ -13,7 +13,7 @@ from rockcli.study.tree import nearest
 
 Path = tuple[str, ...]
 
-RESERVED = frozenset({*VARIABLES, "time", "impact", "reasons"})
+RESERVED = frozenset({*VARIABLES, "time", "impact", "rotation", "reasons"})
 """Names in a dataset that no dimension may have."""
 
 _BLOCK = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slenderness", "inertia", "r_g", "top", "mass", "mu")

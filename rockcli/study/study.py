@@ -88,6 +88,7 @@ class Study:
         plots: kinds of plot asked for; () = the defaults.
         histories: whether histories are saved; dt_out: output spacing [s]; scalars: names in contract order.
         histories_at: {axis name: coordinate value} of the only cases whose histories are saved; None = all.
+        curves: kinds of static curve asked for.
         resolved: the resolved study as a plain mapping (re-runnable when dumped as YAML).
         resolved_yaml: the same as YAML text.
         identity: SHA-256 hex of what changes numbers (case, let, vary, save, record bytes, program version).
@@ -115,6 +116,7 @@ class Study:
     processing: dict[str, tuple[str, ...]] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     histories_at: dict[str, Any] | None = None
+    curves: tuple[str, ...] = ()
 
     @property
     def shape(self) -> tuple[int, ...]:

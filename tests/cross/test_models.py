@@ -130,7 +130,7 @@ def test_under_a_sampled_motion(model, geometry, scheme):
     rng = np.random.default_rng(7)
     t = np.arange(150) * dt
     values = sum(rng.normal() * np.sin(rng.uniform(3.0, 15.0) * t + rng.uniform(0.0, 6.0)) for _ in range(5))
-    values *= 1.9 * G_ * tan_alpha / np.abs(values).max()
+    values *= 1.6 * G_ * tan_alpha / np.abs(values).max()
     alpha = np.arctan(tan_alpha)
     response, eta = ours(model, geometry, tan_alpha, scheme, record(values, dt))
 

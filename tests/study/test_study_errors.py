@@ -117,7 +117,6 @@ WRONG = [
     ("{gamma: 5}", "{gamma: [5]}", 2, ["let.gamma", "a list"]),
     ("let: {gamma: 5}", "over: model", 2, ["over", "not available in this version"]),
     ("let: {gamma: 5}", "refine: true", 2, ["refine", "not available in this version"]),
-    ("let: {gamma: 5}", "curves: [pushover]", 2, ["curves", "not available in this version"]),
     ("let: {gamma: 5}", "curves: [pushove]", 2, ["did you mean 'pushover'"]),
     ("let: {gamma: 5}", "plots: [histories, heatmap]", 2, ["plots[1]", "histories, phase, map"]),
     ("let: {gamma: 5}", "plots: histories", 2, ["plots", "list"]),

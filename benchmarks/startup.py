@@ -1,0 +1,74 @@
+"""What a command costs before and beside solving, as whole processes: medians of several runs, in turn.
+
+    python benchmarks/startup.py
+
+`rock --help` against a bare typer program with one command, and one pulse case without plots.
+Writes results/startup.csv.
+"""
+
+from __future__ import annotations
+
+import csv
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from datetime import date
+from pathlib import Path
+
+from machine import machine
+
+HERE = Path(__file__).resolve().parent
+STUDY = HERE.parent / "studies" / "examples" / "first_rock.yaml"
+RUNS = 15
+
+BARE = """\
+import typer
+app = typer.Typer()
+@app.command()
+def hello(name: str = "you"):
+    "Say hello."
+    print(name)
+@app.command()
+def bye(name: str = "you"):
+    "Say good bye."
+    print(name)
+app()
+"""
+
+
+def seconds(command: list[str]) -> float:
+    began = time.perf_counter()
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return time.perf_counter() - began
+
+
+def main() -> None:
+    rock = str(Path(sys.executable).parent / "rock")
+    with tempfile.TemporaryDirectory() as folder:
+        bare = Path(folder) / "bare.py"
+        bare.write_text(BARE)
+        commands = {
+            "bare typer program --help": [sys.executable, str(bare), "--help"],
+            "rock --help": [rock, "--help"],
+            "one pulse case, --no-plots": [rock, "run", str(STUDY), "--no-plots", "--fresh", "--quiet", "--out", folder],
+        }
+        times: dict[str, list[float]] = {name: [] for name in commands}
+        for _ in range(RUNS + 1):
+            for name, command in commands.items():
+                times[name].append(seconds(command))
+    base = statistics.median(times["bare typer program --help"][1:])
+    with (HERE / "results" / "startup.csv").open("w", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["command", "median [s]", "min [s]", "max [s]", "over bare typer", "measured", "machine"])
+        for name, all_runs in times.items():
+            runs = all_runs[1:]  # the first warms the disk
+            median = statistics.median(runs)
+            row = [name, *(f"{x:.3f}" for x in (median, min(runs), max(runs))), f"{median / base:.2f}"]
+            table.writerow([*row, date.today().isoformat(), machine()])
+            print(*row, sep="  ")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,66 @@
+"""The static curves of a study's cases (`curves`), as variables of its dataset."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.curves import CRITICAL, KINDS, POINTS, critical_ratio, curves_of, errors_of, variables_of
+from rockcli.scene.models import MODELS
+from rockcli.scene.variables import CASE, ROTATION, VARIABLES
+from rockcli.storage.contents import Contents, variable_field
+from rockcli.study.study import Study
+
+Array = NDArray[np.float64]
+
+
+def with_curves(contents: Contents, study: Study) -> Contents:
+    """Add the static curves a study asks for, or take away those it does not ask for.
+
+    Curves have the dimensions (axes, rotation), the errors that sum them up (axes); `theta_over_alpha` goes with
+    `rotation`.  Nothing is solved: body, model and geometry are all that counts.
+
+    Raises:
+        StudyError, RecordError: a case cannot be built.
+    """
+    every = set(variables_of(tuple(KINDS)))
+    fields = {name: item for name, item in contents.fields.items() if name not in every}
+    if study.curves:
+        ratio = np.linspace(0.0, 1.0, POINTS)
+        coordinate = variable_field("theta_over_alpha", (ROTATION,), ratio)
+        fields["theta_over_alpha"] = replace(coordinate, coordinate=True)
+        axes = tuple(axis.name for axis in study.axes)
+        values, models = _evaluate(study, ratio)
+        said: dict[str, Any] = {"model": models[0]} if len(models) == 1 else {}
+        for name in variables_of(study.curves)[1:]:
+            beside = () if VARIABLES[name].over == CASE else (ROTATION,)
+            shape = study.shape + values[name].shape[1:]
+            fields[name] = variable_field(name, axes + beside, values[name].reshape(shape), **said)
+    return Contents(contents.axes, fields, contents.attrs)
+
+
+def _evaluate(study: Study, ratio: Array) -> tuple[dict[str, Array], list[str]]:
+    """Every curve and error over the flat cases, and the models met, in words."""
+    values: dict[str, Array] = {}
+    models: list[str] = []
+    for indices, batch in study.batches():
+        model = MODELS[(batch.model, batch.geometry)]
+        found: dict[str, Array] = {}
+        for kind in study.curves:
+            found |= curves_of(kind, model, batch.block, ratio) | errors_of(kind, model, batch.block)
+        if "moment_rotation" in study.curves:
+            found[CRITICAL] = critical_ratio(model, batch.block)
+        for name, part in found.items():
+            values.setdefault(name, np.full((study.size, *part.shape[1:]), np.nan))[indices] = part
+        words = model_words(batch.model, batch.geometry)
+        if words not in models:
+            models.append(words)
+    return values, models
+
+
+def model_words(name: str, geometry: str | None) -> str:
+    """A model for a legend: `model 3, negative stiffness`."""
+    return f"model {name}, {geometry.replace('_', ' ')}" if geometry else name
