@@ -62,7 +62,7 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
     """
     every = axes_of(dataset)
     names = every if axes is None else axes
-    reference = _reference(dataset) if axes is None else {}
+    reference = reference_on_axes(dataset) if axes is None else {}
     sizes = [int(dataset.sizes[a]) if a in names else 1 for a in every]
     positions = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
     if reference:
@@ -80,7 +80,7 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
 
 def reference_words(dataset: xarray.Dataset) -> str:
     """What cases are compared with, "" if nothing."""
-    return ", ".join(coordinate_label(dataset, axis, i) for axis, i in _reference(dataset).items())
+    return ", ".join(coordinate_label(dataset, axis, i) for axis, i in reference_on_axes(dataset).items())
 
 
 def selection_note(shown: int, total: int, what: str = "cases") -> str:
@@ -88,7 +88,7 @@ def selection_note(shown: int, total: int, what: str = "cases") -> str:
     return f"{shown} of {total} {what} shown" if shown < total else ""
 
 
-def _reference(dataset: xarray.Dataset) -> dict[str, int]:
+def reference_on_axes(dataset: xarray.Dataset) -> dict[str, int]:
     """Axis -> position of the reference."""
     found = {}
     for axis, value in (json.loads(dataset.attrs.get("compare_to", "null")) or {}).items():

@@ -219,8 +219,8 @@ def _pair(
             if np.isfinite(spring).all() and not np.array_equal(spring, own):
                 curve.plot(*_from_rest(ratio, spring, True), color=colour, linewidth=0.7, dashes=(1, 1.5), zorder=1)
         error.plot(ratio, 100.0 * (own - block), color=colour, linewidth=1.0, dashes=dashes or (None, None))
-    for axes in pair:
-        axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    curve.axhline(1.0 if panel.model == "overturning_moment" else 0.0, color=QUIET, linewidth=0.4, zorder=0)
+    error.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
     error.margins(y=0.12)
     curve.set_xlim(-0.02 if rises else 0.0, 1.0)
 
@@ -243,7 +243,7 @@ def _legend(figure: Figure, dataset: xarray.Dataset, panels: list[Panel], lines:
         handle.set_dashes(_DASHES[(number + 1) % len(_DASHES)])
         handles.append(handle)
     if "spring_moment" in dataset.variables and any(_yields(dataset, line) for line in lines):
-        handles.append(Line2D([], [], color=QUIET, linewidth=0.7, dashes=(1, 1.5), label="its spring alone"))
+        handles.append(Line2D([], [], color=QUIET, linewidth=0.7, dashes=(1, 1.5), label="spring alone"))
     longest = max(len(str(handle.get_label())) for handle in handles)
     fitting = max(1, min(columns, len(handles), int(figure.get_figwidth() * 15) // (longest + 6)))
     figure.legend(handles=handles, loc="outside lower center", ncols=fitting, columnspacing=1.4, handlelength=2.6)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 
-from rockcli.plotting import curve, curves, histories, phase, style
+from rockcli.plotting import curve, curves, histories, overlay, phase, style
 from rockcli.plotting import map as outcomes
 from rockcli.plotting.cases import axes_of, is_numeric
 
@@ -47,8 +47,13 @@ def _draw_map(dataset: xarray.Dataset) -> Figure:
     return outcomes.draw(dataset) if mapped else curve.draw(dataset)
 
 
+def _draw_histories(dataset: xarray.Dataset) -> Figure:
+    """Compared cases are laid over their reference."""
+    return overlay.draw(dataset) if overlay.compares(dataset) else histories.draw(dataset)
+
+
 _ROWS: tuple[Kind, ...] = (
-    Kind("histories", "rotation, rate and ground acceleration against time", _without_histories, histories.draw),
+    Kind("histories", "rotation, rate and ground acceleration against time", _without_histories, _draw_histories),
     Kind("phase", "rate against rotation, with the separatrix", _without_histories, phase.draw),
     Kind("map", "outcomes over two numeric axes, peaks over one", _without_map, _draw_map),
     Kind("curves", "static curves of the block and its models, with their errors", curves.without_curves, curves.draw),

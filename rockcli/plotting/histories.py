@@ -13,7 +13,6 @@ from rockcli.plotting.cases import (
     number_at,
     outcome_at,
     pick,
-    reference_words,
     selection_note,
     values_at,
 )
@@ -44,16 +43,14 @@ _G = 9.81
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """Panels over a common time axis: ground acceleration, theta/alpha, theta_dot, and the difference if compared."""
+    """Panels over a common time axis: ground acceleration, theta/alpha, theta_dot."""
     shown, total = pick(dataset, MOST_CURVES)
     moving = "a_g" in dataset and bool(np.nanmax(np.abs(dataset["a_g"].values), initial=0.0) > 0.0)
-    compared = any(case.reference is not None for case in shown)
     crowded = len(shown) > _RATES_UP_TO
     heights = {
         "ground": 0.55 if moving else 0.0,
         "theta": 1.6 if crowded else 1.0,
         "rate": 0.0 if crowded else 0.75,
-        "difference": 0.65 if compared else 0.0,
     }
     names = [name for name, height in heights.items() if height]
     figure = new_figure(DOUBLE, 0.6 + 1.75 * sum(heights.values()))
@@ -64,14 +61,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     _rotation(panel["theta"], dataset, shown)
     if not crowded:
         _rate(panel["rate"], dataset, shown)
-    if compared:
-        _difference(panel["difference"], dataset, shown)
     _time_axis(panel, dataset, shown)
     figure.align_ylabels()
     notes = [selection_note(len(shown), total)]
-    if compared:
-        notes.append(f"dashed: {reference_words(dataset)}")
-    if len(shown) == 1 and not compared:
+    if len(shown) == 1:
         notes.append(_summary(dataset, shown[0]))
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
     if total > 1:
@@ -112,8 +105,6 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
         ended = fate.startswith("overturned")
         label = case.label + (" (overturns)" if ended else f" ({fate})" if fate in ("failed", "unresolved") else "")
         axes.plot(time, ratio, color=colour, label=label or "response", zorder=3)
-        if case.reference is not None:
-            axes.plot(time, _ratio(dataset, case.reference), color=colour, linewidth=0.8, dashes=(4, 2), zorder=2)
         if len(shown) <= _IMPACTS_UP_TO:
             impacts = _marked_impacts(dataset, case)
             axes.plot(impacts, np.zeros_like(impacts), "o", color=colour, markersize=2.6, markeredgewidth=0.0, zorder=4)
@@ -142,9 +133,6 @@ def _rate(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
     for number, case in enumerate(shown):
         rate = values_at(dataset, "theta_dot", case.position)
         axes.plot(time, rate, color=COLOURS[number], zorder=3)
-        if case.reference is not None:
-            other = values_at(dataset, "theta_dot", case.reference)
-            axes.plot(time, other, color=COLOURS[number], linewidth=0.8, dashes=(4, 2), zorder=2)
         near = np.isfinite(rate) & (np.abs(_ratio(dataset, case.position)) <= _SHOWN_UP_TO)
         low = min(low, float(np.min(rate, where=near, initial=0.0)))
         high = max(high, float(np.max(rate, where=near, initial=0.0)))
@@ -158,21 +146,6 @@ def _limits(axes: Axes, low: float, high: float) -> float:
     margin = 0.08 * (high - low) or 0.1
     axes.set_ylim(low - margin, high + margin)
     return margin
-
-
-def _difference(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
-    time = dataset["time"].values
-    for number, case in enumerate(shown):
-        if case.reference is None:
-            continue
-        own, other = _ratio(dataset, case.position), values_at(dataset, "theta", case.reference)
-        gap = own - other / number_at(dataset, "alpha", case.position)
-        lasts = np.fmin(
-            number_at(dataset, "t_overturn", case.position), number_at(dataset, "t_overturn", case.reference)
-        )
-        axes.plot(time, np.where(time >= lasts, np.nan, gap), color=COLOURS[number], linewidth=0.8)
-    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
-    axes.set_ylabel(r"$\Delta\theta/\alpha$")
 
 
 def _time_axis(panel: dict[str, Axes], dataset: xarray.Dataset, shown: list[Shown]) -> None:
