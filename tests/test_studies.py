@@ -24,7 +24,7 @@ def test_study_meets_its_expectations(path, tmp_path):
     check_study(study, tmp_path)
     report = run_study(study, tmp_path, plots=False)
     assert not report.failed
-    missed = [verdict for verdict in report.verdicts if not verdict.met]
+    missed = [verdict for verdict in report.verdicts if not verdict.passed]
     assert not missed, missed
 
 
