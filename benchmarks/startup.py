@@ -52,7 +52,16 @@ def main() -> None:
         commands = {
             "bare typer program --help": [sys.executable, str(bare), "--help"],
             "rock --help": [rock, "--help"],
-            "one pulse case, --no-plots": [rock, "run", str(STUDY), "--no-plots", "--fresh", "--quiet", "--out", folder],
+            "one pulse case, --no-plots": [
+                rock,
+                "run",
+                str(STUDY),
+                "--no-plots",
+                "--fresh",
+                "--quiet",
+                "--out",
+                folder,
+            ],
         }
         times: dict[str, list[float]] = {name: [] for name in commands}
         for _ in range(RUNS + 1):

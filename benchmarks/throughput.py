@@ -110,7 +110,9 @@ def measure(name: str, excitation: Excitation, n: int, p: float, end: float, max
     wrong = np.mean([fell != (exact["outcome"][i] >= 2) for i, (fell, _) in zip(sample, theirs, strict=True)])
     finite = [(x, exact["theta_peak_over_alpha"][i]) for i, (_, x) in zip(sample, theirs, strict=True)]
     errors = [abs(x - y) for x, y in finite if np.isfinite(x) and np.isfinite(y)]
-    rows = [[name, "solve_ivp RK45 1e-6, events", f"{1.0 / per_rk45:.4g}", "1", f"{np.median(errors):.1e}", f"{wrong:.4f}"]]
+    rows = [
+        [name, "solve_ivp RK45 1e-6, events", f"{1.0 / per_rk45:.4g}", "1", f"{np.median(errors):.1e}", f"{wrong:.4f}"]
+    ]
     for accuracy in ("draft", "standard", "reference"):
         for label, scalars in (
             ("outcome only", ("outcome",)),
@@ -125,7 +127,9 @@ def measure(name: str, excitation: Excitation, n: int, p: float, end: float, max
             both = np.isfinite(scalars_found["theta_peak_over_alpha"]) & np.isfinite(exact["theta_peak_over_alpha"])
             error = np.abs(scalars_found["theta_peak_over_alpha"][both] - exact["theta_peak_over_alpha"][both])
             stated = f"{np.median(error):.1e}" if label != "outcome only" else ""
-            rows.append([name, f"event, {accuracy}, {label}", f"{rate:.4g}", f"{rate * per_rk45:.0f}", stated, f"{wrong:.5f}"])
+            rows.append(
+                [name, f"event, {accuracy}, {label}", f"{rate:.4g}", f"{rate * per_rk45:.0f}", stated, f"{wrong:.5f}"]
+            )
     return rows
 
 
@@ -134,12 +138,16 @@ def main() -> None:
     A, Omega = (x.ravel() for x in np.meshgrid(np.linspace(0.5, 6.0, n), np.linspace(0.5, 8.0, n)))
     pulses = make_pulses("ricker", a_p=A * G * np.tan(ALPHA), omega_p=Omega)
     still = np.full(n * n, np.nan)
-    rows = measure("Ricker pulse, 200 x 200 map", Excitation(pulses, None, still), n * n, 1.0, 4.0 * 2.0 * np.pi / 0.5, np.inf)
+    rows = measure(
+        "Ricker pulse, 200 x 200 map", Excitation(pulses, None, still), n * n, 1.0, 4.0 * 2.0 * np.pi / 0.5, np.inf
+    )
     trace = parse_at2((HERE.parent / "records" / "synthetic_pulse_m70.AT2").read_bytes(), "synthetic_pulse_m70.AT2")
     values = np.asarray(trace.values) * G
     factor = np.linspace(1.0, 4.0, 2000) * G * np.tan(ALPHA) / np.abs(values).max()
     motion = Excitation(Samples(values, trace.dt, factor), None, np.full(len(factor), np.nan))
-    rows += measure(f"sampled motion, {len(values)} x {trace.dt} s", motion, len(factor), 2.0, trace.dt * len(values), trace.dt)
+    rows += measure(
+        f"sampled motion, {len(values)} x {trace.dt} s", motion, len(factor), 2.0, trace.dt * len(values), trace.dt
+    )
     with (HERE / "results" / "throughput.csv").open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         heads = ["workload", "solver", "cases/s and core", "over RK45", "median error of peak", "wrong outcomes"]

@@ -5,6 +5,7 @@ Written from (2.2) alone in theta (not in |theta|), with its own event handling;
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -55,7 +56,7 @@ def integrate(body: Body, values, dt: float, *, vertical=None, free: float = 20.
     t_free = times[-1] + free / min(body.p.values())
     pieces = [(times[i], times[i + 1], values[i], values[i + 1], up[i], up[i + 1]) for i in range(len(values) - 1)]
     quiet = np.linspace(times[-1], t_free, int(free * 4) + 1)
-    pieces += [(a, b, 0.0, 0.0, 0.0, 0.0) for a, b in zip(quiet[:-1], quiet[1:], strict=True)]
+    pieces += [(a, b, 0.0, 0.0, 0.0, 0.0) for a, b in itertools.pairwise(quiet)]
     y = np.array([theta_0, rate_0])
     s = int(np.sign(theta_0 if theta_0 != 0.0 else rate_0))  # 0: at rest
     for piece in pieces:
@@ -151,7 +152,7 @@ def _finish(body, y, s, h):
     alpha, p = body.alpha[s], body.p[s]
     q, v = s * y[0], s * y[1]
     top = p**2 * (1.0 - np.cos(alpha - q))
-    if q >= alpha and v >= 0.0 or v > 0.0 and 0.5 * v**2 > top:
+    if (q >= alpha and v >= 0.0) or (v > 0.0 and 0.5 * v**2 > top):
         h.overturned = True
     elif v > 0.0:
         q_max = alpha - np.arccos(np.cos(alpha - q) + 0.5 * v**2 / p**2)

@@ -7,7 +7,6 @@ said.  `A` is a_p/(g tan alpha) for the nonlinear block and a_p/(g alpha) for th
 
 from __future__ import annotations
 
-
 # The pulses of the source (Figs 3, 4, 7, 8, 30): a_p = 3.6 g tan(alpha), (2.2); good to 1e-8.  linear_peak: (2.3) with
 # a_p = 3.6 g alpha; linear_gtan_peak: the same with a_p = 3.6 g tan(alpha).
 SOURCE_PULSES = [

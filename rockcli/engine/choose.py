@@ -26,11 +26,15 @@ class Support:
 
 @dataclass(frozen=True)
 class Backend:
-    """A row: name in the study, `module:function` of its `solve(batch) -> Response`, and its support."""
+    """A row: name in the study, `module:function` of its `solve(batch) -> Response`, and its support.
+
+    `automatic`: whether `backend: auto` may take it.
+    """
 
     name: str
     target: str
     support: Support
+    automatic: bool = True
 
     def supports(self, batch: Batch) -> bool:
         """Whether this backend can solve the batch."""
@@ -53,6 +57,25 @@ _ROWS: tuple[Backend, ...] = (
             sentence="event-driven Taylor steps: impacts, uplift and rest are located, never stepped over",
         ),
     ),
+    Backend(
+        "fema356",
+        "rockcli.solvers.fema356:solve",
+        Support(
+            models=frozenset({("rigid", None)}),
+            damping=frozenset({"fema356"}),
+            sentence="equivalent linear oscillator on a response spectrum: known to be poor, for comparison",
+        ),
+    ),
+    Backend(
+        "scipy",
+        "rockcli.solvers.general.solver:solve",
+        Support(
+            models=frozenset(MODELS),
+            damping=frozenset({"none", "restitution", "dashpot"}),
+            sentence="general ODE methods (RK23, RK45, DOP853, Radau, BDF, LSODA, ode23s), events located or not",
+        ),
+        automatic=False,
+    ),
 )
 
 BACKENDS: dict[str, Backend] = {row.name: row for row in _ROWS}
@@ -64,7 +87,7 @@ def choose(batch: Batch) -> Backend:
     asked = batch.numerics.backend
     if asked != "auto" and asked not in BACKENDS:
         raise SolverError(f"there is no backend {asked!r}; there are {', '.join(BACKENDS)}")
-    candidates = list(BACKENDS.values()) if asked == "auto" else [BACKENDS[asked]]
+    candidates = [row for row in BACKENDS.values() if row.automatic] if asked == "auto" else [BACKENDS[asked]]
     for backend in candidates:
         if backend.supports(batch):
             return backend

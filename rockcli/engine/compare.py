@@ -43,7 +43,10 @@ def with_comparison(contents: Contents, reference: dict[str, Any] | None) -> Con
 
 def at_reference(contents: Contents, name: str, reference: dict[str, Any]) -> NDArray[Any]:
     """A variable at the reference, with axes of length 1 where it is fixed, to broadcast against the whole."""
-    values = contents.values(name)
+    return _at(contents, contents.values(name), reference)
+
+
+def _at(contents: Contents, values: NDArray[Any], reference: dict[str, Any]) -> NDArray[Any]:
     for number, axis in enumerate(contents.axes):
         if axis in reference:
             position = locate(contents, axis, reference[axis])
@@ -68,9 +71,23 @@ def _history_error(contents: Contents, reference: dict[str, Any]) -> Array:
     theta = contents.values("theta")
     time = contents.values(DIM_TIME)
     gap = np.abs(theta - at_reference(contents, "theta", reference))
-    if "t_overturn" in contents.fields:
-        until = contents.values("t_overturn")
-        both = np.fmin(until, at_reference(contents, "t_overturn", reference))
-        gap = np.where(time >= both[..., None], np.nan, gap)  # a NaN limit compares false: nothing is cut
+    until = _overturning(contents)
+    both = np.fmin(until, _at(contents, until, reference))
+    gap = np.where(time >= both[..., None], np.nan, gap)  # a NaN limit compares false: nothing is cut
     sup = np.fmax.reduce(gap, axis=-1, initial=np.nan)
     return np.asarray(sup / contents.over_axes("alpha"))
+
+
+def _overturning(contents: Contents) -> Array:
+    """Time from which a case only overturns, over the axes; NaN for one that does not.
+
+    Without `t_overturn`, the first output time after the last within alpha of a history that ends outside.
+    """
+    if "t_overturn" in contents.fields:
+        return contents.values("t_overturn")
+    theta, time = np.abs(contents.values("theta")), contents.values(DIM_TIME)
+    inside = theta <= contents.over_axes("alpha")[..., None]
+    steps = np.arange(len(time))
+    last_inside = np.where(inside, steps, -1).max(axis=-1, initial=-1)
+    last = np.where(np.isnan(theta), -1, steps).max(axis=-1, initial=-1)
+    return np.asarray(np.where(last > last_inside, time[np.minimum(last_inside + 1, len(time) - 1)], np.nan))

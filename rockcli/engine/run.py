@@ -109,7 +109,7 @@ def run_study(
 
 
 def _renewed(study: Study, path: Path) -> Contents:
-    """The finished dataset, with the study's present words, comparison and static curves; rewritten only if they changed."""
+    """The finished dataset, with the study's present words, comparison and curves; rewritten only if they changed."""
     contents = netcdf.read(path)
     if contents.attrs.get("study") == study.resolved_yaml:
         return contents

@@ -148,7 +148,7 @@ def history(motion: Forcing, period: float, zeta: float, t: Array) -> tuple[Arra
         inside = np.flatnonzero((t >= stretch.start) & (t < stretch.end))
         i = np.clip(((t[inside] - stretch.start) / stretch.h).astype(int), 0, len(stretch.c) - 1)
         s = t[inside] - stretch.start - i * stretch.h
-        out[inside] = _within(lam[0], states[i], stretch.c[i], s)
+        out[inside] = _within(lam, states[i], stretch.c[i], s)
         z = states[-1:]
     after = t >= (motion[-1].end if motion else 0.0)
     out[after] = z[0] * np.exp(lam[0] * (t[after] - (motion[-1].end if motion else 0.0)))
@@ -160,7 +160,7 @@ def _pole(periods: Array, zeta: float) -> Complex:
     if not 0.0 <= zeta < 1.0:
         raise ValueError(f"the damping ratio must be in [0, 1), not {zeta}")
     omega = 2.0 * np.pi / np.asarray(periods, dtype=np.float64)
-    return omega * complex(-zeta, np.sqrt((1.0 - zeta) * (1.0 + zeta)))
+    return np.asarray(omega * complex(-zeta, np.sqrt((1.0 - zeta) * (1.0 + zeta))), dtype=np.complex128)
 
 
 def _groups(stretch: Stretch, periods: Array) -> Iterator[tuple[int, NDArray[np.intp]]]:
@@ -199,7 +199,9 @@ def _march(stretch: Stretch, lam: Complex, z: Complex, beaten: Array) -> tuple[C
     resolved = np.abs(lam) * stretch.h <= 2.0 * np.pi / POINTS_PER_PERIOD * (1.0 + 1e-9)
     # where the rate changes sign and the larger end could rise above what is known
     least = np.where(resolved, np.maximum(np.abs(extreme), beaten), np.inf)
-    reach = np.maximum(np.abs(x[:-1]) + 0.5 * stretch.h * np.abs(v[:-1]), np.abs(x[1:]) + 0.5 * stretch.h * np.abs(v[1:]))
+    reach = np.maximum(
+        np.abs(x[:-1]) + 0.5 * stretch.h * np.abs(v[:-1]), np.abs(x[1:]) + 0.5 * stretch.h * np.abs(v[1:])
+    )
     i, j = np.nonzero((v[:-1] * v[1:] < 0.0) & (reach >= least))
     if len(i):
         s, peak = _between(lam[j], states[i, j], stretch.c[i], stretch.h, v[i, j], v[i + 1, j])
@@ -222,9 +224,9 @@ def _states(c: Array, h: float, lam: Complex, z: Complex) -> Complex:
     mu = np.exp(lam * h)
     length = max(1, int(np.sqrt(k)))
     blocks = -(-k // length)
-    w = np.zeros((blocks * length, m), dtype=np.complex128)
-    w[:k].real, w[:k].imag = -(c @ gain.real), -(c @ gain.imag)
-    w = w.reshape(blocks, length, m)
+    flat = np.zeros((blocks * length, m), dtype=np.complex128)
+    flat[:k].real, flat[:k].imag = -(c @ gain.real), -(c @ gain.imag)
+    w = flat.reshape(blocks, length, m)
     for i in range(1, length):
         w[:, i] += mu * w[:, i - 1]
     powers = np.exp(lam * h * np.arange(1, length + 1)[:, None])
@@ -232,15 +234,15 @@ def _states(c: Array, h: float, lam: Complex, z: Complex) -> Complex:
     for block in w:
         block += powers * start
         start = block[-1]
-    return np.concatenate([z[None], w.reshape(-1, m)[:k]])
+    return np.concatenate([z[None], flat[:k]])
 
 
-def _within(lam: Complex | complex, z: Complex, c: Array, s: Array) -> Complex:
+def _within(lam: Complex, z: Complex, c: Array, s: Array) -> Complex:
     """State a time s after the beginning of a step, one step each: all (n,), c (n, d)."""
-    q = lam * s
+    q = np.asarray(lam * s)
     moved = z * np.exp(q)
     for j in range(c.shape[1]):
-        moved = moved - c[:, j] * factorial(j) * s ** (j + 1) * _phi(j + 1, q)
+        moved -= c[:, j] * factorial(j) * s ** (j + 1) * _phi(j + 1, q)
     return moved
 
 
@@ -272,7 +274,6 @@ def _first_free_peak(lam: Complex, z: Complex) -> tuple[Array, Array]:
 
 def _phi(k: int, q: Complex) -> Complex:
     """phi_k(q) = sum_i q^i/(i + k)!, phi_k = (phi_{k-1} - 1/(k-1)!)/q, phi_0 = exp."""
-    q = np.asarray(q, dtype=np.complex128)
     near = np.abs(q) < 1.0
     small = np.where(near, q, 0.0)
     series = np.full(q.shape, 1.0 / factorial(k + 18), dtype=np.complex128)
@@ -285,4 +286,3 @@ def _phi(k: int, q: Complex) -> Complex:
     for i in range(k):
         value = (value - 1.0 / factorial(i)) / far
     return np.where(near, series, value)
-

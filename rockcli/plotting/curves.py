@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.lines import Line2D
 
 from rockcli.plotting.cases import Array, axes_of, is_numeric, number_at, pick, selection_note, values_at
 from rockcli.plotting.labels import title_of
@@ -109,7 +110,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     panels = _panels(dataset)
     numeric = tuple(a for a in axes_of(dataset) if is_numeric(dataset, a))
     columns, total = pick(dataset, MOST_COLUMNS, numeric)
-    lines, of = _lines(dataset, panels, [case.position for case in columns])
+    found, as_block = _lines(dataset, panels, [case.position for case in columns])
+    lines = found[:MOST_CURVES]
     beside = len(columns) > 1
     across = len(columns) if beside else min(_ACROSS, len(panels))
     down = len(panels) if beside else -(-len(panels) // across)
@@ -144,17 +146,20 @@ def draw(dataset: xarray.Dataset) -> Figure:
                 pair[1].set_xlabel(r"$\theta/\alpha$")
                 pair[1].tick_params(labelbottom=True)
     figure.align_ylabels()
-    notes = (selection_note(len(columns), total, "slendernesses"), selection_note(len(lines), of, "models"))
+    notes = (selection_note(len(columns), total, "slendernesses"), selection_note(len(lines), len(found), "models"))
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
-    _legend(figure, dataset, panels, lines, columns=1 if across == 1 else 3)
+    _legend(figure, dataset, panels, lines, as_block, columns=1 if across == 1 else 3)
     return figure
 
 
-def _lines(dataset: xarray.Dataset, panels: list[Panel], columns: list[Position]) -> tuple[list[_Line], int]:
-    """The models to draw, at most MOST_CURVES, and how many there are; what is the block itself is left out."""
+def _lines(
+    dataset: xarray.Dataset, panels: list[Panel], columns: list[Position]
+) -> tuple[list[_Line], list[tuple[str, ...]]]:
+    """The models to draw, and the names of those whose curves are the block's in every panel."""
     every = axes_of(dataset)
     labelled = tuple(a for a in every if not is_numeric(dataset, a))
     lines: list[_Line] = []
+    as_block: list[tuple[str, ...]] = []
     for case in pick(dataset, 10_000, labelled)[0]:
         names = tuple(
             str(dataset[a].values[i]) if not _bare(dataset, a, i) else f"model {dataset[a].values[i]}"
@@ -163,13 +168,15 @@ def _lines(dataset: xarray.Dataset, panels: list[Panel], columns: list[Position]
         )
         spots = [_at(dataset, column, case.position) for column in columns]
         if all(number_at(dataset, panel.error, spot) == 0.0 for panel in panels for spot in spots):
+            if "spring_moment" in dataset.variables and np.isfinite(values_at(dataset, "spring_moment", spots[0])).all():
+                as_block.append(names)  # a model, not the block itself
             continue
         same = next((line for line in lines if _coincide(dataset, panels, columns, line.position, case.position)), None)
         if same is None:
             lines.append(_Line(case.position, [names]))
         else:
             same.names.append(names)
-    return lines[:MOST_CURVES], len(lines)
+    return lines, as_block
 
 
 def _bare(dataset: xarray.Dataset, axis: str, position: int) -> bool:
@@ -195,9 +202,7 @@ def _coincide(dataset: xarray.Dataset, panels: list[Panel], columns: list[Positi
     )
 
 
-def _pair(
-    pair: tuple[Axes, Axes], dataset: xarray.Dataset, panel: Panel, column: Position, lines: list[_Line]
-) -> None:
+def _pair(pair: tuple[Axes, Axes], dataset: xarray.Dataset, panel: Panel, column: Position, lines: list[_Line]) -> None:
     """A panel of curves and, below it, of their errors."""
     curve, error = pair
     ratio = np.asarray(dataset["theta_over_alpha"].values, dtype=float)
@@ -230,15 +235,24 @@ def _from_rest(ratio: Array, values: Array, rises: bool) -> tuple[Array, Array]:
     return (np.concatenate([[0.0], ratio]), np.concatenate([[0.0], values])) if rises else (ratio, values)
 
 
-def _legend(figure: Figure, dataset: xarray.Dataset, panels: list[Panel], lines: list[_Line], columns: int) -> None:
-    from matplotlib.lines import Line2D
-
+def _legend(
+    figure: Figure,
+    dataset: xarray.Dataset,
+    panels: list[Panel],
+    lines: list[_Line],
+    as_block: list[tuple[str, ...]],
+    columns: int,
+) -> None:
     corners = any(panel.beside for panel in panels)
-    handles = [Line2D([], [], color="#000000", linewidth=1.4, label="block, free corner" if corners else "block")]
+    block = "block, free corner" if corners else "block"
+    if as_block:
+        block += " = " + (words_of(as_block) or _only_model(dataset, panels))
+    handles = [Line2D([], [], color="#000000", linewidth=1.4, label=block)]
     if corners:
-        handles.append(Line2D([], [], color="#000000", linewidth=1.4, dashes=(1, 1.2), label="block, pivot-side corner"))
+        handles.append(Line2D([], [], color="#000000", linewidth=1.4, label="block, pivot-side corner"))
+        handles[-1].set_dashes((1, 1.2))
     for number, line in enumerate(lines):
-        label = words_of(line.names) or str(dataset[panels[0].model].attrs.get("model", "model"))
+        label = words_of(line.names) or _only_model(dataset, panels)
         handle = Line2D([], [], color=COLOURS[number], linewidth=1.0, label=label)
         handle.set_dashes(_DASHES[(number + 1) % len(_DASHES)])
         handles.append(handle)
@@ -247,6 +261,10 @@ def _legend(figure: Figure, dataset: xarray.Dataset, panels: list[Panel], lines:
     longest = max(len(str(handle.get_label())) for handle in handles)
     fitting = max(1, min(columns, len(handles), int(figure.get_figwidth() * 15) // (longest + 6)))
     figure.legend(handles=handles, loc="outside lower center", ncols=fitting, columnspacing=1.4, handlelength=2.6)
+
+
+def _only_model(dataset: xarray.Dataset, panels: list[Panel]) -> str:
+    return str(dataset[panels[0].model].attrs.get("model", "model"))
 
 
 def _yields(dataset: xarray.Dataset, line: _Line) -> bool:

@@ -39,21 +39,15 @@ _G = 9.81
 
 _HEIGHTS = {"ground": 0.5, "theta": 1.15, "rate": 0.8, "difference": 0.65}
 
+_REFERENCE: dict[str, Any] = {"linewidth": 0.9, "dashes": (3.5, 1.8), "zorder": 4}
+
 Position = tuple[int, ...]
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Line:
-    """A curve of every column: its place on the compared axes and its name; reference: what it is compared with."""
-
-    place: dict[str, int]
-    label: str
-
-
-@dataclass(frozen=True)
-class Column:
-    """A place on the axes that are not compared, and its name."""
+class Point:
+    """A place on some of the axes and its name: a column on those that are not compared, a curve on the others."""
 
     place: dict[str, int]
     label: str
@@ -69,10 +63,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     """Panels of a_g, theta/alpha, its rate and the difference to the reference, which is dashed and black."""
     reference = reference_on_axes(dataset)
     every = axes_of(dataset)
-    columns = [
-        Column(*named) for named in _points(dataset, tuple(axis for axis in every if axis not in reference))
-    ]  # fmt: skip
-    lines = [Line(*named) for named in _points(dataset, tuple(reference)) if named[0] != reference]
+    columns = _points(dataset, tuple(axis for axis in every if axis not in reference))
+    lines = [point for point in _points(dataset, tuple(reference)) if point.place != reference]
     shown, curves = _spread(columns, MOST_COLUMNS), _spread(lines, MOST_CURVES)
     across = len(shown) if len(shown) <= _ACROSS else 2 if len(shown) == 4 else _ACROSS
     down = -(-len(shown) // across)
@@ -107,7 +99,6 @@ def draw(dataset: xarray.Dataset) -> Figure:
     notes = (
         selection_note(len(shown), len(columns), "columns"),
         selection_note(len(curves), len(lines), "curves"),
-        f"dashed: {reference_words(dataset)}",
         "crosses: overturning" if fell else "",
     )
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
@@ -115,13 +106,13 @@ def draw(dataset: xarray.Dataset) -> Figure:
     return figure
 
 
-def _points(dataset: xarray.Dataset, axes: tuple[str, ...]) -> list[tuple[dict[str, int], str]]:
+def _points(dataset: xarray.Dataset, axes: tuple[str, ...]) -> list[Point]:
     """Every point of some axes, with its name."""
     found = []
     for position in np.ndindex(*(int(dataset.sizes[axis]) for axis in axes)):
         place = dict(zip(axes, (int(i) for i in position), strict=True))
         words = [coordinate_label(dataset, axis, i) for axis, i in place.items() if dataset.sizes[axis] > 1]
-        found.append((place, ", ".join(words).replace("_", " ")))
+        found.append(Point(place, ", ".join(words).replace("_", " ")))
     return found
 
 
@@ -147,12 +138,13 @@ def _column(panel: dict[str, Axes], dataset: xarray.Dataset, cases: list[Positio
     """Draw a column; whether something in it overturns."""
     time = dataset["time"].values
     if "ground" in panel:
-        panel["ground"].plot(time, values_at(dataset, "a_g", _longest(dataset, [*cases, base])) / _G, color="#333333", linewidth=0.7)  # fmt: skip
+        ground = values_at(dataset, "a_g", _longest(dataset, [*cases, base])) / _G
+        panel["ground"].plot(time, ground, color="#333333", linewidth=0.7)
     fell = False
     for number, case in enumerate([*cases, base]):
         is_base = number == len(cases)
         colour = "#000000" if is_base else COLOURS[number]
-        drawn: dict[str, Any] = {"linewidth": 0.9, "dashes": (3.5, 1.8), "zorder": 4} if is_base else {"linewidth": 1.1, "zorder": 3}
+        drawn: dict[str, Any] = _REFERENCE if is_base else {"linewidth": 1.9 - 0.9 * number / max(len(cases) - 1, 1), "zorder": 3}
         alpha, p = number_at(dataset, "alpha", case), number_at(dataset, "p", case)
         ratio = values_at(dataset, "theta", case) / alpha
         lost = outcome_at(dataset, case).startswith("overturned") & (np.abs(ratio) > _SHOWN_UP_TO)
@@ -210,7 +202,7 @@ def _name_axes(panel: dict[str, Axes], dataset: xarray.Dataset) -> None:
         axes.set_ylabel(words[name])
 
 
-def _legend(figure: Figure, lines: list[Line], reference: str) -> None:
+def _legend(figure: Figure, lines: list[Point], reference: str) -> None:
     handles = [
         Line2D([], [], color=COLOURS[number], linewidth=1.1, label=line.label) for number, line in enumerate(lines)
     ]

@@ -63,6 +63,7 @@ class Batch:
 
     @property
     def size(self) -> int:
+        """Number of cases."""
         return len(self.g)
 
     @property

@@ -43,6 +43,7 @@ class Block:
 
     @property
     def size(self) -> int:
+        """Number of bodies."""
         return len(self.h)
 
     @property

@@ -39,5 +39,6 @@ class Numerics:
 
     @property
     def tolerances(self) -> Accuracy:
+        """The accuracy level, with `rtol` in place of its tolerance where given."""
         level = ACCURACIES[self.accuracy]
         return level if self.rtol is None else Accuracy(rtol=self.rtol, rest_speed=level.rest_speed)

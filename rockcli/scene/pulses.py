@@ -39,10 +39,7 @@ def make_pulses(shape: str, *, a_p: Array, omega_p: Array, t0: Array | None = No
     law = SHAPES[shape]
     T_p = 2.0 * np.pi / omega_p
     if t0 is None:
-        if shape == "mavroeidis_papageorgiou":
-            t0 = 0.5 * options["gamma"] * T_p
-        else:
-            t0 = law.lead_in_periods * T_p
+        t0 = 0.5 * options["gamma"] * T_p if shape == "mavroeidis_papageorgiou" else law.lead_in_periods * T_p
     rows = law.pieces(a_p=a_p, omega_p=omega_p, T_p=T_p, t0=np.broadcast_to(t0, a_p.shape), **options)
     table = np.stack(rows, axis=1)
     start = table[:, 0, 0]

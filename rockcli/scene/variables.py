@@ -26,7 +26,11 @@ class Variable:
 _ROWS: tuple[Variable, ...] = (
     Variable("outcome", "outcome", CASE, "1", "what became of the body"),
     Variable(
-        "theta_peak", r"$\theta_{\mathrm{max}}$", CASE, "rad", "rotation at the earliest maximum of |theta|; +/-inf overturned"
+        "theta_peak",
+        r"$\theta_{\mathrm{max}}$",
+        CASE,
+        "rad",
+        "rotation at the earliest maximum of |theta|; +/-inf overturned",
     ),
     Variable(
         "theta_peak_over_alpha",
@@ -35,9 +39,19 @@ _ROWS: tuple[Variable, ...] = (
         "1",
         "largest |theta| over alpha of that side; inf overturned",
     ),
-    Variable("theta_dot_peak", r"$|\dot\theta|_{\mathrm{max}}$", CASE, "rad s-1", "largest |rate of rotation|; inf overturned"),
     Variable(
-        "u_top_peak", r"$|u_{\mathrm{top}}|_{\mathrm{max}}$", CASE, "m", "largest |horizontal displacement of the top|; inf overturned"
+        "theta_dot_peak",
+        r"$|\dot\theta|_{\mathrm{max}}$",
+        CASE,
+        "rad s-1",
+        "largest |rate of rotation|; inf overturned",
+    ),
+    Variable(
+        "u_top_peak",
+        r"$|u_{\mathrm{top}}|_{\mathrm{max}}$",
+        CASE,
+        "m",
+        "largest |horizontal displacement of the top|; inf overturned",
     ),
     Variable("t_peak", r"$t_{\mathrm{peak}}$", CASE, "s", "time of theta_peak; NaN without uplift or overturned"),
     Variable("t_uplift", r"$t_{\mathrm{uplift}}$", CASE, "s", "time rocking begins; NaN without uplift"),
@@ -50,7 +64,9 @@ _ROWS: tuple[Variable, ...] = (
     ),
     Variable("t_end", r"$t_{\mathrm{end}}$", CASE, "s", "end of the reported response"),
     Variable("n_impacts", r"$n_{\mathrm{impacts}}$", CASE, "1", "impacts faster than 1e-6 p alpha up to t_end"),
-    Variable("mu_required", r"$\mu_{\mathrm{req}}$", CASE, "1", "largest |T/N| at the base between impacts; inf where N <= 0"),
+    Variable(
+        "mu_required", r"$\mu_{\mathrm{req}}$", CASE, "1", "largest |T/N| at the base between impacts; inf where N <= 0"
+    ),
     Variable("mu_impact", r"$\mu_{\mathrm{impact}}$", CASE, "1", "largest ratio of impulses at an impact"),
     Variable(
         "N_min_over_mg",
@@ -70,6 +86,23 @@ _ROWS: tuple[Variable, ...] = (
     Variable("wall_time", "wall time", CASE, "s", "time the solver took, shared evenly over a batch"),
     Variable("n_steps", r"$n_{\mathrm{steps}}$", CASE, "1", "steps of the solver"),
     Variable("reason", "reason", CASE, "1", "index into `reasons`: what there is to say about this case"),
+    Variable(
+        "fema_delta",
+        r"$\delta_{\mathrm{FEMA}}$",
+        CASE,
+        "m",
+        "fema356: displacement of the centre of mass; inf overturned",
+    ),
+    Variable("fema_u_top", r"$u_{\mathrm{FEMA}}$", CASE, "m", "fema356: displacement of the top; inf overturned"),
+    Variable("fema_T", r"$T_{\mathrm{FEMA}}$", CASE, "s", "fema356: period at the solution"),
+    Variable("fema_beta", r"$\beta_{\mathrm{FEMA}}$", CASE, "1", "fema356: effective damping ratio"),
+    Variable(
+        "fema_n_roots",
+        r"$n_{\mathrm{roots}}$",
+        CASE,
+        "1",
+        "fema356: number of amplitudes that solve it; 0: overturning predicted",
+    ),
     Variable("R", r"$R$", CASE, "m", "distance from the edge to the centre of mass (the edge with the smaller alpha)"),
     Variable("alpha", r"$\alpha$", CASE, "rad", "slenderness angle (the smaller of both edges)"),
     Variable("p", r"$p$", CASE, "rad s-1", "frequency parameter sqrt(m g R/I_O) (the edge with the smaller alpha)"),
@@ -89,7 +122,11 @@ _ROWS: tuple[Variable, ...] = (
     Variable("a_g", r"$a_g$", TIME, "m s-2", "horizontal ground acceleration"),
     Variable("a_v", r"$a_v$", TIME, "m s-2", "vertical ground acceleration, positive up"),
     Variable(
-        "u_top", r"$u_{\mathrm{top}}$", TIME, "m", "horizontal displacement of the pivot-side top corner relative to the ground"
+        "u_top",
+        r"$u_{\mathrm{top}}$",
+        TIME,
+        "m",
+        "horizontal displacement of the pivot-side top corner relative to the ground",
     ),
     Variable("v_top", r"$v_{\mathrm{top}}$", TIME, "m", "vertical displacement of the pivot-side top corner"),
     Variable(
@@ -120,31 +157,78 @@ _ROWS: tuple[Variable, ...] = (
     Variable("theta_over_alpha", r"$\theta/\alpha$", ROTATION, "1", "rotation over alpha, of the static curves"),
     Variable("restoring_moment", r"$M_r/(mgR)$", ROTATION, "1", "restoring moment of the model over m g R"),
     Variable("restoring_moment_block", r"$M_r/(mgR)$", ROTATION, "1", "restoring moment of the block over m g R"),
-    Variable("spring_moment", r"$M_s/(mgR)$", ROTATION, "1", "moment of the model's base spring over m g R; NaN without one"),
+    Variable(
+        "spring_moment", r"$M_s/(mgR)$", ROTATION, "1", "moment of the model's base spring over m g R; NaN without one"
+    ),
     Variable("pushover_force", r"$F/(mg)$", ROTATION, "1", "horizontal force at the centroid over m g, model"),
     Variable("pushover_force_block", r"$F/(mg)$", ROTATION, "1", "horizontal force at the centroid over m g, block"),
     Variable("u_model", r"$u$", ROTATION, "m", "horizontal displacement of the model's top"),
     Variable("v_model", r"$v$", ROTATION, "m", "vertical displacement of the model's top"),
-    Variable("u_pivot_corner", r"$u$", ROTATION, "m", "horizontal displacement of the block's top corner above the pivot"),
-    Variable("v_pivot_corner", r"$v$", ROTATION, "m", "vertical displacement of the block's top corner above the pivot"),
+    Variable(
+        "u_pivot_corner", r"$u$", ROTATION, "m", "horizontal displacement of the block's top corner above the pivot"
+    ),
+    Variable(
+        "v_pivot_corner", r"$v$", ROTATION, "m", "vertical displacement of the block's top corner above the pivot"
+    ),
     Variable("u_free_corner", r"$u$", ROTATION, "m", "horizontal displacement of the block's other top corner"),
     Variable("v_free_corner", r"$v$", ROTATION, "m", "vertical displacement of the block's other top corner"),
     Variable("overturning_moment", r"$M_o/(ma_gR)$", ROTATION, "1", "overturning moment of the model over m a_g R"),
-    Variable("overturning_moment_block", r"$M_o/(ma_gR)$", ROTATION, "1", "overturning moment of the block over m a_g R"),
-    Variable("theta_critical_over_alpha", r"$\theta_{cr}/\alpha$", CASE, "1", "rotation at which the model's restoring moment vanishes, over alpha; inf: never"),
-    Variable("curve_error_moment_rotation", r"$\epsilon_M$", CASE, "1", "largest |model - block| of the restoring moment over the block's at 0"),
-    Variable("curve_error_pushover", r"$\epsilon_F$", CASE, "1", "largest |model - block| of the pushover force over the block's at 0"),
-    Variable("curve_error_displacements", r"$\epsilon_u$", CASE, "1", "largest |model - block's free corner| of u over that corner's u at alpha"),
-    Variable("curve_error_displacements_vertical", r"$\epsilon_v$", CASE, "1", "largest |model - block's free corner| of v over that corner's u at alpha"),
-    Variable("curve_error_overturning_moment", r"$\epsilon_{M_o}$", CASE, "1", "largest |model - block| of the overturning moment over the block's at 0"),
+    Variable(
+        "overturning_moment_block", r"$M_o/(ma_gR)$", ROTATION, "1", "overturning moment of the block over m a_g R"
+    ),
+    Variable(
+        "theta_critical_over_alpha",
+        r"$\theta_{cr}/\alpha$",
+        CASE,
+        "1",
+        "rotation at which the model's restoring moment vanishes, over alpha; inf: never",
+    ),
+    Variable(
+        "curve_error_moment_rotation",
+        r"$\epsilon_M$",
+        CASE,
+        "1",
+        "largest |model - block| of the restoring moment over the block's at 0",
+    ),
+    Variable(
+        "curve_error_pushover",
+        r"$\epsilon_F$",
+        CASE,
+        "1",
+        "largest |model - block| of the pushover force over the block's at 0",
+    ),
+    Variable(
+        "curve_error_displacements",
+        r"$\epsilon_u$",
+        CASE,
+        "1",
+        "largest |model - block's free corner| of u over that corner's u at alpha",
+    ),
+    Variable(
+        "curve_error_displacements_vertical",
+        r"$\epsilon_v$",
+        CASE,
+        "1",
+        "largest |model - block's free corner| of v over that corner's u at alpha",
+    ),
+    Variable(
+        "curve_error_overturning_moment",
+        r"$\epsilon_{M_o}$",
+        CASE,
+        "1",
+        "largest |model - block| of the overturning moment over the block's at 0",
+    ),
 )
 
 VARIABLES: dict[str, Variable] = {row.name: row for row in _ROWS}
 
+SCALARS_FEMA: tuple[str, ...] = ("fema_delta", "fema_u_top", "fema_T", "fema_beta", "fema_n_roots")
+"""What only the damping scheme fema356 knows; NaN for all others."""
+
 SCALARS: tuple[str, ...] = (
     "outcome", "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn",
     "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual", "error_estimate", "wall_time",
-    "n_steps", "reason",
+    "n_steps", "reason", *SCALARS_FEMA,
 )  # fmt: skip
 """Scalars a study can save, in the order of the contract."""
 

@@ -7,18 +7,29 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import Block, housner_eta
-from rockcli.scene.damping import DASHPOT, Damping
+from rockcli.scene.damping import DASHPOT, Damping, Fema356
+from rockcli.scene.excitation import Excitation
 from rockcli.scene.numerics import Numerics
+from rockcli.scene.spectra import SPECTRA, DesignSpectrum
 from rockcli.study.features import BACKENDS, DAMPING, available, model_and_geometry
 from rockcli.study.motion import build_excitation
 from rockcli.study.numbers import Numbers
 from rockcli.study.records import Records
-from rockcli.study.tree import Keys
+from rockcli.study.tree import Keys, value_at
 
 Array = NDArray[np.float64]
 
-SCHEME_KEYS: dict[str, tuple[str, ...]] = {"restitution": ("eta", "r_energy"), "dashpot": ("coefficient",)}
+SCHEME_KEYS: dict[str, tuple[str, ...]] = {
+    "restitution": ("eta", "r_energy"),
+    "dashpot": ("coefficient",),
+    "fema356": ("W_over_Mg", "fixed_base_period", "spectrum"),
+}
 """Keys of a damping scheme beside its name."""
+
+FEMA356_IS_POOR = (
+    "damping fema356 is an equivalent linear method known to be poor (on the source's pulses its peaks are off by "
+    "-43 to +66 %, docs/fema356.md): it is offered for comparison"
+)
 
 CLAMPED = "Housner's eta is negative (tan alpha > sqrt 2 for a rectangle): taken as 0, the body stops at the impact"
 
@@ -45,6 +56,10 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
     damping = _damping(numbers, warnings)
     excitation = build_excitation(numbers, records, warnings)
     theta_0, theta_dot_0 = _initial(numbers)
+    if damping.fema356 is not None:
+        warnings += _fema356_warnings(
+            numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
+        )
     warnings += leaving_its_ground(model, geometry, block)
     return Batch(
         g=g,
@@ -98,6 +113,8 @@ def _damping(numbers: Numbers, warnings: list[str]) -> Damping:
             coefficient = DASHPOT
         numbers.require((*keys, "coefficient"), np.greater_equal(coefficient, 0.0), "must not be negative")
         return Damping(scheme, np.ones((numbers.n, 2)), coefficient=numbers.array(coefficient))
+    if scheme == "fema356":
+        return Damping(scheme, np.maximum(housner_eta(numbers.block), 0.0), fema356=_fema356(numbers))
     if "eta" in given and "r_energy" in given:
         numbers.fail((*keys, "r_energy"), "eta and r_energy say the same thing; leave one out")
     if given.get("eta", "housner") == "housner" and "r_energy" not in given:
@@ -112,6 +129,73 @@ def _damping(numbers: Numbers, warnings: list[str]) -> Damping:
     numbers.require((*keys, key), np.greater_equal(value, 0.0) & np.less_equal(value, 1.0), "must be between 0 and 1")
     column = numbers.array(value if key == "eta" else np.sqrt(value))
     return Damping(scheme, np.repeat(column[:, None], 2, axis=1))
+
+
+def _fema356(numbers: Numbers) -> Fema356:
+    """The scheme's weight, elastic period and spectrum.
+
+    Raises:
+        StudyError: not positive, or the keys of the spectrum are not those of one shape.
+    """
+    keys: Keys = ("case", "damping")
+    weight, period = numbers.positive((*keys, "W_over_Mg")), numbers.positive((*keys, "fixed_base_period"))
+    return Fema356(
+        W_over_Mg=numbers.array(1.0 if weight is None else weight),
+        fixed_base_period=numbers.array(np.nan if period is None else period),
+        spectrum=_design_spectrum(numbers, (*keys, "spectrum")),
+    )
+
+
+def _design_spectrum(numbers: Numbers, keys: Keys) -> DesignSpectrum | None:
+    """The design spectrum, None for the motion's own."""
+    said = value_at(numbers.tree, keys)
+    if said is None or said == "motion":
+        return None
+    given = [key for key, value in said.items() if key not in ("shape", "units") and value is not None]
+    shape = said.get("shape") or ("table" if "periods" in given else None)
+    if shape is None:
+        numbers.fail(keys, f"needs a shape ({', '.join(SPECTRA)}), or periods and S_a of a table")
+    wanted = () if shape == "motion" else SPECTRA[shape].keys
+    for key in given:
+        if key not in wanted:
+            numbers.fail((*keys, key), f"is no key of the spectrum {shape}")
+    if shape == "motion":
+        return None
+    unit = numbers.g if said.get("units") == "g" else 1.0
+    values: dict[str, Array] = {}
+    for key in wanted:
+        at = (*keys, key)
+        if key not in given:
+            numbers.fail(keys, f"needs {key} for the spectrum {shape}")
+        if isinstance(said[key], list) != SPECTRA[shape].lists:
+            numbers.fail(at, f"must be a {'list' if SPECTRA[shape].lists else 'number'} for the spectrum {shape}")
+        items = [numbers.positive((*at, i)) for i in range(len(said[key]))] if SPECTRA[shape].lists else []
+        value = np.stack([numbers.array(item) for item in items if item is not None], axis=1) if items else None
+        if value is None:
+            one = numbers.positive(at)
+            assert one is not None
+            value = numbers.array(one)
+        scale = numbers.array(unit if key == "S_a" else 1.0)
+        values[key] = value * (scale[:, None] if items else scale)
+    if shape == "table":
+        numbers.require((*keys, "periods"), np.diff(values["periods"], axis=1) > 0.0, "must ascend")
+        same = len(said["periods"]) == len(said["S_a"])
+        numbers.require((*keys, "S_a"), same, "must have as many values as there are periods")
+    return DesignSpectrum(shape, values)
+
+
+def _fema356_warnings(numbers: Numbers, scheme: Fema356, excitation: Excitation, *, moving: bool) -> list[str]:
+    """What the scheme is worth, and what of the case it does not see."""
+    if scheme.spectrum is None and excitation.horizontal is None:
+        numbers.fail(("case", "damping"), "fema356 needs a ground motion, or a design spectrum under `spectrum`")
+    said = [FEMA356_IS_POOR]
+    if excitation.vertical is not None:
+        said.append("damping fema356 does not see the vertical motion")
+    if moving:
+        said.append("damping fema356 does not see the initial state")
+    if not numbers.block.symmetric.all():
+        said.append("damping fema356 knows one edge: that with the smaller alpha")
+    return said
 
 
 def _numerics(numbers: Numbers) -> Numerics:

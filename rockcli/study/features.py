@@ -8,8 +8,8 @@ from typing import Any
 from rockcli.scene.models import MODEL_NAMES, MODELS
 from rockcli.study.tree import Keys, Map, Source, value_at
 
-DAMPING: tuple[str, ...] = ("none", "restitution", "dashpot")
-BACKENDS: tuple[str, ...] = ("auto", "event")
+DAMPING: tuple[str, ...] = ("none", "restitution", "dashpot", "fema356")
+BACKENDS: tuple[str, ...] = ("auto", "event", "scipy")
 LATER: dict[Keys, str] = {
     ("over",): "ensemble statistics along an axis are",
     ("refine",): "adaptive refinement is",

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from rockcli.scene.pulses import SHAPES
+from rockcli.scene.spectra import SPECTRA
 from rockcli.scene.variables import SCALARS
 from rockcli.study.expressions import ExpressionError, parse
 from rockcli.study.tree import nearest
@@ -91,10 +92,11 @@ _NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
 _PAIR_SCHEMA = {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
 Number = Annotated[Any, BeforeValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
-Edges = Annotated[
+Edges = Annotated[Any, BeforeValidator(_edges), WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, _PAIR_SCHEMA]})]
+Series = Annotated[
     Any,
-    BeforeValidator(_edges),
-    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, _PAIR_SCHEMA]}),
+    BeforeValidator(lambda value: [_number(v) for v in value] if isinstance(value, list) else _number(value)),
+    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
 ]
 Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": "housner"}, _NUMBER_SCHEMA]})]
 Label = Annotated[str, BeforeValidator(_label)]
@@ -264,6 +266,21 @@ class BasePart(Part):
     fibres: int | None = key("number of fibres", ge=1)
 
 
+class SpectrumPart(Part):
+    """A design spectrum of the scheme fema356."""
+
+    shape: Literal[("motion", *SPECTRA)] | None = key("motion, or a shape; a mapping with periods is a table")  # type: ignore[valid-type]
+    S_a: Series | None = key("constant, table: pseudo-acceleration [m/s^2], or in g with units: g")
+    S_v: Number | None = key("flat_S_v: spectral velocity [m/s]")
+    periods: Series | None = key("table: ascending periods [s]")
+    units: Literal["g", "m/s^2"] = key("units of S_a", "m/s^2")
+    S_XS: Number | None = key("fema356: 5 % spectral acceleration at short periods [m/s^2]")
+    S_X1: Number | None = key("fema356: 5 % spectral acceleration at 1 s [m/s^2]")
+
+
+Spectrum = Annotated[SpectrumPart | None, BeforeValidator(lambda v: {"shape": "motion"} if v == "motion" else v)]
+
+
 class DampingPart(Part):
     """What is lost at impacts or between them."""
 
@@ -273,7 +290,8 @@ class DampingPart(Part):
     coefficient: Number | None = key("dashpot: coefficient [1]; default 0.02")
     alpha_d: Number | None = key("hht: parameter in [2/3, 1]")
     W_over_Mg: Number | None = key("fema356: weight over M g [1]")
-    spectrum: Any | None = key("fema356: `motion` or a mapping")
+    fixed_base_period: Number | None = key("fema356: elastic period without rocking [s], for the rocking potential")
+    spectrum: Spectrum = key("fema356: `motion` (default) or a design spectrum")
 
 
 class SolverPart(Part):
@@ -355,6 +373,7 @@ _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
     ("CasePart", "damping"): {"enum": ["none", "restitution", "dashpot", "hht", "fema356"]},
     ("CasePart", "model"): {"enum": [*MODEL_NAMES, 1, 2, 3, 4]},
     ("CasePart", "motion"): {"const": "none"},
+    ("DampingPart", "spectrum"): {"const": "motion"},
     ("MotionPart", "record"): {"type": "string"},
     ("MotionPart", "vertical"): {"$ref": "#/$defs/RecordPart"},
     ("RecordPart", "taper"): _NUMBER_SCHEMA,

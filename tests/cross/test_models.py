@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -33,7 +34,7 @@ def independent(model, geometry, alpha, eta, c, a_of_t, breaks, *, until):
     threshold = G_ * np.tan(alpha)
     peak, s, y = 0.0, 0.0, np.zeros(2)
     edges = [*breaks, until]
-    for t0, t1 in zip(edges[:-1], edges[1:], strict=True):
+    for t0, t1 in itertools.pairwise(edges):
         a = a_of_t(t0, t1)
         t = t0
         while t < t1 - 1e-15:

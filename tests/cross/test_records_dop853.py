@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference import body_of, integrate
-from scenes import G, SHARED, block, record, rock
+from scenes import SHARED, G, block, record, rock
 
 from rockcli.scene.block import housner_eta
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT

@@ -129,9 +129,9 @@ def test_what_overturned_is_said() -> None:
 def test_a_comparison_shows_the_difference() -> None:
     dataset = histories(3, compare_to='{"R_m": 2.0}')
     figure = figures.figure("histories", dataset)
-    assert "dashed: $R$ = 2 m" in words(figure)
     assert figure.axes[-1].get_ylabel() == r"$\Delta\theta/\alpha$"
-    assert len(figure.legends[0].get_texts()) == 2  # the reference is not a case of its own
+    assert [text.get_text() for text in figure.legends[0].get_texts()][-1] == "$R$ = 2 m (reference)"
+    assert len(figure.legends[0].get_texts()) == 3
     assert "grey: $R$ = 2 m" in words(figures.figure("phase", dataset))
 
 

@@ -1,0 +1,266 @@
+"""What is read off the flexible column in a phase: loads, guards, energy (docs/flexible.md).
+
+Everything is per m L^2 (mass per unit depth, L = 2h), so that moments are in 1/s^2 and energies too.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.jit import jit
+from rockcli.kernels.oscillator import HALF, PVV, PVZ, PZV, PZZ, WV, WZ, advance
+
+CONTACT, OPEN = 0, 1
+"""Phases: base held (rigid base) or in full contact (Winkler); base rocking on an edge."""
+
+(
+    G, LENGTH, WIDTH, THETA_1, ALPHA, P, ETA, REARM, BARRIER, THETA_STAR, H_MAX, H_FREE, T_MOTION, T_STOP,
+    HAS_DURATION, FACTOR_H, FACTOR_V, R_A, MOBILITY, TOL, GIVE_UP, PHASE_0, SIDE_0, DETAIL, N_PAR,
+) = range(25)  # fmt: skip
+"""g; 2h; b; rotation at which a Winkler base opens (0: rigid base); alpha; p; eta; rotation that re-arms eta;
+energy and rotation of the unstable equilibrium; largest steps with and without ground motion; end of the motion and
+of the report; is the duration given; factors of sampled motions; base moment per a_g of the held column;
+[M^-1]_00; rounding of theta; free rocking after T_STOP; first phase and side; is the work wanted."""
+
+UNIFORM_TO_ROTATION = 0.5
+"""Uniform load times rigid rotation: the first moment of the mass over m L."""
+
+
+@jit
+def dot(a, b):
+    """Scalar product."""
+    total = 0.0
+    for m in range(len(a)):
+        total += a[m] * b[m]
+    return total
+
+
+@jit
+def base_moment(par, s, theta, a_v):
+    """Moment of the base opposing an open column: (g + a_v) b, or the Winkler law (F6); [1/s^2]."""
+    weight = par[G] + a_v
+    full = weight * par[WIDTH] / (par[LENGTH] * par[LENGTH])
+    theta_1 = par[THETA_1] * weight / par[G]
+    if theta_1 <= 0.0:
+        return s * full
+    q = s * theta
+    if q <= theta_1:
+        return s * full * q / (3.0 * theta_1)
+    return s * full * (1.0 - 2.0 / 3.0 * math.sqrt(theta_1 / q))
+
+
+@jit
+def uniform_load(par, theta, a, a_v):
+    """Load along the column beside the linear weight (F3)."""
+    g = par[G]
+    return ((g + a_v) * math.sin(theta) - g * theta - a * math.cos(theta)) / par[LENGTH]
+
+
+@jit
+def rotation_load(par, phase, s, theta, sigma, a, a_v):
+    """Moment on the base rotation beside the linear weight (F3)."""
+    g = par[G]
+    load = ((g + a_v) * math.cos(theta) - g + a * math.sin(theta)) * sigma / par[LENGTH]
+    if phase == OPEN:
+        load -= base_moment(par, s, theta, a_v)
+    return load
+
+
+@jit
+def quadratic(f_0, f_b, f_1, h, F, k):
+    """Coefficients of f0 + f1 t + f2 t^2/2 through values at 0, h/2, h, into F[k : k + 3]."""
+    F[k] = f_0
+    F[k + 1] = (4.0 * f_b - 3.0 * f_0 - f_1) / h
+    F[k + 2] = 4.0 * (f_0 - 2.0 * f_b + f_1) / (h * h)
+
+
+@jit
+def along(F, k, x):
+    """Value of a quadratic at x."""
+    return F[k] + x * (F[k + 1] + 0.5 * x * F[k + 2])
+
+
+@jit
+def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
+    """One step: the loads by collocation at 0, h/2, h (F9), then the exact modal flow under them.
+
+    A holds a_g and a_v at 0, h/2, h.  Writes the state at h into z_1, v_1 and the loads' coefficients into F.
+    Returns False if the loads do not converge (the step is too long).
+    """
+    n = len(lam)
+    theta_b = y_b = theta_1 = y_1 = 0.0
+    for m in range(n):
+        z_1[m] = table[PZZ, m] * z[m] + table[PZV, m] * v[m]
+        v_1[m] = table[PVZ, m] * z[m] + table[PVV, m] * v[m]
+        theta_b += table[HALF, m] * z[m] + table[HALF + 1, m] * v[m]
+        y_b += table[HALF + 2, m] * z[m] + table[HALF + 3, m] * v[m]
+        theta_1 += th[m] * z_1[m]
+        y_1 += bu[m] * z_1[m]
+    theta = dot(th, z)
+    sigma = dot(bu, z) - UNIFORM_TO_ROTATION * theta
+    f_0 = uniform_load(par, theta, A[0], A[3])
+    m_0 = rotation_load(par, phase, s, theta, sigma, A[0], A[3])
+    rate = 0.5 * h * dot(th, v)
+    t_b, t_1, s_b, s_1 = theta + rate, theta + 2.0 * rate, sigma, sigma
+    f_b = f_1 = m_b = m_1 = 0.0
+    converged = False
+    for _ in range(60):
+        f_b, f_1 = uniform_load(par, t_b, A[1], A[4]), uniform_load(par, t_1, A[2], A[5])
+        m_b = rotation_load(par, phase, s, t_b, s_b, A[1], A[4])
+        m_1 = rotation_load(par, phase, s, t_1, s_1, A[2], A[5])
+        w = influence
+        new_b = theta_b + w[0] * f_0 + w[1] * f_b + w[2] * f_1 + w[3] * m_0 + w[4] * m_b + w[5] * m_1
+        sb = y_b + w[6] * f_0 + w[7] * f_b + w[8] * f_1 + w[9] * m_0 + w[10] * m_b + w[11] * m_1
+        new_1 = theta_1 + w[12] * f_0 + w[13] * f_b + w[14] * f_1 + w[15] * m_0 + w[16] * m_b + w[17] * m_1
+        s1 = y_1 + w[18] * f_0 + w[19] * f_b + w[20] * f_1 + w[21] * m_0 + w[22] * m_b + w[23] * m_1
+        change = abs(new_b - t_b) + abs(new_1 - t_1)
+        t_b, t_1 = new_b, new_1
+        s_b, s_1 = sb - UNIFORM_TO_ROTATION * t_b, s1 - UNIFORM_TO_ROTATION * t_1
+        if change <= 1e-14 * (abs(theta) + abs(t_1)) + 1e-3 * par[TOL]:
+            converged = True
+            break
+        if not change < 1e3:
+            break
+    for m in range(n):
+        q_0, q_b, q_1 = bu[m] * f_0 + th[m] * m_0, bu[m] * f_b + th[m] * m_b, bu[m] * f_1 + th[m] * m_1
+        z_1[m] += table[WZ, m] * q_0 + table[WZ + 1, m] * q_b + table[WZ + 2, m] * q_1
+        v_1[m] += table[WV, m] * q_0 + table[WV + 1, m] * q_b + table[WV + 2, m] * q_1
+    quadratic(f_0, f_b, f_1, h, F, 0)
+    quadratic(m_0, m_b, m_1, h, F, 3)
+    quadratic(A[0], A[1], A[2], h, F, 6)
+    quadratic(A[3], A[4], A[5], h, F, 9)
+    return converged
+
+
+@jit
+def limit(par, phase, s, a_v):
+    """What the guard's quantity is held against: see `gap`."""
+    if phase == OPEN:
+        return par[THETA_1] * (1.0 - 1e-9) - par[TOL]
+    if par[THETA_1] > 0.0:
+        return par[THETA_1] * (1.0 + 1e-9)
+    return (par[G] + a_v) * par[WIDTH] / (par[LENGTH] * par[LENGTH]) * (1.0 + 1e-10)
+
+
+@jit
+def gap(par, phase, s, armed, value, a_v):
+    """Distance to the nearest guard, an event where it turns negative.
+
+    OPEN: s theta above where contact begins.  CONTACT: |base moment| below (g + a_v) b (rigid base), |theta|
+    below theta_1 and, if eta is armed, theta on its side of zero (Winkler).
+    """
+    edge = limit(par, phase, s, a_v)
+    if phase == OPEN:
+        return s * value - edge
+    room = edge - abs(value)
+    if armed and par[THETA_1] > 0.0:
+        room = min(room, s * value + par[TOL])
+    return room
+
+
+@jit
+def gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, S, z, v, z_x, v_x):
+    """`gap` at x inside a step; the state there is left in z_x, v_x."""
+    advance(lam, c, bu, th, F, x, S, z, v, z_x, v_x)
+    value = dot(row, z_x) + dot(row_v, v_x)
+    if phase == CONTACT:
+        value += par[R_A] * along(F, 6, x)
+    return gap(par, phase, s, armed, value, along(F, 9, x))
+
+
+@jit
+def first_event(par, phase, s, armed, lam, c, bu, th, row, row_v, F, h, omega, S, z, v, z_x, v_x):
+    """First time in (0, h] a guard turns negative, or -1; the state there is left in z_x, v_x.
+
+    Samples stand half a radian of the fastest mode that matters apart (wider after 400 of them), and a dip
+    between samples is looked into.
+    """
+    parts = min(max(math.ceil(2.0 * omega * h), 4), 400)
+    width = min(h / parts, 0.5 / omega if omega > 0.0 else h)
+    x_0 = x_1 = 0.0
+    g_0 = g_1 = gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, 0.0, S, z, v, z_x, v_x)
+    if g_1 < 0.0:
+        return 0.0
+    count = 0
+    while x_1 < h:
+        if count > 200:
+            width *= 1.1
+        x = min(x_1 + width, h)
+        if h - x < 1e-6 * width:
+            x = h
+        g = gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, S, z, v, z_x, v_x)
+        lo, hi, g_lo, g_hi = x_1, x, g_1, g
+        if g >= 0.0 and count > 0 and g_0 > g_1 < g:
+            # vertex of the parabola through three samples
+            d_1, d_2 = (g_1 - g_0) / (x_1 - x_0), (g - g_1) / (x - x_1)
+            y = 0.5 * (x_0 + x_1) - d_1 * 0.5 * (x - x_0) / (d_2 - d_1)
+            y = min(max(y, x_0), x)
+            g_y = gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, y, S, z, v, z_x, v_x)
+            if g_y < 0.0:
+                lo, g_lo = (x_0, g_0) if y < x_1 else (x_1, g_1)
+                hi, g_hi = y, g_y
+        if g_hi < 0.0:
+            return _refine(par, phase, s, armed, lam, c, bu, th, row, row_v, F, lo, hi, g_lo, g_hi, S, z, v, z_x, v_x)
+        x_0, g_0, x_1, g_1 = x_1, g_1, x, g
+        count += 1
+    return -1.0
+
+
+@jit
+def _refine(par, phase, s, armed, lam, c, bu, th, row, row_v, F, lo, hi, g_lo, g_hi, S, z, v, z_x, v_x):
+    """Regula falsi (Illinois) on a bracket; ends just beyond the guard."""
+    side = 0
+    for _ in range(80):
+        if hi - lo <= 1e-14 * hi:
+            break
+        x = hi - g_hi * (hi - lo) / (g_hi - g_lo)
+        if not lo < x < hi:
+            x = 0.5 * (lo + hi)
+        g = gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, S, z, v, z_x, v_x)
+        if g < 0.0:
+            closer = g > 0.5 * g_hi
+            hi, g_hi = x, g
+            if side == -1:
+                g_lo *= 0.5
+            side = -1
+            if not closer and abs(g) < 1e-3 * par[TOL]:
+                break
+        else:
+            lo, g_lo = x, g
+            if side == 1:
+                g_hi *= 0.5
+            side = 1
+    gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, hi, S, z, v, z_x, v_x)
+    return hi
+
+
+@jit
+def energy(par, phase, lam, bu, th, z, v):
+    """Kinetic, elastic and gravity energy and that stored in the base, zero upright; over m L^2 [1/s^2]."""
+    total = 0.0
+    for m in range(len(lam)):
+        total += 0.5 * (v[m] * v[m] + lam[m] * z[m] * z[m])
+    theta = dot(th, z)
+    sigma = dot(bu, z) - UNIFORM_TO_ROTATION * theta
+    half = math.sin(0.5 * theta)
+    falls = 2.0 * half * half - 0.5 * theta * theta
+    pull = par[G] / par[LENGTH]
+    total -= pull * ((math.sin(theta) - theta) * sigma + UNIFORM_TO_ROTATION * falls)
+    if phase == OPEN:
+        q, theta_1 = abs(theta), par[THETA_1]
+        full = par[G] * par[WIDTH] / (par[LENGTH] * par[LENGTH])
+        if q > theta_1:
+            total += full * (q - 4.0 / 3.0 * math.sqrt(theta_1 * q) + 0.5 * theta_1)
+        elif theta_1 > 0.0:
+            total += full * q * q / (6.0 * theta_1)
+    return total
+
+
+@jit
+def work_of(F, k, h, y_0, y_b, y_1, r_0, r_1):
+    """Integral of load(t) y'(t) over a step, y the quartic through values at 0, h/2, h and rates at 0, h."""
+    end = along(F, k, h)
+    whole = h * (7.0 * y_0 + 16.0 * y_b + 7.0 * y_1) / 30.0 + h * h * (r_0 - r_1) / 60.0
+    slope = 0.25 * h * (r_0 + r_1)
+    skew = 0.25 * h * h * (0.4 * (y_1 - y_0) - 2.0 * slope / 15.0)
+    return end * y_1 - F[k] * y_0 - (F[k + 1] + 0.5 * h * F[k + 2]) * whole - F[k + 2] * skew

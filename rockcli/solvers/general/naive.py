@@ -1,0 +1,165 @@
+"""The rocking body as a script gives it to a solver: (2.2) with sgn(theta), jumps and all.
+
+theta and its rate are integrated from t = 0 to the end of the report in one go.  At theta = 0 and rate 0 the right-hand
+side is held at zero as long as the ground is below the uplift threshold.  No impact is located, so there is no
+restitution, and the method meets every jump of the right-hand side unprepared.  The largest step is a tenth of the
+report, as in MATLAB, or the spacing of the samples of a record.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.solvers.general import roots
+from rockcli.solvers.general.body import FALLS, RETURNS, SIDE, UNDECIDED, Body, Edge
+from rockcli.solvers.general.diary import Diary
+from rockcli.solvers.general.ground import Ground
+from rockcli.solvers.general.methods import Flow, Step, Walker
+
+LARGEST_STEP = 0.1
+"""Largest step over the time to integrate."""
+
+AFTERWARDS = 1000.0
+"""How long a swing under way at the end of the report is followed, times 1/p."""
+
+
+def largest_step(ground: Ground) -> float:
+    """The largest step of a solver that knows nothing of the motion [s]."""
+    return min(LARGEST_STEP * ground.t_stop, ground.dt) if ground.t_stop > 0.0 else math.inf
+
+
+def run(body: Body, ground: Ground, walker: Walker, diary: Diary, theta: float, rate: float, margin: float) -> None:
+    """Solve one case from theta [rad] and its rate [rad/s]; arguments as for `located.Located`.
+
+    Raises:
+        StuckError: the method fails.
+    """
+    whole = ground.whole()
+    flow = _flow(body, whole.a_g, whole.a_v)
+    if theta != 0.0 or rate != 0.0:
+        diary.begin(theta, rate)
+    state = (0.0, theta, rate)
+    fallen = False
+    for step in walker.walk(flow, 0.0, (theta, rate), ground.t_stop):
+        if _still(step) and math.isnan(diary.t_uplift):
+            state = step.t, 0.0, 0.0
+            diary.rest(step.t)
+            if step.t >= ground.t_motion and not ground.has_duration:
+                break
+            continue
+        if math.isnan(diary.t_uplift):
+            diary.t_uplift = step.t_old  # known to a step
+        fallen, state = _note(body, ground, diary, step, reported=True)
+        if fallen:
+            break
+    t, theta, rate = state
+    diary.t_end = ground.t_stop if ground.has_duration else t
+    diary.verdict = FALLS if fallen else _verdict(body, state, margin) or UNDECIDED
+    if not fallen and not _at_rest(state):
+        if theta * rate > 0.0 and ground.has_duration:
+            diary.cut_off(theta, t)
+        state = _afterwards(body, ground, walker, diary, flow, state, margin)
+    if diary.verdict == FALLS:
+        diary.side = _edge(body, *state[1:]).sign
+
+
+def _flow(body: Body, a_g: object, a_v: object) -> Flow:
+    def flow(t: float, y: object) -> tuple[float, float]:
+        theta, rate = y.tolist()  # type: ignore[attr-defined]
+        horizontal, vertical = a_g(t), a_v(t)  # type: ignore[operator]
+        if theta == 0.0 and rate == 0.0:
+            for edge in (body.left, body.right):
+                if body.excess(edge, horizontal, vertical) > 0.0:
+                    return 0.0, edge.sign * body.acceleration(edge, 0.0, 0.0, horizontal, vertical)
+            return 0.0, 0.0
+        edge = _edge(body, theta, rate)
+        return rate, edge.sign * body.acceleration(edge, abs(theta), edge.sign * rate, horizontal, vertical)
+
+    return flow
+
+
+def _edge(body: Body, theta: float, rate: float) -> Edge:
+    return body.edge(theta if theta != 0.0 else rate)
+
+
+def _still(step: Step) -> bool:
+    return not step.y_old.any() and not step.y.any()
+
+
+def _at_rest(state: tuple[float, float, float]) -> bool:
+    return state[1] == 0.0 and state[2] == 0.0
+
+
+def _note(
+    body: Body, ground: Ground, diary: Diary, step: Step, *, reported: bool
+) -> tuple[bool, tuple[float, float, float]]:
+    """Write a step into the diary; whether the body has fallen, and (t, theta, rate) at the end."""
+    c = roots.coefficients(step.nodes[0])
+    theta, rate = float(step.y[0]), float(step.y[1])
+    x, fallen = 1.0, False
+    if abs(theta) >= SIDE:
+        side = math.copysign(1.0, theta)
+        if body.linear:
+            fallen = side * rate >= 0.0 and _beyond_help(body, ground, step.t, abs(theta))
+        else:
+            level = -side * c
+            level[0] += SIDE
+            found = roots.first_below(level)
+            fallen, x = True, 1.0 if found is None else found
+    t = step.t_old + x * (step.t - step.t_old)
+    diary.swing(step, 1.0, x, t)
+    diary.equilibrium(step, math.copysign(1.0, theta), 1.0, x)
+    if reported:
+        c_rate = roots.coefficients(step.nodes[1])
+        for r in roots.roots(c):
+            if r <= x and step.y_old[0] != 0.0 and roots.value(c, max(r - 1e-6, 0.0)) * roots.value(c, r + 1e-6) < 0.0:
+                w = roots.value(c_rate, r)
+                diary.impact(step.t_old + r * (step.t - step.t_old), w, w)
+    if fallen and x < 1.0:
+        return True, (t, math.copysign(SIDE, theta), rate)
+    return fallen, (step.t, theta, rate)
+
+
+def _beyond_help(body: Body, ground: Ground, t: float, q: float) -> bool:
+    a_g, a_v = ground.bounds(t)
+    return (body.g - a_v) * (q - max(body.left.alpha, body.right.alpha)) > a_g
+
+
+def _verdict(body: Body, state: tuple[float, float, float], margin: float) -> str | None:
+    """What becomes of the body left alone in this state, if that can be told."""
+    _, theta, rate = state
+    if _at_rest(state):
+        return RETURNS
+    edge = _edge(body, theta, rate)
+    return body.left_alone(edge, abs(theta), edge.sign * rate, margin * edge.alpha)
+
+
+def _afterwards(
+    body: Body,
+    ground: Ground,
+    walker: Walker,
+    diary: Diary,
+    flow: Flow,
+    state: tuple[float, float, float],
+    margin: float,
+) -> tuple[float, float, float]:
+    """Beyond the report: until the outcome is known, and the peak or the passage under way has come."""
+    bound = state[0] + AFTERWARDS / min(body.left.p, body.right.p)
+    verdict = _verdict(body, state, margin)
+
+    def done() -> bool:
+        _, theta, rate = state
+        if verdict == RETURNS:
+            return theta * rate <= 0.0 or ground.has_duration
+        if verdict == FALLS:
+            return abs(theta) >= _edge(body, theta, rate).q_star
+        return verdict == UNDECIDED
+
+    if not done():
+        for step in walker.walk(flow, state[0], state[1:], bound):
+            fallen, state = _note(body, ground, diary, step, reported=False)
+            verdict = FALLS if fallen else verdict or _verdict(body, state, margin)
+            if fallen or done():
+                break
+    diary.verdict = verdict or UNDECIDED
+    return state

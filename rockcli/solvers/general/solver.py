@@ -1,0 +1,215 @@
+"""`solve` of the backend `scipy`: case after case, each with its own steps."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import SolverError
+from rockcli.scene.batch import Batch
+from rockcli.scene.response import (
+    FAILED,
+    MAX_IMPACTS_STORED,
+    NO_UPLIFT,
+    OVERTURNED_AFTER_IMPACT,
+    OVERTURNED_WITHOUT_IMPACT,
+    ROCKING,
+    UNRESOLVED,
+    Response,
+)
+from rockcli.solvers.general import naive
+from rockcli.solvers.general.body import FALLS, UNDECIDED, body_of
+from rockcli.solvers.general.diary import Diary
+from rockcli.solvers.general.ground import Ground, ground_of
+from rockcli.solvers.general.histories import histories_of
+from rockcli.solvers.general.located import Located
+from rockcli.solvers.general.methods import (
+    ACCURACY_RTOL,
+    ATOL_OVER_RTOL,
+    DEFAULT_METHOD,
+    FLOOR,
+    METHODS,
+    Method,
+    StuckError,
+    Walker,
+)
+
+Array = NDArray[np.float64]
+
+FINER = 0.1
+"""The error estimate is the difference to a run with this many times the tolerance."""
+
+NOT_COMPUTED = ("mu_required", "mu_impact", "N_min_over_mg", "energy_residual")
+"""Scalars this backend does not find out: NaN."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a batch is solved: rest_speed as in scene/numerics.py."""
+
+    method: Method
+    rtol: float
+    events: bool
+    rest_speed: float
+
+
+def solve(batch: Batch) -> Response:
+    """Solve every case of the batch with a general method.
+
+    The scalars about contact forces and energy are NaN.  A case in which the method fails is `failed` with a sentence;
+    one on a separatrix within the tolerance, or on whose outcome two tolerances disagree, is `unresolved`.
+
+    Raises:
+        SolverError: the method is unknown, or restitution is asked for without located impacts.
+    """
+    settings = _settings(batch)
+    began = time.perf_counter()
+    grounds = [ground_of(batch, i) for i in range(batch.size)]
+    diaries: list[Diary] = []
+    columns: dict[str, list[Any]] = {"wall_time": [], "n_steps": [], "error_estimate": []}
+    reasons: list[str] = []
+    for i, ground in enumerate(grounds):
+        diary, steps = _solve_one(batch, i, ground, settings, histories=batch.save.histories)
+        estimate = math.nan
+        if "error_estimate" in batch.save.scalars and not diary.failure:
+            estimate, more = _error_estimate(batch, i, ground, settings, diary)
+            steps += more
+        diaries.append(diary)
+        reasons.append(_reason(batch, i, diary))
+        now = time.perf_counter()
+        for name, value in (("wall_time", now - began), ("n_steps", steps), ("error_estimate", estimate)):
+            columns[name].append(value)
+        began = now
+    scalars = _scalars(batch, diaries)
+    scalars["wall_time"] = np.array(columns["wall_time"])
+    scalars["n_steps"] = np.array(columns["n_steps"], dtype=np.int64)
+    if "error_estimate" in batch.save.scalars:
+        scalars["error_estimate"] = np.array(columns["error_estimate"])
+    histories, impacts, t = histories_of(batch, diaries) if batch.save.histories else ({}, {}, np.empty(0))
+    used = {
+        "backend": "scipy",
+        "method": f"{settings.method.name}: {settings.method.reference}",
+        "events": "located" if settings.events else "none: sgn(theta) integrated as it stands",
+        "rtol": repr(settings.rtol),
+        "atol": repr(settings.rtol * ATOL_OVER_RTOL),
+    }
+    if settings.events:
+        used["rest_speed"] = repr(settings.rest_speed)
+    return Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
+
+
+def _settings(batch: Batch) -> Settings:
+    numerics = batch.numerics
+    name = numerics.method or DEFAULT_METHOD
+    if name not in METHODS:
+        raise SolverError(f"the backend scipy has no method {name!r}; it has {', '.join(METHODS)}")
+    events = numerics.events is not False
+    if not events and (batch.damping.eta != 1.0).any():
+        raise SolverError(
+            "restitution needs located impacts: without events (solver.events: false) damping is none or dashpot"
+        )
+    rtol = ACCURACY_RTOL[numerics.accuracy] if numerics.rtol is None else numerics.rtol
+    return Settings(METHODS[name], max(rtol, FLOOR), events, numerics.tolerances.rest_speed)
+
+
+def _solve_one(batch: Batch, i: int, ground: Ground, how: Settings, *, histories: bool) -> tuple[Diary, int]:
+    """The diary of one case and the number of steps."""
+    body = body_of(batch, i)
+    n_time = int(math.floor(ground.t_stop / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
+    diary = Diary(body, batch.save.dt_out, np.full(n_time, np.nan), np.full(n_time, np.nan))
+    margin = max(2e-14, 10.0 * how.rtol)
+    theta, rate = float(batch.theta_0[i]), float(batch.theta_dot_0[i])
+    walker = Walker(how.method, how.rtol, min(ground.dt, 1.0 / body.left.p, 1.0 / body.right.p))
+    if not how.events:
+        walker.max_step = naive.largest_step(ground)
+    try:
+        if how.events:
+            Located(body, ground, walker, diary, how.rest_speed, margin).run(theta, rate)
+        else:
+            naive.run(body, ground, walker, diary, theta, rate, margin)
+    except StuckError as stuck:
+        diary.failure = str(stuck)
+    return diary, walker.taken
+
+
+def _error_estimate(batch: Batch, i: int, ground: Ground, how: Settings, diary: Diary) -> tuple[float, int]:
+    """Difference in the peak to a run with another tolerance, and its steps; outcomes that differ decide nothing."""
+    finer = how.rtol * FINER
+    rtol = finer if finer >= FLOOR else how.rtol / FINER
+    other, steps = _solve_one(batch, i, ground, Settings(how.method, rtol, how.events, how.rest_speed), histories=False)
+    if other.failure or UNDECIDED in (diary.verdict, other.verdict):
+        return math.nan, steps
+    if (diary.verdict == FALLS) != (other.verdict == FALLS):
+        diary.verdict = UNDECIDED
+        diary.torn = True
+        return math.nan, steps
+    if diary.verdict == FALLS:
+        return 0.0, steps
+    return abs(_over_alpha(diary) - _over_alpha(other)), steps
+
+
+def _over_alpha(diary: Diary) -> float:
+    return diary.peak / diary.body.edge(diary.side).alpha
+
+
+def _reason(batch: Batch, i: int, diary: Diary) -> str:
+    said = []
+    if diary.failure:
+        said.append(diary.failure)
+    elif diary.torn:
+        said.append("two tolerances disagree on the outcome: it is too close to a boundary, or the tolerance too coarse")
+    elif diary.verdict == UNDECIDED:
+        said.append("on the separatrix within the tolerance: whether it overturns cannot be told")
+    if np.isfinite(batch.block.mu[i]):
+        said.append("mu is given, but the backend scipy does not find out the friction needed")
+    if batch.save.histories and diary.n_impacts > MAX_IMPACTS_STORED:
+        said.append(f"{diary.n_impacts} impacts, the first {MAX_IMPACTS_STORED} are stored")
+    return "; ".join(said)
+
+
+def _outcome(diary: Diary) -> int:
+    if diary.failure:
+        return FAILED
+    if diary.verdict == UNDECIDED:
+        return UNRESOLVED
+    if diary.verdict == FALLS:
+        return OVERTURNED_AFTER_IMPACT if diary.n_impacts else OVERTURNED_WITHOUT_IMPACT
+    return NO_UPLIFT if math.isnan(diary.t_uplift) else ROCKING
+
+
+def _scalars(batch: Batch, diaries: list[Diary]) -> dict[str, NDArray[Any]]:
+    """Scalars by name but for those of the run itself."""
+    outcome = np.array([_outcome(d) for d in diaries], dtype=np.int8)
+    failed, unknown, fell = outcome == FAILED, outcome < 0, outcome >= OVERTURNED_WITHOUT_IMPACT
+    peak, rate = np.array([d.peak for d in diaries]), np.array([d.rate_peak for d in diaries])
+    side = np.array([d.side for d in diaries])
+    alpha = np.array([d.body.edge(d.side).alpha for d in diaries])
+    top = batch.block.top * np.sin(np.minimum(peak, 0.5 * np.pi))
+
+    def largest(values: Array) -> Array:
+        return np.where(unknown, np.nan, np.where(fell, np.inf, values))
+
+    def unless(missing: NDArray[np.bool_], name: str) -> Array:
+        return np.where(missing, np.nan, np.array([getattr(d, name) for d in diaries]))
+
+    peaks = largest(peak)
+    scalars: dict[str, NDArray[Any]] = {
+        "outcome": outcome,
+        "theta_peak": np.where(peaks == 0.0, 0.0, np.copysign(peaks, side)),
+        "theta_peak_over_alpha": peaks / alpha,
+        "theta_dot_peak": largest(rate),
+        "u_top_peak": largest(top),
+        "t_peak": unless(unknown | fell | (outcome == NO_UPLIFT), "t_peak"),
+        "t_uplift": unless(failed, "t_uplift"),
+        "t_overturn": unless(~fell, "t_overturn"),
+        "t_end": unless(failed, "t_end"),
+        "n_impacts": np.array([d.n_impacts for d in diaries], dtype=np.int64),
+    }
+    for name in NOT_COMPUTED:
+        scalars[name] = np.full(batch.size, np.nan)
+    return scalars
