@@ -210,6 +210,7 @@ def first_event(par, phase, s, armed, lam, c, bu, th, row, row_v, F, h, omega, S
 def _refine(par, phase, s, armed, lam, c, bu, th, row, row_v, F, lo, hi, g_lo, g_hi, S, z, v, z_x, v_x):
     """Regula falsi (Illinois) on a bracket; ends just beyond the guard."""
     side = 0
+    fine = 1e-13 * (g_lo - g_hi)
     for _ in range(80):
         if hi - lo <= 1e-14 * hi:
             break
@@ -218,13 +219,12 @@ def _refine(par, phase, s, armed, lam, c, bu, th, row, row_v, F, lo, hi, g_lo, g
             x = 0.5 * (lo + hi)
         g = gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, S, z, v, z_x, v_x)
         if g < 0.0:
-            closer = g > 0.5 * g_hi
             hi, g_hi = x, g
+            if g > -fine:
+                break
             if side == -1:
                 g_lo *= 0.5
             side = -1
-            if not closer and abs(g) < 1e-3 * par[TOL]:
-                break
         else:
             lo, g_lo = x, g
             if side == 1:

@@ -125,7 +125,6 @@ def draw(dataset: xarray.Dataset) -> Figure:
         squeeze=False,
         height_ratios=[1.0, 0.42] * down,
     )
-    used = 0
     for row in range(down):
         for column in range(across):
             pair = (grid[2 * row, column], grid[2 * row + 1, column])
@@ -134,7 +133,6 @@ def draw(dataset: xarray.Dataset) -> Figure:
                 for axes in pair:
                     axes.set_axis_off()
                 continue
-            used += 1
             case = columns[column if beside else 0]
             _pair(pair, dataset, panels[number], case.position, lines)
             if row == 0 and beside:
@@ -168,7 +166,10 @@ def _lines(
         )
         spots = [_at(dataset, column, case.position) for column in columns]
         if all(number_at(dataset, panel.error, spot) == 0.0 for panel in panels for spot in spots):
-            if "spring_moment" in dataset.variables and np.isfinite(values_at(dataset, "spring_moment", spots[0])).all():
+            if (
+                "spring_moment" in dataset.variables
+                and np.isfinite(values_at(dataset, "spring_moment", spots[0])).all()
+            ):
                 as_block.append(names)  # a model, not the block itself
             continue
         same = next((line for line in lines if _coincide(dataset, panels, columns, line.position, case.position)), None)

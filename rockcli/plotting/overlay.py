@@ -144,7 +144,9 @@ def _column(panel: dict[str, Axes], dataset: xarray.Dataset, cases: list[Positio
     for number, case in enumerate([*cases, base]):
         is_base = number == len(cases)
         colour = "#000000" if is_base else COLOURS[number]
-        drawn: dict[str, Any] = _REFERENCE if is_base else {"linewidth": 1.9 - 0.9 * number / max(len(cases) - 1, 1), "zorder": 3}
+        drawn: dict[str, Any] = (
+            _REFERENCE if is_base else {"linewidth": 1.9 - 0.9 * number / max(len(cases) - 1, 1), "zorder": 3}
+        )
         alpha, p = number_at(dataset, "alpha", case), number_at(dataset, "p", case)
         ratio = values_at(dataset, "theta", case) / alpha
         lost = outcome_at(dataset, case).startswith("overturned") & (np.abs(ratio) > _SHOWN_UP_TO)

@@ -149,7 +149,7 @@ def _displacements(model: Model, block: Block, theta: Array) -> dict[str, Array]
         u_pivot = 2R cos(alpha) sin(theta)                   v_pivot = -2R cos(alpha) (1 - cos(theta))
         u_free = 2R [sin(alpha) - sin(alpha - theta)]        v_free = 2R [cos(alpha - theta) - cos(alpha)]
 
-    in place of (2.11), (2.12), which have alpha + theta (docs/curves.md).
+    which (2.11), (2.12) misprint (docs/curves.md).
     """
     top, width = block.top[:, None], (block.b[:, LEFT] + block.b[:, RIGHT])[:, None]
     u_pivot, v_pivot = top * np.sin(theta), -2.0 * top * np.sin(0.5 * theta) ** 2

@@ -150,7 +150,8 @@ def solve(batch: Batch) -> Response:
         raise SolverError("FEMA-356 needs a ground motion or a design spectrum")
     bodies = _bodies(batch, scheme)
     motions = [_motion(batch, i) for i in range(batch.size)]
-    found = [_case(body, motion, scheme, i) for i, (body, motion) in enumerate(zip(bodies, motions, strict=True))]
+    with np.errstate(over="ignore", invalid="ignore"):  # extreme numbers end as a spectrum without values
+        found = [_case(body, motion, scheme, i) for i, (body, motion) in enumerate(zip(bodies, motions, strict=True))]
     t_end = _t_end(batch, motions)
     scalars = _scalars(batch, bodies, found, t_end)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
@@ -217,7 +218,7 @@ def _case(body: _Body, motion: Forcing, scheme: Fema356, i: int) -> _Found:
             sentence = "FEMA-356: rocking is indicated, but the spectrum lies below every amplitude: taken as none"
             return _Found(NO_UPLIFT, sentence, ordinates=count)
         if np.isnan(scan).any():
-            sentence = "FEMA-356: the design spectrum ends before the period of the solution, if there is one"
+            sentence = "FEMA-356: the spectrum has no value at the period of the solution, if there is one"
             return _Found(UNRESOLVED, sentence, ordinates=count)
         sentence = f"FEMA-356 finds no solution: overturning predicted ({POOR}; it knows no impacts and no side)"
         return _Found(OVERTURNED_AFTER_IMPACT, sentence, ordinates=count)

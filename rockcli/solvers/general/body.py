@@ -1,4 +1,4 @@
-"""One case as plain numbers: its edges, the acceleration (T2 of docs/theory.md), and whether it falls when left alone."""
+"""One case as plain numbers: edges, acceleration (T2 of docs/theory.md), and whether it falls when left alone."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Body:
 
     def acceleration(self, edge: Edge, q: float, v: float, a_g: float, a_v: float) -> float:
         """q'' of q = |theta| [rad/s^2] for ground accelerations [m/s^2]."""
-        driving = edge.fc + 0.0 * q if self.linear else edge.fc * math.cos(q) + edge.fs * math.sin(q)
+        driving = edge.fc if self.linear else edge.fc * math.cos(q) + edge.fs * math.sin(q)
         moment = (1.0 + a_v / self.g) * self.restoring(edge, q) + edge.sign * a_g / self.g * driving
         return -edge.p * edge.p * moment - edge.damper * v
 

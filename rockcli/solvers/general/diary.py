@@ -79,7 +79,7 @@ class Diary:
 
     def _due(self, t: float) -> int:
         """Number of output times up to t."""
-        n = int(math.floor(t / self.dt_out)) if len(self.theta) else -1
+        n = math.floor(t / self.dt_out) if len(self.theta) else -1
         while n + 1 < len(self.theta) and (n + 1) * self.dt_out <= t:
             n += 1
         while n >= 0 and n * self.dt_out > t:
@@ -95,7 +95,7 @@ class Diary:
                     self._higher(sign * rotation, t)
         self.rate_peak = max(self.rate_peak, abs(float(step.y_old[1])))
         if abs(c_v[0]) + roots.reach(c_v) > self.rate_peak:
-            inside = [r for r in roots.roots(chebyshev.chebder(c_v)) if r < x]
+            inside = [r for r in roots.roots(np.asarray(chebyshev.chebder(c_v), dtype=float)) if r < x]
             self.rate_peak = max([self.rate_peak, *(abs(roots.value(c_v, r)) for r in inside)])
 
     def _higher(self, theta: float, t: float) -> None:

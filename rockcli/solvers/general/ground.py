@@ -50,15 +50,15 @@ class Ground:
 
     def pieces(self) -> Iterator[Piece]:
         """Up to t_stop, cut at every sample and at the ends of the parts of a pulse."""
-        cuts = np.concatenate([[0.0], *(_cuts(c, self.case) for c in (self.horizontal, self.vertical)), [self.t_motion]])
+        cuts = np.concatenate(
+            [[0.0], *(_cuts(c, self.case) for c in (self.horizontal, self.vertical)), [self.t_motion]]
+        )
         cuts = np.unique(cuts[(cuts >= 0.0) & (cuts <= self.t_motion)])
         if len(cuts) > 1:  # cuts of both components that rounding keeps apart are one
             cuts = cuts[np.append(np.diff(cuts) > 1e-12 * self.t_motion, True)]
         for t_a, t_b in pairwise(cuts.tolist()):
             middle = 0.5 * (t_a + t_b)
-            yield Piece(
-                t_a, t_b, _law(self.horizontal, self.case, middle), _law(self.vertical, self.case, middle)
-            )
+            yield Piece(t_a, t_b, _law(self.horizontal, self.case, middle), _law(self.vertical, self.case, middle))
         if self.t_stop > self.t_motion:
             yield Piece(self.t_motion, self.t_stop, _silence, _silence)
 
@@ -102,7 +102,7 @@ def _cuts(channel: Channel | None, case: int) -> Array:
         return np.empty(0)
     if isinstance(channel, Samples):
         return np.arange(len(channel.values)) * channel.dt
-    return np.unique(channel.table[case, :, :2])
+    return np.asarray(np.unique(channel.table[case, :, :2]), dtype=np.float64)
 
 
 def _law(channel: Channel | None, case: int, t: float) -> Law:

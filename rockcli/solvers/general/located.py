@@ -10,18 +10,21 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rockcli.solvers.general import roots
 from rockcli.solvers.general.body import FALLS, RETURNS, SIDE, UNDECIDED, Body, Edge
 from rockcli.solvers.general.diary import Diary
 from rockcli.solvers.general.ground import Ground, Piece
 from rockcli.solvers.general.methods import Step, Walker
 from rockcli.solvers.general.roots import NODES
+from rockcli.solvers.general.uplift import uplift
+
+Array = NDArray[np.float64]
 
 STANDSTILL = 1e-13
 """Impacts slower than this fraction of p alpha end in rest whatever eta is."""
-
-PARTS_AT_REST = 16
-"""Parts of a smooth piece of the motion, on each of which the ground is a polynomial for the uplift condition."""
 
 AFTERWARDS = 1000.0
 """How long a swing under way at the end of the report is followed, times 1/p."""
@@ -124,7 +127,7 @@ class Located:
         if self.stalled > 100:  # lifted and dropped again and again at one instant
             self.t = min(piece.t_b, self.t + max(1e-12 * (piece.t_b - piece.t_a), 4e-16 * self.t))
             self.stalled = 0
-        t, sign = self._uplift(piece)
+        t, sign = uplift(self.body, self.ground, piece, self.t)
         self.diary.rest(t)
         if sign != 0.0:
             self.stalled = self.stalled + 1 if t == self.t else 0
@@ -134,36 +137,13 @@ class Located:
                 self.diary.t_uplift = t
         self.t = t
 
-    def _uplift(self, piece: Piece) -> tuple[float, float]:
-        """When and to which side the ground lifts the body, from now on; side 0: not in this piece."""
-        parts = PARTS_AT_REST if self.ground.dt == math.inf else 1
-        width = (piece.t_b - self.t) / parts
-        for part in range(parts):
-            begin = self.t + part * width
-            nodes = [(piece.a_g(t), piece.a_v(t)) for t in (begin + NODES * width).tolist()]
-            first: tuple[float, float] | None = None
-            for edge in (self.body.left, self.body.right):
-                start = self.body.excess(edge, piece.a_g(begin), piece.a_v(begin))
-                scale = self.body.g * edge.threshold
-                if start > 0.0 and start > 4e-16 * scale:
-                    x: float | None = 0.0
-                else:
-                    c = roots.coefficients([-self.body.excess(edge, *a) for a in nodes])
-                    c[0] += 4e-16 * scale  # a ground that just reaches the threshold lifts nothing
-                    x = roots.first_below(c)
-                if x is not None and (first is None or x < first[0]):
-                    first = x, edge.sign
-            if first is not None:
-                return begin + first[0] * width, first[1]
-        return piece.t_b, 0.0
-
     def _rock(self, piece: Piece, after: bool, *, once: bool = False) -> None:
         """Follow the flow to the next event or the end of the piece; `once`: one step at most."""
         body, edge = self.body, self._edge
         a_g, a_v, acceleration = piece.a_g, piece.a_v, body.acceleration
 
-        def flow(t: float, y: object) -> tuple[float, float]:
-            q, v = y.tolist()  # type: ignore[attr-defined]
+        def flow(t: float, y: Array) -> tuple[float, float]:
+            q, v = y.tolist()
             return v, acceleration(edge, q, v, a_g(t), a_v(t))
 
         launch = self.q == 0.0 and self.v == 0.0

@@ -82,7 +82,9 @@ class Walker:
     taken: int = 0
     last: float | None = None
 
-    def walk(self, flow: Flow, t: float, y: tuple[float, float], t_bound: float, *, small: bool = False) -> Iterator[Step]:
+    def walk(
+        self, flow: Flow, t: float, y: tuple[float, float], t_bound: float, *, small: bool = False
+    ) -> Iterator[Step]:
         """Steps from (t, y) to t_bound; `small`: begin with a small step.
 
         Raises:

@@ -1,31 +1,36 @@
 """The rocking body as a script gives it to a solver: (2.2) with sgn(theta), jumps and all.
 
-theta and its rate are integrated from t = 0 to the end of the report in one go.  At theta = 0 and rate 0 the right-hand
-side is held at zero as long as the ground is below the uplift threshold.  No impact is located, so there is no
-restitution, and the method meets every jump of the right-hand side unprepared.  The largest step is a tenth of the
-report, as in MATLAB, or the spacing of the samples of a record.
+theta and its rate are integrated in one go from the instant the ground first exceeds the uplift threshold to the end of
+the report; until then the body stands, as (2.2) does not hold.  As sgn(0) = 0 would be neither side, the body starts
+with a rotation of NUDGE alpha to the side of the coming motion.  No impact is located, so there is no restitution, and
+the method meets every jump of the right-hand side unprepared.  The largest step is a tenth of the time to integrate, as
+in MATLAB, or the spacing of the samples of a record.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rockcli.solvers.general import roots
 from rockcli.solvers.general.body import FALLS, RETURNS, SIDE, UNDECIDED, Body, Edge
 from rockcli.solvers.general.diary import Diary
-from rockcli.solvers.general.ground import Ground
+from rockcli.solvers.general.ground import Ground, Law
 from rockcli.solvers.general.methods import Flow, Step, Walker
+from rockcli.solvers.general.uplift import uplift
+
+Array = NDArray[np.float64]
 
 LARGEST_STEP = 0.1
 """Largest step over the time to integrate."""
 
+NUDGE = 1e-10
+"""The rotation that gives the body its side, over alpha."""
+
 AFTERWARDS = 1000.0
 """How long a swing under way at the end of the report is followed, times 1/p."""
-
-
-def largest_step(ground: Ground) -> float:
-    """The largest step of a solver that knows nothing of the motion [s]."""
-    return min(LARGEST_STEP * ground.t_stop, ground.dt) if ground.t_stop > 0.0 else math.inf
 
 
 def run(body: Body, ground: Ground, walker: Walker, diary: Diary, theta: float, rate: float, margin: float) -> None:
@@ -34,28 +39,26 @@ def run(body: Body, ground: Ground, walker: Walker, diary: Diary, theta: float, 
     Raises:
         StuckError: the method fails.
     """
-    whole = ground.whole()
-    flow = _flow(body, whole.a_g, whole.a_v)
+    t = 0.0
     if theta != 0.0 or rate != 0.0:
         diary.begin(theta, rate)
-    state = (0.0, theta, rate)
+    else:
+        t, theta = _first_uplift(body, ground, diary)
+        if theta == 0.0:
+            return
+    whole = ground.whole()
+    flow = _flow(body, whole.a_g, whole.a_v)
+    walker.max_step = min(LARGEST_STEP * (ground.t_stop - t), ground.dt)
+    state = (t, theta, rate)
     fallen = False
-    for step in walker.walk(flow, 0.0, (theta, rate), ground.t_stop):
-        if _still(step) and math.isnan(diary.t_uplift):
-            state = step.t, 0.0, 0.0
-            diary.rest(step.t)
-            if step.t >= ground.t_motion and not ground.has_duration:
-                break
-            continue
-        if math.isnan(diary.t_uplift):
-            diary.t_uplift = step.t_old  # known to a step
+    for step in walker.walk(flow, t, (theta, rate), ground.t_stop):
         fallen, state = _note(body, ground, diary, step, reported=True)
         if fallen:
             break
     t, theta, rate = state
     diary.t_end = ground.t_stop if ground.has_duration else t
     diary.verdict = FALLS if fallen else _verdict(body, state, margin) or UNDECIDED
-    if not fallen and not _at_rest(state):
+    if not fallen:
         if theta * rate > 0.0 and ground.has_duration:
             diary.cut_off(theta, t)
         state = _afterwards(body, ground, walker, diary, flow, state, margin)
@@ -63,31 +66,30 @@ def run(body: Body, ground: Ground, walker: Walker, diary: Diary, theta: float, 
         diary.side = _edge(body, *state[1:]).sign
 
 
-def _flow(body: Body, a_g: object, a_v: object) -> Flow:
-    def flow(t: float, y: object) -> tuple[float, float]:
-        theta, rate = y.tolist()  # type: ignore[attr-defined]
-        horizontal, vertical = a_g(t), a_v(t)  # type: ignore[operator]
-        if theta == 0.0 and rate == 0.0:
-            for edge in (body.left, body.right):
-                if body.excess(edge, horizontal, vertical) > 0.0:
-                    return 0.0, edge.sign * body.acceleration(edge, 0.0, 0.0, horizontal, vertical)
-            return 0.0, 0.0
+def _first_uplift(body: Body, ground: Ground, diary: Diary) -> tuple[float, float]:
+    """When the body begins to rock, and the rotation it starts with; 0 if it never does."""
+    for piece in ground.pieces():
+        t, sign = uplift(body, ground, piece, piece.t_a)
+        if sign != 0.0:
+            diary.rest(t)
+            diary.t_uplift = t
+            return t, sign * NUDGE * body.edge(sign).alpha
+        diary.rest(min(piece.t_b, ground.t_stop if ground.has_duration else ground.t_motion))
+    diary.t_end = ground.t_stop if ground.has_duration else ground.t_motion
+    return diary.t_end, 0.0
+
+
+def _flow(body: Body, a_g: Law, a_v: Law) -> Flow:
+    def flow(t: float, y: Array) -> tuple[float, float]:
+        theta, rate = y.tolist()
         edge = _edge(body, theta, rate)
-        return rate, edge.sign * body.acceleration(edge, abs(theta), edge.sign * rate, horizontal, vertical)
+        return rate, edge.sign * body.acceleration(edge, abs(theta), edge.sign * rate, a_g(t), a_v(t))
 
     return flow
 
 
 def _edge(body: Body, theta: float, rate: float) -> Edge:
     return body.edge(theta if theta != 0.0 else rate)
-
-
-def _still(step: Step) -> bool:
-    return not step.y_old.any() and not step.y.any()
-
-
-def _at_rest(state: tuple[float, float, float]) -> bool:
-    return state[1] == 0.0 and state[2] == 0.0
 
 
 def _note(
@@ -128,8 +130,6 @@ def _beyond_help(body: Body, ground: Ground, t: float, q: float) -> bool:
 def _verdict(body: Body, state: tuple[float, float, float], margin: float) -> str | None:
     """What becomes of the body left alone in this state, if that can be told."""
     _, theta, rate = state
-    if _at_rest(state):
-        return RETURNS
     edge = _edge(body, theta, rate)
     return body.left_alone(edge, abs(theta), edge.sign * rate, margin * edge.alpha)
 

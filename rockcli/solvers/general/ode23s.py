@@ -73,13 +73,13 @@ class Ode23s(OdeSolver):  # type: ignore[misc]
         return min(h, 1.0 / rate) if rate > 0.0 else h
 
     def _derivatives(self, h: float) -> tuple[Array, Array]:
-        """J = df/dy (n, n) and T = df/dt (n,) by forward differences."""
+        """J = df/dy (n, n) and T = df/dt (n,) by differences in the direction of the motion, else away from zero."""
         t, y, f = self.t, self.y, self.f
         J = np.empty((self.n, self.n))
         floor = self.atol / self.rtol
         for j in range(self.n):
             shifted = y.copy()
-            shifted[j] += ROOT_EPS * math.copysign(max(abs(y[j]), floor), f[j])
+            shifted[j] += ROOT_EPS * math.copysign(max(abs(y[j]), floor), f[j] if f[j] != 0.0 else y[j])
             J[:, j] = (self.fun(t, shifted) - f) / (shifted[j] - y[j])
         self.njev += 1
         later = t + self.direction * min(ROOT_EPS * max(abs(t), abs(t + h)), h)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 Array = NDArray[np.float64]
@@ -23,9 +23,9 @@ _WEIGHTS = np.cos(np.outer(np.arange(N), _ANGLES)) * (2.0 / N)
 _WEIGHTS[0] *= 0.5
 
 
-def coefficients(values: Array) -> Array:
+def coefficients(values: ArrayLike) -> Array:
     """Chebyshev coefficients over [0, 1] from the values at NODES."""
-    return np.asarray(_WEIGHTS @ values)
+    return np.asarray(_WEIGHTS @ np.asarray(values))
 
 
 def reach(c: Array) -> float:
@@ -66,8 +66,3 @@ def first_below(c: Array) -> float | None:
         assert above is not None
         return float(brentq(lambda x: value(c, x), above, 1.0, xtol=1e-16, rtol=1e-15))
     return None
-
-
-def maxima(c: Array, c_slope: Array) -> list[float]:
-    """Where a function with Chebyshev coefficients c may be largest inside (0, 1): the roots of its slope."""
-    return roots(c_slope) if reach(c_slope) >= abs(c_slope[0]) else []

@@ -120,13 +120,11 @@ def _settings(batch: Batch) -> Settings:
 def _solve_one(batch: Batch, i: int, ground: Ground, how: Settings, *, histories: bool) -> tuple[Diary, int]:
     """The diary of one case and the number of steps."""
     body = body_of(batch, i)
-    n_time = int(math.floor(ground.t_stop / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
+    n_time = math.floor(ground.t_stop / batch.save.dt_out * (1.0 + 1e-12)) + 1 if histories else 0
     diary = Diary(body, batch.save.dt_out, np.full(n_time, np.nan), np.full(n_time, np.nan))
     margin = max(2e-14, 10.0 * how.rtol)
     theta, rate = float(batch.theta_0[i]), float(batch.theta_dot_0[i])
     walker = Walker(how.method, how.rtol, min(ground.dt, 1.0 / body.left.p, 1.0 / body.right.p))
-    if not how.events:
-        walker.max_step = naive.largest_step(ground)
     try:
         if how.events:
             Located(body, ground, walker, diary, how.rest_speed, margin).run(theta, rate)
@@ -162,7 +160,7 @@ def _reason(batch: Batch, i: int, diary: Diary) -> str:
     if diary.failure:
         said.append(diary.failure)
     elif diary.torn:
-        said.append("two tolerances disagree on the outcome: it is too close to a boundary, or the tolerance too coarse")
+        said.append("two tolerances disagree on the outcome: too close to a boundary, or too coarse")
     elif diary.verdict == UNDECIDED:
         said.append("on the separatrix within the tolerance: whether it overturns cannot be told")
     if np.isfinite(batch.block.mu[i]):

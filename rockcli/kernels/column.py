@@ -1,0 +1,405 @@
+"""The flexible rocking column as a hybrid automaton: flow, guard, reset, mode (docs/flexible.md).
+
+Phases: CONTACT (rigid base: held, a cantilever; Winkler base: full contact) and OPEN (rocking on edge s).  In
+each the deformation is a sum of modes, advanced exactly; steps land on the breakpoints of the motion.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.column_state import (
+    ALPHA,
+    BARRIER,
+    CONTACT,
+    DETAIL,
+    ETA,
+    FACTOR_H,
+    FACTOR_V,
+    GIVE_UP,
+    H_FREE,
+    H_MAX,
+    HAS_DURATION,
+    LENGTH,
+    MOBILITY,
+    OPEN,
+    PHASE_0,
+    R_A,
+    REARM,
+    SIDE_0,
+    T_MOTION,
+    T_STOP,
+    THETA_1,
+    THETA_STAR,
+    TOL,
+    WIDTH,
+    G,
+    P,
+    along,
+    base_moment,
+    dot,
+    energy,
+    first_event,
+    gap,
+    limit,
+    step,
+    work_of,
+)
+from rockcli.kernels.jit import jit
+from rockcli.kernels.motion import NOTHING, PULSES, expand, piece_end
+from rockcli.kernels.motion import WIDTH as PIECE
+from rockcli.kernels.oscillator import advance, fill, wander
+
+(
+    STATUS, VERDICT, PEAK, PEAK_SIDE, T_PEAK, RATE_PEAK, U_PEAK, T_UPLIFT, T_OVERTURN, T_END, N_LANDINGS, ENERGY,
+    LANDING_LOSS, N_STEPS, N_STORED, CAPTURES, N_OUT,
+) = range(17)  # fmt: skip
+"""How it ended; the verdict; largest |theta|, its sign and time; largest rate and top displacement; times; landings
+counted; energy not accounted for, and lost where the base caught a re-crossing (both over m L^2); steps; stored
+landings; such captures."""
+
+DONE, OUT_OF_STEPS, NOT_FINITE = 0, 1, 2
+RETURNS, FALLS, UNDECIDED = 0, 1, 2
+
+FAST = 1e-6
+"""Landings faster than this fraction of p alpha are counted."""
+
+SLOTS = 8
+"""Step tables kept per phase."""
+
+
+@jit
+def ground(kind, values, dt, factor, table, i, n, t, t_end, tmp):
+    """Acceleration of a channel at t, read on its piece i."""
+    if kind == NOTHING or i >= n or t > t_end * (1.0 + 1e-14):
+        return 0.0
+    if kind == PULSES and t < table[i * PIECE]:
+        return 0.0
+    expand(kind, values, dt, factor, table, i, t, 0, tmp)
+    return tmp[0]
+
+
+@jit
+def slot_of(keys, used, clock, h):
+    """Slot of a step table for h, and whether it is filled: the least recently used one if there is none."""
+    oldest = 0
+    for k in range(SLOTS):
+        if abs(keys[k] - h) <= 1e-10 * h:
+            used[k] = clock
+            return k, True
+        if used[k] < used[oldest]:
+            oldest = k
+    keys[oldest], used[oldest] = h, clock
+    return oldest, False
+
+
+@jit
+def raise_peak(par, lam, c, bu, th, top, F, x, omega, t, S, z, v, z_x, v_x, out):
+    """Note the largest |theta| and top displacement at samples of [0, x]; |theta| refined by a parabola."""
+    parts = min(max(math.ceil(4.0 * omega * x), 2), 60)
+    width = x / parts
+    q_0 = q_1 = 0.0
+    for j in range(parts + 1):
+        y = width * j
+        advance(lam, c, bu, th, F, y, S, z, v, z_x, v_x)
+        theta = dot(th, z_x)
+        q = abs(theta)
+        out[RATE_PEAK] = max(out[RATE_PEAK], abs(dot(th, v_x)))
+        u = par[LENGTH] * (math.sin(theta) + (dot(top, z_x) - theta) * math.cos(theta))
+        out[U_PEAK] = max(out[U_PEAK], abs(u))
+        if q > out[PEAK] * (1.0 + 1e-12):
+            out[PEAK], out[T_PEAK], out[PEAK_SIDE] = q, t + y, math.copysign(1.0, theta)
+        if j >= 2 and q_0 < q_1 >= q and q_1 >= out[PEAK] * (1.0 - 1e-12):
+            y = y - width + 0.5 * width * (q - q_0) / (2.0 * q_1 - q_0 - q)
+            advance(lam, c, bu, th, F, y, S, z, v, z_x, v_x)
+            if abs(dot(th, z_x)) > out[PEAK]:
+                out[PEAK], out[T_PEAK] = abs(dot(th, z_x)), t + y
+        q_0, q_1 = q_1, q
+
+
+@jit
+def switch(T, back, z, v, z_x, v_x):
+    """Modal state in the other phase: T z, or its transpose (the M-orthogonal projection onto the held base)."""
+    n = len(z)
+    for i in range(n):
+        z_x[i] = v_x[i] = 0.0
+        for j in range(n):
+            a = T[j, i] if back else T[i, j]
+            z_x[i] += a * z[j]
+            v_x[i] += a * v[j]
+
+
+@jit
+def write(par, phase, s, lam, c, bu, th, top, row, row_v, F, x, t, t_end, dt_out, i_hist, S, z, v, z_x, v_x, hist):
+    """Histories at output times in [t, t + x]; returns the next index."""
+    while i_hist < hist.shape[1] and i_hist * dt_out <= min(t + x, t_end) * (1.0 + 1e-14):
+        y = min(max(i_hist * dt_out - t, 0.0), x)
+        advance(lam, c, bu, th, F, y, S, z, v, z_x, v_x)
+        theta = dot(th, z_x)
+        hist[0, i_hist], hist[1, i_hist] = theta, dot(th, v_x)
+        hist[2, i_hist] = dot(top, z_x) - theta
+        if phase == OPEN:
+            hist[3, i_hist] = base_moment(par, s, theta, along(F, 9, y))
+        elif par[THETA_1] > 0.0:
+            hist[3, i_hist] = par[G] * par[WIDTH] / (par[LENGTH] * par[LENGTH]) * theta / (3.0 * par[THETA_1])
+        else:
+            hist[3, i_hist] = -(dot(row, z_x) + dot(row_v, v_x) + par[R_A] * along(F, 6, y))
+        i_hist += 1
+    return i_hist
+
+
+@jit
+def march(
+    par, lams, cs, bus, ths, tops, rows, rows_v, T, z, v, max_steps,
+    hk, h_values, h_tail, h_dt, h_table, h_n, vk, v_values, v_tail, v_dt, v_table, v_n,
+    dt_out, hist, landings, out, tables, influences, keys, used, work, S, F, A, found,
+):  # fmt: skip
+    """Solve one case.
+
+    Modal arrays (2, N), first index the phase; T (N, N) takes contact modes to open ones.  z, v the state at 0.
+    hist (4, k): theta, its rate, bending at the top over L, base moment; landings (3, j): time, rate before, after.
+    The rest is work space: tables (2, SLOTS, 14, N), influences (2, SLOTS, 24), keys and used (2, SLOTS), work (4, N).
+    """
+    for i in range(N_OUT):
+        out[i] = 0.0
+    out[T_PEAK] = out[T_UPLIFT] = out[T_OVERTURN] = math.nan
+    z_1, v_1, z_x, v_x = work[0], work[1], work[2], work[3]
+    phase, s, armed = int(par[PHASE_0]), par[SIDE_0], par[PHASE_0] == OPEN
+    winkler = par[THETA_1] > 0.0
+    t, t_motion, t_stop = 0.0, par[T_MOTION], par[T_STOP]
+    ih = iv = i_hist = clock = stuck = 0
+    balance = energy(par, phase, lams[phase], bus[phase], ths[phase], z, v)
+    if phase == OPEN:
+        out[T_UPLIFT] = 0.0
+        out[PEAK], out[PEAK_SIDE], out[T_PEAK] = abs(dot(ths[OPEN], z)), s, 0.0
+    verdict = -1
+    reported = False
+    u = 0.0
+    while True:
+        clock += 1
+        if clock > max_steps:
+            out[STATUS] = OUT_OF_STEPS
+            break
+        while hk != NOTHING and ih < h_n and piece_end(hk, h_table, h_dt, ih) <= t * (1.0 + 1e-14):
+            ih += 1
+        while vk != NOTHING and iv < v_n and piece_end(vk, v_table, v_dt, iv) <= t * (1.0 + 1e-14):
+            iv += 1
+        after = t >= t_motion
+        lam, c, bu, th, top = lams[phase], cs[phase], bus[phase], ths[phase], tops[phase]
+        row, row_v = rows[phase], rows_v[phase]
+        if t >= t_stop and not reported:
+            reported = True
+            out[T_END] = t_stop
+            balance -= energy(par, phase, lam, bu, th, z, v)
+        if after:
+            e = energy(par, phase, lam, bu, th, z, v) if t >= t_stop else math.inf
+            if t >= t_stop and e < par[BARRIER] * (1.0 - 1e-9):
+                verdict = RETURNS
+                break
+            if phase == CONTACT:
+                for k in range(12):
+                    F[k] = 0.0
+                wander(lam, c, bu, th, F, 1e9, z, v, row, row_v, math.inf, found)
+                if 0.5 * found[0] < 1e-3 * limit(par, phase, s, 0.0):
+                    verdict = RETURNS
+                    if not reported:
+                        out[T_END] = t_stop if par[HAS_DURATION] > 0.0 else t
+                    break
+            if t >= t_stop + par[GIVE_UP]:
+                verdict = UNDECIDED
+                break
+
+        # the step
+        t_next = t_motion if not after else (t_stop if t < t_stop else math.inf)
+        if not after:
+            if hk != NOTHING and ih < h_n:
+                t_next = min(t_next, piece_end(hk, h_table, h_dt, ih))
+                if hk == PULSES and t < h_table[ih * PIECE]:
+                    t_next = min(t_next, h_table[ih * PIECE])
+            if vk != NOTHING and iv < v_n:
+                t_next = min(t_next, piece_end(vk, v_table, v_dt, iv))
+                if vk == PULSES and t < v_table[iv * PIECE]:
+                    t_next = min(t_next, v_table[iv * PIECE])
+        h = par[H_FREE] if after else par[H_MAX]
+        if winkler and phase == OPEN:
+            q = max(abs(dot(th, z)), par[THETA_1])
+            stiff = par[G] * par[WIDTH] / (par[LENGTH] * par[LENGTH] * 3.0 * par[THETA_1]) * (par[THETA_1] / q) ** 1.5
+            while h * h * stiff * par[MOBILITY] > 0.05:
+                h *= 0.5
+        lands = t_next - t <= h * (1.0 + 1e-9)
+        if lands:
+            h = t_next - t
+        A[0], A[3] = 0.0, 0.0
+        converged = False
+        while True:
+            for k in range(3):
+                x = t + 0.5 * h * k
+                A[k] = ground(hk, h_values, h_dt, par[FACTOR_H], h_table, ih, h_n, x, t_motion, S) if not after else 0.0
+                A[3 + k] = (
+                    ground(vk, v_values, v_dt, par[FACTOR_V], v_table, iv, v_n, x, t_motion, S) if not after else 0.0
+                )
+            slot, ready = slot_of(keys[phase], used[phase], clock, h)
+            table, influence = tables[phase, slot], influences[phase, slot]
+            if not ready:
+                fill(lam, c, bu, th, h, S, table, influence)
+            converged = step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F)
+            if converged or h < 1e-9 * par[H_MAX]:
+                break
+            h *= 0.5
+            lands = False
+        if not converged:
+            out[STATUS] = NOT_FINITE
+            break
+
+        # the guard
+        a_v_low = min(A[3], A[4], A[5])
+        value = dot(row, z) + dot(row_v, v)
+        floor = 1e-9 * limit(par, CONTACT, s, 0.0) if phase == CONTACT else 1e-8 * par[ALPHA]
+        wander(lam, c, bu, th, F, h, z, v, row, row_v, floor, found)
+        stray, omega = found[0], found[1]
+        if phase == CONTACT:
+            value += par[R_A] * A[0]
+            stray += 1.5 * abs(par[R_A]) * (abs(A[1] - A[0]) + abs(A[2] - A[0]))
+        x, event = h, False
+        if gap(par, phase, s, armed, value, a_v_low) <= stray:
+            y = first_event(par, phase, s, armed, lam, c, bu, th, row, row_v, F, h, omega, S, z, v, z_x, v_x)
+            if y >= 0.0:
+                event, x = True, y
+                for m in range(len(z)):
+                    z_1[m], v_1[m] = z_x[m], v_x[m]
+        i_hist = write(
+            par, phase, s, lam, c, bu, th, top, row, row_v, F, x, t, t_stop, dt_out, i_hist, S, z, v, z_x, v_x, hist
+        )
+
+        # what is read off
+        theta_0, theta_1, rate_0, rate_1 = dot(th, z), dot(th, z_1), dot(th, v), dot(th, v_1)
+        if not reported or par[HAS_DURATION] == 0.0:
+            side = 1.0 if theta_0 + theta_1 >= 0.0 else -1.0
+            u = abs(par[LENGTH] * (math.sin(theta_1) + (dot(top, z_1) - theta_1) * math.cos(theta_1)))
+            turns = side * rate_0 > 0.0 >= side * rate_1
+            higher = abs(theta_1) > out[PEAK] or u > out[U_PEAK]
+            if turns or (higher and x * omega > 0.25):
+                wander(lam, c, bu, th, F, x, z, v, th, rows_v[OPEN], 1e-7 * par[ALPHA], found)
+                raise_peak(par, lam, c, bu, th, top, F, x, found[1], t, S, z, v, z_x, v_x, out)
+            elif higher:
+                out[U_PEAK] = max(out[U_PEAK], u)
+                if abs(theta_1) > out[PEAK]:
+                    out[PEAK], out[T_PEAK], out[PEAK_SIDE] = abs(theta_1), t + x, math.copysign(1.0, theta_1)
+            out[RATE_PEAK] = max(out[RATE_PEAK], abs(rate_1))
+        if abs(theta_1) > par[REARM]:
+            armed = True
+        if abs(theta_0) < par[THETA_STAR] <= abs(theta_1):
+            out[T_OVERTURN] = t + x
+        if par[DETAIL] > 0.0 and not after and not reported:
+            # work of the ground: its part of the loads, along the quartic of the step
+            advance(lam, c, bu, th, F, 0.5 * x, S, z, v, z_x, v_x)
+            theta_b = dot(th, z_x)
+            y_0, y_b, y_1 = dot(bu, z), dot(bu, z_x), dot(bu, z_1)
+            _ground_loads(par, phase, s, theta_0, theta_b, theta_1, y_0, y_b, y_1, x, F)
+            balance += work_of(F, 12, x, y_0, y_b, y_1, dot(bu, v), dot(bu, v_1))
+            balance += work_of(F, 15, x, theta_0, theta_b, theta_1, rate_0, rate_1)
+        t = t_next if lands and not event else t + x
+        for m in range(len(z)):
+            z[m], v[m] = z_1[m], v_1[m]
+        if not math.isfinite(theta_1) or not math.isfinite(u):
+            out[STATUS] = NOT_FINITE
+            break
+        if abs(theta_1) >= 0.5 * math.pi:
+            verdict = FALLS
+            if not reported:
+                out[T_END] = t_stop if par[HAS_DURATION] > 0.0 else t
+            break
+        stuck = stuck + 1 if event and x < 1e-13 * (t + h) else 0
+        if stuck > 200:
+            out[STATUS] = OUT_OF_STEPS
+            break
+        if not event:
+            continue
+
+        # the reset
+        if phase == CONTACT:
+            if winkler and abs(theta_1) < 0.5 * par[THETA_1]:
+                lost = 0.5 * (1.0 - par[ETA] * par[ETA]) * dot(v, v)
+                _land(par, t, rate_1, reported, landings, out)
+                balance -= 0.0 if reported else lost
+                for m in range(len(v)):
+                    v[m] *= par[ETA]
+                armed, s = False, -s
+                continue
+            value = dot(row, z) + dot(row_v, v) + par[R_A] * along(F, 6, x)
+            s = (1.0 if theta_1 > 0.0 else -1.0) if winkler else (-1.0 if value > 0.0 else 1.0)
+            switch(T, False, z, v, z_x, v_x)
+            phase = OPEN
+            if not winkler:
+                armed = False
+            if math.isnan(out[T_UPLIFT]):
+                out[T_UPLIFT] = t
+        elif winkler:
+            switch(T, True, z, v, z_x, v_x)
+            phase = CONTACT
+        else:
+            if armed:
+                lost = 0.5 * (1.0 - par[ETA] * par[ETA]) * dot(v, v)
+                _land(par, t, rate_1, reported, landings, out)
+                balance -= 0.0 if reported else lost
+                for m in range(len(v)):
+                    v[m] *= par[ETA]
+                armed = False
+                s = -s
+                if par[ETA] > 0.0:
+                    continue
+            # the base comes back: it sticks if the moment can hold it
+            switch(T, True, z, v, z_x, v_x)
+            value = dot(rows[CONTACT], z_x) + dot(rows_v[CONTACT], v_x) + par[R_A] * along(F, 6, x)
+            if gap(par, CONTACT, s, False, value, along(F, 9, x)) <= 0.0:
+                s = s if par[ETA] == 0.0 and dot(v, v) == 0.0 else -s
+                continue
+            lost = energy(par, OPEN, lam, bu, th, z, v)
+            lost -= energy(par, CONTACT, lams[CONTACT], bus[CONTACT], ths[CONTACT], z_x, v_x)
+            if not reported:
+                out[LANDING_LOSS] += lost
+                out[CAPTURES] += 1
+                balance -= lost
+            phase = CONTACT
+        for m in range(len(z)):
+            z[m], v[m] = z_x[m], v_x[m]
+
+    if verdict >= 0:
+        out[VERDICT] = verdict
+    if not reported:
+        balance -= energy(par, phase, lams[phase], bus[phase], ths[phase], z, v)
+    out[N_STEPS] = clock
+    out[ENERGY] = balance
+
+
+@jit
+def _land(par, t, rate, reported, landings, out):
+    """Count and store a landing."""
+    if reported:
+        return
+    if abs(rate) > FAST * par[P] * par[ALPHA]:
+        out[N_LANDINGS] += 1
+    k = int(out[N_STORED])
+    if k < landings.shape[1]:
+        landings[0, k], landings[1, k], landings[2, k] = t, rate, par[ETA] * rate
+        out[N_STORED] += 1
+
+
+@jit
+def _ground_loads(par, phase, s, theta_0, theta_b, theta_1, y_0, y_b, y_1, x, F):
+    """The ground's part of the two loads as quadratics into F[12:15], F[15:18]."""
+    for k in range(3):
+        theta = theta_0 if k == 0 else (theta_b if k == 1 else theta_1)
+        y = y_0 if k == 0 else (y_b if k == 1 else y_1)
+        at = 0.5 * x * k
+        a, a_v = along(F, 6, at), along(F, 9, at)
+        sigma = y - 0.5 * theta
+        F[18 + k] = (a_v * math.sin(theta) - a * math.cos(theta)) / par[LENGTH]
+        F[21 + k] = (a_v * math.cos(theta) + a * math.sin(theta)) * sigma / par[LENGTH]
+        if phase == OPEN:
+            F[21 + k] -= base_moment(par, s, theta, a_v) - base_moment(par, s, theta, 0.0)
+    for j in range(2):
+        f_0, f_b, f_1 = F[18 + 3 * j], F[19 + 3 * j], F[20 + 3 * j]
+        F[12 + 3 * j] = f_0
+        F[13 + 3 * j] = (4.0 * f_b - 3.0 * f_0 - f_1) / x if x > 0.0 else 0.0
+        F[14 + 3 * j] = 4.0 * (f_0 - 2.0 * f_b + f_1) / (x * x) if x > 0.0 else 0.0
