@@ -206,6 +206,9 @@ def _resolved(part: StudyPart, base: Map, variations: Sequence[Variation], saved
         dumped["case"] = plain(CasePart.model_validate(base["case"]).model_dump(by_alias=True))
     except ValidationError:  # a case that is complete only with the values of the axes
         dumped["case"] = plain(base["case"])
+    model = dumped["case"].get("model")
+    if isinstance(model, dict) and model.keys() == {"name"}:  # as everybody writes it
+        dumped["case"]["model"] = int(model["name"]) if model["name"].isdigit() else model["name"]
     vary = dumped.get("vary", {})
     for variation in variations:
         path = variation.axis.path

@@ -12,7 +12,7 @@ from rockcli.motion.spectrum import displacement_spectrum, forcing, history, pea
 from rockcli.scene.excitation import Samples, acceleration
 from rockcli.scene.pulses import make_pulses
 
-RANDOM = np.random.default_rng(1).normal(size=80)
+RANDOM = np.random.default_rng(1).normal(size=40)
 DT = 0.02
 
 
@@ -36,7 +36,7 @@ def integrated(channel, cuts, T: float, zeta: float) -> float:
             return [y[1], -2.0 * zeta * omega * y[1] - omega**2 * y[0] - a]
 
         run = solve_ivp(
-            flow, (t_a, t_b), y, "DOP853", rtol=1e-12, atol=1e-15, events=lambda t, y: y[1], max_step=T / 8.0
+            flow, (t_a, t_b), y, "DOP853", rtol=1e-11, atol=1e-14, events=lambda t, y: y[1], max_step=T / 8.0
         )
         largest = max(largest, np.max(np.abs(run.y[0])), *(abs(state[0]) for state in run.y_events[0]))
         y = run.y[:, -1]
@@ -44,10 +44,10 @@ def integrated(channel, cuts, T: float, zeta: float) -> float:
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.4])
-@pytest.mark.parametrize("T", [0.01, 0.05, 0.3, 2.0, 30.0])
+@pytest.mark.parametrize("T", [0.025, 0.3, 2.0, 30.0])
 def test_record_against_an_independent_integration(T, zeta):
     channel = rough()
-    expected = integrated(channel, DT * np.arange(81), T, zeta)
+    expected = integrated(channel, DT * np.arange(41), T, zeta)
     assert displacement_spectrum(forcing(channel), array(T), zeta)[0] == pytest.approx(expected, rel=1e-8)
 
 
@@ -84,20 +84,20 @@ def test_short_periods_give_the_peak_ground_acceleration():
     T = array([1e-4, 1e-3])
     S_a = displacement_spectrum(forcing(channel), T, 0.05) * (2.0 * np.pi / T) ** 2
     pga = 2.0 * measures.pga(channel.values)
-    np.testing.assert_allclose(S_a, pga, rtol=[1e-3, 1e-2])
+    np.testing.assert_array_less(np.abs(S_a / pga - 1.0), [1e-3, 1e-2])
 
 
 def test_long_periods_give_the_peak_ground_displacement():
     a = np.concatenate([RANDOM, -RANDOM, -RANDOM, RANDOM])  # ends at rest, near where it began
     channel = record(np.concatenate([[0.0], a, [0.0]]), DT).horizontal
     S_d = displacement_spectrum(forcing(channel), array([1e4, 1e6]), 0.05)
-    np.testing.assert_allclose(S_d, measures.pgd(channel.values, DT), rtol=[1e-2, 1e-4])
+    np.testing.assert_array_less(np.abs(S_d / measures.pgd(channel.values, DT) - 1.0), [1e-2, 1e-4])
 
 
 def test_below_half_a_step_the_error_is_below_one_per_cent():
     channel = rough()
     T = np.array([DT / 2.5, DT / 5.0, DT / 11.0])
-    expected = [integrated(channel, DT * np.arange(81), float(t), 0.0) for t in T]
+    expected = [integrated(channel, DT * np.arange(41), float(t), 0.0) for t in T]
     ratio = displacement_spectrum(forcing(channel), T, 0.0) / expected
     assert (ratio <= 1.0 + 1e-9).all()
     assert (ratio > 0.99).all()
@@ -105,7 +105,7 @@ def test_below_half_a_step_the_error_is_below_one_per_cent():
 
 def test_the_same_motion_in_shorter_steps_has_the_same_spectrum():
     values = np.concatenate([[0.0], RANDOM])
-    finer = np.interp(np.arange(4 * 80 + 1) / 4.0, np.arange(81), values)
+    finer = np.interp(np.arange(4 * 40 + 1) / 4.0, np.arange(41), values)
     T = np.geomspace(0.03, 20.0, 50)
     coarse = displacement_spectrum(forcing(record(values, DT).horizontal), T, 0.05)
     fine = displacement_spectrum(forcing(record(finer, DT / 4.0).horizontal), T, 0.05)
@@ -117,7 +117,7 @@ def test_holding_less_at_a_time_changes_nothing(monkeypatch):
     whole = peaks(forcing(rough()), T, 0.05)
     monkeypatch.setattr(spectrum, "_ENTRIES", 500)
     parts = peaks(forcing(rough()), T, 0.05)
-    np.testing.assert_array_equal(whole, parts)
+    np.testing.assert_allclose(parts, whole, rtol=1e-12)
 
 
 @pytest.mark.parametrize("T", [0.04, 0.7, 9.0])
