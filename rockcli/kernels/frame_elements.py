@@ -15,6 +15,8 @@ from rockcli.kernels.frame_layout import (
     COROTATIONAL,
     DASHPOT,
     FIBRES,
+    G,
+    GRAVITY,
     HALF_WIDTH,
     KW,
     LENGTH,
@@ -22,6 +24,7 @@ from rockcli.kernels.frame_layout import (
     SOFTENING,
     STIFF_DAMPING,
     WEIGHT,
+    WINKLER,
     YIELD_MOMENT,
     YIELD_ROTATION,
 )
@@ -96,14 +99,13 @@ def spring(par, theta):
     """Moment and tangent of a rotational base spring at theta (F5)."""
     q, s = abs(theta), 1.0 if theta >= 0.0 else -1.0
     if par[BASE] == SOFTENING or par[BASE] == PLASTIC:
-        q_y = par[YIELD_ROTATION]
-        if q <= q_y:
-            k = par[YIELD_MOMENT] / q_y
+        if q <= par[YIELD_ROTATION]:
+            k = par[YIELD_MOMENT] / par[YIELD_ROTATION]
             return k * theta, k
         if par[BASE] == PLASTIC:
             return s * par[YIELD_MOMENT], 0.0
-        strength, alpha = par[YIELD_MOMENT] / math.sin(par[ALPHA]), par[ALPHA] + q_y
-        return s * strength * math.sin(alpha - q), -strength * math.cos(alpha - q)
+        strength = par[YIELD_MOMENT] / math.sin(par[ALPHA] - par[YIELD_ROTATION])
+        return s * strength * math.sin(par[ALPHA] - q), -strength * math.cos(par[ALPHA] - q)
     b, kw, W = par[HALF_WIDTH], par[KW], par[WEIGHT]
     k = 2.0 / 3.0 * kw * b**3
     if q <= W / (2.0 * kw * b * b):
@@ -129,3 +131,61 @@ def add_base(par, u, factor, fibres, f, K):
             K[1, 0] += k
             K[2, 1] -= x * k
             K[2, 0] += x * x * k
+
+
+@jit
+def base_moment(par, u, factor, fibres):
+    """Moment of the base opposing theta [N m]."""
+    if par[BASE] != FIBRES:
+        M, _ = spring(par, u[2])
+        return factor * M
+    M = 0.0
+    for j in range(len(fibres)):
+        gap = u[1] - fibres[j, 0] * u[2]
+        if gap < 0.0:
+            M -= fibres[j, 0] * fibres[j, 1] * gap
+    return M
+
+
+@jit
+def spring_energy(par, theta):
+    """Energy stored in a rotational base spring [J]."""
+    q = abs(theta)
+    if par[BASE] == WINKLER:
+        b, kw, W = par[HALF_WIDTH], par[KW], par[WEIGHT]
+        q_1 = W / (2.0 * kw * b * b)
+        stored = kw * b**3 / 3.0 * min(q, q_1) ** 2
+        if q > q_1:
+            stored += W * (b * (q - q_1) - 2.0 / 3.0 * math.sqrt(2.0 * W / kw) * (math.sqrt(q) - math.sqrt(q_1)))
+        return stored
+    q_y, M_y = par[YIELD_ROTATION], par[YIELD_MOMENT]
+    stored = 0.5 * M_y / q_y * min(q, q_y) ** 2
+    if q > q_y:
+        if par[BASE] == PLASTIC:
+            stored += M_y * (q - q_y)
+        else:
+            alpha = par[ALPHA]
+            stored += M_y / math.sin(alpha - q_y) * (math.cos(alpha - q) - math.cos(alpha - q_y))
+    return stored
+
+
+@jit
+def stored_energy(par, u, n, weights, fibres, B):
+    """Strain energy of elements and base, and potential of the weights where they are loads [J] (F8)."""
+    total = 0.0
+    axial, bending = par[AXIAL] / par[LENGTH], par[BENDING] / par[LENGTH]
+    for i in range(n):
+        _, extension, lower, upper = pose(par, u, i, B)
+        total += 0.5 * axial * extension * extension
+        total += 2.0 * bending * (lower * lower + lower * upper + upper * upper)
+    if par[BASE] == FIBRES:
+        for j in range(len(fibres)):
+            gap = u[1] - fibres[j, 0] * u[2]
+            if gap < 0.0:
+                total += 0.5 * fibres[j, 1] * gap * gap
+    else:
+        total += spring_energy(par, u[2])
+    if par[GRAVITY] > 0.0:
+        for i in range(1, len(u), 3):
+            total += par[G] * weights[i] * u[i]
+    return total

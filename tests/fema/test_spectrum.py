@@ -95,9 +95,9 @@ def test_long_periods_give_the_peak_ground_displacement():
 
 
 def test_below_half_a_step_the_error_is_below_one_per_cent():
-    channel = rough()
+    channel = record(np.concatenate([[0.0], RANDOM[:12]]), DT).horizontal
     T = np.array([DT / 2.5, DT / 5.0, DT / 11.0])
-    expected = [integrated(channel, DT * np.arange(41), float(t), 0.0) for t in T]
+    expected = [integrated(channel, DT * np.arange(13), float(t), 0.0) for t in T]
     ratio = displacement_spectrum(forcing(channel), T, 0.0) / expected
     assert (ratio <= 1.0 + 1e-9).all()
     assert (ratio > 0.99).all()

@@ -1,0 +1,211 @@
+"""The event-driven solver of the flexible column: from a batch to a response (docs/flexible.md)."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import time
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli import kernels
+from rockcli.kernels import column_state as k
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
+from rockcli.scene.response import MAX_IMPACTS_STORED, Response
+from rockcli.solvers.flexible.column import REARM, Prepared, Refused, first_state, key_of, prepare
+from rockcli.solvers.flexible.unpack import Raw, histories_of, scalars_of
+from rockcli.solvers.pack import FREE_ROCKING, channel_of
+from rockcli.solvers.unpack import compare_accuracies
+
+Array = NDArray[np.float64]
+
+FINENESS = {"draft": 1.0, "standard": 0.5, "reference": 0.25}
+"""Factor of an accuracy level on the step."""
+
+PULSE_STEPS, ROCKING_STEP = 60.0, 0.03
+"""Steps per period of a pulse, and the longest step in units of 1/p, at accuracy `draft`."""
+
+MAX_STEPS = 50_000_000
+
+DECIDE = 200.0
+"""Free rocking is followed this many 1/p beyond the report to decide the outcome."""
+
+
+def solve(batch: Batch) -> Response:
+    """Solve every case of the batch; see `Response` for what comes back.
+
+    A column that cannot stand, or is none, is `failed` with a sentence.
+    """
+    began = time.perf_counter()
+    numerics = batch.numerics
+    fineness = FINENESS[numerics.accuracy]
+    prepared, refusals = _prepare(batch)
+    run = _march(batch, prepared, fineness, histories=batch.save.histories)
+    scalars, reasons = scalars_of(batch, run, prepared, refusals)
+    if "error_estimate" in batch.save.scalars:
+        other, _ = scalars_of(batch, _march(batch, prepared, 2.0 * fineness, histories=False), prepared, refusals)
+        compare_accuracies(scalars, other, reasons)
+    scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
+    used = {
+        "backend": "event",
+        "method": "modal steps exact between events, loads by collocation",
+        "dt": repr(numerics.dt) if numerics.dt is not None else f"{fineness} x draft",
+        "kernels": "compiled" if kernels.compiled else "interpreted",
+    }
+    histories, impacts, t = histories_of(batch, run, prepared) if batch.save.histories else ({}, {}, np.empty(0))
+    return Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
+
+
+def _kernel() -> ModuleType:
+    """The kernel module, compiled unless the environment forbids: a column is too much for plain Python."""
+    name = "rockcli.kernels.column"
+    before = kernels.compiled
+    kernels.load(compile_them=True)
+    loaded = sys.modules.get(name)
+    if loaded is not None and (kernels.compiled != before or not _fits(loaded)):
+        for module in ("column", "column_state", "oscillator"):
+            sys.modules.pop(f"rockcli.kernels.{module}", None)
+    elif loaded is None:
+        for module in ("column_state", "oscillator"):
+            sys.modules.pop(f"rockcli.kernels.{module}", None)
+    return importlib.import_module(name)
+
+
+def _fits(module: ModuleType) -> bool:
+    """Whether a kernel module was imported as the kernels are loaded now."""
+    return hasattr(module.march, "py_func") == bool(kernels.compiled)
+
+
+def _prepare(batch: Batch) -> tuple[list[Prepared | None], list[str]]:
+    """Columns of all cases (None where refused) and the sentences."""
+    made: dict[tuple[float, ...], Prepared | Refused] = {}
+    columns: list[Prepared | None] = []
+    refusals: list[str] = []
+    for i in range(batch.size):
+        key = key_of(batch, i) if batch.column is not None else ()
+        if key not in made:
+            try:
+                made[key] = prepare(batch, i)
+            except Refused as refused:
+                made[key] = refused
+        result = made[key]
+        columns.append(result if isinstance(result, Prepared) else None)
+        refusals.append("" if isinstance(result, Prepared) else str(result))
+    return columns, refusals
+
+
+def _parameters(batch: Batch, i: int, column: Prepared, fineness: float) -> Array:
+    """Parameters of case i in the layout of `kernels.column_state`."""
+    block, excitation = batch.block, batch.excitation
+    channels = (excitation.horizontal, excitation.vertical)
+    p = float(batch.p[i, 0])
+    end = max([0.0, *(_end(channel, i) for channel in channels)])
+    duration = float(excitation.duration[i])
+    given = bool(np.isfinite(duration))
+    h_free = fineness * ROCKING_STEP / p
+    steps = [h_free]
+    for channel in channels:
+        if isinstance(channel, Samples):
+            steps.append(channel.dt)
+        elif isinstance(channel, Pulses):
+            steps.append(fineness * 2.0 * np.pi / float(channel.omega_p[i]) / PULSE_STEPS)
+    h = min(steps)
+    if batch.numerics.dt is not None:
+        h = h_free = batch.numerics.dt * fineness / FINENESS[batch.numerics.accuracy]
+    for channel in channels:
+        if isinstance(channel, Samples):
+            h = min(h, channel.dt / np.ceil(channel.dt / h * (1.0 - 1e-9)))
+    par = np.zeros(k.N_PAR)
+    values = {
+        k.G: column.g,
+        k.LENGTH: column.length,
+        k.WIDTH: column.width,
+        k.THETA_1: column.theta_1,
+        k.ALPHA: float(block.alpha[i, 0]),
+        k.P: p,
+        k.ETA: float(batch.damping.eta[i, 0]),
+        k.REARM: max(REARM * float(block.alpha[i, 0]), column.theta_1),
+        k.BARRIER: column.barrier,
+        k.THETA_STAR: column.theta_star,
+        k.H_MAX: h,
+        k.H_FREE: h_free,
+        k.T_MOTION: min(end, duration) if given else end,
+        k.T_STOP: duration if given else end + FREE_ROCKING / p,
+        k.HAS_DURATION: float(given),
+        k.FACTOR_H: _factor(excitation.horizontal, i),
+        k.FACTOR_V: _factor(excitation.vertical, i),
+        k.R_A: column.modes.r_a,
+        k.MOBILITY: column.modes.mobility,
+        k.TOL: 1e-12 * float(block.alpha[i, 0]),
+        k.GIVE_UP: DECIDE / p,
+        k.DETAIL: float("energy_residual" in batch.save.scalars),
+    }
+    for at, value in values.items():
+        par[at] = value
+    return par
+
+
+def _end(channel: Channel | None, i: int) -> float:
+    if channel is None:
+        return 0.0
+    return float(channel.end if isinstance(channel, Samples) else channel.end[i])
+
+
+def _factor(channel: Channel | None, i: int) -> float:
+    return float(channel.factor[i]) if isinstance(channel, Samples) else 1.0
+
+
+def _march(batch: Batch, columns: list[Prepared | None], fineness: float, *, histories: bool) -> Raw:
+    march = _kernel().march
+    n = batch.size
+    parameters = [None if c is None else _parameters(batch, i, c, fineness) for i, c in enumerate(columns)]
+    n_time = 0
+    if histories:
+        stop = max([0.0, *(float(par[k.T_STOP]) for par in parameters if par is not None)])
+        n_time = int(np.floor(stop / batch.save.dt_out * (1.0 + 1e-12))) + 1
+    run = Raw(n, n_time, MAX_IMPACTS_STORED if histories else 0)
+    horizontal = channel_of(batch.excitation.horizontal, n)
+    vertical = channel_of(batch.excitation.vertical, n)
+    N = 2 * (batch.column.elements if batch.column is not None else 1) + 1
+    space = _work_space(N)
+    for i, (column, par) in enumerate(zip(columns, parameters, strict=True)):
+        if column is None or par is None:
+            continue
+        a = float(acceleration(batch.excitation.horizontal, np.zeros(1), i)[0])
+        phase, s, z, v = first_state(column, float(batch.theta_0[i]), float(batch.theta_dot_0[i]), a)
+        par[k.PHASE_0], par[k.SIDE_0] = phase, s
+        m = column.modes
+        space["keys"][...] = -1.0
+        march(
+            par, m.lam, m.c, m.bu, m.th, m.top, m.row, m.row_v, m.T, z, v, MAX_STEPS,
+            *_of_case(horizontal, i), *_of_case(vertical, i),
+            batch.save.dt_out, run.histories[i], run.landings[i], run.out[i], *space.values(),
+        )  # fmt: skip
+    return run
+
+
+def _of_case(channel: tuple[int, Any, Any, float, Any, int], i: int) -> tuple[int, Any, Any, float, Any, int]:
+    kind, values, tail, dt, tables, pieces = channel
+    return kind, values, tail, dt, tables[i if len(tables) > 1 else 0], pieces
+
+
+def _work_space(N: int) -> dict[str, Array]:
+    """Arrays the kernel works in, in the order of its arguments."""
+    from rockcli.kernels.oscillator import INFLUENCES, TABLE_ROWS
+
+    slots = 8
+    return {
+        "tables": np.zeros((2, slots, TABLE_ROWS, N)),
+        "influences": np.zeros((2, slots, INFLUENCES)),
+        "keys": np.full((2, slots), -1.0),
+        "used": np.zeros((2, slots)),
+        "work": np.zeros((4, N)),
+        "S": np.zeros(5),
+        "F": np.zeros(24),
+        "A": np.zeros(6),
+        "found": np.zeros(2),
+    }
