@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.curves import CRITICAL, KINDS, POINTS, critical_ratio, curves_of, errors_of, variables_of
+from rockcli.scene.curves import CRITICAL, ENERGY, KINDS, POINTS, critical_ratio, curves_of, errors_of, variables_of
+from rockcli.scene.energy import energy_ratio, energy_ratio_of_impacts
 from rockcli.scene.models import MODELS
 from rockcli.scene.variables import CASE, ROTATION, VARIABLES
 from rockcli.storage.contents import Contents, variable_field
@@ -50,7 +51,12 @@ def _evaluate(study: Study, ratio: Array) -> tuple[dict[str, Array], list[str]]:
         model = MODELS[(batch.model, batch.geometry)]
         found: dict[str, Array] = {}
         for kind in study.curves:
-            found |= curves_of(kind, model, batch.block, ratio) | errors_of(kind, model, batch.block)
+            if kind == ENERGY:
+                found["energy_ratio"] = energy_ratio(batch.damping, batch.block, batch.g, ratio)
+                kept = energy_ratio_of_impacts(batch.block)
+                found["energy_ratio_block"] = np.repeat(kept[:, None], len(ratio), axis=1)
+            else:
+                found |= curves_of(kind, model, batch.block, ratio) | errors_of(kind, model, batch.block)
         if "moment_rotation" in study.curves:
             found[CRITICAL] = critical_ratio(model, batch.block)
         for name, part in found.items():

@@ -12,7 +12,7 @@ from rockcli.engine.compare import ERRORS, locate
 from rockcli.errors import StudyError
 from rockcli.scene.curves import variables_of
 from rockcli.scene.response import FAILED, OUTCOMES
-from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
+from rockcli.scene.variables import HISTORIES, IMPACTS, ROTATION, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
 from rockcli.study.study import Expect, Study
 
@@ -101,7 +101,9 @@ def _values(contents: Contents, clause: Expect) -> NDArray[Any]:
             values = np.where(values < 0, np.nan, values)
     values = values[_selection(contents, clause)]
     if clause.time is not None and beside == (DIM_TIME,):
-        return _at_time(values, contents.values(DIM_TIME), clause.time)
+        return _read_at(values, contents.values(DIM_TIME), clause.time)
+    if clause.rotation is not None and beside == (ROTATION,):
+        return _read_at(values, contents.values("theta_over_alpha"), clause.rotation)
     return values
 
 
@@ -116,8 +118,8 @@ def _selection(contents: Contents, clause: Expect) -> tuple[slice, ...]:
     return tuple(chosen)
 
 
-def _at_time(values: NDArray[Any], time: NDArray[np.float64], t: float) -> NDArray[Any]:
-    """Linear between output times, exact on them; NaN outside."""
+def _read_at(values: NDArray[Any], time: NDArray[np.float64], t: float) -> NDArray[Any]:
+    """Linear between output times (or rotations), exact on them; NaN outside."""
     if len(time) == 0 or not time[0] <= t <= time[-1] * (1.0 + 1e-12):
         return np.full(values.shape[:-1], np.nan)
     nearest = int(np.argmin(np.abs(time - t)))
@@ -188,6 +190,8 @@ def describe(clause: Expect) -> str:
     words = clause.quantity + (f" at {where}" if where else "")
     if clause.time is not None:
         words += f" at t = {clause.time:g} s"
+    if clause.rotation is not None:
+        words += f" at theta/alpha = {clause.rotation:g}"
     if clause.check in ("is", "is_not"):
         names = " or ".join(OUTCOMES[flag] for flag in _flags(clause))
         return f"{words} {clause.check.replace('_', ' ')} {names}"

@@ -278,7 +278,7 @@ def march(
             u = abs(par[LENGTH] * (math.sin(theta_1) + (dot(top, z_1) - theta_1) * math.cos(theta_1)))
             turns = side * rate_0 > 0.0 >= side * rate_1
             higher = abs(theta_1) > out[PEAK] or u > out[U_PEAK]
-            if turns or (higher and x * omega > 0.25):
+            if turns:
                 wander(lam, c, bu, th, F, x, z, v, th, rows_v[OPEN], 1e-7 * par[ALPHA], found)
                 raise_peak(par, lam, c, bu, th, top, F, x, found[1], t, S, z, v, z_x, v_x, out)
             elif higher:

@@ -37,6 +37,7 @@ from rockcli.kernels.frame_layout import (
     RATE_PEAK,
     REARM,
     RETURNS,
+    SHUT,
     STATUS,
     STIFF_DAMPING,
     T_END,
@@ -55,7 +56,7 @@ from rockcli.kernels.frame_layout import (
     V_TOP,
     VERDICT,
 )
-from rockcli.kernels.frame_steps import DAMPING, DRAG, INERTIA, LOAD, accelerate, load, settle, step
+from rockcli.kernels.frame_steps import BEFORE, DAMPING, DRAG, INERTIA, LOAD, UPRIGHT, accelerate, load, settle, step
 from rockcli.kernels.jit import jit
 
 DIVISIONS = 4
@@ -66,9 +67,6 @@ UNITS = 10**DIVISIONS
 
 LOOK = 20
 """Steps between looks at the energy once the motion is over."""
-
-AT_REST = 1e-8
-"""Fraction of the barrier below which a body that has landed is at rest."""
 
 
 @jit
@@ -121,7 +119,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
         rows: (2, N_HISTORY) work space; history: (k, N_HISTORY), written up to T_END; impacts: (j, 3).
         out: results (frame_layout).
     """
-    upright = work[DRAG + 1]
+    upright = work[UPRIGHT]
     upright[:] = 0.0
     if not settle(par, n, pull, weights, fibres, upright, work, bands, B):
         out[STATUS] = NO_STATICS
@@ -148,7 +146,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
     note(par, u, v, 1.0 + a_v[0] / par[G], fibres, new)
     written = record(par, -par[DT], par[DT], new, new, history, 0)
     out[VERDICT] = UNDECIDED
-    u_old = work[DRAG + 2]
+    u_old = work[BEFORE]
 
     i, position, units = 0, 0, UNITS
     while True:
@@ -231,7 +229,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
                 out[T_END] = now
             break
         if position < UNITS:
-            if units < UNITS // 10 and position % (10 * units) == 0:
+            if position % (10 * units) == 0:
                 units *= 10
             continue
         i, position, units = i + 1, 0, UNITS
@@ -242,7 +240,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
             ended = not math.isnan(out[T_END])
             if energy < par[BARRIER]:
                 out[VERDICT] = RETURNS
-                if not ended and energy < AT_REST * par[BARRIER] and q < par[REARM] and par[OWN_DURATION] == 0.0:
+                if not ended and energy < par[SHUT] and par[OWN_DURATION] == 0.0:
                     out[T_END] = now
                     break
                 if ended and (par[OWN_DURATION] > 0.0 or theta * v[2] <= 0.0):

@@ -14,7 +14,7 @@ STATIC_ITERATIONS = 60
 """Iterations allowed to find the equilibrium to begin with."""
 
 # rows of the work space, (N_ROWS, N)
-TRIAL, RATE, ACCELERATION, AT_ALPHA, FORCE, REST, INERTIA, DRAG, LOAD, N_ROWS = range(10)
+TRIAL, RATE, ACCELERATION, AT_ALPHA, FORCE, REST, INERTIA, DRAG, LOAD, UPRIGHT, BEFORE, N_ROWS = range(12)
 
 # matrices of the work space, (N_BANDS, N, 6)
 STIFFNESS, DAMPING, SYSTEM, N_BANDS = range(4)

@@ -29,7 +29,7 @@ _DASHES: tuple[tuple[float, ...], ...] = ((), (5, 1.5), (2, 1.2), (6, 1.5, 1, 1.
 
 @dataclass(frozen=True)
 class Panel:
-    """A row: what is drawn over what.  Values are divided by the block's `scale` at theta/alpha = `at`."""
+    """A row: what is drawn over what.  Values are divided by the block's `scale` at theta/alpha = `at`, if given."""
 
     model: str
     block: str
@@ -83,6 +83,7 @@ _PANELS: tuple[Panel, ...] = (
         r"$M_o\,/\,(m a_g R\,\cos\alpha)$",
         "curve_error_overturning_moment",
     ),
+    Panel("energy_ratio", "energy_ratio_block", "", 0, "energy kept per cycle", ""),
 )
 
 Position = tuple[int, ...]
@@ -165,7 +166,7 @@ def _lines(
             if a in labelled and dataset.sizes[a] > 1
         )
         spots = [_at(dataset, column, case.position) for column in columns]
-        if all(number_at(dataset, panel.error, spot) == 0.0 for panel in panels for spot in spots):
+        if all(_as_block(dataset, panel, spot) for panel in panels for spot in spots):
             if (
                 "spring_moment" in dataset.variables
                 and np.isfinite(values_at(dataset, "spring_moment", spots[0])).all()
@@ -178,6 +179,13 @@ def _lines(
         else:
             same.names.append(names)
     return lines, as_block
+
+
+def _as_block(dataset: xarray.Dataset, panel: Panel, spot: Position) -> bool:
+    """Whether a model's curve is the block's."""
+    if panel.error:
+        return number_at(dataset, panel.error, spot) == 0.0
+    return np.array_equal(values_at(dataset, panel.model, spot), values_at(dataset, panel.block, spot))
 
 
 def _bare(dataset: xarray.Dataset, axis: str, position: int) -> bool:
@@ -208,7 +216,7 @@ def _pair(pair: tuple[Axes, Axes], dataset: xarray.Dataset, panel: Panel, column
     curve, error = pair
     ratio = np.asarray(dataset["theta_over_alpha"].values, dtype=float)
     here = _at(dataset, column, lines[0].position) if lines else column
-    scale = float(values_at(dataset, panel.scale, here)[panel.at])
+    scale = float(values_at(dataset, panel.scale, here)[panel.at]) if panel.scale else 1.0
     block = values_at(dataset, panel.block, here) / scale
     rises = panel.model == "restoring_moment"
     curve.plot(*_from_rest(ratio, block, rises), color="#000000", linewidth=1.4, zorder=2)

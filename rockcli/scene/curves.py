@@ -64,7 +64,11 @@ KINDS: dict[str, Kind] = {
         ),
     ),
     "overturning_moment": _beside_block("overturning_moment", "overturning_moment"),
+    "energy_per_cycle": Kind(("energy_ratio",), ("energy_ratio_block",), ()),
 }
+
+ENERGY = "energy_per_cycle"
+"""The kind that asks for the damping of the case (scene/energy.py), not for its model."""
 
 CRITICAL = "theta_critical_over_alpha"
 """Scalar of `moment_rotation`: the rotation at which the restoring moment vanishes."""

@@ -155,6 +155,16 @@ _ROWS: tuple[Variable, ...] = (
     ),
     Variable("same_outcome", "same outcome", CASE, "1", "1 where the outcome agrees with the reference's"),
     Variable("theta_over_alpha", r"$\theta/\alpha$", ROTATION, "1", "rotation over alpha, of the static curves"),
+    Variable(
+        "energy_ratio",
+        "energy kept per cycle",
+        ROTATION,
+        "1",
+        "energy after one cycle of free rocking over energy before, by amplitude; linearised for a dashpot (3.1), (3.3)",
+    ),
+    Variable(
+        "energy_ratio_block", r"$\eta^4$", ROTATION, "1", "the same for Housner's eta at each of two impacts (3.1)"
+    ),
     Variable("restoring_moment", r"$M_r/(mgR)$", ROTATION, "1", "restoring moment of the model over m g R"),
     Variable("restoring_moment_block", r"$M_r/(mgR)$", ROTATION, "1", "restoring moment of the block over m g R"),
     Variable(

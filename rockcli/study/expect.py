@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
-from rockcli.scene.variables import IMPACT, TIME, VARIABLES
+from rockcli.scene.variables import IMPACT, ROTATION, TIME, VARIABLES
 from rockcli.study.expressions import ExpressionError, constant, parse
 from rockcli.study.schema import describe
 from rockcli.study.study import Axis, Expect
@@ -101,6 +101,11 @@ def _clause(source: Source, study: Map, axes: Sequence[Axis], i: int) -> Expect:
         raise source.error(study, keys, f"needs `time`: {quantity} is a history")
     if over != TIME and time is not None:
         raise source.error(study, (*keys, "time"), f"is for histories; {quantity} has no time")
+    rotation = (
+        None if clause.get("rotation") is None else _positive(source, study, (*keys, "rotation"), clause["rotation"])
+    )
+    if over != ROTATION and rotation is not None:
+        raise source.error(study, (*keys, "rotation"), f"is for static curves; {quantity} is none")
     check = checks[0]
     target: float | tuple[int, ...]
     if check in ("is", "is_not"):
@@ -115,6 +120,7 @@ def _clause(source: Source, study: Map, axes: Sequence[Axis], i: int) -> Expect:
         rtol=_positive(source, study, (*keys, "rtol"), clause.get("rtol", 1e-6)),
         atol=_positive(source, study, (*keys, "atol"), clause.get("atol", 0.0)),
         time=time,
+        rotation=rotation,
         references=clause.get("references") or "",
         line=line if isinstance(line := place(study, keys), int) else None,
     )

@@ -15,7 +15,7 @@ from rockcli.study.tree import nearest
 
 MODEL_NAMES = ("rigid", "linearized", "1", "2", "3", "4", "flexible", "continuum", "auto")
 PLOTS = ("histories", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")
-CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment")
+CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")
 
 
 def _number(value: Any) -> Any:
@@ -338,6 +338,7 @@ class ExpectPart(Part):
     quantity: Text = key("a variable of the dataset", ...)
     at: dict[str, Any] = key("{axis: value}; an absent axis = every point", {})
     time: Number | None = key("time at which a history is read [s]")
+    rotation: Number | None = key("theta/alpha at which a static curve is read [1]")
     value: Target | None = key("what it is")
     rtol: Number = key("relative tolerance on value [1]", 1e-6)
     atol: Number = key("absolute tolerance on value", 0)

@@ -51,6 +51,7 @@ class Expect:
         target: the number, or for is / is_not the tuple of outcome flags meant.
         rtol, atol: for `value`.
         time: for a history, the time [s] at which it is read.
+        rotation: for a static curve, theta/alpha at which it is read; None = every rotation.
         references: where the number comes from.
         line: line in the study file.
     """
@@ -62,6 +63,7 @@ class Expect:
     rtol: float = 1e-6
     atol: float = 0.0
     time: float | None = None
+    rotation: float | None = None
     references: str = ""
     line: int | None = None
 

@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 FAST = 1e-6
 """Impacts faster than this fraction of p alpha are counted."""
 
+SAME_PEAK = 1e-10
+"""Peaks of an undamped body are equal but for errors: a later one must be higher by more than this fraction."""
+
 
 @dataclass
 class Diary:
@@ -99,7 +102,7 @@ class Diary:
             self.rate_peak = max([self.rate_peak, *(abs(roots.value(c_v, r)) for r in inside)])
 
     def _higher(self, theta: float, t: float) -> None:
-        if abs(theta) > self.peak * (1.0 + 1e-12):
+        if abs(theta) > self.peak * (1.0 + SAME_PEAK):
             self.peak, self.side, self.t_peak = abs(theta), math.copysign(1.0, theta), t
 
     def cut_off(self, theta: float, t: float) -> None:

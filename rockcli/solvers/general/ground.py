@@ -102,7 +102,7 @@ def _cuts(channel: Channel | None, case: int) -> Array:
         return np.empty(0)
     if isinstance(channel, Samples):
         return np.arange(len(channel.values)) * channel.dt
-    return np.asarray(np.unique(channel.table[case, :, :2]), dtype=np.float64)
+    return np.unique(channel.table[case, :, :2].ravel())
 
 
 def _law(channel: Channel | None, case: int, t: float) -> Law:

@@ -99,8 +99,9 @@ class Located:
         span = AFTERWARDS / min(self.body.left.p, self.body.right.p)
         piece = Piece(self.t, self.t + span, lambda t: 0.0, lambda t: 0.0)
         self.reported = False
+        side = self.sign
         while self.t < piece.t_b and not self.fallen and not self.resting:
-            if self.verdict == RETURNS and (self.v <= 0.0 or self.ground.has_duration):
+            if self.verdict == RETURNS and (self.v <= 0.0 or self.sign != side or self.ground.has_duration):
                 return
             if self.verdict == UNDECIDED or (self.verdict == FALLS and self.q >= self._edge.q_star):
                 return
@@ -154,7 +155,7 @@ class Located:
                 self.stalled += 1
                 return
             level = 0.0 if event == "impact" else SIDE
-            t, q, v = step.crossing(x, level) if event in ("impact", "side") else step.at(x)
+            t, q, v = step.crossing(x, level) if event in ("impact", "side", "lost") and x < 1.0 else step.at(x)
             self.diary.swing(step, self.sign, x, t)
             self.diary.equilibrium(step, self.sign, self.sign, x)
             self.stalled = self.stalled + 1 if t == self.t else 0
@@ -186,7 +187,8 @@ class Located:
         if q.max() > 0.9 * SIDE or q_end >= SIDE:
             if self.body.linear:
                 if q_end >= SIDE and event == "" and self._lost(step.t, q_end, v_end):
-                    return "lost", 1.0
+                    passage = roots.first_below(roots.coefficients(SIDE - q)) if start < SIDE else 1.0
+                    return "lost", 1.0 if passage is None else passage
                 return event, x
             c = roots.coefficients(SIDE - q)
             side = roots.first_below(c) if start < SIDE else 0.0

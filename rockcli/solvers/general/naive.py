@@ -147,10 +147,12 @@ def _afterwards(
     bound = state[0] + AFTERWARDS / min(body.left.p, body.right.p)
     verdict = _verdict(body, state, margin)
 
+    side = state[1]
+
     def done() -> bool:
         _, theta, rate = state
         if verdict == RETURNS:
-            return theta * rate <= 0.0 or ground.has_duration
+            return theta * rate <= 0.0 or theta * side <= 0.0 or ground.has_duration
         if verdict == FALLS:
             return abs(theta) >= _edge(body, theta, rate).q_star
         return verdict == UNDECIDED

@@ -40,6 +40,9 @@ class Ode23s(OdeSolver):  # type: ignore[misc]
         rtol, atol: the error of a step is held below rtol max(|y|, atol/rtol) in the maximum norm.
     """
 
+    t: float
+    y: Array
+
     def __init__(
         self,
         fun: Callable[[float, Array], Any],
@@ -61,7 +64,7 @@ class Ode23s(OdeSolver):  # type: ignore[misc]
 
     def _first_step(self) -> float:
         """About the step whose second-order term is half the tolerance."""
-        span = min(abs(self.t_bound - self.t), self.max_step)
+        span = float(min(abs(self.t_bound - self.t), self.max_step))
         if span == 0.0:
             return 0.0
         weight = np.maximum(np.abs(self.y), self.atol / self.rtol)

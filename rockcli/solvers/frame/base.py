@@ -1,0 +1,56 @@
+"""What the column stands on: a yielding spring, the law of a no-tension elastic base, or fibres."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import SolverError
+from rockcli.kernels import frame_layout as k
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT
+
+Array = NDArray[np.float64]
+
+FIBRES = 21
+"""Fibres of a discrete base where the study gives no number."""
+
+
+def kind_of_base(batch: Batch) -> float:
+    """Kind of base of a batch (frame_layout); `SolverError` where model, base and damping do not go together."""
+    base, hht = batch.base, batch.damping.scheme == "hht"
+    if base is None or base.law == "rigid":
+        if hht:
+            raise SolverError("damping hht needs a base that gives way: base: {law: winkler, kw: ...}")
+        return k.SOFTENING if batch.geometry == "negative_stiffness" else k.PLASTIC
+    if batch.geometry == "negative_stiffness":
+        raise SolverError("a Winkler base carries the weight: it needs geometry: corotational")
+    if not (hht or base.fibres is not None):
+        return k.WINKLER
+    if batch.model not in ("4", "flexible"):
+        raise SolverError(f"fibres stand under a column of elements, model 4 or flexible, not model {batch.model}")
+    return k.FIBRES
+
+
+def fibres(b: float, kw: float, n: int, *, place: str = "corners") -> Array:
+    """Places x [m] and stiffnesses [N/m] of n fibres under a base from -b to b, (n, 2), of total stiffness 2 b kw.
+
+    `corners`: evenly from corner to corner, the two at the corners half as stiff (one fibre: in the middle).
+    `middles`: in the middles of n equal parts; the pivot is then at b (1 - 1/n).
+    """
+    if n == 1:
+        return np.array([[0.0, 2.0 * b * kw]])
+    if place == "middles":
+        x = b * ((2.0 * np.arange(n) + 1.0) / n - 1.0)
+        return np.column_stack([x, np.full(n, 2.0 * b * kw / n)])
+    share = np.full(n, 2.0 * b * kw / (n - 1))
+    share[[0, -1]] *= 0.5
+    return np.column_stack([np.linspace(-b, b, n), share])
+
+
+def fibres_of(batch: Batch, case: int) -> Array:
+    """Fibres of one case, (k, 2), none for the other kinds of base."""
+    if batch.base is None or kind_of_base(batch) != k.FIBRES:
+        return np.zeros((0, 2))
+    number = batch.base.fibres or FIBRES
+    return fibres(float(batch.block.b[case, LEFT]), float(batch.base.kw[case]), number)
