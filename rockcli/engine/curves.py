@@ -34,19 +34,21 @@ def with_curves(contents: Contents, study: Study) -> Contents:
         coordinate = variable_field("theta_over_alpha", (ROTATION,), ratio)
         fields["theta_over_alpha"] = replace(coordinate, coordinate=True)
         axes = tuple(axis.name for axis in study.axes)
-        values, models = _evaluate(study, ratio)
+        values, models, schemes = _evaluate(study, ratio)
         said: dict[str, Any] = {"model": models[0]} if len(models) == 1 else {}
         for name in variables_of(study.curves)[1:]:
             beside = () if VARIABLES[name].over == CASE else (ROTATION,)
             shape = study.shape + values[name].shape[1:]
-            fields[name] = variable_field(name, axes + beside, values[name].reshape(shape), **said)
+            words = {"model": schemes[0]} if name == "energy_ratio" and len(schemes) == 1 else said
+            fields[name] = variable_field(name, axes + beside, values[name].reshape(shape), **words)
     return Contents(contents.axes, fields, contents.attrs)
 
 
-def _evaluate(study: Study, ratio: Array) -> tuple[dict[str, Array], list[str]]:
-    """Every curve and error over the flat cases, and the models met, in words."""
+def _evaluate(study: Study, ratio: Array) -> tuple[dict[str, Array], list[str], list[str]]:
+    """Every curve and error over the flat cases, the models met, in words, and the damping schemes."""
     values: dict[str, Array] = {}
     models: list[str] = []
+    schemes: list[str] = []
     for indices, batch in study.batches():
         model = MODELS[(batch.model, batch.geometry)]
         found: dict[str, Array] = {}
@@ -64,7 +66,9 @@ def _evaluate(study: Study, ratio: Array) -> tuple[dict[str, Array], list[str]]:
         words = model_words(batch.model, batch.geometry)
         if words not in models:
             models.append(words)
-    return values, models
+        if batch.damping.scheme not in schemes:
+            schemes.append(batch.damping.scheme)
+    return values, models, schemes
 
 
 def model_words(name: str, geometry: str | None) -> str:

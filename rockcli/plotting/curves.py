@@ -140,7 +140,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
                 pair[0].set_title(case.label, fontsize=9.0)
             if column == 0 or not beside:
                 pair[0].set_ylabel(panels[number].label)
-                pair[1].set_ylabel("error [%]")
+                pair[1].set_ylabel("error [%]" if panels[number].error else "more [%]")
             if row == down - 1 or (not beside and number + across >= len(panels)):
                 pair[1].set_xlabel(r"$\theta/\alpha$")
                 pair[1].tick_params(labelbottom=True)
@@ -233,7 +233,8 @@ def _pair(pair: tuple[Axes, Axes], dataset: xarray.Dataset, panel: Panel, column
             if np.isfinite(spring).all() and not np.array_equal(spring, own):
                 curve.plot(*_from_rest(ratio, spring, True), color=colour, linewidth=0.7, dashes=(1, 1.5), zorder=1)
         error.plot(ratio, 100.0 * (own - block), color=colour, linewidth=1.0, dashes=dashes or (None, None))
-    curve.axhline(1.0 if panel.model == "overturning_moment" else 0.0, color=QUIET, linewidth=0.4, zorder=0)
+    level = 1.0 if panel.model in ("overturning_moment", "energy_ratio") else 0.0
+    curve.axhline(level, color=QUIET, linewidth=0.4, zorder=0)
     error.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
     error.margins(y=0.12)
     curve.set_xlim(-0.02 if rises else 0.0, 1.0)
@@ -254,6 +255,8 @@ def _legend(
 ) -> None:
     corners = any(panel.beside for panel in panels)
     block = "block, free corner" if corners else "block"
+    if panels[0].model == "energy_ratio":
+        block = r"impacts with Housner's $\eta$"
     if as_block:
         block += " = " + (words_of(as_block) or _only_model(dataset, panels))
     handles = [Line2D([], [], color="#000000", linewidth=1.4, label=block)]
