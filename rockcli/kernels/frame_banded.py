@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
+from rockcli.kernels.frame_layout import BAND
 from rockcli.kernels.jit import jit
-
-BAND = 6
-"""Stored diagonals."""
 
 
 @jit

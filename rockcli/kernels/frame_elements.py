@@ -8,26 +8,9 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.frame_layout import (
-    ALPHA,
-    AXIAL,
-    BASE,
-    BENDING,
-    COROTATIONAL,
-    DASHPOT,
-    FIBRES,
-    G,
-    GRAVITY,
-    HALF_WIDTH,
-    KW,
-    LENGTH,
-    PLASTIC,
-    SOFTENING,
-    STIFF_DAMPING,
-    WEIGHT,
-    WINKLER,
-    YIELD_MOMENT,
-    YIELD_ROTATION,
-)
+    ALPHA, AXIAL, BASE, BENDING, COROTATIONAL, DASHPOT, FIBRES, G, GRAVITY, HALF_WIDTH, KW, LENGTH, PLASTIC,
+    SOFTENING, STIFF_DAMPING, WEIGHT, WINKLER, YIELD_MOMENT, YIELD_ROTATION,
+)  # fmt: skip
 from rockcli.kernels.jit import jit
 
 

@@ -38,3 +38,12 @@ RETURNS, FALLS, UNDECIDED = 0.0, 1.0, 2.0
 
 # columns of a history
 TH, RATE, U_TOP, V_TOP, U_BENDING, MOMENT, N_HISTORY = range(7)
+
+BAND = 6
+"""Stored diagonals of a symmetric matrix."""
+
+# rows of the work space, (N_ROWS, N)
+TRIAL, VELOCITY, ACCELERATION, AT_ALPHA, FORCE, REST, INERTIA, DRAG, LOAD, UPRIGHT, BEFORE, N_ROWS = range(12)
+
+# matrices of the work space, (N_BANDS, N, 6)
+STIFFNESS, DAMPING, SYSTEM, N_BANDS = range(4)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from rockcli.kernels.frame_banded import BAND, hold, solve, times
+from rockcli.kernels.frame_banded import hold, solve, times
 from rockcli.kernels.frame_elements import add_base, add_elements
-from rockcli.kernels.frame_layout import ALPHA_D, G, GRAVITY, HINGED, REACH, TOLERANCE
+from rockcli.kernels.frame_layout import (
+    ACCELERATION, ALPHA_D, AT_ALPHA, BAND, DAMPING, DRAG, FORCE, G, GRAVITY, HINGED, INERTIA, LOAD, REACH, REST, STIFFNESS,
+    SYSTEM, TOLERANCE, TRIAL, VELOCITY,
+)  # fmt: skip
 from rockcli.kernels.jit import jit
 
 MAX_ITERATIONS = 12
@@ -12,13 +15,6 @@ MAX_ITERATIONS = 12
 
 STATIC_ITERATIONS = 60
 """Iterations allowed to find the equilibrium to begin with."""
-
-# rows of the work space, (N_ROWS, N)
-TRIAL, RATE, ACCELERATION, AT_ALPHA, FORCE, REST, INERTIA, DRAG, LOAD, UPRIGHT, BEFORE, N_ROWS = range(12)
-
-# matrices of the work space, (N_BANDS, N, 6)
-STIFFNESS, DAMPING, SYSTEM, N_BANDS = range(4)
-
 
 @jit
 def load(par, pull, weights, a_g, a_v, out):
@@ -57,7 +53,7 @@ def step(par, n, mass, damped, pull, weights, fibres, h, a_g, a_v, u, v, a, work
     """
     alpha_d = par[ALPHA_D]
     gamma, beta = 1.5 - alpha_d, 0.25 * (2.0 - alpha_d) ** 2
-    u_1, v_1, a_1, u_m, f = work[TRIAL], work[RATE], work[ACCELERATION], work[AT_ALPHA], work[FORCE]
+    u_1, v_1, a_1, u_m, f = work[TRIAL], work[VELOCITY], work[ACCELERATION], work[AT_ALPHA], work[FORCE]
     r, inertia, drag, external = work[REST], work[INERTIA], work[DRAG], work[LOAD]
     K, C, A = bands[STIFFNESS], bands[DAMPING], bands[SYSTEM]
     N = len(u)

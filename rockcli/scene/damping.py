@@ -36,17 +36,20 @@ class Damping:
 
     Attributes:
         scheme: `none`; `restitution` (event-based damping, [3.2, 3.5]); `dashpot` (a rotational damper at the base,
-            acting all the time, no loss at impacts, (3.3)); `fema356` (an equivalent linear oscillator, [3.4]).
+            acting all the time, no loss at impacts, (3.3)); `hht` (the dissipation of the time integrator over a
+            no-tension base, [3.3]); `fema356` (an equivalent linear oscillator, [3.4]).
         eta: ratio of angular velocities just after / just before an impact, (n, 2); column j when the body
             lands on edge j (0 left, 1 right).  Ones where nothing is lost.
         coefficient: of the dashpot c = coefficient (alpha/0.1)^2 m g^0.5 R^1.5 (3.3), (n,); zeros without one.
         fema356: of that scheme, else None.
+        alpha_d: parameter of the HHT integrator in [2/3, 1] of that scheme, (n,); None = the backend's default.
     """
 
     scheme: str
     eta: Array
     coefficient: Array | None = None
     fema356: Fema356 | None = None
+    alpha_d: Array | None = None
 
 
 def dashpot_rate(coefficient: Array, alpha: Array, R: Array, inertia: Array, g: Array) -> Array:

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.excitation import Pulses, Samples
-from rockcli.scene.variables import LARGE, SCALARS, SCALARS_LARGE
+from rockcli.scene.variables import LARGE, SCALARS, SCALARS_FEMA, SCALARS_LARGE
 from rockcli.study.axes import Evaluate, Variation, read_axes
 from rockcli.study.build import build_batch
 from rockcli.study.cases import Cases
@@ -124,7 +124,7 @@ def check_symbol(source: Source, tree: Map, name: str) -> None:
 class _Found:
     """What the cases of a study show: finest output spacing needed, files read and what was done to them.
 
-    `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases.
+    `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
     """
 
     dt_out: float = DT_OUT
@@ -132,9 +132,11 @@ class _Found:
     processing: dict[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
     still: bool = True
     models: dict[tuple[str, str | None], None] = dataclasses.field(default_factory=dict)
+    schemes: set[str] = dataclasses.field(default_factory=set)
 
     def look(self, batch: Batch) -> None:
         self.models[batch.model, batch.geometry] = None
+        self.schemes.add(batch.damping.scheme)
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
         for channel in (batch.excitation.horizontal, batch.excitation.vertical):
             self.still &= channel is None
@@ -184,7 +186,10 @@ def _save(source: Source, tree: Map, cases: Cases, found: _Found) -> tuple[dict[
     wanted = save.get("scalars")
     if wanted is None:
         wanted = () if curves_only else SCALARS if size <= LARGE else SCALARS_LARGE
-    scalars = [name for name in SCALARS if wanted == "all" or name in wanted]
+    every = [name for name in SCALARS if name not in SCALARS_FEMA or "fema356" in found.schemes]
+    if wanted == "all" or wanted is SCALARS:
+        wanted = every
+    scalars = [name for name in SCALARS if name in wanted]
     dt_out: Any = save.get("dt_out")
     if dt_out is None:
         dt_out = found.dt_out

@@ -1,0 +1,167 @@
+"""From one case of a batch to what the frame kernels take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import SolverError
+from rockcli.kernels import frame_layout as k
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.damping import dashpot_rate
+from rockcli.scene.excitation import Channel, Pulses, acceleration
+from rockcli.solvers.frame.base import fibres_of, kind_of_base
+from rockcli.solvers.frame.structure import Structure, structure_of
+
+Array = NDArray[np.float64]
+
+FREE_ROCKING, SEARCH = 20.0, 60.0
+"""The report goes on this many 1/p after the motion's end; the search for the outcome this many after the report."""
+
+YIELD_ROTATION = 1e-6
+"""Rotation [rad] at which the base spring opens: smaller buys nothing at the default step (docs/frame.md)."""
+
+ALPHA_D = 0.7
+"""Parameter of the HHT integrator where the study gives none."""
+
+REARM = 1e-3
+"""A landing counts once |theta| has been beyond this fraction of alpha."""
+
+TOLERANCE = 1e-11
+"""Newton's iterations end when no rotation changes by more [rad]."""
+
+FAST = 1e-6
+"""Impacts faster than this fraction of p alpha are counted."""
+
+SURE = {False: 0.999, True: 0.9}
+"""Fraction of the rigid law's barrier below which a body left alone is sure to return; True: body or base is elastic."""
+
+STEP = {"draft": 4.0, "standard": 1.0, "reference": 0.25}
+"""Time step by accuracy, over that of `default_dt`."""
+
+
+@dataclass(frozen=True, eq=False)
+class CaseOfFrame:
+    """What the kernel `run` takes of one case; par as in frame_layout, u and v the state to begin with."""
+
+    par: Array
+    structure: Structure
+    fibres: Array
+    a_g: Array
+    a_v: Array
+    u: Array
+    v: Array
+
+
+def default_dt(batch: Batch, case: int) -> float:
+    """Time step [s]: 1e-4/p, 1/2000 of the pulse's period, 1/10 of the record's step, the least; times `STEP`."""
+    dt = 1e-4 / float(batch.p[case, LEFT])
+    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
+        if isinstance(channel, Pulses):
+            dt = min(dt, 2.0 * np.pi / float(channel.omega_p[case]) / 2000.0)
+        elif channel is not None:
+            dt = min(dt, channel.dt / np.ceil(channel.dt / min(dt, channel.dt / 10.0)))
+    return dt * STEP[batch.numerics.accuracy]
+
+
+def case_of(batch: Batch, case: int, elements: ModuleType, *, coarser: float = 1.0) -> CaseOfFrame:
+    """One case; `coarser` multiplies its time step and yield rotation."""
+    kind = kind_of_base(batch)
+    structure = structure_of(batch, case, fibres=kind == k.FIBRES)
+    block, numerics = batch.block, batch.numerics
+    g, m = float(batch.g[case]), structure.m
+    R, alpha, p = float(block.R[case, LEFT]), float(block.alpha[case, LEFT]), float(batch.p[case, LEFT])
+    b, h = float(block.b[case, LEFT]), float(block.h[case])
+    dt = (numerics.dt or default_dt(batch, case)) * coarser
+    q_y = (numerics.yield_rotation or YIELD_ROTATION) * coarser
+    if not q_y < REARM * alpha:
+        raise SolverError(f"yield_rotation {q_y:.3g} is not small against alpha = {alpha:.3g}")
+    kw = float(batch.base.kw[case]) if batch.base is not None else np.nan
+    elastic_base = kind in (k.WINKLER, k.FIBRES)
+    if elastic_base:
+        q_y = m * g / (2.0 * kw * b * b)
+    gravity = kind != k.SOFTENING
+    corotational = numerics.method != "linear"
+    if gravity and not corotational:
+        raise SolverError("method linear has no P-Delta: it needs geometry: negative_stiffness and a rigid base")
+    end, stop, own = _times(batch, case, p)
+    damping = batch.damping
+
+    par = np.zeros(k.N_PAR)
+    par[k.LENGTH], par[k.AXIAL], par[k.BENDING] = structure.length, structure.axial, structure.bending
+    par[k.COROTATIONAL], par[k.BASE], par[k.GRAVITY] = corotational, kind, gravity
+    par[k.YIELD_MOMENT] = m * g * (b if gravity else R * np.sin(alpha - q_y))
+    par[k.YIELD_ROTATION], par[k.UPLIFT], par[k.ALPHA] = q_y, q_y, alpha
+    par[k.KW], par[k.HALF_WIDTH], par[k.WEIGHT], par[k.G] = kw, b, m * g, g
+    par[k.HINGED] = kind != k.FIBRES
+    if damping.coefficient is not None:
+        rate = dashpot_rate(
+            damping.coefficient[case : case + 1], block.alpha[case, :1], block.R[case, :1], block.inertia[case, :1],
+            batch.g[case : case + 1],
+        )  # fmt: skip
+        par[k.DASHPOT] = float(rate[0]) * float(block.inertia[case, LEFT]) * m * R * R
+    par[k.STIFF_DAMPING] = structure.damping
+    par[k.ETA_LEFT], par[k.ETA_RIGHT] = damping.eta[case, LEFT], damping.eta[case, RIGHT]
+    par[k.ALPHA_D] = 1.0
+    if damping.scheme == "hht":
+        par[k.ALPHA_D] = ALPHA_D if damping.alpha_d is None else damping.alpha_d[case]
+    par[k.TOLERANCE] = numerics.rtol or TOLERANCE
+    par[k.REARM] = REARM * alpha
+    par[k.REACH] = structure.n * structure.length
+    par[k.DT], par[k.T_MOTION], par[k.T_STOP], par[k.OWN_DURATION] = dt, end, stop, own
+    par[k.T_LAST] = stop + SEARCH / p
+    par[k.DT_OUT] = batch.save.dt_out if batch.save.histories else 0.0
+    par[k.FAST] = FAST * p * alpha
+    heights, weights = structure.heights, structure.weights[1::3] * gravity
+    q = np.append(np.geomspace(1e-9, 1.0, 2000) * alpha, np.linspace(alpha, 0.5 * np.pi, 200))
+    law = par.copy()
+    law[k.BASE] = k.WINKLER if elastic_base else kind
+    needed = np.array([elements.spring_energy(law, x) for x in q])
+    needed -= g * (weights * heights).sum() * (1.0 - np.cos(q))
+    par[k.BARRIER] = SURE[elastic_base or batch.model == "flexible"] * needed.max()
+    par[k.SHUT] = elements.spring_energy(law, q_y)
+
+    u, v = _initial(batch, case, structure, corotational=corotational, moves=kind == k.FIBRES)
+    i = np.arange(int(np.ceil(end / dt)) + 2)
+    a_g, a_v = (_sampled(channel, i * dt, end, case) for channel in (batch.excitation.horizontal, batch.excitation.vertical))
+    return CaseOfFrame(par, structure, fibres_of(batch, case), a_g, a_v, u, v)
+
+
+def _times(batch: Batch, case: int, p: float) -> tuple[float, float, bool]:
+    """End of the motion, end of the report [s], and whether the study gives the latter."""
+    end = 0.0
+    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
+        if isinstance(channel, Pulses):
+            end = max(end, float(channel.end[case]))
+        elif channel is not None:
+            end = max(end, channel.end)
+    duration = float(batch.excitation.duration[case])
+    if np.isfinite(duration):
+        return min(end, duration), duration, True
+    return end, end + FREE_ROCKING / p, False
+
+
+def _sampled(channel: Channel | None, t: Array, end: float, case: int) -> Array:
+    a = acceleration(channel, t, case)
+    a[t > end * (1.0 + 1e-12)] = 0.0
+    return a
+
+
+def _initial(batch: Batch, case: int, structure: Structure, *, corotational: bool, moves: bool) -> tuple[Array, Array]:
+    """Displacements and velocities of the column turned rigidly."""
+    theta, rate, s = float(batch.theta_0[case]), float(batch.theta_dot_0[case]), structure.heights
+    u, v = np.zeros(3 * len(s)), np.zeros(3 * len(s))
+    u[2::3], v[2::3] = theta, rate
+    u[0::3], v[0::3] = (s * np.sin(theta), s * np.cos(theta) * rate) if corotational else (s * theta, s * rate)
+    if corotational:
+        u[1::3], v[1::3] = -s * (1.0 - np.cos(theta)), -s * np.sin(theta) * rate
+    if moves:
+        b = float(batch.block.b[case, LEFT])
+        side = np.sign(theta) if theta != 0.0 else np.sign(rate)
+        u[1::3] += b * abs(theta)
+        v[1::3] += b * side * rate
+    return u, v

@@ -1,0 +1,118 @@
+"""From the raw output of the frame kernels to variables by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.kernels import frame_layout as k
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT
+from rockcli.scene.excitation import acceleration
+from rockcli.scene.response import (
+    FAILED,
+    MAX_IMPACTS_STORED,
+    NO_UPLIFT,
+    OVERTURNED_AFTER_IMPACT,
+    OVERTURNED_WITHOUT_IMPACT,
+    ROCKING,
+    UNRESOLVED,
+)
+from rockcli.scene.variables import SCALARS
+
+Array = NDArray[np.float64]
+
+
+def scalars_of(batch: Batch, out: Array, par: list[Array]) -> tuple[dict[str, NDArray[Any]], list[str]]:
+    """Scalars by name and a sentence per case; forces at the edge are not computed (NaN)."""
+    failed = out[:, k.STATUS] != k.DONE
+    fell = ~failed & (out[:, k.VERDICT] == k.FALLS)
+    moved = np.isfinite(out[:, k.T_UPLIFT])
+    impacts = np.rint(out[:, k.N_IMPACTS]).astype(np.int64)
+    outcome = np.where(moved, ROCKING, NO_UPLIFT)
+    outcome = np.where(fell, np.where(impacts > 0, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT), outcome)
+    outcome = np.where(out[:, k.VERDICT] == k.UNDECIDED, UNRESOLVED, outcome)
+    outcome = np.where(failed, FAILED, outcome)
+    unknown = outcome < 0
+
+    def known(values: Array, *, if_still: float = 0.0) -> Array:
+        """Values of a body that rocks; infinite overturned, `if_still` where it never uplifts."""
+        values = np.where(moved, values, if_still)
+        return np.where(unknown, np.nan, np.where(fell, np.inf, values))
+
+    peak = known(out[:, k.PEAK])
+    barrier = np.array([row[k.BARRIER] for row in par])
+    top = batch.block.top * np.sin(np.minimum(out[:, k.PEAK], 0.5 * np.pi))
+    nan = np.full(batch.size, np.nan)
+    scalars: dict[str, NDArray[Any]] = {name: nan.copy() for name in SCALARS if name != "reason"}
+    scalars |= {
+        "outcome": outcome.astype(np.int8),
+        "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, out[:, k.PEAK_SIDE])),
+        "theta_peak_over_alpha": peak / batch.block.alpha[:, LEFT],
+        "theta_dot_peak": known(out[:, k.RATE_PEAK]),
+        "u_top_peak": np.where(unknown | fell, known(top), out[:, k.TOP_PEAK])
+        if batch.model == "flexible"
+        else known(top),
+        "t_peak": np.where(fell | ~moved | unknown, np.nan, out[:, k.T_PEAK]),
+        "t_uplift": np.where(failed, np.nan, out[:, k.T_UPLIFT]),
+        "t_overturn": np.where(fell, out[:, k.T_OVERTURN], np.nan),
+        "t_end": np.where(failed, np.nan, out[:, k.T_END]),
+        "n_impacts": impacts,
+        "energy_residual": np.where(failed, np.nan, out[:, k.ENERGY] / barrier),
+        "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
+    }
+    return scalars, [_reason(row, int(outcome[i]), int(impacts[i]), batch, par[i]) for i, row in enumerate(out)]
+
+
+def _reason(out: Array, outcome: int, impacts: int, batch: Batch, par: Array) -> str:
+    if out[k.STATUS] == k.NO_CONVERGENCE:
+        return (
+            f"Newton's iterations did not converge at t = {out[k.T_END]:.6g} s, "
+            f"not even with a step of {par[k.DT] / 1e4:.3g} s: try a smaller dt or a larger yield_rotation"
+        )
+    if out[k.STATUS] == k.NO_STATICS:
+        return "no equilibrium under its own weight to begin with: the column buckles or the base is too soft"
+    if outcome == UNRESOLVED:
+        return "after the motion its energy stays at what overturning needs: whether it overturns is not told"
+    if batch.save.histories and impacts > MAX_IMPACTS_STORED:
+        return f"of its impacts the first {MAX_IMPACTS_STORED} are stored"
+    return ""
+
+
+def histories_of(
+    batch: Batch, out: Array, mass: list[float], rows: list[Array], landings: list[Array]
+) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
+    n_time = max([1, *(int(np.isfinite(row[:, k.TH]).sum()) for row in rows)])
+    raw = np.full((batch.size, n_time, k.N_HISTORY), np.nan)
+    for i, row in enumerate(rows):
+        kept = row[:n_time]
+        raw[i, : len(kept)] = kept
+    t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
+    theta, top = raw[:, :, k.TH], batch.block.top[:, None]
+    given = np.isfinite(batch.block.mass) | (batch.model == "flexible")
+    scale = np.where(given, 1.0, 1.0 / np.array(mass))[:, None]
+    histories = {
+        "theta": theta,
+        "theta_dot": raw[:, :, k.RATE],
+        "a_g": np.empty_like(theta),
+        "a_v": np.empty_like(theta),
+        "u_top": raw[:, :, k.U_TOP] if batch.model == "flexible" else top * np.sin(theta),
+        "v_top": raw[:, :, k.V_TOP] if batch.model == "flexible" else -top * (1.0 - np.cos(theta)),
+        "M_base": raw[:, :, k.MOMENT] * scale,
+    }
+    if batch.model == "flexible":
+        histories["u_top_bending"] = raw[:, :, k.U_BENDING]
+    channels = {"a_g": batch.excitation.horizontal, "a_v": batch.excitation.vertical}
+    for name, channel in channels.items():
+        for i in range(batch.size):
+            a = acceleration(channel, t, i)
+            a[t > batch.excitation.duration[i]] = 0.0
+            histories[name][i] = np.where(np.isfinite(theta[i]), a, np.nan)
+    stored = np.full((3, batch.size, max([0, *(len(x) for x in landings)])), np.nan)
+    for i, x in enumerate(landings):
+        stored[:, i, : len(x)] = x.T
+    names = ("t_impact", "theta_dot_before", "theta_dot_after")
+    return histories, dict(zip(names, stored, strict=True)), t

@@ -1,0 +1,118 @@
+"""`solve(batch)` of the backend `frame`: case by case through the compiled kernels."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from dataclasses import dataclass, field
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli import kernels
+from rockcli.errors import SolverError
+from rockcli.kernels import frame_layout as k
+from rockcli.scene.batch import Batch
+from rockcli.scene.response import MAX_IMPACTS_STORED, Response
+from rockcli.solvers.frame.case import case_of
+from rockcli.solvers.frame.results import histories_of, scalars_of
+from rockcli.solvers.unpack import compare_accuracies
+
+Array = NDArray[np.float64]
+
+METHODS = (None, "corotational", "linear")
+"""`method` of the study: the transformation of the elements."""
+
+COARSER = 2.0
+"""The error estimate is the difference to a run with this many times the time step and the yield rotation."""
+
+
+@dataclass
+class Runs:
+    """Raw results of a batch: `out` (n, N_OUT) as in frame_layout, and per case its par, history and impacts."""
+
+    out: Array
+    par: list[Array] = field(default_factory=list)
+    mass: list[float] = field(default_factory=list)
+    history: list[Array] = field(default_factory=list)
+    impacts: list[Array] = field(default_factory=list)
+
+
+def solve(batch: Batch) -> Response:
+    """Solve every case of the batch with beam elements on a yielding base; see `Response` for what comes back.
+
+    A case whose steps do not converge is `failed` with the time and a sentence.
+
+    Raises:
+        SolverError: the batch asks for what these elements cannot do.
+    """
+    began = time.perf_counter()
+    if batch.numerics.method not in METHODS:
+        raise SolverError(f"backend frame knows the methods corotational and linear, not {batch.numerics.method!r}")
+    if not batch.block.symmetric.all():
+        raise SolverError("backend frame solves symmetric bodies only")
+    if batch.model == "flexible" and batch.column is None:
+        raise SolverError("model flexible needs a column")
+    runs = run(batch, histories=batch.save.histories)
+    scalars, reasons = scalars_of(batch, runs.out, runs.par)
+    if "error_estimate" in batch.save.scalars:
+        rough = run(batch, histories=False, coarser=COARSER)
+        compare_accuracies(scalars, scalars_of(batch, rough.out, rough.par)[0], reasons)
+    scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
+    histories, impacts, t = ({}, {}, np.empty(0))
+    if batch.save.histories:
+        histories, impacts, t = histories_of(batch, runs.out, runs.mass, runs.history, runs.impacts)
+    return Response(scalars, reasons, t, histories, impacts, _used(batch, runs))
+
+
+def load() -> tuple[ModuleType, ModuleType]:
+    """The kernels `frame` and `frame_elements`, compiled unless ROCK_KERNELS says otherwise."""
+    kernels.load(compile_them=True)
+    frame, elements = (importlib.import_module(f"rockcli.kernels.{name}") for name in ("frame", "frame_elements"))
+    return frame, elements
+
+
+def run(batch: Batch, *, histories: bool, coarser: float = 1.0) -> Runs:
+    """Run every case, its time step and yield rotation multiplied by `coarser`."""
+    frame, elements = load()
+    runs = Runs(np.zeros((batch.size, k.N_OUT)))
+    for i in range(batch.size):
+        case = case_of(batch, i, elements, coarser=coarser)
+        N = len(case.u)
+        rows = int(np.floor(case.par[k.T_STOP] / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
+        history = np.full((rows, k.N_HISTORY), np.nan)
+        impacts = np.full((MAX_IMPACTS_STORED if histories else 0, 3), np.nan)
+        frame.run(
+            case.par, case.structure.n, case.structure.mass, case.structure.pull, case.structure.weights, case.fibres,
+            case.a_g, case.a_v, case.u, case.v, np.zeros(N), np.zeros((k.N_ROWS, N)), np.zeros((k.N_BANDS, N, k.BAND)),
+            np.zeros((3, 6)), np.zeros((2, k.N_HISTORY)), history, impacts, runs.out[i],
+        )  # fmt: skip
+        runs.par.append(case.par)
+        runs.mass.append(case.structure.m)
+        runs.history.append(history)
+        runs.impacts.append(impacts[: int(runs.out[i, k.N_STORED])])
+    return runs
+
+
+def _used(batch: Batch, runs: Runs) -> dict[str, str]:
+    par = np.array(runs.par)
+
+    def span(column: int) -> str:
+        low, high = par[:, column].min(), par[:, column].max()
+        return f"{low:.6g}" if low == high else f"{low:.6g} ... {high:.6g}"
+
+    steps, iterations = runs.out[:, k.N_STEPS].sum(), runs.out[:, k.ITERATIONS].sum()
+    used = {
+        "backend": "frame",
+        "method": f"{batch.numerics.method or 'corotational'} Euler-Bernoulli elements, "
+        + ("HHT, alpha_d " + span(k.ALPHA_D) if batch.damping.scheme == "hht" else "Newmark, average acceleration"),
+        "dt": span(k.DT),
+        "yield_rotation": span(k.YIELD_ROTATION),
+        "iterations_per_step": f"{iterations / max(steps, 1.0):.3g}",
+        "divided_steps": f"{int(runs.out[:, k.CUTS].sum())}",
+        "kernels": "compiled" if kernels.compiled else "interpreted",
+    }
+    if par[:, k.STIFF_DAMPING].any():
+        used["stiffness_damping"] = span(k.STIFF_DAMPING)
+    return used
