@@ -297,3 +297,53 @@ def test_many_amplitudes_in_one_batch_are_those_of_single_cases():
         alone = rock(body, pulse("ricker", array(a_p), 3.0))
         for name in ("outcome", "theta_peak", "n_impacts", "mu_required", "t_end"):
             np.testing.assert_array_equal(together.scalars[name][i], alone.scalars[name][0])
+
+
+COARSE = [
+    (2, 2.88163646692383986),
+    (3, 2.51542063097616271),
+    (4, 2.41325393627070675),
+    (6, 2.3466468468490686),
+    (8, 2.32408912285667759),
+    (16, 2.3012989334721318),
+    (32, 2.29571268114262407),
+    (64, 2.29433372021261152),
+]
+
+
+@pytest.mark.parametrize(("n", "A"), COARSE)
+def test_coarsely_sampled_half_sine(n, A):
+    """Omega = 3: a half sine of n intervals overturns at its own amplitude; the error is the record's, not the solver's."""
+    dt = np.pi / 3.0 / n
+    shape = np.sin(np.pi * np.arange(n + 1) / n)
+    shape[-1] = 0.0
+    for factor, falls in ((1.0 - 1e-8, False), (1.0 + 1e-8, True)):
+        motion = record(shape * A * factor * G * 0.1, dt)
+        assert overturns(rock(unit_block(0.1), motion, model="linearized", eta=0.9)) is falls
+
+
+CHAOS = [
+    (48.37323115355224, 0.4, 0.8536191374695059, 0.4616369616957953, 0.7864644623861797),
+    (63.5904024934078, 0.5, 1.1268266690343856, 0.5760523846222055, 0.6031192757314929),
+    (94.02474517311892, 0.6, 1.5526638979769238, 0.7131761093790504, 0.5668474575422224),
+]
+
+
+@pytest.mark.parametrize(("A", "eta", "mean", "std", "gap"), CHAOS)
+def test_chaotic_rocking_has_the_right_statistics(A, eta, mean, std, gap, monkeypatch):
+    """Omega = 14: beyond p t of about 22 histories are lost to chaos, impact speeds keep their distribution."""
+    from rockcli.solvers import event
+
+    monkeypatch.setattr(event, "MAX_IMPACTS_STORED", 60000)
+    monkeypatch.setenv("ROCK_KERNELS", "compiled")
+    Omega, alpha = 14.0, 0.1
+    motion = pulse("cosine", -A * G * alpha, Omega, t0=-0.3 / Omega, cycles=1e5, duration=40000.0)
+    response = rock(
+        unit_block(alpha), motion, model="linearized", eta=eta, theta_dot_0=0.3 * alpha, histories=True, dt_out=100.0
+    )
+    assert response.scalars["n_impacts"][0] > 45000
+    speed = np.abs(response.impacts["theta_dot_after"][0, 1000:]) / alpha  # the table is of speeds after impact
+    times = response.impacts["t_impact"][0, 1000:]
+    assert speed.mean() == pytest.approx(mean, rel=0.03)
+    assert speed.std() == pytest.approx(std, rel=0.03)
+    assert np.diff(times).mean() == pytest.approx(gap, rel=0.03)

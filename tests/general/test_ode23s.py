@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rockcli.solvers.general.ode23s import D, E32, Hermite, Ode23s
+from rockcli.solvers.general.ode23s import E32, D, Hermite, Ode23s
 
 
 def steps_of(fun, y0, t_end, h):

@@ -38,6 +38,7 @@ class Ground:
         t_motion, t_stop: end of the motion and of the report [s].
         has_duration: whether the study gives the end of the report.
         dt: spacing of the samples of a record, infinite for pulses [s].
+        detail: steps must not be longer during the motion, lest they miss it: dt, or a quarter of a pulse's period [s].
     """
 
     horizontal: Channel | None
@@ -47,6 +48,7 @@ class Ground:
     t_stop: float
     has_duration: bool
     dt: float
+    detail: float
 
     def pieces(self) -> Iterator[Piece]:
         """Up to t_stop, cut at every sample and at the ends of the parts of a pulse."""
@@ -86,7 +88,9 @@ def ground_of(batch: Batch, case: int) -> Ground:
     end = min(end, duration) if given else end
     stop = duration if given else end + FREE_ROCKING / float(batch.p[case].min())
     dt = min((c.dt for c in channels if isinstance(c, Samples)), default=math.inf)
-    return Ground(*channels, case, end, stop, given, dt)
+    periods = (2.0 * math.pi / float(c.omega_p[case]) for c in channels if isinstance(c, Pulses))
+    detail = min(dt, 0.25 * min(periods, default=math.inf))
+    return Ground(*channels, case, end, stop, given, dt, detail)
 
 
 def _silence(t: float) -> float:

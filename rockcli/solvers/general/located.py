@@ -45,6 +45,7 @@ class Located:
     ) -> None:
         self.body, self.ground, self.walker, self.diary = body, ground, walker, diary
         self.rest_speed, self.margin = rest_speed, margin
+        self.swing = 1.0 / max(body.left.p, body.right.p)
         self.t, self.q, self.v = 0.0, 0.0, 0.0
         self.sign = 1.0
         self.resting = True
@@ -70,6 +71,7 @@ class Located:
                 self._decide()
                 if self.resting and not ground.has_duration:
                     break
+            self.walker.max_step = self.swing if after else min(self.swing, ground.detail)
             self._over(piece, after)
             if self.fallen:
                 break
@@ -99,6 +101,7 @@ class Located:
         span = AFTERWARDS / min(self.body.left.p, self.body.right.p)
         piece = Piece(self.t, self.t + span, lambda t: 0.0, lambda t: 0.0)
         self.reported = False
+        self.walker.max_step = self.swing
         side = self.sign
         while self.t < piece.t_b and not self.fallen and not self.resting:
             if self.verdict == RETURNS and (self.v <= 0.0 or self.sign != side or self.ground.has_duration):

@@ -34,8 +34,8 @@ class StuckError(Exception):
 class Method:
     """A method: its name, scipy's class (or one that looks like it), its order, and where it comes from.
 
-    `multistep`: it needs its past, so it is not restarted at every sample of a record, and events are read off its
-    dense output; a one-step method takes a step that ends on the event.
+    `multistep`: it needs its past, so that a new start (every sample of a record is one) is dear, and events are read
+    off its dense output; a one-step method takes a step that ends on the event.
     """
 
     name: str
@@ -90,7 +90,7 @@ class Walker:
         Raises:
             StuckError: the method fails, or has used up its steps.
         """
-        first = None if self.method.multistep or self.last is None else min(self.last, t_bound - t)
+        first = None if self.method.multistep else min(self.last or self.max_step, t_bound - t)
         if small:
             first = min(t_bound - t, self.max_step, 1e-3)
         solver = self._start(flow, t, y, t_bound, first)
