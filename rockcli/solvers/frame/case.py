@@ -37,8 +37,8 @@ TOLERANCE = 1e-11
 FAST = 1e-6
 """Impacts faster than this fraction of p alpha are counted."""
 
-SURE = {False: 0.999, True: 0.9}
-"""Fraction of the rigid law's barrier below which a body left alone is sure to return; True: body or base is elastic."""
+SURE = 0.999
+"""Fraction of the barrier below which a body left alone is sure to return."""
 
 STEP = {"draft": 4.0, "standard": 1.0, "reference": 0.25}
 """Time step by accuracy, over that of `default_dt`."""
@@ -57,6 +57,15 @@ class CaseOfFrame:
     v: Array
 
 
+@dataclass(frozen=True)
+class Kernels:
+    """The kernel modules, compiled or not."""
+
+    frame: ModuleType
+    steps: ModuleType
+    elements: ModuleType
+
+
 def default_dt(batch: Batch, case: int) -> float:
     """Time step [s]: 1e-4/p, 1/2000 of the pulse's period, 1/10 of the record's step, the least; times `STEP`."""
     dt = 1e-4 / float(batch.p[case, LEFT])
@@ -68,7 +77,7 @@ def default_dt(batch: Batch, case: int) -> float:
     return dt * STEP[batch.numerics.accuracy]
 
 
-def case_of(batch: Batch, case: int, elements: ModuleType, *, coarser: float = 1.0) -> CaseOfFrame:
+def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -> CaseOfFrame:
     """One case; `coarser` multiplies its time step and yield rotation."""
     kind = kind_of_base(batch)
     structure = structure_of(batch, case, fibres=kind == k.FIBRES)
@@ -116,19 +125,43 @@ def case_of(batch: Batch, case: int, elements: ModuleType, *, coarser: float = 1
     par[k.T_LAST] = stop + SEARCH / p
     par[k.DT_OUT] = batch.save.dt_out if batch.save.histories else 0.0
     par[k.FAST] = FAST * p * alpha
-    heights, weights = structure.heights, structure.weights[1::3] * gravity
-    q = np.append(np.geomspace(1e-9, 1.0, 2000) * alpha, np.linspace(alpha, 0.5 * np.pi, 200))
+    fibres = fibres_of(batch, case)
+    par[k.BARRIER] = SURE * barrier(par, structure, fibres, kernel)
     law = par.copy()
     law[k.BASE] = k.WINKLER if elastic_base else kind
-    needed = np.array([elements.spring_energy(law, x) for x in q])
-    needed -= g * (weights * heights).sum() * (1.0 - np.cos(q))
-    par[k.BARRIER] = SURE[elastic_base or batch.model == "flexible"] * needed.max()
-    par[k.SHUT] = elements.spring_energy(law, q_y)
+    par[k.SHUT] = kernel.elements.spring_energy(law, q_y)
 
     u, v = _initial(batch, case, structure, corotational=corotational, moves=kind == k.FIBRES)
     i = np.arange(int(np.ceil(end / dt)) + 2)
     a_g, a_v = (_sampled(channel, i * dt, end, case) for channel in (batch.excitation.horizontal, batch.excitation.vertical))
-    return CaseOfFrame(par, structure, fibres_of(batch, case), a_g, a_v, u, v)
+    return CaseOfFrame(par, structure, fibres, a_g, a_v, u, v)
+
+
+def barrier(par: Array, structure: Structure, fibres: Array, kernel: Kernels) -> float:
+    """Energy from the upright equilibrium to the unstable one [J]: the highest on the path of held base rotations."""
+    N = 3 * (structure.n + 1)
+    work, bands, B = np.zeros((k.N_ROWS, N)), np.zeros((k.N_BANDS, N, k.BAND)), np.zeros((3, 6))
+    s, lift = structure.heights, float(par[k.HALF_WIDTH]) if len(fibres) else 0.0
+
+    def energy(theta: float) -> float:
+        u = np.zeros(N)
+        u[2::3], u[0::3], u[1::3] = theta, s * np.sin(theta), lift * theta - s * (1.0 - np.cos(theta))
+        if par[k.COROTATIONAL] == 0.0:
+            u[0::3], u[1::3] = s * theta, 0.0
+        if not kernel.steps.settle(par, structure.n, structure.pull, structure.weights, fibres, u, work, bands, B):
+            return np.nan  # it would buckle
+        return float(kernel.elements.stored_energy(par, u, structure.n, structure.weights, fibres, B))
+
+    low, high, parts = 0.0, 0.5 * np.pi, 64
+    highest = 0.0
+    for _ in range(4):  # the path has one summit: look closer around the highest point
+        q = np.linspace(low, high, parts + 1)
+        heights = np.array([energy(x) for x in q]) - energy(0.0)
+        if np.isnan(heights).all():
+            return 0.0
+        top = int(np.nanargmax(heights))
+        highest, low, high = float(heights[top]), q[max(top - 1, 0)], q[min(top + 1, parts)]
+    return highest
 
 
 def _times(batch: Batch, case: int, p: float) -> tuple[float, float, bool]:

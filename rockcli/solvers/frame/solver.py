@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import time
 from dataclasses import dataclass, field
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from rockcli.errors import SolverError
 from rockcli.kernels import frame_layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
-from rockcli.solvers.frame.case import case_of
+from rockcli.solvers.frame.case import Kernels, case_of
 from rockcli.solvers.frame.results import histories_of, scalars_of
 from rockcli.solvers.unpack import compare_accuracies
 
@@ -66,24 +65,24 @@ def solve(batch: Batch) -> Response:
     return Response(scalars, reasons, t, histories, impacts, _used(batch, runs))
 
 
-def load() -> tuple[ModuleType, ModuleType]:
-    """The kernels `frame` and `frame_elements`, compiled unless ROCK_KERNELS says otherwise."""
+def load() -> Kernels:
+    """The kernels, compiled unless ROCK_KERNELS says otherwise."""
     kernels.load(compile_them=True)
-    frame, elements = (importlib.import_module(f"rockcli.kernels.{name}") for name in ("frame", "frame_elements"))
-    return frame, elements
+    names = ("frame", "frame_steps", "frame_elements")
+    return Kernels(*(importlib.import_module(f"rockcli.kernels.{name}") for name in names))
 
 
 def run(batch: Batch, *, histories: bool, coarser: float = 1.0) -> Runs:
     """Run every case, its time step and yield rotation multiplied by `coarser`."""
-    frame, elements = load()
+    kernel = load()
     runs = Runs(np.zeros((batch.size, k.N_OUT)))
     for i in range(batch.size):
-        case = case_of(batch, i, elements, coarser=coarser)
+        case = case_of(batch, i, kernel, coarser=coarser)
         N = len(case.u)
         rows = int(np.floor(case.par[k.T_STOP] / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
         history = np.full((rows, k.N_HISTORY), np.nan)
         impacts = np.full((MAX_IMPACTS_STORED if histories else 0, 3), np.nan)
-        frame.run(
+        kernel.frame.run(
             case.par, case.structure.n, case.structure.mass, case.structure.pull, case.structure.weights, case.fibres,
             case.a_g, case.a_v, case.u, case.v, np.zeros(N), np.zeros((k.N_ROWS, N)), np.zeros((k.N_BANDS, N, k.BAND)),
             np.zeros((3, 6)), np.zeros((2, k.N_HISTORY)), history, impacts, runs.out[i],

@@ -112,7 +112,7 @@ class Diary:
     def impact(self, t: float, before: float, after: float) -> None:
         """Note an impact, if it is fast enough to count: theta_dot just before and after [rad/s]."""
         self.rate_peak = max(self.rate_peak, abs(before))
-        edge = self.body.edge(before)
+        edge = self.body.edge(-before)  # the one it turned about until now
         if abs(before) > FAST * edge.p * edge.alpha:
             self.n_impacts += 1
             if len(self.impacts) < MAX_IMPACTS_STORED:

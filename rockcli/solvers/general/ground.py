@@ -105,7 +105,7 @@ def _cuts(channel: Channel | None, case: int) -> Array:
     if channel is None:
         return np.empty(0)
     if isinstance(channel, Samples):
-        return np.arange(len(channel.values)) * channel.dt
+        return np.asarray(np.arange(len(channel.values)) * channel.dt, dtype=np.float64)
     return np.unique(channel.table[case, :, :2].ravel())
 
 

@@ -72,6 +72,7 @@ class Located:
                 if self.resting and not ground.has_duration:
                     break
             self.walker.max_step = self.swing if after else min(self.swing, ground.detail)
+            self.walker.first = self.walker.max_step
             self._over(piece, after)
             if self.fallen:
                 break

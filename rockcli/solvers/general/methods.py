@@ -73,12 +73,14 @@ class Walker:
     Attributes:
         rtol: relative tolerance; atol [rad, rad/s] is a thousandth of it.
         max_step: largest step [s].
-        taken: steps so far.
+        first: length of the very first step, None = the method's own choice [s].
+        taken: steps so far; last: length of the last one that was not cut by the end [s].
     """
 
     method: Method
     rtol: float
     max_step: float
+    first: float | None = None
     taken: int = 0
     last: float | None = None
 
@@ -90,7 +92,8 @@ class Walker:
         Raises:
             StuckError: the method fails, or has used up its steps.
         """
-        first = None if self.method.multistep else min(self.last or self.max_step, t_bound - t)
+        first = self.last or self.first
+        first = None if self.method.multistep or first is None else min(first, t_bound - t)
         if small:
             first = min(t_bound - t, self.max_step, 1e-3)
         solver = self._start(flow, t, y, t_bound, first)

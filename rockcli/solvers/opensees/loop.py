@@ -1,0 +1,112 @@
+"""The last pieces of the script: the time loop with impacts, and what it writes."""
+
+from __future__ import annotations
+
+TOP_RIGID = """\
+def top():
+    \"\"\"Horizontal and vertical displacement of the body's top, and the part of the former due to bending [m].\"\"\"
+    return z_top * math.sin(theta), -z_top * (1.0 - math.cos(theta)), 0.0
+"""
+
+TOP_FLEXIBLE = """\
+def top():
+    \"\"\"Horizontal and vertical displacement of the top, and the part of the former due to bending [m].\"\"\"
+    u = ops.nodeDisp(TOP, 1)
+    return u, ops.nodeDisp(TOP, 2), u - z_top * math.sin(theta)
+"""
+
+LOOP = """\
+smallest = DT
+divided = 0  # steps that had to be divided
+
+
+def advance(dt):
+    \"\"\"One step.  Newton may cycle between the two branches of the spring's kink: then ten steps of a tenth.\"\"\"
+    global smallest, divided
+    if ops.analyze(1, dt) == 0:
+        smallest = min(smallest, dt)
+        return
+    if dt < DT / 1e6:
+        sys.exit(f"no convergence at t = {ops.getTime():.6g} s, not even with a step of {dt:.1e} s")
+    divided += 1
+    for _ in range(10):
+        advance(dt / 10.0)
+
+
+theta, theta_dot, t = theta_0, theta_dot_0, 0.0
+armed = abs(theta) > theta_armed  # whether coming back to theta = 0 is an impact
+last_armed = 0.0
+t_uplift = 0.0 if theta != 0.0 or theta_dot != 0.0 else None
+peak = {"theta": theta, "t": 0.0, "theta_dot": abs(theta_dot), "u_top": abs(top()[0])}
+impacts = []  # t, theta_dot before, theta_dot after
+rows = [(t, theta, theta_dot, *top(), base_moment())]
+ended = "end"
+i = 0
+while i < STEPS:
+    # where the base is about to close or open, small steps: crossing the kink in one leap errs in energy
+    closing = armed and abs(theta) < 2.0 * abs(theta_dot) * DT
+    parts = FINE if closing else 1
+    for _ in range(parts):
+        before = theta
+        advance(DT / parts)
+        theta, theta_dot = -ops.nodeDisp(BASE, 3), -ops.nodeVel(BASE, 3)
+        if armed and before * theta <= 0.0:  # the base has closed
+            eta = eta_left if theta < 0.0 else eta_right
+            impacts.append((ops.getTime(), theta_dot, eta * theta_dot))
+            armed = False
+            if eta != 1.0:
+                for node in range(BASE, TOP + 1):
+                    for dof in (1, 2, 3):
+                        ops.setNodeVel(node, dof, eta * ops.nodeVel(node, dof), "-commit")
+                ops.domainChange()  # without it the integrator goes on with its own velocities
+                theta_dot *= eta
+    i += 1
+    t = i * DT
+    if not math.isfinite(theta):
+        sys.exit(f"the solution ceased to be finite at t = {t:.6g} s")
+    if abs(theta) > theta_armed:  # one eta per landing: the base has to open by this much before the next
+        armed, last_armed = True, t
+    if t_uplift is None and abs(theta) > theta_y:
+        t_uplift = t
+    if abs(theta) > abs(peak["theta"]):
+        peak["theta"], peak["t"] = theta, t
+    peak["theta_dot"] = max(peak["theta_dot"], abs(theta_dot))
+    if i % EVERY == 0 or i == STEPS:
+        rows.append((t, theta, theta_dot, *top(), base_moment()))
+        peak["u_top"] = max(peak["u_top"], abs(rows[-1][3]))
+    if abs(theta) > 0.5 * math.pi:
+        ended = "overturned"
+        break
+    if t > T_MOTION and t - max(last_armed, T_MOTION) > T_REST:
+        ended = "rest"
+        break
+if rows[-1][0] != t:
+    rows.append((t, theta, theta_dot, *top(), base_moment()))
+"""
+
+WRITE = """\
+# ---------------------------------------------------------------- results
+with open(RESULTS, "w") as file:
+    file.write("# t [s], theta [rad], theta_dot [rad/s], u_top [m], v_top [m], u_top_bending [m], M_base [N m]\\n")
+    for row in rows:
+        file.write(" ".join(f"{x:.17g}" for x in row) + "\\n")
+summary = {
+    "ended": ended,
+    "t_end": t,
+    "theta": theta,
+    "theta_dot": theta_dot,
+    "theta_peak": peak["theta"],
+    "t_peak": peak["t"],
+    "theta_dot_peak": peak["theta_dot"],
+    "u_top_peak": peak["u_top"],
+    "t_uplift": t_uplift,
+    "impacts": impacts,
+    "steps": i,
+    "divided_steps": divided,
+    "smallest_step": smallest,
+}
+with open(SUMMARY, "w") as file:
+    json.dump(summary, file, indent=1)
+print(f"{ended} at t = {t:.4f} s; peak theta/alpha {peak['theta'] / alpha:.6f} at {peak['t']:.4f} s; "
+      f"{len(impacts)} impacts")
+"""
