@@ -110,6 +110,29 @@ def vertex(f_0, f_1, f_2, x_1, width):
 
 
 @jit
+def inflection(c, n, lo, hi, f_lo, f_hi):
+    """Root of P'' in [lo, hi], where it has the values f_lo and f_hi of different sign (Illinois method)."""
+    z = lo
+    kept = 0
+    for _ in range(30):
+        last, z = z, (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
+        f = bend(c, n, z)
+        if f == 0.0 or abs(z - last) <= 1e-9 * hi:  # the rate is flat here: its error is of second order
+            break
+        if (f > 0.0) == (f_hi > 0.0):
+            hi, f_hi = z, f
+            if kept == 1:
+                f_lo *= 0.5
+            kept = 1
+        else:
+            lo, f_lo = z, f
+            if kept == -1:
+                f_hi *= 0.5
+            kept = -1
+    return z
+
+
+@jit
 def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out):
     """Largest rate, friction and smallest normal force on [0, x]."""
     mu_0 = mu_1 = 0.0
@@ -119,9 +142,8 @@ def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out
         y = width * j
         out[RATE_PEAK] = max(out[RATE_PEAK], abs(slope(c, n, y)))
         acc = bend(c, n, y)
-        if j > 0 and acc_lo * acc < 0.0:  # an extreme of the rate inside: false position is enough
-            z = y - width * acc / (acc - acc_lo)
-            out[RATE_PEAK] = max(out[RATE_PEAK], abs(slope(c, n, z)))
+        if j > 0 and acc_lo * acc < 0.0:  # an extreme of the rate inside
+            out[RATE_PEAK] = max(out[RATE_PEAK], abs(slope(c, n, inflection(c, n, y - width, y, acc_lo, acc))))
         acc_lo = acc
         contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force)
         mu = force[0]

@@ -70,7 +70,7 @@ class Deck:
 
     def text(self) -> str:
         """The deck as CalculiX reads it."""
-        return "\n".join([*self._body(), *self._base(), *self._statics(), *self._dynamics(), ""])
+        return "\n".join([*self._body(), *self._base(), *self._motion(), *self._statics(), *self._dynamics(), ""])
 
     def _body(self) -> Iterable[str]:
         mesh = self.mesh
@@ -159,8 +159,6 @@ class Deck:
             yield "*END STEP"
 
     def _dynamics(self) -> Iterable[str]:
-        yield from self._amplitude("ACROSS", -self.a_g)
-        yield from self._amplitude("DOWN", self.g + self.a_v)
         yield f"*STEP, NLGEOM, INC={_NEVER}"
         yield f"*DYNAMIC, ALPHA={self.dissipation:.15g}"
         yield f"{0.1 * self.dt:.15g}, {self.t_stop:.15g}, {SMALLEST * self.dt:.15g}, {self.dt:.15g}"
@@ -175,10 +173,11 @@ class Deck:
         yield from self._output()
         yield "*END STEP"
 
-    def _amplitude(self, name: str, values: Array) -> Iterable[str]:
-        yield f"*AMPLITUDE, NAME={name}"
-        for t, value in zip(self.t, values, strict=True):
-            yield f"{t:.12g}, {value:.15g}"
+    def _motion(self) -> Iterable[str]:
+        for name, values in (("ACROSS", -self.a_g), ("DOWN", self.g + self.a_v)):
+            yield f"*AMPLITUDE, NAME={name}"
+            for t, value in zip(self.t, values, strict=True):
+                yield f"{t:.12g}, {value:.15g}"
 
 
 _NEVER = 100_000_000

@@ -150,9 +150,9 @@ FIBRES = """\
 # Fibres that carry no tension, from corner to corner: the two at the corners are half as stiff.
 ops.uniaxialMaterial("ENT", 1, kw)
 ops.section("Fiber", 1)
-for k in range(fibres):
-    half = 0.5 if k in (0, fibres - 1) else 1.0
-    ops.fiber(b * (2.0 * k / (fibres - 1) - 1.0), 0.0, half * 2.0 * b / (fibres - 1), 1)
+for i in range(fibres):
+    half = 0.5 if i in (0, fibres - 1) else 1.0
+    ops.fiber(b * (2.0 * i / (fibres - 1) - 1.0), 0.0, half * 2.0 * b / (fibres - 1), 1)
 SECTION = 1001
 ops.element("zeroLengthSection", SECTION, GROUND, BASE, 1, "-orient", 0, 1, 0, -1, 0, 0)
 
@@ -227,19 +227,15 @@ ops.rayleigh(0.0, 0.0, 0.0, 2.0 * zeta / omega_1)
 """
 
 INITIAL = """\
-# ---------------------------------------------------------------- initial state: turned rigidly
+# ---------------------------------------------------------------- initial state: turned rigidly about the base
+sin, cos = math.sin(theta_0), math.cos(theta_0)
 for i, height in enumerate(heights):
-    s, c_ = math.sin(theta_0), math.cos(theta_0)
-    turned_by = {u} + [-theta_0]
-    moving_at = {v} + [-theta_dot_0]
+    moved = [height * sin, -height * (1.0 - cos), -theta_0]
+    moving = [height * cos * theta_dot_0, -height * sin * theta_dot_0, -theta_dot_0]
     for dof in (1, 2, 3):
-        at_rest = ops.nodeDisp(BASE + i, dof)
-        ops.setNodeDisp(BASE + i, dof, at_rest + turned_by[dof - 1], "-commit")
-        ops.setNodeVel(BASE + i, dof, moving_at[dof - 1], "-commit")
+        ops.setNodeDisp(BASE + i, dof, ops.nodeDisp(BASE + i, dof) + moved[dof - 1], "-commit")
+        ops.setNodeVel(BASE + i, dof, moving[dof - 1], "-commit")
 """
-
-TURNED = ("[height * s{lift_u}, -height * (1.0 - c_){lift}]", "[height * c_ * theta_dot_0, -height * s * theta_dot_0]")
-TURNED_LINEAR = ("[height * theta_0, 0.0]", "[height * theta_dot_0, 0.0]")
 
 ANALYSIS = """\
 # ---------------------------------------------------------------- analysis

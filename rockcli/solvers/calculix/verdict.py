@@ -1,0 +1,65 @@
+"""What became of the body: read off its motion, never guessed (docs/calculix.md, section 3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+STANDS, FELL, OPEN = 0, 1, 2
+
+NO_RETURN = 1.25
+"""After the motion, moving outward beyond this many alpha: fallen."""
+
+MARGIN = 0.05
+"""Energy within this part of the barrier decides nothing: the vibration of the body may add or take as much."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """The rigid body behind the mesh: alpha [rad], p [rad/s], first clamped period [s], end of the motion [s]."""
+
+    alpha: float
+    p: float
+    period: float
+    motion_end: float
+
+
+def fallen(body: Body, t: Array, theta: Array) -> bool:
+    """Whether it has overturned: at pi/2, or beyond return after the motion's end."""
+    if not len(t):
+        return False
+    if abs(theta[-1]) >= 0.5 * np.pi:
+        return True
+    if len(t) < 2 or t[-1] <= body.motion_end:
+        return False
+    outward = abs(theta[-1]) > abs(theta[-2])
+    return bool(outward and abs(theta[-1]) > NO_RETURN * body.alpha)
+
+
+def judge(body: Body, t: Array, theta: Array) -> int:
+    """STANDS, FELL, or OPEN: not to be told from this motion.
+
+    After the end of the motion a body that cannot climb to its unstable equilibrium stands.  Its energy is that
+    of the rigid block at the rotation and mean rate of the base over windows of the first clamped period,
+    (1/2) (theta'/p)^2 + cos(alpha - |theta|) - cos(alpha) against 1 - cos(alpha).
+    """
+    if np.any(np.abs(theta) >= 0.5 * np.pi) or fallen(body, t, theta):
+        return FELL
+    after = t >= body.motion_end - 1e-9
+    if np.count_nonzero(after) < 3 and t[-1] < body.motion_end - 1e-3:
+        return OPEN
+    window = t >= t[-1] - body.period
+    if np.count_nonzero(window) < 3:
+        window = np.arange(len(t)) >= len(t) - 3
+    slope, middle = np.polyfit(t[window] - t[window].mean(), theta[window], 1)
+    barrier = 1.0 - np.cos(body.alpha)
+    energy = 0.5 * (slope / body.p) ** 2 + np.cos(body.alpha - abs(middle)) - np.cos(body.alpha)
+    if energy < (1.0 - MARGIN) * barrier and abs(middle) < body.alpha:
+        return STANDS
+    if energy > (1.0 + MARGIN) * barrier and abs(middle) > body.alpha and slope * middle > 0.0:
+        return FELL
+    return OPEN
