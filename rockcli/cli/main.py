@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from rockcli.cli import check, plot, run, show, verify
+from rockcli.cli import check, export, plot, run, show, verify
 from rockcli.errors import RockError
 
 BROKE, INTERRUPTED = 4, 130
@@ -24,6 +24,7 @@ app = typer.Typer(
 app.command("run")(run.run)
 app.command("check")(check.check)
 app.command("plot")(plot.plot)
+app.command("export")(export.export)
 app.command("show")(show.show)
 app.command("verify")(verify.verify)
 

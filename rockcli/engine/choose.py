@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import cast
 
 from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
-from rockcli.scene.models import MODELS
+from rockcli.scene.models import FLEXIBLE, MODELS
 from rockcli.scene.response import Response
 
 Solver = Callable[[Batch], Response]
+
+FLEXIBLE_DAMPING = frozenset({"none", "restitution"})
+"""Damping schemes of the event-driven flexible column, beside the column's own zeta."""
 
 
 @dataclass(frozen=True)
@@ -28,18 +31,25 @@ class Support:
 class Backend:
     """A row: name in the study, `module:function` of its `solve(batch) -> Response`, and its support.
 
-    `automatic`: whether `backend: auto` may take it.
+    `automatic`: whether `backend: auto` may take it.  `flexible`: the target for model flexible where it is another.
     """
 
     name: str
     target: str
     support: Support
     automatic: bool = True
+    flexible: str | None = None
 
     def supports(self, batch: Batch) -> bool:
         """Whether this backend can solve the batch."""
         pair = (batch.model, batch.geometry)
+        if batch.model == FLEXIBLE and self.flexible and batch.damping.scheme not in FLEXIBLE_DAMPING:
+            return False
         return pair in self.support.models and batch.damping.scheme in self.support.damping
+
+    def of_model(self, model: str) -> Backend:
+        """This row with the target that solves a model."""
+        return replace(self, target=self.flexible) if model == FLEXIBLE and self.flexible else self
 
     def load(self) -> Solver:
         """Import the solver."""
@@ -52,10 +62,11 @@ _ROWS: tuple[Backend, ...] = (
         "event",
         "rockcli.solvers.event:solve",
         Support(
-            models=frozenset(MODELS),
+            models=frozenset({*MODELS, (FLEXIBLE, None)}),
             damping=frozenset({"none", "restitution", "dashpot"}),
-            sentence="event-driven Taylor steps: impacts, uplift and rest are located, never stepped over",
+            sentence="event-driven Taylor (flexible: modal) steps: impacts, uplift and rest are located",
         ),
+        flexible="rockcli.solvers.flexible:solve",
     ),
     Backend(
         "fema356",
@@ -76,6 +87,35 @@ _ROWS: tuple[Backend, ...] = (
         ),
         automatic=False,
     ),
+    Backend(
+        "frame",
+        "rockcli.solvers.frame.solver:solve",
+        Support(
+            models=frozenset({*((name, geometry) for name, geometry in MODELS if geometry), (FLEXIBLE, None)}),
+            damping=frozenset({"none", "restitution", "dashpot", "hht"}),
+            sentence="beam elements on a yielding base stepped in time, as the source did: 2-10 us per step (models 1-4)",
+        ),
+        automatic=False,
+    ),
+    Backend(
+        "opensees",
+        "rockcli.solvers.opensees.solver:solve",
+        Support(
+            models=frozenset({*((name, geometry) for name, geometry in MODELS if geometry), (FLEXIBLE, None)}),
+            damping=frozenset({"none", "restitution", "dashpot", "hht"}),
+            sentence="OpenSees, one plain script per case in its own process (`rock export` writes it): seconds per case",
+        ),
+        automatic=False,
+    ),
+    Backend(
+        "calculix",
+        "rockcli.solvers.calculix:solve",
+        Support(
+            models=frozenset({("continuum", None)}),
+            damping=frozenset({"none", "hht"}),
+            sentence="full mesh of bricks on a no-tension base, solved by CalculiX (ccx): minutes per case",
+        ),
+    ),
 )
 
 BACKENDS: dict[str, Backend] = {row.name: row for row in _ROWS}
@@ -90,7 +130,7 @@ def choose(batch: Batch) -> Backend:
     candidates = [row for row in BACKENDS.values() if row.automatic] if asked == "auto" else [BACKENDS[asked]]
     for backend in candidates:
         if backend.supports(batch):
-            return backend
+            return backend.of_model(batch.model)
     what = f"model {batch.model!r}" + (f" ({batch.geometry})" if batch.geometry else "")
     who = "no backend" if asked == "auto" else f"backend {asked!r} does not"
     verb = "solves" if asked == "auto" else "solve"

@@ -11,7 +11,7 @@ import os
 import sys
 from types import ModuleType
 
-_KERNELS = ("motion", "series", "roots", "decide", "rest", "watch", "march")
+_KERNELS = ("motion", "series", "roots", "decide", "rest", "watch", "contact", "march")
 
 compiled: bool | None = None
 """How the kernels in use were loaded; None before the first `load`."""
@@ -20,7 +20,7 @@ compiled: bool | None = None
 def load(*, compile_them: bool) -> ModuleType:
     """The module `march`, compiled if asked.  Kernels once compiled stay so for the life of the process.
 
-    The environment variable ROCK_KERNELS = ("motion", "series", "roots", "decide", "rest", "watch", "march")
+    The environment variable ROCK_KERNELS = compiled | interpreted overrules the caller.
     """
     global compiled
     wish = {"compiled": True, "interpreted": False}.get(os.environ.get("ROCK_KERNELS", ""), compile_them)

@@ -16,6 +16,7 @@ from rockcli.kernels.column_state import (
     ETA,
     FACTOR_H,
     FACTOR_V,
+    FINENESS,
     GIVE_UP,
     H_FREE,
     H_MAX,
@@ -31,7 +32,6 @@ from rockcli.kernels.column_state import (
     T_STOP,
     THETA_1,
     THETA_STAR,
-    TOL,
     WIDTH,
     G,
     P,
@@ -41,12 +41,14 @@ from rockcli.kernels.column_state import (
     energy,
     first_event,
     gap,
+    ground,
+    ground_loads,
     limit,
     step,
     work_of,
 )
 from rockcli.kernels.jit import jit
-from rockcli.kernels.motion import NOTHING, PULSES, expand, piece_end
+from rockcli.kernels.motion import NOTHING, PULSES, piece_end
 from rockcli.kernels.motion import WIDTH as PIECE
 from rockcli.kernels.oscillator import advance, fill, wander
 
@@ -66,17 +68,6 @@ FAST = 1e-6
 
 SLOTS = 8
 """Step tables kept per phase."""
-
-
-@jit
-def ground(kind, values, dt, factor, table, i, n, t, t_end, tmp):
-    """Acceleration of a channel at t, read on its piece i."""
-    if kind == NOTHING or i >= n or t > t_end * (1.0 + 1e-14):
-        return 0.0
-    if kind == PULSES and t < table[i * PIECE]:
-        return 0.0
-    expand(kind, values, dt, factor, table, i, t, 0, tmp)
-    return tmp[0]
 
 
 @jit
@@ -224,7 +215,8 @@ def march(
         if winkler and phase == OPEN:
             q = max(abs(dot(th, z)), par[THETA_1])
             stiff = par[G] * par[WIDTH] / (par[LENGTH] * par[LENGTH] * 3.0 * par[THETA_1]) * (par[THETA_1] / q) ** 1.5
-            while h * h * stiff * par[MOBILITY] > 0.05:
+            fine, rate = par[FINENESS], abs(dot(th, v))
+            while h * h * stiff * par[MOBILITY] > 0.1 * fine * fine or h * rate > 0.3 * fine * q:
                 h *= 0.5
         lands = t_next - t <= h * (1.0 + 1e-9)
         if lands:
@@ -295,7 +287,7 @@ def march(
             advance(lam, c, bu, th, F, 0.5 * x, S, z, v, z_x, v_x)
             theta_b = dot(th, z_x)
             y_0, y_b, y_1 = dot(bu, z), dot(bu, z_x), dot(bu, z_1)
-            _ground_loads(par, phase, s, theta_0, theta_b, theta_1, y_0, y_b, y_1, x, F)
+            ground_loads(par, phase, s, theta_0, theta_b, theta_1, y_0, y_b, y_1, x, F)
             balance += work_of(F, 12, x, y_0, y_b, y_1, dot(bu, v), dot(bu, v_1))
             balance += work_of(F, 15, x, theta_0, theta_b, theta_1, rate_0, rate_1)
         t = t_next if lands and not event else t + x
@@ -383,23 +375,3 @@ def _land(par, t, rate, reported, landings, out):
     if k < landings.shape[1]:
         landings[0, k], landings[1, k], landings[2, k] = t, rate, par[ETA] * rate
         out[N_STORED] += 1
-
-
-@jit
-def _ground_loads(par, phase, s, theta_0, theta_b, theta_1, y_0, y_b, y_1, x, F):
-    """The ground's part of the two loads as quadratics into F[12:15], F[15:18]."""
-    for k in range(3):
-        theta = theta_0 if k == 0 else (theta_b if k == 1 else theta_1)
-        y = y_0 if k == 0 else (y_b if k == 1 else y_1)
-        at = 0.5 * x * k
-        a, a_v = along(F, 6, at), along(F, 9, at)
-        sigma = y - 0.5 * theta
-        F[18 + k] = (a_v * math.sin(theta) - a * math.cos(theta)) / par[LENGTH]
-        F[21 + k] = (a_v * math.cos(theta) + a * math.sin(theta)) * sigma / par[LENGTH]
-        if phase == OPEN:
-            F[21 + k] -= base_moment(par, s, theta, a_v) - base_moment(par, s, theta, 0.0)
-    for j in range(2):
-        f_0, f_b, f_1 = F[18 + 3 * j], F[19 + 3 * j], F[20 + 3 * j]
-        F[12 + 3 * j] = f_0
-        F[13 + 3 * j] = (4.0 * f_b - 3.0 * f_0 - f_1) / x if x > 0.0 else 0.0
-        F[14 + 3 * j] = 4.0 * (f_0 - 2.0 * f_b + f_1) / (x * x) if x > 0.0 else 0.0

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.jit import jit
+from rockcli.kernels.motion import NOTHING, PULSES, expand
+from rockcli.kernels.motion import WIDTH as PIECE
 from rockcli.kernels.oscillator import HALF, PVV, PVZ, PZV, PZZ, WV, WZ, advance
 
 CONTACT, OPEN = 0, 1
@@ -15,12 +17,14 @@ CONTACT, OPEN = 0, 1
 
 (
     G, LENGTH, WIDTH, THETA_1, ALPHA, P, ETA, REARM, BARRIER, THETA_STAR, H_MAX, H_FREE, T_MOTION, T_STOP,
-    HAS_DURATION, FACTOR_H, FACTOR_V, R_A, MOBILITY, TOL, GIVE_UP, PHASE_0, SIDE_0, DETAIL, N_PAR,
-) = range(25)  # fmt: skip
+    HAS_DURATION, FACTOR_H, FACTOR_V, R_A, MOBILITY, TOL, GIVE_UP, PHASE_0, SIDE_0, DETAIL, FINENESS,
+    N_PAR,
+) = range(26)  # fmt: skip
 """g; 2h; b; rotation at which a Winkler base opens (0: rigid base); alpha; p; eta; rotation that re-arms eta;
 energy and rotation of the unstable equilibrium; largest steps with and without ground motion; end of the motion and
 of the report; is the duration given; factors of sampled motions; base moment per a_g of the held column;
-[M^-1]_00; rounding of theta; free rocking after T_STOP; first phase and side; is the work wanted."""
+[M^-1]_00; rounding of theta; free rocking after T_STOP; first phase and side; is the work wanted;
+factor of the accuracy level on the steps."""
 
 UNIFORM_TO_ROTATION = 0.5
 """Uniform load times rigid rotation: the first moment of the mass over m L."""
@@ -264,3 +268,34 @@ def work_of(F, k, h, y_0, y_b, y_1, r_0, r_1):
     slope = 0.25 * h * (r_0 + r_1)
     skew = 0.25 * h * h * (0.4 * (y_1 - y_0) - 2.0 * slope / 15.0)
     return end * y_1 - F[k] * y_0 - (F[k + 1] + 0.5 * h * F[k + 2]) * whole - F[k + 2] * skew
+
+
+@jit
+def ground(kind, values, dt, factor, table, i, n, t, t_end, tmp):
+    """Acceleration of a channel at t, read on its piece i."""
+    if kind == NOTHING or i >= n or t > t_end * (1.0 + 1e-14):
+        return 0.0
+    if kind == PULSES and t < table[i * PIECE]:
+        return 0.0
+    expand(kind, values, dt, factor, table, i, t, 0, tmp)
+    return tmp[0]
+
+
+@jit
+def ground_loads(par, phase, s, theta_0, theta_b, theta_1, y_0, y_b, y_1, x, F):
+    """The ground's part of the two loads as quadratics into F[12:15], F[15:18]."""
+    for k in range(3):
+        theta = theta_0 if k == 0 else (theta_b if k == 1 else theta_1)
+        y = y_0 if k == 0 else (y_b if k == 1 else y_1)
+        at = 0.5 * x * k
+        a, a_v = along(F, 6, at), along(F, 9, at)
+        sigma = y - 0.5 * theta
+        F[18 + k] = (a_v * math.sin(theta) - a * math.cos(theta)) / par[LENGTH]
+        F[21 + k] = (a_v * math.cos(theta) + a * math.sin(theta)) * sigma / par[LENGTH]
+        if phase == OPEN:
+            F[21 + k] -= base_moment(par, s, theta, a_v) - base_moment(par, s, theta, 0.0)
+    for j in range(2):
+        f_0, f_b, f_1 = F[18 + 3 * j], F[19 + 3 * j], F[20 + 3 * j]
+        F[12 + 3 * j] = f_0
+        F[13 + 3 * j] = (4.0 * f_b - 3.0 * f_0 - f_1) / x if x > 0.0 else 0.0
+        F[14 + 3 * j] = 4.0 * (f_0 - 2.0 * f_b + f_1) / (x * x) if x > 0.0 else 0.0

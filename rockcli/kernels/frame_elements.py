@@ -8,8 +8,25 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.frame_layout import (
-    ALPHA, AXIAL, BASE, BENDING, COROTATIONAL, DASHPOT, FIBRES, G, GRAVITY, HALF_WIDTH, KW, LENGTH, PLASTIC,
-    SOFTENING, STIFF_DAMPING, WEIGHT, WINKLER, YIELD_MOMENT, YIELD_ROTATION,
+    ALPHA,
+    AXIAL,
+    BASE,
+    BENDING,
+    COROTATIONAL,
+    DASHPOT,
+    FIBRES,
+    GRAVITY,
+    HALF_WIDTH,
+    KW,
+    LENGTH,
+    PLASTIC,
+    SOFTENING,
+    STIFF_DAMPING,
+    WEIGHT,
+    WINKLER,
+    YIELD_MOMENT,
+    YIELD_ROTATION,
+    G,
 )  # fmt: skip
 from rockcli.kernels.jit import jit
 
@@ -108,7 +125,7 @@ def add_base(par, u, factor, fibres, f, K):
     for j in range(len(fibres)):
         x, k = fibres[j, 0], fibres[j, 1]
         gap = u[1] - x * u[2]
-        if gap < 0.0:
+        if gap <= 0.0:
             f[1] += k * gap
             f[2] -= x * k * gap
             K[1, 0] += k

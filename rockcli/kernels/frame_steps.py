@@ -5,8 +5,25 @@ from __future__ import annotations
 from rockcli.kernels.frame_banded import hold, solve, times
 from rockcli.kernels.frame_elements import add_base, add_elements
 from rockcli.kernels.frame_layout import (
-    ACCELERATION, ALPHA_D, AT_ALPHA, BAND, DAMPING, DRAG, FORCE, G, GRAVITY, HINGED, INERTIA, LOAD, REACH, REST, STIFFNESS,
-    SYSTEM, TOLERANCE, TRIAL, VELOCITY,
+    ACCELERATION,
+    ALPHA_D,
+    AT_ALPHA,
+    BAND,
+    DAMPING,
+    DRAG,
+    FORCE,
+    GRAVITY,
+    HINGED,
+    INERTIA,
+    LOAD,
+    REACH,
+    REST,
+    STIFFNESS,
+    SYSTEM,
+    TOLERANCE,
+    TRIAL,
+    VELOCITY,
+    G,
 )  # fmt: skip
 from rockcli.kernels.jit import jit
 

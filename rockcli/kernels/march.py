@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.contact import watch_rest, watch_rocking
 from rockcli.kernels.decide import free_rocking, lost_for_good
 from rockcli.kernels.jit import jit, zeros_maker
 from rockcli.kernels.layout import (
@@ -23,9 +24,12 @@ from rockcli.kernels.layout import (
     HAS_DURATION,
     IMPACTS_STORED,
     LEFT,
+    MU,
+    MU_STANDING,
     N_IMPACTS,
     N_MIN,
     N_OUT,
+    N_STANDING,
     N_STEPS,
     NOT_FINITE,
     NOT_YET,
@@ -55,9 +59,9 @@ from rockcli.kernels.layout import (
 )
 from rockcli.kernels.motion import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_end
 from rockcli.kernels.rest import rest_time
-from rockcli.kernels.roots import NO_ROOT, first_root, passage, uplift
+from rockcli.kernels.roots import NO_ROOT, first_root, last_passage, passage, uplift
 from rockcli.kernels.series import flow, slope, value
-from rockcli.kernels.watch import energy, raise_peak, set_peak, watch_rest, watch_rocking, work_done
+from rockcli.kernels.watch import energy, raise_peak, set_peak, work_done
 
 zeros = zeros_maker()
 
@@ -94,11 +98,11 @@ def march(
     for i in range(N_OUT):
         out[i] = 0.0
     out[T_PEAK] = out[T_UPLIFT] = out[T_OVERTURN] = math.nan
-    out[N_MIN] = math.inf
+    out[N_MIN] = out[N_STANDING] = math.inf
     out[PEAK_ALPHA] = 1.0
 
     c, sin_q, cos_q = zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1)
-    a, a_v, guard, force = zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(2)
+    a, a_v, guard, force = zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(6)
 
     t = 0.0
     ih = iv = i_hist = 0
@@ -116,6 +120,8 @@ def march(
         out[T_UPLIFT] = 0.0
         e0 = RIGHT if s > 0.0 else LEFT
         out[PEAK_SIDE] = s
+        if q >= par[e0 + Q_STAR]:
+            out[T_OVERTURN] = 0.0
         if v <= 0.0:
             set_peak(par, e0, s, q, 0.0, out)
         out[RATE_PEAK] = abs(v)
@@ -255,13 +261,19 @@ def march(
         parts = 1 if (hk == SAMPLES and t < t_motion) else 8
         if detail > OUTCOME and reach > out[PEAK]:
             raise_peak(par, e, s, c, n, x, t, parts, out)
-        if detail == ALL and reported:
-            watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out)
-            work += work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, guard)
         star = par[e + Q_STAR]
+        if reach >= star:
+            passed = last_passage(c, n, star, x, parts)
+            if passed != NO_ROOT:
+                out[T_OVERTURN] = t + passed
+                if detail == ALL and reported:
+                    watch_rocking(par, e, s, g, c, n, passed, a, deg_a, a_v, deg_v, parts, force, out)
+                    out[MU_STANDING], out[N_STANDING] = out[MU], out[N_MIN]
+        if detail == ALL:
+            if reported:
+                watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out)
+            work += work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, guard)
         q_new, v_new = (0.0 if event == 1 else value(c, n, x)), slope(c, n, x)
-        if q < star <= q_new:
-            out[T_OVERTURN] = t + passage(c, n, star, 0.0, x)
         t_new = t_next if (event == 0 and x == t_next - t) else t + x
         while i_hist < n_hist and i_hist * dt_out <= t_new:
             y = i_hist * dt_out - t

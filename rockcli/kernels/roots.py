@@ -90,6 +90,44 @@ def passage(c, n, level, lo, hi):
 
 
 @jit
+def last_passage(c, n, level, x, parts):
+    """Last upward passage of P through level on (0, x], or NO_ROOT.
+
+    Between looks at `parts` places a dip below level and back is found by its lowest point.
+    """
+    found = NO_ROOT
+    lo, P_lo, v_lo = 0.0, c[0], c[1]
+    for j in range(1, parts + 1):
+        hi = x * j / parts
+        P_hi, v_hi = value(c, n, hi), slope(c, n, hi)
+        if P_hi >= level:
+            if P_lo < level:
+                found = passage(c, n, level, lo, hi)
+            elif v_lo < 0.0 < v_hi:
+                bottom = lowest_point(c, n, lo, hi)
+                if value(c, n, bottom) < level:
+                    found = passage(c, n, level, bottom, hi)
+        elif P_lo < level and v_lo > 0.0 > v_hi:
+            top = turning_point(c, n, lo, hi)
+            if value(c, n, top) >= level:
+                found = passage(c, n, level, lo, top)
+        lo, P_lo, v_lo = hi, P_hi, v_hi
+    return found
+
+
+@jit
+def lowest_point(c, n, lo, hi):
+    """Root of P' in [lo, hi] where P' < 0 at lo and > 0 at hi, by bisection to a millionth of the bracket."""
+    for _ in range(20):
+        mid = 0.5 * (lo + hi)
+        if slope(c, n, mid) < 0.0:
+            lo = mid
+        else:
+            hi = mid
+    return 0.5 * (lo + hi)
+
+
+@jit
 def uplift(d, n, h, scale):
     """First x in [0, h] where the guard polynomial d turns negative for good, or NO_ROOT.
 

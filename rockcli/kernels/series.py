@@ -81,6 +81,8 @@ def value(c, n, x):
 @jit
 def slope(c, n, x):
     """Its derivative."""
+    if n < 1:
+        return 0.0
     y = n * c[n]
     for k in range(n - 1, 0, -1):
         y = y * x + k * c[k]
@@ -90,7 +92,20 @@ def slope(c, n, x):
 @jit
 def bend(c, n, x):
     """Its second derivative."""
+    if n < 2:
+        return 0.0
     y = n * (n - 1) * c[n]
     for k in range(n - 1, 1, -1):
         y = y * x + k * (k - 1) * c[k]
+    return y
+
+
+@jit
+def third(c, n, x):
+    """Its third derivative."""
+    if n < 3:
+        return 0.0
+    y = n * (n - 1) * (n - 2) * c[n]
+    for k in range(n - 1, 2, -1):
+        y = y * x + k * (k - 1) * (k - 2) * c[k]
     return y

@@ -10,21 +10,18 @@ from rockcli.kernels.layout import (
     DAMPER,
     FC,
     FS,
-    MU,
-    N_MIN,
     P2,
     PEAK,
     PEAK_ALPHA,
     PEAK_SIDE,
     R0,
     RADIUS,
-    RATE_PEAK,
     RC,
     RS,
     T_PEAK,
 )
 from rockcli.kernels.roots import turning_point
-from rockcli.kernels.series import bend, slope, value
+from rockcli.kernels.series import slope, value
 
 
 @jit
@@ -89,86 +86,3 @@ def set_peak(par, e, s, q, t, out):
     """Note |theta| = q at t if it is the largest so far."""
     if q > out[PEAK] * (1.0 + 1e-12):
         out[PEAK], out[PEAK_SIDE], out[PEAK_ALPHA], out[T_PEAK] = q, s, par[e + ALPHA], t
-
-
-@jit
-def contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force):
-    """|T|/N and N/(m g) at y into force[0], force[1] (docs/theory.md: forces at the edge)."""
-    q, v, acc = value(c, n, y), slope(c, n, y), bend(c, n, y)
-    beta, R = par[e + ALPHA] - q, par[e + RADIUS]
-    sin_b, cos_b = math.sin(beta), math.cos(beta)
-    T = value(a, deg_a, y) + s * R * (cos_b * acc + sin_b * v * v)
-    N = g + value(a_v, deg_v, y) + R * (sin_b * acc - cos_b * v * v)
-    force[0] = abs(T) / N if N > 0.0 else math.inf
-    force[1] = N / g
-
-
-@jit
-def vertex(f_0, f_1, f_2, x_1, width):
-    """Where the parabola through three equidistant points about x_1 is extreme; not all three equal."""
-    return x_1 + 0.5 * width * (f_0 - f_2) / (f_0 - 2.0 * f_1 + f_2)
-
-
-@jit
-def inflection(c, n, lo, hi, f_lo, f_hi):
-    """Root of P'' in [lo, hi], where it has the values f_lo and f_hi of different sign (Illinois method)."""
-    z = lo
-    kept = 0
-    for _ in range(30):
-        last, z = z, (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
-        f = bend(c, n, z)
-        if f == 0.0 or abs(z - last) <= 1e-9 * hi:  # the rate is flat here: its error is of second order
-            break
-        if (f > 0.0) == (f_hi > 0.0):
-            hi, f_hi = z, f
-            if kept == 1:
-                f_lo *= 0.5
-            kept = 1
-        else:
-            lo, f_lo = z, f
-            if kept == -1:
-                f_hi *= 0.5
-            kept = -1
-    return z
-
-
-@jit
-def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out):
-    """Largest rate, friction and smallest normal force on [0, x]."""
-    mu_0 = mu_1 = 0.0
-    acc_lo = 2.0 * c[2]
-    width = x / parts
-    for j in range(parts + 1):
-        y = width * j
-        out[RATE_PEAK] = max(out[RATE_PEAK], abs(slope(c, n, y)))
-        acc = bend(c, n, y)
-        if j > 0 and acc_lo * acc < 0.0:  # an extreme of the rate inside
-            out[RATE_PEAK] = max(out[RATE_PEAK], abs(slope(c, n, inflection(c, n, y - width, y, acc_lo, acc))))
-        acc_lo = acc
-        contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force)
-        mu = force[0]
-        out[MU] = max(out[MU], mu)
-        out[N_MIN] = min(out[N_MIN], force[1])
-        if j >= 2 and mu_1 > mu_0 and mu_1 >= mu and mu_1 < math.inf:
-            z = vertex(mu_0, mu_1, mu, y - width, width)
-            contact(par, e, s, g, c, n, z, a, deg_a, a_v, deg_v, force)
-            out[MU] = max(out[MU], force[0])
-            out[N_MIN] = min(out[N_MIN], force[1])
-        mu_0, mu_1 = mu_1, mu
-
-
-@jit
-def watch_rest(a, deg_a, a_v, deg_v, g, x, out):
-    """Friction |a_g|/(g + a_v) and normal force of a body at rest on [0, x]."""
-    parts = 1 if max(deg_a, deg_v) <= 1 else 16
-    width = x / parts
-    mu_0 = mu_1 = 0.0
-    for j in range(parts + 1):
-        N = g + value(a_v, deg_v, width * j)
-        out[N_MIN] = min(out[N_MIN], N / g)
-        mu = abs(value(a, deg_a, width * j)) / N if N > 0.0 else math.inf
-        out[MU] = max(out[MU], mu)
-        if j >= 2 and mu_1 > mu_0 and mu_1 >= mu and mu_1 < math.inf:
-            z = vertex(mu_0, mu_1, mu, width * (j - 1), width)
-            out[MU] = max(out[MU], abs(value(a, deg_a, z)) / (g + value(a_v, deg_v, z)))
-        mu_0, mu_1 = mu_1, mu

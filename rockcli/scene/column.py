@@ -18,8 +18,10 @@ class Column:
         E: modulus of elasticity, (n,) [Pa].
         rho: mass density, (n,) [kg/m^3].
         zeta: damping ratio of the first clamped mode, stiffness-proportional, (n,).
-        elements: beam elements along the height; a tag, the same for all cases of a batch.
+        elements: elements along the height; a tag, the same for all cases of a batch; 0 = as many as make the
+            elements of a full mesh square.
         mass: `consistent` or `lumped`.
+        across: elements across the width of a full mesh; a tag.
     """
 
     E: Array
@@ -27,6 +29,7 @@ class Column:
     zeta: Array
     elements: int = 5
     mass: str = "consistent"
+    across: int = 4
 
 
 @dataclass(frozen=True, eq=False)

@@ -113,3 +113,12 @@ _ROWS: tuple[Model, ...] = (
 MODELS: dict[tuple[str, str | None], Model] = {(row.name, row.geometry): row for row in _ROWS}
 
 MODEL_NAMES: tuple[str, ...] = tuple(dict.fromkeys(row.name for row in _ROWS))
+
+FLEXIBLE = "flexible"
+"""The deformable column (scene/column.py, docs/flexible.md): no law of one rotation, so no row; corotational."""
+
+CONTINUUM = "continuum"
+"""The same body as a full mesh (docs/calculix.md)."""
+
+DEFORMABLE: tuple[str, ...] = (FLEXIBLE, CONTINUUM)
+"""Models of a body with a column."""

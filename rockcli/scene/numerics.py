@@ -19,7 +19,7 @@ class Accuracy:
 
 
 ACCURACIES: dict[str, Accuracy] = {
-    "draft": Accuracy(rtol=1e-8, rest_speed=1e-5),
+    "draft": Accuracy(rtol=1e-8, rest_speed=1e-6),
     "standard": Accuracy(rtol=1e-12, rest_speed=1e-6),
     "reference": Accuracy(rtol=1e-16, rest_speed=1e-7),
 }

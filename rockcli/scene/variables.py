@@ -128,6 +128,13 @@ _ROWS: tuple[Variable, ...] = (
         "m",
         "horizontal displacement of the pivot-side top corner relative to the ground",
     ),
+    Variable(
+        "u_top_bending",
+        r"$u_{\mathrm{bend}}$",
+        TIME,
+        "m",
+        "flexible body: displacement of the top due to bending, u_top minus 2h sin(theta)",
+    ),
     Variable("v_top", r"$v_{\mathrm{top}}$", TIME, "m", "vertical displacement of the pivot-side top corner"),
     Variable(
         "M_base",

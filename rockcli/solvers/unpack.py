@@ -74,10 +74,15 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "mu_required": known(out[:, k.MU], unseen),
         "mu_impact": known(_impact_friction(batch, out[:, k.ONTO_LEFT] > 0, out[:, k.ONTO_RIGHT] > 0)),
         "N_min_over_mg": known(out[:, k.N_MIN], unseen),
-        "energy_residual": known(out[:, k.ENERGY] / _barrier(batch), unseen),
+        "energy_residual": known(_over(out[:, k.ENERGY], _barrier(batch)), unseen),
         "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
     }
     return scalars, _reasons(batch, scalars, out)
+
+
+def _over(energy: Array, barrier: Array) -> Array:
+    """energy/barrier; of a body too slender for its barrier to be a number, 0."""
+    return np.asarray(np.divide(energy, barrier, out=np.zeros_like(energy), where=barrier > 0.0))
 
 
 def _impact_friction(batch: Batch, onto_left: NDArray[np.bool_], onto_right: NDArray[np.bool_]) -> Array:
@@ -104,10 +109,13 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
     status = out[:, k.STATUS]
     reasons = [""] * batch.size
     outcome, mu = scalars["outcome"], batch.block.mu
-    needs = np.fmax(scalars["mu_required"], scalars["mu_impact"])
+    # while it stands: what a body needs on its way to the ground says nothing about how it got there
+    fell = outcome >= OVERTURNED_WITHOUT_IMPACT
+    needs = np.fmax(np.where(fell, out[:, k.MU_STANDING], scalars["mu_required"]), scalars["mu_impact"])
+    normal = np.where(fell, out[:, k.N_STANDING], scalars["N_min_over_mg"])
     with np.errstate(invalid="ignore"):
         slides = needs > mu  # False where no mu is given
-        lifts = scalars["N_min_over_mg"] <= 0.0
+        lifts = normal <= 0.0
     many = scalars["n_impacts"] > MAX_IMPACTS_STORED if batch.save.histories else np.zeros(batch.size, bool)
     for i in np.flatnonzero((outcome < 0) | slides | lifts | many):
         said = []

@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import Block, housner_eta
+from rockcli.scene.block import RECTANGLE_INERTIA, Block, housner_eta
+from rockcli.scene.column import Base, Column
 from rockcli.scene.damping import DASHPOT, Damping, Fema356
 from rockcli.scene.excitation import Excitation
+from rockcli.scene.models import CONTINUUM, DEFORMABLE
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.spectra import SPECTRA, DesignSpectrum
 from rockcli.study.features import BACKENDS, DAMPING, available, model_and_geometry
@@ -22,6 +24,7 @@ Array = NDArray[np.float64]
 SCHEME_KEYS: dict[str, tuple[str, ...]] = {
     "restitution": ("eta", "r_energy"),
     "dashpot": ("coefficient",),
+    "hht": ("alpha_d",),
     "fema356": ("W_over_Mg", "fixed_base_period", "spectrum"),
 }
 """Keys of a damping scheme beside its name."""
@@ -61,6 +64,9 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
             numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
         )
     warnings += leaving_its_ground(model, geometry, block)
+    column, base = _column(numbers, model), _base(numbers, model)
+    if model == CONTINUUM and damping.scheme not in ("none", "hht"):
+        numbers.fail(("case", "damping"), "model continuum loses energy by itself: damping must be none or hht")
     return Batch(
         g=g,
         block=block,
@@ -73,7 +79,57 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         numerics=numerics,
         save=save,
         warnings=tuple(dict.fromkeys(warnings)),
+        column=column,
+        base=base,
     )
+
+
+def _column(numbers: Numbers, model: str) -> Column | None:
+    """The column of the flexible model, or the mesh of model 4 in finite-element backends; others have none."""
+    keys: Keys = ("case", "column")
+    given = numbers.tree["case"].get("column")
+    if model == "4" and given:
+        unknown = numbers.array(np.nan)
+        return Column(unknown, unknown, unknown, int(given.get("elements") or 5), given.get("mass") or "consistent")
+    if model not in DEFORMABLE:
+        return None
+    if not given or given.get("E") is None or given.get("rho") is None:
+        needs = f"model {model} needs a column with E and rho: {{E: 30*GPa, rho: 2500}}"
+        numbers.fail(keys if given else ("case",), needs)
+    E, rho, zeta = numbers.positive((*keys, "E")), numbers.positive((*keys, "rho")), numbers.value((*keys, "zeta"))
+    assert E is not None
+    assert rho is not None
+    if zeta is not None:
+        numbers.require((*keys, "zeta"), np.greater_equal(zeta, 0.0), "must not be negative")
+    numbers.require(("case", "block", "b"), numbers.block.symmetric, "the flexible column is symmetric; give one b")
+    rectangle = np.abs(numbers.block.inertia - RECTANGLE_INERTIA) < 1e-12
+    numbers.require(("case", "block"), rectangle, "the flexible column is a rectangle; inertia and r_g do not apply")
+    return Column(
+        E=numbers.array(E),
+        rho=numbers.array(rho),
+        zeta=numbers.array(0.0 if zeta is None else zeta),
+        elements=int(given.get("elements") or (0 if model == CONTINUUM else 5)),
+        mass=given.get("mass") or "consistent",
+        across=int(given.get("across") or 4),
+    )
+
+
+def _base(numbers: Numbers, model: str) -> Base | None:
+    """What the body stands on; None is the rigid base."""
+    keys: Keys = ("case", "base")
+    given = numbers.tree["case"].get("base") or {}
+    if (given.get("law") or "rigid") == "rigid":
+        if given.get("kw") is not None:
+            numbers.fail((*keys, "kw"), "belongs to base law winkler")
+        return None
+    scheme = (numbers.tree["case"].get("damping") or {}).get("scheme")
+    if model not in DEFORMABLE and not (model == "4" and scheme == "hht"):
+        numbers.fail((*keys, "law"), f"winkler is a base of models {', '.join(DEFORMABLE)}, or of model 4 with damping hht")
+    kw = numbers.positive((*keys, "kw"))
+    if kw is None:
+        numbers.fail(keys, "base law winkler needs kw [N/m^3]")
+    fibres = given.get("fibres")
+    return Base("winkler", numbers.array(kw), None if fibres is None else int(fibres))
 
 
 def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[str]:
@@ -113,6 +169,12 @@ def _damping(numbers: Numbers, warnings: list[str]) -> Damping:
             coefficient = DASHPOT
         numbers.require((*keys, "coefficient"), np.greater_equal(coefficient, 0.0), "must not be negative")
         return Damping(scheme, np.ones((numbers.n, 2)), coefficient=numbers.array(coefficient))
+    if scheme == "hht":
+        alpha_d = numbers.value((*keys, "alpha_d"))
+        if alpha_d is not None:
+            inside = np.greater_equal(alpha_d, 2.0 / 3.0 - 1e-9) & np.less_equal(alpha_d, 1.0)
+            numbers.require((*keys, "alpha_d"), inside, "must be between 2/3 (most dissipation) and 1 (none)")
+        return Damping(scheme, np.ones((numbers.n, 2)), alpha_d=None if alpha_d is None else numbers.array(alpha_d))
     if scheme == "fema356":
         return Damping(scheme, np.maximum(housner_eta(numbers.block), 0.0), fema356=_fema356(numbers))
     if "eta" in given and "r_energy" in given:

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from rockcli.scene.models import MODEL_NAMES, MODELS
+from rockcli.scene.models import DEFORMABLE, MODEL_NAMES, MODELS
 from rockcli.study.tree import Keys, Map, Source, value_at
 
-DAMPING: tuple[str, ...] = ("none", "restitution", "dashpot", "fema356")
-BACKENDS: tuple[str, ...] = ("auto", "event", "scipy")
+DAMPING: tuple[str, ...] = ("none", "restitution", "dashpot", "fema356", "hht")
+BACKENDS: tuple[str, ...] = ("auto", "event", "scipy", "frame", "calculix", "opensees")
 LATER: dict[Keys, str] = {
     ("over",): "ensemble statistics along an axis are",
     ("refine",): "adaptive refinement is",
     ("audit",): "the audit is",
-    ("case", "column"): "the flexible column is",
-    ("case", "base"): "another base than the rigid one is",
 }
 """Keys of the study file whose feature is not there yet."""
 
@@ -26,7 +24,7 @@ def check_features(source: Source, study: Map) -> None:
     """Refuse the keys of a study whose feature is not there yet."""
     for keys, what in LATER.items():
         value = value_at(study, keys)
-        if value not in (None, False, [], {}) and not (keys[-1] == "base" and value in ({}, {"law": "rigid"})):
+        if value not in (None, False, [], {}):
             raise source.error(study, keys, f": {what} not available in this version")
 
 
@@ -42,14 +40,16 @@ def model_and_geometry(source: Source, study: Map) -> tuple[str, str | None]:
     case: dict[str, Any] = study["case"]
     model = (case.get("model") or {}).get("name") or "rigid"
     geometry = case.get("geometry")
-    if model not in MODEL_NAMES:
+    if model not in (*MODEL_NAMES, *DEFORMABLE):
         raise source.error(
             study,
             ("case", "model"),
-            f": model {model} is not available in this version; available: {_list(MODEL_NAMES)}",
+            f": model {model} is not available in this version; available: {_list((*MODEL_NAMES, *DEFORMABLE))}",
         )
     if (case.get("model") or {}).get("tolerance") is not None:
         raise source.error(study, ("case", "model", "tolerance"), "belongs to model auto")
+    if model in DEFORMABLE:
+        return model, None  # corotational, whatever the models it is compared with are
     geometries = [pair[1] for pair in MODELS if pair[0] == model]
     if geometries == [None]:
         return model, None  # a geometry given beside it is that of the models it is compared with

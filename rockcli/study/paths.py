@@ -32,6 +32,8 @@ ARRAYS: frozenset[Path] = frozenset(
         ("case", "initial", "theta_dot"),
         ("case", "damping", "eta"),
         ("case", "damping", "r_energy"),
+        *(("case", "column", key) for key in ("E", "rho", "zeta")),
+        ("case", "base", "kw"),
     ]
 )
 """Numbers that may differ from case to case within one batch; all else a case has is shared by a batch."""

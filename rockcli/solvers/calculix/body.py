@@ -46,9 +46,7 @@ def motion_of(deck: Deck, t: Array, u: Array) -> Motion:
     height = float(mesh.nodes[:, 1].max())
     sin, cos = np.sin(INCLINATION), np.cos(INCLINATION)
     # a strut pushes along its axis (side sin, cos) when it is shortened
-    pushes = [
-        deck.strut * np.maximum(-(side * sin * base[:, :, 0] + cos * base[:, :, 1]), 0.0) for side in (-1.0, 1.0)
-    ]
+    pushes = [deck.strut * np.maximum(-(side * sin * base[:, :, 0] + cos * base[:, :, 1]), 0.0) for side in (-1.0, 1.0)]
     up, along = cos * (pushes[0] + pushes[1]), sin * (pushes[1] - pushes[0])
     return Motion(
         t=t,

@@ -45,7 +45,7 @@ class Mesh:
     @property
     def x_base(self) -> Array:
         """Positions of the base nodes, (across + 1,) [m]."""
-        return self.nodes[self.base, 0]
+        return np.asarray(self.nodes[self.base, 0])
 
 
 def make_mesh(height: float, width: float, across: int, along: int) -> Mesh:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class Garbage(ValueError):
+class Garbage(ValueError):  # noqa: N818 - says what was found
     """A file of CalculiX does not hold what it should; the sentence says what."""
 
 
@@ -66,6 +66,10 @@ class Displacements:
                 self._inside = False
                 self._times.append(self._at)
                 self._blocks.append(self._rows)
+
+    def latest(self) -> tuple[Array, Array]:
+        """The last two blocks: times (2,) [s] and displacements (2, nodes, 3) [m]; fewer while there are fewer."""
+        return np.array(self._times[-2:]) - self.start, np.array(self._blocks[-2:])
 
     def arrays(self) -> tuple[Array, Array]:
         """Times from the end of the static steps on, (k,) [s], the first 0, and displacements, (k, nodes, 3) [m].

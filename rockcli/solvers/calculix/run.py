@@ -31,19 +31,26 @@ JOB = "rocking"
 """Name of the files in the working folder."""
 
 
+WITH_ITS_PARENT = """\
+exec 3<&0
+"$@" 3<&- </dev/null &
+child=$!
+(read -r nothing <&3; kill -9 $child) 2>/dev/null &
+guard=$!
+wait $child
+code=$?
+kill -9 $guard 2>/dev/null
+exit $code
+"""
+"""Shell that runs a program and kills it when the other end of its standard input closes: when this process dies."""
+
+
 @dataclass(frozen=True)
 class Ending:
-    """How a run ended.
-
-    Attributes:
-        complaint: what went wrong, "" if nothing did.
-        stopped: whether it was ended because `enough` said so.
-        cpu: processor time of the process [s].
-    """
+    """How a run ended: what went wrong ("" if nothing did), and whether `enough` ended it."""
 
     complaint: str
     stopped: bool
-    cpu: float
 
 
 def program() -> str:
@@ -69,33 +76,24 @@ def run(folder: Path, *, limit: float, enough: Callable[[], bool]) -> Ending:
     The process has a session of its own: whatever happens, the whole group is gone when this returns.
 
     Raises:
-        SolverError: the program is not installed or cannot be started.
+        SolverError: the program is not installed.
     """
-    command = [program(), "-i", JOB]
+    command = ["/bin/sh", "-c", WITH_ITS_PARENT, "rock-calculix", program(), "-i", JOB]
     alone = {**os.environ, "OMP_NUM_THREADS": "1", "CCX_NPROC_EQUATION_SOLVER": "1"}
     began = time.monotonic()
     with (folder / f"{JOB}.log").open("wb") as log:
-        try:
-            process = subprocess.Popen(
-                command, cwd=folder, env=alone, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
-            )
-        except OSError as error:
-            raise SolverError(f"CalculiX cannot be started: {command[0]}: {error.strerror}") from None
-        cpu, stopped, late = 0.0, False, False
+        process = subprocess.Popen(
+            command, cwd=folder, env=alone, stdin=subprocess.PIPE, stdout=log, stderr=log, start_new_session=True
+        )
         try:
             while not _ended(process, LOOK_EVERY):
-                cpu = _cpu_seconds(process.pid, cpu)
                 if enough():
-                    stopped = True
-                    break
+                    return Ending("", stopped=True)
                 if time.monotonic() - began > limit:
-                    late = True
-                    break
+                    return Ending(f"the time limit of {limit:g} s was reached", stopped=False)
         finally:
             _end_group(process)
-    if late:
-        return Ending(f"the time limit of {limit:g} s was reached", stopped, cpu)
-    return Ending("" if stopped else _complaint(process.returncode, folder), stopped, cpu)
+    return Ending(_complaint(process.returncode, folder), stopped=False)
 
 
 def _ended(process: subprocess.Popen[bytes], timeout: float) -> bool:
@@ -116,15 +114,8 @@ def _end_group(process: subprocess.Popen[bytes]) -> None:
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(process.pid, signal.SIGKILL)  # children that outlived it
     process.wait()
-
-
-def _cpu_seconds(pid: int, before: float) -> float:
-    """Processor time of a process [s], or what was known before where the system does not say."""
-    try:
-        words = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
-        return max(before, (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK"))
-    except (OSError, ValueError, IndexError):
-        return before
+    if process.stdin is not None:
+        process.stdin.close()
 
 
 def _complaint(code: int | None, folder: Path) -> str:
@@ -135,8 +126,9 @@ def _complaint(code: int | None, folder: Path) -> str:
         if line.startswith("*ERROR"):
             more = [text for text in lines[i + 1 : i + 3] if text and not text.startswith("*")]
             return " ".join([line, *more])[:300]
-    if code is not None and code < 0:
-        return f"CalculiX died of signal {signal.Signals(-code).name}"
+    if code is not None and (code < 0 or 128 < code < 128 + signal.NSIG):
+        number = -code if code < 0 else code - 128  # the shell's way of saying it
+        return f"CalculiX died of signal {signal.Signals(number).name}"
     if code:
         last = next((line for line in reversed(lines) if line), "it said nothing")
         return f"CalculiX ended with code {code}: {last[:200]}"

@@ -41,6 +41,7 @@ class Beam:
 
     @property
     def size(self) -> int:
+        """Degrees of freedom N."""
         return len(self.rigid)
 
 

@@ -12,7 +12,7 @@ from rockcli.kernels import column_state as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
 from rockcli.solvers.flexible.beam import unit_beam
-from rockcli.solvers.flexible.modes import Modes, Unstable, make_modes
+from rockcli.solvers.flexible.modes import Modes, UnstableError, make_modes
 
 Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ REARM = 1e-3
 """eta acts again after the base has opened by this fraction of alpha."""
 
 
-class Refused(ValueError):
+class RefusedError(ValueError):
     """A case that is no flexible column, with the sentence."""
 
 
@@ -65,20 +65,20 @@ def prepare(batch: Batch, i: int) -> Prepared:
     """Prepare case i.
 
     Raises:
-        Refused: asymmetric or not a rectangle, values that cannot be, self-buckling, base too soft.
+        RefusedError: asymmetric or not a rectangle, values that cannot be, self-buckling, base too soft.
     """
     column, block = batch.column, batch.block
     if column is None:
-        raise Refused("model flexible needs a column: {E, rho}")
+        raise RefusedError("model flexible needs a column: {E, rho}")
     if not block.symmetric[i]:
-        raise Refused("the flexible column is symmetric: give one b")
+        raise RefusedError("the flexible column is symmetric: give one b")
     if abs(block.inertia[i, 0] - RECTANGLE_INERTIA) > 1e-12:
-        raise Refused("the flexible column is a rectangle: inertia and r_g do not apply")
+        raise RefusedError("the flexible column is a rectangle: inertia and r_g do not apply")
     E, rho, zeta, g, h, b, kw = key_of(batch, i)
     if not (E > 0.0 and rho > 0.0 and zeta >= 0.0 and np.isfinite([E, rho, zeta]).all()):
-        raise Refused("E and rho must be positive and zeta not negative")
+        raise RefusedError("E and rho must be positive and zeta not negative")
     if not kw > 0.0:
-        raise Refused("a winkler base needs a positive kw")
+        raise RefusedError("a winkler base needs a positive kw")
     length = 2.0 * h
     winkler = np.isfinite(kw)
     mass = rho * 2.0 * b * length
@@ -93,10 +93,10 @@ def prepare(batch: Batch, i: int) -> Prepared:
             length=length,
             spring=2.0 / 3.0 * kw * b**3 / (mass * length**2) if winkler else None,
         )
-    except Unstable as error:
+    except UnstableError as error:
         least = critical_modulus(rho, g, h, b)
         more = f": E = {E:.6g} Pa, at least {least:.5g} Pa is needed" if "buckles" in str(error) else ""
-        raise Refused(f"{error}{more}") from None
+        raise RefusedError(f"{error}{more}") from None
     theta_star, barrier = _unstable_equilibrium(modes, length, b, g, theta_1)
     return Prepared(modes, length, b, g, theta_1, theta_star, barrier)
 
@@ -120,7 +120,7 @@ def _unstable_equilibrium(modes: Modes, length: float, b: float, g: float, theta
         fine = np.geomspace(max(theta_1, 1e-9), grid[0], 200)[1:]
         lifted = [q for q in fine if slope(q) > 0.0]
         if not lifted:
-            raise Refused("the column has no upright position it returns to: base or column are too soft")
+            raise RefusedError("the column has no upright position it returns to: base or column are too soft")
         lo, hi = lifted[-1], float(grid[0])
     elif up[-1] == len(grid) - 1:
         return 0.5 * np.pi, energy(0.5 * np.pi)

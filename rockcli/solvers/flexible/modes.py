@@ -44,7 +44,7 @@ class Modes:
     omega_1: float
 
 
-class Unstable(ValueError):
+class UnstableError(ValueError):
     """The column buckles under its own weight, or its base is too soft to keep it upright."""
 
 
@@ -115,12 +115,12 @@ def make_modes(
     """Modes of both phases; `spring` is the stiffness of a Winkler base in contact over m L^2, None a rigid base.
 
     Raises:
-        Unstable: the held column has no positive stiffness left, or the base is too soft.
+        UnstableError: the held column has no positive stiffness left, or the base is too soft.
     """
     N = beam.size
     held_lam, held = held_modes(beam, bending, weight, rotary)
     if held_lam[0] <= 1e-9 * bending:
-        raise Unstable("the column buckles under its own weight")
+        raise UnstableError("the column buckles under its own weight")
     omega_1 = float(np.sqrt(held_lam[0]))
     beta = 2.0 * zeta / omega_1
     M = beam.mass + rotary * beam.rotary
@@ -150,7 +150,7 @@ def make_modes(
     else:
         on_spring, shape = free_modes(beam, bending, weight, rotary, spring)
         if on_spring[0] <= 0.0:
-            raise Unstable("the base is too soft to keep the column upright")
+            raise UnstableError("the base is too soft to keep the column upright")
         lams[0] = on_spring
         cs[0] = beta * np.maximum(on_spring - spring * shape[0] ** 2, 0.0)
         bu[0], th[0], top[0] = beam.uniform @ shape, shape[0], beam.tip @ shape

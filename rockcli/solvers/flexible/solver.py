@@ -16,7 +16,7 @@ from rockcli.kernels import column_state as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
-from rockcli.solvers.flexible.column import REARM, Prepared, Refused, first_state, key_of, prepare
+from rockcli.solvers.flexible.column import REARM, Prepared, RefusedError, first_state, key_of, prepare
 from rockcli.solvers.flexible.unpack import Raw, histories_of, scalars_of
 from rockcli.solvers.pack import FREE_ROCKING, channel_of
 from rockcli.solvers.unpack import compare_accuracies
@@ -29,7 +29,8 @@ FINENESS = {"draft": 1.0, "standard": 0.5, "reference": 0.25}
 PULSE_STEPS, ROCKING_STEP = 60.0, 0.03
 """Steps per period of a pulse, and the longest step in units of 1/p, at accuracy `draft`."""
 
-MAX_STEPS = 50_000_000
+MAX_STEPS = 2_000_000
+"""Steps a case may take."""
 
 DECIDE = 200.0
 """Free rocking is followed this many 1/p beyond the report to decide the outcome."""
@@ -82,7 +83,7 @@ def _fits(module: ModuleType) -> bool:
 
 def _prepare(batch: Batch) -> tuple[list[Prepared | None], list[str]]:
     """Columns of all cases (None where refused) and the sentences."""
-    made: dict[tuple[float, ...], Prepared | Refused] = {}
+    made: dict[tuple[float, ...], Prepared | RefusedError] = {}
     columns: list[Prepared | None] = []
     refusals: list[str] = []
     for i in range(batch.size):
@@ -90,7 +91,7 @@ def _prepare(batch: Batch) -> tuple[list[Prepared | None], list[str]]:
         if key not in made:
             try:
                 made[key] = prepare(batch, i)
-            except Refused as refused:
+            except RefusedError as refused:
                 made[key] = refused
         result = made[key]
         columns.append(result if isinstance(result, Prepared) else None)
@@ -143,6 +144,7 @@ def _parameters(batch: Batch, i: int, column: Prepared, fineness: float) -> Arra
         k.TOL: 1e-12 * float(block.alpha[i, 0]),
         k.GIVE_UP: DECIDE / p,
         k.DETAIL: float("energy_residual" in batch.save.scalars),
+        k.FINENESS: fineness,
     }
     for at, value in values.items():
         par[at] = value

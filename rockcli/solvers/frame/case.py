@@ -131,7 +131,10 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     law[k.BASE] = k.WINKLER if elastic_base else kind
     par[k.SHUT] = kernel.elements.spring_energy(law, q_y)
 
-    u, v = _initial(batch, case, structure, corotational=corotational, moves=kind == k.FIBRES)
+    u, v = _turned(batch, case, structure, corotational=corotational)
+    u[1::3] += lift(par, fibres, u[2])
+    if len(fibres):
+        v[1::3] += fibres[:, 0].max() * np.sign(u[2] if u[2] != 0.0 else v[2]) * v[2]
     i = np.arange(int(np.ceil(end / dt)) + 2)
     a_g, a_v = (_sampled(channel, i * dt, end, case) for channel in (batch.excitation.horizontal, batch.excitation.vertical))
     return CaseOfFrame(par, structure, fibres, a_g, a_v, u, v)
@@ -141,13 +144,14 @@ def barrier(par: Array, structure: Structure, fibres: Array, kernel: Kernels) ->
     """Energy from the upright equilibrium to the unstable one [J]: the highest on the path of held base rotations."""
     N = 3 * (structure.n + 1)
     work, bands, B = np.zeros((k.N_ROWS, N)), np.zeros((k.N_BANDS, N, k.BAND)), np.zeros((3, 6))
-    s, lift = structure.heights, float(par[k.HALF_WIDTH]) if len(fibres) else 0.0
+    s = structure.heights
 
     def energy(theta: float) -> float:
         u = np.zeros(N)
-        u[2::3], u[0::3], u[1::3] = theta, s * np.sin(theta), lift * theta - s * (1.0 - np.cos(theta))
+        u[2::3], u[0::3], u[1::3] = theta, s * np.sin(theta), -s * (1.0 - np.cos(theta))
         if par[k.COROTATIONAL] == 0.0:
             u[0::3], u[1::3] = s * theta, 0.0
+        u[1::3] += lift(par, fibres, theta)
         if not kernel.steps.settle(par, structure.n, structure.pull, structure.weights, fibres, u, work, bands, B):
             return np.nan  # it would buckle
         return float(kernel.elements.stored_energy(par, u, structure.n, structure.weights, fibres, B))
@@ -162,6 +166,13 @@ def barrier(par: Array, structure: Structure, fibres: Array, kernel: Kernels) ->
         top = int(np.nanargmax(heights))
         highest, low, high = float(heights[top]), q[max(top - 1, 0)], q[min(top + 1, parts)]
     return highest
+
+
+def lift(par: Array, fibres: Array, theta: float) -> float:
+    """Rise of the base on fibres at theta [m], from which Newton finds the equilibrium: a little too deep."""
+    if not len(fibres):
+        return 0.0
+    return float(fibres[:, 0].max() * abs(theta) - 2.0 * par[k.WEIGHT] / fibres[:, 1].min())
 
 
 def _times(batch: Batch, case: int, p: float) -> tuple[float, float, bool]:
@@ -184,7 +195,7 @@ def _sampled(channel: Channel | None, t: Array, end: float, case: int) -> Array:
     return a
 
 
-def _initial(batch: Batch, case: int, structure: Structure, *, corotational: bool, moves: bool) -> tuple[Array, Array]:
+def _turned(batch: Batch, case: int, structure: Structure, *, corotational: bool) -> tuple[Array, Array]:
     """Displacements and velocities of the column turned rigidly."""
     theta, rate, s = float(batch.theta_0[case]), float(batch.theta_dot_0[case]), structure.heights
     u, v = np.zeros(3 * len(s)), np.zeros(3 * len(s))
@@ -192,9 +203,4 @@ def _initial(batch: Batch, case: int, structure: Structure, *, corotational: boo
     u[0::3], v[0::3] = (s * np.sin(theta), s * np.cos(theta) * rate) if corotational else (s * theta, s * rate)
     if corotational:
         u[1::3], v[1::3] = -s * (1.0 - np.cos(theta)), -s * np.sin(theta) * rate
-    if moves:
-        b = float(batch.block.b[case, LEFT])
-        side = np.sign(theta) if theta != 0.0 else np.sign(rate)
-        u[1::3] += b * abs(theta)
-        v[1::3] += b * side * rate
     return u, v

@@ -189,7 +189,8 @@ def case_of(batch: Batch, case: int, *, coarser: float = 1.0) -> CaseOfOpenSees:
         ("FINE", FINE, "steps in place of one where the base closes"),
         ("TOLERANCE", numerics.rtol or TOLERANCE, "on the norm of displacement increments [m, rad]"),
         ("T_MOTION", min(end, duration) if given else end, "end of the motion [s]"),
-        ("STEPS", max(1, round(stop / dt + 0.499999)), "of DT, to the end of the report"),
+        ("T_STOP", stop, "end of the report [s]"),
+        ("STEPS", max(1, int(np.ceil(stop / dt * (1.0 - 1e-12)))), "of DT, up to there"),
         ("T_REST", 1e30 if given else REST / p, "still this long after the motion: at rest [s]"),
         ("EVERY", every(batch, dt), "steps between rows of the results"),
     ]

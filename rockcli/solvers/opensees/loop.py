@@ -6,6 +6,11 @@ TOP_RIGID = """\
 def top():
     \"\"\"Horizontal and vertical displacement of the body's top, and the part of the former due to bending [m].\"\"\"
     return z_top * math.sin(theta), -z_top * (1.0 - math.cos(theta)), 0.0
+
+
+def rigid_part():
+    \"\"\"Rotation and rate of the body as a whole.\"\"\"
+    return theta, theta_dot
 """
 
 TOP_FLEXIBLE = """\
@@ -13,6 +18,18 @@ def top():
     \"\"\"Horizontal and vertical displacement of the top, and the part of the former due to bending [m].\"\"\"
     u = ops.nodeDisp(TOP, 1)
     return u, ops.nodeDisp(TOP, 2), u - z_top * math.sin(theta)
+
+
+def rigid_part():
+    \"\"\"Rotation and rate of the body as a whole, from where its mass is and how it turns: no vibration in them.\"\"\"
+    x = y = turning = about = 0.0
+    for i, height in enumerate(heights):
+        u, v, u_dot, v_dot = (f(BASE + i, dof) for f in (ops.nodeDisp, ops.nodeVel) for dof in (1, 2))
+        x += weights[i] * height * u
+        y += weights[i] * height * (height + v)
+        turning += weights[i] * ((height + v) * u_dot - u * v_dot) - rotary[i] * ops.nodeVel(BASE + i, 3)
+        about += weights[i] * height**2 + rotary[i]
+    return math.atan2(x, y), turning / about
 """
 
 LOOP = """\
@@ -77,7 +94,7 @@ while i < STEPS:
     if abs(theta) > 0.5 * math.pi:
         ended = "overturned"
         break
-    if t > T_MOTION and t - max(last_armed, T_MOTION) > T_REST:
+    if t - max(last_armed, T_MOTION) > T_REST:
         ended = "rest"
         break
 if rows[-1][0] != t:
@@ -92,9 +109,10 @@ with open(RESULTS, "w") as file:
         file.write(" ".join(f"{x:.17g}" for x in row) + "\\n")
 summary = {
     "ended": ended,
-    "t_end": t,
+    "t_end": max(last_armed, T_MOTION) if ended == "rest" else min(t, T_STOP),
     "theta": theta,
     "theta_dot": theta_dot,
+    "rigid_part": rigid_part(),
     "theta_peak": peak["theta"],
     "t_peak": peak["t"],
     "theta_dot_peak": peak["theta_dot"],

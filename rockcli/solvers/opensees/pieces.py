@@ -230,12 +230,19 @@ INITIAL = """\
 # ---------------------------------------------------------------- initial state: turned rigidly about the base
 sin, cos = math.sin(theta_0), math.cos(theta_0)
 for i, height in enumerate(heights):
-    moved = [height * sin, -height * (1.0 - cos), -theta_0]
-    moving = [height * cos * theta_dot_0, -height * sin * theta_dot_0, -theta_dot_0]
+    moved = [{moved}, -theta_0]
+    moving = [{moving}, -theta_dot_0]
     for dof in (1, 2, 3):
         ops.setNodeDisp(BASE + i, dof, ops.nodeDisp(BASE + i, dof) + moved[dof - 1], "-commit")
         ops.setNodeVel(BASE + i, dof, moving[dof - 1], "-commit")
 """
+
+INITIAL_TURNED = ("height * sin, -height * (1.0 - cos)", "height * cos * theta_dot_0, -height * sin * theta_dot_0")
+INITIAL_LINEAR = ("height * theta_0, 0.0", "height * theta_dot_0, 0.0")
+INITIAL_LIFTED = (
+    "height * sin, b * abs(sin) - height * (1.0 - cos)",
+    "height * cos * theta_dot_0, (math.copysign(b * cos, theta_0) - height * sin) * theta_dot_0",
+)
 
 ANALYSIS = """\
 # ---------------------------------------------------------------- analysis

@@ -59,7 +59,10 @@ def script_of(batch: Batch, i: int, *, name: str = "case", title: str = "", coar
         name=name,
     )
     names = [("LOG", f"{name}_opensees.log", "messages of OpenSees")]
-    names += [("RESULTS", f"{name}_results.txt", "histories"), ("SUMMARY", f"{name}_summary.json", "peaks, impacts, end")]
+    names += [
+        ("RESULTS", f"{name}_results.txt", "histories"),
+        ("SUMMARY", f"{name}_summary.json", "peaks, impacts, end"),
+    ]
     for parameter, file in (("MOTION", f"{name}_a_g.txt"), ("VERTICAL", f"{name}_a_v.txt")):
         if file in files:
             names.append((parameter, file, "ground acceleration [m/s2], one value per line"))
@@ -116,7 +119,11 @@ def _loads(batch: Batch, case: CaseOfOpenSees) -> list[str]:
 def _analysis(batch: Batch, case: CaseOfOpenSees) -> list[str]:
     known = case.values
     moving = bool(known["theta_0"] or known["theta_dot_0"])
-    parts = [pieces.INITIAL, "\n"] if moving else []
+    parts = []
+    if moving:
+        how = pieces.INITIAL_LIFTED if case.law == "fibres" else pieces.INITIAL_TURNED
+        moved, rates = pieces.INITIAL_LINEAR if batch.numerics.method == "linear" else how
+        parts = [pieces.INITIAL.format(moved=moved, moving=rates), "\n"]
     parts.append(pieces.ANALYSIS.format(integrator=pieces.HHT if "alpha_d" in known else pieces.NEWMARK))
     parts.append("\n\n" + (loop.TOP_FLEXIBLE if batch.model == "flexible" else loop.TOP_RIGID))
     return [*parts, "\n\n", loop.LOOP, "\n", loop.WRITE]

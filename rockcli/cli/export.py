@@ -1,0 +1,102 @@
+"""`rock export`: the cases of a study as scripts to carry on from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rockcli.scene.batch import Batch
+    from rockcli.solvers.opensees.script import Script
+    from rockcli.study.study import Study
+
+MOST = 100
+"""Cases written without being asked for one by one."""
+
+
+def export(
+    study_file: Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="The study.")],
+    to: Annotated[str, typer.Option("--to", metavar="opensees", help="What to write for.")] = "opensees",
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the scripts go.")] = Path("results"),
+    case: Annotated[int | None, typer.Option("--case", metavar="N", help="Only this case, counted from 1.")] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2.")
+    ] = None,
+) -> None:
+    """Write each case as a plain OpenSeesPy script.
+
+    Scripts and their ground motions go to DIR/<name>/opensees/; they run with OpenSeesPy alone.  Solves nothing.
+    """
+    from rockcli.cli.sources import overrides
+    from rockcli.errors import SolverError, StudyError
+    from rockcli.study.open import open_study
+
+    if to != "opensees":
+        raise StudyError(f"--to {to}: expected opensees")
+    study = open_study(study_file, overrides=overrides(settings or ()))
+    if case is not None and not 1 <= case <= study.size:
+        raise StudyError(f"--case {case}: the study has the cases 1 to {study.size}", file=study.file)
+    if case is None and study.size > MOST:
+        raise StudyError(f"{study.size} cases are too many for a script each: choose one by --case", file=study.file)
+    folder = out / study.name / "opensees"
+    written = 0
+    for number, batch, i in _cases(study, case):
+        label = _label(study, number)
+        try:
+            script = _script(batch, i, f"case_{number}", f"Study {study.name}, case {number}{label}.")
+        except SolverError as error:
+            typer.echo(f"rock: {study.name}: case {number}{label}: {error}", err=True)
+            continue
+        _write(folder, script)
+        typer.echo(str(folder / f"{script.name}.py"))
+        written += 1
+    if not written:
+        raise StudyError("no case of it can be written for OpenSees", file=study.file)
+
+
+def _cases(study: Study, case: int | None) -> Iterator[tuple[int, Batch, int]]:
+    """Number from 1, batch and place in it of the cases wanted."""
+    import numpy as np
+
+    indices = np.arange(study.size) if case is None else np.array([case - 1])
+    for part, batch in study.batches(indices):
+        for i, index in enumerate(part):
+            yield int(index) + 1, batch, i
+
+
+def _script(batch: Batch, i: int, name: str, title: str) -> Script:
+    """The script of a case; `SolverError` where OpenSees cannot do it."""
+    from dataclasses import replace
+
+    from rockcli.engine.choose import choose
+    from rockcli.solvers.opensees.script import script_of
+    from rockcli.solvers.opensees.solver import check
+
+    asked = replace(batch, numerics=replace(batch.numerics, backend="opensees"))
+    choose(asked)
+    check(asked)
+    return script_of(asked, i, name=name, title=title)
+
+
+def _label(study: Study, number: int) -> str:
+    """` (tan_alpha = 0.2, model = 3)`: where on the axes a case stands."""
+    import numpy as np
+
+    if not study.axes:
+        return ""
+    at = np.unravel_index(number - 1, study.shape)
+    points = (f"{axis.name} = {axis.values[k]}" for axis, k in zip(study.axes, at, strict=True))
+    return f" ({', '.join(points)})"
+
+
+def _write(folder: Path, script: Script) -> None:
+    from rockcli.storage.atomic import replacing
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in script.files.items():
+        with replacing(folder / name) as scratch:
+            scratch.write_text(text, encoding="utf-8")

@@ -1,0 +1,167 @@
+"""One case as a deck: what is refused, how fine, and the motion of the ground as a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import RECTANGLE_INERTIA
+from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
+from rockcli.solvers.calculix.deck import Deck
+from rockcli.solvers.calculix.mesh import make_mesh
+from rockcli.solvers.calculix.verdict import Body
+
+Array = NDArray[np.float64]
+
+POISSON = 0.2
+"""Poisson's ratio (concrete); in plane stress the answer hardly depends on it."""
+
+RIGID_BASE = 100.0
+"""kw b/E of a base of law `rigid`: as stiff as the mesh needs it, and no stiffer."""
+
+DISSIPATION = -0.05
+"""alpha of the integrator without the damping scheme `hht`: CalculiX's own default."""
+
+REARM = 1e-3
+"""Fraction of alpha beyond which the base counts as open."""
+
+FREE_ROCKING = 20.0
+"""The run goes on this many 1/p after the motion's end, unless the study gives a duration."""
+
+STEPS = {"draft": 90.0, "standard": 180.0, "reference": 360.0}
+"""Increments per clamped period of the body, by accuracy."""
+
+PULSE_STEPS, ROCKING_STEPS = 100.0, 50.0
+"""Increments at least per period of a pulse, and per 1/p, at accuracy `standard`."""
+
+
+class Refused(ValueError):  # noqa: N818 - a verdict, as in solvers/flexible
+    """A case that is no mesh, with the sentence."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A case: its deck, the body behind it, and the rotation beyond which it rocks [rad]."""
+
+    deck: Deck
+    body: Body
+    threshold: float
+
+
+def clamped_period(E: float, rho: float, h: float, tan_alpha: float) -> float:
+    """First period of the body clamped at its base [s], (4.3): 12.3809 sqrt(rho/E) h/tan(alpha)."""
+    return float(12.3809 * np.sqrt(rho / E) * h / tan_alpha)
+
+
+def prepare(batch: Batch, i: int) -> Prepared:
+    """Prepare case i.
+
+    Raises:
+        Refused: asymmetric or not a rectangle, values that cannot be, set in motion at the start.
+    """
+    column, block, base = batch.column, batch.block, batch.base
+    if column is None:
+        raise Refused("model continuum needs a column: {E, rho}")
+    if not block.symmetric[i]:
+        raise Refused("the mesh is that of a symmetric body: give one b")
+    if abs(block.inertia[i, 0] - RECTANGLE_INERTIA) > 1e-12:
+        raise Refused("the mesh is that of a rectangle: inertia and r_g do not apply")
+    if batch.theta_dot_0[i] != 0.0:
+        raise Refused("model continuum starts from rest: initial.theta_dot does not apply")
+    E, rho, zeta = float(column.E[i]), float(column.rho[i]), float(column.zeta[i])
+    if not (E > 0.0 and rho > 0.0 and zeta >= 0.0 and np.isfinite([E, rho, zeta]).all()):
+        raise Refused("E and rho must be positive and zeta not negative")
+    g, h, b = float(batch.g[i]), float(block.h[i]), float(block.b[i, 0])
+    from rockcli.solvers.flexible.column import critical_modulus
+
+    least = critical_modulus(rho, g, h, b)
+    if least > E:
+        raise Refused(f"the body buckles under its own weight: E = {E:.6g} Pa, at least {least:.5g} Pa is needed")
+    kw = float(base.kw[i]) if base is not None and base.law == "winkler" else RIGID_BASE * E / b
+    if not kw > 0.0:
+        raise Refused("a winkler base needs a positive kw")
+    period = clamped_period(E, rho, h, float(block.tan_alpha[i, 0]))
+    p, alpha = float(batch.p[i, 0]), float(block.alpha[i, 0])
+    end = max(0.0, *(_end(channel, i) for channel in (batch.excitation.horizontal, batch.excitation.vertical)))
+    duration = float(batch.excitation.duration[i])
+    given = bool(np.isfinite(duration))
+    stop = duration if given else end + FREE_ROCKING / p
+    dt = largest_step(batch, i, period, p)
+    t = breakpoints(batch, i, stop, dt)
+    a_g, a_v = ground(batch, i, t)
+    deck = Deck(
+        mesh=make_mesh(2.0 * h, 2.0 * b, column.across, column.elements or max(1, round(column.across * h / b))),
+        E=E,
+        nu=POISSON,
+        rho=rho,
+        kw=kw,
+        g=g,
+        beta=zeta * period / np.pi,
+        dissipation=_dissipation(batch, i),
+        theta_0=float(batch.theta_0[i]),
+        t_stop=stop,
+        dt=dt,
+        t=t,
+        a_g=a_g,
+        a_v=a_v,
+    )
+    body = Body(alpha=alpha, p=p, period=period, motion_end=min(end, stop))
+    return Prepared(deck, body, REARM * alpha)
+
+
+def _dissipation(batch: Batch, i: int) -> float:
+    """alpha of CalculiX's integrator: alpha_d - 1 in the convention of the source, (alpha_d in [2/3, 1])."""
+    alpha_d = batch.damping.alpha_d
+    if batch.damping.scheme != "hht" or alpha_d is None or not np.isfinite(alpha_d[i]):
+        return DISSIPATION
+    return float(alpha_d[i]) - 1.0
+
+
+def largest_step(batch: Batch, i: int, period: float, p: float) -> float:
+    """Largest increment [s]: the study's, or a part of what is shortest of body, pulse and rocking."""
+    if batch.numerics.dt is not None:
+        return batch.numerics.dt
+    steps = STEPS[batch.numerics.accuracy]
+    finer = STEPS["standard"] / steps
+    longest = [period / steps, finer / (ROCKING_STEPS * p)]
+    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
+        if isinstance(channel, Pulses):
+            longest.append(finer * 2.0 * np.pi / float(channel.omega_p[i]) / PULSE_STEPS)
+    return float(min(longest))
+
+
+def breakpoints(batch: Batch, i: int, stop: float, dt: float) -> Array:
+    """Times of the table of the ground motion, (k,) [s], from 0 to `stop`; a jump has a time on each side of it."""
+    near = 1e-6 * dt
+    times = [np.array([0.0, stop])]
+    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
+        if isinstance(channel, Samples):
+            at = np.arange(len(channel.values)) * channel.dt
+            times += [at, at[-1:] + near]
+        elif channel is not None:
+            step = min(0.5 * dt, 2.0 * np.pi / float(channel.omega_p[i]) / 200.0)
+            for row in channel.table[i]:
+                times.append(np.linspace(row[0], row[1], max(2, int(np.ceil((row[1] - row[0]) / step)) + 1)))
+                times.append(np.array([row[0] - near, row[1] - near, row[1] + near]))
+    t = np.unique(np.concatenate(times))
+    t = t[(t >= 0.0) & (t <= stop)]
+    return np.asarray(t[np.concatenate([[True], np.diff(t) > 0.1 * near])])
+
+
+def ground(batch: Batch, i: int, t: Array) -> tuple[Array, Array]:
+    """Horizontal and vertical ground acceleration at times t (k,) [s]: (k,) [m/s^2], zero after the duration."""
+    duration = float(batch.excitation.duration[i])
+    channels = (batch.excitation.horizontal, batch.excitation.vertical)
+    a_g, a_v = (acceleration(channel, t, i) for channel in channels)
+    if np.isfinite(duration):
+        a_g, a_v = (np.where(t > duration, 0.0, a) for a in (a_g, a_v))
+    return a_g, a_v
+
+
+def _end(channel: Channel | None, i: int) -> float:
+    if channel is None:
+        return 0.0
+    return float(channel.end if isinstance(channel, Samples) else channel.end[i])

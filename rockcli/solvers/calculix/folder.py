@@ -1,0 +1,144 @@
+"""The working folder of a deck: a run is there whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import os
+import shutil
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import SolverError
+from rockcli.solvers.calculix.body import rotation
+from rockcli.solvers.calculix.deck import Deck
+from rockcli.solvers.calculix.results import Displacements, Garbage, time_reached
+from rockcli.solvers.calculix.run import JOB, run
+
+Array = NDArray[np.float64]
+
+LIMIT = "ROCK_CALCULIX_LIMIT"
+"""Environment variable: wall time a case may take [s]."""
+
+DEFAULT_LIMIT = 4 * 3600.0
+
+KEEP = "ROCK_CALCULIX_DIR"
+"""Environment variable: folder where finished runs are kept and found again; without it nothing is kept."""
+
+FINISHED = "finished.json"
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Of a run.
+
+    Attributes:
+        complaint: why there is no result; "" if there is.
+        t, u: times (k,) [s] and displacements (k, nodes, 3) [m] of the base nodes and the two top corners.
+        increments: of the dynamic step.
+    """
+
+    complaint: str
+    t: Array
+    u: Array
+    increments: int
+
+
+def solve_deck(deck: Deck, enough: Callable[[Array, Array], bool]) -> Result:
+    """Run a deck, or read a run that is kept.
+
+    `enough(t, theta)` is asked now and then with the base rotation so far, (k,); True ends the run as finished.
+    """
+    text = deck.text()
+    kept = os.environ.get(KEEP)
+    if not kept:
+        with tempfile.TemporaryDirectory(prefix="rock-calculix-") as name:
+            return _solved(Path(name), deck, text, enough)
+    home = Path(kept)
+    home.mkdir(parents=True, exist_ok=True)
+    key = hashlib.sha256(text.encode()).hexdigest()[:20]
+    if (home / key / FINISHED).exists():
+        return _read(home / key, deck)
+    _sweep(home, key)
+    folder = home / f".{key}.{os.getpid()}"
+    folder.mkdir(exist_ok=True)
+    try:
+        result = _solved(folder, deck, text, enough)
+        if not result.complaint:
+            (folder / FINISHED).write_text(json.dumps({"t_end": float(result.t[-1])}), encoding="utf-8")
+            shutil.rmtree(home / key, ignore_errors=True)
+            folder.rename(home / key)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return result
+
+
+def _sweep(home: Path, key: str) -> None:
+    """Remove what killed processes have left of this run."""
+    for left in home.glob(f".{key}.*"):
+        owner = left.name.rpartition(".")[2]
+        if owner.isdigit() and not Path(f"/proc/{owner}").exists():
+            shutil.rmtree(left, ignore_errors=True)
+
+
+def _limit() -> float:
+    said = os.environ.get(LIMIT, "")
+    try:
+        limit = float(said) if said else DEFAULT_LIMIT
+    except ValueError:
+        limit = -1.0
+    if not limit > 0.0:
+        raise SolverError(f"{LIMIT} must be a number of seconds greater than 0, not {said!r}")
+    return limit
+
+
+def _solved(folder: Path, deck: Deck, text: str, enough: Callable[[Array, Array], bool]) -> Result:
+    (folder / f"{JOB}.inp").write_text(text, encoding="ascii")
+    seen = Displacements(folder / f"{JOB}.dat", len(deck.mesh.base) + 2, deck.t_static)
+    told = 0
+
+    def look() -> bool:
+        nonlocal told
+        if seen.read_on() == 0:
+            return False
+        t, u = seen.latest()
+        tenth = int(10.0 * t[-1] / deck.t_stop)
+        if tenth > told:
+            told = tenth
+            log.info("t = %.4g s of %.4g s", t[-1], deck.t_stop)
+        return bool(t[-1] > 0.0) and enough(t, rotation(deck.mesh.x_base, u[:, :-2]))
+
+    nothing = np.empty(0), np.empty((0, len(deck.mesh.base) + 2, 3))
+    try:
+        ending = run(folder, limit=_limit(), enough=look)
+        result = None if ending.complaint else _read(folder, deck)
+        complaint = ending.complaint
+    except Garbage as garbage:
+        complaint, result, ending = f"what CalculiX wrote cannot be read: {garbage}", None, None
+    reached, increments = time_reached(folder / f"{JOB}.sta", deck.t_static)
+    if result is not None and ending is not None and not ending.stopped and result.t[-1] < deck.t_stop * (1.0 - 1e-4):
+        complaint = "CalculiX ended early and said nothing"
+    if complaint:
+        return Result(f"{complaint}; it reached t = {reached:.4g} of {deck.t_stop:.4g} s", *nothing, increments)
+    assert result is not None
+    return result
+
+
+def _read(folder: Path, deck: Deck) -> Result:
+    """Read a finished run.
+
+    Raises:
+        Garbage: its file does not hold what it should.
+    """
+    found = Displacements(folder / f"{JOB}.dat", len(deck.mesh.base) + 2, deck.t_static)
+    found.read_on()
+    _, increments = time_reached(folder / f"{JOB}.sta", deck.t_static)
+    return Result("", *found.arrays(), increments)

@@ -1,0 +1,184 @@
+"""Runs a script in a process of its own, with a time limit, and reads back what it wrote.
+
+OpenSees keeps one model per process, prints at exit, and a mistake in it can end the process: none of this may reach
+the program.  The process lives in a temporary folder, which goes with it; it is killed as a group when its time is
+up or the program is interrupted, and does not outlive the program.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import SolverError
+from rockcli.solvers.opensees.script import Script
+
+Array = NDArray[np.float64]
+
+COLUMNS = 7
+"""t, theta, theta_dot, u_top, v_top, u_top_bending, M_base."""
+
+INSTALL = (
+    "backend opensees needs OpenSeesPy: pip install 'rockcli[opensees]' "
+    "(and the system's BLAS and LAPACK; on Debian: apt-get install libblas3 liblapack3)"
+)
+
+LEAST_SECONDS, SECONDS_PER_STEP = 120.0, 5e-3
+"""A process may take LEAST_SECONDS and this much per step: some hundred times what a step costs."""
+
+_NUMBERS = ("t_end", "theta", "theta_dot", "theta_peak", "t_peak", "theta_dot_peak", "u_top_peak", "smallest_step")
+
+_WORDS = 300
+"""Letters of a process's last words that are passed on."""
+
+_BOOTSTRAP = """\
+import ctypes, os, runpy, signal, sys
+parent = int(sys.argv[1])
+try:
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: Linux only
+except (AttributeError, OSError):
+    pass
+if os.getppid() != parent:
+    sys.exit("the program that asked for this is gone")
+sys.argv = sys.argv[2:]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+
+
+class PeerError(Exception):
+    """The process did not give an answer; the sentence says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a script wrote: the table (k, COLUMNS), the summary's numbers, the impacts (j, 3)."""
+
+    table: Array
+    summary: dict[str, Any]
+    impacts: Array
+
+
+def require_opensees() -> None:
+    """Raise `SolverError` with the way to install where OpenSeesPy is absent."""
+    if importlib.util.find_spec("openseespy") is None:
+        raise SolverError(INSTALL)
+
+
+def run_script(script: Script, *, seconds: float | None = None) -> Answer:
+    """Run a script to its end and read its results.
+
+    Args:
+        script: as from `script_of`.
+        seconds: time limit; default by its number of steps.
+
+    Raises:
+        PeerError: it crashed, took too long, or wrote what is no result; with its last words.
+    """
+    if seconds is None:
+        seconds = LEAST_SECONDS + SECONDS_PER_STEP * script.case.number("STEPS")
+    with tempfile.TemporaryDirectory(prefix="rock-opensees-", ignore_cleanup_errors=True) as place:
+        folder = Path(place)
+        for name, text in script.files.items():
+            (folder / name).write_text(text, encoding="utf-8")
+        code, words = _run(folder / f"{script.name}.py", folder, seconds)
+        if code is None:
+            raise PeerError(f"OpenSees did not finish within {seconds:.0f} s and was stopped{_quoted(words)}")
+        if code < 0:
+            raise PeerError(f"OpenSees was ended by signal {_signal(-code)}{_quoted(words)}")
+        if code > 0:
+            if "ImportError" in words or "cannot open shared object" in words:
+                raise PeerError(f"OpenSeesPy cannot be loaded{_quoted(words)}: {INSTALL}")
+            raise PeerError(f"OpenSees: {words}" if words else f"OpenSees ended with exit code {code} and no word")
+        table, summary = (folder / name for name in script.outputs)
+        return _answer(table, summary, words)
+
+
+def _run(path: Path, folder: Path, seconds: float) -> tuple[int | None, str]:
+    """Exit code (None: out of time) and last words of a script run in `folder`; nothing of it is left running."""
+    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    said = folder / "stderr.txt"
+    with said.open("wb") as errors:
+        process = subprocess.Popen(
+            [sys.executable, "-c", _BOOTSTRAP, str(os.getpid()), str(path)],
+            cwd=folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=errors,
+            start_new_session=True,
+        )
+        code: int | None = None
+        try:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                code = process.wait(timeout=seconds)
+        finally:
+            with contextlib.suppress(ProcessLookupError, PermissionError):  # the group may outlive its leader
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+    return code, _last_words(said)
+
+
+def _last_words(file: Path) -> str:
+    """The last line of a process's complaints, without the line OpenSees prints at exit."""
+    with file.open("rb") as stream:
+        stream.seek(max(0, file.stat().st_size - 100_000))
+        text = stream.read().decode("utf-8", errors="replace")
+    lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("Process 0 Term")]
+    words = lines[-1] if lines else ""
+    return "".join(letter for letter in words if letter.isprintable())[:_WORDS]
+
+
+def _quoted(words: str) -> str:
+    return f" ({words})" if words else ""
+
+
+def _signal(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return str(number)
+
+
+def _answer(table: Path, summary: Path, words: str) -> Answer:
+    """Read and check the results.
+
+    Raises:
+        PeerError: a file is missing, is no table or summary, or holds what is not finite.
+    """
+    for file in (table, summary):
+        if not file.is_file():
+            raise PeerError(f"OpenSees ended without writing its results{_quoted(words)}")
+    try:
+        rows = np.loadtxt(table, ndmin=2)
+        found = json.loads(summary.read_text(encoding="utf-8"))
+        impacts = np.array(found["impacts"], dtype=float).reshape(-1, 3)
+        numbers = [float(found[name]) for name in _NUMBERS]
+        numbers.append(0.0 if found["t_uplift"] is None else float(found["t_uplift"]))
+        theta, theta_dot = found["rigid_part"]
+        numbers += [float(theta), float(theta_dot)]
+        counts = [int(found[name]) for name in ("steps", "divided_steps")]
+        ended = found["ended"]
+    except (ValueError, KeyError, TypeError, OSError, UnicodeDecodeError) as error:
+        raise PeerError(f"OpenSees wrote results that cannot be read: {_short(error)}") from None
+    fits = rows.shape[1] == COLUMNS and bool((np.diff(rows[:, 0]) > 0.0).all()) and rows[0, 0] == 0.0
+    finite = bool(np.isfinite(rows).all() and np.isfinite(impacts).all()) and all(map(math.isfinite, numbers))
+    if not (fits and finite and ended in ("end", "rest", "overturned") and min(counts) >= 0):
+        raise PeerError("OpenSees wrote results that are no history of a rocking body")
+    return Answer(rows, found, impacts)
+
+
+def _short(error: Exception) -> str:
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"[:_WORDS]

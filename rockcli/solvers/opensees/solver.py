@@ -1,0 +1,96 @@
+"""`solve(batch)` of the backend `opensees`: one script, one process per case."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from rockcli.errors import SolverError
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import RECTANGLE_INERTIA
+from rockcli.scene.response import Response
+from rockcli.solvers.opensees.results import Outcome, histories_of, scalars_of
+from rockcli.solvers.opensees.run import Answer, PeerError, require_opensees, run_script
+from rockcli.solvers.opensees.script import script_of
+from rockcli.solvers.unpack import compare_accuracies
+
+METHODS = (None, "corotational", "linear")
+"""`method` of the study: the transformation of the elements."""
+
+COARSER = 2.0
+"""The error estimate is the difference to a run with this many times the time step and the yield rotation."""
+
+
+def solve(batch: Batch) -> Response:
+    """Solve every case of the batch with OpenSees; see `Response` for what comes back.
+
+    A case whose process crashes, hangs or writes no results is `failed` with a sentence.
+
+    Raises:
+        SolverError: OpenSeesPy is absent, or the batch asks for what the backend cannot do.
+    """
+    check(batch)
+    require_opensees()
+    began = time.perf_counter()
+    outcomes = run(batch)
+    scalars, reasons = scalars_of(batch, outcomes)
+    if "error_estimate" in batch.save.scalars:
+        compare_accuracies(scalars, scalars_of(batch, run(batch, coarser=COARSER))[0], reasons)
+    scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
+    histories, impacts, t = histories_of(batch, outcomes) if batch.save.histories else ({}, {}, np.empty(0))
+    return Response(scalars, reasons, t, histories, impacts, _used(batch, outcomes))
+
+
+def check(batch: Batch) -> None:
+    """Raise `SolverError` for what neither the backend nor an exported script can do."""
+    method = batch.numerics.method
+    if method not in METHODS:
+        raise SolverError(f"backend opensees knows the methods corotational and linear, not {method!r}")
+    if method == "linear" and batch.geometry != "negative_stiffness":
+        raise SolverError("method linear has no P-Delta: it needs geometry: negative_stiffness")
+    if not batch.block.symmetric.all():
+        raise SolverError("backend opensees solves symmetric bodies only")
+    if batch.model == "flexible":
+        if batch.column is None:
+            raise SolverError("model flexible needs a column: {E, rho}")
+        if not np.allclose(batch.block.inertia, RECTANGLE_INERTIA, rtol=1e-12, atol=0.0):
+            raise SolverError("the flexible column is a rectangle: inertia and r_g do not apply")
+    script_of(batch, 0)
+
+
+def run(batch: Batch, *, coarser: float = 1.0) -> list[Outcome]:
+    """Run every case, its time step and yield rotation multiplied by `coarser`."""
+    outcomes: list[Outcome] = []
+    for i in range(batch.size):
+        script = script_of(batch, i, coarser=coarser)
+        try:
+            outcomes.append((script.case, run_script(script)))
+        except PeerError as failure:
+            outcomes.append((script.case, str(failure)))
+    return outcomes
+
+
+def _used(batch: Batch, outcomes: list[Outcome]) -> dict[str, str]:
+    def span(name: str) -> str:
+        values = [case.number(name) for case, _ in outcomes]
+        low, high = min(values), max(values)
+        return f"{low:.6g}" if low == high else f"{low:.6g} ... {high:.6g}"
+
+    hht = batch.damping.scheme == "hht"
+    divided = sum(int(a.summary["divided_steps"]) for _, a in outcomes if isinstance(a, Answer))
+    return {
+        "backend": "opensees",
+        "method": f"{batch.numerics.method or 'corotational'} elasticBeamColumn elements, "
+        + (f"HHT, alpha_d {span('alpha_d')}" if hht else "Newmark, average acceleration"),
+        "dt": span("DT"),
+        "yield_rotation": span("theta_y"),
+        "divided_steps": str(divided),
+        "version": _version(),
+    }
+
+
+def _version() -> str:
+    from importlib.metadata import version
+
+    return f"openseespy {version('openseespy')}"

@@ -1,0 +1,81 @@
+"""The full mesh itself, against closed forms and the flexible column."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mesh_cases import fig60, mesh_batch, needs_ccx
+from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, ROCKING
+from rockcli.solvers.calculix import folder, solve
+from rockcli.solvers.calculix.run import run
+from scenes import pulse, still
+
+pytestmark = needs_ccx
+
+
+def test_free_rocking_of_a_coarse_mesh_lands_when_the_rigid_block_does():
+    """Released at .3 alpha, a slender block lands after acosh(1/(1 - .3))/p (2.3); the mesh is 1 % softer."""
+    alpha = np.arctan(0.1)
+    response = solve(mesh_batch(still(1.9), theta_0=0.3 * alpha, along=10, dt=0.01))
+    p = np.sqrt(0.75 * 9.81 / np.hypot(25.0, 2.5))
+    assert response.scalars["outcome"][0] == ROCKING, response.reasons
+    assert response.scalars["n_impacts"][0] == 1
+    assert response.impacts["t_impact"][0, 0] == pytest.approx(np.arccosh(1.0 / 0.7) / p, rel=0.015)
+    np.testing.assert_allclose(response.histories["theta"][0, 0], 0.3 * alpha, rtol=1e-3)
+    # the weight stands on one edge: the moment of the base is m g b
+    early = response.time < 1.0
+    np.testing.assert_allclose(response.histories["M_base"][0, early], 9.81 * 2.5, rtol=0.1)
+
+
+def test_a_body_at_rest_stays_at_rest():
+    """The static step is the equilibrium the motion starts from: below uplift nothing moves but the elastic body."""
+    response = solve(mesh_batch(pulse("sine", 0.02, 2.0 * np.pi, duration=0.3), dt=0.01))
+    assert response.scalars["outcome"][0] == NO_UPLIFT, response.reasons
+    assert response.scalars["theta_peak_over_alpha"][0] == 0.0
+    assert response.scalars["N_min_over_mg"][0] == pytest.approx(1.0, abs=1e-3)
+    theta = response.histories["theta"][0]
+    assert np.abs(theta).max() < 1e-5
+    assert np.abs(response.histories["u_top"][0]).max() < 0.02 * 50.0
+
+
+def test_kept_runs_are_read_not_run_again(tmp_path, monkeypatch):
+    monkeypatch.setenv(folder.KEEP, str(tmp_path / "kept"))
+    batch = mesh_batch(pulse("sine", 0.02, 2.0 * np.pi, duration=0.1), dt=0.01)
+    first = solve(batch)
+
+    def refuse(*args: object, **how: object) -> None:
+        raise AssertionError("run again")
+
+    monkeypatch.setattr(folder, "run", refuse)
+    second = solve(batch)
+    np.testing.assert_array_equal(first.histories["theta"], second.histories["theta"])
+    assert [path.name for path in (tmp_path / "kept").iterdir() if path.name.startswith(".")] == []
+    assert run is not refuse
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("zeta", "value"), [(0.0, 0.691), (0.01, 0.6832)])
+def test_peak_of_fig_60(zeta, value):
+    """4 x 40 elements; the flexible column gives .692 undamped and .6832 with zeta .01."""
+    response = solve(fig60(duration=6.5, across=4, along=40, zeta=zeta))
+    assert response.scalars["outcome"][0] == ROCKING, response.reasons
+    assert response.scalars["n_impacts"][0] == 1
+    assert response.scalars["theta_peak_over_alpha"][0] == pytest.approx(value, rel=0.02)
+
+
+@pytest.mark.slow
+def test_the_mesh_converges():
+    """Half as many elements change the peak of Fig. 60 by less than 2 %."""
+    coarse = solve(fig60(duration=6.5, across=2, along=20))
+    assert coarse.scalars["theta_peak_over_alpha"][0] == pytest.approx(0.691, rel=0.03)
+
+
+@pytest.mark.slow
+def test_overturning_ends_the_run():
+    """Twice the pulse overturns: the run is ended then, not at its time."""
+    response = solve(mesh_batch(pulse("sine", 9.81, 2.0 * np.pi / 3.0, duration=30.0), along=20, dt=0.01))
+    assert response.scalars["outcome"][0] >= OVERTURNED_WITHOUT_IMPACT, response.reasons
+    assert np.isinf(response.scalars["theta_peak_over_alpha"][0])
+    assert response.scalars["t_end"][0] < 25.0
+    assert np.isfinite(response.scalars["t_overturn"][0])
