@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.errors import RecordError
 from rockcli.motion import options
 from rockcli.motion.measures import pga, pgv
 from rockcli.motion.motion import Motion
+from rockcli.motion.options import OptionError
 
 __all__ = ["process"]
 
@@ -59,7 +59,7 @@ def process(
         "highpass 0.1 Hz, 4 corners, zero phase: PGA 0.313 -> 0.305 g, PGV 0.298 -> 0.293 m/s".
 
     Raises:
-        RecordError: an option that cannot be, naming the key and what was expected.
+        OptionError: an option that cannot be, naming the key and what was expected.
     """
     asked = {"highpass": highpass, "lowpass": lowpass, "bandpass": bandpass}
     now = motion
@@ -89,7 +89,8 @@ def _trace(motion: Motion) -> Any:
 def _after(motion: Motion, values: NDArray[np.float64], dt: float, step: str, g: float) -> Motion:
     """The motion with new values and a sentence about them."""
     if not np.isfinite(values).all():
-        raise RecordError(f"{step} leaves values that are not finite; it does not suit this record", motion.name)
+        key = step.split()[0]
+        raise OptionError(key, f"{step} leaves values that are not finite; it does not suit this record", motion.name)
     after = dataclasses.replace(motion, values=np.ascontiguousarray(values, dtype=np.float64), dt=dt)
     sentence = (
         f"{step}: PGA {pga(motion.values):.4g} -> {pga(after.values):.4g} {motion.units}, "
@@ -108,7 +109,9 @@ def _windowed(motion: Motion, window: Any, g: float) -> Motion:
 
 def _detrended(motion: Motion, detrend: Any, g: float) -> Motion:
     if not isinstance(detrend, str) or detrend not in options.DETRENDS:
-        raise RecordError(f"`detrend` is {detrend!r}; expected one of {', '.join(options.DETRENDS)}", motion.name)
+        raise OptionError(
+            "detrend", f"`detrend` is {detrend!r}; expected one of {', '.join(options.DETRENDS)}", motion.name
+        )
     trace = _trace(motion)
     trace.detrend(options.DETRENDS[detrend])
     return _after(motion, trace.data, motion.dt, f"detrend {detrend}", g)
@@ -171,7 +174,8 @@ def _fourier(motion: Motion, dt: float) -> NDArray[np.float64]:
     exact = old * motion.dt / dt
     new = round(exact)
     if abs(exact - new) > 1e-6 * exact or new < 2:
-        raise RecordError(
+        raise OptionError(
+            "resample",
             f"`resample` by fourier needs a length, {old} x {motion.dt:g} s, that is a whole number of new steps of "
             f"{dt:g} s; choose `window` so that it is, or method lanczos",
             motion.name,

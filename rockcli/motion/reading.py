@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from rockcli.errors import RecordError
 from rockcli.motion.at2 import looks_like_at2, parse_at2
 from rockcli.motion.motion import Motion
+from rockcli.motion.options import OptionError
 from rockcli.motion.text import is_numeric_text, parse_text
 from rockcli.motion.units import FACTORS, unit_named
 
@@ -31,9 +32,10 @@ LARGE = 10.0
 
 FOREIGN = {
     b"(Format v01.": "COSMOS",
-    b"CORRECTED ACCELEROGRAM   ": "CSMIP V2",
+    b"1 UNCORRECTED ACCELEROGRAM": "USGS SMC",
+    b"2 CORRECTED ACCELEROGRAM": "USGS SMC",
+    b"CORRECTED ACCELEROGRAM": "CSMIP V2",
     b"Uncorrected Accelerogram Data": "CSMIP V1",
-    b"CORRECTED ACCELEROGRAM": "USGS SMC",
     b"Corrected accelerogram": "GeoNet V2A",
     b"EVENT_NAME:": "ESM ASCII",
     b"Station Code / Name": "RESORCE ASCII",
@@ -81,7 +83,7 @@ def read_record(
     path = Path(path)
     unit = _known_unit(units, path)
     if dt is not None and not 0.0 < dt < np.inf:
-        raise RecordError(f"`dt` is {dt}; expected the time step in seconds, above zero", path)
+        raise OptionError("dt", f"`dt` is {dt}; expected the time step in seconds, above zero", path)
     data = _bytes(path)
     if looks_like_at2(data):
         found = _at2(data, path, component, unit)
@@ -92,7 +94,8 @@ def read_record(
     else:
         found = _through_obspy(path, component, unit)
     if dt is not None and abs(dt - found.dt) > 1e-6 * found.dt:
-        raise RecordError(f"the file says its time step is {found.dt:g} s, `dt` says {dt:g} s; leave `dt` out", path)
+        message = f"the file says its time step is {found.dt:g} s, `dt` says {dt:g} s; leave `dt` out"
+        raise OptionError("dt", message, path)
     return _motion(found, path, hashlib.sha256(data).hexdigest())
 
 
@@ -101,12 +104,14 @@ def _known_unit(units: str | None, path: Path) -> str | None:
         return None
     unit = unit_named(str(units))
     if unit is None:
-        raise RecordError(f"`units` is {units!r}; expected one of {KNOWN_UNITS}", path)
+        raise OptionError("units", f"`units` is {units!r}; expected one of {KNOWN_UNITS}", path)
     return unit
 
 
 def _bytes(path: Path) -> bytes:
     try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise RecordError("is a device or a pipe, not a record", path)
         data = path.read_bytes()
     except FileNotFoundError:
         raise RecordError("there is no such file", path) from None
@@ -177,7 +182,7 @@ def _only_component(name: str, asked: str | int | None, path: Path) -> None:
     if asked is None or asked == 0 or (name and _same_name(name, asked)):
         return
     has = f"holds component {name!r} only" if name else "does not name its component"
-    raise RecordError(f"`component` is {asked!r}, but the file {has}; leave `component` out", path)
+    raise OptionError("component", f"`component` is {asked!r}, but the file {has}; leave `component` out", path)
 
 
 def _through_obspy(path: Path, component: str | int | None, unit: str | None) -> Found:

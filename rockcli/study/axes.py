@@ -14,17 +14,28 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.study.expressions import CONSTANTS, ExpressionError, constant, parse
+from rockcli.study.numbers import in_words
 from rockcli.study.paths import UNITS, Path, dimension_names, resolve, takes_number, varies_in_batch
 from rockcli.study.records import WILDCARDS, Records
-from rockcli.study.schema import describe, is_finite
-from rockcli.study.study import Axis
+from rockcli.study.study import MATCH, Axis
 from rockcli.study.table import read_table
-from rockcli.study.tree import List, Map, Source, Where, alternatives, nearest, place
+from rockcli.study.tree import List, Map, Source, Where, nearest, place, same_twice
+from rockcli.study.values import describe, is_finite
 
 MAX_POINTS = 10_000_000
 MAX_CASES = 2**40
 
 RANGE = ("from", "to", "n", "spacing", "find")
+
+RANGE_FORM = "{from, to, n, spacing: linear | log}"
+
+IN_OTHER_WORDS = {
+    **dict.fromkeys(("start", "begin", "first", "min"), "from"),
+    **dict.fromkeys(("stop", "end", "last", "max"), "to"),
+    **dict.fromkeys(("num", "number", "count", "points"), "n"),
+    **dict.fromkeys(("scale", "step", "space"), "spacing"),
+}
+"""What other programs call the keys of a range."""
 
 Setting = tuple[Path, Any, Where]
 """A value to put at a path of a study, and where it comes from."""
@@ -88,7 +99,12 @@ def read_axes(
     for text, reader in read.items():
         if text not in done:
             if reader.path[:2] in _SYMBOL_PATHS or reader.path[0] == "let" or reader.path == ("case",):
-                raise reader.fail("must be numbers or expressions of numbers and units: other expressions depend on it")
+                said, more = reader.waiting
+                raise reader.fail(
+                    f"is {describe(said)}; expected numbers or expressions of numbers and units: other expressions "
+                    "depend on it",
+                    *more,
+                )
             reader.evaluate = evaluate
             done[text] = reader.read()
     variations = [done[text] for text in vary]
@@ -102,14 +118,13 @@ def read_axes(
 
 def _check_apart(source: Source, study: Map, variations: list[Variation], names: list[str]) -> None:
     """Refuse axes of one name, and axes that set the same thing."""
-    for i, (name, variation) in enumerate(zip(names, variations, strict=True)):
-        keys = ("vary", variation.axis.path)
+    for name, variation in zip(names, variations, strict=True):
         if names.count(name) > 1:
+            keys = ("vary", variation.axis.path)
             raise source.error(study, keys, f"has the same dimension name as another axis, {name!r}")
-        for other in variations[:i]:
-            a, b = variation.path, other.path
-            if a == b or (a[:-1] == b[:-1] and b[-1] in alternatives(a[-1]) and a[0] != "let"):
-                raise source.error(study, keys, f"and the axis {other.axis.path} say the same thing in two ways")
+    if (twice := same_twice([v.path for v in variations])) is not None:
+        other, axis = (variations[i].axis.path for i in twice)
+        raise source.error(study, ("vary", axis), f"and the axis {other} say the same thing in two ways")
 
 
 class _Reader:
@@ -118,6 +133,7 @@ class _Reader:
     def __init__(self, source: Source, study: Map, text: str, records: Records) -> None:
         self.source, self.study, self.text, self.records = source, study, text, records
         self.evaluate: Evaluate | None = None
+        self.waiting: tuple[str, tuple[str | int, ...]] = ("", ())
         try:
             if text.startswith("case."):
                 raise StudyError(f"paths of axes begin inside the case: {text.removeprefix('case.')!r}")
@@ -133,9 +149,7 @@ class _Reader:
         if isinstance(entry, List):
             return self.listed(entry)
         if isinstance(entry, Map):
-            if {"from", "to"} & entry.keys() and all(key in RANGE for key in entry):
-                return self.range(entry)
-            return self.named(entry)
+            return self.range(entry) if entry.keys() & set(RANGE) else self.named(entry)
         if isinstance(entry, str) and entry.lower().endswith(".csv") and not set(entry) & WILDCARDS:
             return self.table(entry)
         if isinstance(entry, str) and self.is_file:
@@ -169,14 +183,21 @@ class _Reader:
             return None
         found = []
         for i, value in enumerate(values):
-            if isinstance(value, str) and takes_number(self.path) and value != "housner":
-                value = self.evaluated(value, i)
-            if isinstance(value, bool) or not isinstance(value, int | float):
+            number = self.number(value, i)
+            if number is None:
                 return None
-            if not is_finite(value):
-                raise self.fail(f"is {value}: a finite number is expected", i)
-            found.append(float(value))
+            found.append(number)
         return np.array(found)
+
+    def number(self, value: Any, *more: str | int) -> float | None:
+        """One value as a number; None if it is none."""
+        if isinstance(value, str) and takes_number(self.path) and value != "housner":
+            value = self.evaluated(value, *more)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return None
+        if not is_finite(value):
+            raise self.fail(f"is {value}: a finite number is expected", *more)
+        return float(value)
 
     def evaluated(self, text: str, *more: str | int) -> float:
         """The value of an expression, the same in all cases.
@@ -190,16 +211,23 @@ class _Reader:
             if expression.names <= CONSTANTS.keys():
                 return float(expression.evaluate(constant))
             if self.evaluate is None:
+                self.waiting = (text, more)
                 raise _NeedsCase
             return self.evaluate(text)
         except ExpressionError as error:
-            raise self.fail(f": {error}", *more) from None
+            raise self.fail(f": {in_words(self.path, text, str(error))}", *more) from None
 
     def numeric(self, values: NDArray[np.float64], where: Callable[[int], Where]) -> Variation:
         unit = UNITS.get(self.path[-1], "1") if self.path[0] != "let" else "1"
         axis = Axis(self.text, self.text, tuple(values.tolist()), True, unit)
-        if len(set(axis.values)) < axis.size:
+        ordered = np.sort(values)
+        gaps = np.diff(ordered)
+        if (gaps == 0.0).any():
             raise self.fail("repeats a value")
+        close = gaps <= MATCH * np.maximum(np.abs(ordered[1:]), np.abs(ordered[:-1]))
+        if close.any():
+            a, b = (repr(float(ordered[int(np.argmax(close)) + k])) for k in (0, 1))
+            raise self.fail(f"has two values that cannot be told apart, {a} and {b} (they are matched to {MATCH:g})")
         in_batch = varies_in_batch(self.path)
         settings = () if in_batch else tuple(self.put(v, where(i), i) for i, v in enumerate(axis.values))
         return Variation(axis, self.path, settings, {self.path: values} if in_batch else None, where, {})
@@ -245,7 +273,15 @@ class _Reader:
             return ((self.path, value, where),)
         if not isinstance(value, Map) or not value:
             raise self.fail(f"is {describe(value)}; expected a mapping of keys of the case", *more)
-        return tuple((self.below(key, *more), item, value.where.get(key, where)) for key, item in value.items())
+        point = tuple((self.below(key, *more), item, value.where.get(key, where)) for key, item in value.items())
+        self.once(list(value), [path for path, _, _ in point], *more)
+        return point
+
+    def once(self, names: list[str], paths: list[Path], *more: str | int) -> None:
+        """Refuse keys of one point that say the same thing twice."""
+        if (twice := same_twice(paths)) is not None:
+            first, last = (names[i] for i in twice)
+            raise self.fail(f": {first} and {last} say the same thing; leave one out", *more)
 
     def below(self, key: str, *more: str | int) -> Path:
         """The path of a key written below the axis' own."""
@@ -259,14 +295,20 @@ class _Reader:
         if entry.get("find") is not None:
             raise self.fail("searching for overturning is not available in this version; give a range without `find`")
         ends = []
+        for key in entry:
+            if key not in RANGE:
+                said = next(name for name in RANGE if name in entry)
+                other = IN_OTHER_WORDS.get(key.lower())
+                hint = nearest(key, RANGE) if other is None else f"did you mean {other!r}?"
+                raise self.fail(f": unknown key of a range {RANGE_FORM}, which `{said}` makes it; {hint}", key)
         for key in ("from", "to", "n"):
             if entry.get(key) is None:
-                raise self.fail(f"is a range without `{key}`; expected {{from, to, n, spacing: linear | log}}")
+                raise self.fail(f"is a range without `{key}`; expected {RANGE_FORM}")
         for key in ("from", "to"):
-            number = self.numbers(List([entry[key]]))
+            number = self.number(entry[key], key)
             if number is None or not takes_number(self.path):
                 raise self.fail("must be a number or an expression, on a key that takes one", key)
-            ends.append(float(number[0]))
+            ends.append(number)
         n, spacing = entry["n"], entry.get("spacing", "linear")
         if type(n) is not int or not 2 <= n <= MAX_POINTS:
             raise self.fail(f"is {describe(n)}; expected a whole number from 2 to {MAX_POINTS}", "n")
@@ -312,6 +354,7 @@ class _Reader:
         line = place(self.study, ("vary", self.text))
         table = read_table(self.source.folder / name, self.source, line)
         paths = [self.below(column) for column in table.columns]
+        self.once(table.columns, paths)
         settings = [
             tuple((path, self.as_number(path, value), line) for path, value in zip(paths, row, strict=True))
             for row in table.rows

@@ -29,6 +29,10 @@ def sufficient_pair(numbers: Numbers) -> Block:
         StudyError: over- or under-determined, not positive, not finite, alpha not below pi/2.
     """
     block = numbers.tree["case"]["block"]
+    if block.get("outline") is not None:
+        numbers.fail((*BLOCK, "outline"), "outlines are not available in this version; give R, h, b or alpha")
+    if block.get("density") is not None:
+        numbers.fail((*BLOCK, "density"), "belongs to an outline, and outlines are not available in this version")
     given = [[key for key in group if block.get(key) is not None] for group in GROUPS]
     for keys in given:
         if len(keys) > 1:
@@ -56,8 +60,6 @@ def make_body(numbers: Numbers, pair: Block) -> Block:
         StudyError: inertia of an asymmetric body, inertia beside r_g, or a value that cannot be.
     """
     block = numbers.tree["case"]["block"]
-    if block.get("outline") is not None or block.get("density") is not None:
-        numbers.fail((*BLOCK, "outline"), "outlines are not available in this version; give R, h, b or alpha")
     extras = {key: block[key] for key in ("inertia", "r_g", "top", "mass", "mu") if block.get(key) is not None}
     if not extras:
         return pair

@@ -124,7 +124,8 @@ def _base(numbers: Numbers, model: str) -> Base | None:
         return None
     scheme = (numbers.tree["case"].get("damping") or {}).get("scheme")
     if model not in DEFORMABLE and not (model == "4" and scheme == "hht"):
-        numbers.fail((*keys, "law"), f"winkler is a base of models {', '.join(DEFORMABLE)}, or of model 4 with damping hht")
+        models = ", ".join(DEFORMABLE)
+        numbers.fail((*keys, "law"), f"winkler is a base of models {models}, or of model 4 with damping hht")
     kw = numbers.positive((*keys, "kw"))
     if kw is None:
         numbers.fail(keys, "base law winkler needs kw [N/m^3]")

@@ -7,10 +7,22 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from rockcli.study.schema import CasePart, Number, Part, StudyPart, describe
-from rockcli.study.tree import Keys, Map, Source, nearest, place, value_at
+from rockcli.study.schema import CasePart, Part, StudyPart
+from rockcli.study.tree import Keys, Map, Source, meant, nearest, place, value_at
+from rockcli.study.values import Number, describe
 
 P = TypeVar("P", bound=Part)
+
+EXPECTED = {
+    "list_": "a list",
+    "int_": "a whole number",
+    "bool_": "true or false",
+    "string_type": "text",
+    "string_too_long": "at most {max_length} characters",
+    "greater_than_equal": "at least {ge}",
+    "less_than_equal": "at most {le}",
+}
+"""What was expected instead, by the beginning of the kind of pydantic's error."""
 
 
 def check_study(source: Source, study: Map) -> StudyPart:
@@ -54,10 +66,9 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
     if kind == "literal_error":
         expected = detail["ctx"]["expected"]
         choices = [word.strip("'") for word in expected.replace(" or ", ", ").split(", ")]
-        return (
-            where,
-            f"{name} is {value}; expected one of {', '.join(choices)}; {nearest(value.strip(chr(39)), choices)}",
-        )
+        close = meant(value.strip("'"), choices)
+        hint = "" if close is None else f"; did you mean {close!r}?"
+        return where, f"{name} is {value}; expected one of {', '.join(choices)}{hint}"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         keys_of_it = ", ".join(fields_at(part, keys[len(at) :]))
         with_keys = f" with the keys {keys_of_it}" if keys_of_it else ""
@@ -66,7 +77,10 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
         return where, f"{name} is {value}; only letters, digits, - and _ are allowed, at most 100 of them"
     if kind == "value_error":
         return where, f"{name}: {detail['ctx']['error']}"
-    message = detail["msg"].replace("Input should be a valid", "expected is a").replace("Input should", "it should")
+    for begin, expected in EXPECTED.items():
+        if kind.startswith(begin):
+            return where, f"{name} is {value}; expected {expected.format(**detail.get('ctx', {}))}"
+    message = detail["msg"].replace("Input should", "it should")
     return where, f"{name} is {value}: {message[0].lower()}{message[1:]}"
 
 

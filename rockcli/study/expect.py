@@ -10,14 +10,11 @@ from typing import Any
 from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
 from rockcli.scene.variables import IMPACT, ROTATION, TIME, VARIABLES
 from rockcli.study.expressions import ExpressionError, constant, parse
-from rockcli.study.schema import describe
-from rockcli.study.study import Axis, Expect
+from rockcli.study.study import MATCH, Axis, Expect
 from rockcli.study.tree import Keys, Map, Source, nearest, place
+from rockcli.study.values import describe
 
 CHECKS = ("value", "min", "max", "is", "is_not")
-
-MATCH = 1e-9
-"""Coordinates are the same if they differ by no more than this, relatively."""
 
 MEANINGS: dict[str, tuple[int, ...]] = {
     **{name: (flag,) for flag, name in OUTCOMES.items()},
@@ -61,7 +58,10 @@ def match(source: Source, study: Map, keys: Keys, at: dict[str, Any], axes: Sequ
 def _coordinate(axis: Axis, value: Any) -> Any:
     if axis.numeric:
         number = _number(value)
-        return next((v for v in axis.values if number is not None and _same(v, number)), None)
+        if number is None or number in axis.values:
+            return number
+        near = min(axis.values, key=lambda v: abs(v - number))
+        return near if _same(near, number) else None
     text = {True: "true", False: "false"}.get(value, str(value)) if isinstance(value, bool) else str(value)
     if text in axis.values:
         return text

@@ -113,6 +113,11 @@ def _parse(text: str, source: Source, label: str | None) -> Any:
         if "\\t" in problem:
             problem = "a tab stands where only spaces may: indent with spaces"
         raise source.placed(label or line, f"not YAML: {problem}") from None
+    except yaml.reader.ReaderError as error:
+        found = yaml.reader.Reader.NON_PRINTABLE.search(text)
+        line = text.count("\n", 0, found.start()) + 1 if found else None
+        what = f"the character {found[0]!r} is not allowed" if found else error.reason
+        raise source.placed(label or line, f"not YAML: {what}") from None
     except yaml.YAMLError as error:
         raise source.placed(label, f"not YAML: {' '.join(str(error).split())[:200]}") from None
     except RecursionError:

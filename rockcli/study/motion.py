@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.errors import RecordError
 from rockcli.scene.excitation import Channel, Excitation, Samples
 from rockcli.study.expressions import Value
 from rockcli.study.numbers import STANDARD_G, Numbers
 from rockcli.study.pulses import build_pulses
-from rockcli.study.records import Records
-from rockcli.study.tree import Keys, place, value_at
+from rockcli.study.records import MissingRecordError, Records
+from rockcli.study.tree import Keys, dotted, place, value_at
 
 Array = NDArray[np.float64]
 
@@ -69,17 +70,19 @@ def _samples(
     # where g differs from case to case it goes into the factor, so that a case does not depend on its neighbours
     g_varies = isinstance(numbers.g, np.ndarray)
     g = STANDARD_G if g_varies else float(numbers.g)
-    prepared = records.prepare(
-        record["file"],
-        place(numbers.tree, (*keys, "file")),
-        reading={
-            "component": record.get("component"),
-            "units": record.get("units"),
-            "dt": numbers.constant((*keys, "dt")),
-        },
-        steps={step: _step(numbers, (*keys, step)) for step in STEPS if record.get(step) is not None},
-        g=g,
-    )
+    reading = {
+        "component": record.get("component"),
+        "units": record.get("units"),
+        "dt": numbers.constant((*keys, "dt")),
+    }
+    steps = {step: _step(numbers, (*keys, step)) for step in STEPS if record.get(step) is not None}
+    where = place(numbers.tree, (*keys, "file"))
+    try:
+        prepared = records.prepare(record["file"], where, reading=reading, steps=steps, g=g)
+    except MissingRecordError:
+        raise
+    except RecordError as error:
+        raise _at_its_key(numbers, keys, error) from None
     motion, raw = prepared.motion, prepared.raw
     values, raw_values = motion.acceleration(g), raw.acceleration(g)
     measures = {
@@ -97,6 +100,15 @@ def _samples(
     factor = numbers.array(amplitude * of_g * (1.0 if polarity is None else polarity))
     samples = Samples(values, motion.dt, factor, motion.name, motion.processing, measures, motion.sha256)
     return samples, amplitude
+
+
+def _at_its_key(numbers: Numbers, keys: Keys, error: RecordError) -> RecordError:
+    """What is wrong with a record or its options, at the place of the study that asks for it."""
+    from rockcli.motion.options import OptionError
+
+    below = error.key.split(".") if isinstance(error, OptionError) else ["file"]
+    at = (*keys, *below)
+    return numbers.source.record_error(place(numbers.tree, at), f"{dotted(at)}: {error}")
 
 
 def _amplitude(numbers: Numbers, keys: Keys, measures: dict[str, float], of_g: Value, inherited: Value) -> Value:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rockcli.scene.block import Block
 from rockcli.study.body import make_body, sufficient_pair
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, Value, parse
-from rockcli.study.tree import Keys, Map, Source, Where, nearest, place, value_at
+from rockcli.study.tree import Keys, Map, Source, Where, meant, nearest, place, value_at
 
 Array = NDArray[np.float64]
 
@@ -30,6 +30,13 @@ class Varied(float):
         varied = cls(first)
         varied.axis, varied.column = axis, column
         return varied
+
+
+def in_words(keys: tuple[str | int, ...], text: str, message: str) -> str:
+    """What is wrong with an expression; at a key that also takes a word, the word that may have been meant."""
+    if keys[-2:] == ("damping", "eta") and f"`{text.strip()}` is not known" in message and meant(text, ["housner"]):
+        return f"{text!r} is no number; did you mean 'housner'?"
+    return message
 
 
 class Numbers:
@@ -74,7 +81,7 @@ class Numbers:
         try:
             return parse(found).evaluate(self.symbol)
         except ExpressionError as error:
-            self.fail(keys, str(error), error.index)
+            self.fail(keys, in_words(keys, found, str(error)), error.index)
 
     def constant(self, keys: Keys) -> float | None:
         """A number that is the same in every case of the batch; None where the study gives none."""
@@ -136,6 +143,8 @@ class Numbers:
                 value = self.value(("let", name))
             elif name in SYMBOLS:
                 value = self._of_block(name)
+            elif name.lower() in ("nan", "inf", "infinity"):
+                raise ExpressionError(f"{name!r} is no finite number")
             else:
                 known = ["g", *SYMBOLS, *let, *CONSTANTS, *FUNCTIONS]
                 raise ExpressionError(f"`{name}` is not known; {nearest(name, known)}")

@@ -121,9 +121,9 @@ def _warn_if_cut(
     T_p = 2.0 * np.pi / omega_p
     needed = 0.5 * options["gamma"] * T_p if shape == WAVELET else lead_in * T_p
     if np.any(t0 < needed * (1.0 - 1e-12)):
-        said = "gamma T_p/2" if shape == WAVELET else f"{lead_in:g} T_p"
+        said = "gamma T_p/2" if shape == WAVELET else f"{lead_in:g} T_p" if lead_in else "0"
         what = "are zero for t < 0: their beginning is cut off, and the ground starts with a jump"
-        warnings.append(f"{shape} pulses with t0 < {said} {what}" if lead_in or shape == WAVELET else f"t0 < 0: {what}")
+        warnings.append(f"{shape} pulses with t0 < {said} {what}")
 
 
 def _present(value: Value | None) -> Value:

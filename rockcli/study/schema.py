@@ -2,119 +2,31 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from rockcli.scene.pulses import SHAPES
 from rockcli.scene.spectra import SPECTRA
-from rockcli.scene.variables import SCALARS
-from rockcli.study.expressions import ExpressionError, parse
-from rockcli.study.tree import nearest
+from rockcli.study.values import (
+    NUMBER_SCHEMA,
+    PAIR_SCHEMA,
+    Edges,
+    Eta,
+    Files,
+    Histories,
+    Label,
+    Meaning,
+    Number,
+    Pair,
+    Scalars,
+    Series,
+    Text,
+)
 
 MODEL_NAMES = ("rigid", "linearized", "1", "2", "3", "4", "flexible", "continuum", "auto")
 PLOTS = ("histories", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")
 CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")
-
-
-def _number(value: Any) -> Any:
-    """A finite number or the text of an expression."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"a number or an expression is expected, not {describe(value)}")
-    if isinstance(value, str):
-        try:
-            parse(value)
-        except ExpressionError as error:
-            raise ValueError(str(error)) from None
-    elif not is_finite(value):
-        raise ValueError(f"a finite number is expected, not {value}")
-    return value
-
-
-def is_finite(value: float) -> bool:
-    """Whether a number is finite as a float."""
-    try:
-        return math.isfinite(value)
-    except OverflowError:
-        return False
-
-
-def describe(value: Any) -> str:
-    """A value as an error message shows it."""
-    if isinstance(value, dict):
-        return "a mapping"
-    if isinstance(value, list):
-        return "a list"
-    if value is None:
-        return "nothing"
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def _edges(value: Any) -> Any:
-    if isinstance(value, list):
-        if len(value) != 2:
-            raise ValueError("a number, or the two distances [left, right], is expected")
-        return [_number(item) for item in value]
-    return _number(value)
-
-
-def _eta(value: Any) -> Any:
-    return value if value == "housner" else _number(value)
-
-
-def _label(value: Any) -> Any:
-    """A name: what YAML reads as a number or a truth value is meant as text."""
-    if isinstance(value, bool) or not isinstance(value, str | int | float):
-        raise ValueError(f"a name is expected, not {describe(value)}")
-    return str(value)
-
-
-def _scalars(value: Any) -> Any:
-    if value == "all":
-        return value
-    if not isinstance(value, list) or not value:
-        raise ValueError(f"`all` or a list of scalars is expected, not {describe(value)}")
-    for name in value:
-        if name not in SCALARS:
-            raise ValueError(f"{describe(name)} is no scalar; {nearest(str(name), SCALARS)}")
-    return value
-
-
-def _histories(value: Any) -> Any:
-    if not isinstance(value, bool | dict):
-        raise ValueError(f"true, false or {{axis: value}} is expected, not {describe(value)}")
-    return value
-
-
-_NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
-_PAIR_SCHEMA = {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
-Number = Annotated[Any, BeforeValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
-Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
-Edges = Annotated[Any, BeforeValidator(_edges), WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, _PAIR_SCHEMA]})]
-Series = Annotated[
-    Any,
-    BeforeValidator(lambda value: [_number(v) for v in value] if isinstance(value, list) else _number(value)),
-    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
-]
-Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": "housner"}, _NUMBER_SCHEMA]})]
-Label = Annotated[str, BeforeValidator(_label)]
-Text = Annotated[str, Field(max_length=10_000)]
-Files = Annotated[
-    Any, WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 2}]})
-]
-
-
-Histories = Annotated[Any, BeforeValidator(_histories), WithJsonSchema({"type": ["boolean", "object"]})]
-Scalars = Annotated[
-    Any,
-    BeforeValidator(_scalars),
-    WithJsonSchema({"anyOf": [{"const": "all"}, {"type": "array", "items": {"enum": list(SCALARS)}, "minItems": 1}]}),
-]
-Meaning = Annotated[
-    Any, WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]})
-]
 
 
 class Part(BaseModel):
@@ -169,7 +81,7 @@ class FilterPart(Part):
     """A Butterworth highpass or lowpass of a record."""
 
     freq: Number = key("corner frequency [1/s]", ...)
-    corners: int = key("order of the filter", 4, ge=1, le=16)
+    corners: int = key("order of the filter", 4, ge=1, le=10)
     zerophase: bool = key("run forward and back", True)
 
 
@@ -178,7 +90,7 @@ class BandpassPart(Part):
 
     freqmin: Number = key("lower corner frequency [1/s]", ...)
     freqmax: Number = key("upper corner frequency [1/s]", ...)
-    corners: int = key("order of the filter", 4, ge=1, le=16)
+    corners: int = key("order of the filter", 4, ge=1, le=10)
     zerophase: bool = key("run forward and back", True)
 
 
@@ -378,10 +290,10 @@ _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
     ("DampingPart", "spectrum"): {"const": "motion"},
     ("MotionPart", "record"): {"type": "string"},
     ("MotionPart", "vertical"): {"$ref": "#/$defs/RecordPart"},
-    ("RecordPart", "taper"): _NUMBER_SCHEMA,
-    ("RecordPart", "highpass"): _NUMBER_SCHEMA,
-    ("RecordPart", "lowpass"): _NUMBER_SCHEMA,
-    ("RecordPart", "bandpass"): _PAIR_SCHEMA,
+    ("RecordPart", "taper"): NUMBER_SCHEMA,
+    ("RecordPart", "highpass"): NUMBER_SCHEMA,
+    ("RecordPart", "lowpass"): NUMBER_SCHEMA,
+    ("RecordPart", "bandpass"): PAIR_SCHEMA,
 }
 """Short forms that `shorthands.expanded` writes out before the schema sees them."""
 

@@ -15,6 +15,10 @@ from rockcli.scene.batch import Batch
 Index = NDArray[np.int64]
 
 
+MATCH = 1e-9
+"""Coordinates are the same if they differ by no more than this, relatively."""
+
+
 @dataclass(frozen=True)
 class Axis:
     """One dimension of the dataset.

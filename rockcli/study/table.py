@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import io
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -49,6 +50,17 @@ def read_table(path: Path, source: Source, where: Where) -> Table:
             raise StudyError(f"the line has {len(row)} cells, the first has {len(header)}", file=path, line=i)
         if not all(row):
             raise StudyError(f"the cell below {header[row.index('')]!r} is empty", file=path, line=i)
+        for column, cell in zip(columns, row[1:], strict=True):
+            if _is_no_finite_number(cell):
+                raise StudyError(f"the cell below {column!r} is {cell}: a finite number is expected", file=path, line=i)
     body = [row for _, row in rows[1:]]
     digest = hashlib.sha256(data).hexdigest()
     return Table([row[0] for row in body], columns, [[scalar(cell) for cell in row[1:]] for row in body], digest)
+
+
+def _is_no_finite_number(cell: str) -> bool:
+    """Whether a cell is what programs print for a number that is none, or one too large."""
+    try:
+        return not math.isfinite(float(cell))
+    except ValueError:
+        return False

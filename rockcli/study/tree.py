@@ -142,12 +142,27 @@ def alternatives(key: str) -> frozenset[str]:
     return next((group - {key} for group in ALTERNATIVES if key in group), frozenset())
 
 
+def meant(key: str, known: Iterable[str], cutoff: float = 0.55) -> str | None:
+    """The known key that is nearest to what is written; None if none is near."""
+    lowered = {name.lower(): name for name in reversed(list(known))}
+    close = get_close_matches(key[:80].lower(), lowered, n=1, cutoff=cutoff)
+    return lowered[close[0]] if close else None
+
+
+def same_twice(paths: Sequence[tuple[str, ...]]) -> tuple[int, int] | None:
+    """Places of the first two paths that are equal or say the same thing in two ways; None if there are none."""
+    for j, path in enumerate(paths):
+        for i, other in enumerate(paths[:j]):
+            if path == other or (path[:-1] == other[:-1] and other[-1] in alternatives(path[-1]) and path[0] != "let"):
+                return i, j
+    return None
+
+
 def nearest(key: str, known: Iterable[str]) -> str:
     """A hint with the nearest known key, or all of them: a clause to put at the end of a message."""
     names = list(known)
-    lowered = {name.lower(): name for name in reversed(names)}
-    close = get_close_matches(key[:80].lower(), lowered, n=1, cutoff=0.55)
-    if close:
-        return f"did you mean {lowered[close[0]]!r}?"
+    close = meant(key, names)
+    if close is not None:
+        return f"did you mean {close!r}?"
     shown = ", ".join(sorted(names)[:30])
     return f"known: {shown}" if shown else "nothing is known here"

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scenes import array, make_batch, pulse
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import make_block
 from rockcli.scene.column import Base, Column
 from rockcli.scene.damping import Damping
 from rockcli.solvers.calculix.run import HOW_TO_INSTALL
-from scenes import array, make_batch, pulse
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason=HOW_TO_INSTALL)
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from mesh_cases import fig60, mesh_batch
+from scenes import pulse, record, still
+
 from rockcli.scene.block import make_block
 from rockcli.solvers.calculix.case import Refused, breakpoints, ground, prepare
 from rockcli.solvers.calculix.mesh import make_mesh
-from scenes import pulse, record, still
 
 
 def test_bricks_fill_the_body_and_are_not_inside_out():
@@ -23,7 +23,9 @@ def test_bricks_fill_the_body_and_are_not_inside_out():
 
 def test_base_and_top_are_where_they_should_be():
     mesh = make_mesh(8.0, 2.0, 3, 5)
-    np.testing.assert_allclose(mesh.nodes[mesh.base], [[-1, 0, 0], [-1 / 3, 0, 0], [1 / 3, 0, 0], [1, 0, 0]], atol=1e-15)
+    np.testing.assert_allclose(
+        mesh.nodes[mesh.base], [[-1, 0, 0], [-1 / 3, 0, 0], [1 / 3, 0, 0], [1, 0, 0]], atol=1e-15
+    )
     np.testing.assert_allclose(mesh.nodes[mesh.top], [[-1, 8, 0], [1, 8, 0]])
     assert mesh.share.sum() == pytest.approx(2.0)
     np.testing.assert_allclose(mesh.nodes[mesh.layer :] - mesh.nodes[: mesh.layer], [[0, 0, mesh.depth]] * mesh.layer)
@@ -76,7 +78,9 @@ def test_a_record_is_taken_sample_by_sample():
     values = np.array([0.0, 1.0, -2.0, 0.5])
     batch = mesh_batch(record(values, 0.1, factor=2.0, vertical=0.5 * values, duration=1.0))
     deck = prepare(batch, 0).deck
-    np.testing.assert_allclose(np.interp([0.05, 0.2, 0.25, 0.31, 0.9], deck.t, deck.a_g), [1, -4, -1.5, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(
+        np.interp([0.05, 0.2, 0.25, 0.31, 0.9], deck.t, deck.a_g), [1, -4, -1.5, 0, 0], atol=1e-6
+    )
     np.testing.assert_allclose(np.interp([0.2], deck.t, deck.a_v), [-1.0], atol=1e-6)
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from mesh_cases import fig60, mesh_batch, needs_ccx
+from scenes import pulse, still
+
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, ROCKING
 from rockcli.solvers.calculix import folder, solve
 from rockcli.solvers.calculix.run import run
-from scenes import pulse, still
 
 pytestmark = needs_ccx
 
@@ -79,3 +79,19 @@ def test_overturning_ends_the_run():
     assert np.isinf(response.scalars["theta_peak_over_alpha"][0])
     assert response.scalars["t_end"][0] < 25.0
     assert np.isfinite(response.scalars["t_overturn"][0])
+
+
+def test_zeta_is_that_of_the_clamped_body():
+    """Below uplift the body is a cantilever: its period is (4.3), its decay that of zeta."""
+    batch = mesh_batch(pulse("half_sine", 0.02, 2.0 * np.pi / 0.8, duration=4.0), zeta=0.05, along=20, dt=0.01)
+    response = solve(batch)
+    assert response.scalars["outcome"][0] == NO_UPLIFT, response.reasons
+    free = response.time > 0.5
+    t, u = response.time[free], response.histories["u_top"][0, free]
+    crossings = np.flatnonzero(u[:-1] * u[1:] < 0.0)
+    period = 2.0 * np.mean(np.diff(t[crossings]))
+    assert period == pytest.approx(12.3809 * np.sqrt(2500.0 / 30e9) * 25.0 / 0.1, rel=0.03)
+    peaks = [np.abs(u[a:b]).max() for a, b in zip(crossings[:-1], crossings[1:], strict=True)]
+    decay = -np.polyfit(np.arange(len(peaks)), np.log(peaks), 1)[0] / np.pi
+    print(period, decay)
+    assert decay == pytest.approx(0.05, rel=0.1)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from mesh_cases import fig60
+
 from rockcli.engine.choose import BACKENDS, choose
 from rockcli.errors import SolverError
 from rockcli.scene.response import FAILED

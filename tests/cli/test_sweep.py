@@ -67,8 +67,8 @@ def test_what_no_backend_solves_fails_with_a_sentence() -> None:
     other = replace(batch, model="jelly")
     with pytest.raises(SolverError, match="no backend solves model 'jelly' with damping 'none'"):
         choose(other)
-    with pytest.raises(SolverError, match="no backend 'opensees'; there are event"):
-        choose(replace(batch, numerics=Numerics(backend="opensees")))
+    with pytest.raises(SolverError, match="no backend 'slide_rule'; there are event"):
+        choose(replace(batch, numerics=Numerics(backend="slide_rule")))
     assert choose(batch) is BACKENDS["event"]
 
 

@@ -100,7 +100,7 @@ WRONG = [
     ("damping: restitution", "damping: {eta: 0.9, r_energy: 0.8}", 7, ["say the same thing"]),
     ("damping: restitution", "damping: {scheme: none, eta: 0.9}", 7, ["no key of the damping scheme none"]),
     ("damping: restitution", "initial: {theta: 1.6}", 7, ["case.initial.theta", "pi/2"]),
-    ("damping: restitution", "solver: {backend: opensees}", 7, ["backend opensees is not available", "event"]),
+    ("damping: restitution", "solver: {backend: openses}", 7, ["case.solver.backend", "opensees", "event"]),
     ("damping: restitution", "solver: {rtol: 0}", 7, ["case.solver.rtol", "greater than 0"]),
     ("damping: restitution", "solver: {accuracy: high}", 7, ["draft, standard, reference"]),
     ("damping: restitution", "geometry: corotated", 7, ["negative_stiffness"]),

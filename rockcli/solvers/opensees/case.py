@@ -262,5 +262,6 @@ def _motion_text(channel: Channel | None, case: int, dt: float) -> tuple[str | N
         values, spacing = channel.values * channel.factor[case], channel.dt
     else:
         n = int(np.ceil(float(channel.end[case]) / dt * (1.0 - 1e-12)))
-        values, spacing = acceleration(channel, np.arange(n + 1) * dt, case), dt
+        t = np.arange(n + 1, dtype=np.float64) * np.float64(dt)
+        values, spacing = acceleration(channel, t, case), dt
     return "".join(f"{x:.17g}\n" for x in values.tolist()), spacing

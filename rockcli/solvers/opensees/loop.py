@@ -60,7 +60,7 @@ rows = [(t, theta, theta_dot, *top(), base_moment())]
 ended = "end"
 i = 0
 while i < STEPS:
-    # where the base is about to close or open, small steps: crossing the kink in one leap errs in energy
+    # where the base is about to close, small steps: crossing the kink in one leap errs in energy
     closing = armed and abs(theta) < 2.0 * abs(theta_dot) * DT
     parts = FINE if closing else 1
     for _ in range(parts):
@@ -88,9 +88,11 @@ while i < STEPS:
     if abs(theta) > abs(peak["theta"]):
         peak["theta"], peak["t"] = theta, t
     peak["theta_dot"] = max(peak["theta_dot"], abs(theta_dot))
+    peak["u_top"] = max(peak["u_top"], abs(top()[0]))
+    if i == 1:  # OpenSees knows the moment only after a step
+        rows[0] = (*rows[0][:-1], base_moment())
     if i % EVERY == 0 or i == STEPS:
         rows.append((t, theta, theta_dot, *top(), base_moment()))
-        peak["u_top"] = max(peak["u_top"], abs(rows[-1][3]))
     if abs(theta) > 0.5 * math.pi:
         ended = "overturned"
         break

@@ -16,6 +16,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -159,10 +160,11 @@ def _answer(table: Path, summary: Path, words: str) -> Answer:
         PeerError: a file is missing, is no table or summary, or holds what is not finite.
     """
     for file in (table, summary):
-        if not file.is_file():
+        if not file.is_file() or file.stat().st_size == 0:
             raise PeerError(f"OpenSees ended without writing its results{_quoted(words)}")
     try:
-        rows = np.loadtxt(table, ndmin=2)
+        with warnings.catch_warnings(action="error"):  # of an empty table
+            rows = np.loadtxt(table, ndmin=2)
         found = json.loads(summary.read_text(encoding="utf-8"))
         impacts = np.array(found["impacts"], dtype=float).reshape(-1, 3)
         numbers = [float(found[name]) for name in _NUMBERS]
@@ -171,7 +173,7 @@ def _answer(table: Path, summary: Path, words: str) -> Answer:
         numbers += [float(theta), float(theta_dot)]
         counts = [int(found[name]) for name in ("steps", "divided_steps")]
         ended = found["ended"]
-    except (ValueError, KeyError, TypeError, OSError, UnicodeDecodeError) as error:
+    except (ValueError, KeyError, TypeError, OSError, UserWarning) as error:
         raise PeerError(f"OpenSees wrote results that cannot be read: {_short(error)}") from None
     fits = rows.shape[1] == COLUMNS and bool((np.diff(rows[:, 0]) > 0.0).all()) and rows[0, 0] == 0.0
     finite = bool(np.isfinite(rows).all() and np.isfinite(impacts).all()) and all(map(math.isfinite, numbers))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Samples
 from rockcli.solvers.opensees import loop, pieces
 from rockcli.solvers.opensees.case import CaseOfOpenSees, case_of
 
@@ -12,7 +13,7 @@ HEAD = '''\
 #!/usr/bin/env python3
 """{title}
 
-{what}, damping {damping}.
+{what}, damping {damping}.  Ground motion: {motion}.
 Needs openseespy (pip install openseespy; on Debian also libblas3 and liblapack3).
 Reads {reads}; writes {name}_results.txt and {name}_summary.json beside itself.
 SI units, radians.  theta is positive clockwise, to the right; positive a_g drives it negative.
@@ -55,6 +56,7 @@ def script_of(batch: Batch, i: int, *, name: str = "case", title: str = "", coar
         title=_one_line(title) or "A rocking body in OpenSeesPy.",
         what=what,
         damping=batch.damping.scheme,
+        motion=_motion(batch, i),
         reads=", ".join(files) or "nothing",
         name=name,
     )
@@ -70,6 +72,16 @@ def script_of(batch: Batch, i: int, *, name: str = "case", title: str = "", coar
     top = "# ---------------------------------------------------------------- parameters\n" + "\n".join(lines) + "\n"
     text = head + "\n".join([pieces.IMPORTS, top, *_body(batch, case)])
     return Script(name, {f"{name}.py": text, **files}, case)
+
+
+def _motion(batch: Batch, i: int) -> str:
+    """The horizontal ground motion in words."""
+    channel = batch.excitation.horizontal
+    if channel is None:
+        return "none, free rocking"
+    if isinstance(channel, Samples):
+        return _one_line(f"{channel.name or 'a record'}, times {channel.factor[i]:.6g}")
+    return f"{channel.shape}, a_p = {channel.a_p[i]:.6g} m/s2, omega_p = {channel.omega_p[i]:.6g} rad/s"
 
 
 def _one_line(text: str) -> str:

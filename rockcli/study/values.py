@@ -1,0 +1,127 @@
+"""What may stand at a key of a study file: numbers, names, lists, each with the sentence for what does not fit."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, WithJsonSchema
+
+from rockcli.scene.variables import SCALARS
+from rockcli.study.expressions import ExpressionError, parse
+from rockcli.study.tree import nearest
+
+
+def _number(value: Any) -> Any:
+    """A finite number or the text of an expression."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError(f"a number or an expression is expected, not {describe(value)}")
+    if isinstance(value, str):
+        try:
+            parse(value)
+        except ExpressionError as error:
+            raise ValueError(str(error)) from None
+    elif not is_finite(value):
+        raise ValueError(f"a finite number is expected, not {value}")
+    return value
+
+
+def is_finite(value: float) -> bool:
+    """Whether a number is finite as a float."""
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
+
+
+def describe(value: Any) -> str:
+    """A value as an error message shows it."""
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return "a list"
+    if value is None:
+        return "nothing"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _edges(value: Any) -> Any:
+    if isinstance(value, list):
+        if len(value) != 2:
+            raise ValueError("a number, or the two distances [left, right], is expected")
+        return [_number(item) for item in value]
+    return _number(value)
+
+
+def _eta(value: Any) -> Any:
+    return value if value == "housner" else _number(value)
+
+
+def _pair(value: Any) -> Any:
+    if not isinstance(value, list) or len(value) != 2:
+        shown = repr(list(value)) if isinstance(value, list) and len(repr(value)) < 60 else describe(value)
+        raise ValueError(f"two numbers, [from, to], are expected, not {shown}")
+    return [_number(item) for item in value]
+
+
+def _files(value: Any) -> Any:
+    names = value if isinstance(value, list) and len(value) > 1 else [value]
+    for name in names:
+        if not isinstance(name, str) or not name.strip():
+            raise ValueError(f"a file name is expected, not {describe(name)}")
+    return value
+
+
+def _label(value: Any) -> Any:
+    """A name: what YAML reads as a number or a truth value is meant as text."""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise ValueError(f"a name is expected, not {describe(value)}")
+    return str(value)
+
+
+def _scalars(value: Any) -> Any:
+    if value == "all":
+        return value
+    if not isinstance(value, list) or not value:
+        raise ValueError(f"`all` or a list of scalars is expected, not {describe(value)}")
+    for name in value:
+        if name not in SCALARS:
+            raise ValueError(f"{describe(name)} is no scalar; {nearest(str(name), SCALARS)}")
+    return value
+
+
+def _histories(value: Any) -> Any:
+    if not isinstance(value, bool | dict):
+        raise ValueError(f"true, false or {{axis: value}} is expected, not {describe(value)}")
+    return value
+
+
+NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
+PAIR_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
+Number = Annotated[Any, BeforeValidator(_number), WithJsonSchema(NUMBER_SCHEMA)]
+Pair = Annotated[Any, BeforeValidator(_pair), WithJsonSchema(PAIR_SCHEMA)]
+Edges = Annotated[Any, BeforeValidator(_edges), WithJsonSchema({"anyOf": [NUMBER_SCHEMA, PAIR_SCHEMA]})]
+Series = Annotated[
+    Any,
+    BeforeValidator(lambda value: [_number(v) for v in value] if isinstance(value, list) else _number(value)),
+    WithJsonSchema({"anyOf": [NUMBER_SCHEMA, {"type": "array", "items": NUMBER_SCHEMA, "minItems": 1}]}),
+]
+Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": "housner"}, NUMBER_SCHEMA]})]
+Label = Annotated[str, BeforeValidator(_label)]
+Text = Annotated[str, Field(max_length=10_000)]
+Files = Annotated[
+    Any,
+    BeforeValidator(_files),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 2}]}),
+]
+
+Histories = Annotated[Any, BeforeValidator(_histories), WithJsonSchema({"type": ["boolean", "object"]})]
+Scalars = Annotated[
+    Any,
+    BeforeValidator(_scalars),
+    WithJsonSchema({"anyOf": [{"const": "all"}, {"type": "array", "items": {"enum": list(SCALARS)}, "minItems": 1}]}),
+]
+Meaning = Annotated[
+    Any, WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]})
+]

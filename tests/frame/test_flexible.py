@@ -1,0 +1,67 @@
+"""The source's flexible column: known values, and the modal solver, which has no penalty spring and no small step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from frames import column, framed, peak
+from scenes import array
+
+from rockcli.scene.column import Base
+from rockcli.scene.numerics import Numerics
+from rockcli.solvers.event import solve as event
+from rockcli.solvers.flexible import solve as modal
+from rockcli.solvers.frame.solver import solve
+
+
+@pytest.mark.parametrize(
+    ("how", "expected"),
+    [
+        ({"mass": "lumped", "zeta": 0.0}, 0.685),  # Fig. 60, as OpenSees has it with 5 elements
+        ({"mass": "lumped", "eta": "housner"}, 0.6256),  # Fig. 63
+        ({"mass": "consistent"}, 0.6832),  # converged, zeta .01
+        ({"mass": "consistent", "eta": "housner"}, 0.6428),
+    ],
+)
+def test_figures_60_and_63(how, expected):
+    assert peak(solve(framed(column(**how), dt=2e-4))) == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"eta": "housner"},
+        {"eta": "housner", "mass": "lumped"},
+        {"eta": 1.0},
+        {"eta": "housner", "base": True},
+        {"eta": "housner", "n": 10},
+    ],
+)
+def test_against_the_modal_solver(how):
+    base = Base("winkler", array(1e11)) if how.pop("base", False) else None
+    batch = replace(column(**how), base=base)
+    frame, exact = solve(framed(batch)), modal(replace(batch, numerics=Numerics()))
+    assert peak(frame) == pytest.approx(peak(exact), abs=1e-3)
+    assert frame.scalars["n_impacts"][0] == pytest.approx(exact.scalars["n_impacts"][0], abs=1)
+
+
+def test_a_stiff_column_is_model_3():
+    rigid = replace(column(), model="3", geometry="corotational", column=None)
+    assert peak(solve(framed(column(E=1e16)))) == pytest.approx(peak(event(rigid)), abs=2e-3)
+
+
+def test_histories_of_the_top():
+    response = solve(framed(column(histories=True, eta="housner"), dt=2e-4))
+    theta, top, bending = (response.histories[name][0] for name in ("theta", "u_top", "u_top_bending"))
+    live = np.isfinite(theta)
+    np.testing.assert_allclose(bending[live], (top - 50.0 * np.sin(theta))[live], atol=2e-4)
+    assert 0.1 < np.abs(bending[live]).max() < 1.0
+    assert response.scalars["u_top_peak"][0] == pytest.approx(np.abs(top[live]).max(), rel=1e-3)
+
+
+def test_one_eta_per_landing():
+    # the base re-crosses zero several times after a landing; the count hardly depends on the mesh
+    counts = [int(solve(framed(column(n=n, eta="housner"), dt=2e-4)).scalars["n_impacts"][0]) for n in (3, 5, 10)]
+    assert max(counts) - min(counts) <= 1

@@ -1,0 +1,178 @@
+"""What OpenSees answers, against the event-driven solvers and the source's flexible columns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from columns import PULSES, flexible, needs_opensees, peak, rigid
+from scenes import array, record, still
+
+from rockcli.errors import SolverError
+from rockcli.scene.column import Base, Column
+from rockcli.scene.damping import Damping
+from rockcli.scene.numerics import Numerics
+from rockcli.solvers import event
+from rockcli.solvers.flexible import solve as solve_flexible
+from rockcli.solvers.opensees.solver import solve
+
+pytestmark = needs_opensees
+
+STEPS = Numerics(dt=1e-4, yield_rotation=1e-6)
+SHORT = 3.0
+"""Seconds: past the peak of the pulses on a body of R = 2 m."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("R", "shape", "omega_p", "tan_alpha"), PULSES)
+def test_model_3_on_the_sources_pulses(R, shape, omega_p, tan_alpha):
+    batch = rigid(R, shape, omega_p, tan_alpha, numerics=STEPS)
+    ours, exact = solve(batch), event.solve(batch)
+    assert peak(ours) == pytest.approx(peak(exact), abs=5e-4)
+    assert ours.scalars["outcome"][0] == exact.scalars["outcome"][0]
+
+
+@pytest.mark.parametrize("scheme", ["restitution", "dashpot", "none"])
+def test_model_3_under_a_ricker_pulse(scheme):
+    batch = rigid(scheme=scheme, duration=SHORT)
+    assert peak(solve(batch)) == pytest.approx(peak(event.solve(batch)), abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("model", "geometry", "within"),
+    [
+        ("1", "corotational", 3e-4),
+        ("1", "negative_stiffness", 3e-4),
+        ("2", "negative_stiffness", 3e-3),  # driven in rotation: no cos(theta)
+        pytest.param("2", "corotational", 3e-3, marks=pytest.mark.slow),
+        pytest.param("3", "negative_stiffness", 3e-4, marks=pytest.mark.slow),
+        pytest.param("4", "corotational", 3e-4, marks=pytest.mark.slow),
+        pytest.param("4", "negative_stiffness", 3e-4, marks=pytest.mark.slow),
+    ],
+)
+def test_the_other_models(model, geometry, within):
+    batch = rigid(model=model, geometry=geometry, duration=SHORT)
+    assert peak(solve(batch)) == pytest.approx(peak(event.solve(batch)), abs=within)
+
+
+def test_five_lumped_elements_are_too_heavy_in_rotation():
+    batch = rigid(model="4", duration=SHORT)
+    lumped = replace(batch, column=Column(array(1.0), array(1.0), array(0.0), 5, "lumped"))
+    assert peak(solve(lumped)) / peak(event.solve(batch)) == pytest.approx(1.0 - 0.0274, abs=2e-3)
+
+
+def test_free_rocking_and_its_histories():
+    batch = replace(rigid(histories=True, dt_out=0.01, theta_0=0.1), excitation=still(2.5))
+    ours, exact = solve(batch), event.solve(batch)
+    assert ours.scalars["t_end"][0] == 2.5
+    np.testing.assert_array_equal(ours.time, exact.time)
+    theta, reference = ours.histories["theta"], exact.histories["theta"]
+    np.testing.assert_allclose(theta, reference, atol=2e-5)
+    np.testing.assert_allclose(ours.histories["u_top"], exact.histories["u_top"], atol=1e-4)
+    np.testing.assert_allclose(ours.impacts["t_impact"], exact.impacts["t_impact"], atol=1e-4)
+    np.testing.assert_allclose(ours.impacts["theta_dot_after"], exact.impacts["theta_dot_after"], rtol=5e-3)
+    open_ = np.abs(theta) > 1e-3
+    expected = np.sign(theta) * 9.81 * 2.0 * np.sin(batch.block.alpha[0, 0])
+    np.testing.assert_allclose(ours.histories["M_base"][open_], expected[open_], rtol=1e-9)
+
+
+def test_overturning_and_no_uplift():
+    over, under = rigid(factor=7.2), rigid(factor=0.95)
+    ours, exact = solve(over).scalars, event.solve(over).scalars
+    assert ours["outcome"][0] == exact["outcome"][0] == 3
+    assert ours["theta_peak"][0] == exact["theta_peak"][0]
+    assert ours["t_overturn"][0] == pytest.approx(exact["t_overturn"][0], abs=1e-3)
+    ours, exact = solve(under).scalars, event.solve(under).scalars
+    for name in ("outcome", "theta_peak", "n_impacts", "t_end"):
+        assert ours[name][0] == exact[name][0]
+    assert np.isnan(ours["t_uplift"][0])
+
+
+def test_a_sampled_motion_is_linear_between_samples():
+    t = np.arange(100) * 0.02
+    motion = record(4.0 * np.sin(6.0 * t) + 2.0 * np.sin(17.0 * t), 0.02, duration=3.0)
+    batch = replace(rigid(), excitation=motion)
+    ours, exact = solve(batch).scalars, event.solve(batch).scalars
+    assert ours["theta_peak_over_alpha"][0] == pytest.approx(exact["theta_peak_over_alpha"][0], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("eta", "zeta", "figure", "expected"),
+    [(1.0, 0.0, "60, undamped", 0.685), ("housner", 0.01, "63", 0.6256)],
+)
+def test_the_sources_flexible_columns(eta, zeta, figure, expected):
+    batch = flexible(eta=eta, zeta=zeta)
+    found = peak(solve(batch))
+    assert found == pytest.approx(expected, rel=0.01)
+    assert found == pytest.approx(peak(solve_flexible(batch)), rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("eta", "expected"), [(1.0, 0.6832), ("housner", 0.6428)])
+def test_flexible_columns_with_consistent_masses(eta, expected):
+    assert peak(solve(flexible(eta=eta, zeta=0.01, elements=20, mass="consistent"))) == pytest.approx(
+        expected, rel=3e-3
+    )
+
+
+def test_flexible_histories_have_a_bending_part():
+    batch = flexible(
+        eta="housner", zeta=0.01, elements=10, mass="consistent", duration=3.0, histories=True, dt_out=0.01
+    )
+    h, other = solve(batch).histories, solve_flexible(batch).histories
+    np.testing.assert_allclose(h["u_top"] - h["u_top_bending"], 50.0 * np.sin(h["theta"]), atol=2e-3)
+    largest = np.abs(other["u_top_bending"]).max()
+    assert largest > 0.05
+    np.testing.assert_allclose(h["u_top_bending"], other["u_top_bending"], atol=0.05 * largest)
+    assert set(h) == set(other)
+
+
+def test_a_winkler_base_as_a_law_and_as_fibres():
+    batch = replace(flexible(eta="housner", zeta=0.01, mass="consistent"), base=Base("winkler", array(1e11)))
+    law = peak(solve(batch))
+    assert law == pytest.approx(peak(solve_flexible(batch)), rel=0.01)
+    fibres = replace(batch, base=Base("winkler", array(1e11), 21))
+    assert peak(solve(fibres)) == pytest.approx(law, rel=0.03)
+
+
+def test_hht_on_fibres_loses_energy_at_impacts():
+    hht = Damping("hht", np.ones((1, 2)), alpha_d=array(0.7))
+    batch = replace(rigid(model="4", theta_0=0.1, histories=True), excitation=still(2.2), damping=hht)
+    response = solve(replace(batch, base=Base("winkler", array(1e10), 21)))
+    theta = response.histories["theta"][0]
+    assert theta[0] == 0.1
+    assert -0.097 < theta.min() < -0.08  # first swing back: some of the energy is gone, and not through eta
+    assert "HHT, alpha_d 0.7" in response.used["method"]
+
+
+def test_the_error_estimate_is_another_step():
+    batch = rigid(duration=SHORT)
+    batch = replace(batch, save=replace(batch.save, scalars=batch.save.scalars | {"error_estimate"}))
+    scalars = solve(batch).scalars
+    exact = event.solve(rigid(duration=SHORT)).scalars["theta_peak_over_alpha"][0]
+    assert 0.0 < scalars["error_estimate"][0] < 1e-3
+    assert abs(scalars["theta_peak_over_alpha"][0] - exact) < 3.0 * scalars["error_estimate"][0]
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"base": Base("winkler", array(1e10), 21)}, "fibres stand under a column of elements"),
+        ({"damping": Damping("hht", np.ones((1, 2)))}, "hht needs a base that gives way"),
+        ({"numerics": Numerics(method="linear")}, "no P-Delta"),
+        ({"numerics": Numerics(method="RK45")}, "knows the methods"),
+        ({"numerics": Numerics(yield_rotation=0.1)}, "not small against alpha"),
+        ({"model": "flexible"}, "needs a column"),
+    ],
+)
+def test_what_it_cannot_do_is_said(change, sentence):
+    with pytest.raises(SolverError, match=sentence):
+        solve(replace(rigid(), **change))
+
+
+def test_a_vertical_motion_needs_fibres():
+    batch = rigid()
+    shaken = replace(batch, excitation=replace(batch.excitation, vertical=batch.excitation.horizontal))
+    with pytest.raises(SolverError, match="vertical motion needs fibres"):
+        solve(shaken)

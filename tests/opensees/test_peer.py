@@ -1,0 +1,132 @@
+"""A process that crashes, hangs, or writes garbage is one failed case with a sentence, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from columns import rigid
+
+from rockcli.errors import SolverError
+from rockcli.scene.response import FAILED
+from rockcli.solvers.opensees import run, solver
+from rockcli.solvers.opensees.script import Script, script_of
+
+WRITES = (
+    "import json\nopen('case_results.txt', 'w').write({table!r})\nopen('case_summary.json', 'w').write({summary!r})\n"
+)
+
+
+@pytest.fixture(autouse=True)
+def own_temporary_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    yield
+    assert list(tmp_path.iterdir()) == []
+
+
+def peer(text: str) -> Script:
+    script = script_of(rigid(), 0)
+    return replace(script, files={"case.py": text})
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "ended by signal SIGSEGV"),
+        ("import sys\nsys.exit('no convergence at t = 1 s')", "OpenSees: no convergence at t = 1 s"),
+        ("import sys\nsys.exit(7)", "exit code 7 and no word"),
+        ("raise RuntimeError('bad\\x1b[31m element')", "RuntimeError: bad.31m element"),
+        ("print('all is well')", "without writing its results"),
+        (
+            "import sys\nprint('WARNING: singular', file=sys.stderr)",
+            r"without writing its results \(WARNING: singular\)",
+        ),
+        ("raise ImportError('libblas.so.3: cannot open shared object file')", "libblas3 liblapack3"),
+        (WRITES.format(table="garbage", summary="{}"), "cannot be read"),
+        (WRITES.format(table="0 0 0\n1 1 1\n", summary="{}"), "cannot be read"),
+        (WRITES.format(table="# nothing\n", summary="{"), "cannot be read"),
+        (WRITES.format(table="", summary="{"), "without writing its results"),
+        (WRITES.format(table="\xff\xfe", summary="[]"), "cannot be read"),
+    ],
+)
+def test_what_goes_wrong_is_a_sentence(text, sentence):
+    with pytest.raises(run.PeerError, match=sentence):
+        run.run_script(peer(text))
+
+
+@pytest.mark.parametrize("rows", ["0 0 0 0 0 0 0\n1 nan 0 0 0 0 0\n", "0 0 0 0 0 0 0\n0 0 0 0 0 0 0\n", "0 0 0\n"])
+def test_a_table_that_is_no_history(rows):
+    numbers = dict.fromkeys(run._NUMBERS, 0.0)
+    summary = numbers | {"ended": "end", "impacts": [], "t_uplift": None, "rigid_part": [0, 0], "steps": 1}
+    text = f"import json\nopen('case_results.txt', 'w').write({rows!r})\n"
+    text += f"json.dump({summary | {'divided_steps': 0}!r}, open('case_summary.json', 'w'))\n"
+    with pytest.raises(run.PeerError, match="no history of a rocking body"):
+        run.run_script(peer(text))
+
+
+def alive(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+def test_a_process_that_hangs_is_stopped_with_its_children(tmp_path_factory):
+    note = tmp_path_factory.mktemp("note") / "pids"
+    text = f"""\
+import os, signal, subprocess, sys, time
+signal.signal(signal.SIGTERM, signal.SIG_IGN)
+child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+open({str(note)!r}, "w").write(f"{{os.getpid()}} {{child.pid}}")
+time.sleep(600)
+"""
+    began = time.monotonic()
+    with pytest.raises(run.PeerError, match="did not finish within 3 s and was stopped"):
+        run.run_script(peer(text), seconds=3.0)
+    assert time.monotonic() - began < 60.0
+    pids = [int(word) for word in note.read_text().split()]
+    assert len(pids) == 2
+    for _ in range(100):
+        if not any(alive(pid) for pid in pids):
+            break
+        time.sleep(0.1)
+    assert not any(alive(pid) for pid in pids)
+
+
+def test_an_interruption_leaves_nothing(monkeypatch):
+    seen = []
+
+    def interrupted(self, timeout=None):
+        if not seen:
+            seen.append(self.pid)
+            raise KeyboardInterrupt
+        return original(self, timeout)
+
+    original = run.subprocess.Popen.wait
+    monkeypatch.setattr(run.subprocess.Popen, "wait", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run.run_script(peer("import time\ntime.sleep(600)"))
+    with pytest.raises(ProcessLookupError):
+        os.kill(seen[0], 0)
+
+
+def test_one_bad_case_does_not_lose_the_batch(monkeypatch):
+    monkeypatch.setattr(solver, "require_opensees", lambda: None)
+    monkeypatch.setattr(solver, "_version", lambda: "none")
+    monkeypatch.setattr(solver, "script_of", lambda batch, i, **how: peer("import os\nos.abort()"))
+    response = solver.solve(rigid(histories=True))
+    assert response.scalars["outcome"][0] == FAILED
+    assert "SIGABRT" in response.reasons[0]
+    assert response.scalars["n_steps"][0] == -1
+    assert np.isnan(response.histories["theta"]).all()
+
+
+def test_absent_openseespy_is_one_sentence(monkeypatch):
+    monkeypatch.setattr(run.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(SolverError, match=r"pip install 'rockcli\[opensees\]'.*libblas3 liblapack3"):
+        solver.solve(rigid())
