@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-__all__ = ["RecordError", "RockError", "SolverError", "StudyError"]
+__all__ = ["OutputError", "RecordError", "RockError", "SolverError", "StudyError"]
 
 
 class RockError(Exception):
@@ -50,3 +50,9 @@ class SolverError(RockError):
     """A solver was asked for what it cannot do."""
 
     exit_code = 3
+
+
+class OutputError(RockError):
+    """A result cannot be written: no space, no permission, something in the way."""
+
+    exit_code = 4

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rockcli.errors import StudyError
+from rockcli.errors import OutputError, StudyError
+from rockcli.storage.places import passing, reason
 
 LOCK_NAME = ".lock"
 
@@ -16,13 +17,16 @@ LOCK_NAME = ".lock"
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
     """Hold the folder's lock (made if it is missing); `StudyError` if another process holds it."""
-    folder.mkdir(parents=True, exist_ok=True)
     path = folder / LOCK_NAME
-    descriptor = _acquire(path)
     try:
-        yield
+        folder.mkdir(parents=True, exist_ok=True)
+        descriptor = _acquire(path)
+    except OSError as error:
+        raise OutputError(f"cannot be written in: {reason(error)}", file=folder) from error
+    try:
+        with passing(path):  # removed while held: who opened it meanwhile sees below that it is gone
+            yield
     finally:
-        path.unlink(missing_ok=True)  # while held: who opened it meanwhile sees below that it is gone
         os.close(descriptor)
 
 

@@ -5,54 +5,80 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.excitation import BELL, LINEAR, PIECE_WIDTH, WAVES, Channel, Pulses, Samples, acceleration
+from rockcli.engine.pulses import extremes
+from rockcli.motion.measures import velocity
+from rockcli.scene.excitation import BELL, LINEAR, PIECE_WIDTH, WAVES, Channel, Pulses, Samples
 
 Array = NDArray[np.float64]
 
 _AMPLITUDES = {LINEAR: (3, 4), WAVES: (4, 7, 10), BELL: (5, 6, 7, 8)}
 """Columns of a piece that are proportional to the amplitude of the pulse."""
 
-_POINTS = 4096
-"""Intervals per piece over which a pulse is sampled."""
+_RATES = {LINEAR: (4,), WAVES: (5, 8, 11), BELL: (4,)}
+"""Columns that are proportional to its frequency."""
+
+_TIMES = {LINEAR: (), WAVES: (3,), BELL: (3,)}
+"""Columns that are times, beside those of the beginning and the end."""
 
 
-def peaks(channel: Channel | None, n: int) -> tuple[Array, Array]:
-    """Peak ground acceleration [m/s^2] and velocity [m/s] of each of n cases; NaN without a motion."""
+def peaks(channel: Channel | None, n: int, duration: Array | None = None) -> tuple[Array, Array]:
+    """Peak ground acceleration [m/s^2] and velocity [m/s] of each of n cases; NaN without a motion.
+
+    `duration` (n,) [s] cuts the motion off, NaN where it does not.
+    """
     if channel is None:
         return np.full(n, np.nan), np.full(n, np.nan)
-    if isinstance(channel, Samples):
-        factor = np.abs(np.broadcast_to(channel.factor, (n,)))
-        return factor * channel.measures.get("pga", np.nan), factor * channel.measures.get("pgv", np.nan)
-    return _pulse_peaks(channel)
+    until = np.full(n, np.inf) if duration is None else np.where(np.isnan(duration), np.inf, duration)
+    with np.errstate(all="ignore"):
+        return _of_samples(channel, until) if isinstance(channel, Samples) else _of_pulses(channel, until)
 
 
-def _pulse_peaks(pulses: Pulses) -> tuple[Array, Array]:
-    """Sample each distinct pulse of unit amplitude once: a map of n x m pulses has only m of them."""
+def _of_samples(samples: Samples, until: Array) -> tuple[Array, Array]:
+    """Those of the whole record, or up to a time between two samples."""
+    factor = np.abs(np.broadcast_to(samples.factor, until.shape))
+    pga = np.full(len(until), samples.measures.get("pga", np.nan))
+    pgv = np.full(len(until), samples.measures.get("pgv", np.nan))
+    cut = until < samples.end * (1.0 - 1e-12)
+    if cut.any():
+        pga[cut], pgv[cut] = _until(samples.values, samples.dt, until[cut])
+    return factor * pga, factor * pgv
+
+
+def _until(a: Array, dt: float, until: Array) -> tuple[Array, Array]:
+    v = velocity(a, dt)
+    reached = np.abs(v)
+    between = _at_zero(v[:-1], a[:-1], a[1:], dt)
+    reached[1:] = np.maximum(reached[1:], between)
+    i = np.clip(np.floor(until / dt).astype(int), 0, len(a) - 2)
+    rest = until - i * dt
+    last = a[i] + (a[i + 1] - a[i]) * rest / dt
+    pga = np.maximum(np.maximum.accumulate(np.abs(a))[i], np.abs(last))
+    end = np.abs(v[i] + 0.5 * rest * (a[i] + last))
+    pgv = np.maximum.reduce([np.maximum.accumulate(reached)[i], end, _at_zero(v[i], a[i], last, rest)])
+    return pga, pgv
+
+
+def _at_zero(v: Array, left: Array, right: Array, dt: Array | float) -> Array:
+    """|velocity| where a straight line of acceleration passes zero; 0 where it does not."""
+    passes = left * right < 0.0
+    return np.where(passes, np.abs(v + 0.5 * dt * left * left / np.where(passes, left - right, 1.0)), 0.0)
+
+
+def _of_pulses(pulses: Pulses, until: Array) -> tuple[Array, Array]:
+    """Measure each distinct pulse of unit amplitude and frequency once: mostly there is one."""
     n = len(pulses.a_p)
-    scale = np.where(pulses.a_p > 0.0, pulses.a_p, 1.0)
+    a_p = np.where(pulses.a_p > 0.0, pulses.a_p, 1.0)
     table = pulses.table.copy()
     table[:, :, PIECE_WIDTH - 1] = 0.0
-    for kind, columns in _AMPLITUDES.items():
-        for column in columns:
-            values = table[:, :, column]
-            table[:, :, column] = np.where(table[:, :, 2] == kind, values / scale[:, None], values)
-    keys = np.round(table.reshape(n, -1), 12)
+    kinds = pulses.table[:, :, 2]
+    for columns, scale in ((_AMPLITUDES, 1.0 / a_p), (_RATES, 1.0 / pulses.omega_p), (_TIMES, pulses.omega_p)):
+        for kind, of_kind in columns.items():
+            for column in of_kind:
+                table[:, :, column] *= np.where(kinds == kind, scale[:, None], 1.0)
+    table[:, :, :2] *= pulses.omega_p[:, None, None]
+    until = np.minimum(until * pulses.omega_p, table[:, -1, 1])
+    keys = np.round(np.column_stack([table.reshape(n, -1), until]), 12)
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    measured = np.array([_sampled(pulses, int(case)) for case in first]) / scale[first, None]
-    unit = measured[inverse.reshape(-1)]
-    return unit[:, 0] * scale, unit[:, 1] * scale
-
-
-def _sampled(pulses: Pulses, case: int) -> tuple[float, float]:
-    edges = pulses.table[case][:, :2]
-    pga = velocity = pgv = 0.0
-    for t_a, t_b in edges:
-        if t_b <= t_a:
-            continue
-        t = np.linspace(t_a, t_b, _POINTS + 1)
-        t[-1] = np.nextafter(t_b, t_a)  # a pulse is zero from the end of its last piece on
-        a = acceleration(pulses, t, case)
-        steps = 0.5 * (a[1:] + a[:-1]) * np.diff(t)
-        path = velocity + np.concatenate([[0.0], np.cumsum(steps)])
-        pga, pgv, velocity = max(pga, float(np.max(np.abs(a)))), max(pgv, float(np.max(np.abs(path)))), float(path[-1])
-    return pga, pgv
+    pga, pgv = extremes(table[first], until[first])
+    inverse = inverse.reshape(-1)
+    return pga[inverse] * a_p, pgv[inverse] * a_p / pulses.omega_p

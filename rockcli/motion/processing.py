@@ -61,6 +61,21 @@ def process(
     Raises:
         OptionError: an option that cannot be, naming the key and what was expected.
     """
+    with np.errstate(all="ignore"):  # what overflows is found as values that are not finite
+        return _processed(motion, window, detrend, taper, highpass, lowpass, bandpass, resample, g)
+
+
+def _processed(
+    motion: Motion,
+    window: Any,
+    detrend: str | None,
+    taper: Any,
+    highpass: Any,
+    lowpass: Any,
+    bandpass: Any,
+    resample: Any,
+    g: float,
+) -> Motion:
     asked = {"highpass": highpass, "lowpass": lowpass, "bandpass": bandpass}
     now = motion
     if window is not None:

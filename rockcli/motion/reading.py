@@ -27,6 +27,12 @@ __all__ = ["read_record"]
 
 KNOWN_UNITS = "g, m/s2, cm/s2, gal, mm/s2"
 
+MIN_DT, MAX_DT = 1e-9, 1e6
+"""Time steps between which a record is believed [s]."""
+
+MAX_VALUE = 1e30
+"""Values above are no accelerations, whatever their units."""
+
 LARGE = 10.0
 """Peak [g] above which the units are doubted aloud: no earthquake has been recorded that shook so hard."""
 
@@ -128,8 +134,13 @@ def _motion(found: Found, path: Path, sha256: str) -> Motion:
     in_g = found.units == "g"
     values = found.values if in_g else found.values * FACTORS[found.units]
     converted = () if found.units in ("g", "m/s2") else (f"values in {found.units} converted to m/s2",)
+    if not MIN_DT <= found.dt <= MAX_DT:
+        message = f"the time step is {found.dt:g} s; expected seconds between {MIN_DT:g} and {MAX_DT:g}"
+        raise OptionError("dt", message, path)
     if len(values) < 2 or not np.isfinite(values).all():
         raise RecordError("a record needs two or more values, all finite", path)
+    if (peak := float(np.abs(values).max())) > MAX_VALUE:
+        raise RecordError(f"a value of {peak:g} is too large to be an acceleration; get the file anew", path)
     return Motion(
         values=np.ascontiguousarray(values),
         dt=found.dt,

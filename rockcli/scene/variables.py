@@ -82,6 +82,13 @@ _ROWS: tuple[Variable, ...] = (
         "1",
         "energy not accounted for by work and impacts, over that of the unstable equilibrium",
     ),
+    Variable(
+        "landing_loss",
+        r"$E_{\mathrm{land}}/E_{\mathrm{barrier}}$",
+        CASE,
+        "1",
+        "energy a captured base took at landings of a flexible body, over that of the unstable equilibrium",
+    ),
     Variable("error_estimate", r"$\epsilon$", CASE, "1", "estimated numerical error of theta_peak_over_alpha"),
     Variable("wall_time", "wall time", CASE, "s", "time the solver took, shared evenly over a batch"),
     Variable("n_steps", r"$n_{\mathrm{steps}}$", CASE, "1", "steps of the solver"),
@@ -239,13 +246,16 @@ _ROWS: tuple[Variable, ...] = (
 
 VARIABLES: dict[str, Variable] = {row.name: row for row in _ROWS}
 
+SCALARS_FLEXIBLE: tuple[str, ...] = ("landing_loss",)
+"""Scalars of the flexible model alone."""
+
 SCALARS_FEMA: tuple[str, ...] = ("fema_delta", "fema_u_top", "fema_T", "fema_beta", "fema_n_roots")
 """What only the damping scheme fema356 knows; NaN for all others."""
 
 SCALARS: tuple[str, ...] = (
     "outcome", "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn",
     "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual", "error_estimate", "wall_time",
-    "n_steps", "reason", *SCALARS_FEMA,
+    "n_steps", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA,
 )  # fmt: skip
 """Scalars a study can save, in the order of the contract."""
 

@@ -7,21 +7,29 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from rockcli.errors import OutputError
+from rockcli.storage.places import passing, reason
+
 _MARK = ".part"
 
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a scratch file beside `path`; on success it takes the place of `path`, on any exception it is removed."""
+    """Give a scratch file beside `path`; on success it takes the place of `path`, on any exception it is removed.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
     scratch = path.with_name(f".{path.stem}.{os.getpid()}{_MARK}{path.suffix}")
-    try:
-        yield scratch
-        with scratch.open("rb+") as file:
-            os.fsync(file.fileno())
-        scratch.replace(path)
-        _sync_folder(path.parent)
-    finally:
-        scratch.unlink(missing_ok=True)
+    with passing(scratch):
+        try:
+            yield scratch
+            with scratch.open("rb+") as file:
+                os.fsync(file.fileno())
+            scratch.replace(path)
+            _sync_folder(path.parent)
+        except OSError as error:
+            raise OutputError(f"cannot be written: {reason(error)}", file=path) from error
 
 
 def sweep_leftovers(folder: Path) -> None:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rockcli.errors import StudyError
+from rockcli.errors import OutputError, StudyError
 from rockcli.storage.atomic import replacing
 from rockcli.storage.contents import Contents, Field
+from rockcli.storage.places import reason
 
 _COMPRESSED_FROM = 4096
 """Values from which a variable is compressed (lossless)."""
@@ -18,10 +20,22 @@ _AXES = "axes"
 
 
 def write(contents: Contents, path: Path) -> None:
-    """Write a netCDF-4 file; `path` appears whole or not at all."""
+    """Write a netCDF-4 file; `path` appears whole or not at all.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    with replacing(path) as scratch:
+        try:
+            _write(contents, scratch)
+        except RuntimeError as error:  # the library's word for a system that refuses, without saying why
+            raise OutputError(f"cannot be written: {_why(scratch, error)}", file=path) from error
+
+
+def _write(contents: Contents, scratch: Path) -> None:
     import netCDF4
 
-    with replacing(path) as scratch, netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
+    with netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
         for name, size in contents.sizes.items():
             file.createDimension(name, size)
         for name, item in contents.fields.items():
@@ -29,6 +43,18 @@ def write(contents: Contents, path: Path) -> None:
         for name, value in contents.attrs.items():
             file.setncattr_string(name, value)
         file.setncattr_string(_AXES, " ".join(contents.axes))
+
+
+def _why(scratch: Path, error: RuntimeError) -> str:
+    """Ask the system for what the library does not tell."""
+    try:
+        with scratch.open("ab") as file:
+            file.write(bytes(65536))
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as refused:
+        return reason(refused)
+    return f"no space, or the place is gone ({error})"
 
 
 def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:

@@ -16,10 +16,15 @@ def open_dataset(path: Path) -> xarray.Dataset:
     """Read a dataset file whole; `StudyError` if it cannot be read."""
     import xarray
 
+    if path.is_dir():
+        raise StudyError("is a folder; give the dataset in it (<name>.nc)", file=path)
     if not path.is_file():
         raise StudyError("no such file", file=path)
     try:
         with xarray.open_dataset(path, engine="netcdf4") as dataset:
+            missing = {"axes", "identity"} - set(dataset.attrs)
+            if missing:
+                raise StudyError("is not a dataset written by `rock run`", file=path)
             return dataset.load()
     except (OSError, ValueError) as error:
         raise StudyError(f"cannot be read as a dataset: {error}", file=path) from None

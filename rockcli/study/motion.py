@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rockcli.errors import RecordError
 from rockcli.scene.excitation import Channel, Excitation, Samples
 from rockcli.study.expressions import Value
-from rockcli.study.numbers import STANDARD_G, Numbers
+from rockcli.study.numbers import STANDARD_G, Numbers, in_range
 from rockcli.study.pulses import build_pulses
 from rockcli.study.records import MissingRecordError, Records
 from rockcli.study.tree import Keys, dotted, place, value_at
@@ -97,6 +97,8 @@ def _samples(
     if polarity is not None:
         numbers.require((*keys, "polarity"), np.abs(polarity) == 1.0, "must be 1 or -1")
     warnings.extend(f"{motion.name}: {sentence}" for sentence in motion.warnings)
+    scaling = next((key for key in SCALING if record.get(key) is not None), "file")
+    in_range(numbers, (*keys, scaling), amplitude * of_g * max(measures["pga"], measures["pgv"]))
     factor = numbers.array(amplitude * of_g * (1.0 if polarity is None else polarity))
     samples = Samples(values, motion.dt, factor, motion.name, motion.processing, measures, motion.sha256)
     return samples, amplitude

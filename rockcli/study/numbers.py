@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 
 STANDARD_G = 9.81
 
+LARGEST = 1e60
+"""Motions and their times are smaller than this, so that products of a few of them are numbers still."""
+
 
 class Varied(float):
     """Stands in the tree where an axis puts a different number into every case; its value is that of the first."""
@@ -30,6 +33,12 @@ class Varied(float):
         varied = cls(first)
         varied.axis, varied.column = axis, column
         return varied
+
+
+def in_range(numbers: Numbers, keys: Keys, value: Any) -> None:
+    """Refuse what is so large that its square would overflow; raises StudyError."""
+    message = f"is out of range: what it gives is not below {LARGEST:g} (SI units)"
+    numbers.require(keys, np.less(np.abs(value), LARGEST), message)
 
 
 def in_words(keys: tuple[str | int, ...], text: str, message: str) -> str:

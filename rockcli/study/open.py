@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.excitation import Pulses, Samples
-from rockcli.scene.variables import LARGE, SCALARS, SCALARS_FEMA, SCALARS_LARGE
+from rockcli.scene.variables import LARGE, SCALARS, SCALARS_FEMA, SCALARS_FLEXIBLE, SCALARS_LARGE
 from rockcli.study.axes import Evaluate, Variation, read_axes
 from rockcli.study.build import build_batch
 from rockcli.study.cases import Cases
@@ -186,7 +186,12 @@ def _save(source: Source, tree: Map, cases: Cases, found: _Found) -> tuple[dict[
     wanted = save.get("scalars")
     if wanted is None:
         wanted = () if curves_only else SCALARS if size <= LARGE else SCALARS_LARGE
-    every = [name for name in SCALARS if name not in SCALARS_FEMA or "fema356" in found.schemes]
+    special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE}
+    if "fema356" in found.schemes:
+        special -= set(SCALARS_FEMA)
+    if any(model == "flexible" for model, _ in found.models):
+        special -= set(SCALARS_FLEXIBLE)
+    every = [name for name in SCALARS if name not in special]
     if wanted == "all" or wanted is SCALARS:
         wanted = every
     scalars = [name for name in SCALARS if name in wanted]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rockcli.scene.excitation import Pulses
 from rockcli.scene.pulses import SHAPES, make_pulses, mavroeidis_papageorgiou_peak
 from rockcli.study.expressions import Value, parse
-from rockcli.study.numbers import Numbers
+from rockcli.study.numbers import Numbers, in_range
 from rockcli.study.tree import Keys, nearest, value_at
 
 Array = NDArray[np.float64]
@@ -20,6 +20,9 @@ FREQUENCY = ("omega_p", "T_p", "f_p", "omega_p_over_p")
 OPTIONS = ("cycles", "gamma", "nu", "A")
 
 WAVELET = "mavroeidis_papageorgiou"
+
+MAX_GAMMA = 1000.0
+"""Largest gamma of a wavelet, whose peak is sought by sampling its half cycles."""
 
 
 def build_pulses(numbers: Numbers, keys: Keys, warnings: list[str]) -> Pulses:
@@ -52,10 +55,13 @@ def build_pulses(numbers: Numbers, keys: Keys, warnings: list[str]) -> Pulses:
             options["A"] = a_p / unit_peak
     else:
         a_p = _a_p(numbers, amplitude, value)
+    for option in (*OPTIONS, "t0"):
+        if pulse.get(option) is not None:
+            in_range(numbers, (*keys, option), numbers.value((*keys, option)))
     t0 = numbers.value((*keys, "t0"))
     if t0 is not None:
         _warn_if_cut(law.name, numbers.array(t0), omega_p, options, law.lead_in_periods, warnings)
-    numbers.require((*keys, amplitude), np.isfinite(a_p), "the amplitude is not finite")
+    in_range(numbers, (*keys, amplitude), a_p)
     with np.errstate(all="ignore"):
         pulses = make_pulses(
             law.name, a_p=a_p, omega_p=omega_p, t0=None if t0 is None else numbers.array(t0), **options
@@ -86,7 +92,8 @@ def _omega_p(numbers: Numbers, keys: Keys) -> Array:
             omega_p = value * numbers.symbol("p")
         else:
             omega_p = value
-        numbers.require((*keys, key), np.isfinite(omega_p) & np.isfinite(2.0 * np.pi / omega_p), "is out of range")
+        in_range(numbers, (*keys, key), omega_p)
+        in_range(numbers, (*keys, key), 2.0 * np.pi / omega_p)
     return numbers.array(omega_p)
 
 
@@ -104,7 +111,8 @@ def _wavelet(numbers: Numbers, keys: Keys) -> dict[str, Array]:
     gamma, nu = numbers.value((*keys, "gamma")), numbers.value((*keys, "nu"))
     if gamma is None:
         numbers.fail(keys, f"the shape {WAVELET} needs gamma")
-    numbers.require((*keys, "gamma"), np.greater(gamma, 1.0), "must be greater than 1")
+    good = np.greater(gamma, 1.0) & np.less_equal(gamma, MAX_GAMMA)
+    numbers.require((*keys, "gamma"), good, f"must be greater than 1 and at most {MAX_GAMMA:g}")
     return {"gamma": numbers.array(gamma), "nu": numbers.array(0.0 if nu is None else nu)}
 
 

@@ -14,10 +14,11 @@ from rockcli.solvers.calculix.run import run
 pytestmark = needs_ccx
 
 
-def test_free_rocking_of_a_coarse_mesh_lands_when_the_rigid_block_does():
-    """Released at .3 alpha, a slender block lands after acosh(1/(1 - .3))/p (2.3); the mesh is 1 % softer."""
+@pytest.mark.parametrize("zeta", [0.0, 0.2])
+def test_free_rocking_of_a_coarse_mesh_lands_when_the_rigid_block_does(zeta):
+    """Released at .3 alpha, a slender block lands after acosh(1/(1 - .3))/p (2.3); zeta does not brake rotation."""
     alpha = np.arctan(0.1)
-    response = solve(mesh_batch(still(1.9), theta_0=0.3 * alpha, along=10, dt=0.01))
+    response = solve(mesh_batch(still(1.9), theta_0=0.3 * alpha, along=10, dt=0.01, zeta=zeta))
     p = np.sqrt(0.75 * 9.81 / np.hypot(25.0, 2.5))
     assert response.scalars["outcome"][0] == ROCKING, response.reasons
     assert response.scalars["n_impacts"][0] == 1
@@ -83,7 +84,7 @@ def test_overturning_ends_the_run():
 
 def test_zeta_is_that_of_the_clamped_body():
     """Below uplift the body is a cantilever: its period is (4.3), its decay that of zeta."""
-    batch = mesh_batch(pulse("half_sine", 0.02, 2.0 * np.pi / 0.8, duration=4.0), zeta=0.05, along=20, dt=0.01)
+    batch = mesh_batch(pulse("half_sine", 0.02, 2.0 * np.pi / 0.8, duration=3.0), zeta=0.05, along=20, dt=0.01)
     response = solve(batch)
     assert response.scalars["outcome"][0] == NO_UPLIFT, response.reasons
     free = response.time > 0.5
@@ -93,5 +94,4 @@ def test_zeta_is_that_of_the_clamped_body():
     assert period == pytest.approx(12.3809 * np.sqrt(2500.0 / 30e9) * 25.0 / 0.1, rel=0.03)
     peaks = [np.abs(u[a:b]).max() for a, b in zip(crossings[:-1], crossings[1:], strict=True)]
     decay = -np.polyfit(np.arange(len(peaks)), np.log(peaks), 1)[0] / np.pi
-    print(period, decay)
     assert decay == pytest.approx(0.05, rel=0.1)

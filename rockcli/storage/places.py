@@ -1,0 +1,86 @@
+"""Places for results: what is in the way, why something cannot be written, and what goes if all has to go."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rockcli.errors import StudyError
+
+_REASONS = {
+    errno.ENOSPC: "no space left on the device",
+    errno.EDQUOT: "no space left in the quota",
+    errno.EFBIG: "no space: files may not be as large as this here",
+    errno.EROFS: "the file system is read-only",
+    errno.EACCES: "permission denied",
+    errno.EPERM: "permission denied",
+    errno.ELOOP: "symbolic links that lead round in a circle",
+    errno.ENAMETOOLONG: "the name is too long",
+}
+
+_passing: set[Path] = set()
+
+
+def reason(error: OSError) -> str:
+    """Why the system refused, for people."""
+    known = _REASONS.get(error.errno or 0)
+    return known or (error.strerror or str(error) or type(error).__name__)
+
+
+@contextmanager
+def passing(path: Path) -> Iterator[None]:
+    """A file that must not outlive what is done with it, however that ends (see `remove_passing`)."""
+    _passing.add(path)
+    try:
+        yield
+    finally:
+        with contextlib.suppress(OSError):
+            path.unlink(missing_ok=True)
+        _passing.discard(path)
+
+
+def remove_passing() -> None:
+    """Remove all files in `passing`: for a process that has to end where it is."""
+    for path in tuple(_passing):
+        with contextlib.suppress(OSError):
+            path.unlink(missing_ok=True)
+
+
+def check_folder(folder: Path) -> None:
+    """`StudyError` if a folder neither is there to write in nor can be made."""
+    for place in (folder, *folder.parents):
+        mode = _mode(place)
+        if mode is None:
+            if place.is_symlink():
+                raise StudyError("is a symbolic link to nothing: results need a folder here", file=place)
+            continue
+        if not stat.S_ISDIR(mode):
+            raise StudyError("is not a folder: results cannot be put into it", file=place)
+        if not os.access(place, os.W_OK | os.X_OK):
+            raise StudyError("is a folder in which this user may not write", file=place)
+        return
+
+
+def check_file(path: Path) -> None:
+    """`StudyError` if a file can neither be written nor replaced; its folder may be missing."""
+    mode = _mode(path)
+    if mode is not None and stat.S_ISDIR(mode):
+        raise StudyError("is a folder where a file is to be written; move it away", file=path)
+    check_folder(path.parent)
+
+
+def _mode(path: Path) -> int | None:
+    """What stands at a path, followed through links; None for nothing."""
+    try:
+        return path.stat().st_mode
+    except FileNotFoundError:
+        return None
+    except NotADirectoryError:  # one of its parents says so itself
+        return None
+    except OSError as error:
+        raise StudyError(f"cannot be used: {reason(error)}", file=path) from None

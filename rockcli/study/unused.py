@@ -1,0 +1,79 @@
+"""What a study says and nobody reads: keys of the solver that its backend does not use, symbols without a use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from rockcli.scene.models import FLEXIBLE
+from rockcli.study.axes import Variation
+from rockcli.study.expressions import ExpressionError, parse
+from rockcli.study.tree import Map
+
+FINITE_ELEMENTS = ("accuracy", "rtol", "method", "dt", "yield_rotation")
+
+USED: dict[str, tuple[str, ...]] = {
+    "event": ("accuracy", "rtol"),
+    "event (flexible)": ("accuracy", "dt"),
+    "fema356": (),
+    "scipy": ("accuracy", "rtol", "method", "events"),
+    "frame": FINITE_ELEMENTS,
+    "opensees": FINITE_ELEMENTS,
+    "calculix": ("accuracy", "dt"),
+}
+"""Keys of `solver` that each backend reads."""
+
+
+def unused_solver_keys(solver: dict[str, Any], backend: str, model: str, scheme: str) -> list[str]:
+    """A sentence per key of `solver` that the backend, or the one that `auto` takes, does not read."""
+    chosen = backend
+    if backend == "auto":
+        chosen = "fema356" if scheme == "fema356" else "calculix" if model == "continuum" else "event"
+    if chosen == "event" and model == FLEXIBLE:
+        chosen = "event (flexible)"
+    if chosen not in USED:
+        return []
+    by = f"backend {chosen}{', which auto takes' if backend == 'auto' else ''}"
+    uses = f"it uses {', '.join(USED[chosen])}" if USED[chosen] else "it uses none of these keys"
+    given = [key for key, value in solver.items() if key != "backend" and value is not None]
+    return [f"solver.{key} is ignored by {by}: {uses}" for key in given if key not in USED[chosen]]
+
+
+def unused_symbols(study: Map, variations: Iterable[Variation]) -> list[str]:
+    """A sentence per symbol of `let` that no expression of the cases needs, directly or through other symbols."""
+    let = study.get("let") or {}
+    variations = list(variations)
+    used = set(_names(study.get("case")))
+    used |= set(_names(study.get("vary")))
+    varied: dict[str, list[Any]] = {name: [text] for name, text in let.items()}
+    for variation in variations:
+        if variation.path[0] == "let":
+            varied.setdefault(variation.path[1], [])
+        for point in variation.settings:
+            for path, value, _ in point:
+                if path[0] == "let":
+                    varied.setdefault(path[1], []).append(value)
+                else:
+                    used |= set(_names(value))
+    waiting = [name for name in varied if name in used]
+    while waiting:
+        for name in _names(varied[waiting.pop()]):
+            if name in varied and name not in used:
+                waiting.append(name)
+            used.add(name)
+    return [f"let.{name} is used nowhere" for name in varied if name not in used]
+
+
+def _names(value: Any) -> Iterator[str]:
+    """Names in every text of a tree that is an expression."""
+    if isinstance(value, dict):
+        for item in value.values():
+            yield from _names(item)
+    elif isinstance(value, list):
+        for item in value:
+            yield from _names(item)
+    elif isinstance(value, str):
+        try:
+            yield from parse(value).names
+        except ExpressionError:
+            return
