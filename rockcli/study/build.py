@@ -18,6 +18,7 @@ from rockcli.study.motion import build_excitation
 from rockcli.study.numbers import Numbers
 from rockcli.study.records import Records
 from rockcli.study.tree import Keys, value_at
+from rockcli.study.unused import unused_solver_keys
 
 Array = NDArray[np.float64]
 
@@ -64,6 +65,8 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
             numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
         )
     warnings += leaving_its_ground(model, geometry, block)
+    solver = numbers.tree["case"].get("solver") or {}
+    warnings += unused_solver_keys(solver, numerics.backend, model, damping.scheme)
     column, base = _column(numbers, model), _base(numbers, model)
     if model == CONTINUUM and damping.scheme not in ("none", "hht"):
         numbers.fail(("case", "damping"), "model continuum loses energy by itself: damping must be none or hht")

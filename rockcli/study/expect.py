@@ -31,6 +31,42 @@ def read_expect(source: Source, study: Map, axes: Sequence[Axis]) -> tuple[Expec
     return tuple(_clause(source, study, axes, i) for i in range(len(study.get("expect") or ())))
 
 
+def check_histories(
+    source: Source,
+    study: Map,
+    clauses: Sequence[Expect],
+    axes: Sequence[Axis],
+    at: dict[str, Any] | None,
+    *,
+    saved: bool,
+) -> None:
+    """Refuse clauses that read a history where none is saved (`at`: the only points where they are; None = all).
+
+    Raises:
+        StudyError: naming the clause and what is saved.
+    """
+    for i, clause in enumerate(clauses):
+        if VARIABLES[clause.quantity].over != TIME:
+            continue
+        keys = ("expect", i)
+        if not saved:
+            message = f"needs the history of {clause.quantity}, and no histories are saved; save: {{histories: true}}"
+            raise source.error(study, keys, message)
+        for axis in axes:
+            if at is None or axis.name not in at:
+                continue
+            wanted = [clause.at[axis.name]] if axis.name in clause.at else axis.values
+            for value in wanted:
+                if value != at[axis.name]:
+                    kept, missed = (f"{axis.path} = {_shown(v)}" for v in (at[axis.name], value))
+                    message = f"needs the history of {clause.quantity} at {missed}; save.histories keeps {kept} only"
+                    raise source.error(study, keys, message)
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
 def match(source: Source, study: Map, keys: Keys, at: dict[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
     """{axis name: coordinate} of the points that a mapping of axes (by name or path) to values means.
 

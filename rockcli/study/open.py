@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import keyword
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from rockcli.errors import StudyError
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.excitation import Pulses, Samples
 from rockcli.scene.variables import LARGE, SCALARS, SCALARS_FEMA, SCALARS_FLEXIBLE, SCALARS_LARGE
@@ -18,7 +20,7 @@ from rockcli.study.axes import Evaluate, Variation, read_axes
 from rockcli.study.build import build_batch
 from rockcli.study.cases import Cases
 from rockcli.study.check import check_case, check_study
-from rockcli.study.expect import match, read_expect
+from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.features import check_curves, check_features
 from rockcli.study.identity import as_yaml, identity, plain
@@ -29,6 +31,7 @@ from rockcli.study.schema import CasePart, StudyPart
 from rockcli.study.shorthands import expanded
 from rockcli.study.study import Study
 from rockcli.study.tree import Map, Source
+from rockcli.study.unused import unused_symbols
 
 HISTORIES_UP_TO = 100
 """Cases up to which histories are saved unless the study says otherwise."""
@@ -48,6 +51,8 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         StudyError: the study is wrong; names file, line and key.
         RecordError: a record is missing (`MissingRecordError`) or cannot be read.
     """
+    if not isinstance(source, dict | str | os.PathLike):
+        raise StudyError(f"a study is a file or a mapping, not {_kind(source)}")
     where = Source(None if isinstance(source, dict) else Path(source))
     tree = load_mapping(source) if isinstance(source, dict) else load_file(Path(source))
     tree, warnings = apply_overrides(expanded(tree), overrides)
@@ -70,6 +75,8 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     histories, dt_out, scalars = saved["histories"] is not False, saved["dt_out"], tuple(saved["scalars"])
     points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
+    expect = read_expect(where, tree, axes)
+    check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
     compare_to = tree.get("compare_to")
     resolved = _resolved(part, base, variations, saved)
     return Study(
@@ -80,7 +87,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         axes=axes,
         cases=cases,
         compare_to=match(where, tree, ("compare_to",), compare_to, axes) if compare_to else None,
-        expect=read_expect(where, tree, axes),
+        expect=expect,
         plots=tuple(dict.fromkeys(part.plots)),
         histories=histories,
         dt_out=dt_out,
@@ -90,10 +97,14 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         identity=identity(resolved["case"], resolved.get("let", {}), variations, saved, found.inputs),
         inputs=found.inputs,
         processing=found.processing,
-        warnings=tuple(warnings),
+        warnings=(*warnings, *unused_symbols(tree, variations)),
         histories_at=at,
         curves=tuple(dict.fromkeys(part.curves)),
     )
+
+
+def _kind(value: Any) -> str:
+    return "nothing" if value is None else f"a value of type {type(value).__name__}"
 
 
 def _check_top(source: Source, tree: Map) -> StudyPart:

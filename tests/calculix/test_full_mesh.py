@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from mesh_cases import fig60, mesh_batch, needs_ccx
@@ -92,6 +94,6 @@ def test_zeta_is_that_of_the_clamped_body():
     crossings = np.flatnonzero(u[:-1] * u[1:] < 0.0)
     period = 2.0 * np.mean(np.diff(t[crossings]))
     assert period == pytest.approx(12.3809 * np.sqrt(2500.0 / 30e9) * 25.0 / 0.1, rel=0.03)
-    peaks = [np.abs(u[a:b]).max() for a, b in zip(crossings[:-1], crossings[1:], strict=True)]
+    peaks = [np.abs(u[a:b]).max() for a, b in pairwise(crossings)]
     decay = -np.polyfit(np.arange(len(peaks)), np.log(peaks), 1)[0] / np.pi
     assert decay == pytest.approx(0.05, rel=0.1)
