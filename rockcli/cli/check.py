@@ -19,27 +19,28 @@ def check(
         list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2.")
     ] = None,
     skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Errors only.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Errors only.")] = False,
 ) -> None:
     """Read studies and show what they would do.
 
     Counts the cases and prints the first: block, accelerations in g and over g tan(alpha), cost.  Solves nothing.
     """
+    from rockcli.cli.progress import counted
     from rockcli.cli.sources import open_all
-    from rockcli.engine.expect import check_quantities
     from rockcli.engine.preview import preview
+    from rockcli.engine.run import check_answers
 
-    opened = open_all(studies, settings or (), skip_missing=skip_missing, also=check_quantities)
+    opened = open_all(studies, settings or (), skip_missing=skip_missing, also=check_answers)
     previews = [preview(study) for study in opened.studies]
     for file, why in opened.skipped:
         typer.echo(f"rock: skipped {file.stem}: {why}", err=True)
     for found in previews:
-        for warning in found.warnings:
-            typer.echo(f"rock: {found.name}: warning: {warning}", err=True)
         if not quiet:
+            for warning in found.warnings:
+                typer.echo(f"rock: {found.name}: warning: {warning}", err=True)
             typer.echo(_text(found))
     if len(previews) > 1 and not quiet:
-        typer.echo(f"{len(previews)} studies, {sum(found.cases for found in previews)} cases")
+        typer.echo(f"{counted(len(previews), 'study')}, {counted(sum(found.cases for found in previews), 'case')}")
 
 
 def _text(found: Preview) -> str:

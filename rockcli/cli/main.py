@@ -9,9 +9,10 @@ from typing import Annotated
 import typer
 
 from rockcli.cli import check, export, plot, run, show, verify
+from rockcli.cli.interrupt import INTERRUPTED, answered, tell
 from rockcli.errors import RockError
 
-BROKE, INTERRUPTED = 4, 130
+BROKE = 4
 
 app = typer.Typer(
     name="rock",
@@ -60,31 +61,54 @@ def _records(context: typer.Context) -> None:
 
 def main() -> None:
     """Run the command; every error the user can mend is one sentence on stderr."""
+    with answered():
+        _run()
+
+
+def _run() -> None:
     try:
         app()
+    except SystemExit as left:
+        if left.code == INTERRUPTED:  # typer keeps the interrupt to itself
+            tell()
+        raise
+    except KeyboardInterrupt:
+        tell()
+        sys.exit(INTERRUPTED)
     except RockError as error:
         typer.echo(f"rock: {error}", err=True)
         sys.exit(error.exit_code)
-    except KeyboardInterrupt:
-        typer.echo("rock: interrupted", err=True)
-        sys.exit(INTERRUPTED)
     except BrokenPipeError:  # the reader of our output went away
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _silence()
         sys.exit(0)
+    except OSError as error:  # the system refuses: no space, no permission, too many open files
+        _silence()
+        from rockcli.storage.places import reason
+
+        where = error.filename if isinstance(error.filename, str) else "standard output"
+        typer.echo(f"rock: {where}: {reason(error)}", err=True)
+        _trace(error)
+        sys.exit(BROKE)
     except Exception as error:  # a bug: say so, and show the way to its trace
-        if os.environ.get("ROCK_DEBUG") == "1":
-            _show_bug(error)
-            sys.exit(BROKE)
-        typer.echo(f"rock: this is a bug in rock: {type(error).__name__}: {error}", err=True)
-        typer.echo("rock: set ROCK_DEBUG=1 for the traceback", err=True)
+        if not _trace(error):
+            typer.echo(f"rock: this is a bug in rock: {type(error).__name__}: {error}", err=True)
+            typer.echo("rock: set ROCK_DEBUG=1 for the traceback", err=True)
         sys.exit(BROKE)
 
 
-def _show_bug(error: Exception) -> None:
-    """Print the traceback of a bug."""
+def _silence() -> None:
+    """Let what is still to be written to a stdout that takes nothing go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _trace(error: Exception) -> bool:
+    """Print the traceback if it is asked for, and whether it was."""
+    if os.environ.get("ROCK_DEBUG") != "1":
+        return False
     import traceback
 
     traceback.print_exception(error)
+    return True
 
 
 if __name__ == "__main__":

@@ -21,9 +21,13 @@ def plot(
 
     for file in files:
         drawn, complaints = draw(file, tuple(kinds or ()), plot_format)
+        if not drawn and not kinds:  # nothing suggests itself: whatever there is
+            from rockcli.plotting.figures import KINDS
+
+            drawn, complaints = draw(file, tuple(KINDS), plot_format)
         for path in drawn:
             typer.echo(str(path))
         if complaints and kinds:
             raise StudyError("; ".join(complaints), file=file)
         if not drawn:
-            typer.echo(f"rock: {file}: nothing in it suggests a plot", err=True)
+            raise StudyError(f"nothing in it can be drawn: {'; '.join(complaints)}", file=file)

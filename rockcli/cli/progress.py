@@ -24,6 +24,11 @@ class Progress:
         left = (total - done) / rate if rate > 0.0 else 0.0
         self._put(f"{self.name}: {done}/{total} cases, {rate:,.0f}/s, {duration(left)} left")
 
+    def note(self, words: str) -> None:
+        """Rewrite the line with what keeps it from moving."""
+        if self.shown:
+            self._put(f"{self.name}: {words}")
+
     def close(self) -> None:
         """Wipe the line."""
         if self.width:
@@ -35,6 +40,12 @@ class Progress:
         sys.stderr.write("\r" + words.ljust(self.width))
         sys.stderr.flush()
         self.width = len(words)
+
+
+def counted(number: int, what: str) -> str:
+    """`1 case`, `2 cases`, `2 studies`."""
+    plural = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
+    return f"{number} {what if number == 1 else plural}"
 
 
 def duration(seconds: float) -> str:

@@ -24,7 +24,7 @@ def run(
     skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
     plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
-    quiet: Annotated[bool, typer.Option("--quiet", help="No progress, no summary; errors only.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary; errors only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
     junit: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write verdicts as JUnit XML.")] = None,
 ) -> None:
@@ -34,10 +34,13 @@ def run(
     """
     from rockcli.cli.sources import open_all
     from rockcli.cli.words import totals_text
+    from rockcli.cli.interrupt import advise
     from rockcli.engine.report import SKIPPED, RunReport, exit_code
     from rockcli.engine.run import check_study
 
     _check_format(plot_format)
+    if junit is not None:
+        _check_junit(junit)
     opened = open_all(
         studies, settings or (), skip_missing=skip_missing, also=lambda study: check_study(study, out, fresh=fresh)
     )
@@ -45,6 +48,7 @@ def run(
     for report in reports:
         typer.echo(f"rock: skipped {report.name}: {report.warnings[0]}", err=True)
     spoken = not quiet and not as_json
+    advise("run again to go on: a finished study is not solved twice, the one at work starts over")
     for study in opened.studies:
         report = _run_one(study, out, fresh=fresh, plots=not no_plots, plot_format=plot_format, progress=not quiet)
         _tell(report, spoken=spoken, quiet=quiet)
@@ -70,14 +74,24 @@ def _check_format(plot_format: str) -> None:
         raise StudyError(f"--format {plot_format}: expected png, pdf or svg")
 
 
+def _check_junit(path: Path) -> None:
+    from rockcli.storage.places import check_file
+
+    if not path.exists() or path.is_file() or path.is_dir():  # anything else is a pipe or a device
+        check_file(path)
+
+
 def _run_one(study: Study, out: Path, *, fresh: bool, plots: bool, plot_format: str, progress: bool) -> RunReport:
+    from rockcli import kernels
     from rockcli.cli.progress import Progress
     from rockcli.engine.run import run_study
 
     line = Progress(study.name, shown=progress)
+    kernels.announce = lambda: line.note("compiling the kernels, once: about 15 s")
     try:
         return run_study(study, out, fresh=fresh, plots=plots, plot_format=plot_format, progress=line)
     finally:
+        kernels.announce = None
         line.close()
 
 

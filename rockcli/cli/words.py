@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rockcli.cli.progress import duration
+from rockcli.cli.progress import counted, duration
 
 if TYPE_CHECKING:
     from rockcli.engine.expect import Verdict
@@ -16,9 +16,8 @@ _MOST_REASONS = 5
 
 def report_text(report: RunReport) -> str:
     """A study's summary: a headline and a few aligned lines."""
-    cases = f"{report.cases} case" + ("" if report.cases == 1 else "s")
     time = f" in {duration(report.seconds)}" if report.status == "solved" else ""
-    lines = [f"{report.name}: {cases}, {report.status}{time}"]
+    lines = [f"{report.name}: {counted(report.cases, 'case')}, {report.status}{time}"]
     if report.outcomes:
         lines.append(
             _row("outcomes", ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in report.outcomes.items()))
@@ -27,12 +26,11 @@ def report_text(report: RunReport) -> str:
         where = f" at {report.peak_at}" if report.peak_at else ""
         lines.append(_row("peak", f"|theta|/alpha = {report.peak:.6g}{where}" + _survivors(report)))
     for number, (sentence, count) in enumerate(list(report.reasons.items())[:_MOST_REASONS]):
-        often = f" ({count} cases)" if report.cases > 1 else ""
+        often = f" ({counted(count, 'case')})" if report.cases > 1 else ""
         lines.append(_row("notes" if number == 0 else "", sentence + often))
     if len(report.reasons) > _MOST_REASONS:
-        lines.append(
-            _row("", f"and {len(report.reasons) - _MOST_REASONS} other sentences, in `reasons` of the dataset")
-        )
+        others = counted(len(report.reasons) - _MOST_REASONS, "other sentence")
+        lines.append(_row("", f"and {others}, in `reasons` of the dataset"))
     if report.verdicts:
         met = len(report.verdicts) - report.unmet
         lines.append(_row("expect", f"{met} of {len(report.verdicts)} met"))
@@ -57,7 +55,8 @@ def verdict_text(verdict: Verdict) -> str:
     if verdict.passed:
         closest = "" if verdict.clause.check in ("is", "is_not") else f", closest {verdict.worst}{where}"
         return f"ok    {verdict.text}: {verdict.points} points{closest}"
-    many = "" if verdict.points == 1 else f"{verdict.failing} of {verdict.points} points fail, worst "
+    verb = "fails" if verdict.failing == 1 else "fail"
+    many = "" if verdict.points == 1 else f"{verdict.failing} of {verdict.points} points {verb}, worst "
     line = f" (line {verdict.clause.line})" if verdict.clause.line is not None else ""
     return f"FAIL  {verdict.text}: {many}{verdict.worst}{where}{line}"
 
@@ -67,11 +66,11 @@ def totals_text(reports: Sequence[RunReport]) -> str:
     ran = [report for report in reports if report.status != "skipped"]
     clauses = sum(len(report.verdicts) for report in ran)
     unmet = sum(report.unmet for report in ran)
-    parts = [f"{len(ran)} studies", f"{sum(report.cases for report in ran)} cases"]
+    parts = [counted(len(ran), "study"), counted(sum(report.cases for report in ran), "case")]
     if failed := sum(report.failed for report in ran):
         parts.append(f"{failed} failed")
     if clauses:
-        parts.append(f"{clauses - unmet} of {clauses} expectations met")
+        parts.append(f"{clauses - unmet} of {counted(clauses, 'expectation')} met")
     if len(ran) < len(reports):
         parts.append(f"{len(reports) - len(ran)} skipped")
     return ", ".join(parts)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from rockcli.engine.compare import with_comparison
 from rockcli.engine.provenance import attributes
 from rockcli.engine.sweep import Results
-from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.variables import HISTORIES, IMPACTS, LARGE, VARIABLES
 from rockcli.storage.contents import (
     COORDINATES,
     DIM_IMPACT,
@@ -33,7 +34,7 @@ def assemble(study: Study, results: Results) -> Contents:
         axis.name: axis_field(axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit)
         for axis in study.axes
     }
-    fields |= _symbols(results, axes, study.shape)
+    fields |= _symbols(results, axes, study.shape) | _edges(study, axes)
     if results.histories:
         fields["time"] = time_field(results.time)
     for name in study.scalars:
@@ -75,6 +76,38 @@ def _symbols(results: Results, axes: tuple[str, ...], shape: tuple[int, ...]) ->
             dims, values = reduce(full.reshape(shape), axes)
             fields[name] = variable_field(name, dims, values)
     return fields
+
+
+def _edges(study: Study, axes: tuple[str, ...]) -> dict[str, Field]:
+    """R, alpha, p and eta of either edge where a body is asymmetric, over the axes they depend on."""
+    if study.size > LARGE or not _may_be_asymmetric(study.resolved):
+        return {}
+    values: dict[str, NDArray[np.float64]] = {}
+    symmetric = True
+    for indices, batch in study.batches():
+        block = batch.block
+        symmetric &= bool(block.symmetric.all())
+        of_edges = {"R": block.R, "alpha": block.alpha, "p": batch.p, "eta": batch.damping.eta}
+        for name, both in of_edges.items():
+            for column, side in ((LEFT, "left"), (RIGHT, "right")):
+                full = values.setdefault(f"{name}_{side}", np.full(study.size, np.nan))
+                full[indices] = both[:, column]
+    if symmetric:
+        return {}
+    reduced = {name: reduce(full.reshape(study.shape), axes) for name, full in values.items()}
+    return {
+        name: replace(variable_field(name, dims, kept), coordinate=True)
+        for name, (dims, kept) in reduced.items()
+        if not np.isnan(kept).all()
+    }
+
+
+def _may_be_asymmetric(resolved: dict[str, Any]) -> bool:
+    """Whether a study speaks of an outline, of two distances b, or of a file or a setting that may."""
+    case = resolved.get("case") or {}
+    block = case.get("block") or {}
+    varied = " ".join(resolved.get("vary") or {})
+    return "outline" in block or isinstance(block.get("b"), list) or "block" in varied or "case" in varied
 
 
 def reduce(values: NDArray[Any], axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[Any]]:

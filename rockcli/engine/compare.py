@@ -12,7 +12,14 @@ from rockcli.storage.contents import DIM_TIME, Contents, variable_field
 
 Array = NDArray[np.float64]
 
-ERRORS: tuple[str, ...] = ("error_theta_peak_over_alpha", "error_history", "same_outcome")
+NEEDED_BY: dict[str, str] = {
+    "error_theta_peak_over_alpha": "theta_peak_over_alpha",
+    "error_history": "theta",
+    "same_outcome": "outcome",
+}
+"""Error -> the variable without which there is none."""
+
+ERRORS: tuple[str, ...] = tuple(NEEDED_BY)
 
 
 def with_comparison(contents: Contents, reference: dict[str, Any] | None) -> Contents:

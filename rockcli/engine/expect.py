@@ -8,15 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.compare import ERRORS, locate
+from rockcli.engine.compare import NEEDED_BY, locate
 from rockcli.errors import StudyError
 from rockcli.scene.curves import variables_of
+from rockcli.scene.excitation import Pulses
+from rockcli.scene.models import FLEXIBLE
 from rockcli.scene.response import FAILED, OUTCOMES
-from rockcli.scene.variables import HISTORIES, IMPACTS, ROTATION, VARIABLES
+from rockcli.scene.variables import HISTORIES, IMPACTS, LARGE, ROTATION, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
 from rockcli.study.study import Expect, Study
 
 Mask = NDArray[np.bool_]
+
+_OF_PULSES, _OF_MOTIONS, _OF_FLEXIBLE = {"a_p", "omega_p"}, {"pga", "pgv"}, {"u_top_bending"}
+"""What only studies with such cases have."""
 
 _COUNTS = ("n_impacts", "n_steps")
 
@@ -50,14 +55,30 @@ def check_quantities(study: Study) -> None:
     if study.histories:
         saved |= {*HISTORIES, *IMPACTS}
     if study.compare_to is not None:
-        saved |= set(ERRORS)
+        saved |= {error for error, needed in NEEDED_BY.items() if needed in saved}
+    asked = {clause.quantity for clause in study.expect} & (_OF_PULSES | _OF_MOTIONS | _OF_FLEXIBLE)
+    saved -= asked - _of_cases(study, asked)
     for clause in study.expect:
         if clause.quantity not in saved:
             if clause.quantity not in VARIABLES:
                 known = f"is not a variable of the dataset (`rock show variables` lists them): {clause.quantity!r}"
             else:
-                known = f"{clause.quantity!r} will not be in the dataset (see `save`, `compare_to` and `curves`)"
+                known = f"{clause.quantity!r} will not be in the dataset (see `save`, `compare_to`, `curves` and the motion)"
             raise StudyError(f"expect: {known}", file=study.file, line=clause.line)
+
+
+def _of_cases(study: Study, asked: set[str]) -> set[str]:
+    """Those of some quantities that the motion and the model of some case give."""
+    found: set[str] = set()
+    if asked:
+        for _, batch in study.batches():
+            motion = batch.excitation.horizontal
+            found |= _OF_PULSES if isinstance(motion, Pulses) else set()
+            found |= _OF_MOTIONS if motion is not None and study.size <= LARGE else set()
+            found |= _OF_FLEXIBLE if batch.model == FLEXIBLE else set()
+            if found >= asked:
+                break
+    return found
 
 
 def judge(contents: Contents, clauses: tuple[Expect, ...]) -> list[Verdict]:

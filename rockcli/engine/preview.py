@@ -6,13 +6,20 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rockcli.engine.choose import choose
+from rockcli.engine.limits import HISTORIES_AT_MOST, histories_size
 from rockcli.engine.measures import peaks
 from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Pulses, Samples
 from rockcli.study.study import Study
+
+Array = NDArray[np.float64]
+
+WARNED_ABOUT = 20_000
+"""Cases looked at for warnings."""
 
 STARTING = 0.5
 """Seconds for loading compiled kernels."""
@@ -31,7 +38,7 @@ class Preview:
         motion: words -> value of the first case: accelerations in g and over g tan(alpha).
         backend: name, or why there is none.
         seconds: estimated time of the solution, order of magnitude; megabytes: of histories, 0 if not saved.
-        warnings: about the study and its first case.
+        warnings: about the study and its cases (of a large study, about its first cases).
     """
 
     name: str
@@ -47,8 +54,14 @@ class Preview:
 
 
 def preview(study: Study) -> Preview:
-    """Look at the first case of a study; `StudyError` or `RecordError` if it cannot be built."""
+    """Look at a study; `StudyError` or `RecordError` if a case cannot be built."""
+    with np.errstate(all="ignore"):
+        return _preview(study)
+
+
+def _preview(study: Study) -> Preview:
     _, batch = next(iter(study.batches(np.array([0]))))
+    said = [w for _, part in study.batches(np.arange(min(study.size, WARNED_ABOUT))) for w in part.warnings]
     try:
         backend = choose(batch).name
     except SolverError as error:
@@ -62,8 +75,8 @@ def preview(study: Study) -> Preview:
         motion=_motion(batch),
         backend=backend,
         seconds=STARTING + study.size * _seconds(batch),
-        megabytes=_megabytes(study, batch),
-        warnings=tuple(dict.fromkeys((*study.warnings, *batch.warnings))),
+        megabytes=histories_size(study, HISTORIES_AT_MOST).bytes / 1e6,
+        warnings=tuple(dict.fromkeys((*study.warnings, *said))),
     )
 
 
@@ -80,16 +93,18 @@ def _block(batch: Batch) -> dict[str, float]:
 def _motion(batch: Batch) -> dict[str, float | str]:
     g, tan_alpha = float(batch.g[0]), float(batch.block.of_weak_edge(batch.block.tan_alpha)[0])
     table: dict[str, float | str] = {"uplift at [g]": tan_alpha}
-    table |= _channel(batch.excitation.horizontal, batch.size, g, tan_alpha, "")
+    table |= _channel(batch.excitation.horizontal, batch.excitation.duration, g, tan_alpha, "")
     if batch.excitation.vertical is not None:
-        table |= _channel(batch.excitation.vertical, batch.size, g, tan_alpha, "vertical ")
+        table |= _channel(batch.excitation.vertical, batch.excitation.duration, g, tan_alpha, "vertical ")
     return table
 
 
-def _channel(channel: Channel | None, n: int, g: float, tan_alpha: float, which: str) -> dict[str, float | str]:
+def _channel(
+    channel: Channel | None, duration: Array, g: float, tan_alpha: float, which: str
+) -> dict[str, float | str]:
     if channel is None:
         return {f"{which}motion": "none (free rocking)"}
-    pga, pgv = (float(values[0]) for values in peaks(channel, n))
+    pga, pgv = (float(values[0]) for values in peaks(channel, len(duration), duration))
     what: dict[str, Any] = {f"{which}motion": channel.shape if isinstance(channel, Pulses) else channel.name}
     if isinstance(channel, Pulses):
         what["omega_p [rad/s]"] = float(channel.omega_p[0])
@@ -104,12 +119,3 @@ def _channel(channel: Channel | None, n: int, g: float, tan_alpha: float, which:
 def _seconds(batch: Batch) -> float:
     motion = batch.excitation.horizontal
     return SECONDS_PER_SAMPLE * len(motion.values) if isinstance(motion, Samples) else SECONDS_PER_PULSE
-
-
-def _megabytes(study: Study, batch: Batch) -> float:
-    if not study.histories:
-        return 0.0
-    motion = batch.excitation.horizontal
-    end = 0.0 if motion is None else float(np.max(motion.end))
-    end = float(np.nanmax([end + 20.0 / float(np.min(batch.p)), *batch.excitation.duration]))
-    return study.size * (end / study.dt_out + 1.0) * 7 * 8 / 1e6

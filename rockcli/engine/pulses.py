@@ -19,13 +19,13 @@ _erf = np.vectorize(erf, otypes=[float])
 _PER_CYCLE = 128
 """Points per cycle among which changes of sign are sought."""
 
-_POINTS = (512, 65536)
+_POINTS = (256, 65536)
 """Fewest and most points over a piece."""
 
 _AT_ONCE = 2_000_000
 """Points looked at at a time."""
 
-_HALVINGS = 50
+_HALVINGS = 45
 
 
 def extremes(table: Array, until: Array) -> tuple[Array, Array]:
@@ -36,7 +36,7 @@ def extremes(table: Array, until: Array) -> tuple[Array, Array]:
         begin, end = table[:, j, 0], np.minimum(table[:, j, 1], until)
         for kind in (LINEAR, WAVES, BELL):
             (which,) = np.nonzero((end > begin) & (table[:, j, 2] == kind))
-            step = max(_AT_ONCE // _POINTS[1], 1) if kind == WAVES else _AT_ONCE // _POINTS[0]
+            step = max(_AT_ONCE // _points(kind, table[which, j], end[which] - begin[which]), 1)
             for start in range(0, len(which), step):
                 part = which[start : start + step]
                 a, v, gained = _piece(kind, table[part, j], begin[part], end[part], velocity[part])
@@ -75,10 +75,15 @@ def _zeros_of_sine(rows: Array, begin: Array, shift: float) -> Array:
     return np.column_stack([rows[:, 3] + ((first + k) * np.pi - phi) / w for k in (0, 1)])
 
 
+def _points(kind: int, rows: Array, length: Array) -> int:
+    """Points over pieces of some length that show every change of sign."""
+    cycles = np.max(np.abs(rows[:, [5, 8, 11]]), axis=1) * length / (2.0 * np.pi) if kind == WAVES else length * 0.0
+    return int(np.clip(np.ceil(np.max(cycles, initial=0.0) * _PER_CYCLE), *_POINTS))
+
+
 def _zeros(kind: int, law: Law, rows: Array, begin: Array, end: Array) -> Array:
     """Times at which a law changes its sign, (k, j); `begin` where there are fewer than j."""
-    cycles = np.max(np.abs(rows[:, [5, 8, 11]]), axis=1) * (end - begin) / (2.0 * np.pi) if kind == WAVES else 0.0
-    points = int(np.clip(np.ceil(np.max(cycles) * _PER_CYCLE), *_POINTS))
+    points = _points(kind, rows, end - begin)
     grid = begin[:, None] + np.linspace(0.0, 1.0, points + 1) * (end - begin)[:, None]
     values = np.sign(law(rows, grid))
     at, step = np.nonzero((values[:, :-1] * values[:, 1:] <= 0.0) & (values[:, :-1] != values[:, 1:]))

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from rockcli.engine.assemble import assemble
 from rockcli.engine.compare import with_comparison
 from rockcli.engine.curves import with_curves
 from rockcli.engine.expect import check_quantities
+from rockcli.engine.limits import check_histories
 from rockcli.engine.lock import locked
 from rockcli.engine.provenance import refreshed
 from rockcli.engine.report import SOLVED, UP_TO_DATE, RunReport, report_on
@@ -18,6 +22,7 @@ from rockcli.errors import StudyError
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import sweep_leftovers
 from rockcli.storage.contents import Contents
+from rockcli.storage.places import check_file
 from rockcli.study.study import Study
 
 if TYPE_CHECKING:
@@ -32,14 +37,17 @@ def solve_study(source: dict[str, Any] | str | Path) -> xarray.Dataset:
     from rockcli.storage.read import to_xarray
     from rockcli.study.open import open_study
 
+    if not isinstance(source, dict | str | os.PathLike):
+        raise StudyError(f"a study is a mapping or the path of a file, not {type(source).__name__}")
     study = open_study(source if isinstance(source, dict) else Path(source))
-    check_quantities(study)
+    check_answers(study)
     return to_xarray(solve(study))
 
 
 def solve(study: Study, progress: Progress | None = None) -> Contents:
     """Solve a checked study in memory."""
-    return with_curves(assemble(study, solve_cases(study, progress)), study)
+    with np.errstate(all="ignore"):  # what is not finite is a result
+        return with_curves(assemble(study, solve_cases(study, progress)), study)
 
 
 def dataset_path(study: Study, out_dir: Path) -> Path:
@@ -47,16 +55,28 @@ def dataset_path(study: Study, out_dir: Path) -> Path:
     return out_dir / study.name / f"{study.name}.nc"
 
 
+def check_answers(study: Study) -> None:
+    """What can be said against solving a study, wherever its results go.
+
+    Raises:
+        StudyError: a clause of `expect` speaks of what will not be saved, or the histories would not fit.
+    """
+    check_quantities(study)
+    check_histories(study)
+
+
 def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
     """Everything that can be said against running a study before it is solved.
 
     Raises:
-        StudyError: a clause of `expect` speaks of what will not be saved, or other results stand in the folder.
+        StudyError: as `check_answers`; other results stand in the folder, or something stands in its place.
     """
-    check_quantities(study)
     path = dataset_path(study, out_dir)
+    check_file(path)
     if fresh or not path.exists():
+        check_answers(study)
         return
+    check_quantities(study)
     found = netcdf.identity(path)
     if found != study.identity:
         what = "a file that is not a dataset of this program" if found is None else "the results of another study"
@@ -84,7 +104,8 @@ def run_study(
         progress: called with (cases done, cases in all).
 
     Raises:
-        StudyError: other results stand in the folder, or another process works in it.
+        StudyError: as `check_study`, or another process works in the folder.
+        OutputError: the results cannot be written.
     """
     started = perf_counter()
     path = dataset_path(study, out_dir)
@@ -114,7 +135,8 @@ def _renewed(study: Study, path: Path) -> Contents:
     if contents.attrs.get("study") == study.resolved_yaml:
         return contents
     described = Contents(contents.axes, contents.fields, refreshed(contents.attrs, study))
-    contents = with_curves(with_comparison(described, study.compare_to), study)
+    with np.errstate(all="ignore"):
+        contents = with_curves(with_comparison(described, study.compare_to), study)
     netcdf.write(contents, path)
     return contents
 

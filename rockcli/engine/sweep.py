@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.choose import choose
+from rockcli.engine.limits import cases_at_a_time
 from rockcli.engine.measures import peaks
 from rockcli.errors import RecordError, SolverError, StudyError
 from rockcli.scene.batch import Batch
@@ -85,6 +86,11 @@ def solve_cases(study: Study, progress: Progress | None = None) -> Results:
     Raises:
         StudyError, RecordError: a case cannot be built.
     """
+    with np.errstate(all="ignore"):  # what is not finite is found in the results
+        return _solve_cases(study, progress)
+
+
+def _solve_cases(study: Study, progress: Progress | None) -> Results:
     results = _empty(study)
     histories: list[tuple[Index, Response]] = []
     done = 0
@@ -104,7 +110,7 @@ def solve_cases(study: Study, progress: Progress | None = None) -> Results:
 
 
 def _chunks(study: Study) -> Iterator[Index]:
-    step = CHUNK_WITH_HISTORIES if study.histories else CHUNK
+    step = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
     for start in range(0, study.size, step):
         yield np.arange(start, min(start + step, study.size))
 
@@ -134,7 +140,7 @@ def _describe(results: Results, indices: Index, batch: Batch, *, measure: bool) 
     if isinstance(motion, Pulses):
         symbols |= {"a_p": motion.a_p, "omega_p": motion.omega_p}
     if measure:
-        symbols["pga"], symbols["pgv"] = peaks(motion, batch.size)
+        symbols["pga"], symbols["pgv"] = peaks(motion, batch.size, batch.excitation.duration)
     for name, values in symbols.items():
         results.symbols.setdefault(name, np.full(len(results.sentences), np.nan))[indices] = values
     results.has_mass &= bool(np.isfinite(block.mass).all())
@@ -188,8 +194,10 @@ def _join_histories(results: Results, parts: list[tuple[Index, Response]], n: in
     longest = max((a.shape[1] for _, r in parts for a in r.impacts.values()), default=0)
     for indices, response in parts:
         for name, values in response.histories.items():
-            full = results.histories.setdefault(name, np.full((n, len(results.time)), np.nan))
-            full[indices, : values.shape[1]] = values
+            if name not in results.histories:
+                results.histories[name] = np.full((n, len(results.time)), np.nan)
+            results.histories[name][indices, : values.shape[1]] = values
         for name, values in response.impacts.items():
-            full = results.impacts.setdefault(name, np.full((n, min(max(longest, 1), MAX_IMPACTS_STORED)), np.nan))
-            full[indices, : values.shape[1]] = values
+            if name not in results.impacts:
+                results.impacts[name] = np.full((n, min(max(longest, 1), MAX_IMPACTS_STORED)), np.nan)
+            results.impacts[name][indices, : values.shape[1]] = values

@@ -160,7 +160,8 @@ def _flip(model: str, pulse: dict[str, Any], expected: float, step: float, reach
     offsets = [-1e3, -30.0, -1.0, 1.0, 30.0, 1e3]
     amplitudes = [expected * (1.0 + offset * step) for offset in offsets]
     case = _case(model, "housner") | {"motion": {"pulse": pulse | {"a_p": amplitudes[0]}}}
-    found = _solve({"case": case, "vary": {"motion.pulse.a_p": amplitudes}, "save": {"histories": False}})
+    named = {f"amplitude {number}": amplitude for number, amplitude in enumerate(amplitudes)}
+    found = _solve({"case": case, "vary": {"motion.pulse.a_p": named}, "save": {"histories": False}})
     flags = [bool(reached(int(flag))) for flag in found.values("outcome")]
     if sorted(flags) != flags or len(set(flags)) < 2:
         return nan

@@ -9,12 +9,16 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+from collections.abc import Callable
 from types import ModuleType
 
 _KERNELS = ("motion", "series", "roots", "decide", "rest", "watch", "contact", "march")
 
 compiled: bool | None = None
 """How the kernels in use were loaded; None before the first `load`."""
+
+announce: Callable[[], None] | None = None
+"""Called when kernels are about to be compiled of which nothing is in the cache."""
 
 
 def load(*, compile_them: bool) -> ModuleType:
@@ -28,5 +32,8 @@ def load(*, compile_them: bool) -> ModuleType:
         for name in _KERNELS:
             sys.modules.pop(f"{__name__}.{name}", None)
         compiled = wish
-        importlib.import_module(f"{__name__}.jit").decide(wish)
+        jit = importlib.import_module(f"{__name__}.jit")
+        jit.decide(wish)
+        if wish and announce is not None and jit.is_cold():
+            announce()
     return importlib.import_module(f"{__name__}.march")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.frame_banded import times
+from rockcli.kernels.frame_banded import clear, copy, times
 from rockcli.kernels.frame_elements import base_moment, damping, spring, stored_energy
 from rockcli.kernels.frame_layout import (
     ALPHA,
@@ -126,7 +126,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
         out: results (frame_layout).
     """
     upright = work[UPRIGHT]
-    upright[:] = 0.0
+    clear(upright)
     if not settle(par, n, pull, weights, fibres, upright, work, bands, B):
         out[STATUS] = NO_STATICS
         return
@@ -160,7 +160,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
         part = (position + par[ALPHA_D] * units) / UNITS
         if par[STIFF_DAMPING] > 0.0:
             damping(par, u, n, bands[DAMPING], B)
-        u_old[:] = u
+        copy(u, u_old)
         q_old, rate_old = abs(u[2]), v[2]
         up = between(a_v, i, part)
         iterations = step(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.frame_banded import clear_band
 from rockcli.kernels.frame_layout import (
     ALPHA,
     AXIAL,
@@ -81,7 +82,7 @@ def damping(par, u, n, C, B):
 
     The material stiffness alone, so that a rigid rotation is not damped.
     """
-    C[:, :] = 0.0
+    clear_band(C)
     axial = par[STIFF_DAMPING] * par[AXIAL] / par[LENGTH]
     bending = par[STIFF_DAMPING] * par[BENDING] / par[LENGTH]
     for i in range(n):

@@ -6,8 +6,8 @@ from __future__ import annotations
 (
     LENGTH, AXIAL, BENDING, COROTATIONAL, BASE, YIELD_MOMENT, YIELD_ROTATION, ALPHA, KW, HALF_WIDTH, WEIGHT, HINGED,
     G, GRAVITY, DASHPOT, STIFF_DAMPING, ETA_LEFT, ETA_RIGHT, ALPHA_D, TOLERANCE, REARM, UPLIFT, REACH, BARRIER, DT,
-    T_MOTION, T_STOP, T_LAST, DT_OUT, FAST, OWN_DURATION, SHUT, N_PAR,
-) = range(33)  # fmt: skip
+    T_MOTION, T_STOP, T_LAST, DT_OUT, FAST, OWN_DURATION, SHUT, Q_STAR, N_PAR,
+) = range(34)  # fmt: skip
 """LENGTH of an element [m]; AXIAL = E A, BENDING = E I; COROTATIONAL 1 or 0; BASE kind of base; the base spring's
 YIELD_MOMENT and YIELD_ROTATION, ALPHA of its softening branch; KW [N/m^3], HALF_WIDTH b, WEIGHT m g of a Winkler base;
 HINGED 1: the base node cannot move vertically; G; GRAVITY 1: weights act as loads (0: the spring contains them);
@@ -16,7 +16,8 @@ ALPHA_D of the integrator; TOLERANCE of Newton's increments; REARM rotation beyo
 UPLIFT rotation at which the body counts as uplifted; REACH length that makes rotations of displacements [m];
 BARRIER energy that has to be there to overturn [J]; DT; T_MOTION end of the motion, T_STOP of the report, T_LAST of
 the search for the outcome; DT_OUT output spacing, 0 without histories; FAST rate above which an impact is counted;
-OWN_DURATION 1: the peaks end with the report; SHUT energy below which the base cannot open any more [J]."""
+OWN_DURATION 1: the peaks end with the report; SHUT energy below which the base cannot open any more [J];
+Q_STAR rotation whose outward passage is the time of overturning."""
 
 SOFTENING, PLASTIC, WINKLER, FIBRES = 0.0, 1.0, 2.0, 3.0
 """Kinds of base: spring falling as sin(alpha - theta), rigid-plastic spring, quasi-static law of a no-tension elastic

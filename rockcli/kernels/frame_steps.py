@@ -1,8 +1,8 @@
-"""One step of the Newmark family with Newton's iterations, and the two states it can begin from (docs/frame.md, F9-F13)."""
+"""One step of the Newmark family with Newton's iterations, and the states it begins from (docs/frame.md, F9-F13)."""
 
 from __future__ import annotations
 
-from rockcli.kernels.frame_banded import hold, solve, times
+from rockcli.kernels.frame_banded import clear, clear_band, copy, hold, solve, times
 from rockcli.kernels.frame_elements import add_base, add_elements
 from rockcli.kernels.frame_layout import (
     ACCELERATION,
@@ -33,6 +33,7 @@ MAX_ITERATIONS = 12
 STATIC_ITERATIONS = 60
 """Iterations allowed to find the equilibrium to begin with."""
 
+
 @jit
 def load(par, pull, weights, a_g, a_v, out):
     """Write the external forces at ground accelerations a_g, a_v [m/s^2]: -a_g pull, -(g + a_v) weights."""
@@ -44,8 +45,8 @@ def load(par, pull, weights, a_g, a_v, out):
 @jit
 def forces(par, u, n, a_v, fibres, f, K, B):
     """Write the internal forces f and their tangent K at u."""
-    f[:] = 0.0
-    K[:, :] = 0.0
+    clear(f)
+    clear_band(K)
     add_elements(par, u, n, f, K, B)
     add_base(par, u, 1.0 + a_v / par[G], fibres, f, K)
 
@@ -125,7 +126,7 @@ def accelerate(par, n, mass, damped, pull, weights, fibres, a_g, a_v, u, v, a, w
     f, r, drag, A = work[FORCE], work[REST], work[DRAG], bands[SYSTEM]
     forces(par, u, n, a_v, fibres, f, bands[STIFFNESS], B)
     load(par, pull, weights, a_g, a_v, r)
-    drag[:] = 0.0
+    clear(drag)
     if damped:
         times(bands[DAMPING], v, drag)
     for i in range(len(u)):
@@ -136,12 +137,12 @@ def accelerate(par, n, mass, damped, pull, weights, fibres, a_g, a_v, u, v, a, w
         if i == 0 or (i == 1 and par[HINGED] > 0.0) or mass[i, 0] == 0.0:
             hold(A, r, i)
     solve(A, r)
-    a[:] = r
+    copy(r, a)
 
 
 @jit
 def settle(par, n, pull, weights, fibres, u, work, bands, B):
-    """Find the equilibrium under the weights with the base held at its rotation u[2]; True if there is one."""
+    """Find the equilibrium under the weights with the base held at its rotation u[2]; True if there is a stable one."""
     f, r, A = work[FORCE], work[REST], bands[SYSTEM]
     for _ in range(STATIC_ITERATIONS):
         forces(par, u, n, 0.0, fibres, f, A, B)
@@ -160,5 +161,8 @@ def settle(par, n, pull, weights, fibres, u, work, bands, B):
         for i in range(len(u)):
             u[i] += r[i]
         if change <= par[TOLERANCE]:
-            return True
+            lowest = A[0, 0]
+            for i in range(len(u)):
+                lowest = min(lowest, A[i, 0])
+            return lowest > 0.0  # a negative pivot: it would buckle
     return False

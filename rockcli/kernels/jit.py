@@ -23,16 +23,22 @@ def decide(compile_them: bool) -> None:
         setattr(config, "CACHE_DIR", str(_cache_dir()))  # noqa: B010 - the checker does not know it
 
 
+def is_cold() -> bool:
+    """Whether nothing compiled is in the cache."""
+    return next(_cache_dir().rglob("*.nbi"), None) is None
+
+
 def jit(function: F) -> F:
     """Compile a kernel, cached on disk, or leave it as it is.
 
-    No fast-math: the same operations in the same order give the same bits compiled or not.
+    No fast-math: the same operations in the same order give the same bits compiled or not.  Other threads may run
+    meanwhile, such as the one that hears an interrupt.
     """
     if not _compiled:
         return function
     from numba import njit
 
-    return cast(F, njit(cache=True, error_model="numpy")(function))
+    return cast(F, njit(cache=True, error_model="numpy", nogil=True)(function))
 
 
 def zeros(n: int) -> Any:

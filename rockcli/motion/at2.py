@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rockcli.errors import RecordError
 from rockcli.motion.numbers import Numbers, read_numbers
+from rockcli.motion.options import OptionError
 from rockcli.motion.units import same_unit, unit_named
 from rockcli.motion.writing import write_whole
 
@@ -264,7 +265,7 @@ def _unit(stated: str | None, given: str | None, name: str, line: int) -> str:
             line,
         )
     if stated is not None and given is not None and not same_unit(stated, given):
-        raise RecordError(f"the file says its units are {stated}, `units` says {given}; leave it out", name)
+        raise OptionError("units", f"the file says its units are {stated}, `units` says {given}; leave it out", name)
     return stated if stated is not None else str(given)
 
 

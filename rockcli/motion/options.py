@@ -33,9 +33,9 @@ SIDE = {"highpass": ("freq",), "lowpass": ("freq",), "bandpass": ("freqmin", "fr
 class OptionError(RecordError):
     """An option of a record that cannot be; `key` is where it stands below the record, such as `resample.dt`."""
 
-    def __init__(self, key: str, message: str, file: str | Path | None = None) -> None:
+    def __init__(self, key: str, message: str, file: str | Path | None = None, line: int | None = None) -> None:
         self.key = key
-        super().__init__(message, file)
+        super().__init__(message, file, line)
 
 
 def window_options(window: Any, end: float, dt: float, file: str) -> tuple[float, float]:

@@ -218,10 +218,12 @@ def _obspy_units(format_name: str, unit: str | None, path: Path) -> str:
     """K-NET and KiK-net state theirs (ObsPy's factor gives m/s^2); the seismological formats do not."""
     if format_name == "KNET":
         if unit not in (None, "gal", "cm/s2"):
-            raise RecordError(f"the file states its own units, gal per count, `units` says {unit}; leave it out", path)
+            message = f"the file states its own units, gal per count, `units` says {unit}; leave it out"
+            raise OptionError("units", message, path)
         return "m/s2"
     if unit is None:
-        raise RecordError(
+        raise OptionError(
+            "units",
             f"the format ({format_name}) does not state the units; give them with `units:`, one of {KNOWN_UNITS} "
             "(of the values times the file's calibration factor)",
             path,
@@ -295,5 +297,5 @@ def _chosen_trace(traces: list[Any], component: str | int | None, path: Path) ->
             chosen = [component]
     if len(chosen) != 1:
         what = "choose one with `component`" if component is None else f"`component` is {component!r}"
-        raise RecordError(f"{what}; the file holds {listed}", path)
+        raise OptionError("component", f"{what}; the file holds {listed}", path)
     return traces[chosen[0]]

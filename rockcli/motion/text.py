@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
 from rockcli.motion.numbers import Numbers, read_numbers
+from rockcli.motion.options import OptionError
 from rockcli.motion.units import same_unit, unit_named
 
 __all__ = ["Text", "is_numeric_text", "parse_text"]
@@ -77,7 +78,7 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
         return Text(numbers.values[1::2], step, unit, shifted)
     _refuse_table(columns, is_time, name)
     if dt is None:
-        raise RecordError("the file does not state the time step; give it with `dt:` in seconds", name)
+        raise OptionError("dt", "the file does not state the time step; give it with `dt:` in seconds", name)
     row_major = () if columns == 1 else (f"values read line by line, {columns} on each",)
     return Text(numbers.values, float(dt), unit, row_major)
 
@@ -91,10 +92,12 @@ def _unit(lines: list[str], given: str | None, name: str) -> str:
         if stated is None:
             raise RecordError(f"{match[1]!r} is no unit of acceleration known here", name, number)
         if given is not None and not same_unit(stated, given):
-            raise RecordError(f"the file says its units are {stated}, `units` says {given}; leave it out", name, number)
+            message = f"the file says its units are {stated}, `units` says {given}; leave it out"
+            raise OptionError("units", message, name, number)
         return stated
     if given is None:
-        raise RecordError(
+        raise OptionError(
+            "units",
             "columns of numbers do not state their units; give them with `units:`, one of g, m/s2, cm/s2, gal "
             "(and, without a time column, the time step with `dt:`)",
             name,
@@ -145,7 +148,9 @@ def _time_step(time: NDArray[np.float64], stated: float | None, name: str) -> tu
     step = float(time[-1] - time[0]) / (len(time) - 1)
     if stated is not None:
         if abs(stated - step) > AGREE * step:
-            raise RecordError(f"the time column says dt is {step:.6g} s, `dt` says {stated:g} s; leave it out", name)
+            raise OptionError(
+                "dt", f"the time column says dt is {step:.6g} s, `dt` says {stated:g} s; leave it out", name
+            )
         return float(stated), float(time[0])
     for digits in range(1, 17):
         rounded = float(f"{step:.{digits}g}")

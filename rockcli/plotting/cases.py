@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import xarray
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
     """Cases to show, at most `most` spread evenly, and how many there are.
 
     Where the study compares (`compare_to`), the reference is not a case of its own but goes with each.
+    Cases whose histories are identical although a label differs are one.
     `axes` restricts the positions to some of the axes (the others stay at 0); references are then not given.
     """
     every = axes_of(dataset)
@@ -67,15 +69,55 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
     positions = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
     if reference:
         positions = [p for p in positions if _referred(every, p, reference) != p] or positions
-    total = len(positions)
-    if total > most:
-        positions = [positions[int(i)] for i in np.unique(np.linspace(0, total - 1, most).round())]
+    groups = [[p] for p in positions] if axes is not None else _alike(dataset, positions, reference)
     shown = []
+    for group in spread(groups, most):
+        other = _referred(every, group[0], reference) if reference else None
+        words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
+        shown.append(Shown(group[0], words, None if other == group[0] else other))
+    return shown, len(groups)
+
+
+def spread(items: list[T], most: int) -> list[T]:
+    """At most `most` of some items, evenly."""
+    if len(items) <= most:
+        return items
+    return [items[int(i)] for i in np.unique(np.linspace(0, len(items) - 1, most).round())]
+
+
+def _alike(
+    dataset: xarray.Dataset, positions: list[tuple[int, ...]], reference: dict[str, int]
+) -> list[list[tuple[int, ...]]]:
+    """Positions in groups that move alike, and so do their references; numbers on axes are never put together."""
+    every = axes_of(dataset)
+    groups: dict[object, list[tuple[int, ...]]] = {}
     for position in positions:
-        parts = [coordinate_label(dataset, a, i) for a, i, n in zip(every, position, sizes, strict=True) if n > 1]
-        other = _referred(every, position, reference) if reference else None
-        shown.append(Shown(position, ", ".join(parts), None if other == position else other))
-    return shown, total
+        key: object = position
+        if "theta" in dataset.variables and np.isfinite(values_at(dataset, "theta", position)).any():
+            numbers = tuple(i for a, i in zip(every, position, strict=True) if is_numeric(dataset, a))
+            key = (numbers, same_key(dataset, position), same_key(dataset, _referred(every, position, reference)))
+        groups.setdefault(key, []).append(position)
+    return list(groups.values())
+
+
+def same_key(dataset: xarray.Dataset, position: tuple[int, ...]) -> tuple[bytes, ...]:
+    """What is equal for two cases whose body, motion and response are."""
+    names = ("theta", "theta_dot", "a_g", "a_v", "alpha", "p", "alpha_left", "alpha_right")
+    return tuple(values_at(dataset, name, position).tobytes() for name in names if name in dataset.variables)
+
+
+def group_label(dataset: xarray.Dataset, group: list[tuple[int, ...]], axes: list[str]) -> str:
+    """Name of cases shown as one: an axis all of whose points are there is not mentioned."""
+    every = axes_of(dataset)
+    columns = {a: list(dict.fromkeys(i)) for a, i in zip(every, zip(*group, strict=True), strict=True)} if every else {}
+    if len(group) < int(np.prod([len(column) for column in columns.values()])):  # not every combination is there
+        return " = ".join(group_label(dataset, [position], axes) for position in group)
+    parts = []
+    for axis in axes:
+        column = columns[axis]
+        if len(column) == 1 or len(column) < int(dataset.sizes[axis]):
+            parts.append(" = ".join(coordinate_label(dataset, axis, i) for i in column))
+    return ", ".join(parts)
 
 
 def reference_words(dataset: xarray.Dataset) -> str:

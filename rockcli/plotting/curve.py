@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rockcli.plotting.cases import axes_of, is_numeric, pick, selection_note
-from rockcli.plotting.labels import axis_label, title_of, variable_label
+from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note
+from rockcli.plotting.labels import axis_label, axis_values, title_of, variable_label
 from rockcli.plotting.map import is_log, scale_axes
 from rockcli.plotting.style import COLOURS, QUIET, SINGLE, headline, legend_beside, new_figure
+from rockcli.scene.response import FAILED, UNRESOLVED
 
 if TYPE_CHECKING:
     import xarray
@@ -17,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_CURVES = 8
+
+_STRIP: dict[str, str] = {"failed": "+", "unresolved": "d", "no answer": "+", "overturned": "x"}
+"""What has no value, from the bottom of the strip upwards, and its mark."""
 
 
 def along(dataset: xarray.Dataset) -> str | None:
@@ -26,44 +31,80 @@ def along(dataset: xarray.Dataset) -> str | None:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """Curves of theta_peak_over_alpha; overturned points are crosses on the upper rim."""
+    """Curves of theta_peak_over_alpha; what has no value is marked in a strip above them."""
     axis = along(dataset)
     if axis is None:
         raise ValueError("a curve needs a numeric axis")
     every = axes_of(dataset)
     others = tuple(name for name in every if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
-    figure = new_figure(SINGLE * 1.3, 3.3)
-    axes = figure.add_subplot()
-    x = dataset[axis].values
-    curves = []
-    for case in shown:
-        rest = {a: i for a, i in zip(every, case.position, strict=True) if a in others}
-        curves.append(dataset["theta_peak_over_alpha"].isel(rest).values)
-    finite = np.concatenate([c[np.isfinite(c)] for c in curves])
-    top = 1.08 * max(float(finite.max(initial=0.0)), 0.1)
+    x = axis_values(dataset, axis)
+    rest = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
+    curves = [np.asarray(dataset["theta_peak_over_alpha"].isel(place).values, dtype=float) for place in rest]
+    missing = [_missing(dataset, place, y) for place, y in zip(rest, curves, strict=True)]
+    rows = [row for row in _STRIP if any(row in found for found in missing)]
+    thick = 0.14 + 0.03 * len(shown)
+    figure = new_figure(SINGLE * 1.3, 3.3 + thick * len(rows))
+    heights = [thick * len(rows), 2.4] if rows else [2.4]
+    grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+    axes = grid[-1]
     marker = "o" if len(x) <= 40 else ""
-    lost = False
+    style: dict[str, Any] = {"marker": marker, "markersize": 2.8, "markeredgewidth": 0.0}
     for number, (case, y) in enumerate(zip(shown, curves, strict=True)):
-        style: dict[str, Any] = {"marker": marker, "markersize": 2.8, "markeredgewidth": 0.0}
         axes.plot(x, np.where(np.isfinite(y), y, np.nan), label=case.label, color=COLOURS[number], **style)
-        over = np.isposinf(y)
-        lost |= bool(over.any())
-        rim = top * (1.0 - 0.035 * number)
-        axes.plot(x[over], np.full(over.sum(), rim), "x", color=COLOURS[number], markersize=3.5, markeredgewidth=0.8)
-    _frame(axes, top, x_log=is_log(x))
+        lonely = _lonely(y) if not marker else np.zeros(0, dtype=int)
+        axes.plot(x[lonely], y[lonely], "o", color=COLOURS[number], markersize=1.4, markeredgewidth=0.0)
+    finite = np.concatenate([y[np.isfinite(y)] for y in curves])
+    top = 1.12 * max(float(finite.max(initial=0.0)), 0.1)
+    if top > 1.0:
+        axes.axhline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
+    axes.set_ylim(0.0, top)
+    scale_axes(axes, is_log(x))
     axes.set_xlabel(axis_label(dataset, axis))
     axes.set_ylabel(variable_label("theta_peak_over_alpha"))
-    notes = (selection_note(len(shown), total, "curves"), "crosses: overturned" if lost else "")
-    headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
+    if rows:
+        _strip(grid[0], x, rows, missing)
+    headline(figure, title_of(dataset), selection_note(len(shown), total, "curves"), over=axes)
     if len(shown) > 1:
         longest = max(len(case.label) for case in shown)
         legend_beside(figure, axes, columns=3 if longest < 20 else 2 if longest < 34 else 1)
     return figure
 
 
-def _frame(axes: Axes, top: float, *, x_log: bool) -> None:
-    if top > 1.0:
-        axes.axhline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
-    axes.set_ylim(0.0, top * 1.04)
-    scale_axes(axes, x_log)
+def _missing(dataset: xarray.Dataset, place: dict[str, int], peaks: Array) -> dict[str, NDArray[np.bool_]]:
+    """Where a curve has no value, by the reason."""
+    found = {"overturned": np.isposinf(peaks), "no answer": np.isnan(peaks)}
+    if "outcome" in dataset.variables:
+        flags = dataset["outcome"].isel(place).values
+        found |= {"failed": flags == FAILED, "unresolved": flags == UNRESOLVED}
+        found["no answer"] &= ~found["failed"] & ~found["unresolved"]
+    return {name: where for name, where in found.items() if where.any()}
+
+
+def _lonely(y: Array) -> NDArray[np.intp]:
+    """Values between two that are none: a line does not show them."""
+    known = np.concatenate([[False], np.isfinite(y), [False]])
+    return np.flatnonzero(known[1:-1] & ~known[:-2] & ~known[2:])
+
+
+def _strip(axes: Axes, x: Array, rows: list[str], missing: list[dict[str, NDArray[np.bool_]]]) -> None:
+    """A row for each reason, in it a line of marks for each curve."""
+    for level, row in enumerate(rows):
+        for number, found in enumerate(missing):
+            where = x[found[row]] if row in found else np.empty(0)
+            height = level + 0.8 * ((len(missing) - number - 0.5) / len(missing) - 0.5)
+            axes.plot(
+                where,
+                np.full(len(where), height),
+                _STRIP[row],
+                color=COLOURS[number],
+                markersize=3.0,
+                markeredgewidth=0.7,
+            )
+    axes.set_yticks(range(len(rows)), rows)
+    axes.set_ylim(-0.5, len(rows) - 0.5)
+    axes.tick_params(axis="y", length=0.0)
+    axes.tick_params(axis="x", which="both", length=0.0)
+    axes.spines["bottom"].set_visible(False)
+    axes.spines["left"].set_visible(False)
+    axes.axhline(-0.5, color=QUIET, linewidth=0.6)

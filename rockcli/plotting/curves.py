@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -23,6 +23,13 @@ MOST_CURVES = 7
 
 _ACROSS = 3
 """Panels beside one another where there is only one slenderness."""
+
+_SPRING: dict[str, Any] = {"color": QUIET, "linewidth": 0.9, "dashes": (1, 1.5), "zorder": 1}
+"""The springs of all models have the same moment: that at which the block begins to turn."""
+
+_BLOCK: dict[str, Any] = {"color": "#000000", "linewidth": 1.4, "zorder": 2}
+
+_PIVOT_SIDE: dict[str, Any] = _BLOCK | {"dashes": (1, 1.2)}
 
 _DASHES: tuple[tuple[float, ...], ...] = ((), (5, 1.5), (2, 1.2), (6, 1.5, 1, 1.5))
 
@@ -135,7 +142,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
                     axes.set_axis_off()
                 continue
             case = columns[column if beside else 0]
-            _pair(pair, dataset, panels[number], case.position, lines)
+            _pair(pair, dataset, panels[number], case.position, lines, mixed=_corners(panels) == "some")
             if row == 0 and beside:
                 pair[0].set_title(case.label, fontsize=9.0)
             if column == 0 or not beside:
@@ -211,18 +218,28 @@ def _coincide(dataset: xarray.Dataset, panels: list[Panel], columns: list[Positi
     )
 
 
-def _pair(pair: tuple[Axes, Axes], dataset: xarray.Dataset, panel: Panel, column: Position, lines: list[_Line]) -> None:
-    """A panel of curves and, below it, of their errors."""
+def _pair(
+    pair: tuple[Axes, Axes],
+    dataset: xarray.Dataset,
+    panel: Panel,
+    column: Position,
+    lines: list[_Line],
+    *,
+    mixed: bool,
+) -> None:
+    """A panel of curves and, below it, of their errors; where not all panels have corners, `mixed`, these name them."""
     curve, error = pair
     ratio = np.asarray(dataset["theta_over_alpha"].values, dtype=float)
     here = _at(dataset, column, lines[0].position) if lines else column
     scale = float(values_at(dataset, panel.scale, here)[panel.at]) if panel.scale else 1.0
     block = values_at(dataset, panel.block, here) / scale
     rises = panel.model == "restoring_moment"
-    curve.plot(*_from_rest(ratio, block, rises), color="#000000", linewidth=1.4, zorder=2)
+    free = curve.plot(*_from_rest(ratio, block, rises), **_BLOCK)
     if panel.beside:
         other = values_at(dataset, panel.beside, here) / scale
-        curve.plot(ratio, other, color="#000000", linewidth=1.4, dashes=(1, 1.2), zorder=2)
+        pivot_side = curve.plot(ratio, other, **_PIVOT_SIDE)
+        if mixed:
+            curve.legend([*free, *pivot_side], ["free corner", "pivot-side corner"], loc="best", fontsize=7.0)
     for number, line in enumerate(lines):
         spot = _at(dataset, column, line.position)
         own = values_at(dataset, panel.model, spot) / scale
@@ -231,7 +248,7 @@ def _pair(pair: tuple[Axes, Axes], dataset: xarray.Dataset, panel: Panel, column
         if rises:
             spring = values_at(dataset, "spring_moment", spot) / scale
             if np.isfinite(spring).all() and not np.array_equal(spring, own):
-                curve.plot(*_from_rest(ratio, spring, True), color=colour, linewidth=0.7, dashes=(1, 1.5), zorder=1)
+                curve.plot(*_from_rest(ratio, spring, True), **_SPRING)
         error.plot(ratio, 100.0 * (own - block), color=colour, linewidth=1.0, dashes=dashes or (None, None))
     level = 1.0 if panel.model in ("overturning_moment", "energy_ratio") else 0.0
     curve.axhline(level, color=QUIET, linewidth=0.4, zorder=0)
@@ -253,26 +270,31 @@ def _legend(
     as_block: list[tuple[str, ...]],
     columns: int,
 ) -> None:
-    corners = any(panel.beside for panel in panels)
+    corners = _corners(panels) == "all"
     block = "block, free corner" if corners else "block"
     if panels[0].model == "energy_ratio":
         block = r"impacts with Housner's $\eta$"
     if as_block:
         block += " = " + (words_of(as_block) or _only_model(dataset, panels))
-    handles = [Line2D([], [], color="#000000", linewidth=1.4, label=block)]
+    handles = [Line2D([], [], **_BLOCK, label=block)]
     if corners:
-        handles.append(Line2D([], [], color="#000000", linewidth=1.4, label="block, pivot-side corner"))
-        handles[-1].set_dashes((1, 1.2))
+        handles.append(Line2D([], [], **_PIVOT_SIDE, label="block, pivot-side corner"))
     for number, line in enumerate(lines):
         label = words_of(line.names) or _only_model(dataset, panels)
         handle = Line2D([], [], color=COLOURS[number], linewidth=1.0, label=label)
         handle.set_dashes(_DASHES[(number + 1) % len(_DASHES)])
         handles.append(handle)
     if "spring_moment" in dataset.variables and any(_yields(dataset, line) for line in lines):
-        handles.append(Line2D([], [], color=QUIET, linewidth=0.7, dashes=(1, 1.5), label="spring alone"))
+        handles.append(Line2D([], [], **_SPRING, label="spring alone"))
     longest = max(len(str(handle.get_label())) for handle in handles)
     fitting = max(1, min(columns, len(handles), int(figure.get_figwidth() * 15) // (longest + 6)))
     figure.legend(handles=handles, loc="outside lower center", ncols=fitting, columnspacing=1.4, handlelength=2.6)
+
+
+def _corners(panels: list[Panel]) -> str:
+    """Whether `all`, `some` or `none` of the panels show corners of the block."""
+    found = {bool(panel.beside) for panel in panels}
+    return "some" if len(found) > 1 else "all" if found == {True} else "none"
 
 
 def _only_model(dataset: xarray.Dataset, panels: list[Panel]) -> str:

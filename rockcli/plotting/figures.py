@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib as mpl
+import numpy as np
 
-from rockcli.plotting import curve, curves, histories, overlay, phase, style
+from rockcli.plotting import bending, curve, curves, histories, overlay, phase, style
 from rockcli.plotting import map as outcomes
 from rockcli.plotting.cases import axes_of, is_numeric
 
@@ -54,6 +55,7 @@ def _draw_histories(dataset: xarray.Dataset) -> Figure:
 
 _ROWS: tuple[Kind, ...] = (
     Kind("histories", "rotation, rate and ground acceleration against time", _without_histories, _draw_histories),
+    Kind("bending", "rotation and top of flexible columns and other models", bending.without_bending, bending.draw),
     Kind("phase", "rate against rotation, with the separatrix", _without_histories, phase.draw),
     Kind("map", "outcomes over two numeric axes, peaks over one", _without_map, _draw_map),
     Kind("curves", "static curves of the block and its models, with their errors", curves.without_curves, curves.draw),
@@ -67,14 +69,23 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
     chosen = []
     numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= 3]
     if not _without_histories(dataset):
-        chosen.append("histories")
-        if bool((dataset["theta"] != 0.0).where(dataset["theta"].notnull(), False).any()):
+        moves = _moves(dataset, "theta")
+        if moves or _moves(dataset, "a_g") or _moves(dataset, "a_v"):
+            chosen.append("histories")
+        if not bending.without_bending(dataset):
+            chosen.append("bending")
+        if moves:
             chosen.append("phase")
     if numeric and not _without_map(dataset):
         chosen.append("map")
     if not curves.without_curves(dataset):
         chosen.append("curves")
     return tuple(chosen)
+
+
+def _moves(dataset: xarray.Dataset, name: str) -> bool:
+    """Whether a history is there and anywhere else than at rest."""
+    return name in dataset.variables and bool(np.nan_to_num(dataset[name].values).any())
 
 
 def why_not(kind: str, dataset: xarray.Dataset) -> str:

@@ -7,16 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockcli.plotting.cases import (
-    Array,
-    Shown,
-    number_at,
-    outcome_at,
-    pick,
-    selection_note,
-    values_at,
-)
+from rockcli.plotting.cases import Array, Shown, number_at, outcome_at, pick, selection_note
+from rockcli.plotting.ground import draw_ground, height_of, motions, panels_of
 from rockcli.plotting.labels import title_of, unit_in_brackets
+from rockcli.plotting.response import SHOWN_UP_TO, Window, impacts_of, response_of, window
 from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, headline, legend_beside, new_figure
 
 if TYPE_CHECKING:
@@ -32,44 +26,52 @@ _RATES_UP_TO = 4
 _IMPACTS_UP_TO = 3
 """Curves up to which impacts are marked."""
 
+MOST_IMPACTS = 30
+"""Marks up to which impacts are marked: more of them make a band."""
+
 _SLOW = 0.1
 """Impacts slower than this fraction of the fastest are not marked: near rest they would make a bar."""
-
-_SHOWN_UP_TO = 1.3
-"""|theta|/alpha beyond which an overturning body is no longer followed."""
-
-_G = 9.81
-"""Unit of acceleration in plots [m/s^2], whatever the g of the study."""
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
     """Panels over a common time axis: ground acceleration, theta/alpha, theta_dot."""
     shown, total = pick(dataset, MOST_CURVES)
-    moving = "a_g" in dataset and bool(np.nanmax(np.abs(dataset["a_g"].values), initial=0.0) > 0.0)
+    positions = [case.position for case in shown]
+    found = motions(dataset, positions)
+    grounds = panels_of(found)
     crowded = len(shown) > _RATES_UP_TO
-    heights = {
-        "ground": 0.55 if moving else 0.0,
-        "theta": 1.6 if crowded else 1.0,
-        "rate": 0.0 if crowded else 0.75,
-    }
-    names = [name for name, height in heights.items() if height]
-    figure = new_figure(DOUBLE, 0.6 + 1.75 * sum(heights.values()))
-    grid = figure.subplots(len(names), 1, sharex=True, squeeze=False, height_ratios=[heights[n] for n in names])
-    panel: dict[str, Axes] = dict(zip(names, grid[:, 0], strict=True))
-    if moving:
-        _ground(panel["ground"], dataset, shown)
-    _rotation(panel["theta"], dataset, shown)
+    heights = [(0.55 if len(grounds) < 2 else 0.42) * height_of(panel) for panel in grounds]
+    heights += [1.6] if crowded else [1.0, 0.75]
+    figure = new_figure(DOUBLE, 0.6 + 1.75 * sum(heights))
+    grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+    time = dataset["time"].values
+    seen = window(dataset, positions)
+    for axes, panel in zip(grid, grounds, strict=False):
+        draw_ground(axes, time, panel, coloured=len(shown) > 1 and len(found) > 1, named=len(grounds) > 1)
+    _alike([grid[number] for number in range(len(grounds))])
+    theta = grid[len(grounds)]
+    _rotation(theta, dataset, shown, seen)
     if not crowded:
-        _rate(panel["rate"], dataset, shown)
-    _time_axis(panel, dataset, shown)
+        _rate(grid[-1], dataset, shown)
+    grid[-1].set_xlabel("time [s]")
+    grid[-1].set_xlim(seen.start, seen.end)
     figure.align_ylabels()
     notes = [selection_note(len(shown), total)]
     if len(shown) == 1:
         notes.append(_summary(dataset, shown[0]))
+    notes.append(seen.note)
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
-    if total > 1:
-        legend_beside(figure, panel["theta"], columns=_columns(shown))
+    if len(shown) > 1:
+        legend_beside(figure, theta, columns=_columns(shown))
     return figure
+
+
+def _alike(panels: list[Axes]) -> None:
+    """The same scale for all panels of one quantity."""
+    if len({axes.get_ylabel() for axes in panels}) == 1:
+        limits = np.array([axes.get_ylim() for axes in panels])
+        for axes in panels:
+            axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
 
 
 def _columns(shown: list[Shown]) -> int:
@@ -79,38 +81,23 @@ def _columns(shown: list[Shown]) -> int:
     return -(-len(shown) // rows)
 
 
-def _ground(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
-    time = dataset["time"].values
-    ground = [values_at(dataset, "a_g", case.position) / _G for case in shown]
-    same = all(_agree(ground[0], other) for other in ground[1:])
-    longest = max(ground, key=lambda a: int(np.isfinite(a).sum()))
-    for number, a in enumerate([longest] if same else ground):
-        axes.plot(time, a, color="#333333" if same else COLOURS[number], linewidth=0.7)
-    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
-    axes.set_ylabel(r"$a_g$ [g]")
-
-
-def _agree(a: Array, b: Array) -> bool:
-    both = np.isfinite(a) & np.isfinite(b)
-    return bool(np.array_equal(a[both], b[both]))
-
-
-def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
-    time = dataset["time"].values
+def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:
     low, high = 0.0, 0.0
+    marks = [_marked_impacts(dataset, case, seen) for case in shown]
+    marked = len(shown) <= _IMPACTS_UP_TO and sum(len(mark) for mark in marks) <= MOST_IMPACTS
     for number, case in enumerate(shown):
         colour = COLOURS[number]
-        ratio = _ratio(dataset, case.position)
+        response = response_of(dataset, case.position)
         fate = outcome_at(dataset, case.position)
         ended = fate.startswith("overturned")
         label = case.label + (" (overturns)" if ended else f" ({fate})" if fate in ("failed", "unresolved") else "")
-        axes.plot(time, ratio, color=colour, label=label or "response", zorder=3)
-        if len(shown) <= _IMPACTS_UP_TO:
-            impacts = _marked_impacts(dataset, case)
+        axes.plot(response.time, response.ratio, color=colour, label=label or "response", zorder=3)
+        if marked:
+            impacts = marks[number]
             axes.plot(impacts, np.zeros_like(impacts), "o", color=colour, markersize=2.6, markeredgewidth=0.0, zorder=4)
-        seen = np.clip(ratio, -_SHOWN_UP_TO, _SHOWN_UP_TO) if ended else ratio
-        low = min(low, float(np.nanmin(seen, initial=0.0)))
-        high = max(high, float(np.nanmax(seen, initial=0.0)))
+        reach = np.clip(response.ratio, -SHOWN_UP_TO, SHOWN_UP_TO) if ended else response.ratio
+        low = min(low, float(np.nanmin(reach, initial=0.0)))
+        high = max(high, float(np.nanmax(reach, initial=0.0)))
     axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
     margin = _limits(axes, low, high)
     for level in (-1.0, 1.0):
@@ -119,21 +106,19 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
     axes.set_ylabel(r"$\theta/\alpha$")
 
 
-def _marked_impacts(dataset: xarray.Dataset, case: Shown) -> Array:
-    if "t_impact" not in dataset or "theta_dot_before" not in dataset:
-        return np.empty(0)
-    speed = np.abs(values_at(dataset, "theta_dot_before", case.position))
-    fastest = float(np.nanmax(speed, initial=0.0))
-    return values_at(dataset, "t_impact", case.position)[speed >= _SLOW * fastest]
+def _marked_impacts(dataset: xarray.Dataset, case: Shown, seen: Window) -> Array:
+    t, before, _ = impacts_of(dataset, case.position)
+    speed = np.abs(before)
+    return t[(speed >= _SLOW * float(np.max(speed, initial=0.0))) & (t >= seen.start) & (t <= seen.end)]
 
 
 def _rate(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
-    time = dataset["time"].values
     low, high = 0.0, 0.0
     for number, case in enumerate(shown):
-        rate = values_at(dataset, "theta_dot", case.position)
-        axes.plot(time, rate, color=COLOURS[number], zorder=3)
-        near = np.isfinite(rate) & (np.abs(_ratio(dataset, case.position)) <= _SHOWN_UP_TO)
+        response = response_of(dataset, case.position)
+        rate = response.theta_dot
+        axes.plot(response.time, rate, color=COLOURS[number], zorder=3)
+        near = np.isfinite(rate) & (np.abs(response.ratio) <= SHOWN_UP_TO)
         low = min(low, float(np.min(rate, where=near, initial=0.0)))
         high = max(high, float(np.max(rate, where=near, initial=0.0)))
     axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
@@ -146,21 +131,6 @@ def _limits(axes: Axes, low: float, high: float) -> float:
     margin = 0.08 * (high - low) or 0.1
     axes.set_ylim(low - margin, high + margin)
     return margin
-
-
-def _time_axis(panel: dict[str, Axes], dataset: xarray.Dataset, shown: list[Shown]) -> None:
-    last = list(panel.values())[-1]
-    last.set_xlabel("time [s]")
-    time = dataset["time"].values
-    alive = np.zeros(len(time), dtype=bool)
-    for case in shown:
-        alive |= np.isfinite(values_at(dataset, "theta", case.position))
-    end = float(time[alive][-1]) if alive.any() else float(time[-1])
-    last.set_xlim(0.0, end if end > 0.0 else 1.0)
-
-
-def _ratio(dataset: xarray.Dataset, position: tuple[int, ...]) -> Array:
-    return values_at(dataset, "theta", position) / number_at(dataset, "alpha", position)
 
 
 def _summary(dataset: xarray.Dataset, case: Shown) -> str:

@@ -10,6 +10,10 @@ from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray
+    from numpy.typing import NDArray
+
+G = 9.81
+"""Unit of acceleration in plots [m/s^2], whatever the g of the study."""
 
 _SYMBOLS: dict[str, str] = {
     "tan_alpha": r"$\tan\alpha$",
@@ -64,18 +68,31 @@ def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:
 
 def axis_label(dataset: xarray.Dataset, axis: str) -> str:
     """Symbol and unit of an axis of the study."""
-    return axis_symbol(dataset, axis) + unit_in_brackets(str(dataset[axis].attrs.get("units", "1")))
+    unit = "g" if _in_g(dataset, axis) else str(dataset[axis].attrs.get("units", "1"))
+    return axis_symbol(dataset, axis) + unit_in_brackets(unit)
+
+
+def axis_values(dataset: xarray.Dataset, axis: str) -> NDArray[np.float64]:
+    """Coordinates of a numeric axis in the unit of its label."""
+    return np.asarray(dataset[axis].values, dtype=float) / (G if _in_g(dataset, axis) else 1.0)
+
+
+def _in_g(dataset: xarray.Dataset, axis: str) -> bool:
+    """Whether an axis is an acceleration of the ground: those are shown in g."""
+    attrs = dataset[axis].attrs
+    return attrs.get("units") == "m s-2" and str(attrs.get("long_name", axis)).split(".")[-1] != "g"
 
 
 def coordinate_label(dataset: xarray.Dataset, axis: str, position: int) -> str:
     """`$R$ = 5 m` for a numeric axis; the label itself, or `model 3` for a bare number, for a labelled one."""
     value: Any = dataset[axis].values[position]
     if isinstance(value, (str, np.str_)):
-        label = escape(str(value))
+        words = str(value)
+        label = escape(words if "." in words else words.replace("_", " "))  # names of files stay as they are
         return f"{axis.replace('_', ' ')} {label}" if label.replace(".", "").isdigit() else label
-    unit = str(dataset[axis].attrs.get("units", "1"))
+    unit = "g" if _in_g(dataset, axis) else str(dataset[axis].attrs.get("units", "1"))
     shown = _UNITS.get(unit, unit)
-    return f"{axis_symbol(dataset, axis)} = {value:.4g}" + (f" {shown}" if shown else "")
+    return f"{axis_symbol(dataset, axis)} = {axis_values(dataset, axis)[position]:.4g}" + (f" {shown}" if shown else "")
 
 
 def escape(words: str) -> str:

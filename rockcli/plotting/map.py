@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note
-from rockcli.plotting.labels import axis_label, title_of, variable_label
+from rockcli.plotting.labels import axis_label, axis_values, title_of, variable_label
 from rockcli.plotting.style import DOUBLE, OUTCOME_COLOURS, SINGLE, headline, new_figure
 from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING
 
@@ -27,16 +27,27 @@ _FEWEST_POINTS = 5
 
 _ROCKING = LinearSegmentedColormap.from_list("rocking", ["#DCECF8", "#9CC9E6", "#3C86B8", "#0B4770"])
 
-_AMPLITUDES = ("a_p", "pga", "pgv", "scale", "A")
+_FREQUENCIES = ("omega_p_over_p", "omega_p", "f_p", "T_p")
+
+_AMPLITUDES = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "scale")
 
 
 def plane(dataset: xarray.Dataset) -> tuple[str, str] | None:
-    """The two axes of the map, (x, y): the longest numeric ones; amplitudes stand upright."""
+    """The two axes of the map, (x, y): the longest numeric ones, at equal length those of the motion.
+
+    A frequency or period lies on x, an amplitude on y; otherwise the first in `vary` is y, the last x.
+    """
     numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= _FEWEST_POINTS]
     if len(numeric) < 2:
         return None
-    y, x = sorted(sorted(numeric, key=lambda a: -dataset.sizes[a])[:2], key=numeric.index)
-    return (y, x) if x.startswith(_AMPLITUDES) and not y.startswith(_AMPLITUDES) else (x, y)
+    role = {a: str(dataset[a].attrs.get("long_name", a)).split(".")[-1] for a in numeric}
+    of_motion = (*_FREQUENCIES, *_AMPLITUDES)
+    chosen = sorted(numeric, key=lambda a: (-dataset.sizes[a], role[a] not in of_motion))[:2]
+    first, last = sorted(chosen, key=numeric.index)
+    lies = [role[a] in _FREQUENCIES for a in (first, last)]
+    stands = [role[a] in _AMPLITUDES for a in (first, last)]
+    turned = (lies[0] and not lies[1]) or (stands[1] and not stands[0])
+    return (first, last) if turned else (last, first)
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
@@ -96,7 +107,7 @@ def _panel(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str], norm: No
         peak = dataset["theta_peak_over_alpha"].transpose(y, x).values
         rocks = (flags == ROCKING) & np.isfinite(peak)
         colours[rocks] = _ROCKING(norm(peak[rocks]))[:, :3]
-    values = [dataset[axis].values for axis in found]
+    values = [axis_values(dataset, axis) for axis in found]
     logs = [is_log(v) for v in values]
     edges = [_edges(v, log=log) for v, log in zip(values, logs, strict=True)]
     axes.pcolormesh(edges[0], edges[1], colours, shading="flat", rasterized=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -11,14 +11,20 @@ from matplotlib.lines import Line2D
 from rockcli.plotting.cases import (
     Array,
     axes_of,
+    group_label,
+    is_numeric,
     number_at,
     outcome_at,
     reference_on_axes,
     reference_words,
+    same_key,
     selection_note,
+    spread,
     values_at,
 )
+from rockcli.plotting.ground import draw_ground, motions
 from rockcli.plotting.labels import coordinate_label, title_of
+from rockcli.plotting.response import SHOWN_UP_TO, over_alpha, response_of, window
 from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure
 
 if TYPE_CHECKING:
@@ -31,18 +37,11 @@ MOST_COLUMNS, MOST_CURVES = 6, 7
 _ACROSS = 3
 """Columns beside one another; more go below."""
 
-_SHOWN_UP_TO = 1.3
-"""|theta|/alpha beyond which an overturning body is no longer followed."""
-
-_G = 9.81
-"""Unit of acceleration in plots [m/s^2], whatever the g of the study."""
-
 _HEIGHTS = {"ground": 0.5, "theta": 1.15, "rate": 0.8, "difference": 0.65}
 
-_REFERENCE: dict[str, Any] = {"linewidth": 0.9, "dashes": (3.5, 1.8), "zorder": 4}
+_REFERENCE: dict[str, Any] = {"color": "#000000", "linewidth": 0.9, "dashes": (3.5, 1.8)}
 
 Position = tuple[int, ...]
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -63,104 +62,181 @@ def draw(dataset: xarray.Dataset) -> Figure:
     """Panels of a_g, theta/alpha, its rate and the difference to the reference, which is dashed and black."""
     reference = reference_on_axes(dataset)
     every = axes_of(dataset)
-    columns = _points(dataset, tuple(axis for axis in every if axis not in reference))
-    lines = [point for point in _points(dataset, tuple(reference)) if point.place != reference]
-    shown, curves = _spread(columns, MOST_COLUMNS), _spread(lines, MOST_CURVES)
+    columns, lines = _arranged(dataset, reference)
+    shown, curves = spread(columns, MOST_COLUMNS), spread(lines, MOST_CURVES)
+    cases = [[_position(every, line.place | column.place) for line in curves] for column in shown]
+    bases = [_position(every, dict.fromkeys(every, 0) | column.place | reference) for column in shown]
     across = len(shown) if len(shown) <= _ACROSS else 2 if len(shown) == 4 else _ACROSS
     down = -(-len(shown) // across)
-    names = [name for name in _HEIGHTS if _worth(name, dataset, down)]
-    width = SINGLE * 1.35 if across == 1 else DOUBLE
-    heights = [_HEIGHTS[name] for name in names]
-    figure = new_figure(width, 0.9 + down * 1.75 * sum(heights))
-    grid = figure.subplots(
-        down * len(names), across, sharex=True, sharey="row", squeeze=False, height_ratios=heights * down
-    )
-    end = 0.0
+    names = [name for name in _HEIGHTS if name != "ground" and (name != "rate" or down == 1)]
+    shaken = down == 1 and bool(motions(dataset, [position for column in cases for position in column] + bases))
+    figure, grounds, grid = _laid_out(across, down, names, shaken=shaken, shared=_same_ground(dataset, bases))
     fell = False
     for number, column in enumerate(shown):
         row, at = divmod(number, across)
-        block = dict(zip(names, grid[row * len(names) : (row + 1) * len(names), at], strict=True))
-        cases = [_position(every, column.place | line.place) for line in curves]
-        base = _position(every, column.place | reference)
-        end = max(end, _end(dataset, [*cases, base]))
-        fell |= _column(block, dataset, cases, base)
+        panel = dict(zip(names, grid[row * len(names) : (row + 1) * len(names), at], strict=True))
+        if number < len(grounds):
+            found = motions(dataset, [*cases[number], bases[number]])
+            draw_ground(grounds[number], dataset["time"].values, found, coloured=len(found) > 1)
+        fell |= _column(panel, dataset, cases[number], bases[number])
         if column.label:
-            block[names[0]].set_title(column.label, fontsize=9.0)
+            (grounds[number] if 1 < len(grounds) else panel["theta"]).set_title(column.label, fontsize=9.0)
         if at == 0:
-            _name_axes(block, dataset)
+            _name_axes(panel)
         if number + across >= len(shown):
-            block[names[-1]].set_xlabel("time [s]")
-            block[names[-1]].tick_params(labelbottom=True)
+            panel["difference"].set_xlabel("time [s]")
+            panel["difference"].tick_params(labelbottom=True)
     for number in range(len(shown), down * across):
         for axes in grid[(number // across) * len(names) : (number // across + 1) * len(names), number % across]:
             axes.set_axis_off()
-    grid[0, 0].set_xlim(0.0, end or 1.0)
+    for axes in grounds[1:]:
+        axes.set_ylabel("")
+    seen = window(dataset, [position for column in cases for position in column] + bases)
+    grid[0, 0].set_xlim(seen.start, seen.end)
     figure.align_ylabels()
     notes = (
         selection_note(len(shown), len(columns), "columns"),
         selection_note(len(curves), len(lines), "curves"),
         "crosses: overturning" if fell else "",
+        seen.note,
     )
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
     _legend(figure, curves, reference_words(dataset))
     return figure
 
 
-def _points(dataset: xarray.Dataset, axes: tuple[str, ...]) -> list[Point]:
+def _arranged(dataset: xarray.Dataset, reference: dict[str, int]) -> tuple[list[Point], list[Point]]:
+    """Columns and curves.
+
+    A labelled axis on which the reference does not change (the geometry of a model, compared with the rigid block)
+    gives curves, not columns, if there is room for them, and curves that are one then are drawn once.
+    """
+    every = axes_of(dataset)
+    others = [axis for axis in every if axis not in reference]
+    moved = [axis for axis in others if dataset.sizes[axis] > 1 and _same_along(dataset, axis, reference)]
+    if moved:
+        left = [axis for axis in others if axis not in moved]
+        columns = _points(dataset, left)
+        lines = _distinct(dataset, columns, [axis for axis in every if axis in reference or axis in moved], reference)
+        if len(lines) <= MOST_CURVES:
+            return columns, lines
+    lines = [point for point in _points(dataset, list(reference)) if point.place != reference]
+    return _points(dataset, others), lines
+
+
+def _same_along(dataset: xarray.Dataset, axis: str, reference: dict[str, int]) -> bool:
+    """Whether the reference is the same at every point of a labelled axis."""
+    if is_numeric(dataset, axis):
+        return False
+    every = axes_of(dataset)
+    sizes = [1 if name in reference else int(dataset.sizes[name]) for name in every]
+    for position in np.ndindex(*sizes):
+        place = dict(zip(every, position, strict=True)) | reference
+        if same_key(dataset, _position(every, place)) != same_key(dataset, _position(every, place | {axis: 0})):
+            return False
+    return True
+
+
+def _distinct(
+    dataset: xarray.Dataset, columns: list[Point], axes: list[str], reference: dict[str, int]
+) -> list[Point]:
+    """Curves over some axes, those that are one in every column drawn once."""
+    every = axes_of(dataset)
+    groups: dict[object, list[dict[str, int]]] = {}
+    for point in _points(dataset, axes):
+        if all(point.place[axis] == i for axis, i in reference.items()):
+            continue
+        key = tuple(same_key(dataset, _position(every, point.place | column.place)) for column in columns)
+        groups.setdefault(key, []).append(point.place)
+    found = []
+    for group in groups.values():
+        positions = [_position(every, dict.fromkeys(every, 0) | place) for place in group]
+        found.append(Point(group[0], group_label(dataset, positions, [a for a in axes if dataset.sizes[a] > 1])))
+    return found
+
+
+def _points(dataset: xarray.Dataset, axes: list[str]) -> list[Point]:
     """Every point of some axes, with its name."""
     found = []
     for position in np.ndindex(*(int(dataset.sizes[axis]) for axis in axes)):
         place = dict(zip(axes, (int(i) for i in position), strict=True))
         words = [coordinate_label(dataset, axis, i) for axis, i in place.items() if dataset.sizes[axis] > 1]
-        found.append(Point(place, ", ".join(words).replace("_", " ")))
+        found.append(Point(place, ", ".join(words)))
     return found
 
 
-def _spread(items: list[T], most: int) -> list[T]:
-    if len(items) <= most:
-        return items
-    return [items[int(i)] for i in np.unique(np.linspace(0, len(items) - 1, most).round())]
-
-
 def _position(axes: tuple[str, ...], place: dict[str, int]) -> Position:
-    return tuple(place[axis] for axis in axes)
+    return tuple(int(place[axis]) for axis in axes)
 
 
-def _worth(name: str, dataset: xarray.Dataset, down: int) -> bool:
-    """Ground motion where there is one, and rates, as long as one row of columns leaves room for them."""
-    if name == "ground":
-        moving = "a_g" in dataset and bool(np.nanmax(np.abs(dataset["a_g"].values), initial=0.0) > 0.0)
-        return moving and down == 1
-    return name != "rate" or down == 1
+def _same_ground(dataset: xarray.Dataset, bases: list[Position]) -> bool:
+    """Whether one motion, in one size, shakes all columns."""
+    found = motions(dataset, bases)
+    return len(found) == 1 and not found[0].scaled
+
+
+def _laid_out(
+    across: int, down: int, names: list[str], *, shaken: bool, shared: bool
+) -> tuple[Figure, list[Axes], Any]:
+    """A figure with panels for the ground (one across all columns if shared) and, below them, for the columns."""
+    width = SINGLE * 1.35 if across == 1 else DOUBLE
+    heights = [_HEIGHTS[name] for name in names] * down
+    if shaken:
+        heights = [_HEIGHTS["ground"], *heights]
+    figure = new_figure(width, 0.9 + 1.75 * sum(heights))
+    spec = figure.add_gridspec(len(heights), across, height_ratios=heights)
+    grid = np.empty((len(names) * down, across), dtype=object)
+    for row, column in np.ndindex(*grid.shape):
+        axes = figure.add_subplot(
+            spec[row + shaken, column],
+            sharex=grid[0, 0],
+            sharey=grid[row, 0],
+        )
+        axes.tick_params(labelleft=column == 0, labelbottom=False)
+        grid[row, column] = axes
+    if not shaken:
+        return figure, [], grid
+    if shared:
+        ground = figure.add_subplot(spec[0, :], sharex=grid[0, 0])
+        ground.tick_params(labelbottom=across > 1)
+        return figure, [ground], grid
+    grounds: list[Axes] = []
+    for column in range(across):
+        grounds.append(figure.add_subplot(spec[0, column], sharex=grid[0, 0], sharey=grounds[0] if grounds else None))
+        grounds[-1].tick_params(labelleft=column == 0, labelbottom=False)
+    return figure, grounds, grid
+
+
+def _width(number: int, count: int) -> float:
+    """Later curves are thinner, so that those below them are seen where they coincide."""
+    return 1.9 - 0.9 * number / max(count - 1, 1)
 
 
 def _column(panel: dict[str, Axes], dataset: xarray.Dataset, cases: list[Position], base: Position) -> bool:
     """Draw a column; whether something in it overturns."""
     time = dataset["time"].values
-    if "ground" in panel:
-        ground = values_at(dataset, "a_g", _longest(dataset, [*cases, base])) / _G
-        panel["ground"].plot(time, ground, color="#333333", linewidth=0.7)
     fell = False
     for number, case in enumerate([*cases, base]):
         is_base = number == len(cases)
-        colour = "#000000" if is_base else COLOURS[number]
         drawn: dict[str, Any] = (
-            _REFERENCE if is_base else {"linewidth": 1.9 - 0.9 * number / max(len(cases) - 1, 1), "zorder": 3}
+            _REFERENCE | {"zorder": 4}
+            if is_base
+            else {"color": COLOURS[number], "linewidth": _width(number, len(cases)), "zorder": 3}
         )
-        alpha, p = number_at(dataset, "alpha", case), number_at(dataset, "p", case)
-        ratio = values_at(dataset, "theta", case) / alpha
-        lost = outcome_at(dataset, case).startswith("overturned") & (np.abs(ratio) > _SHOWN_UP_TO)
-        panel["theta"].plot(time, np.where(lost, np.nan, ratio), color=colour, **drawn)
+        response = response_of(dataset, case)
+        lost = outcome_at(dataset, case).startswith("overturned") & (np.abs(response.ratio) > SHOWN_UP_TO)
+        panel["theta"].plot(response.time, np.where(lost, np.nan, response.ratio), **drawn)
         if "rate" in panel:
-            rate = values_at(dataset, "theta_dot", case) / (p * alpha)
-            panel["rate"].plot(time, np.where(lost, np.nan, rate), color=colour, **drawn)
+            panel["rate"].plot(response.time, np.where(lost, np.nan, response.rate), **drawn)
         if not is_base:
-            panel["difference"].plot(time, _difference(dataset, case, base), color=colour, linewidth=0.9, zorder=3)
+            gap = _difference(dataset, case, base)
+            panel["difference"].plot(time, gap, color=COLOURS[number], linewidth=0.9, zorder=3)
         passed = number_at(dataset, "t_overturn", case)
         if np.isfinite(passed):
             fell = True
-            side = np.sign(ratio[np.flatnonzero(np.isfinite(ratio))[-1]])
-            panel["theta"].plot(passed, side, "x", color=colour, markersize=4.0, markeredgewidth=1.0, zorder=5)
+            side = np.sign(response.ratio[np.flatnonzero(np.isfinite(response.ratio))[-1]])
+            mark = {"color": drawn["color"], "markersize": 4.0, "markeredgewidth": 1.0, "zorder": 5}
+            panel["theta"].plot(passed, side, "x", **mark)
     for axes in panel.values():
         axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
         axes.margins(y=0.08)
@@ -171,31 +247,15 @@ def _column(panel: dict[str, Axes], dataset: xarray.Dataset, cases: list[Positio
 
 
 def _difference(dataset: xarray.Dataset, case: Position, base: Position) -> Array:
-    """(theta - theta_ref)/alpha over time, NaN once either has overturned."""
-    gap = values_at(dataset, "theta", case) - values_at(dataset, "theta", base)
+    """(theta - theta_ref)/alpha over time, both over the alpha of their side, NaN once either has overturned."""
+    one, other = (over_alpha(dataset, case, values_at(dataset, "theta", position)) for position in (case, base))
     until = np.fmin(number_at(dataset, "t_overturn", case), number_at(dataset, "t_overturn", base))
     late = dataset["time"].values >= until  # false where neither overturns
-    return np.where(late, np.nan, gap) / number_at(dataset, "alpha", case)
+    return np.where(late, np.nan, one - other)
 
 
-def _longest(dataset: xarray.Dataset, cases: list[Position]) -> Position:
-    return max(cases, key=lambda case: int(np.isfinite(values_at(dataset, "a_g", case)).sum()))
-
-
-def _end(dataset: xarray.Dataset, cases: list[Position]) -> float:
-    """Last time at which one of the cases has moved: nothing is seen of the rest after it."""
-    last = 0.0
-    time = dataset["time"].values
-    for case in cases:
-        theta = values_at(dataset, "theta", case)
-        moving = np.flatnonzero(np.isfinite(theta) & (theta != 0.0))
-        last = max(last, float(time[min(moving[-1] + 1, len(time) - 1)]) if len(moving) else 0.0)
-    return last
-
-
-def _name_axes(panel: dict[str, Axes], dataset: xarray.Dataset) -> None:
+def _name_axes(panel: dict[str, Axes]) -> None:
     words = {
-        "ground": r"$a_g$ [g]",
         "theta": r"$\theta/\alpha$",
         "rate": r"$\dot\theta/(p\,\alpha)$",
         "difference": r"$\Delta\theta/\alpha$",
@@ -206,11 +266,10 @@ def _name_axes(panel: dict[str, Axes], dataset: xarray.Dataset) -> None:
 
 def _legend(figure: Figure, lines: list[Point], reference: str) -> None:
     handles = [
-        Line2D([], [], color=COLOURS[number], linewidth=1.1, label=line.label) for number, line in enumerate(lines)
+        Line2D([], [], color=COLOURS[number], linewidth=_width(number, len(lines)), label=line.label)
+        for number, line in enumerate(lines)
     ]
-    last = Line2D([], [], color="#000000", linewidth=0.9, label=f"{reference} (reference)")
-    last.set_dashes((3.5, 1.8))
-    handles.append(last)
+    handles.append(Line2D([], [], **_REFERENCE, label=f"{reference} (reference)"))
     longest = max(len(str(handle.get_label())) for handle in handles)
     fitting = max(1, min(len(handles), int(figure.get_figwidth() * 15) // (longest + 6)))
     figure.legend(handles=handles, loc="outside lower center", ncols=fitting, columnspacing=1.4, handlelength=2.6)

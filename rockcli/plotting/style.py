@@ -78,13 +78,17 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def headline(figure: Figure, title: str, note: str = "") -> None:
-    """Title of a figure, wrapped to its width, with a lighter second line."""
-    columns = int(figure.get_figwidth() * 14.5)
+def headline(figure: Figure, title: str, note: str = "", over: Axes | None = None) -> None:
+    """Title of a figure, wrapped to its width, with a lighter second line; `over` centres it over these axes."""
+    columns = int(figure.get_figwidth() * (14.5 if over is None else 12.5))
     words = "\n".join(textwrap.wrap(title, columns))
     if note:
         words += "\n" + "\n".join(textwrap.wrap(note, columns + 6))
     figure.suptitle(words, fontsize=9.5, linespacing=1.3)
+    if over is not None:
+        figure.draw_without_rendering()  # lays the figure out
+        box = over.get_position()
+        figure.suptitle(words, fontsize=9.5, linespacing=1.3, x=0.5 * (box.x0 + box.x1))
 
 
 def legend_beside(figure: Figure, axes: Axes, columns: int) -> None:

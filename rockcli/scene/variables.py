@@ -120,6 +120,16 @@ _ROWS: tuple[Variable, ...] = (
         "1",
         "angular velocity after / before an impact (landing on the edge with the smaller alpha)",
     ),
+    *(
+        Variable(f"{name}_{side}", symbol, CASE, unit, f"asymmetric bodies: {sentence} the {side} edge")
+        for name, symbol, unit, sentence in (
+            ("R", r"$R$", "m", "distance to the centre of mass from"),
+            ("alpha", r"$\alpha$", "rad", "slenderness angle of"),
+            ("p", r"$p$", "rad s-1", "frequency parameter about"),
+            ("eta", r"$\eta$", "1", "angular velocity after / before an impact on"),
+        )
+        for side in ("left", "right")
+    ),
     Variable("a_p", r"$a_p$", CASE, "m s-2", "pulse amplitude"),
     Variable("omega_p", r"$\omega_p$", CASE, "rad s-1", "circular frequency of the pulse"),
     Variable("pga", "PGA", CASE, "m s-2", "peak ground acceleration of the motion used"),

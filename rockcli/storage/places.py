@@ -53,25 +53,26 @@ def remove_passing() -> None:
 
 def check_folder(folder: Path) -> None:
     """`StudyError` if a folder neither is there to write in nor can be made."""
-    for place in (folder, *folder.parents):
+    last = Path()
+    for place in (*reversed(folder.parents), folder):
         mode = _mode(place)
         if mode is None:
             if place.is_symlink():
                 raise StudyError("is a symbolic link to nothing: results need a folder here", file=place)
-            continue
+            break
         if not stat.S_ISDIR(mode):
             raise StudyError("is not a folder: results cannot be put into it", file=place)
-        if not os.access(place, os.W_OK | os.X_OK):
-            raise StudyError("is a folder in which this user may not write", file=place)
-        return
+        last = place
+    if not os.access(last, os.W_OK | os.X_OK):
+        raise StudyError("is a folder in which this user may not write", file=last)
 
 
 def check_file(path: Path) -> None:
     """`StudyError` if a file can neither be written nor replaced; its folder may be missing."""
+    check_folder(path.parent)
     mode = _mode(path)
     if mode is not None and stat.S_ISDIR(mode):
-        raise StudyError("is a folder where a file is to be written; move it away", file=path)
-    check_folder(path.parent)
+        raise StudyError("is a folder where a file is to be written", file=path)
 
 
 def _mode(path: Path) -> int | None:
@@ -79,8 +80,6 @@ def _mode(path: Path) -> int | None:
     try:
         return path.stat().st_mode
     except FileNotFoundError:
-        return None
-    except NotADirectoryError:  # one of its parents says so itself
         return None
     except OSError as error:
         raise StudyError(f"cannot be used: {reason(error)}", file=path) from None

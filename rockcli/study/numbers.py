@@ -37,7 +37,7 @@ class Varied(float):
 
 def in_range(numbers: Numbers, keys: Keys, value: Any) -> None:
     """Refuse what is so large that its square would overflow; raises StudyError."""
-    message = f"is out of range: what it gives is not below {LARGEST:g} (SI units)"
+    message = f"is out of range: it makes values of {LARGEST:g} and more (SI units)"
     numbers.require(keys, np.less(np.abs(value), LARGEST), message)
 
 

@@ -25,7 +25,7 @@ from rockcli.study.values import (
 )
 
 MODEL_NAMES = ("rigid", "linearized", "1", "2", "3", "4", "flexible", "continuum", "auto")
-PLOTS = ("histories", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")
+PLOTS = ("histories", "bending", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")
 CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")
 
 

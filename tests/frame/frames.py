@@ -17,7 +17,9 @@ from rockcli.scene.response import Response
 PAIRS = [(model, geometry) for geometry in ("negative_stiffness", "corotational") for model in "1234"]
 
 
-def ricker(model: str, geometry: str, *, R: float = 2.0, tan_alpha: float = 0.1, amplitude: float = 3.6, **how) -> Batch:
+def ricker(
+    model: str, geometry: str, *, R: float = 2.0, tan_alpha: float = 0.1, amplitude: float = 3.6, **how
+) -> Batch:
     """Fig. 7: a Ricker pulse of 3.6 g tan(alpha), 3 pi rad/s."""
     excitation = how.pop("excitation", None) or pulse("ricker", amplitude * G * tan_alpha, 3.0 * np.pi)
     return replace(make_batch(block(R, tan_alpha), excitation, model=model, **how), geometry=geometry)

@@ -56,14 +56,18 @@ def test_first_period_of_the_source():
     batch = column(n=20)
     structure = structure_of(batch, 0, fibres=False)
     h, tan_alpha = 25.0, 0.1
-    plain = 2.0 * np.pi / clamped_frequency(
-        20, structure.length, structure.axial, structure.bending, consistent_bar(20, structure.m, structure.length)
+    plain = (
+        2.0
+        * np.pi
+        / clamped_frequency(
+            20, structure.length, structure.axial, structure.bending, consistent_bar(20, structure.m, structure.length)
+        )
     )
     assert plain == pytest.approx(12.3809 * np.sqrt(2500.0 / 30e9) * h / tan_alpha, rel=2e-5)  # (4.3)
     assert plain == pytest.approx(0.8935, abs=1e-4)
     # the rotary inertia of the nodes lengthens it by 0.8 %
-    with_rotary = 2.0 * np.pi / clamped_frequency(
-        20, structure.length, structure.axial, structure.bending, structure.mass
+    with_rotary = (
+        2.0 * np.pi / clamped_frequency(20, structure.length, structure.axial, structure.bending, structure.mass)
     )
     assert with_rotary / plain == pytest.approx(1.008, abs=0.0015)
 

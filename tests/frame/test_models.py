@@ -56,7 +56,7 @@ def test_linear_transformation_drops_the_cosine():
     assert abs(peak(linear) - peak(event(ricker("3", "negative_stiffness", tan_alpha=0.2)))) > 1e-3
 
 
-@pytest.mark.parametrize("amplitude", [4.2, 8.0, 10.0])
+@pytest.mark.parametrize("amplitude", [4.0, 4.4, 10.0])
 def test_outcomes(amplitude):
     batch = ricker("3", "corotational", tan_alpha=0.2, amplitude=amplitude)
     frame, exact = solve(framed(batch)), event(batch)
@@ -83,9 +83,7 @@ def test_dashpot(geometry):
 @pytest.mark.parametrize("geometry", ["negative_stiffness", "corotational"])
 def test_vertical_motion(geometry):
     t = np.arange(301) * 0.01
-    excitation = record(
-        3.0 * G * 0.1 * np.sin(2.0 * np.pi * t), 0.01, vertical=0.3 * G * np.sin(7.0 * t), duration=6.0
-    )
+    excitation = record(3.0 * G * 0.1 * np.sin(2.0 * np.pi * t), 0.01, vertical=0.3 * G * np.sin(7.0 * t), duration=6.0)
     batch = replace(make_batch(block(2.0, 0.1), excitation, model="3"), geometry=geometry)
     assert peak(solve(framed(batch))) == pytest.approx(peak(event(batch)), abs=3e-3)
 

@@ -241,3 +241,40 @@ def test_other_real_files_are_refused_with_one_clear_sentence(shared_records: Pa
         assert "AT2" in caught.value.message or "two columns" in caught.value.message
         refusals += 1
     assert refusals >= 13
+
+
+@pytest.mark.parametrize(
+    ("first", "name"),
+    [
+        ("2 CORRECTED ACCELEROGRAM                                    ", "USGS SMC"),
+        ("1 UNCORRECTED ACCELEROGRAM", "USGS SMC"),
+        ("CORRECTED ACCELEROGRAM   36456-S4384-83123.01       CHAN  1:  90 DEG", "CSMIP V2"),
+        ("Uncorrected Accelerogram Data             Processed: 02/13/12, CGS", "CSMIP V1"),
+    ],
+)
+def test_foreign_formats_are_called_by_their_names(tmp_path: Path, first: str, name: str) -> None:
+    path = tmp_path / "record.txt"
+    path.write_text(first + "\n*\n*\n")
+    with pytest.raises(RecordError, match=f"{name} files are not read"):
+        read_record(path)
+
+
+@pytest.mark.parametrize("device", ["/dev/null", "/dev/zero"])
+def test_a_device_is_no_record(device: str) -> None:
+    with pytest.raises(RecordError, match="device"):
+        read_record(device)
+
+
+@pytest.mark.parametrize(
+    ("values", "dt", "words"),
+    [
+        ("0\n1e200\n0\n", 0.01, "too large to be an acceleration"),
+        ("0\n1\n0\n", 1e300, "expected seconds between"),
+        ("0\n1\n0\n", 1e-300, "expected seconds between"),
+    ],
+)
+def test_numbers_that_no_instrument_gives(tmp_path: Path, values: str, dt: float, words: str) -> None:
+    path = tmp_path / "record.txt"
+    path.write_text(values)
+    with pytest.raises(RecordError, match=words):
+        read_record(path, units="g", dt=dt)

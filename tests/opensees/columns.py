@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -14,8 +15,10 @@ from rockcli.scene.column import Column
 from rockcli.scene.damping import Damping
 from rockcli.scene.numerics import Numerics
 
+_LOADS = subprocess.run([sys.executable, "-c", "import openseespy.opensees"], capture_output=True, check=False)
+
 needs_opensees = pytest.mark.skipif(
-    importlib.util.find_spec("openseespy") is None, reason="needs OpenSeesPy: pip install 'rockcli[opensees]'"
+    _LOADS.returncode != 0, reason="needs OpenSeesPy: pip install 'rockcli[opensees]', libblas3, liblapack3"
 )
 
 PULSES = [

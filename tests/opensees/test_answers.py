@@ -124,7 +124,7 @@ def test_flexible_histories_have_a_bending_part():
     np.testing.assert_allclose(h["u_top"] - h["u_top_bending"], 50.0 * np.sin(h["theta"]), atol=2e-3)
     largest = np.abs(other["u_top_bending"]).max()
     assert largest > 0.05
-    np.testing.assert_allclose(h["u_top_bending"], other["u_top_bending"], atol=0.05 * largest)
+    np.testing.assert_allclose(h["u_top_bending"], other["u_top_bending"], atol=0.1 * largest)
     assert set(h) == set(other)
 
 
@@ -162,13 +162,21 @@ def test_the_error_estimate_is_another_step():
         ({"damping": Damping("hht", np.ones((1, 2)))}, "hht needs a base that gives way"),
         ({"numerics": Numerics(method="linear")}, "no P-Delta"),
         ({"numerics": Numerics(method="RK45")}, "knows the methods"),
-        ({"numerics": Numerics(yield_rotation=0.1)}, "not small against alpha"),
         ({"model": "flexible"}, "needs a column"),
     ],
 )
 def test_what_it_cannot_do_is_said(change, sentence):
     with pytest.raises(SolverError, match=sentence):
         solve(replace(rigid(), **change))
+
+
+def test_a_column_that_cannot_stand_and_a_soft_spring_are_failed_cases():
+    weak = flexible(eta=1.0, zeta=0.0)
+    weak = replace(weak, column=replace(weak.column, E=array(1.8e8)))
+    assert "buckles under itself" in solve(weak).reasons[0]
+    response = solve(rigid(numerics=Numerics(yield_rotation=0.1)))
+    assert response.scalars["outcome"][0] == -2
+    assert "not small against alpha" in response.reasons[0]
 
 
 def test_a_vertical_motion_needs_fibres():

@@ -109,6 +109,9 @@ class TestForms:
             ("name,R,R\na,1,2\n", "repeats"),
             ("name,r\na,1\n", "did you mean 'block.R'"),
             ("name,R\na,1\na,2\n", "repeats 'a'"),
+            ("name,alpha,tan_alpha\na,0.1,0.2\n", "alpha and tan_alpha say the same thing"),
+            ("name,R\na,nan\n", r"t\.csv:2: the cell below 'R' is nan: a finite number"),
+            ("name,R\na,1\nb,-Infinity\n", r"t\.csv:3: the cell below 'R' is -Infinity"),
             ("\x00\x01", "line"),
         ],
     )
@@ -162,8 +165,43 @@ class TestForms:
         assert [b.numerics.rtol for _, b in study.batches()] == [1e-6, 1e-9]
 
     def test_features_that_come_later_are_refused_on_axes_too(self):
-        with pytest.raises(StudyError, match=r"case\.column.*not available"):
-            study_of({"column.E": [1e9, 2e9]})
+        with pytest.raises(StudyError, match=r"model auto is not available"):
+            study_of({"model": ["rigid", "auto"]})
+
+
+class TestRanges:
+    """A mapping with a key of a range is a range, whatever else it has."""
+
+    @pytest.mark.parametrize(
+        ("entry", "words"),
+        [
+            ({"from": 1, "to": 2, "num": 5}, r"vary\.block\.R\.num: unknown key of a range .*did you mean 'n'"),
+            ({"from": 1, "to": 2, "n": 5, "spacin": "log"}, "did you mean 'spacing'"),
+            ({"start": 1, "stop": 2, "n": 5}, r"vary\.block\.R\.start: .*did you mean 'from'"),
+            ({"from": 1, "stop": 2, "n": 5}, "did you mean 'to'"),
+            ({"From": 1, "to": 2, "n": 5}, "did you mean 'from'"),
+            ({"n": 5}, "without `from`"),
+            ({"from": 1}, "without `to`"),
+            ({"from": 1, "to": 2}, "without `n`"),
+            ({"spacing": "log"}, "without `from`"),
+            ({"from": "abc", "to": 2, "n": 3}, r"vary\.block\.R\.from is 'abc'"),
+        ],
+    )
+    def test_misspelt_or_incomplete(self, entry, words):
+        with pytest.raises(StudyError, match=words):
+            study_of({"block.R": entry})
+
+    def test_a_value_that_is_no_number_is_named(self):
+        with pytest.raises(StudyError, match=r"vary\.block\.R\[1\] is 'abc'; expected numbers"):
+            study_of({"block.R": [1, "abc"]})
+
+    @pytest.mark.parametrize("entry", [[1, 2, 1 + 5e-10], {"from": 1, "to": 1 + 1e-9, "n": 3}])
+    def test_values_that_cannot_be_told_apart(self, entry):
+        with pytest.raises(StudyError, match=r"cannot be told apart, 1\.0 and 1\.0000000005"):
+            study_of({"block.R": entry})
+
+    def test_values_a_little_apart_are_told_apart(self):
+        assert study_of({"block.R": [1, 1 + 2e-9]}).size == 2
 
 
 class TestNames:
@@ -192,6 +230,20 @@ class TestAlternatives:
     def test_two_axes_that_say_the_same_thing_are_an_error(self):
         with pytest.raises(StudyError, match="say the same thing"):
             study_of({"motion.pulse.a_p": [1, 2], "motion.pulse.a_p_over_g_tan_alpha": [1, 2]})
+
+    @pytest.mark.parametrize(
+        "keys",
+        [
+            ("block.alpha", "block.tan_alpha"),
+            ("motion.pulse.a_p", "motion.pulse.a_p_over_g_tan_alpha"),
+            ("motion.record.pga", "motion.record.scale"),
+            ("motion.pulse", "motion.record"),
+            ("block.R", "case.block.R"),
+        ],
+    )
+    def test_a_setting_that_says_something_twice_is_an_error(self, keys):
+        with pytest.raises(StudyError, match=rf"vary\.case\.x: {keys[0]} and {keys[1]} say the same thing"):
+            study_of({"case": {"w": {"block.R": 3}, "x": {"damping": "none", **dict.fromkeys(keys, 0.1)}}})
 
     def test_shorter_paths_first(self):
         study = study_of({"block.R": [1, 2], "block": {"x": {"R": 9, "alpha": 0.3}, "y": {"R": 9, "alpha": 0.4}}})

@@ -46,7 +46,7 @@ WRONG = [
     ("model: rigid\n", "model: rigit\n", 6, ["case.model.name", "did you mean 'rigid'"]),
     ("model: rigid\n", "model: [rigid]\n", 6, ["case.model", "mapping"]),
     ("[rigid, linearized]", "[rigid, 5]", 10, ["expected"]),
-    ("[rigid, linearized]", "[rigid, flexible]", 10, ["model flexible is not available"]),
+    ("[rigid, linearized]", "[rigid, auto]", 10, ["model auto is not available"]),
     ("[rigid, linearized]", "[rigid, linear]", 10, ["did you mean 'linearized'"]),
     ("[rigid, linearized]", "[rigid, rigid]", 10, ["vary.model", "repeats 'rigid'"]),
     ("[rigid, linearized]", "[]", 10, ["vary.model", "no values"]),
@@ -79,6 +79,9 @@ WRONG = [
     ("{R: 5.0,", "{R: 5.0*,", 4, ["case.block.R", "not an arithmetic expression"]),
     ("{R: 5.0,", "{R: 5*tan_alpha,", 4, ["case.block.R", "known only once the block is"]),
     ("{R: 5.0,", "{outline: [[0, 0], [1, 0], [0, 1]], R: 5.0,", 4, ["outlines are not available"]),
+    ("{R: 5.0, tan_alpha: 0.2}", "{outline: [[0, 0], [1, 0], [0, 1]]}", 4, ["case.block.outline", "not available"]),
+    ("{R: 5.0,", "{density: 2500, R: 5.0,", 4, ["case.block.density", "belongs to an outline"]),
+    ("{R: 5.0,", "{R: nan,", 4, ["case.block.R", "'nan' is no finite number"]),
     ("{R: 5.0, tan_alpha: 0.2}", "5", 4, ["case.block", "must be a mapping with the keys R, h"]),
     ("shape: ricker", "shape: rickr", 5, ["case.motion.pulse.shape", "did you mean 'ricker'"]),
     ("shape: ricker, ", "", 5, ["'shape'", "missing", "case.motion.pulse"]),
@@ -104,7 +107,7 @@ WRONG = [
     ("damping: restitution", "solver: {rtol: 0}", 7, ["case.solver.rtol", "greater than 0"]),
     ("damping: restitution", "solver: {accuracy: high}", 7, ["draft, standard, reference"]),
     ("damping: restitution", "geometry: corotated", 7, ["negative_stiffness"]),
-    ("damping: restitution", "column: {E: 30*GPa}", 7, ["case.column", "not available in this version"]),
+    ("damping: restitution", "base: {kw: 1e9}", 7, ["case.base.kw", "belongs to base law winkler"]),
     ("damping: restitution", "g: -9.81", 7, ["case.g", "greater than 0"]),
     ("damping: restitution", "g: 0.5*g", 7, ["needs itself"]),
     ("{gamma: 5}", "{gamma: delta}", 2, ["let.gamma", "`delta` is not known"]),
@@ -119,7 +122,9 @@ WRONG = [
     ("let: {gamma: 5}", "refine: true", 2, ["refine", "not available in this version"]),
     ("let: {gamma: 5}", "curves: [pushove]", 2, ["did you mean 'pushover'"]),
     ("let: {gamma: 5}", "plots: [histories, heatmap]", 2, ["plots[1]", "histories, phase, map"]),
-    ("let: {gamma: 5}", "plots: histories", 2, ["plots", "list"]),
+    ("let: {gamma: 5}", "plots: histories", 2, ["plots is 'histories'; expected a list"]),
+    ("damping: restitution", "damping: {eta: housnr}", 7, ["case.damping.eta", "did you mean 'housner'"]),
+    ("damping: restitution", "solver: {events: 3}", 7, ["case.solver.events is 3; expected true or false"]),
     ("let: {gamma: 5}", "save: {scalars: [outcom]}", 2, ["save.scalars", "did you mean 'outcome'"]),
     ("let: {gamma: 5}", "save: {dt_out: 0}", 2, ["save.dt_out", "greater than 0"]),
     ("let: {gamma: 5}", "save: {dt_out: 5*p}", 2, ["save.dt_out", "`p` is not known here"]),
@@ -161,6 +166,28 @@ def test_a_wrong_study_is_one_sentence(tmp_path, old, new, line, words):
         assert word in message, message
     assert "\n" not in message
     assert len(message) < 1000
+
+
+def test_choices_are_listed_once(tmp_path):
+    with pytest.raises(StudyError, match=r"expected one of rigid, linearized, 1, 2, 3, 4, flexible, continuum, auto$"):
+        open_study(write(tmp_path, GOOD.replace("model: rigid\n", "model: 5\n", 1)))
+
+
+def test_an_empty_expect_needs_a_list(tmp_path):
+    with pytest.raises(StudyError, match=r"expect is nothing; expected a list$"):
+        open_study(write(tmp_path, GOOD.split("  - {quantity")[0]))
+
+
+def test_a_character_that_is_no_text_is_named_with_its_line(tmp_path):
+    with pytest.raises(StudyError, match=r"the character '\\x00' is not allowed") as caught:
+        open_study(write(tmp_path, GOOD.replace("model: rigid", "model: \0", 1)))
+    assert caught.value.line == 6
+
+
+@pytest.mark.parametrize("source", [[], ["study.yaml"], 5, None, 0.5])
+def test_a_study_is_a_file_or_a_mapping(source):
+    with pytest.raises(StudyError, match="a study is a file or a mapping"):
+        open_study(source)
 
 
 def test_a_mapping_has_no_lines_but_the_same_sentences():

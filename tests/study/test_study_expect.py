@@ -88,6 +88,38 @@ def test_numbers():
     assert (clauses[3].time, clauses[3].check) == (0.25, "max")
 
 
+def test_an_exact_match_goes_before_a_near_one():
+    values = [1.0, 1.0 + 1.5e-9]
+    case = {"block": {"R": 5.0, "tan_alpha": 0.2}}
+    for i, said in enumerate((*values, 1.0 + 0.9e-9)):
+        clause = {"quantity": "theta_peak", "at": {"block.R": said}, "value": 0.1}
+        study = open_study({"name": "a", "case": case, "vary": {"block.R": values}, "expect": [clause]})
+        assert study.expect[0].at == {"block_R": values[min(i, 1)]}
+
+
+class TestHistoriesThatAreNotSaved:
+    @staticmethod
+    def study(at, save):
+        clause = {"quantity": "theta", "at": at, "time": 1, "max": 1}
+        case = {"block": {"R": 2.0, "tan_alpha": 0.2}}
+        vary = {"block.R": [1, 2], "model": ["rigid", "linearized"]}
+        return open_study({"name": "a", "case": case, "vary": vary, "save": save, "expect": [clause]})
+
+    @pytest.mark.parametrize("at", [{"block.R": 1}, {"block.R": 1, "model": "rigid"}, {}, {"model": "rigid"}])
+    def test_are_not_judged(self, at):
+        words = r"expect\[0\] needs the history of theta at block\.R = 1; save\.histories keeps block\.R = 2 only"
+        with pytest.raises(StudyError, match=words):
+            self.study(at, {"histories": {"block.R": 2}})
+
+    def test_nor_if_there_are_none(self):
+        with pytest.raises(StudyError, match="no histories are saved"):
+            self.study({}, {"histories": False})
+
+    def test_those_saved_are(self):
+        assert len(self.study({"block.R": 2}, {"histories": {"block.R": 2}}).expect) == 1
+        assert len(self.study({}, {"histories": True}).expect) == 1
+
+
 def test_compare_to():
     assert expect_of(compare_to={"model": "rigid"}).compare_to == {"model": "rigid"}
     assert expect_of().compare_to is None

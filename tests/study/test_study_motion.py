@@ -80,6 +80,36 @@ class TestPulses:
         assert batch_of({"pulse": ricker}).warnings == ()
         assert batch_of({"pulse": {**ricker, "t0": 2.0}}).warnings == ()
         assert "t0 < 2 T_p" in batch_of({"pulse": {**ricker, "t0": 1.9}}).warnings[0]
+        sine = {"shape": "sine", "a_p": 1, "T_p": 1, "t0": -0.5}
+        assert batch_of({"pulse": sine}).warnings[0].startswith("sine pulses with t0 < 0 are zero for t < 0")
+
+    @pytest.mark.parametrize(
+        ("key", "value"),
+        [
+            ("omega_p", 1e300),
+            ("omega_p", 1e-300),
+            ("T_p", 1e200),
+            ("a_p", -1e300),
+            ("t0", 1e300),
+            ("cycles", 1e300),
+        ],
+    )
+    def test_what_would_overflow_is_out_of_range(self, key, value):
+        pulse = {"shape": "sine", "a_p": 1, "T_p": 1, key: value}
+        if key == "omega_p":
+            del pulse["T_p"]
+        with pytest.raises(StudyError, match=rf"case\.motion\.pulse\.{key} = .*: is out of range"):
+            batch_of({"pulse": pulse})
+
+    def test_a_wavelet_of_too_many_half_cycles(self):
+        wavelet = {"shape": "mavroeidis_papageorgiou", "T_p": 1, "A": 1, "gamma": 1e10}
+        with pytest.raises(StudyError, match=r"pulse\.gamma = 1e\+10: must be greater than 1 and at most 1000"):
+            batch_of({"pulse": wavelet})
+
+    @pytest.mark.parametrize("alpha", [1e-300, 1e-150, 1e-320])
+    def test_the_slenderest_bodies_raise_no_warning(self, alpha):
+        ((_, batch),) = open_study({"name": "a", "case": {"block": {"R": 2, "alpha": alpha}}}).batches()
+        assert batch.block.alpha[0, 0] == alpha
 
     def test_no_motion_is_free_rocking(self):
         for motion in ({}, "none", None):
@@ -199,10 +229,16 @@ class TestRecords:
             ({"pga": -1}, "polarity"),
             ({"polarity": 0.5}, "1 or -1"),
             ({"file": ["a", "b"], "angle": 0.3}, "two horizontal components are not available"),
-            ({"window": [1]}, "at least 2"),
+            ({"window": [1]}, r"two numbers, \[from, to\], are expected, not \[1\]"),
             ({"detrend": "cubic"}, "constant, demean"),
             ({"resample": 0.01}, "must be a mapping"),
             ({"unit": "g"}, "did you mean 'units'"),
+            ({"file": None}, r"record\.file: a file name is expected, not nothing"),
+            ({"file": 3}, r"record\.file: a file name is expected, not 3"),
+            ({"lowpass": {"freq": 5, "corners": 11}}, "corners is 11; expected at most 10"),
+            ({"lowpass": {"freq": 5, "corners": 2.5}}, "corners is 2.5; expected a whole number"),
+            ({"scale": 1e308}, r"case\.motion\.record\.scale = 1e\+308: is out of range"),
+            ({"pgv": 1e300}, r"case\.motion\.record\.pgv = 1e\+300: is out of range"),
         ],
     )
     def test_wrong_settings(self, folder, record, words):
@@ -229,7 +265,33 @@ class TestRecords:
         with pytest.raises(StudyError, match="zero throughout"):
             batch_of({"record": {"file": "silent.txt", "units": "g", "pga": 1}}, file=folder / "s.yaml")
 
-    def test_an_unreadable_record_is_a_record_error(self, folder):
+    @pytest.mark.parametrize(
+        ("record", "key", "words"),
+        [
+            ({"window": [10, 5]}, "window", ["quake.txt", "`window` is [10, 5]"]),
+            ({"resample": {"dt": 1e-9, "method": "linear"}}, "resample.dt", ["quake.txt", "3.99e+09 samples"]),
+            ({"lowpass": 500}, "lowpass", ["quake.txt", "Nyquist"]),
+            ({"taper": {"fraction": 0.1, "type": "x"}}, "taper.type", ["quake.txt", "cosine, hann"]),
+            ({"units": "inch"}, "units", ["quake.txt", "g, m/s2"]),
+            ({"component": 3}, "component", ["quake.txt", "leave `component` out"]),
+            ({"dt": 1}, "dt", ["quake.txt", "time column"]),
+            ({"file": "bad.AT2"}, "file", ["bad.AT2", "not known"]),
+        ],
+    )
+    def test_a_record_that_cannot_be_used_is_an_error_at_its_key(self, folder, record, key, words):
         (folder / "records" / "bad.AT2").write_text("nonsense\n")
-        with pytest.raises(RecordError):
-            batch_of({"record": {"file": "bad.AT2", "units": "g"}}, file=folder / "s.yaml")
+        file = folder / "s.yaml"
+        with pytest.raises(RecordError) as caught:
+            batch_of({"record": {**RECORD, **record}}, file=file)
+        error = caught.value
+        assert error.file == str(file)
+        assert key.split(".")[-1] in file.read_text().splitlines()[error.line - 1]
+        assert error.message.startswith(f"case.motion.record.{key}: ")
+        for word in words:
+            assert word in error.message
+
+    def test_the_window_of_an_axis_is_named_at_its_line(self, folder):
+        file = folder / "s.yaml"
+        with pytest.raises(RecordError, match=r"case\.motion\.record\.window: quake\.txt") as caught:
+            batches_of({"record": RECORD}, {"motion.record.window": [[0, 1], [2, 1]]}, file=file)
+        assert caught.value.line > file.read_text().splitlines().index("vary:")

@@ -84,7 +84,7 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     block, numerics = batch.block, batch.numerics
     g, m = float(batch.g[case]), structure.m
     R, alpha, p = float(block.R[case, LEFT]), float(block.alpha[case, LEFT]), float(batch.p[case, LEFT])
-    b, h = float(block.b[case, LEFT]), float(block.h[case])
+    b = float(block.b[case, LEFT])
     dt = (numerics.dt or default_dt(batch, case)) * coarser
     q_y = (numerics.yield_rotation or YIELD_ROTATION) * coarser
     if not q_y < REARM * alpha:
@@ -135,8 +135,9 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     u[1::3] += lift(par, fibres, u[2])
     if len(fibres):
         v[1::3] += fibres[:, 0].max() * np.sign(u[2] if u[2] != 0.0 else v[2]) * v[2]
-    i = np.arange(int(np.ceil(end / dt)) + 2)
-    a_g, a_v = (_sampled(channel, i * dt, end, case) for channel in (batch.excitation.horizontal, batch.excitation.vertical))
+    t: Array = np.arange(int(np.ceil(end / dt)) + 2) * np.float64(dt)
+    excitation = batch.excitation
+    a_g, a_v = (_sampled(channel, t, end, case) for channel in (excitation.horizontal, excitation.vertical))
     return CaseOfFrame(par, structure, fibres, a_g, a_v, u, v)
 
 

@@ -59,7 +59,9 @@ def solve(batch: Batch) -> Response:
         rough = run(batch, histories=False, coarser=COARSER)
         compare_accuracies(scalars, scalars_of(batch, rough.out, rough.par)[0], reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
-    histories, impacts, t = ({}, {}, np.empty(0))
+    histories: dict[str, Array] = {}
+    impacts: dict[str, Array] = {}
+    t = np.empty(0)
     if batch.save.histories:
         histories, impacts, t = histories_of(batch, runs.out, runs.mass, runs.history, runs.impacts)
     return Response(scalars, reasons, t, histories, impacts, _used(batch, runs))

@@ -47,7 +47,7 @@ class Structure:
     @property
     def heights(self) -> Array:
         """Heights of the nodes above the base, (n + 1,) [m]."""
-        return np.arange(self.n + 1) * self.length
+        return np.asarray(np.arange(self.n + 1) * np.float64(self.length))
 
 
 def mass_of(batch: Batch, case: int) -> float:

@@ -24,6 +24,9 @@ REST = 0.5
 YIELD_ROTATION = 1e-6
 """Rotation [rad] at which the base spring opens."""
 
+GREENHILL = 7.8373474
+"""Weight x L^2/(E I) at which a clamped prismatic column buckles under itself."""
+
 REARM = 1e-3
 """A landing counts once |theta| has been beyond this fraction of alpha."""
 
@@ -152,6 +155,9 @@ def case_of(batch: Batch, case: int, *, coarser: float = 1.0) -> CaseOfOpenSees:
         raise SolverError(f"yield_rotation {theta_y:.3g} is not small against alpha = {alpha:.3g}")
     if column is not None and batch.model == "flexible":
         E, stiff = float(column.E[case]), "Young's modulus [Pa]"
+        least = m * g * (2.0 * h) ** 2 / (GREENHILL * (2.0 * b) ** 3 / 12.0)
+        if least >= E:
+            raise SolverError(f"the column buckles under itself: E = {E:.6g} Pa, at least {least:.5g} Pa is needed")
     else:
         E = m / (2.0 * b * h) * g * h * h / (b * RIGID)
         stiff = f"Young's modulus of the column [Pa]: m g b bends it by about {RIGID:.0e} rad"

@@ -82,7 +82,7 @@ masses = [0.0] * (n + 1)
 """
 
 LACKING = """\
-rotary = [(I_O - m * L**2 / 3.0{moved}) / (n + 1)] * (n + 1)  # rotary inertia that a line of mass lacks [kg m2]
+rotary = [(I_O - m * L**2 / 3.0{moved}) / n * share for share in shares]  # what a line of mass lacks [kg m2]
 """
 
 MOVED = " - m * b**2"

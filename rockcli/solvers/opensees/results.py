@@ -34,8 +34,8 @@ MARGIN = {False: 1e-3, True: 0.05}
 
 FALLS, RETURNS, UNDECIDED = "falls", "returns", "undecided"
 
-Outcome = tuple[CaseOfOpenSees, Answer | str]
-"""A case with its answer, or with the sentence of why there is none."""
+Outcome = tuple[CaseOfOpenSees, Answer] | str
+"""A case with its answer, or the sentence of why there is none."""
 
 
 def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray[Any]], list[str]]:
@@ -45,11 +45,11 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
     scalars["outcome"] = np.full(n, FAILED, dtype=np.int8)
     scalars["n_impacts"], scalars["n_steps"] = np.full(n, -1, dtype=np.int64), np.full(n, -1, dtype=np.int64)
     reasons = [""] * n
-    for i, (case, answer) in enumerate(outcomes):
-        if isinstance(answer, str):
-            reasons[i] = answer
+    for i, outcome in enumerate(outcomes):
+        if isinstance(outcome, str):
+            reasons[i] = outcome
             continue
-        values, reasons[i] = _scalars(batch, i, case, answer)
+        values, reasons[i] = _scalars(batch, i, *outcome)
         for name, value in values.items():
             scalars[name][i] = value
     return scalars, reasons
@@ -159,22 +159,20 @@ def _last_outward(table: Array, q: float) -> float:
 
 def histories_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
-    answers = [answer if isinstance(answer, Answer) else None for _, answer in outcomes]
-    ends = [float(answer.summary["t_end"]) for answer in answers if answer is not None]
+    answered = {i: outcome for i, outcome in enumerate(outcomes) if not isinstance(outcome, str)}
+    ends = [float(answer.summary["t_end"]) for _, answer in answered.values()]
     n_time = int(np.floor(max(ends, default=0.0) / batch.save.dt_out * (1.0 + 1e-12))) + 1
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
     names = ("theta", "theta_dot", "u_top", "v_top", "u_top_bending", "M_base")
     histories = {name: np.full((batch.size, n_time), np.nan) for name in ("a_g", "a_v", *names)}
-    most = max([0, *(len(answer.impacts) for answer in answers if answer is not None)])
+    most = max([0, *(len(answer.impacts) for _, answer in answered.values())])
     impacts = np.full((3, batch.size, min(most, MAX_IMPACTS_STORED)), np.nan)
-    for i, answer in enumerate(answers):
-        if answer is None:
-            continue
+    for i, (case, answer) in answered.items():
         live = t <= float(answer.summary["t_end"]) * (1.0 + 1e-12)
         for name, values in zip(names, _at(answer.table, t[live]), strict=True):
             histories[name][i, live] = values
         if not np.isfinite(batch.block.mass[i]):
-            histories["M_base"][i] /= outcomes[i][0].number("m")
+            histories["M_base"][i] /= case.number("m")
         for name, channel in (("a_g", batch.excitation.horizontal), ("a_v", batch.excitation.vertical)):
             histories[name][i, live] = acceleration(channel, t[live], i)
         kept = answer.impacts[:MAX_IMPACTS_STORED]

@@ -10,8 +10,9 @@ from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
 from rockcli.scene.response import Response
+from rockcli.solvers.opensees.case import law_of
 from rockcli.solvers.opensees.results import Outcome, histories_of, scalars_of
-from rockcli.solvers.opensees.run import Answer, PeerError, require_opensees, run_script
+from rockcli.solvers.opensees.run import PeerError, require_opensees, run_script
 from rockcli.solvers.opensees.script import script_of
 from rockcli.solvers.unpack import compare_accuracies
 
@@ -56,29 +57,33 @@ def check(batch: Batch) -> None:
             raise SolverError("model flexible needs a column: {E, rho}")
         if not np.allclose(batch.block.inertia, RECTANGLE_INERTIA, rtol=1e-12, atol=0.0):
             raise SolverError("the flexible column is a rectangle: inertia and r_g do not apply")
-    script_of(batch, 0)
+    law_of(batch)
 
 
 def run(batch: Batch, *, coarser: float = 1.0) -> list[Outcome]:
     """Run every case, its time step and yield rotation multiplied by `coarser`."""
     outcomes: list[Outcome] = []
     for i in range(batch.size):
-        script = script_of(batch, i, coarser=coarser)
         try:
+            script = script_of(batch, i, coarser=coarser)
             outcomes.append((script.case, run_script(script)))
-        except PeerError as failure:
-            outcomes.append((script.case, str(failure)))
+        except (PeerError, SolverError) as failure:
+            outcomes.append(str(failure))
     return outcomes
 
 
 def _used(batch: Batch, outcomes: list[Outcome]) -> dict[str, str]:
+    solved = [outcome for outcome in outcomes if not isinstance(outcome, str)]
+
     def span(name: str) -> str:
-        values = [case.number(name) for case, _ in outcomes]
+        values = [case.number(name) for case, _ in solved]
+        if not values:
+            return "-"
         low, high = min(values), max(values)
         return f"{low:.6g}" if low == high else f"{low:.6g} ... {high:.6g}"
 
     hht = batch.damping.scheme == "hht"
-    divided = sum(int(a.summary["divided_steps"]) for _, a in outcomes if isinstance(a, Answer))
+    divided = sum(int(answer.summary["divided_steps"]) for _, answer in solved)
     return {
         "backend": "opensees",
         "method": f"{batch.numerics.method or 'corotational'} elasticBeamColumn elements, "

@@ -1,0 +1,83 @@
+"""Ctrl-C answered at once, also while compiled code runs, which lets no signal handler in."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+INTERRUPTED = 130
+
+PATIENCE = 0.3
+"""Time the interpreter is given to hear of it [s]."""
+
+_advice: list[str] = []
+_told = threading.Lock()
+
+
+def advise(sentence: str) -> None:
+    """What to say if this process is interrupted from now on."""
+    _advice[:] = [sentence]
+
+
+def tell() -> None:
+    """Say that the command was interrupted; once."""
+    if _told.acquire(blocking=False):
+        words = ["interrupted", *_advice]
+        sys.stderr.write("\r" * sys.stderr.isatty() + f"rock: {'; '.join(words)}\n")
+        sys.stderr.flush()
+
+
+@contextmanager
+def answered() -> Iterator[None]:
+    """Turn SIGINT into `KeyboardInterrupt`; where nobody hears it, or on the second one, tidy up and end the process.
+
+    A thread is woken by the signal itself.  It ends the process only if the interpreter does not come to its own
+    handler within `PATIENCE`, so that whoever is tidying up is not cut short.
+    """
+    _advice.clear()
+    if _told.locked():
+        _told.release()
+    ours = threading.current_thread() is threading.main_thread()
+    if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    heard = threading.Event()
+
+    def handler(number: int, frame: FrameType | None) -> None:
+        heard.set()
+        raise KeyboardInterrupt
+
+    woken, wake = os.pipe()
+    os.set_blocking(wake, False)
+    threading.Thread(target=_watch, args=(woken, heard), daemon=True).start()
+    before = signal.signal(signal.SIGINT, handler)
+    other = signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(other)
+        signal.signal(signal.SIGINT, before)
+        os.close(wake)  # the thread reads the end of it and is done
+
+
+def _watch(woken: int, heard: threading.Event) -> None:
+    interrupts = 0
+    while numbers := os.read(woken, 64):
+        for _ in range(numbers.count(signal.SIGINT)):
+            interrupts += 1
+            if interrupts > 1 or not heard.wait(PATIENCE):
+                _end()
+    os.close(woken)
+
+
+def _end() -> None:
+    from rockcli.storage.places import remove_passing
+
+    tell()
+    remove_passing()
+    os._exit(INTERRUPTED)
