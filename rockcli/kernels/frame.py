@@ -7,7 +7,6 @@ import math
 from rockcli.kernels.frame_banded import clear, copy, times
 from rockcli.kernels.frame_elements import base_moment, damping, spring, stored_energy
 from rockcli.kernels.frame_layout import (
-    ALPHA,
     ALPHA_D,
     BARRIER,
     BEFORE,
@@ -37,6 +36,7 @@ from rockcli.kernels.frame_layout import (
     OWN_DURATION,
     PEAK,
     PEAK_SIDE,
+    Q_STAR,
     RATE,
     RATE_PEAK,
     REARM,
@@ -197,7 +197,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
 
         if math.isnan(out[T_UPLIFT]) and q > par[UPLIFT]:
             out[T_UPLIFT] = now
-        if q_old < par[ALPHA] <= q:
+        if q_old < par[Q_STAR] <= q:
             out[T_OVERTURN] = now
 
         if armed and side * theta <= 0.0:  # a landing

@@ -121,7 +121,7 @@ WRONG = [
     ("let: {gamma: 5}", "over: model", 2, ["over", "not available in this version"]),
     ("let: {gamma: 5}", "refine: true", 2, ["refine", "not available in this version"]),
     ("let: {gamma: 5}", "curves: [pushove]", 2, ["did you mean 'pushover'"]),
-    ("let: {gamma: 5}", "plots: [histories, heatmap]", 2, ["plots[1]", "histories, phase, map"]),
+    ("let: {gamma: 5}", "plots: [histories, heatmap]", 2, ["plots[1]", "phase, map, ida"]),
     ("let: {gamma: 5}", "plots: histories", 2, ["plots is 'histories'; expected a list"]),
     ("damping: restitution", "damping: {eta: housnr}", 7, ["case.damping.eta", "did you mean 'housner'"]),
     ("damping: restitution", "solver: {events: 3}", 7, ["case.solver.events is 3; expected true or false"]),

@@ -14,6 +14,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import Channel, Pulses, acceleration
+from rockcli.scene.models import MODELS
 from rockcli.solvers.frame.base import fibres_of, kind_of_base
 from rockcli.solvers.frame.structure import Structure, structure_of
 
@@ -123,13 +124,15 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     par[k.REACH] = structure.n * structure.length
     par[k.DT], par[k.T_MOTION], par[k.T_STOP], par[k.OWN_DURATION] = dt, end, stop, own
     par[k.T_LAST] = stop + SEARCH / p
+    law = MODELS.get((batch.model, batch.geometry))
+    par[k.Q_STAR] = alpha if law is None else law.law(block.alpha[case], block.tan_alpha[case]).q_star[LEFT]
     par[k.DT_OUT] = batch.save.dt_out if batch.save.histories else 0.0
     par[k.FAST] = FAST * p * alpha
     fibres = fibres_of(batch, case)
     par[k.BARRIER] = SURE * barrier(par, structure, fibres, kernel)
-    law = par.copy()
-    law[k.BASE] = k.WINKLER if elastic_base else kind
-    par[k.SHUT] = kernel.elements.spring_energy(law, q_y)
+    spring = par.copy()
+    spring[k.BASE] = k.WINKLER if elastic_base else kind
+    par[k.SHUT] = kernel.elements.spring_energy(spring, q_y)
 
     u, v = _turned(batch, case, structure, corotational=corotational)
     u[1::3] += lift(par, fibres, u[2])

@@ -60,7 +60,7 @@ def scalars_of(batch: Batch, out: Array, par: list[Array]) -> tuple[dict[str, ND
         "t_overturn": np.where(fell, out[:, k.T_OVERTURN], np.nan),
         "t_end": np.where(failed, np.nan, out[:, k.T_END]),
         "n_impacts": impacts,
-        "energy_residual": np.where(failed, np.nan, out[:, k.ENERGY] / barrier),
+        "energy_residual": np.where(failed, np.nan, out[:, k.ENERGY] / np.where(barrier > 0.0, barrier, np.nan)),
         "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
     }
     return scalars, [_reason(row, int(outcome[i]), int(impacts[i]), batch, par[i]) for i, row in enumerate(out)]
