@@ -7,10 +7,11 @@ from time import perf_counter
 
 
 class Progress:
-    """Call with (cases done, cases in all); `close` wipes the line.  Silent unless `shown` and stderr is a terminal."""
+    """Call with (done, in all) of `what`; `close` wipes the line.  Silent unless `shown` and stderr is a terminal."""
 
-    def __init__(self, name: str, *, shown: bool) -> None:
+    def __init__(self, name: str, *, shown: bool, what: str = "cases") -> None:
         self.name = name
+        self.what = what
         self.shown = shown and sys.stderr.isatty()
         self.began = perf_counter()
         self.width = 0
@@ -22,7 +23,7 @@ class Progress:
         spent = perf_counter() - self.began
         rate = done / spent if spent > 0.0 else 0.0
         left = (total - done) / rate if rate > 0.0 else 0.0
-        self._put(f"{self.name}: {done}/{total} cases, {rate:,.0f}/s, {duration(left)} left")
+        self._put(f"{self.name}: {done}/{total} {self.what}, {rate:,.0f}/s, {duration(left)} left")
 
     def note(self, words: str) -> None:
         """Rewrite the line with what keeps it from moving."""

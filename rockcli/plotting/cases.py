@@ -111,7 +111,9 @@ def group_label(dataset: xarray.Dataset, group: list[tuple[int, ...]], axes: lis
     every = axes_of(dataset)
     columns = {a: list(dict.fromkeys(i)) for a, i in zip(every, zip(*group, strict=True), strict=True)} if every else {}
     if len(group) < int(np.prod([len(column) for column in columns.values()])):  # not every combination is there
-        return " = ".join(group_label(dataset, [position], axes) for position in group)
+        at = next(number for number, axis in enumerate(every) if len(columns[axis]) > 1)
+        apart = [[position for position in group if position[at] == i] for i in columns[every[at]]]
+        return " = ".join(group_label(dataset, part, axes) for part in apart)
     parts = []
     for axis in axes:
         column = columns[axis]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.lines import Line2D
 
 from rockcli.plotting.cases import Array, axes_of, group_label, number_at, values_at
 from rockcli.plotting.labels import G
@@ -102,7 +103,7 @@ def draw_ground(axes: Axes, time: Array, panel: list[Motion], *, coloured: bool,
         named: write what distinguishes a motion above its panel.
     """
     stacked = _stacked(panel)
-    room = 2.1 * max(float(np.nanmax(np.abs(m.horizontal), initial=0.0)) for m in panel) if stacked else 0.0
+    level = 0.0
     scaled = any(motion.scaled for motion in panel)
     levels, peaks = [], []
     for number, motion in enumerate(panel):
@@ -110,11 +111,12 @@ def draw_ground(axes: Axes, time: Array, panel: list[Motion], *, coloured: bool,
         colour = COLOURS[motion.cases[0] % len(COLOURS)] if own else _HORIZONTAL
         peak = float(np.nanmax(np.abs(motion.horizontal), initial=0.0)) or 1.0
         unit = peak if scaled else 1.0
-        level = -room * number
+        if stacked and number:
+            level -= 1.15 * (_reach(panel[number - 1], -1.0) + _reach(motion, 1.0)) / unit
         if motion.vertical is not None:
-            axes.plot(time, level + motion.vertical / unit, color=_VERTICAL, linewidth=0.6, label=r"$a_v$", zorder=2)
+            axes.plot(time, level + motion.vertical / unit, color=_VERTICAL, linewidth=0.6, zorder=2)
         width = 0.7 if len(panel) == 1 else 0.5
-        axes.plot(time, level + motion.horizontal / unit, color=colour, linewidth=width, label=r"$a_g$", zorder=3)
+        axes.plot(time, level + motion.horizontal / unit, color=colour, linewidth=width, zorder=3)
         axes.axhline(level, color=QUIET, linewidth=0.4, zorder=0)
         levels.append(level)
         peaks.append(f"{peak:.2g}")
@@ -126,11 +128,17 @@ def draw_ground(axes: Axes, time: Array, panel: list[Motion], *, coloured: bool,
     if words:
         axes.set_title(words, loc="left", fontsize=8.0, pad=2.0)
     if any(motion.vertical is not None for motion in panel):
-        handles = {str(line.get_label()): line for line in axes.lines if str(line.get_label()).startswith("$")}
-        names = sorted(handles)
-        axes.legend(
-            [handles[name] for name in names], names, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8.0
-        )
+        handles = [
+            Line2D([], [], color=colour, linewidth=0.8, label=label)
+            for colour, label in ((_HORIZONTAL, r"$a_g$"), (_VERTICAL, r"$a_v$"))
+        ]
+        axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8.0)
+
+
+def _reach(motion: Motion, side: float) -> float:
+    """How far the traces of a motion reach up (side 1) or down (-1) [g]."""
+    traces = [motion.horizontal] + ([] if motion.vertical is None else [motion.vertical])
+    return max(float(np.nanmax(side * trace, initial=0.0)) for trace in traces)
 
 
 def _stacked(panel: list[Motion]) -> bool:

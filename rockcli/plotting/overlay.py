@@ -80,7 +80,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
             draw_ground(grounds[number], dataset["time"].values, found, coloured=len(found) > 1)
         fell |= _column(panel, dataset, cases[number], bases[number])
         if column.label:
-            (grounds[number] if 1 < len(grounds) else panel["theta"]).set_title(column.label, fontsize=9.0)
+            (grounds[number] if len(grounds) > 1 else panel["theta"]).set_title(column.label, fontsize=9.0)
         if at == 0:
             _name_axes(panel)
         if number + across >= len(shown):
@@ -137,9 +137,7 @@ def _same_along(dataset: xarray.Dataset, axis: str, reference: dict[str, int]) -
     return True
 
 
-def _distinct(
-    dataset: xarray.Dataset, columns: list[Point], axes: list[str], reference: dict[str, int]
-) -> list[Point]:
+def _distinct(dataset: xarray.Dataset, columns: list[Point], axes: list[str], reference: dict[str, int]) -> list[Point]:
     """Curves over some axes, those that are one in every column drawn once."""
     every = axes_of(dataset)
     groups: dict[object, list[dict[str, int]]] = {}
@@ -185,25 +183,18 @@ def _laid_out(
         heights = [_HEIGHTS["ground"], *heights]
     figure = new_figure(width, 0.9 + 1.75 * sum(heights))
     spec = figure.add_gridspec(len(heights), across, height_ratios=heights)
+    grounds: list[Axes] = []
+    for column in range((1 if shared else across) if shaken else 0):
+        first = grounds[0] if grounds else None
+        spot = spec[0, :] if shared else spec[0, column]
+        grounds.append(figure.add_subplot(spot, sharex=first, sharey=first))
+        grounds[-1].tick_params(labelleft=column == 0, labelbottom=shared and across > 1)
     grid = np.empty((len(names) * down, across), dtype=object)
     for row, column in np.ndindex(*grid.shape):
-        axes = figure.add_subplot(
-            spec[row + shaken, column],
-            sharex=grid[0, 0],
-            sharey=grid[row, 0],
-        )
+        first = grounds[0] if grounds else grid[0, 0]
+        axes = figure.add_subplot(spec[row + shaken, column], sharex=first, sharey=grid[row, 0])
         axes.tick_params(labelleft=column == 0, labelbottom=False)
         grid[row, column] = axes
-    if not shaken:
-        return figure, [], grid
-    if shared:
-        ground = figure.add_subplot(spec[0, :], sharex=grid[0, 0])
-        ground.tick_params(labelbottom=across > 1)
-        return figure, [ground], grid
-    grounds: list[Axes] = []
-    for column in range(across):
-        grounds.append(figure.add_subplot(spec[0, column], sharex=grid[0, 0], sharey=grounds[0] if grounds else None))
-        grounds[-1].tick_params(labelleft=column == 0, labelbottom=False)
     return figure, grounds, grid
 
 

@@ -36,7 +36,7 @@ def test_figures_60_and_63(how, expected):
         {"eta": "housner", "mass": "lumped"},
         {"eta": 1.0},
         {"eta": "housner", "base": True},
-        {"eta": "housner", "n": 10},
+        pytest.param({"eta": "housner", "n": 10}, marks=pytest.mark.slow),
     ],
 )
 def test_against_the_modal_solver(how):
@@ -61,6 +61,7 @@ def test_histories_of_the_top():
     assert response.scalars["u_top_peak"][0] == pytest.approx(np.abs(top[live]).max(), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_one_eta_per_landing():
     # the base re-crosses zero several times after a landing; the count hardly depends on the mesh
     counts = [int(solve(framed(column(n=n, eta="housner"), dt=2e-4)).scalars["n_impacts"][0]) for n in (3, 5, 10)]

@@ -66,7 +66,10 @@ def solve_deck(deck: Deck, enough: Callable[[Array, Array], bool]) -> Result:
     home.mkdir(parents=True, exist_ok=True)
     key = hashlib.sha256(text.encode()).hexdigest()[:20]
     if (home / key / FINISHED).exists():
-        return _read(home / key, deck)
+        try:
+            return _read(home / key, deck)
+        except Garbage as garbage:
+            log.warning("%s is run again: %s", home / key, garbage)
     _sweep(home, key)
     folder = home / f".{key}.{os.getpid()}"
     folder.mkdir(exist_ok=True)

@@ -1,0 +1,48 @@
+"""`rock animate`: a film of a body in motion, from a dataset alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def animate(
+    file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="Dataset with histories, written by `rock run`.")],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE.gif|.mp4", help="The film; default: animation.gif beside FILE."),
+    ] = None,
+    case: Annotated[int | None, typer.Option("--case", metavar="N", help="Which case, counted from 1.")] = None,
+    at: Annotated[
+        list[str] | None, typer.Option("--at", metavar="AXIS=VALUE", help="Which case, by its values on axes.")
+    ] = None,
+    speed: Annotated[float, typer.Option("--speed", help="Seconds of the response in a second of film.")] = 1.0,
+    fps: Annotated[float, typer.Option("--fps", help="Pictures a second, at most 50.")] = 25.0,
+    magnify: Annotated[float, typer.Option("--magnify", help="Factor on the bending of a flexible column.")] = 1.0,
+    start: Annotated[float | None, typer.Option("--start", metavar="S", help="Where the film begins [s].")] = None,
+    end: Annotated[float | None, typer.Option("--end", metavar="S", help="Where the film ends [s].")] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress, no notes; errors only.")] = False,
+) -> None:
+    """Film one case: the body on the ground, its rotation and the ground's acceleration."""
+    from rockcli.cli.progress import Progress
+    from rockcli.engine import animate as engine
+    from rockcli.errors import StudyError
+
+    chosen: dict[str, str] = {}
+    for words in at or ():
+        axis, equals, value = words.partition("=")
+        if not equals or not axis.strip() or axis.strip() in chosen:
+            raise StudyError(f"--at {words}: expected AXIS=VALUE, each axis once")
+        chosen[axis.strip()] = value.strip()
+    line = Progress(file.stem, shown=not quiet, what="pictures")
+    try:
+        film = engine.animate(
+            file, out, case=case, at=chosen, speed=speed, fps=fps, magnify=magnify, start=start, end=end, progress=line
+        )
+    finally:
+        line.close()
+    typer.echo(str(film.path))
+    for note in () if quiet else film.notes:
+        typer.echo(f"rock: {note}", err=True)

@@ -1,0 +1,285 @@
+"""What the figures show of a dataset: sides, times, motions, jumps, marks, units and the orientation of maps."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import rockcli
+from rockcli.plotting import figures, ground
+from rockcli.plotting import map as outcomes
+from rockcli.plotting.labels import axis_label, coordinate_label
+from rockcli.plotting.response import edges, response_of, window
+
+ASYMMETRIC = {"name": "a", "case": {"block": {"h": 1.05, "b": [0.2, 0.35]}}, "vary": {"initial.theta": [-0.15, 0.1]}}
+TIME = np.round(np.arange(0, 150, 0.01), 2)
+
+
+def axis(name: str, values: object, path: str = "", unit: str = "1") -> xarray.DataArray:
+    array = np.asarray(values)
+    numeric = array.dtype.kind == "f"
+    attrs = {"long_name": path or name} | ({"units": unit} if numeric else {})
+    return xarray.DataArray(array if numeric else array.astype(object), dims=name, attrs=attrs)
+
+
+def shaken(a_g: list[np.ndarray], theta: list[np.ndarray], **more: object) -> xarray.Dataset:
+    """Cases of an axis `case` with a ground motion [m/s^2] and a rotation each."""
+    n = len(theta)
+    data = {
+        "theta": (("case", "time"), np.stack(theta)),
+        "theta_dot": (("case", "time"), np.gradient(np.stack(theta), TIME, axis=1)),
+        "a_g": (("case", "time"), np.stack(a_g)),
+        "outcome": ("case", np.ones(n, dtype=np.int8)),
+    } | more
+    coords = {"case": axis("case", [f"number {i}" for i in range(n)]), "time": TIME, "alpha": 0.2, "p": 2.0}
+    return xarray.Dataset(data, coords, {"title": "Cases", "axes": "case"})
+
+
+def swing(start: float, end: float, size: float = 0.1) -> np.ndarray:
+    return np.where((start < TIME) & (end > TIME), size * np.sin(8.0 * (TIME - start)), 0.0)
+
+
+def noise(seed: int, size: float = 3.0) -> np.ndarray:
+    return size * np.random.default_rng(seed).standard_normal(len(TIME)) * np.exp(-(((TIME - 8.0) / 4.0) ** 2))
+
+
+def traces(axes: Axes) -> list[np.ndarray]:
+    """Drawn curves over all times."""
+    return [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines if len(line.get_xdata()) >= len(TIME)]
+
+
+def labelled(figure: Figure, label: str) -> list[Axes]:
+    return [axes for axes in figure.axes if axes.get_ylabel() == label]
+
+
+@pytest.fixture(scope="module")
+def asymmetric() -> xarray.Dataset:
+    return rockcli.run(ASYMMETRIC)
+
+
+def test_edges_of_asymmetric_bodies_are_in_the_dataset(asymmetric: xarray.Dataset) -> None:
+    left, right = np.arctan(0.2 / 1.05), np.arctan(0.35 / 1.05)
+    assert float(asymmetric["alpha_left"]) == pytest.approx(left, rel=1e-14)
+    assert float(asymmetric["alpha_right"]) == pytest.approx(right, rel=1e-14)
+    assert float(asymmetric["R_right"]) == pytest.approx(np.hypot(0.35, 1.05), rel=1e-14)
+    assert float(asymmetric["p_left"]) == float(asymmetric["p"])
+    assert float(asymmetric["eta_left"]) == float(asymmetric["eta"]) != float(asymmetric["eta_right"])
+    assert asymmetric["alpha_left"].dims == ()
+    assert "alpha_left" in asymmetric.coords
+    symmetric = rockcli.run(ASYMMETRIC | {"case": {"block": {"h": 1.05, "b": 0.2}}})
+    assert not [name for name in symmetric.coords if str(name).endswith(("_left", "_right"))]
+    sizes = rockcli.run(
+        {"name": "a", "case": ASYMMETRIC["case"] | {"initial": {"theta": 0.1}}, "vary": {"block.h": [1.05, 2.1]}}
+    )
+    assert sizes["alpha_right"].dims == ("h",)
+
+
+def test_rotations_are_over_the_alpha_of_their_side(asymmetric: xarray.Dataset) -> None:
+    alpha, p = edges(asymmetric, "alpha", (0,)), edges(asymmetric, "p", (0,))
+    assert response_of(asymmetric, (0,)).ratio[0] == pytest.approx(-0.15 / alpha[0], rel=1e-14)
+    assert response_of(asymmetric, (1,)).ratio[0] == pytest.approx(0.1 / alpha[1], rel=1e-14)
+    peak = float(asymmetric["theta_peak_over_alpha"][0])
+    assert np.nanmax(np.abs(response_of(asymmetric, (0,)).ratio)) == pytest.approx(peak, rel=1e-3)
+    portrait = figures.figure("phase", asymmetric).axes[0]
+    dashed = [line for line in portrait.lines if line.is_dashed()]
+    tops = {
+        side: max(abs(line.get_ydata()[0]) for line in dashed if np.sign(line.get_xdata()[-1]) == side)
+        for side in (-1, 1)
+    }
+    for side, a in ((-1, alpha[0]), (1, alpha[1])):
+        assert tops[side] == pytest.approx(2.0 * np.sin(0.5 * a) / a, rel=1e-12)
+    response = response_of(asymmetric, (0,))
+    first = np.flatnonzero(np.diff(response.time) == 0.0)[0]  # from the left edge to the right one
+    before, after = response.theta_dot[first : first + 2]
+    assert response.rate[first] == pytest.approx(before / (p[0] * alpha[0]), rel=1e-14)
+    assert response.rate[first + 1] == pytest.approx(after / (p[1] * alpha[1]), rel=1e-14)
+
+
+def test_only_the_response_is_shown() -> None:
+    late = shaken([noise(0)], [swing(60.0, 75.0)])
+    seen = window(late, [(0,)])
+    assert 55.0 < seen.start < 60.0
+    assert 75.0 < seen.end < 80.0
+    figure = figures.figure("histories", late)
+    assert figure.axes[0].get_xlim() == (seen.start, seen.end)
+    assert "of 150 s" in figure.get_suptitle()
+    early = window(shaken([noise(0)], [swing(3.0, 18.0)]), [(0,)])
+    assert early.start == 0.0
+    assert early.end < 20.0
+    comparable = window(shaken([noise(0)], [swing(10.0, 120.0)]), [(0,)])
+    assert (comparable.start, comparable.end, comparable.note) == (0.0, 150.0 - 0.01, "")
+    still = window(shaken([noise(0)], [0.0 * TIME]), [(0,)])
+    assert (still.start, still.end) == (0.0, 150.0 - 0.01)
+
+
+def test_a_fall_is_not_followed() -> None:
+    theta = np.where(TIME < 2.0, 0.0, 0.05 * (TIME - 2.0) ** 2)
+    theta = np.where(TIME < 8.0, theta, theta[TIME == 8.0])  # lies on the ground
+    fallen = shaken([noise(0)], [theta], outcome=("case", np.array([2], dtype=np.int8)))
+    leaves = 2.0 + np.sqrt(1.3 * 0.2 / 0.05)
+    seen = window(fallen, [(0,)])
+    assert leaves < seen.end < leaves + 0.5
+    other = shaken([noise(0)] * 2, [theta, swing(1.0, 100.0)], outcome=("case", np.array([2, 1], dtype=np.int8)))
+    assert window(other, [(0,), (1,)]).end > 100.0
+
+
+def test_a_motion_is_drawn_once_however_it_is_scaled() -> None:
+    record = noise(1)
+    cut = np.where(TIME < 9.0, 2.0 * record, np.nan)  # overturned early
+    same = ground.motions(shaken([cut, record, 0.5 * record], [swing(5.0, 18.0)] * 3), [(0,), (1,), (2,)])
+    assert [motion.cases for motion in same] == [[0, 1, 2]]
+    assert same[0].scales == pytest.approx([2.0, 1.0, 0.5])
+    assert np.isfinite(same[0].horizontal).all()
+    figure = figures.figure("histories", shaken([cut, record, 0.5 * record], [swing(5.0, 18.0)] * 3))
+    trace = labelled(figure, r"$a_g\,/\,\max|a_g|$")[0].lines[0]
+    assert trace.get_color() == "#333333"
+    assert np.abs(trace.get_ydata()).max() == pytest.approx(1.0)
+
+
+def test_records_do_not_hide_each_other() -> None:
+    thetas = [swing(5.0, 18.0, 0.02 * (i + 1)) for i in range(5)]
+    few = figures.figure("histories", shaken([noise(i) for i in range(3)], thetas[:3]))
+    assert [axes.get_title(loc="left") for axes in few.axes[:3]] == ["number 0", "number 1", "number 2"]
+    assert len({axes.get_ylim() for axes in few.axes[:3]}) == 1
+    many = figures.figure("histories", shaken([noise(i) for i in range(5)], thetas))
+    drawn = traces(many.axes[0])
+    assert len(drawn) == 5
+    assert all(one.min() > other.max() for one, other in pairwise(drawn))
+
+
+def test_impacts_are_jumps() -> None:
+    dataset = rockcli.run({"name": "b", "case": {"block": {"R": 1.0, "alpha": 0.25}, "initial": {"theta": 0.15}}})
+    response = response_of(dataset, ())
+    jumps = np.flatnonzero(np.diff(response.time) == 0.0)
+    known = np.isfinite(dataset["t_impact"].values)
+    assert len(jumps) >= known.sum()
+    np.testing.assert_array_equal(response.ratio[jumps[:5]], 0.0)
+    figure = figures.figure("histories", dataset)
+    rate = figure.axes[-1].lines[0]
+    for i in range(3):
+        at = np.flatnonzero(rate.get_xdata() == float(dataset["t_impact"][i]))
+        assert set(rate.get_ydata()[at]) >= {
+            float(dataset["theta_dot_before"][i]),
+            float(dataset["theta_dot_after"][i]),
+        }
+    portrait = response_of(dataset, (), apart=True)
+    assert np.isnan(portrait.rate).sum() == known.sum()
+
+
+@pytest.mark.parametrize(("n", "marked"), [(20, True), (40, False)])
+def test_few_impacts_are_marked(n: int, marked: bool) -> None:
+    t = np.linspace(5.5, 17.5, n)[None, :]
+    rates = {"t_impact": t, "theta_dot_before": np.full((1, n), 0.5), "theta_dot_after": np.full((1, n), 0.4)}
+    more = {name: (("case", "impact"), values) for name, values in rates.items()}
+    figure = figures.figure("histories", shaken([noise(0)], [swing(5.0, 18.0)], **more))
+    dots = [line for line in figure.axes[1].lines if line.get_marker() == "o"]
+    assert sum(len(line.get_xdata()) for line in dots) == (n if marked else 0)
+
+
+def test_the_vertical_component_is_drawn() -> None:
+    vertical = {"a_v": (("case", "time"), noise(7)[None, :])}
+    panel = figures.figure("histories", shaken([noise(0)], [swing(5.0, 18.0)], **vertical)).axes[0]
+    assert len(traces(panel)) == 2
+    assert [text.get_text() for text in panel.get_legend().get_texts()] == ["$a_g$", "$a_v$"]
+    still = {"a_v": (("case", "time"), 0.0 * TIME[None, :])}
+    panel = figures.figure("histories", shaken([noise(0)], [swing(5.0, 18.0)], **still)).axes[0]
+    assert len(traces(panel)) == 1
+    assert panel.get_legend() is None
+
+
+def peaks(names: tuple[str, str], paths: tuple[str, str], units: tuple[str, str] = ("1", "1")) -> xarray.Dataset:
+    size = (6, 7)
+    coords = {
+        name: axis(name, np.linspace(9.81, 9.81 * n, n), path, unit)
+        for name, path, unit, n in zip(names, paths, units, size, strict=True)
+    }
+    data = {"outcome": (names, np.ones(size, dtype=np.int8)), "theta_peak_over_alpha": (names, np.full(size, 0.3))}
+    return xarray.Dataset(data, coords, {"title": "Peaks", "axes": " ".join(names)})
+
+
+def test_what_has_no_value_is_in_a_strip_of_its_own() -> None:
+    dataset = peaks(("case", "a_p"), ("case", "motion.pulse.a_p"), ("1", "m s-2")).isel(case=slice(0, 2))
+    dataset = dataset.assign_coords(case=axis("case", ["one", "other"]))
+    flags, values = dataset["outcome"].values, dataset["theta_peak_over_alpha"].values
+    for at, flag, value in (((0, 6), 3, np.inf), ((1, 6), 2, np.inf), ((0, 0), -2, np.nan), ((1, 2), -1, np.nan)):
+        flags[at], values[at] = flag, value
+    strip, curves = figures.figure("map", dataset).axes
+    assert [text.get_text() for text in strip.get_yticklabels()] == ["failed", "unresolved", "overturned"]
+    marks = {line.get_marker(): list(line.get_xdata()) for line in strip.lines if len(line.get_xdata()) == 1}
+    assert marks == {"x": [7.0], "+": [1.0], "d": [3.0]}  # in g
+    assert not [line for line in curves.lines if line.get_marker() == "x"]
+    assert curves.get_xlabel() == "$a_p$ [g]"
+
+
+def test_accelerations_are_in_g() -> None:
+    dataset = peaks(("pga", "g"), ("motion.record.pga", "g"), ("m s-2", "m s-2"))
+    assert axis_label(dataset, "pga") == "PGA [g]"
+    assert coordinate_label(dataset, "pga", 1) == "PGA = 2 g"
+    assert coordinate_label(dataset, "g", 0) == "$g$ = 9.81 m/s²"
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "plane"),
+    [
+        ("motion.pulse.omega_p", "block.R", (0, 1)),
+        ("block.R", "motion.pulse.T_p", (1, 0)),
+        ("block.R", "motion.pulse.a_p", (0, 1)),
+        ("motion.record.pga", "block.R", (1, 0)),
+        ("motion.pulse.a_p", "motion.pulse.f_p", (1, 0)),
+        ("motion.pulse.omega_p_over_p", "motion.pulse.a_p", (0, 1)),
+        ("block.R", "block.alpha", (1, 0)),
+    ],
+)
+def test_the_plane_of_a_map(first: str, second: str, plane: tuple[int, int]) -> None:
+    names = ("one", "two")
+    x, y = outcomes.plane(peaks(names, (first, second))) or ("", "")
+    assert (names.index(x), names.index(y)) == plane
+
+
+def test_cases_that_are_one_are_drawn_once() -> None:
+    study = {
+        "name": "g",
+        "case": {"block": {"R": 2.0, "tan_alpha": 0.2}, "initial": {"theta": 0.1}},
+        "vary": {"model": ["rigid", "linearized", "3"], "geometry": ["negative_stiffness", "corotational"]},
+    }
+    titles = [axes.get_title() for axes in figures.figure("phase", rockcli.run(study)).axes]
+    assert [title for title in titles if title] == [
+        "rigid = model 3, negative stiffness",
+        "linearized",
+        "model 3, corotational",
+    ]
+    compared = figures.figure("histories", rockcli.run(study | {"compare_to": {"model": "rigid"}}))
+    assert len(labelled(compared, r"$\theta/\alpha$")) == 1
+    names = [text.get_text() for text in compared.legends[0].get_texts()]
+    assert names == ["linearized", "model 3, negative stiffness", "model 3, corotational", "rigid (reference)"]
+
+
+def test_legends_look_as_the_curves_do() -> None:
+    study = {
+        "name": "c",
+        "case": {"block": {"R": 2.0, "tan_alpha": 0.2}, "model": "3", "geometry": "corotational"},
+        "curves": ["moment_rotation", "displacements"],
+    }
+    dataset = rockcli.run(study)
+    assert figures.default_kinds(dataset) == ("curves",)
+    figure = figures.figure("curves", dataset)
+    drawn = {(line.get_color(), line.get_linewidth()) for axes in figure.axes for line in axes.lines}
+    handles = {line.get_label(): (line.get_color(), line.get_linewidth()) for line in figure.legends[0].get_lines()}
+    assert "spring alone" in handles
+    assert set(handles.values()) <= drawn
+    assert "block" in handles
+    corners = [axes for axes in figure.axes if axes.get_legend() is not None]
+    assert [axes.get_ylabel() for axes in corners] == [r"$u_{top}\,/\,2b$", r"$v_{top}\,/\,2b$"]
+
+
+def test_the_title_of_one_portrait_is_over_it(asymmetric: xarray.Dataset) -> None:
+    one = asymmetric.isel(initial_theta=0, drop=True).assign_attrs(axes="")
+    figure = figures.figure("phase", one)
+    figure.draw_without_rendering()
+    box = figure.axes[0].get_position()
+    assert figure._suptitle.get_position()[0] == pytest.approx(0.5 * (box.x0 + box.x1), abs=0.005)
