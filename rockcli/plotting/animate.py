@@ -107,7 +107,7 @@ def scenes(
     times = first + step * speed * np.arange(count)
     if last - times[-1] > 1e-9 * last:
         times = np.append(times, last)
-    return Scenes(times, magnify, note)
+    return Scenes(np.asarray(times, dtype=np.float64), magnify, note)
 
 
 def pictures(dataset: xarray.Dataset, position: Position, shown: Scenes, label: str = "") -> Iterator[Picture]:
@@ -134,7 +134,7 @@ class _Stage:
         fell = outcome_at(dataset, position).startswith("overturned")
         self.fall = number_at(dataset, "t_overturn", position) if fell else np.inf
         self.figure = Figure(figsize=(_WIDTH, _HEIGHT), dpi=_DPI, layout="constrained")
-        self.canvas = FigureCanvasAgg(self.figure)
+        self.canvas: Any = FigureCanvasAgg(self.figure)
         moving = bool(np.any(motion.a_g != 0.0))
         heights = [4.6, 0.8, 0.8] if moving else [4.6, 0.8]
         panels = self.figure.subplots(len(heights), 1, height_ratios=heights)
@@ -143,7 +143,7 @@ class _Stage:
         if moving:
             self._trace(panels[1], motion.time, motion.a_g / G, "$a_g$ [g]", "#333333")
             panels[1].tick_params(labelbottom=False)
-        self._trace(panels[-1], motion.time, np.clip(ratio, -SHOWN_UP_TO, SHOWN_UP_TO), r"$\theta/\alpha$", COLOURS[0])
+        self._trace(panels[-1], motion.time, ratio, r"$\theta/\alpha$", COLOURS[0])
         panels[-1].set_xlabel("time [s]")
         self.figure.align_ylabels(panels[1:])
         headline(self.figure, title_of(dataset), label)
@@ -163,7 +163,13 @@ class _Stage:
         axes.set_ylim(-0.07 * unit * box.height, 0.93 * unit * box.height)
         axes.axhspan(-unit * box.height, 0.0, facecolor="#EDE7E0", zorder=1)
         axes.axhline(0.0, color=_GROUND, linewidth=1.2, zorder=2)
-        ghost = {"closed": True, "facecolor": "none", "edgecolor": QUIET, "linewidth": 0.7, "linestyle": (0, (4, 3))}
+        ghost: dict[str, Any] = {
+            "closed": True,
+            "facecolor": "none",
+            "edgecolor": QUIET,
+            "linewidth": 0.7,
+            "linestyle": (0, (4, 3)),
+        }
         axes.add_patch(Polygon(outline(body, 0.0), zorder=2, **ghost))
         self.body = Polygon(self.outlines[0], closed=True, facecolor=_BODY, edgecolor=_OUTLINE, linewidth=1.0, zorder=3)
         axes.add_patch(self.body)
@@ -179,6 +185,8 @@ class _Stage:
         axes.set_xlim(self.times[0], self.times[-1])
         axes.set_ylabel(label)
         seen = values[(time >= self.times[0]) & (time <= self.times[-1])]
+        if np.isfinite(self.fall):
+            seen = np.clip(seen, -SHOWN_UP_TO, SHOWN_UP_TO)
         low, high = min(0.0, float(seen.min(initial=0.0))), max(0.0, float(seen.max(initial=0.0)))
         margin = 0.1 * (high - low) or 0.1
         axes.set_ylim(low - margin, high + margin)
@@ -196,7 +204,7 @@ class _Stage:
         self.canvas.restore_region(background)
         now = float(self.times[number])
         self.body.set_xy(self.outlines[number])
-        words = f"$t$ = {now:.2f} s\n" + rf"$\theta/\alpha$ = {self.ratio[number]:+.3f}"
+        words = f"$t$ = {now:.2f} s\n" + rf"$\theta/\alpha$ = ${self.ratio[number]:+.3f}$"
         self.stamp.set_text(words + ("  overturns" if now >= self.fall else ""))
         artists: list[Artist] = [self.body, self.stamp]
         for line, dot, values in self.markers:

@@ -64,6 +64,10 @@ def _write_gif(path: Path, pictures: Iterator[Picture], count: int, step: float)
     first = Image.fromarray(next(pictures))
     palette = first.quantize(_COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
 
+    colours = np.array(palette.getpalette(), dtype=np.uint8).reshape(-1, 3)
+    colours[np.argmax(colours.sum(axis=1, dtype=int))] = 255  # the paper stays white
+    palette.putpalette(colours.tobytes())
+
     def reduced(picture: Image.Image) -> Image.Image:
         return picture.quantize(palette=palette, dither=Image.Dither.NONE)
 
@@ -84,7 +88,8 @@ def _write_mp4(path: Path, pictures: Iterator[Picture], step: float) -> None:
     command = [
         "ffmpeg", "-loglevel", "error", "-y",
         "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{1.0 / step:.6f}", "-i", "-",
-        "-an", "-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(path),
+        "-an", "-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
+        "-f", "mp4", str(path),
     ]  # fmt: skip
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as ffmpeg:
         assert ffmpeg.stdin is not None

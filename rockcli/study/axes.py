@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -15,10 +16,10 @@ from numpy.typing import NDArray
 from rockcli.errors import StudyError
 from rockcli.study.expressions import CONSTANTS, ExpressionError, constant, parse
 from rockcli.study.numbers import in_words
-from rockcli.study.paths import UNITS, Path, dimension_names, resolve, takes_number, varies_in_batch
+from rockcli.study.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
 from rockcli.study.records import WILDCARDS, Records
 from rockcli.study.study import MATCH, Axis
-from rockcli.study.table import read_table
+from rockcli.study.table import Table, read_table
 from rockcli.study.tree import List, Map, Source, Where, nearest, place, same_twice
 from rockcli.study.values import describe, is_finite
 
@@ -100,11 +101,7 @@ def read_axes(
         if text not in done:
             if reader.path[:2] in _SYMBOL_PATHS or reader.path[0] == "let" or reader.path == ("case",):
                 said, more = reader.waiting
-                raise reader.fail(
-                    f"is {describe(said)}; expected numbers or expressions of numbers and units: other expressions "
-                    "depend on it",
-                    *more,
-                )
+                raise reader.fail(f"is {describe(said)}; {_why_it_cannot_wait(study, said)}", *more)
             reader.evaluate = evaluate
             done[text] = reader.read()
     variations = [done[text] for text in vary]
@@ -114,6 +111,14 @@ def read_axes(
     if total > MAX_CASES:
         raise source.error(study, ("vary",), f"makes {total:.3g} cases, more than {MAX_CASES:.3g}")
     return [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
+
+
+def _why_it_cannot_wait(study: Map, text: str) -> str:
+    why = "expected numbers or expressions of numbers and units: other expressions depend on it"
+    own = sorted(parse(text).names & (study.get("let") or {}).keys())
+    if own:
+        why += f" (`{own[0]}` is a symbol of `let`, which axes of the block, of g and of let cannot use)"
+    return why
 
 
 def _check_apart(source: Source, study: Map, variations: list[Variation], names: list[str]) -> None:
@@ -139,7 +144,8 @@ class _Reader:
                 raise StudyError(f"paths of axes begin inside the case: {text.removeprefix('case.')!r}")
             self.path = resolve(text)
         except StudyError as error:
-            raise source.placed(place(study, ("vary", text)), f"vary: {error.message}") from None
+            several = "" if "." in text else "; settings that change several keys at once go under the axis `case`"
+            raise source.placed(place(study, ("vary", text)), f"vary: {error.message}{several}") from None
 
     def fail(self, message: str, *more: str | int) -> StudyError:
         return self.source.error(self.study, ("vary", self.text, *more), message)
@@ -353,6 +359,7 @@ class _Reader:
     def table(self, name: str) -> Variation:
         line = place(self.study, ("vary", self.text))
         table = read_table(self.source.folder / name, self.source, line)
+        self.labels_first(table, self.source.folder / name)
         paths = [self.below(column) for column in table.columns]
         self.once(table.columns, paths)
         settings = [
@@ -360,3 +367,13 @@ class _Reader:
             for row in table.rows
         ]
         return self.labelled(table.labels, settings, lambda i: line, {name: table.sha256})
+
+    def labels_first(self, table: Table, file: FilePath) -> None:
+        """Refuse a table whose first column is no labels, but a path like the others."""
+        if is_path(table.head if self.path == ("case",) else ".".join((*self.path, table.head))):
+            raise StudyError(
+                f"the first column names the points, and {table.head!r} is a path inside the case: put a column of "
+                f"labels before it (name,{table.head},...)",
+                file=file,
+                line=table.line,
+            )

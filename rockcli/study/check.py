@@ -8,7 +8,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from rockcli.study.schema import CasePart, Part, StudyPart
-from rockcli.study.tree import Keys, Map, Source, meant, nearest, place, value_at
+from rockcli.study.tree import Keys, Map, Source, dotted, meant, nearest, place, value_at
 from rockcli.study.values import Number, describe
 
 P = TypeVar("P", bound=Part)
@@ -58,11 +58,16 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
     value = describe(value_at(study, keys))
     if kind == "extra_forbidden":
         known = fields_at(part, keys[len(at) : -1])
+        if len(keys) == 1 and keys[0] in CasePart.model_fields:
+            return where, f"{name}: unknown key {name!r} at this level; did you mean case.{name}?"
         return where, f"{name}: unknown key {str(keys[-1])!r}; {nearest(str(keys[-1]), known)}"
     if kind == "missing":
         missing = detail["loc"][-1]
         inside = f" in {name}" if name else ""
         return where, f"the key {missing!r} is missing{inside}"
+    if kind == "literal_error" and keys[-2:] == ("damping", "scheme") and _reads_as_number(value_at(study, keys)):
+        said = value_at(study, keys)
+        return where, f"{dotted(keys[:-1])} is {said}; for that coefficient of restitution write {{eta: {said}}}"
     if kind == "literal_error":
         expected = detail["ctx"]["expected"]
         choices = [word.strip("'") for word in expected.replace(" or ", ", ").split(", ")]
@@ -82,6 +87,14 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
             return where, f"{name} is {value}; expected {expected.format(**detail.get('ctx', {}))}"
     message = detail["msg"].replace("Input should", "it should")
     return where, f"{name} is {value}: {message[0].lower()}{message[1:]}"
+
+
+def _reads_as_number(value: Any) -> bool:
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return False
+    return True
 
 
 def _followed(tree: Any, loc: tuple[str | int, ...]) -> Keys:

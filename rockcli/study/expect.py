@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -22,13 +22,24 @@ MEANINGS: dict[str, tuple[int, ...]] = {
 }
 
 
-def read_expect(source: Source, study: Map, axes: Sequence[Axis]) -> tuple[Expect, ...]:
-    """The clauses of a study whose form has been checked.
+Evaluate = Callable[[str], float]
+"""Value of an expression that is the same in all cases; raises ExpressionError for others."""
+
+
+def of_constants(text: str) -> float:
+    """Value of an expression outside the cases: numbers, units and pi."""
+    return float(parse(text).evaluate(constant))
+
+
+def read_expect(
+    source: Source, study: Map, axes: Sequence[Axis], evaluate: Evaluate = of_constants
+) -> tuple[Expect, ...]:
+    """The clauses of a study whose form has been checked; `evaluate` is for the coordinates in `at`.
 
     Raises:
         StudyError: an unknown quantity, a point that is on no axis, none or several of `value`, `min`, ...
     """
-    return tuple(_clause(source, study, axes, i) for i in range(len(study.get("expect") or ())))
+    return tuple(_clause(source, study, axes, i, evaluate) for i in range(len(study.get("expect") or ())))
 
 
 def check_histories(
@@ -67,8 +78,17 @@ def _shown(value: Any) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def match(source: Source, study: Map, keys: Keys, at: dict[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
+def match(
+    source: Source,
+    study: Map,
+    keys: Keys,
+    at: dict[str, Any],
+    axes: Sequence[Axis],
+    evaluate: Evaluate = of_constants,
+) -> dict[str, Any]:
     """{axis name: coordinate} of the points that a mapping of axes (by name or path) to values means.
+
+    Values on numeric axes may be expressions.
 
     Raises:
         StudyError: no such axis, or no such value on it.
@@ -80,7 +100,10 @@ def match(source: Source, study: Map, keys: Keys, at: dict[str, Any], axes: Sequ
             names = [name for a in axes for name in dict.fromkeys((a.path, a.name))]
             hint = nearest(said, names) if names else "the study has no axes"
             raise source.error(study, (*keys, said), f"is on no axis; {hint}")
-        coordinate = _coordinate(axis, value)
+        try:
+            coordinate = _coordinate(axis, value, evaluate)
+        except ExpressionError as error:
+            raise source.error(study, (*keys, said), f": {error}") from None
         if coordinate is None:
             shown = ", ".join(f"{v:.10g}" if axis.numeric else v for v in axis.values[:12])
             more = ", ..." if axis.size > 12 else ""
@@ -91,9 +114,9 @@ def match(source: Source, study: Map, keys: Keys, at: dict[str, Any], axes: Sequ
     return found
 
 
-def _coordinate(axis: Axis, value: Any) -> Any:
+def _coordinate(axis: Axis, value: Any, evaluate: Evaluate) -> Any:
     if axis.numeric:
-        number = _number(value)
+        number = evaluate(value) if isinstance(value, str) and _is_expression(value) else _number(value)
         if number is None or number in axis.values:
             return number
         near = min(axis.values, key=lambda v: abs(v - number))
@@ -103,6 +126,13 @@ def _coordinate(axis: Axis, value: Any) -> Any:
         return text
     by_name = [v for v in axis.values if PurePosixPath(v).name == PurePosixPath(text).name]
     return by_name[0] if len(by_name) == 1 else None
+
+
+def _is_expression(text: str) -> bool:
+    try:
+        return bool(parse(text).names)
+    except ExpressionError:
+        return False
 
 
 def _same(a: float, b: float) -> bool:
@@ -119,7 +149,7 @@ def _number(value: Any) -> float | None:
         return None
 
 
-def _clause(source: Source, study: Map, axes: Sequence[Axis], i: int) -> Expect:
+def _clause(source: Source, study: Map, axes: Sequence[Axis], i: int, evaluate: Evaluate) -> Expect:
     clause: Map = study["expect"][i]
     keys: Keys = ("expect", i)
     quantity = clause["quantity"]
@@ -150,7 +180,7 @@ def _clause(source: Source, study: Map, axes: Sequence[Axis], i: int) -> Expect:
         target = _target(source, study, (*keys, check), quantity, clause[check])
     return Expect(
         quantity=quantity,
-        at=match(source, study, (*keys, "at"), clause.get("at") or {}, axes),
+        at=match(source, study, (*keys, "at"), clause.get("at") or {}, axes, evaluate),
         check=check,
         target=target,
         rtol=_positive(source, study, (*keys, "rtol"), clause.get("rtol", 1e-6)),

@@ -143,15 +143,37 @@ def parse(text: str) -> Expression:
     if not text:
         raise ExpressionError("is empty: a number or an arithmetic expression is expected")
     if not _TOKENS.match(text):
-        raise ExpressionError(f"{shown!r} is not arithmetic: numbers, names, + - * / **, ( ) and functions are allowed")
+        allowed = "numbers, names, + - * / **, ( ) and functions are allowed"
+        raise ExpressionError(f"{shown!r} is not arithmetic: {_slip(text) or allowed}")
     try:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise ExpressionError(f"{shown!r} is not an arithmetic expression (products need a *: 10*mm)") from None
+        slip = _slip(text) or "products need a *: 10*mm"
+        raise ExpressionError(f"{shown!r} is not an arithmetic expression: {slip}") from None
     steps: list[_Step] = []
     names: set[str] = set()
     _translate(tree, steps, names, 0)
     return Expression(text, frozenset(names), tuple(steps))
+
+
+_COMMA = re.compile(r"[0-9],[0-9]")
+_PRODUCT = re.compile(r"(?<![\w.])([0-9]+\.?[0-9]*|\.[0-9]+)\s*([A-Za-z_]\w*|\()")
+
+
+def _slip(text: str) -> str | None:
+    """What was probably meant by text that is no expression; None if nobody knows."""
+    if "^" in text:
+        return "write ** for ^"
+    if _COMMA.search(text):
+        return "write decimals with a point"
+    if text[-1] in "+-*/":
+        return "it ends with an operator"
+    if (product := _PRODUCT.search(text)) is not None:
+        number, factor = product.groups()
+        return f"products need a *: write {number}*{'(...)' if factor == '(' else factor[:40]}"
+    if (opened := text.count("(") - text.count(")")) != 0:
+        return f"it lacks {abs(opened)} {')' if opened > 0 else '('}"
+    return None
 
 
 def _translate(node: ast.AST, steps: list[_Step], names: set[str], depth: int) -> None:
@@ -182,5 +204,7 @@ def _translate(node: ast.AST, steps: list[_Step], names: set[str], depth: int) -
             raise ExpressionError(f"`{node.func.id}` takes one argument")
         _translate(node.args[0], steps, names, depth + 1)
         steps.append(("call", FUNCTIONS[node.func.id]))
+    elif isinstance(node, ast.Call):
+        raise ExpressionError("is not arithmetic: products need a *, also before a parenthesis")
     else:
         raise ExpressionError("is not arithmetic: numbers, names, + - * / **, ( ) and functions are allowed")

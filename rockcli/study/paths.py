@@ -81,8 +81,19 @@ def resolve(text: str) -> Path:
     return parts
 
 
+def is_path(text: str) -> bool:
+    """Whether an axis could mean something by a text."""
+    try:
+        resolve(text)
+    except StudyError:
+        return False
+    return True
+
+
 def _hint(text: str) -> str:
     last = text.rsplit(".", 1)[-1]
+    if last == "record":
+        return "did you mean 'motion.record.file'?"
     same = [path for path in _all_paths() if path.rsplit(".", 1)[-1] == last]
     return f"did you mean {same[0]!r}?" if same else nearest(text, _all_paths())
 

@@ -17,8 +17,10 @@ from rockcli.study.tree import Source, Where
 
 @dataclass(frozen=True)
 class Table:
-    """Labels, paths of the columns, and the values row by row; SHA-256 of the file."""
+    """The head of the first column and its line, labels, paths of the columns, values row by row, SHA-256."""
 
+    head: str
+    line: int
     labels: list[str]
     columns: list[str]
     rows: list[list[Any]]
@@ -55,7 +57,8 @@ def read_table(path: Path, source: Source, where: Where) -> Table:
                 raise StudyError(f"the cell below {column!r} is {cell}: a finite number is expected", file=path, line=i)
     body = [row for _, row in rows[1:]]
     digest = hashlib.sha256(data).hexdigest()
-    return Table([row[0] for row in body], columns, [[scalar(cell) for cell in row[1:]] for row in body], digest)
+    values = [[scalar(cell) for cell in row[1:]] for row in body]
+    return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, digest)
 
 
 def _is_no_finite_number(cell: str) -> bool:

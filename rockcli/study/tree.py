@@ -20,6 +20,9 @@ Keys = tuple[str | int, ...]
 LONGEST = 2000
 """Characters of an error message: a key may be as long as a file."""
 
+MOST_NAMES = 30
+"""Known names listed in a message."""
+
 
 class Map(dict[str, Any]):
     """A mapping that knows where its keys stand."""
@@ -164,5 +167,5 @@ def nearest(key: str, known: Iterable[str]) -> str:
     close = meant(key, names)
     if close is not None:
         return f"did you mean {close!r}?"
-    shown = ", ".join(sorted(names)[:30])
+    shown = ", ".join(sorted(names)[:MOST_NAMES]) + (", ..." if len(names) > MOST_NAMES else "")
     return f"known: {shown}" if shown else "nothing is known here"
