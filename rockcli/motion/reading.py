@@ -159,7 +159,7 @@ def _remarks(values: NDArray[np.float64], in_g: bool) -> tuple[str, ...]:
     peak, mean = float(np.abs(values).max()), float(values.mean())
     unit = "g" if in_g else "m/s2"
     remarks = []
-    if peak > (LARGE if in_g else LARGE * 9.80665):
+    if peak > (LARGE if in_g else LARGE * 9.81):
         remarks.append(f"the peak is {peak:.4g} {unit}: are the units right?")
     if abs(mean) > OFFSET * peak > 0.0:
         remarks.append(

@@ -65,13 +65,15 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
         RecordError: units or dt missing or contradicted, columns that are not as described above.
     """
     lines = data.decode("ascii").splitlines()
-    unit = _unit(lines, units, name)
+    unit = _stated_unit(lines, units, name)
     numbers = read_numbers(_without_commas(lines, name), 1, name)
     if numbers.text_after:
         raise RecordError(f"{numbers.text_after[0]!r} is no line of numbers; remove it or begin it with #", name)
     columns = _columns(numbers, name)
     first = numbers.values[::columns]
     is_time = columns > 1 and len(first) > 2 and _is_time(first)
+    if unit is None:
+        raise OptionError("units", _unstated(needs_dt=dt is None and not (columns == 2 and is_time)), name)
     if columns == 2 and is_time:
         step, start = _time_step(first, dt, name)
         shifted = () if start == 0.0 else (f"time counted from the first sample, {start:g} s in the file",)
@@ -83,7 +85,15 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     return Text(numbers.values, float(dt), unit, row_major)
 
 
-def _unit(lines: list[str], given: str | None, name: str) -> str:
+def _unstated(*, needs_dt: bool) -> str:
+    units = "give them with `units:`, one of g, m/s2, cm/s2, gal, mm/s2"
+    if needs_dt:
+        return f"numbers alone state neither units nor time step: {units}, and the time step with `dt:` in seconds"
+    return f"columns of numbers do not state their units: {units}"
+
+
+def _stated_unit(lines: list[str], given: str | None, name: str) -> str | None:
+    """The units the file or its user states; None where nobody does."""
     for number, line in enumerate(lines, 1):
         match = _UNITS.match(line)
         if match is None:
@@ -95,13 +105,6 @@ def _unit(lines: list[str], given: str | None, name: str) -> str:
             message = f"the file says its units are {stated}, `units` says {given}; leave it out"
             raise OptionError("units", message, name, number)
         return stated
-    if given is None:
-        raise OptionError(
-            "units",
-            "columns of numbers do not state their units; give them with `units:`, one of g, m/s2, cm/s2, gal "
-            "(and, without a time column, the time step with `dt:`)",
-            name,
-        )
     return given
 
 

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from rockcli.plotting.cases import Array, axes_of, is_numeric, number_at, pick, selection_note, values_at
 from rockcli.plotting.labels import title_of
-from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure
+from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
 
 if TYPE_CHECKING:
     import xarray
@@ -144,7 +144,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
             case = columns[column if beside else 0]
             _pair(pair, dataset, panels[number], case.position, lines, mixed=_corners(panels) == "some")
             if row == 0 and beside:
-                pair[0].set_title(case.label, fontsize=9.0)
+                panel_title(pair[0], case.label, width / across, fontsize=9.0)
             if column == 0 or not beside:
                 pair[0].set_ylabel(panels[number].label)
                 pair[1].set_ylabel("error [%]" if panels[number].error else "more [%]")

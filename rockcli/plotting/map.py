@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note
 from rockcli.plotting.labels import axis_label, axis_values, title_of, variable_label
-from rockcli.plotting.style import DOUBLE, OUTCOME_COLOURS, SINGLE, headline, new_figure
+from rockcli.plotting.style import DOUBLE, OUTCOME_COLOURS, SINGLE, headline, new_figure, panel_title
 from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         rest = {a: i for a, i in zip(axes_of(dataset), case.position, strict=True) if a in others}
         present |= _panel(axes, dataset.isel(rest), found, norm, shaded=peaks is not None)
         if case.label:
-            axes.set_title(case.label, fontsize=8.5)
+            panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
             axes.set_xlabel(axis_label(dataset, found[0]))
             axes.tick_params(labelbottom=True)

@@ -25,7 +25,7 @@ from rockcli.plotting.cases import (
 from rockcli.plotting.ground import draw_ground, motions
 from rockcli.plotting.labels import coordinate_label, title_of
 from rockcli.plotting.response import SHOWN_UP_TO, over_alpha, response_of, window
-from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure
+from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
 
 if TYPE_CHECKING:
     import xarray
@@ -80,7 +80,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
             draw_ground(grounds[number], dataset["time"].values, found, coloured=len(found) > 1)
         fell |= _column(panel, dataset, cases[number], bases[number])
         if column.label:
-            (grounds[number] if len(grounds) > 1 else panel["theta"]).set_title(column.label, fontsize=9.0)
+            top = grounds[number] if len(grounds) > 1 else panel["theta"]
+            panel_title(top, column.label, figure.get_figwidth() / across, fontsize=9.0)
         if at == 0:
             _name_axes(panel)
         if number + across >= len(shown):

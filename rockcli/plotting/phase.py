@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rockcli.plotting.cases import Array, outcome_at, pick, reference_words, selection_note
 from rockcli.plotting.labels import title_of
 from rockcli.plotting.response import LEFT, RIGHT, Response, edges, impacts_of, response_of
-from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure
+from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
 
 if TYPE_CHECKING:
     import xarray
@@ -50,7 +50,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         fate = outcome_at(dataset, case.position).replace("_", " ")
         fates.append("" if fate == "rocking" else fate)
         if len(shown) > 1:
-            axes.set_title(", ".join(part for part in (case.label, fates[-1]) if part), fontsize=8.5)
+            panel_title(axes, ", ".join(part for part in (case.label, fates[-1]) if part), width / columns)
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
     wide = bool(reach.max() > _WIDE)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockcli.plotting.cases import Array, values_at
+from rockcli.plotting.cases import Array, outcome_at, values_at
 from rockcli.plotting.response import LEFT, RIGHT, edges
 
 if TYPE_CHECKING:
@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 _SECTIONS = 25
 """Points along each side of a body that bends."""
+
+_LIES = 1.4
+"""Last rotation of a body that overturned beyond which it is drawn on the ground [rad]."""
 
 _HALVINGS = 30
 """Bisections for the largest bending that stays above the ground."""
@@ -57,6 +60,8 @@ def motion_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Motion:
     known = np.flatnonzero(np.isfinite(theta))
     last = int(known[-1]) + 1 if len(known) else 0
     theta = theta[:last]
+    if last and outcome_at(dataset, position).startswith("overturned") and abs(theta[-1]) > _LIES:
+        theta = np.append(theta[:-1], np.copysign(0.5 * np.pi, theta[-1]))
     a_g = values_at(dataset, "a_g", position)[:last] if "a_g" in dataset.variables else np.zeros(last)
     return Motion(
         np.asarray(dataset["time"].values, dtype=float)[:last],

@@ -91,6 +91,11 @@ def headline(figure: Figure, title: str, note: str = "", over: Axes | None = Non
         figure.suptitle(words, fontsize=9.5, linespacing=1.3, x=0.5 * (box.x0 + box.x1))
 
 
+def panel_title(axes: Axes, words: str, width: float, fontsize: float = 8.5) -> None:
+    """Title of a panel, wrapped to its width [in]."""
+    axes.set_title("\n".join(textwrap.wrap(words, max(int(width * 135.0 / fontsize), 12))), fontsize=fontsize)
+
+
 def legend_beside(figure: Figure, axes: Axes, columns: int) -> None:
     """One legend below the figure, in columns."""
     handles, labels = axes.get_legend_handles_labels()

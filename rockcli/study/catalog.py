@@ -10,8 +10,8 @@ from rockcli.errors import StudyError
 from rockcli.study.loader import load_any
 
 
-def how_to_obtain(name: str) -> str | None:
-    """How to get the record of that file name, in a sentence or two; None where the catalogue does not know it."""
+def how_to_obtain(name: str) -> list[str]:
+    """What the record of that file name is and how to get it, sentences; none where the catalogue does not know it."""
     wanted = Path(name).name.casefold()
     for entry in _entries():
         names = [str(n).casefold() for n in entry.get("file_names") or ()]
@@ -21,13 +21,13 @@ def how_to_obtain(name: str) -> str | None:
         ):
             what = ", ".join(str(entry[key]) for key in ("event", "station", "component") if entry.get(key))
             parts = [
-                f"it is {what}" if what else "",
-                f"known as {', '.join(str(n) for n in entry.get('file_names') or ())}",
-                f"how to get it: {_sentence(entry.get('how_to_obtain'))}",
+                f"It is {what}" if what else "",
+                f"Known as {', '.join(str(n) for n in entry.get('file_names') or ())}",
+                f"How to get it: {_sentence(entry.get('how_to_obtain'))}",
                 _sentence(entry.get("note")),
             ]
-            return ". ".join(part.rstrip(".") for part in parts if part)
-    return None
+            return [part[0].upper() + part[1:].rstrip(".") for part in parts if part]
+    return []
 
 
 def _sentence(value: Any) -> str:

@@ -100,16 +100,16 @@ def match(
             names = [name for a in axes for name in dict.fromkeys((a.path, a.name))]
             hint = nearest(said, names) if names else "the study has no axes"
             raise source.error(study, (*keys, said), f"is on no axis; {hint}")
+        why = ""
         try:
             coordinate = _coordinate(axis, value, evaluate)
         except ExpressionError as error:
-            raise source.error(study, (*keys, said), f": {error}") from None
+            coordinate, why = None, f" ({error})"
         if coordinate is None:
             shown = ", ".join(f"{v:.10g}" if axis.numeric else v for v in axis.values[:12])
             more = ", ..." if axis.size > 12 else ""
-            raise source.error(
-                study, (*keys, said), f"is {describe(value)}, which is no point of that axis; it has {shown}{more}"
-            )
+            message = f"is {describe(value)}, which is no point of that axis{why}; it has {shown}{more}"
+            raise source.error(study, (*keys, said), message)
         found[axis.name] = coordinate
     return found
 

@@ -13,8 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from rockcli.errors import StudyError
-from rockcli.scene.batch import Batch, Save
-from rockcli.scene.excitation import Pulses, Samples
+from rockcli.scene.batch import Save
 from rockcli.scene.variables import LARGE, SCALARS, SCALARS_FEMA, SCALARS_FLEXIBLE, SCALARS_LARGE
 from rockcli.study.axes import Evaluate, Variation, read_axes
 from rockcli.study.build import build_batch
@@ -23,6 +22,7 @@ from rockcli.study.check import check_case, check_study
 from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.features import check_curves, check_features
+from rockcli.study.found import DT_OUT, Found
 from rockcli.study.identity import as_yaml, identity, plain
 from rockcli.study.loader import load_file, load_mapping
 from rockcli.study.overrides import apply_overrides
@@ -31,13 +31,10 @@ from rockcli.study.schema import CasePart, StudyPart
 from rockcli.study.shorthands import expanded
 from rockcli.study.study import Study
 from rockcli.study.tree import Map, Source
-from rockcli.study.unused import unused_symbols
+from rockcli.study.unused import replaced_records, unused_symbols
 
 HISTORIES_UP_TO = 100
 """Cases up to which histories are saved unless the study says otherwise."""
-
-DT_OUT = 0.005
-"""Largest output spacing by default [s]."""
 
 
 def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple[str, str]] = ()) -> Study:
@@ -66,7 +63,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
 
     variations = read_axes(where, tree, records, evaluator)
     cases = Cases(where, base, variations, records, provisional)
-    found = _Found()
+    found = Found()
     found.inputs.update({name: sha for v in variations for name, sha in v.inputs.items()})
     _probe(cases, found)
     axes = tuple(v.axis for v in variations)
@@ -75,7 +72,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     histories, dt_out, scalars = saved["histories"] is not False, saved["dt_out"], tuple(saved["scalars"])
     points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
-    expect = read_expect(where, tree, axes)
+    expect = read_expect(where, tree, axes, cases.evaluate)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
     compare_to = tree.get("compare_to")
     resolved = _resolved(part, base, variations, saved)
@@ -86,7 +83,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         file=where.file,
         axes=axes,
         cases=cases,
-        compare_to=match(where, tree, ("compare_to",), compare_to, axes) if compare_to else None,
+        compare_to=match(where, tree, ("compare_to",), compare_to, axes, cases.evaluate) if compare_to else None,
         expect=expect,
         plots=tuple(dict.fromkeys(part.plots)),
         histories=histories,
@@ -96,8 +93,8 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         resolved_yaml=as_yaml(resolved),
         identity=identity(resolved["case"], resolved.get("let", {}), variations, saved, found.inputs),
         inputs=found.inputs,
-        processing=found.processing,
-        warnings=(*warnings, *unused_symbols(tree, variations)),
+        processing=found.processing(),
+        warnings=(*warnings, *unused_symbols(tree, variations), *replaced_records(tree), *found.doubts(tree)),
         histories_at=at,
         curves=tuple(dict.fromkeys(part.curves)),
     )
@@ -131,56 +128,17 @@ def check_symbol(source: Source, tree: Map, name: str) -> None:
         raise source.error(tree, keys, f"is {taken} already; choose another name")
 
 
-@dataclasses.dataclass(eq=False)
-class _Found:
-    """What the cases of a study show: finest output spacing needed, files read and what was done to them.
-
-    `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
-    """
-
-    dt_out: float = DT_OUT
-    inputs: dict[str, str] = dataclasses.field(default_factory=dict)
-    processing: dict[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
-    still: bool = True
-    models: dict[tuple[str, str | None], None] = dataclasses.field(default_factory=dict)
-    schemes: set[str] = dataclasses.field(default_factory=set)
-
-    def look(self, batch: Batch) -> None:
-        self.models[batch.model, batch.geometry] = None
-        self.schemes.add(batch.damping.scheme)
-        self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
-        for channel in (batch.excitation.horizontal, batch.excitation.vertical):
-            self.still &= channel is None
-            if isinstance(channel, Pulses):
-                self.dt_out = min(self.dt_out, float(np.min(2.0 * np.pi / channel.omega_p)) / 200.0)
-            elif isinstance(channel, Samples):
-                self.dt_out = min(self.dt_out, channel.dt)
-                self._note(channel)
-
-    def _note(self, samples: Samples) -> None:
-        name, k = samples.name, 1
-        while self.inputs.get(name, samples.sha256) != samples.sha256:  # two files of one name
-            k += 1
-            name = f"{samples.name} #{k}"
-        self.inputs[name] = samples.sha256
-        label, k = name, 1
-        while self.processing.get(label, samples.processing) != samples.processing:  # one file used in two ways
-            k += 1
-            label = f"{name} ({k})"
-        self.processing[label] = samples.processing
-
-
-def _probe(cases: Cases, found: _Found) -> None:
+def _probe(cases: Cases, found: Found) -> None:
     """Build what shows all that can be wrong (see `Cases.probe`)."""
     for part, combination, points in cases.groups(cases.probe()):
         numbers = cases.numbers(combination, points, len(part))
         for name in numbers.tree.get("let") or ():
             check_symbol(cases.source, numbers.tree, name)
             numbers.let(name)
-        found.look(build_batch(numbers, cases.records, cases.save))
+        found.look(numbers, build_batch(numbers, cases.records, cases.save))
 
 
-def _save(source: Source, tree: Map, cases: Cases, found: _Found) -> tuple[dict[str, Any], dict[str, Any] | None]:
+def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[str, Any], dict[str, Any] | None]:
     """`save` with its defaults filled in, and the only points whose histories are saved, if not all.
 
     A study of static curves in which nothing moves saves nothing else unless it says so.
@@ -191,7 +149,7 @@ def _save(source: Source, tree: Map, cases: Cases, found: _Found) -> tuple[dict[
     histories: Any = save.get("histories")
     at = None
     if isinstance(histories, dict):
-        at = match(source, tree, ("save", "histories"), histories, [v.axis for v in cases.variations])
+        at = match(source, tree, ("save", "histories"), histories, [v.axis for v in cases.variations], cases.evaluate)
     elif histories is None:
         histories = size <= HISTORIES_UP_TO and not curves_only
     wanted = save.get("scalars")

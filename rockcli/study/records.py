@@ -46,7 +46,7 @@ class Records:
         folder = self.source.folder
         absolute = folder.absolute()
         listed = [folder, *(parent / "records" for parent in (absolute, *absolute.parents)), Path("records")]
-        listed += [Path(entry) for entry in os.environ.get("ROCK_RECORDS", "").split(os.pathsep) if entry]
+        listed += [Path(entry) for entry in _environment()]
         unique: dict[Path, Path] = {}
         for path in listed:
             unique.setdefault(path.absolute(), path)
@@ -104,14 +104,28 @@ class Records:
         return self.prepared[key]
 
     def _missing(self, name: str) -> str:
-        sought = [str(folder) for folder in self.folders() if folder.is_dir()]
-        parts = [f"the record {name[:200]!r} was not found; sought in {', '.join(sought) or 'no folder that exists'}"]
+        """What is missing, where it was sought and how to get it: a line each."""
+        lines = [f"the record {name[:200]!r} was not found"]
+        if WILDCARDS & set(name):
+            lines.append("A pattern stands for several files, which make an axis: vary: {motion.record.file: ...}")
+        lines.append(f"Sought in {', '.join(self._searched())}")
         close = get_close_matches(Path(name).name[:200], list(self._present()), n=3, cutoff=0.6)
         if close:
-            parts.append(f"close names there: {', '.join(close)}")
+            lines.append(f"Close names there: {', '.join(close)}")
         how = how_to_obtain(name)
-        parts.append(how if how else "put it beside the study, into records/, or into a folder named in ROCK_RECORDS")
-        return "; ".join(parts)
+        lines += how or ["Put it beside the study, into records/, or into a folder named in ROCK_RECORDS"]
+        return "\n  ".join(lines)
+
+    def _searched(self) -> list[str]:
+        """The folders there are, and those of ROCK_RECORDS that are not."""
+        named = {Path(entry).absolute() for entry in _environment()}
+        searched = []
+        for folder in self.folders():
+            if folder.is_dir():
+                searched.append(str(folder))
+            elif folder.absolute() in named:
+                searched.append(f"{folder} (of ROCK_RECORDS; there is no such folder)")
+        return searched or ["no folder: there is none"]
 
     def _present(self) -> Iterator[str]:
         for folder in self.folders():
@@ -119,6 +133,10 @@ class Records:
                 yield from (path.name for path in folder.iterdir() if path.is_file())
             except OSError:
                 continue
+
+
+def _environment() -> list[str]:
+    return [entry for entry in os.environ.get("ROCK_RECORDS", "").split(os.pathsep) if entry]
 
 
 def _is_file(path: Path) -> bool:

@@ -64,6 +64,20 @@ def unused_symbols(study: Map, variations: Iterable[Variation]) -> list[str]:
     return [f"let.{name} is used nowhere" for name in varied if name not in used]
 
 
+def replaced_records(study: Map) -> list[str]:
+    """A sentence where an axis over whole records drops what the base case says of its record."""
+    base = ((study.get("case") or {}).get("motion") or {}).get("record") or {}
+    values = (study.get("vary") or {}).get("motion.record")
+    lost = [key for key, value in base.items() if key != "file" and value is not None]
+    listed = values if isinstance(values, list) else [values]
+    if not lost or not all(isinstance(value, str) for value in listed):
+        return []
+    keys = " and ".join(f"`{key}`" for key in lost)
+    return [
+        f"the axis motion.record replaces the whole record, {keys} with it; motion.record.file changes the file only"
+    ]
+
+
 def _names(value: Any) -> Iterator[str]:
     """Names in every text of a tree that is an expression."""
     if isinstance(value, dict):

@@ -138,7 +138,16 @@ def test_a_comparison_shows_the_difference() -> None:
 
 def test_nothing_overlaps() -> None:
     """Titles, labels and legends of the busiest figures keep clear of each other and inside the page."""
-    for kind, dataset in (("histories", histories(20)), ("phase", histories(20)), ("map", spectrum(with_label=True))):
+    long = histories(8, overturns=True).rename(R_m="record").assign_attrs(axes="record", title="A long title " * 12)
+    names = [f"a_record_with_a_long_name_{i}.AT2" for i in range(8)]
+    long = long.assign_coords(record=axis("record", "motion.record.file", names))
+    several = [(kind, long) for kind in ("histories", "phase")]
+    for kind, dataset in (
+        *several,
+        ("histories", histories(20)),
+        ("phase", histories(20)),
+        ("map", spectrum(with_label=True)),
+    ):
         figure = figures.figure(kind, dataset)
         figure.draw_without_rendering()
         page = figure.bbox

@@ -1,0 +1,85 @@
+"""What stands in a study and is hardly meant: wrong units, motions too weak to do anything."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Channel, Samples
+from rockcli.scene.models import MODELS
+from rockcli.study.motion import MOTION
+from rockcli.study.numbers import Numbers
+from rockcli.study.tree import Keys, value_at
+
+Array = NDArray[np.float64]
+
+STRONG = 3.0
+"""PGA above which its units are doubted [g]."""
+
+TALL = 200.0
+"""Height of a body above which its units are doubted [m]."""
+
+STILL = "nothing moves: there is no motion and no initial state"
+
+_RELATIVE = ("a_p_over_g_tan_alpha", "pga_over_g_tan_alpha", "scale", "pgv")
+"""Amplitudes that no wrong unit of acceleration can make too large."""
+
+
+def doubts_about(numbers: Numbers, batch: Batch) -> list[str]:
+    """Sentences about the cases of a batch."""
+    with np.errstate(all="ignore"):
+        said = [_too_weak(batch), _too_tall(batch), _too_strong(numbers, batch, MOTION, batch.excitation.horizontal)]
+        said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), batch.excitation.vertical))
+    return [sentence for sentence in said if sentence]
+
+
+def _too_tall(batch: Batch) -> str:
+    height = float(2.0 * batch.block.h.max())
+    return f"a body is {height:.4g} m high: are its sizes in metres?" if height > TALL else ""
+
+
+def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | None) -> str:
+    if channel is None:
+        return ""
+    kind = "record" if isinstance(channel, Samples) else "pulse"
+    given = value_at(numbers.tree, (*keys, kind)) or {}
+    largest = float((_pga(channel) / batch.g).max())
+    if largest <= STRONG or any(given.get(key) is not None for key in _RELATIVE):
+        return ""
+    which = "" if keys == MOTION else "vertical "
+    return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right (a_p and pga are in m/s^2)?"
+
+
+def _too_weak(batch: Batch) -> str:
+    """Where no case can uplift: the body stands and the motion nowhere reaches g tan(alpha) (or its linear form)."""
+    motion, vertical = batch.excitation.horizontal, batch.excitation.vertical
+    pair = (batch.model, batch.geometry)
+    if motion is None or pair not in MODELS or batch.damping.scheme == "fema356":
+        return ""
+    block = batch.block
+    alpha, tan_alpha = block.of_weak_edge(block.alpha), block.of_weak_edge(block.tan_alpha)
+    weight = 1.0 if vertical is None else 1.0 - _pga(vertical) / batch.g
+    pga = _pga(motion) / batch.g
+    over = pga / MODELS[pair].law(alpha, tan_alpha).threshold
+    moving = (batch.theta_0 != 0.0) | (batch.theta_dot_0 != 0.0)
+    if moving.any() or not (over < weight).all():
+        return ""
+    angle = "alpha" if batch.model == "linearized" else "tan alpha"
+    return f"{_name(motion)}: PGA {_words(pga)} g = {_words(over)} g {angle}: too weak to uplift"
+
+
+def _pga(channel: Channel) -> Array:
+    """Peak acceleration of every case, whole motion, (n,) [m/s^2]."""
+    if isinstance(channel, Samples):
+        return np.abs(channel.factor) * channel.measures["pga"]
+    return np.abs(channel.a_p)
+
+
+def _name(channel: Channel) -> str:
+    return channel.name if isinstance(channel, Samples) else f"the {channel.shape} pulse"
+
+
+def _words(values: Array) -> str:
+    low, high = (f"{end:.3g}" for end in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"

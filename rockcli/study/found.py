@@ -1,0 +1,87 @@
+"""What building the cases of a study shows: spacing, files, what was done to records, and what is hardly meant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Channel, Pulses, Samples
+from rockcli.study.doubts import STILL, doubts_about
+from rockcli.study.motion import MOTION
+from rockcli.study.numbers import Numbers
+from rockcli.study.scaling import Scaling, scaling_key
+from rockcli.study.tree import Keys, Map, value_at
+
+DT_OUT = 0.005
+"""Largest output spacing by default [s]."""
+
+
+@dataclass(eq=False)
+class Use:
+    """A record used in one way: the steps of its processing, and how it is scaled."""
+
+    steps: tuple[str, ...]
+    scaling: Scaling
+
+
+@dataclass(eq=False)
+class Found:
+    """What the cases of a study show: finest output spacing needed, files read and what was done to them.
+
+    `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
+    """
+
+    dt_out: float = DT_OUT
+    inputs: dict[str, str] = field(default_factory=dict)
+    uses: dict[str, Use] = field(default_factory=dict)
+    still: bool = True
+    models: dict[tuple[str, str | None], None] = field(default_factory=dict)
+    schemes: set[str] = field(default_factory=set)
+    doubted: dict[str, None] = field(default_factory=dict)
+
+    def look(self, numbers: Numbers, batch: Batch) -> None:
+        """Take note of a batch and of the numbers it was built from."""
+        self.models[batch.model, batch.geometry] = None
+        self.schemes.add(batch.damping.scheme)
+        self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
+        self.doubted |= dict.fromkeys(doubts_about(numbers, batch))
+        self._channel(numbers, batch, batch.excitation.horizontal, MOTION)
+        self._channel(numbers, batch, batch.excitation.vertical, (*MOTION, "vertical"))
+
+    def _channel(self, numbers: Numbers, batch: Batch, channel: Channel | None, keys: Keys) -> None:
+        self.still &= channel is None
+        if isinstance(channel, Pulses):
+            self.dt_out = min(self.dt_out, float(np.min(2.0 * np.pi / channel.omega_p)) / 200.0)
+        elif isinstance(channel, Samples):
+            self.dt_out = min(self.dt_out, channel.dt)
+            self._note(channel, Scaling.of(channel, batch, scaling_key(numbers.tree, keys)))
+
+    def _note(self, samples: Samples, scaling: Scaling) -> None:
+        name, k = samples.name, 1
+        while self.inputs.get(name, samples.sha256) != samples.sha256:  # two files of one name
+            k += 1
+            name = f"{samples.name} #{k}"
+        self.inputs[name] = samples.sha256
+        label, k = name, 1
+        while label in self.uses and not self._same_use(self.uses[label], samples, scaling):  # used in two ways
+            k += 1
+            label = f"{name} ({k})"
+        known = self.uses.get(label)
+        self.uses[label] = Use(samples.processing, scaling if known is None else known.scaling.with_(scaling))
+
+    @staticmethod
+    def _same_use(use: Use, samples: Samples, scaling: Scaling) -> bool:
+        return use.steps == samples.processing and use.scaling.key == scaling.key
+
+    def processing(self) -> dict[str, tuple[str, ...]]:
+        """What was done to each record, sentences in order, that about its scaling last."""
+        return {label: (*use.steps, use.scaling.sentence()) for label, use in self.uses.items()}
+
+    def doubts(self, study: Map) -> list[str]:
+        """Sentences about what is hardly meant."""
+        curves: Any = value_at(study, ("curves",))
+        nothing_moves = self.still and not curves and "fema356" not in self.schemes
+        return [STILL] * nothing_moves + list(self.doubted)

@@ -1,0 +1,178 @@
+"""Films of a body in motion: its shape, the part shown, the files, and what cannot be filmed."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from PIL import Image
+from plotting.columns import ALPHA, LENGTH, R, columns
+from typer.testing import CliRunner
+
+from rockcli.cli.main import app
+from rockcli.engine.animate import animate
+from rockcli.errors import StudyError
+from rockcli.plotting.animate import LONGEST, scenes
+from rockcli.plotting.shape import Body, body_of, motion_of, outline
+
+BODY = Body(0.3, 0.5, 4.0)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return written(columns(), tmp_path)
+
+
+def written(dataset: xarray.Dataset, folder: Path) -> Path:
+    path = folder / "columns.nc"
+    dataset.to_netcdf(path, engine="netcdf4")
+    return path
+
+
+@pytest.mark.parametrize("theta", [-0.5 * np.pi, -1.0, -0.05, 0.0, 0.05, 1.0, 0.5 * np.pi])
+@pytest.mark.parametrize("w_top", [0.0, 0.01, -0.4, 1.5, 30.0])
+def test_a_body_never_goes_below_the_ground_and_keeps_its_edge_on_it(theta, w_top):
+    points = outline(BODY, theta, w_top)
+    assert points[:, 1].min() >= -1e-8 * BODY.height
+    edge = BODY.right if theta > 0.0 else -BODY.left
+    assert np.hypot(points[:, 0] - edge, points[:, 1]).min() < 1e-9
+
+
+def test_a_rigid_body_keeps_its_size_and_its_top_is_where_the_solver_says():
+    points = outline(BODY, 0.3)
+    sides = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+    np.testing.assert_allclose(sorted(sides), [0.8, 0.8, 4.0, 4.0], rtol=1e-12)
+    corner = points[np.argmin(np.abs(points[:, 0] - points[:, 0].max()))]
+    np.testing.assert_allclose(corner, [0.5 + 4.0 * np.sin(0.3), 4.0 * np.cos(0.3)], rtol=1e-12)
+
+
+def test_the_top_of_a_column_moves_by_its_bending():
+    """The middle of the top lies where rotation and u_top_bending put it."""
+    w_top = 0.02
+    points = outline(BODY, 0.05, w_top)
+    top = 0.5 * (points[len(points) // 2 - 1] + points[len(points) // 2])
+    rigid = outline(BODY, 0.05)
+    moved = top - 0.5 * (rigid[1] + rigid[2])
+    np.testing.assert_allclose(moved, [w_top * np.cos(0.05), -w_top * np.sin(0.05)], atol=1e-12)
+
+
+def test_size_and_bending_come_from_the_dataset():
+    body = body_of(columns(), (1,))
+    assert body == Body(R * np.sin(ALPHA), R * np.sin(ALPHA), LENGTH)
+    motion = motion_of(columns(), (1,))
+    np.testing.assert_allclose(motion.w_top[50] * np.cos(motion.theta[50]), 0.05)
+    assert motion.bends
+    assert not motion_of(columns(), (0,)).bends
+    assert motion_of(columns(), (2,)).theta[-1] == -0.5 * np.pi
+
+
+def test_a_gif_has_its_pictures_and_its_speed(file: Path, tmp_path: Path):
+    out = tmp_path / "film.gif"
+    film = animate(file, out, at={"model": "flexible"}, start=0.0, end=1.0, fps=10, magnify=30)
+    with Image.open(out) as image:
+        assert image.n_frames == film.pictures == 11
+        assert image.info["duration"] == 100
+        assert image.info["loop"] == 0
+        first = np.asarray(image.convert("RGB")).astype(int)
+        assert (first[2, 2] == 255).all()
+        image.seek(5)
+        other = np.asarray(image.convert("RGB")).astype(int)
+    assert (np.abs(first - other).max(axis=2) > 60).sum() > 300
+    assert out.stat().st_size < 1_000_000
+    assert list(tmp_path.glob(".*")) == []
+
+
+def test_speed_stretches_the_film(file: Path, tmp_path: Path):
+    film = animate(file, tmp_path / "film.gif", case=2, start=0.5, end=1.0, fps=5, speed=0.25)
+    assert film.pictures == 11
+
+
+def test_the_response_is_shown_and_no_more_than_is_watched():
+    long = columns(ends=60.0)
+    shown = scenes(long, (0,), step=0.1)
+    assert shown.times[0] == 0.0
+    assert shown.times[-1] <= 30.0
+    slow = scenes(long, (0,), step=0.1, speed=0.5)
+    assert slow.times[-1] - slow.times[0] == pytest.approx(0.5 * LONGEST)
+    assert "--start" in slow.note
+    fall = scenes(long, (2,), step=0.02, speed=0.1)
+    known = np.isfinite(long["theta"].values[2])
+    assert fall.times[-1] == pytest.approx(long["time"].values[known][-1])
+    assert scenes(long, (0,), step=0.1, start=0.0, end=50.0).times[-1] == pytest.approx(50.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--out", "film.avi"], "a .gif or an .mp4"),
+        (["--at", "model=concrete"], "rigid, flexible, fallen"),
+        (["--at", "colour=red"], "the axes are model"),
+        (["--at", "model"], "AXIS=VALUE"),
+        (["--case", "4"], "1 to 3"),
+        (["--case", "1", "--at", "model=rigid"], "one of them"),
+        (["--speed", "0"], "--speed"),
+        (["--fps", "100"], "up to 50"),
+        (["--magnify", "nan"], "--magnify"),
+        (["--case", "1", "--magnify", "5"], "does not bend"),
+        (["--start", "3", "--end", "2"], "nothing to show"),
+        (["--start", "0", "--end", "90"], "goes from 0 to"),
+        (["--start", "0", "--end", "3.9", "--speed", "1e-3"], "pictures"),
+    ],
+    ids=lambda x: " ".join(x) if isinstance(x, list) else "",
+)
+def test_what_cannot_be_filmed_is_said(options, words, file: Path, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(app, ["animate", str(file), *options])
+    assert isinstance(result.exception, StudyError)
+    assert result.exception.exit_code == 2
+    assert words in str(result.exception)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["columns.nc"]
+
+
+def test_no_histories_no_film(tmp_path: Path):
+    file = written(columns().drop_dims("time"), tmp_path)
+    with pytest.raises(StudyError, match=r"no histories \(save"):
+        animate(file)
+
+
+def test_a_case_without_an_answer_is_no_film(tmp_path: Path):
+    dataset = columns()
+    dataset["theta"][0] = np.nan
+    with pytest.raises(StudyError, match="no history to show"):
+        animate(written(dataset, tmp_path), case=1)
+
+
+def test_the_command_says_what_it_wrote_and_what_it_left_out(file: Path):
+    result = CliRunner().invoke(app, ["animate", str(file), "--end", "0.5", "--fps", "10"])
+    assert result.exit_code == 0
+    assert str(file.parent / "animation.gif") in result.output
+    assert "model (rigid, flexible, fallen)" in result.output
+
+
+def test_mp4_needs_ffmpeg(file: Path, tmp_path: Path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path / "nothing"))
+    with pytest.raises(StudyError, match="needs the program ffmpeg"):
+        animate(file, tmp_path / "film.mp4")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a shell script stands for ffmpeg")
+@pytest.mark.parametrize("works", [True, False])
+def test_ffmpeg_is_given_every_picture(works: bool, file: Path, tmp_path: Path, monkeypatch):
+    """A program that keeps what it is given, or one that fails."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    script = 'eval "out=\\${$#}"\ncat > "$out"\n' if works else "echo no such codec >&2\nexit 1\n"
+    (folder / "ffmpeg").write_text(f"#!/bin/sh\n{script}")
+    (folder / "ffmpeg").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}{os.pathsep}{os.environ['PATH']}")
+    out = tmp_path / "film.mp4"
+    if works:
+        film = animate(file, out, end=0.5, fps=10)
+        assert out.stat().st_size == film.pictures * 640 * 560 * 3
+    else:
+        with pytest.raises(StudyError, match="no such codec"):
+            animate(file, out, end=0.5, fps=10)
+        assert not out.exists()
