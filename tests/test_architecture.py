@@ -34,6 +34,7 @@ DOORS = {
     "xarray": "storage",
     "netCDF4": "storage",
     "matplotlib": "plotting",
+    "PIL": "plotting",
     "obspy": "motion",
     "numba": "kernels",
 }

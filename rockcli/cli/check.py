@@ -16,14 +16,16 @@ def check(
         list[Path], typer.Argument(metavar="STUDY.yaml|FOLDER...", help="Studies; folders are searched.")
     ],
     settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2.")
+        list[str] | None,
+        typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
     ] = None,
     skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Errors only.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON list instead of tables.")] = False,
 ) -> None:
     """Read studies and show what they would do.
 
-    Counts the cases and prints the first: block, accelerations in g and over g tan(alpha), cost.  Solves nothing.
+    Counts the cases and prints the first: body, model, motion in g and over g tan(alpha), cost.  Solves nothing.
     """
     from rockcli.cli.progress import counted
     from rockcli.cli.sources import open_all
@@ -38,8 +40,13 @@ def check(
         if not quiet:
             for warning in found.warnings:
                 typer.echo(f"rock: {found.name}: warning: {warning}", err=True)
+        if not quiet and not as_json:
             typer.echo(_text(found))
-    if len(previews) > 1 and not quiet:
+    if as_json:
+        import json
+
+        typer.echo(json.dumps([found.as_dict() for found in previews], indent=2))
+    elif len(previews) > 1 and not quiet:
         typer.echo(f"{counted(len(previews), 'study')}, {counted(sum(found.cases for found in previews), 'case')}")
 
 
@@ -50,14 +57,22 @@ def _text(found: Preview) -> str:
     axes = " x ".join(f"{points} {name}" for name, _, points in found.axes)
     lines.append(_row("cases", f"{found.cases}" + (f" = {axes}" if axes else "")))
     first = " (first case)" if found.cases > 1 else ""
-    lines.append(f"  block{first}")
-    lines += [f"    {name:<24} {value:.6g}" for name, value in found.block.items()]
-    lines.append(f"  motion{first}")
-    lines += [f"    {name:<24} {v if isinstance(v, str) else f'{v:.6g}'}" for name, v in found.motion.items()]
+    sections = {"body": found.body, "model": found.model, "motion": found.motion}
+    width = max(len(row.words) for rows in sections.values() for row in rows)
+    for name, rows in sections.items():
+        lines.append(f"  {name}{first}")
+        lines += [f"    {row.words:<{width}}  {_shown(row.value)}" for row in rows]
+    for name, steps in found.processing.items():
+        lines.append(f"  record {name}")
+        lines += [f"    {step}" for step in steps]
     lines.append(_row("backend", found.backend))
     size = f", {found.megabytes:.3g} MB of histories at most" if found.megabytes else ""
     lines.append(_row("cost", f"about {duration(found.seconds)}{size}"))
     return "\n".join(lines)
+
+
+def _shown(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.6g}"
 
 
 def _row(name: str, words: str) -> str:

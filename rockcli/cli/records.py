@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,37 +11,60 @@ import typer
 if TYPE_CHECKING:
     from rockcli.motion.motion import Motion
 
-app = typer.Typer(help="Look at ground-motion records and convert them.", no_args_is_help=True)
+app = typer.Typer(
+    help="Look at ground-motion records and convert them.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
 
-Component = Annotated[str | None, typer.Option(help="Which one of several: its name, or its place from 0.")]
-Units = Annotated[str | None, typer.Option(help="Of the values, where the format does not say: g, m/s2, cm/s2, gal.")]
-TimeStep = Annotated[float | None, typer.Option("--dt", help="Time step [s], where the format does not say.")]
-Gravity = Annotated[float, typer.Option("--g", help="Gravity [m/s2] by which values in g are turned into m/s2.")]
+STANDARD_G = 9.81
+"""The default g of studies [m/s2]."""
+
+Component = Annotated[
+    str | None, typer.Option(metavar="NAME|N", help="Which one of several: its name, or its place from 0.")
+]
+Units = Annotated[
+    str | None,
+    typer.Option(metavar="g|m/s2|cm/s2|gal|mm/s2", help="Units of the values, where the format does not say."),
+]
+TimeStep = Annotated[
+    float | None, typer.Option("--dt", metavar="SECONDS", help="Time step [s], where the format does not say.")
+]
+Gravity = Annotated[float, typer.Option("--g", metavar="G", help="What 1 g is [m/s2], between values in g and m/s2.")]
 
 
 @app.command()
 def info(
-    files: Annotated[list[Path], typer.Argument(help="Records.", show_default=False)],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Records.", show_default=False)],
     component: Component = None,
     units: Units = None,
     dt: TimeStep = None,
-    g: Gravity = 9.81,
+    g: Gravity = STANDARD_G,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON list instead of a table.")] = False,
 ) -> None:
-    """Length, time step and measures of records as they stand in their files, without any processing."""
+    """Say what records are: length, time step and measures as they stand in their files, without any processing."""
     import json as json_module
 
-    from rockcli.motion.reading import read_record
+    from rockcli.errors import RecordError
 
-    motions = [(file, read_record(file, component=_component(component), units=units, dt=dt)) for file in files]
-    rows = [{"file": str(file), **_facts(motion, g)} for file, motion in motions]
+    rows: list[dict[str, Any]] = []
+    complaints: list[RecordError] = []
+    for file in files:
+        try:
+            rows.append({"file": str(file), **_facts(_read(file, component, units, dt), g)})
+        except RecordError as error:
+            complaints.append(error)
+            continue
+        if not json:
+            typer.echo(("\n" if len(rows) > 1 else "") + _table(rows[-1]))
     if json:
         typer.echo(json_module.dumps(rows, indent=2))
-        return
-    for i, row in enumerate(rows):
-        if i:
-            typer.echo()
-        typer.echo(_table(row))
+    for complaint in complaints[:-1]:
+        typer.echo(f"rock: {complaint}", err=True)
+    if complaints:
+        raise complaints[-1]
 
 
 @app.command()
@@ -50,13 +74,12 @@ def convert(
     component: Component = None,
     units: Units = None,
     dt: TimeStep = None,
-    g: Annotated[float, typer.Option("--g", help="What 1 g is [m/s2], for a record in m/s2 written in g.")] = 9.80665,
+    g: Gravity = STANDARD_G,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is already there.")] = False,
 ) -> None:
     """Write a record as AT2 (values in g) or as two columns, time and acceleration (in the units read)."""
     from rockcli.errors import RecordError
     from rockcli.motion.at2 import write_at2
-    from rockcli.motion.reading import read_record
     from rockcli.motion.writing import write_two_columns
 
     kind = target.suffix.lower()
@@ -64,7 +87,7 @@ def convert(
         raise RecordError(f"the name ends in {target.suffix!r}; expected .AT2 or .txt, which says the format", target)
     if not g > 0.0:
         raise RecordError(f"--g is {g}; expected m/s2, above zero", target)
-    motion = read_record(source, component=_component(component), units=units, dt=dt)
+    motion = _read(source, component, units, dt)
     if kind == ".txt":
         title = f"converted from {motion.name} ({motion.format})"
         write_two_columns(target, motion.values, motion.dt, motion.units, title, force=force)
@@ -74,6 +97,23 @@ def convert(
     for remark in motion.warnings:
         typer.echo(f"{source}: {remark}", err=True)
     typer.echo(f"{target}: {len(motion.values)} values, dt {motion.dt:g} s", err=True)
+
+
+def _read(file: Path, component: str | None, units: str | None, dt: float | None) -> Motion:
+    """The record; what is wrong with it is said in the words of the command line.
+
+    Raises:
+        RecordError: it cannot be read, or not without more options.
+    """
+    from rockcli.errors import RecordError
+    from rockcli.motion.options import OptionError
+    from rockcli.motion.reading import read_record
+
+    try:
+        return read_record(file, component=_component(component), units=units, dt=dt)
+    except OptionError as error:
+        message = re.sub(r"`(units|dt|component):?`", r"--\1", error.message)
+        raise RecordError(message, error.file, error.line) from None
 
 
 def _component(text: str | None) -> str | int | None:

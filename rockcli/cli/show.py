@@ -10,12 +10,12 @@ import typer
 
 def show(
     topic: Annotated[
-        str, typer.Argument(metavar="models|backends|variables|pulses|plots|schema", help="What to list.")
+        str, typer.Argument(metavar="models|backends|variables|symbols|pulses|plots|schema", help="What to list.")
     ],
 ) -> None:
     """List what there is to choose from.
 
-    Models, backends, variables of the dataset, pulses, plots; or the schema of a study as JSON.
+    Models, backends, variables of the dataset, symbols of expressions, pulses, plots; or the schema of a study as JSON.
     """
     from rockcli.errors import StudyError
 
@@ -25,9 +25,13 @@ def show(
 
 
 def _models() -> str:
-    from rockcli.scene.models import MODELS
+    from rockcli.scene.models import CONTINUUM, FLEXIBLE, MODELS
 
     rows = [(m.name, m.geometry or "-", m.reference, m.sentence) for m in MODELS.values()]
+    rows.append(
+        (FLEXIBLE, "-", "-", "the deformable column on a rigid or Winkler base, event-driven (docs/flexible.md)")
+    )
+    rows.append((CONTINUUM, "-", "-", "the same body as a full mesh, solved by CalculiX (docs/calculix.md)"))
     return _table(("model", "geometry", "equation", "good for"), rows)
 
 
@@ -42,11 +46,22 @@ def _backends() -> str:
 
 
 def _variables() -> str:
+    from rockcli.scene.response import OUTCOMES
     from rockcli.scene.variables import VARIABLES
 
     beside = {"case": "axes", "time": "axes, time", "impact": "axes, impact", "rotation": "axes, rotation"}
     rows = [(v.name, beside[v.over], v.unit, v.sentence) for v in VARIABLES.values()]
-    return _table(("variable", "over", "unit", "meaning"), rows)
+    outcomes = ", ".join(f"{flag} {name}" for flag, name in sorted(OUTCOMES.items()))
+    return f"{_table(('variable', 'over', 'unit', 'meaning'), rows)}\n\noutcome: {outcomes}"
+
+
+def _symbols() -> str:
+    from rockcli.study.expressions import FUNCTIONS, MEANINGS, UNITS
+
+    rows = [*MEANINGS.items(), ("pi", "3.14159...")]
+    rows += [(name, f"unit, {size:.10g} in SI") for name, size in UNITS.items()]
+    rows += [(f"{name}(x)", "function") for name in FUNCTIONS]
+    return _table(("symbol", "meaning"), rows) + "\n\noperators: + - * / ** ( ); own symbols: `let` of the study"
 
 
 def _pulses() -> str:
@@ -74,6 +89,7 @@ _TOPICS: dict[str, Callable[[], str]] = {
     "models": _models,
     "backends": _backends,
     "variables": _variables,
+    "symbols": _symbols,
     "pulses": _pulses,
     "plots": _plots,
     "schema": _schema,

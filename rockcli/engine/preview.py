@@ -9,33 +9,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.choose import choose
+from rockcli.engine.cost import STARTING, seconds_per_case
 from rockcli.engine.limits import HISTORIES_AT_MOST, histories_size
 from rockcli.engine.measures import peaks
 from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT, Block
 from rockcli.scene.excitation import Channel, Pulses, Samples
+from rockcli.scene.models import MODELS
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
 
-WARNED_ABOUT = 20_000
-"""Cases looked at for warnings."""
+LOOKED_AT = 20_000
+"""Cases looked at for warnings and cost."""
 
-STARTING = 0.5
-"""Seconds for loading compiled kernels."""
 
-SECONDS_PER_PULSE, SECONDS_PER_SAMPLE = 1e-4, 1e-6
-"""Order of magnitude of the work of one case, compiled: a pulse; one sample of a record."""
+@dataclass(frozen=True)
+class Row:
+    """A line of a preview: `key` for programs, `words` (with the unit) for people."""
+
+    key: str
+    words: str
+    value: float | str
 
 
 @dataclass(frozen=True)
 class Preview:
-    """A study before it is solved.
+    """A study before it is solved; all but `cases`, `axes`, cost and warnings are those of the first case.
 
     Attributes:
         cases: how many; axes: (name, path, points) outermost first.
-        block: symbol -> value of the first case, SI units and radians.
-        motion: words -> value of the first case: accelerations in g and over g tan(alpha).
+        body: size, mass and friction; both edges of an asymmetric body.
+        model: model, geometry, damping, initial state.
+        motion: accelerations in g and over that of uplift; of a record also its scaling.
+        processing: what was done to the records, a sentence each.
         backend: name, or why there is none.
         seconds: estimated time of the solution, order of magnitude; megabytes: of histories, 0 if not saved.
         warnings: about the study and its cases (of a large study, about its first cases).
@@ -45,12 +53,37 @@ class Preview:
     title: str
     cases: int
     axes: tuple[tuple[str, str, int], ...]
-    block: dict[str, float]
-    motion: dict[str, float | str]
+    body: tuple[Row, ...]
+    model: tuple[Row, ...]
+    motion: tuple[Row, ...]
+    processing: dict[str, tuple[str, ...]]
     backend: str
     seconds: float
     megabytes: float
     warnings: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same for programs: sections as {key: value}, SI units and radians, NaN as None."""
+        sections = {
+            name: {row.key: _plain(row.value) for row in rows}
+            for name, rows in (("body", self.body), ("model", self.model), ("motion", self.motion))
+        }
+        return {
+            "name": self.name,
+            "title": self.title,
+            "cases": self.cases,
+            "axes": [{"name": name, "path": path, "points": points} for name, path, points in self.axes],
+            "first_case": sections,
+            "processing": {name: list(steps) for name, steps in self.processing.items()},
+            "backend": self.backend,
+            "seconds": self.seconds,
+            "megabytes": self.megabytes,
+            "warnings": list(self.warnings),
+        }
+
+
+def _plain(value: float | str) -> float | str | None:
+    return value if isinstance(value, str) or np.isfinite(value) else None
 
 
 def preview(study: Study) -> Preview:
@@ -61,61 +94,134 @@ def preview(study: Study) -> Preview:
 
 def _preview(study: Study) -> Preview:
     _, batch = next(iter(study.batches(np.array([0]))))
-    said = [w for _, part in study.batches(np.arange(min(study.size, WARNED_ABOUT))) for w in part.warnings]
-    try:
-        backend = choose(batch).name
-    except SolverError as error:
-        backend = str(error)
+    looked_at = min(study.size, LOOKED_AT)
+    said: list[str] = []
+    seconds = 0.0
+    for indices, part in study.batches(np.arange(looked_at)):
+        said += part.warnings
+        seconds += len(indices) * seconds_per_case(part, _backend(part))
     return Preview(
         name=study.name,
         title=study.title,
         cases=study.size,
         axes=tuple((axis.name, axis.path, axis.size) for axis in study.axes),
-        block=_block(batch),
-        motion=_motion(batch),
-        backend=backend,
-        seconds=STARTING + study.size * _seconds(batch),
+        body=tuple(_body(batch)),
+        model=tuple(_model(batch)),
+        motion=tuple(_motion(batch)),
+        processing=study.processing,
+        backend=_backend(batch),
+        seconds=STARTING + seconds * study.size / looked_at,
         megabytes=histories_size(study, HISTORIES_AT_MOST).bytes / 1e6,
         warnings=tuple(dict.fromkeys((*study.warnings, *said))),
     )
 
 
-def _block(batch: Batch) -> dict[str, float]:
+def _backend(batch: Batch) -> str:
+    try:
+        return choose(batch).name
+    except SolverError as error:
+        return str(error)
+
+
+def _body(batch: Batch) -> list[Row]:
     block = batch.block
-    both = {"R [m]": block.R, "alpha [rad]": block.alpha, "tan alpha": block.tan_alpha, "p [rad/s]": batch.p}
-    table = {name: float(block.of_weak_edge(values)[0]) for name, values in both.items()}
-    table["height 2h [m]"] = float(2.0 * block.h[0])
-    table["width [m]"] = float(block.b[0].sum())
-    table["eta"] = float(block.of_weak_edge(batch.damping.eta)[0])
-    return table
+    rows = []
+    for name, words, both in (
+        ("R", "R [m]", block.R),
+        ("alpha", "alpha [rad]", block.alpha),
+        ("tan_alpha", "tan alpha", block.tan_alpha),
+        ("p", "p [rad/s]", batch.p),
+    ):
+        rows += [Row(f"{name}{key}", f"{words}{side}", float(both[0, edge])) for key, side, edge in _edges(block)]
+    rows += [
+        Row("height", "height 2h [m]", float(2.0 * block.h[0])),
+        Row("width", "width [m]", float(block.b[0].sum())),
+        Row("mass", "mass [kg]", float(block.mass[0])),
+        Row("mu", "friction mu", float(block.mu[0])),
+    ]
+    return [row for row in rows if not np.isnan(row.value)]
 
 
-def _motion(batch: Batch) -> dict[str, float | str]:
-    g, tan_alpha = float(batch.g[0]), float(batch.block.of_weak_edge(batch.block.tan_alpha)[0])
-    table: dict[str, float | str] = {"uplift at [g]": tan_alpha}
-    table |= _channel(batch.excitation.horizontal, batch.excitation.duration, g, tan_alpha, "")
+def _edges(block: Block) -> list[tuple[str, str, int]]:
+    """Ends of keys and of words, and the column, of each edge; one for a symmetric body."""
+    if block.symmetric[0]:
+        return [("", "", LEFT)]
+    return [("_left", ", left edge", LEFT), ("_right", ", right edge", RIGHT)]
+
+
+def _model(batch: Batch) -> list[Row]:
+    damping, column = batch.damping, batch.column
+    rows = [Row("model", "model", batch.model)]
+    if batch.geometry is not None:
+        rows.append(Row("geometry", "geometry", batch.geometry))
+    if column is not None and np.isfinite(column.E[0]):
+        rows += [
+            Row("E", "column E [Pa]", float(column.E[0])),
+            Row("rho", "column rho [kg/m3]", float(column.rho[0])),
+            Row("zeta", "column zeta", float(column.zeta[0])),
+        ]
+    if batch.base is not None and batch.base.kw is not None:
+        rows.append(Row("kw", "base kw [N/m3]", float(batch.base.kw[0])))
+    rows.append(Row("damping", "damping", damping.scheme))
+    if damping.scheme in ("restitution", "fema356"):
+        rows += [Row(f"eta{key}", f"eta{side}", float(damping.eta[0, edge])) for key, side, edge in _edges(batch.block)]
+    if damping.scheme == "dashpot" and damping.coefficient is not None:
+        rows.append(Row("coefficient", "dashpot coefficient", float(damping.coefficient[0])))
+    if damping.scheme == "hht" and damping.alpha_d is not None:
+        rows.append(Row("alpha_d", "hht alpha_d", float(damping.alpha_d[0])))
+    rows += [
+        Row("theta_0", "initial theta [rad]", float(batch.theta_0[0])),
+        Row("theta_dot_0", "initial rate [rad/s]", float(batch.theta_dot_0[0])),
+    ]
+    return rows
+
+
+def _motion(batch: Batch) -> list[Row]:
+    """Uplift at g tan(alpha), or g alpha of the linearised block; measures of the motion as it is used."""
+    block, pair = batch.block, (batch.model, batch.geometry)
+    alpha, tan_alpha = block.of_weak_edge(block.alpha)[:1], block.of_weak_edge(block.tan_alpha)[:1]
+    uplift = float((MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha)[0])
+    rows = [Row("uplift_g", "uplift at [g]", uplift)]
+    rows += _channel(batch, batch.excitation.horizontal, uplift, "")
     if batch.excitation.vertical is not None:
-        table |= _channel(batch.excitation.vertical, batch.excitation.duration, g, tan_alpha, "vertical ")
-    return table
+        rows += _channel(batch, batch.excitation.vertical, None, "vertical ")
+    if np.isfinite(duration := float(batch.excitation.duration[0])):
+        rows.append(Row("duration", "duration [s]", duration))
+    return rows
 
 
-def _channel(
-    channel: Channel | None, duration: Array, g: float, tan_alpha: float, which: str
-) -> dict[str, float | str]:
+def _channel(batch: Batch, channel: Channel | None, uplift: float | None, which: str) -> list[Row]:
+    key = which.replace(" ", "_")
     if channel is None:
-        return {f"{which}motion": "none (free rocking)"}
-    pga, pgv = (float(values[0]) for values in peaks(channel, len(duration), duration))
-    what: dict[str, Any] = {f"{which}motion": channel.shape if isinstance(channel, Pulses) else channel.name}
+        return [Row(f"{key}motion", f"{which}motion", "none (free rocking)")]
+    g = float(batch.g[0])
+    pga, pgv = (float(values[0]) for values in peaks(channel, batch.size, batch.excitation.duration))
     if isinstance(channel, Pulses):
-        what["omega_p [rad/s]"] = float(channel.omega_p[0])
-    return what | {
-        f"{which}PGA [m/s2]": pga,
-        f"{which}PGA [g]": pga / g,
-        f"{which}PGA over g tan alpha": pga / (g * tan_alpha),
-        f"{which}PGV [m/s]": pgv,
-    }
+        rows = [
+            Row(f"{key}motion", f"{which}motion", f"{channel.shape} pulse"),
+            Row(f"{key}a_p", f"{which}a_p [m/s2]", float(channel.a_p[0])),
+            Row(f"{key}omega_p", f"{which}omega_p [rad/s]", float(channel.omega_p[0])),
+        ]
+    else:
+        rows = _record(channel, g, which, key)
+    rows += [
+        Row(f"{key}pga", f"{which}PGA [m/s2]", pga),
+        Row(f"{key}pga_g", f"{which}PGA [g]", pga / g),
+        Row(f"{key}pgv", f"{which}PGV [m/s]", pgv),
+    ]
+    if uplift is not None:
+        angle = "alpha" if batch.model == "linearized" else "tan alpha"
+        rows.append(Row("pga_over_uplift", f"PGA over g {angle}", pga / (g * uplift)))
+    return rows
 
 
-def _seconds(batch: Batch) -> float:
-    motion = batch.excitation.horizontal
-    return SECONDS_PER_SAMPLE * len(motion.values) if isinstance(motion, Samples) else SECONDS_PER_PULSE
+def _record(samples: Samples, g: float, which: str, key: str) -> list[Row]:
+    raw = samples.measures
+    return [
+        Row(f"{key}motion", f"{which}motion", samples.name),
+        Row(f"{key}dt", f"{which}time step [s]", samples.dt),
+        Row(f"{key}end", f"{which}length [s]", samples.end),
+        Row(f"{key}pga_raw_g", f"{which}PGA in the file [g]", raw.get("pga_raw", np.nan) / g),
+        Row(f"{key}pgv_raw", f"{which}PGV in the file [m/s]", raw.get("pgv_raw", np.nan)),
+        Row(f"{key}factor", f"{which}factor", float(samples.factor[0])),
+    ]

@@ -16,7 +16,7 @@ from matplotlib.patches import Polygon
 from rockcli.errors import StudyError
 from rockcli.plotting.cases import Array, number_at, outcome_at
 from rockcli.plotting.film import Picture
-from rockcli.plotting.labels import G, title_of
+from rockcli.plotting.labels import title_of, unit_g
 from rockcli.plotting.response import SHOWN_UP_TO, over_alpha, window
 from rockcli.plotting.shape import Body, body_of, motion_of, outline
 from rockcli.plotting.style import COLOURS, QUIET, RC, headline
@@ -141,7 +141,7 @@ class _Stage:
         self.markers: list[tuple[Line2D, Line2D, Array]] = []
         ratio = over_alpha(dataset, position, motion.theta)
         if moving:
-            self._trace(panels[1], motion.time, motion.a_g / G, "$a_g$ [g]", "#333333")
+            self._trace(panels[1], motion.time, motion.a_g / unit_g(dataset), "$a_g$ [g]", "#333333")
             panels[1].tick_params(labelbottom=False)
         self._trace(panels[-1], motion.time, ratio, r"$\theta/\alpha$", COLOURS[0])
         panels[-1].set_xlabel("time [s]")

@@ -65,7 +65,7 @@ def _write_gif(path: Path, pictures: Iterator[Picture], count: int, step: float)
     palette = first.quantize(_COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
 
     colours = np.array(palette.getpalette(), dtype=np.uint8).reshape(-1, 3)
-    colours[np.argmax(colours.sum(axis=1, dtype=int))] = 255  # the paper stays white
+    colours[colours.min(axis=1) > 245] = 255  # the paper stays white
     palette.putpalette(colours.tobytes())
 
     def reduced(picture: Image.Image) -> Image.Image:

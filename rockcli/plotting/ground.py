@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from rockcli.plotting.cases import Array, axes_of, group_label, number_at, values_at
-from rockcli.plotting.labels import G
+from rockcli.plotting.labels import unit_g
 from rockcli.plotting.style import COLOURS, QUIET
 
 if TYPE_CHECKING:
@@ -57,9 +57,10 @@ def motions(dataset: xarray.Dataset, positions: list[Position]) -> list[Motion]:
     if "a_g" not in dataset.variables:
         return []
     found: list[Motion] = []
+    g = unit_g(dataset)
     for number, position in enumerate(positions):
-        a = values_at(dataset, "a_g", position) / G
-        v = values_at(dataset, "a_v", position) / G if "a_v" in dataset.variables else None
+        a = values_at(dataset, "a_g", position) / g
+        v = values_at(dataset, "a_v", position) / g if "a_v" in dataset.variables else None
         v = v if v is not None and np.nanmax(np.abs(v), initial=0.0) > 0.0 else None
         for motion in found:
             scale = _scale(motion.horizontal, a)

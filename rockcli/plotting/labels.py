@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,8 +13,10 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-G = 9.81
-"""Unit of acceleration in plots [m/s^2], whatever the g of the study."""
+_STANDARD_G = 9.81
+
+_G_OF_CASE = re.compile(r"^case:\n(?:[ -].*\n)*?  g: '?([-+.\deE]+)'?$", re.MULTILINE)
+"""The number `g` of the case in the resolved study."""
 
 _SYMBOLS: dict[str, str] = {
     "tan_alpha": r"$\tan\alpha$",
@@ -72,9 +75,19 @@ def axis_label(dataset: xarray.Dataset, axis: str) -> str:
     return axis_symbol(dataset, axis) + unit_in_brackets(unit)
 
 
+def unit_g(dataset: xarray.Dataset) -> float:
+    """Unit of acceleration in plots [m/s^2]: the g of the study's case; 9.81 where it is not told or is varied."""
+    varied = any(str(item.attrs.get("long_name")) == "g" for item in dataset.coords.values())
+    told = None if varied else _G_OF_CASE.search(str(dataset.attrs.get("study", "")))
+    try:
+        return float(told.group(1)) if told else _STANDARD_G
+    except ValueError:
+        return _STANDARD_G
+
+
 def axis_values(dataset: xarray.Dataset, axis: str) -> NDArray[np.float64]:
     """Coordinates of a numeric axis in the unit of its label."""
-    return np.asarray(dataset[axis].values, dtype=float) / (G if _in_g(dataset, axis) else 1.0)
+    return np.asarray(dataset[axis].values, dtype=float) / (unit_g(dataset) if _in_g(dataset, axis) else 1.0)
 
 
 def _in_g(dataset: xarray.Dataset, axis: str) -> bool:

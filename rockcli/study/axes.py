@@ -144,7 +144,11 @@ class _Reader:
                 raise StudyError(f"paths of axes begin inside the case: {text.removeprefix('case.')!r}")
             self.path = resolve(text)
         except StudyError as error:
-            several = "" if "." in text else "; settings that change several keys at once go under the axis `case`"
+            several = (
+                ""
+                if "." in text or "did you mean" in error.message
+                else "; settings that change several keys at once go under the axis `case`"
+            )
             raise source.placed(place(study, ("vary", text)), f"vary: {error.message}{several}") from None
 
     def fail(self, message: str, *more: str | int) -> StudyError:

@@ -50,6 +50,17 @@ CONSTANTS: dict[str, float] = {"pi": float(np.pi), **UNITS}
 SYMBOLS: tuple[str, ...] = ("R", "alpha", "tan_alpha", "b", "h", "p")
 """What the block of a case is called in expressions; `g` beside them is known before the block."""
 
+MEANINGS: dict[str, str] = {
+    "g": "acceleration of gravity [m/s^2], case.g",
+    "R": "distance from the edge to the centre of mass [m]",
+    "alpha": "slenderness angle atan(b/h) [rad]",
+    "tan_alpha": "b/h [1]",
+    "b": "distance from the centre of mass to the edge [m]",
+    "h": "height of the centre of mass above the base [m]",
+    "p": "frequency parameter sqrt(m g R/I_O) [rad/s]; not in the block itself",
+}
+"""What the symbols of a case mean; of an asymmetric body they are those of the edge with the smaller alpha."""
+
 FUNCTIONS: dict[str, Callable[[Any], Any]] = {
     "sqrt": np.sqrt,
     "sin": np.sin,

@@ -56,8 +56,8 @@ class BlockPart(Part):
     top: Number | None = key("height of the point whose displacement is reported [m]; default 2h")
     mass: Number | None = key("mass [kg]")
     mu: Number | None = key("coefficient of friction of the base [1]")
-    outline: Any | None = key("polygon [[x, z], ...] or FILE.csv [m]")
-    density: Number | None = key("density of the outline [kg/m^3]")
+    outline: Any | None = key("polygon [[x, z], ...] or FILE.csv [m] (not in this version)")
+    density: Number | None = key("density of the outline [kg/m^3] (not in this version)")
 
 
 class PulsePart(Part):
@@ -111,7 +111,9 @@ class ResamplePart(Part):
 class RecordPart(Part):
     """A recorded motion; the keys are applied in this order, nothing by default."""
 
-    file: Files = key("file name, sought beside the study, in records/ folders and in ROCK_RECORDS", ...)
+    file: Files = key(
+        "file name, sought beside the study, in records/ folders and in ROCK_RECORDS; two (not in this version)", ...
+    )
     component: str | int | None = key("which component of a file with several, by name or place from 0")
     units: Text | None = key("units of the file's values, for files that do not say")
     dt: Number | None = key("time step [s], for files that do not say")
@@ -127,7 +129,7 @@ class RecordPart(Part):
     pgv: Number | None = key("peak velocity wanted [m/s]")
     pga_over_g_tan_alpha: Number | None = key("peak acceleration wanted over g tan(alpha) [1]")
     polarity: Number | None = key("1 or -1")
-    angle: Number | None = key("direction of the motion between two horizontal components [rad]")
+    angle: Number | None = key("direction of the motion between two horizontal components [rad] (not in this version)")
 
 
 class VerticalPart(Part):
@@ -156,8 +158,8 @@ class InitialPart(Part):
 class ModelPart(Part):
     """The model by name, with what it needs."""
 
-    name: Literal[MODEL_NAMES] = key("model", "rigid")  # type: ignore[valid-type]
-    tolerance: Number | None = key("auto: error of theta_peak_over_alpha allowed [1]")
+    name: Literal[MODEL_NAMES] = key("model; auto (not in this version)", "rigid")  # type: ignore[valid-type]
+    tolerance: Number | None = key("auto: error of theta_peak_over_alpha allowed [1] (not in this version)")
 
 
 class ColumnPart(Part):
@@ -226,7 +228,9 @@ class CasePart(Part):
     block: BlockPart = key("the body", ...)
     motion: MotionPart = key("ground motion; none = free rocking", MotionPart.model_construct())
     initial: InitialPart = key("state at t = 0", InitialPart.model_construct())
-    model: ModelPart = key("rigid, linearized, 1, 2, 3, 4, flexible, continuum or auto", ModelPart.model_construct())
+    model: ModelPart = key(
+        "rigid, linearized, 1, 2, 3, 4, flexible, continuum; auto (not in this version)", ModelPart.model_construct()
+    )
     geometry: Literal["negative_stiffness", "corotational"] | None = key("restoring law of models 1-4")
     column: ColumnPart | None = key("the column of the flexible models")
     base: BasePart | None = key("the base; default rigid")
@@ -274,13 +278,13 @@ class StudyPart(Part):
     case: CasePart = key("the base case", ...)
     vary: dict[str, Any] = key("path inside the case -> list, range, file glob, named settings or CSV file", {})
     compare_to: dict[str, Any] | None = key("{axis: value} of the reference")
-    over: Text | None = key("axis of the ensemble statistics")
-    refine: bool = key("trace the outcome boundary of a two-axis map", False)
+    over: Text | None = key("axis of the ensemble statistics (not in this version)")
+    refine: bool = key("trace the outcome boundary of a two-axis map (not in this version)", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
     plots: list[Literal[PLOTS]] = key("kinds of plot", [])  # type: ignore[valid-type]
     expect: list[ExpectPart] = key("statements about the results", [])
     curves: list[Literal[CURVES]] = key("static curves", [])  # type: ignore[valid-type]
-    audit: Any | None = key("checks of the source's assumptions")
+    audit: Any | None = key("checks of the source's assumptions (not in this version)")
 
 
 _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {

@@ -53,11 +53,11 @@ def test_convert_there_and_back(tmp_path: Path) -> None:
 
 def test_convert_states_its_g(tmp_path: Path) -> None:
     source = tmp_path / "one.txt"
-    source.write_text("980.665\n-490.3325\n", encoding="utf-8")
+    source.write_text("981\n-490.5\n", encoding="utf-8")
     run("convert", source, tmp_path / "out.AT2", "--units", "gal", "--dt", "0.01")
     motion = read_record(tmp_path / "out.AT2")
     np.testing.assert_allclose(motion.values, [1.0, -0.5], rtol=1e-7)
-    assert "1 g = 9.80665 m/s2" in motion.header["title"][0]
+    assert "1 g = 9.81 m/s2" in motion.header["title"][0]
 
 
 def test_refusals(tmp_path: Path) -> None:

@@ -17,7 +17,8 @@ def columns(models: tuple[str, ...] = MODELS, *, ends: float = 4.0, pulses: int 
     fall = np.where(t < 2.0, -ALPHA * 0.25 * t**2, -ALPHA - 1.6 * (t - 2.0) ** 2)
     fall = np.where(np.abs(fall) <= 0.5 * np.pi, fall, np.nan)
     theta = np.array([fall if m == "fallen" else swing for m in models])
-    bending = np.array([np.full_like(t, np.nan) if m == "rigid" else 0.05 * np.sign(x) for m, x in zip(models, theta)])
+    bending = 0.05 * np.sign(theta)
+    bending[[m == "rigid" for m in models]] = np.nan
     fell = np.array([m == "fallen" for m in models])
     ground = np.where(t < 1, 2.0 * np.sin(2.0 * np.pi * t), 0.0)
     data = {
@@ -38,7 +39,8 @@ def columns(models: tuple[str, ...] = MODELS, *, ends: float = 4.0, pulses: int 
         coords["pulse"] = _axis("pulse", "motion.pulse", tuple(f"pulse {i}" for i in range(pulses)))
     items = {name: ((*dims, "time") if v.ndim > len(dims) else dims, v) for name, v in data.items()}
     coords |= {"time": t, "alpha": ALPHA, "p": 0.54, "R": R}
-    return xarray.Dataset(items, coords, {"title": "Columns", "axes": " ".join(dims), "compare_to": "null"})
+    attrs = {"title": "Columns", "axes": " ".join(dims), "compare_to": "null", "identity": "columns"}
+    return xarray.Dataset(items, coords, attrs)
 
 
 def _axis(name: str, path: str, labels: tuple[str, ...]) -> xarray.DataArray:

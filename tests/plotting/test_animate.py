@@ -51,10 +51,10 @@ def test_a_rigid_body_keeps_its_size_and_its_top_is_where_the_solver_says():
 
 def test_the_top_of_a_column_moves_by_its_bending():
     """The middle of the top lies where rotation and u_top_bending put it."""
-    w_top = 0.02
-    points = outline(BODY, 0.05, w_top)
+    body, w_top = Body(0.4, 0.4, 4.0), 0.02
+    points = outline(body, 0.05, w_top)
     top = 0.5 * (points[len(points) // 2 - 1] + points[len(points) // 2])
-    rigid = outline(BODY, 0.05)
+    rigid = outline(body, 0.05)
     moved = top - 0.5 * (rigid[1] + rigid[2])
     np.testing.assert_allclose(moved, [w_top * np.cos(0.05), -w_top * np.sin(0.05)], atol=1e-12)
 

@@ -181,7 +181,7 @@ class TestRecords:
         list(study.batches())
         assert len(calls) == 1
         (sentences,) = study.processing.values()
-        assert [s.split()[0] for s in sentences] == ["window", "detrend", "lowpass"]
+        assert [s.split()[0] for s in sentences] == ["window", "detrend", "lowpass", "scaled"]
         assert "PGA" in sentences[-1]
 
     def test_processing_may_be_an_axis(self, folder):
@@ -214,12 +214,12 @@ class TestRecords:
             batch_of({"record": {"file": "quak.txt"}}, file=folder / "s.yaml")
         message = str(caught.value)
         assert str(folder / "records") in message
-        assert "close names there: quake.txt" in message
+        assert "Close names there: quake.txt" in message
         assert caught.value.file == str(folder / "s.yaml")
         assert caught.value.line is not None
 
     def test_a_record_of_the_catalogue_says_how_to_get_it(self, folder):
-        with pytest.raises(MissingRecordError, match=r"Loma Prieta, WAHO.*how to get it: PEER"):
+        with pytest.raises(MissingRecordError, match=r"(?s)It is Loma Prieta, WAHO.*\n  How to get it: PEER"):
             batch_of({"record": "RSN811_LOMAP_WAH090.AT2"}, file=folder / "s.yaml")
 
     @pytest.mark.parametrize(

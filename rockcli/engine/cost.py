@@ -1,0 +1,65 @@
+"""How long a batch will take, to an order of magnitude: by backend, model and motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Samples
+from rockcli.scene.models import DEFORMABLE
+
+STARTING = 0.4
+"""Seconds for imports and for loading compiled kernels."""
+
+EVENT, EVENT_SAMPLE = 1e-4, 1.2e-7
+"""One case of the event-driven solver, and one sample of its record [s]."""
+
+COLUMN, COLUMN_SAMPLE = 0.05, 1e-4
+"""The same of the flexible column [s]."""
+
+GENERAL, GENERAL_SAMPLE = 0.02, 5e-5
+"""The same of a general ODE method in Python [s]."""
+
+FRAME_STEP, OPENSEES_STEP, OPENSEES_START = 5e-6, 2.5e-5, 0.3
+"""A step of the penalty backends, and the start of a process [s]."""
+
+MESH = 90.0
+"""A case of a full mesh [s]."""
+
+SPECTRUM = 5e-3
+"""A case of the equivalent linear method [s]."""
+
+HISTORY = 2e-7
+"""An output time of a case whose histories are saved [s]."""
+
+
+def seconds_per_case(batch: Batch, backend: str) -> float:
+    """Time that a backend needs for a case of a batch, typically [s]."""
+    motion = batch.excitation.horizontal
+    samples = len(motion.values) if isinstance(motion, Samples) else 0
+    return _solving(batch, backend, samples) + (_length(batch) / batch.save.dt_out * HISTORY * batch.save.histories)
+
+
+def _solving(batch: Batch, backend: str, samples: int) -> float:
+    if backend == "calculix":
+        return MESH
+    if backend == "fema356":
+        return SPECTRUM
+    if backend == "scipy":
+        return GENERAL + GENERAL_SAMPLE * samples
+    if backend in ("frame", "opensees"):
+        finer = 1.0 if backend == "frame" else 0.5  # opensees takes steps twice as long
+        steps = _length(batch) / (batch.numerics.dt or 1e-4 / float(batch.p.max())) * finer
+        return FRAME_STEP * steps if backend == "frame" else OPENSEES_START + OPENSEES_STEP * steps
+    if batch.model in DEFORMABLE:
+        return COLUMN + COLUMN_SAMPLE * samples
+    return EVENT + EVENT_SAMPLE * samples
+
+
+def _length(batch: Batch) -> float:
+    """Time that a case covers: its duration, or the motion and 20/p [s]."""
+    motion = batch.excitation.horizontal
+    own = batch.excitation.duration
+    end = 0.0 if motion is None else float(np.mean(motion.end))
+    after = float(np.mean(20.0 / batch.p.min(axis=1)))
+    return float(np.mean(np.where(np.isnan(own), end + after, own)))

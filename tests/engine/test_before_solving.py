@@ -1,0 +1,129 @@
+"""What is refused before anything is solved: histories that would not fit, clauses about what will not be there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rockcli
+from rockcli.engine import limits
+from rockcli.engine.run import check_study, solve
+from rockcli.engine.sweep import solve_cases
+from rockcli.errors import StudyError
+from rockcli.study.open import open_study
+
+
+def study(**more: Any) -> dict[str, Any]:
+    pulse = {"shape": "ricker", "a_p": "3.6*g*tan_alpha", "omega_p": "3*pi"} | more.pop("pulse", {})
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}} | more.pop("case", {})
+    return {"name": "x", "case": case} | more
+
+
+@pytest.fixture
+def unsolvable(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: object) -> None:
+        raise AssertionError("it was solved")
+
+    monkeypatch.setattr("rockcli.engine.run.solve_cases", never)
+
+
+@pytest.mark.usefixtures("unsolvable")
+@pytest.mark.parametrize(
+    ("more", "times"),
+    [
+        ({"save": {"dt_out": 1e-9}}, "1.309e"),
+        ({"pulse": {"t0": 1e9}}, "3e"),
+        ({"pulse": {"shape": "sine", "cycles": 1e9}}, "2e"),
+        ({"pulse": {"omega_p": 1e-9}}, "5.027e"),
+        ({"pulse": {"omega_p": 1e9}}, "3.319e"),
+        ({"vary": {"motion.pulse.omega_p": {"from": 0.1, "to": 3000, "n": 50, "spacing": "log"}}}, "50 cases x 2.5e"),
+    ],
+)
+def test_histories_that_do_not_fit(more: dict[str, Any], times: str, tmp_path: Path) -> None:
+    for attempt in (rockcli.run, lambda given: check_study(open_study(given), tmp_path)):
+        with pytest.raises(StudyError, match="histories would take") as told:
+            attempt(study(**more))
+        assert times in str(told.value)
+        assert "output times" in str(told.value)
+        assert "save.histories: false" in str(told.value)
+        assert told.value.exit_code == 2
+    with pytest.raises(AssertionError, match="it was solved"):
+        rockcli.run(study(**more | {"save": {"histories": False}}))
+
+
+def test_the_spacing_that_is_proposed_fits() -> None:
+    given = study(vary={"motion.pulse.omega_p": {"from": 0.1, "to": 3000, "n": 50, "spacing": "log"}})
+    with pytest.raises(StudyError, match=r"save.dt_out to 0.00035 s"):
+        limits.check_histories(open_study(given))
+    limits.check_histories(open_study(given | {"save": {"dt_out": 0.00035}}))
+    with pytest.raises(StudyError):
+        limits.check_histories(open_study(given | {"save": {"dt_out": 0.00034}}))
+
+
+def test_the_size_is_that_of_the_dataset() -> None:
+    opened = open_study(study(vary={"block.R": [2.0, 9.0]}, case={"initial": {"theta": "0.1*alpha"}}))
+    size, found = limits.histories_size(opened), solve(opened)
+    names = [name for name, item in found.fields.items() if item.dims[-1:] == ("time",) and name != "time"]
+    kept = sum(found.values(name).nbytes for name in names)
+    assert size.variables == len(names)
+    assert kept <= size.bytes <= 1.01 * kept + 1000
+    assert limits.histories_size(open_study(study(save={"histories": False}))).bytes == 0.0
+
+
+def test_long_histories_are_solved_a_few_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened = open_study(study(vary={"block.R": [2.0, 3.0, 9.0]}))
+    whole = solve_cases(opened)
+    monkeypatch.setattr(limits, "CHUNK_AT_MOST", 1)
+    seen: list[int] = []
+    one_by_one = solve_cases(opened, lambda done, total: seen.append(done))
+    assert seen == [1, 2, 3]
+    for name, values in whole.histories.items():
+        np.testing.assert_array_equal(one_by_one.histories[name], values)
+
+
+FREE = {"case": {"motion": None, "initial": {"theta": 0.01}}}
+
+
+@pytest.mark.usefixtures("unsolvable")
+@pytest.mark.parametrize(
+    ("quantity", "more"),
+    [
+        ("error_history", {"save": {"histories": False}}),
+        ("error_theta_peak_over_alpha", {"save": {"scalars": ["outcome"]}}),
+        ("same_outcome", {"save": {"scalars": ["t_peak"]}}),
+        ("u_top_bending at 1 s", {}),
+        ("a_p", FREE),
+        ("pga", FREE),
+    ],
+)
+def test_clauses_about_what_will_not_be_there(quantity: str, more: dict[str, Any]) -> None:
+    compared = {"vary": {"model": ["rigid", "linearized"]}, "compare_to": {"model": "rigid"}}
+    quantity, _, time = quantity.partition(" at ")
+    clause = {"quantity": quantity, "max": 1.0} | ({"time": 1.0} if time else {})
+    given = study(expect=[clause], **compared, **more)
+    with pytest.raises(StudyError, match=f"{quantity}' will not be in the dataset"):
+        rockcli.run(given)
+
+
+def test_clauses_about_what_will_be_there() -> None:
+    compared = {"vary": {"model": ["rigid", "linearized"]}, "compare_to": {"model": "rigid"}}
+    names = ("error_history", "error_theta_peak_over_alpha", "same_outcome", "a_p", "omega_p", "pga", "pgv")
+    found = rockcli.run(study(expect=[{"quantity": name, "max": 99.0} for name in names], **compared))
+    assert set(names) <= set(found.variables)
+
+
+@pytest.mark.parametrize("source", [[], 3, None, 1.5, b"x", ()])
+def test_what_is_no_study(source: Any) -> None:
+    with pytest.raises(StudyError, match="a study is a mapping or the path of a file"):
+        rockcli.run(source)
+
+
+@pytest.mark.parametrize("block", [{"tan_alpha": 1e-30}, {"alpha": 1e-300, "tan_alpha": None}, {"R": 1e25}])
+def test_extreme_numbers_warn_of_nothing(block: dict[str, Any]) -> None:
+    """numpy's warnings are errors here."""
+    body = {"R": 2.0, "tan_alpha": 0.2} | block
+    body = {key: value for key, value in body.items() if value is not None}
+    rockcli.run(study(case={"block": body}, pulse={}, save={"dt_out": 1e10 if "R" in block else 0.01}))
