@@ -24,7 +24,8 @@ def export(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the scripts go.")] = Path("results"),
     case: Annotated[int | None, typer.Option("--case", metavar="N", help="Only this case, counted from 1.")] = None,
     settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2.")
+        list[str] | None,
+        typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
     ] = None,
 ) -> None:
     """Write each case as a plain OpenSeesPy script.

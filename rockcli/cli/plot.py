@@ -11,7 +11,8 @@ import typer
 def plot(
     files: Annotated[list[Path], typer.Argument(metavar="FILE.nc...", help="Datasets written by `rock run`.")],
     kinds: Annotated[
-        list[str] | None, typer.Option("--kind", metavar="KIND", help="Kind of plot; default: what the data suggest.")
+        list[str] | None,
+        typer.Option("--kind", metavar="KIND", help="Kind of plot, may be repeated; default: what the data suggest."),
     ] = None,
     plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
 ) -> None:

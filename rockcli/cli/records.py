@@ -37,7 +37,7 @@ Gravity = Annotated[float, typer.Option("--g", metavar="G", help="What 1 g is [m
 
 @app.command()
 def info(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Records.", show_default=False)],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Records.", show_default=False)],
     component: Component = None,
     units: Units = None,
     dt: TimeStep = None,

@@ -18,7 +18,8 @@ def run(
     ],
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where results go.")] = Path("results"),
     settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2.")
+        list[str] | None,
+        typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
     ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Replace results that are there.")] = False,
     skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,

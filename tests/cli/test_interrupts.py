@@ -1,0 +1,76 @@
+"""Ctrl-C: answered within a second, whatever the process is at."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+STUDY = """\
+name: long
+case:
+  block: {R: 2.0, tan_alpha: 0.2}
+  motion: {pulse: {shape: sine, a_p: 1.0, omega_p: 9.0, cycles: 20}}
+  damping: none
+vary:
+  motion.pulse.a_p_over_g_tan_alpha: {from: 1.0, to: 6.0, n: 200}
+  motion.pulse.omega_p_over_p: {from: 1.0, to: 20.0, n: 200}
+save: {histories: false}
+"""
+
+STUCK = """\
+import ctypes, sys
+from rockcli.solvers import event
+def solve(batch):
+    print("at work", flush=True)
+    ctypes.CDLL(None).sleep(30)  # as compiled code: no signal handler gets in
+event.solve = solve
+from rockcli.cli.main import main
+main()
+"""
+
+ROCK = "import sys; from rockcli.cli.main import main; main()"
+
+
+def interrupted(folder: Path, script: str, kernels: str, wait: float) -> tuple[int, str, float]:
+    """Exit code, stderr and seconds that `rock run` takes to end, interrupted once the folder is locked."""
+    (folder / "long.yaml").write_text(STUDY)
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, "run", "long.yaml", "--no-plots"],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"ROCK_KERNELS": kernels, "ROCK_CACHE_DIR": str(folder / "cache")},
+    )
+    lock = folder / "results" / "long" / ".lock"
+    limit = time.monotonic() + 60.0
+    while not lock.exists() and process.poll() is None and time.monotonic() < limit:
+        time.sleep(0.01)
+    time.sleep(wait)
+    began = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    try:
+        _, told = process.communicate(timeout=20.0)
+    finally:
+        process.kill()
+    return process.returncode, told, time.monotonic() - began
+
+
+@pytest.mark.parametrize(
+    ("script", "kernels", "wait"),
+    [(ROCK, "interpreted", 0.5), (ROCK, "compiled", 3.0), (STUCK, "interpreted", 0.5)],
+    ids=["interpreted", "compiling", "stuck"],
+)
+def test_an_interrupt_is_answered(script: str, kernels: str, wait: float, tmp_path: Path) -> None:
+    code, told, seconds = interrupted(tmp_path, script, kernels, wait)
+    assert code == 130
+    assert told.startswith("rock: interrupted; run again to go on")
+    assert told.count("\n") == 1
+    assert seconds < 3.0  # below one on an idle machine
+    assert list((tmp_path / "results" / "long").iterdir()) == []

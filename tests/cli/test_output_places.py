@@ -1,0 +1,158 @@
+"""Where results go: what is in the way is told before anything is solved, a full disk leaves nothing half-written."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rockcli.storage.places import check_file, check_folder, passing, remove_passing
+
+Rock = Callable[..., int]
+
+STUDY = """\
+name: x
+case:
+  block: {R: 2.0, tan_alpha: 0.2}
+  motion: {pulse: {shape: ricker, a_p: 3.6*g*tan_alpha, omega_p: 3*pi}}
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "x.yaml"
+    path.write_text(STUDY)
+    return path
+
+
+def obstruct(folder: Path, what: str) -> list[str]:
+    """Put something in the way; the options that lead there."""
+    place = folder / "way"
+    if what == "file as --out":
+        place.write_text("")
+    elif what == "file above --out":
+        place.write_text("")
+        place = place / "deep" / "er"
+    elif what == "file as folder of the study":
+        place.mkdir()
+        (place / "x").write_text("")
+    elif what == "links in a circle":
+        place.symlink_to(place)
+    elif what == "link to nothing":
+        place.symlink_to(folder / "nothing")
+    elif what == "device":
+        place = Path("/dev/full")
+    elif what == "folder as dataset":
+        (place / "x" / "x.nc").mkdir(parents=True)
+        return ["--out", str(place), "--fresh"]
+    elif what == "folder as junit":
+        return ["--junit", "."]
+    else:
+        place.write_text("")
+        return ["--junit", str(place / "v.xml")]
+    return ["--out", str(place)]
+
+
+@pytest.mark.parametrize(
+    ("what", "told"),
+    [
+        ("file as --out", "way: is not a folder"),
+        ("file above --out", "way: is not a folder"),
+        ("file as folder of the study", "x: is not a folder"),
+        ("links in a circle", "way: cannot be used: symbolic links that lead round in a circle"),
+        ("link to nothing", "way: is a symbolic link to nothing"),
+        ("device", "/dev/full: is not a folder"),
+        ("folder as dataset", "x.nc: is a folder"),
+        ("folder as junit", "is a folder"),
+        ("file as folder of junit", "way: is not a folder"),
+    ],
+)
+def test_obstacles(
+    what: str,
+    told: str,
+    rock: Rock,
+    file: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr("rockcli.engine.run.run_study", None)  # nothing is to be solved
+    assert rock("run", file, *obstruct(tmp_path, what)) == 2
+    said = capsys.readouterr().err
+    assert told in said
+    assert "bug" not in said
+
+
+def test_a_place_that_is_not_there_yet_is_none(tmp_path: Path) -> None:
+    check_folder(tmp_path / "a" / "b")
+    check_file(tmp_path / "a" / "b" / "c.nc")
+    check_file(tmp_path / "c.nc")
+    check_folder(Path("a/b"))
+    check_folder(Path())
+    assert list(tmp_path.iterdir()) == []
+
+
+def limited(folder: Path, most: int, *args: object) -> subprocess.CompletedProcess[str]:
+    """`rock ARGS...` in a process that may write no file of more than `most` bytes."""
+    return subprocess.run(
+        [sys.executable, "-m", "rockcli.cli.main", *map(str, args)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)),
+    )
+
+
+@pytest.mark.parametrize("most", [2000, 20_000])
+def test_no_space(most: int, file: Path, tmp_path: Path) -> None:
+    found = limited(tmp_path, most, "run", file, "--no-plots")
+    assert found.returncode == 4
+    assert found.stderr.count("\n") == 1
+    assert "results/x/x.nc: cannot be written: no space" in found.stderr
+    assert "bug" not in found.stderr
+    assert list((tmp_path / "results" / "x").iterdir()) == []
+
+
+def test_no_space_for_a_plot(rock: Rock, file: Path, tmp_path: Path) -> None:
+    assert rock("run", file, "--no-plots", "--quiet") == 0
+    found = limited(tmp_path, 5000, "plot", "results/x/x.nc", "--kind", "phase")
+    assert found.returncode == 4
+    assert "phase.png: cannot be written: no space" in found.stderr
+    assert [path.name for path in (tmp_path / "results" / "x").iterdir()] == ["x.nc"]
+
+
+def test_a_stream_that_takes_nothing(file: Path, tmp_path: Path) -> None:
+    with Path("/dev/full").open("w") as full:
+        found = subprocess.run(
+            [sys.executable, "-m", "rockcli.cli.main", "check", str(file)],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert found.returncode == 4
+    assert found.stderr == "rock: standard output: no space left on the device\n"
+
+
+def test_verdicts_that_cannot_be_written(rock: Rock, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert rock("run", file, "--no-plots", "--junit", "/dev/full") == 4
+    assert capsys.readouterr().err == "rock: /dev/full: cannot be written: no space left on the device\n"
+
+
+def test_what_must_not_outlive_its_use(tmp_path: Path) -> None:
+    path = tmp_path / "scratch"
+    with passing(path):
+        path.write_text("")
+    assert not path.exists()
+    with passing(path):
+        path.write_text("")
+        remove_passing()
+        assert not path.exists()
+    path.write_text("")
+    remove_passing()
+    assert path.exists()

@@ -1,0 +1,121 @@
+"""What the command says: plurals, warnings, what cannot be drawn, what takes long."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import xarray
+
+import rockcli
+from rockcli.cli.progress import Progress, counted
+from rockcli.storage.read import open_dataset
+
+Rock = Callable[..., int]
+
+STUDY = """\
+name: {name}
+case:
+  block: {{R: 2.0, tan_alpha: 0.2}}
+  motion: {{pulse: {{shape: ricker, a_p: 3.6*g*tan_alpha, omega_p: 3*pi}}}}
+{more}
+"""
+
+CUT = "is shorter than the motion"
+
+
+def study(folder: Path, name: str = "x", more: str = "") -> Path:
+    path = folder / f"{name}.yaml"
+    path.write_text(STUDY.format(name=name, more=more))
+    return path
+
+
+def test_plurals(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert [counted(n, "study") for n in (0, 1, 2)] == ["0 studies", "1 study", "2 studies"]
+    one = study(tmp_path, "one", "save: {histories: false}")
+    (tmp_path / "away.yaml").write_text(one.read_text().replace("pulse: {", "record: {file: NO.AT2} #"))
+    assert rock("run", one, tmp_path / "away.yaml", "--skip-missing", "--no-plots") == 0
+    told = capsys.readouterr().out
+    assert "one: 1 case, solved" in told
+    assert "1 study, 1 case, 1 skipped" in told
+    failing = "vary: {block.R: [2.0, 3.0]}\nexpect: [{quantity: R, max: 2.5}]"
+    assert rock("run", study(tmp_path, "two", failing), "--no-plots") == 1
+    assert "1 of 2 points fails, worst" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_q_is_quiet(command: str, rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = study(tmp_path)
+    file.write_text(file.read_text().replace("motion: {", "motion: {duration: 1.0, "))
+    assert rock(command, file, "-q") == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_warnings_are_told_and_kept(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = study(tmp_path, more="vary: {motion.duration: [9.0, 1.0]}")
+    for command in (["check"], ["run", "--no-plots"], ["run", "--no-plots"], ["run", "--no-plots", "--json"]):
+        assert rock(command[0], file, *command[1:]) == 0
+        told = capsys.readouterr()
+        assert told.err.count(CUT) == 1
+        assert told.err.startswith("rock: x: warning: ")
+    assert CUT in json.loads(told.out)["studies"][0]["warnings"][0]
+    (kept,) = json.loads(open_dataset(tmp_path / "results" / "x" / "x.nc").attrs["warnings"])
+    assert CUT in kept
+    assert json.loads(rockcli.run(file).attrs["warnings"]) == [kept]
+
+
+def test_what_cannot_be_drawn(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    xarray.Dataset({"t": ("x", [1.0, 2.0])}).to_netcdf(tmp_path / "foreign.nc")
+    assert rock("plot", "foreign.nc") == 2
+    assert "foreign.nc: is not a dataset written by `rock run`" in capsys.readouterr().err
+    assert rock("plot", ".") == 2
+    assert ".: is a folder" in capsys.readouterr().err
+    assert rock("run", study(tmp_path, more="save: {histories: false, scalars: [outcome]}"), "--no-plots") == 0
+    assert rock("plot", "results/x/x.nc") == 2
+    told = capsys.readouterr().err
+    assert "nothing in it can be drawn" in told
+    assert "holds no histories" in told
+    rockcli.run(study(tmp_path)).drop_vars("alpha").to_netcdf(tmp_path / "less.nc")
+    assert rock("plot", "less.nc") == 2
+    assert "nothing in it can be drawn" in capsys.readouterr().err
+    rockcli.run(study(tmp_path)).to_netcdf(tmp_path / "own.nc")
+    assert rock("plot", "own.nc", "--kind", "phase") == 0
+
+
+def test_a_note_in_a_terminal_only(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    Progress("x", shown=True).note("compiling")
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    line = Progress("x", shown=True)
+    line.note("compiling")
+    line.close()
+    assert capsys.readouterr().err.startswith("\rx: compiling\r")
+
+
+def test_compiling_is_announced_once(tmp_path: Path) -> None:
+    """Nothing in the cache: before; something there, or nothing to compile: not at all."""
+    script = (
+        "import sys\nfrom rockcli import kernels\nkernels.announce = lambda: print('compiling')\n"
+        "kernels.load(compile_them=False)\nkernels.load(compile_them=sys.argv[1] == 'compiled')\n"
+        "kernels.load(compile_them=True)\n"
+    )
+
+    def told(wish: str) -> str:
+        return subprocess.run(
+            [sys.executable, "-c", script, wish],
+            capture_output=True,
+            text=True,
+            check=True,
+            env={k: v for k, v in os.environ.items() if k != "ROCK_KERNELS"} | {"ROCK_CACHE_DIR": str(tmp_path)},
+        ).stdout
+
+    assert told("compiled") == "compiling\n"
+    assert told("later") == "compiling\n"
+    (folder,) = tmp_path.iterdir()
+    (folder / "march.nbi").write_text("")
+    assert told("compiled") == ""
