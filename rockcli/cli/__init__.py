@@ -2,5 +2,5 @@
 
 import os
 
-# dense algebra here is of small matrices, where threads cost more than they bring; must be said before numpy is imported
+# dense algebra here is of small matrices, where threads cost more than they bring; to be said before numpy is imported
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

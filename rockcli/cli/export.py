@@ -34,6 +34,7 @@ def export(
     """
     from rockcli.cli.sources import overrides
     from rockcli.errors import SolverError, StudyError
+    from rockcli.storage.places import check_folder
     from rockcli.study.open import open_study
 
     if to != "opensees":
@@ -44,6 +45,7 @@ def export(
     if case is None and study.size > MOST:
         raise StudyError(f"{study.size} cases are too many for a script each: choose one by --case", file=study.file)
     folder = out / study.name / "opensees"
+    check_folder(folder)
     written = 0
     for number, batch, i in _cases(study, case):
         label = _label(study, number)

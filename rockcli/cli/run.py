@@ -33,9 +33,9 @@ def run(
 
     Results go to DIR/<name>/<name>.nc, plots beside it; `expect` clauses decide the exit code.
     """
+    from rockcli.cli.interrupt import advise
     from rockcli.cli.sources import open_all
     from rockcli.cli.words import totals_text
-    from rockcli.cli.interrupt import advise
     from rockcli.engine.report import SKIPPED, RunReport, exit_code
     from rockcli.engine.run import check_study
 

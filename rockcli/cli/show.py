@@ -28,9 +28,7 @@ def _models() -> str:
     from rockcli.scene.models import CONTINUUM, FLEXIBLE, MODELS
 
     rows = [(m.name, m.geometry or "-", m.reference, m.sentence) for m in MODELS.values()]
-    rows.append(
-        (FLEXIBLE, "-", "-", "the deformable column on a rigid or Winkler base, event-driven (docs/flexible.md)")
-    )
+    rows.append((FLEXIBLE, "corotational", "-", "the deformable column on a rigid or Winkler base (docs/flexible.md)"))
     rows.append((CONTINUUM, "-", "-", "the same body as a full mesh, solved by CalculiX (docs/calculix.md)"))
     return _table(("model", "geometry", "equation", "good for"), rows)
 

@@ -27,8 +27,8 @@ from rockcli.storage.contents import (
 from rockcli.study.study import Study
 
 
-def assemble(study: Study, results: Results) -> Contents:
-    """Contents of the dataset of a solved study, comparison included."""
+def assemble(study: Study, results: Results, thresholds: NDArray[np.float64] | None = None) -> Contents:
+    """Contents of the dataset of a solved study, comparison included; `thresholds` (n,) are what a search found."""
     axes = tuple(axis.name for axis in study.axes)
     fields = {
         axis.name: axis_field(axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit)
@@ -44,6 +44,14 @@ def assemble(study: Study, results: Results) -> Contents:
             fields[name].attrs["comment"] = "-1: no answer"
     if "reason" in study.scalars:
         fields["reasons"] = reasons_field(list(results.codes))
+    if thresholds is not None:
+        assert study.search is not None
+        sought = study.search.axis
+        words = f"lowest {sought.path} of the range searched at which the case overturns; inf: nowhere, NaN: no answer"
+        attrs = {"long_name": words, "units": sought.unit}
+        fields[study.search.name] = Field(axes, thresholds.reshape(study.shape), attrs)
+        for name in {"a_p", "omega_p"} & fields.keys() if sought.path.startswith("motion") else ():
+            del fields[name]  # they change along the range
     fields |= _beside_axes(results.histories, HISTORIES, axes, study.shape, DIM_TIME)
     fields |= _beside_axes(results.impacts, IMPACTS, axes, study.shape, DIM_IMPACT)
     if "M_base" in fields and results.has_mass:

@@ -54,6 +54,8 @@ def check_quantities(study: Study) -> None:
     saved = {*study.scalars, *COORDINATES, *variables_of(study.curves)}
     if study.histories:
         saved |= {*HISTORIES, *IMPACTS}
+    if study.search is not None:
+        saved.add(study.search.name)
     if study.compare_to is not None:
         saved |= {error for error, needed in NEEDED_BY.items() if needed in saved}
     asked = {clause.quantity for clause in study.expect} & (_OF_PULSES | _OF_MOTIONS | _OF_FLEXIBLE)
@@ -63,7 +65,8 @@ def check_quantities(study: Study) -> None:
             if clause.quantity not in VARIABLES:
                 known = f"is not a variable of the dataset (`rock show variables` lists them): {clause.quantity!r}"
             else:
-                known = f"{clause.quantity!r} will not be in the dataset (see `save`, `compare_to`, `curves` and the motion)"
+                what = "`save`, `compare_to`, `curves` and the motion"
+                known = f"{clause.quantity!r} will not be in the dataset (see {what})"
             raise StudyError(f"expect: {known}", file=study.file, line=clause.line)
 
 

@@ -63,9 +63,10 @@ def check_histories(study: Study) -> None:
     with np.errstate(all="ignore"):
         size = histories_size(study, HISTORIES_AT_MOST)
     if not size.bytes <= HISTORIES_AT_MOST:
+        cases = _counted(study.size, "case")
         raise StudyError(
-            f"histories would take {size.bytes / 1e9:.3g} GB ({_counted(study.size, 'case')} x {size.points:.4g} output "
-            f"times x {size.variables} variables); at most {HISTORIES_AT_MOST / 1e9:.3g} GB are allowed: "
+            f"histories would take {size.bytes / 1e9:.3g} GB ({cases} x {size.points:.4g} output times x "
+            f"{size.variables} variables); at most {HISTORIES_AT_MOST / 1e9:.3g} GB are allowed: "
             + _remedy(study, size),
             file=study.file,
         )

@@ -17,7 +17,8 @@ from rockcli.engine.limits import check_histories
 from rockcli.engine.lock import locked
 from rockcli.engine.provenance import refreshed
 from rockcli.engine.report import SOLVED, UP_TO_DATE, RunReport, report_on
-from rockcli.engine.sweep import Progress, solve_cases
+from rockcli.engine.search import find_overturning
+from rockcli.engine.sweep import Progress, describe_cases, solve_cases
 from rockcli.errors import StudyError
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import sweep_leftovers
@@ -46,6 +47,9 @@ def solve_study(source: dict[str, Any] | str | Path) -> xarray.Dataset:
 
 def solve(study: Study, progress: Progress | None = None) -> Contents:
     """Solve a checked study in memory."""
+    if study.search is not None:
+        thresholds = find_overturning(study, progress)
+        return with_curves(assemble(study, describe_cases(study), thresholds), study)
     with np.errstate(all="ignore"):  # what is not finite is a result
         return with_curves(assemble(study, solve_cases(study, progress)), study)
 

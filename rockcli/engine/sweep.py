@@ -97,7 +97,7 @@ def _solve_cases(study: Study, progress: Progress | None) -> Results:
     for chunk in _chunks(study):
         for indices, batch in study.batches(chunk):
             _describe(results, indices, batch, measure=study.size <= LARGE)
-            for part, response in _solve_apart(study, indices, batch):
+            for part, response in solve_apart(study.batches, indices, batch):
                 _gather(results, part, response)
                 if study.histories and not isinstance(response, str):
                     histories.append((part, response))
@@ -106,6 +106,16 @@ def _solve_cases(study: Study, progress: Progress | None) -> Results:
                 progress(done, study.size)
     _join_histories(results, histories, study.size)
     results.order_reasons()
+    return results
+
+
+def describe_cases(study: Study) -> Results:
+    """What is known of the cases without solving them: their symbols and warnings."""
+    results = _empty(study)
+    with np.errstate(all="ignore"):
+        for chunk in _chunks(study):
+            for indices, batch in study.batches(chunk):
+                _describe(results, indices, batch, measure=False)
     return results
 
 
@@ -148,8 +158,14 @@ def _describe(results: Results, indices: Index, batch: Batch, *, measure: bool) 
         results.warnings[sentence] = results.warnings.get(sentence, 0) + batch.size
 
 
-def _solve_apart(study: Study, indices: Index, batch: Batch) -> Iterator[tuple[Index, Response | str]]:
-    """Yield responses, or the sentence of why there is none; a batch that breaks is halved to find the bad cases."""
+Rebuild = Callable[[Index], Iterator[tuple[Index, Batch]]]
+
+
+def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tuple[Index, Response | str]]:
+    """Yield responses, or the sentence of why there is none; a batch that breaks is halved to find the bad cases.
+
+    `rebuild(indices)` gives the batches of some of the cases again.
+    """
     pending: list[tuple[Index, Batch]] = [(indices, batch)]
     broken = 0
     while pending:
@@ -171,7 +187,7 @@ def _solve_apart(study: Study, indices: Index, batch: Batch) -> Iterator[tuple[I
                 yield part, f"the solver broke: {type(error).__name__}: {error}"
                 continue
             for half in np.array_split(part, 2):
-                pending.extend(study.batches(half))
+                pending.extend(rebuild(half))
         else:
             yield part, response
 

@@ -54,6 +54,7 @@ class Variation:
             within a batch; None for others.
         where: place of every point in the study file.
         inputs: name -> SHA-256 of the file the axis was read from.
+        find: `overturning` for a range that is searched and makes no dimension, else None.
     """
 
     axis: Axis
@@ -62,6 +63,7 @@ class Variation:
     columns: dict[Path, NDArray[np.float64]] | None
     where: Callable[[int], Where]
     inputs: dict[str, str]
+    find: str | None = None
 
     @property
     def size(self) -> int:
@@ -302,8 +304,9 @@ class _Reader:
             raise self.fail(f": {error.message}", *more) from None
 
     def range(self, entry: Map) -> Variation:
-        if entry.get("find") is not None:
-            raise self.fail("searching for overturning is not available in this version; give a range without `find`")
+        find = entry.get("find")
+        if find not in (None, "overturning"):
+            raise self.fail(f"is {describe(find)}; only `overturning` can be found", "find")
         ends = []
         for key in entry:
             if key not in RANGE:
@@ -332,7 +335,12 @@ class _Reader:
         values = np.linspace(first, last, n) if spacing == "linear" else np.geomspace(first, last, n)
         values[0], values[-1] = first, last
         line = place(self.study, ("vary", self.text))
-        return self.numeric(values, lambda i: line)
+        variation = self.numeric(values, lambda i: line)
+        if find and variation.columns is None:
+            raise self.fail(
+                "cannot be searched: only a number of the block, the motion or the initial state can", "find"
+            )
+        return replace(variation, find=find)
 
     def named(self, entry: Map) -> Variation:
         if not entry:

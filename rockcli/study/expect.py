@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
-from rockcli.scene.variables import IMPACT, ROTATION, TIME, VARIABLES
+from rockcli.scene.variables import CASE, IMPACT, ROTATION, TIME, VARIABLES
 from rockcli.study.expressions import ExpressionError, constant, parse
 from rockcli.study.study import MATCH, Axis, Expect
 from rockcli.study.tree import Keys, Map, Source, nearest, place
@@ -32,14 +32,16 @@ def of_constants(text: str) -> float:
 
 
 def read_expect(
-    source: Source, study: Map, axes: Sequence[Axis], evaluate: Evaluate = of_constants
+    source: Source, study: Map, axes: Sequence[Axis], evaluate: Evaluate = of_constants, found: tuple[str, ...] = ()
 ) -> tuple[Expect, ...]:
     """The clauses of a study whose form has been checked; `evaluate` is for the coordinates in `at`.
+
+    `found`: names of results that a search gives beside the variables of the dataset.
 
     Raises:
         StudyError: an unknown quantity, a point that is on no axis, none or several of `value`, `min`, ...
     """
-    return tuple(_clause(source, study, axes, i, evaluate) for i in range(len(study.get("expect") or ())))
+    return tuple(_clause(source, study, axes, i, evaluate, found) for i in range(len(study.get("expect") or ())))
 
 
 def check_histories(
@@ -57,7 +59,7 @@ def check_histories(
         StudyError: naming the clause and what is saved.
     """
     for i, clause in enumerate(clauses):
-        if VARIABLES[clause.quantity].over != TIME:
+        if clause.quantity not in VARIABLES or VARIABLES[clause.quantity].over != TIME:
             continue
         keys = ("expect", i)
         if not saved:
@@ -149,13 +151,15 @@ def _number(value: Any) -> float | None:
         return None
 
 
-def _clause(source: Source, study: Map, axes: Sequence[Axis], i: int, evaluate: Evaluate) -> Expect:
+def _clause(
+    source: Source, study: Map, axes: Sequence[Axis], i: int, evaluate: Evaluate, found: tuple[str, ...]
+) -> Expect:
     clause: Map = study["expect"][i]
     keys: Keys = ("expect", i)
     quantity = clause["quantity"]
-    if quantity not in VARIABLES:
-        raise source.error(study, (*keys, "quantity"), f"is {quantity!r}; {nearest(quantity, VARIABLES)}")
-    over = VARIABLES[quantity].over
+    if quantity not in VARIABLES and quantity not in found:
+        raise source.error(study, (*keys, "quantity"), f"is {quantity!r}; {nearest(quantity, [*VARIABLES, *found])}")
+    over = CASE if quantity in found else VARIABLES[quantity].over
     if over == IMPACT:
         raise source.error(study, (*keys, "quantity"), "has a value per impact; only scalars and histories are judged")
     checks = [key for key in CHECKS if clause.get(key) is not None]

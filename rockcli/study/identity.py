@@ -53,7 +53,8 @@ def _axis(variation: Variation) -> list[Any]:
         content: Any = {".".join(p): hashlib.sha256(v.tobytes()).hexdigest() for p, v in variation.columns.items()}
     else:
         content = [[[".".join(path), _canonical(value)] for path, value, _ in point] for point in variation.settings]
-    return [axis.name, ".".join(variation.path), [] if axis.numeric else list(axis.values), content]
+    said = [axis.name, ".".join(variation.path), [] if axis.numeric else list(axis.values), content]
+    return [*said, variation.find] if variation.find else said
 
 
 def _canonical(value: Any) -> Any:

@@ -28,6 +28,7 @@ from rockcli.study.loader import load_file, load_mapping
 from rockcli.study.overrides import apply_overrides
 from rockcli.study.records import Records
 from rockcli.study.schema import CasePart, StudyPart
+from rockcli.study.search import make_search, searched
 from rockcli.study.shorthands import expanded
 from rockcli.study.study import Study
 from rockcli.study.tree import Map, Source
@@ -62,17 +63,23 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         return Cases(where, base, known, records, provisional).evaluate
 
     variations = read_axes(where, tree, records, evaluator)
+    sought = searched(where, tree, variations)
+    if sought is not None:  # innermost, so that every other case has its points side by side
+        variations = [*(v for v in variations if v is not sought), sought]
     cases = Cases(where, base, variations, records, provisional)
     found = Found()
     found.inputs.update({name: sha for v in variations for name, sha in v.inputs.items()})
     _probe(cases, found)
-    axes = tuple(v.axis for v in variations)
+    axes = tuple(v.axis for v in variations if v is not sought)
     check_curves(where, tree, found.models)
     saved, at = _save(where, tree, cases, found)
+    if sought is not None:
+        saved, at = {"histories": False, "dt_out": saved["dt_out"], "scalars": []}, None
     histories, dt_out, scalars = saved["histories"] is not False, saved["dt_out"], tuple(saved["scalars"])
     points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
-    expect = read_expect(where, tree, axes, cases.evaluate)
+    search = None if sought is None else make_search(cases, sought)
+    expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else (search.name,))
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
     compare_to = tree.get("compare_to")
     resolved = _resolved(part, base, variations, saved)
@@ -82,7 +89,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         references=part.references,
         file=where.file,
         axes=axes,
-        cases=cases,
+        cases=cases if search is None else search,
         compare_to=match(where, tree, ("compare_to",), compare_to, axes, cases.evaluate) if compare_to else None,
         expect=expect,
         plots=tuple(dict.fromkeys(part.plots)),
@@ -97,6 +104,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         warnings=(*warnings, *unused_symbols(tree, variations), *replaced_records(tree), *found.doubts(tree)),
         histories_at=at,
         curves=tuple(dict.fromkeys(part.curves)),
+        search=search,
     )
 
 

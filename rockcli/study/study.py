@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
+
+if TYPE_CHECKING:
+    from rockcli.study.search import Search
 
 Index = NDArray[np.int64]
 
@@ -95,6 +98,7 @@ class Study:
         histories: whether histories are saved; dt_out: output spacing [s]; scalars: names in contract order.
         histories_at: {axis name: coordinate value} of the only cases whose histories are saved; None = all.
         curves: kinds of static curve asked for.
+        search: the range searched for overturning (`find`), which makes no dimension; None = none.
         resolved: the resolved study as a plain mapping (re-runnable when dumped as YAML).
         resolved_yaml: the same as YAML text.
         identity: SHA-256 hex of what changes numbers (case, let, vary, save, record bytes, program version).
@@ -123,6 +127,7 @@ class Study:
     warnings: tuple[str, ...] = ()
     histories_at: dict[str, Any] | None = None
     curves: tuple[str, ...] = ()
+    search: Search | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -110,7 +110,7 @@ def test_expected_failures_are_known() -> None:
 
 
 def test_clauses_about_what_is_not_saved_are_refused() -> None:
-    check_quantities(make_study(MODEL, SLENDER, expect=(clause("pga", "max", 1.0),)))
+    check_quantities(make_study(MODEL, SLENDER, expect=(clause("alpha", "max", 1.0),)))
     for quantity in ("theta", "error_history", "thetta"):
         study = make_study(MODEL, expect=(clause(quantity, "max", 1.0, line=7),))
         with pytest.raises(StudyError) as caught:

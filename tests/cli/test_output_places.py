@@ -87,6 +87,11 @@ def test_obstacles(
     assert "bug" not in said
 
 
+def test_scripts_need_a_folder_too(rock: Rock, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert rock("export", file, "--out", file) == 2
+    assert "x.yaml: is not a folder" in capsys.readouterr().err
+
+
 def test_a_place_that_is_not_there_yet_is_none(tmp_path: Path) -> None:
     check_folder(tmp_path / "a" / "b")
     check_file(tmp_path / "a" / "b" / "c.nc")

@@ -38,7 +38,9 @@ def study(folder: Path, name: str = "x", more: str = "") -> Path:
 def test_plurals(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert [counted(n, "study") for n in (0, 1, 2)] == ["0 studies", "1 study", "2 studies"]
     one = study(tmp_path, "one", "save: {histories: false}")
-    (tmp_path / "away.yaml").write_text(one.read_text().replace("pulse: {", "record: {file: NO.AT2} #"))
+    (tmp_path / "away.yaml").write_text(
+        "name: away\ncase:\n  block: {R: 5.0, tan_alpha: 0.2}\n  motion: {record: {file: NO.AT2}}\n"
+    )
     assert rock("run", one, tmp_path / "away.yaml", "--skip-missing", "--no-plots") == 0
     told = capsys.readouterr().out
     assert "one: 1 case, solved" in told

@@ -73,3 +73,39 @@ def test_refusals(tmp_path: Path) -> None:
     with pytest.raises(RecordError, match="'H1' only"):
         run("info", ROCK, "--component", "090")
     assert [path.name for path in tmp_path.iterdir()] == ["a.AT2"]
+
+
+def test_convert_there_and_back_keeps_the_measures(tmp_path: Path) -> None:
+    source = tmp_path / "one.txt"
+    source.write_text("0 0\n0.01 2.5\n0.02 -1\n0.03 0\n", encoding="utf-8")
+    (before,) = json.loads(run("info", "--json", source, "--units", "m/s2"))
+    run("convert", source, tmp_path / "out.AT2", "--units", "m/s2")
+    (after,) = json.loads(run("info", "--json", tmp_path / "out.AT2"))
+    assert (after["pga"], after["pgv"]) == pytest.approx((before["pga"], before["pgv"]), rel=1e-6)
+
+
+def test_info_reports_every_file_and_fails_at_the_end(tmp_path: Path) -> None:
+    for options in ((), ("--json",)):
+        files = [str(tmp_path / "none.AT2"), str(ROCK), str(tmp_path)]
+        result = CliRunner().invoke(app, ["info", *options, *files])
+        assert "none.AT2: there is no such file" in result.stderr
+        assert isinstance(result.exception, RecordError)
+        assert "folder" in str(result.exception)
+        assert "SYNTHETIC" in result.stdout
+
+
+def test_what_is_missing_is_asked_for_as_options(tmp_path: Path) -> None:
+    source = tmp_path / "one.txt"
+    source.write_text("1\n2\n", encoding="utf-8")
+    with pytest.raises(RecordError, match=r"with --units, .* the time step with --dt"):
+        run("info", source)
+    with pytest.raises(RecordError, match=r"--dt"):
+        run("convert", source, tmp_path / "a.AT2", "--units", "g")
+
+
+def test_help_is_plain() -> None:
+    told = run("info", "--help")
+    assert "Time step [s], where" in " ".join(told.split())
+    assert "[m/s2]" in told
+    assert "completion" not in run("--help")
+    assert "─" not in told

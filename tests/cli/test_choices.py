@@ -1,0 +1,70 @@
+"""`rock show`, the package itself, and what help says."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+
+import pytest
+from typer.testing import CliRunner
+
+import rockcli
+from rockcli.cli.main import app
+
+Rock = Callable[..., int]
+
+
+def shown(*arguments: str) -> str:
+    result = CliRunner().invoke(app, list(arguments))
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def test_outcomes_are_listed() -> None:
+    assert "outcome: -2 failed, -1 unresolved, 0 no_uplift, 1 rocking" in shown("show", "variables")
+
+
+def test_symbols_units_and_functions_are_listed() -> None:
+    from rockcli.study.expressions import FUNCTIONS, SYMBOLS, UNITS
+
+    listed = {line.split("  ")[0] for line in shown("show", "symbols").splitlines()}
+    assert listed >= {"g", "pi", *SYMBOLS, *UNITS, *(f"{name}(x)" for name in FUNCTIONS)}
+
+
+def test_every_model_is_listed() -> None:
+    names = {line.split()[0] for line in shown("show", "models").splitlines()}
+    assert names >= {"rigid", "linearized", "1", "2", "3", "4", "flexible", "continuum"}
+
+
+@pytest.mark.parametrize("command", ["run", "check", "export"])
+def test_set_may_be_repeated(command: str) -> None:
+    assert "may be repeated" in " ".join(shown(command, "--help").split())
+
+
+def test_errors_are_in_the_package() -> None:
+    from rockcli import errors
+
+    assert rockcli.StudyError is errors.StudyError
+    assert rockcli.RecordError is errors.RecordError
+    with pytest.raises(rockcli.StudyError):
+        rockcli.run({"case": {}})
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = rockcli.nothing
+
+
+def test_a_mapping_needs_no_name() -> None:
+    study = {"case": {"block": {"R": 2, "tan_alpha": 0.2}, "initial": {"theta": 0.1}}}
+    assert rockcli.run(study).attrs["study_name"] == "study"
+    assert "name" not in study
+    assert rockcli.run({"name": "own", **study}).attrs["study_name"] == "own"
+
+
+def test_importing_the_package_imports_nothing_else() -> None:
+    code = "import sys, rockcli; sys.exit(any(m.startswith('rockcli.') or m == 'numpy' for m in sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_python_m() -> None:
+    told = subprocess.run([sys.executable, "-m", "rockcli", "--version"], check=True, capture_output=True, text=True)
+    assert told.stdout == f"rock {rockcli.__version__}\n"

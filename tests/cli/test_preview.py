@@ -1,0 +1,87 @@
+"""`rock check`: what it says of the body, the model and the motion."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Rock = Callable[..., int]
+
+
+@pytest.fixture
+def checked(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Callable[..., Any]:
+    def check(case: str, *options: str) -> Any:
+        file = tmp_path / "s.yaml"
+        file.write_text(f"name: x\ncase: {{{case}}}\n")
+        capsys.readouterr()
+        assert rock("check", file, *options) == 0
+        told = capsys.readouterr().out
+        return json.loads(told)[0] if "--json" in options else told
+
+    return check
+
+
+SINE = "pulse: {shape: sine, a_p: 6, T_p: 1}"
+BLOCK = "block: {R: 2.0, tan_alpha: 0.2}"
+
+
+def test_both_edges_of_an_asymmetric_body(checked: Callable[..., Any]) -> None:
+    body = checked(f"block: {{h: 1, b: [0.2, 0.4], mu: 0.5, mass: 100}}, motion: {{{SINE}}}", "--json")["first_case"]
+    assert (body["body"]["tan_alpha_left"], body["body"]["tan_alpha_right"]) == (0.2, 0.4)
+    assert (body["body"]["mu"], body["body"]["mass"]) == (0.5, 100)
+    assert body["model"]["eta_left"] > body["model"]["eta_right"]
+    assert body["motion"]["uplift_g"] == 0.2
+
+
+def test_model_and_damping(checked: Callable[..., Any]) -> None:
+    found = checked(f"{BLOCK}, model: 3, damping: {{scheme: dashpot, coefficient: 0.03}}, motion: {{{SINE}}}", "--json")
+    model = found["first_case"]["model"]
+    assert (model["model"], model["geometry"]) == ("3", "negative_stiffness")
+    assert (model["damping"], model["coefficient"]) == ("dashpot", 0.03)
+    assert "eta" not in model
+    assert found["backend"] == "event"
+
+
+def test_the_linearised_block_uplifts_at_alpha(checked: Callable[..., Any]) -> None:
+    case = f"{BLOCK}, model: linearized, initial: {{theta: 0.01}}, motion: {{{SINE}}}"
+    first = checked(case, "--json")["first_case"]
+    assert first["motion"]["uplift_g"] == pytest.approx(0.197396, rel=1e-5)
+    assert first["model"]["theta_0"] == 0.01
+    assert "PGA over g alpha" in checked(case)
+
+
+def test_raw_measures_factor_and_processing_of_a_record(checked: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "q.txt").write_text("# units: m/s2\n0 0\n0.01 2\n0.02 0\n0.03 -1\n")
+    case = f"{BLOCK}, motion: {{record: {{file: q.txt, pga: 4}}}}"
+    found = checked(case, "--json")
+    motion = found["first_case"]["motion"]
+    assert (motion["factor"], motion["pga"]) == (2.0, 4.0)
+    assert motion["pga_raw_g"] == pytest.approx(2 / 9.81)
+    assert found["processing"]["q.txt"][-1].startswith("scaled by 2 to pga")
+    told = checked(case)
+    assert "  record q.txt\n    scaled by 2" in told
+
+
+def test_columns_are_aligned(checked: Callable[..., Any]) -> None:
+    told = checked(f"{BLOCK}, motion: {{{SINE}, vertical: {{pulse: {{shape: sine, a_p: 1, T_p: 0.3}}}}}}")
+    rows = [line for line in told.splitlines() if line.startswith("    ")]
+    starts = {len(row) - len(row[4:].split("  ", 1)[1].lstrip()) for row in rows}
+    assert len(starts) == 1
+    assert "vertical PGA over" not in told
+
+
+@pytest.mark.parametrize(
+    ("more", "low", "high"),
+    [
+        ("", 0.1, 2.0),
+        ("solver: {backend: frame}, model: 3", 0.5, 30.0),
+        ("solver: {backend: scipy}", 0.3, 2.0),
+        ("model: continuum, column: {E: 30*GPa, rho: 2500}, damping: none", 60.0, 1000.0),
+    ],
+)
+def test_the_cost_knows_the_backend(checked: Callable[..., Any], more: str, low: float, high: float) -> None:
+    assert low < checked(f"{BLOCK}, motion: {{{SINE}}}{', ' * bool(more)}{more}", "--json")["seconds"] < high

@@ -1,0 +1,118 @@
+"""What is hardly meant is doubted aloud; how records are scaled is told."""
+
+import numpy as np
+import pytest
+
+from rockcli.study.doubts import STILL
+from rockcli.study.open import open_study
+
+BLOCK = {"R": 2, "tan_alpha": 0.2}
+SINE = {"shape": "sine", "a_p": 4, "T_p": 1}
+
+
+def warnings_of(case=None, **more):
+    return open_study({"name": "x", "case": {"block": BLOCK, **(case or {})}, **more}).warnings
+
+
+class TestDoubts:
+    def test_an_ordinary_study_has_none(self):
+        assert warnings_of({"motion": {"pulse": SINE}}) == ()
+        assert warnings_of({"initial": {"theta": "0.5*alpha"}}) == ()
+
+    def test_nothing_moves(self):
+        assert warnings_of() == (STILL,)
+        assert warnings_of(curves=["pushover"]) == ()
+        assert warnings_of(vary={"initial.theta": [0, 0.1]}) == ()
+
+    def test_too_strong(self):
+        (said,) = warnings_of({"motion": {"pulse": {**SINE, "a_p": 400}}})
+        assert "the PGA of the sine pulse is 40.77 g" in said
+        relative = {"shape": "sine", "a_p_over_g_tan_alpha": 20, "T_p": 1}
+        assert warnings_of({"motion": {"pulse": relative}}) == ()
+
+    def test_too_tall(self):
+        (said,) = warnings_of({"motion": {"pulse": SINE}, "block": {"height": 2100, "width": 550}})
+        assert "2100 m high" in said
+
+    def test_too_weak(self):
+        (said,) = warnings_of({"motion": {"pulse": {**SINE, "a_p": "0.041*g"}}})
+        assert said == "the sine pulse: PGA 0.041 g = 0.205 g tan alpha: too weak to uplift"
+        (said,) = warnings_of({"motion": {"pulse": SINE}}, vary={"motion.pulse.a_p": [0.5, 1]})
+        assert "PGA 0.051 to 0.102 g = 0.255 to 0.51 g tan alpha" in said
+
+    def test_a_sweep_that_only_begins_weak_is_fine(self):
+        assert warnings_of({"motion": {"pulse": SINE}}, vary={"motion.pulse.a_p": [0.5, 4]}) == ()
+        a_p = {"from": 0.1, "to": 8, "n": 300}
+        scales = {"motion.pulse.a_p": a_p, "motion.pulse.T_p": {"from": 0.1, "to": 2, "n": 200}}
+        assert warnings_of({"motion": {"pulse": SINE}}, vary=scales) == ()
+
+    def test_the_linearised_block_uplifts_at_alpha(self):
+        case = {"block": {"R": 2, "tan_alpha": 1.0}, "motion": {"pulse": {**SINE, "a_p": "0.9*g"}}}
+        assert "too weak" in warnings_of(case)[0]
+        assert warnings_of({**case, "model": "linearized"}) == ()
+
+    def test_an_upward_motion_may_help(self):
+        weak = {"pulse": {**SINE, "a_p": "0.19*g"}}
+        assert "too weak" in warnings_of({"motion": weak})[0]
+        assert warnings_of({"motion": {**weak, "vertical": {"pulse": {**SINE, "a_p": "0.1*g"}}}}) == ()
+
+
+@pytest.fixture
+def record(tmp_path):
+    path = tmp_path / "quake.txt"
+    t = np.arange(400) * 0.01
+    values = 0.3 * np.sin(2 * np.pi * t) * np.exp(-t)
+    path.write_text("# units: g\n" + "".join(f"{a:.2f} {b:.10e}\n" for a, b in zip(t, values, strict=True)))
+    return {"file": str(path)}
+
+
+class TestScaling:
+    def told(self, record, vary=None, **motion):
+        study = open_study(
+            {"name": "x", "case": {"block": BLOCK, "motion": {"record": record, **motion}}, "vary": vary or {}}
+        )
+        return study.processing
+
+    def test_to_a_pga(self, record):
+        ((said,),) = self.told({**record, "pga": "0.4*g"}).values()
+        raw = 0.3 * np.abs(np.sin(2 * np.pi * (t := np.arange(400) * 0.01)) * np.exp(-t)).max()
+        assert said.startswith(f"scaled by {0.4 / raw:.6g} to pga 0.4 g: PGA {raw:.4g} -> 0.4 g, PGV ")
+        assert said.endswith("m/s")
+
+    @pytest.mark.parametrize(
+        ("key", "value", "words"),
+        [
+            ("scale", 0.5, "scaled by 0.5: PGA"),
+            ("pgv", 0.2, " to pgv 0.2 m/s: PGA"),
+            ("pga_over_g_tan_alpha", 2, " to pga_over_g_tan_alpha 2: PGA"),
+        ],
+    )
+    def test_other_ways(self, record, key, value, words):
+        assert words in self.told({**record, key: value})["quake.txt"][-1]
+
+    def test_unscaled_and_turned(self, record):
+        assert self.told(record)["quake.txt"][-1].startswith("not scaled: PGA 0.")
+        assert "turned by polarity -1" in self.told({**record, "polarity": -1})["quake.txt"][-1]
+
+    def test_a_factor_that_varies(self, record):
+        said = self.told(record, vary={"motion.record.scale": [0.5, 2], "model": ["rigid", "linearized"]})
+        assert said["quake.txt"][-1].startswith("scaled by factors from 0.5 to 2, case by case: PGA")
+        assert len(said) == 1
+
+    def test_the_raw_measures_stay_known(self, record):
+        steps = self.told({**record, "lowpass": 1, "scale": 2})["quake.txt"]
+        assert steps[0].startswith("lowpass")
+        assert "; in the file PGA 0." in steps[-1]
+
+    def test_an_inherited_factor(self, record):
+        said = self.told({**record, "scale": 2}, vertical=record)
+        assert {steps[-1].split(": ")[0] for steps in said.values()} == {
+            "scaled by 2",
+            "scaled by 2, the horizontal factor",
+        }
+
+    def test_it_is_in_the_dataset(self, record):
+        import rockcli
+
+        study = {"case": {"block": BLOCK, "motion": {"record": {**record, "pga": "0.4*g"}}}}
+        assert "to pga 0.4 g" in rockcli.run(study).attrs["processing"]
