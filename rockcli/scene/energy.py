@@ -49,7 +49,7 @@ def energy_ratio_of_impacts(block: Block) -> Array:
 def _impact_rate(y_0: Array, up: Array, down: Array) -> Array:
     """Rate y' at y = 1 of a body let go at y_0 in [0, 1], y in units of alpha.
 
-    y(t) = y_0 (l+ e^(l- t) - l- e^(l+ t))/(l+ - l-) = 1 for x = e^(l+ t): convex in x, so Newton from above is monotone.
+    y(t) = y_0 (l+ e^(l- t) - l- e^(l+ t))/(l+ - l-) = 1, x = e^(l+ t): convex in x, so Newton from above is monotone.
     From y_0 -> 0 the body leaves along the unstable direction: y' -> l+.
     """
     power, gap = down / up, up - down

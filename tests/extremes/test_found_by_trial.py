@@ -19,7 +19,7 @@ def test_smallest_normal_force_of_a_fall(accuracy):
     beta = alpha - q
     # with p = 1: q'' = -sin(beta), q'^2 = 2 (cos(beta_0) - cos(beta)); R = 3 g/4
     rate2 = 2.0 * (np.cos(0.01 * alpha) - np.cos(beta))
-    N = 1.0 + 0.75 * (-np.sin(beta) ** 2 - np.cos(beta) * rate2)
+    N = 1.0 + 0.75 * (-(np.sin(beta) ** 2) - np.cos(beta) * rate2)
     T = np.abs(0.75 * (-np.cos(beta) * np.sin(beta) + np.sin(beta) * rate2))
     assert response.scalars["N_min_over_mg"][0] == pytest.approx(N.min(), rel=1e-4, abs=1e-9)
     assert response.scalars["mu_required"][0] == pytest.approx((T / N).max(), rel=1e-3)

@@ -64,7 +64,7 @@ WRONG = [
     ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.3, n: 2.5}", 9, ["vary.block.tan_alpha.n", "whole number"]),
     ("[0.1, 0.2, 0.333]", "{from: 0, to: 0.3, n: 3, spacing: log}", 9, ["greater than 0"]),
     ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.3, n: 3, spacing: lin}", 9, ["linear or log"]),
-    ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.3, n: 9, find: overturning}", 9, ["not available in this version"]),
+    ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.3, n: 9, find: rocking}", 9, ["only `overturning` can be found"]),
     ("[0.1, 0.2, 0.333]", "{from: 0.1, to: 0.1, n: 3}", 9, ["repeats a value"]),
     ("[0.1, 0.2, 0.333]", "['0.5*R', 0.2]\n  block.R: [1, 2]", 9, ["vary.block.tan_alpha", "other expressions"]),
     ("tan_alpha: 0.2}", "tan_alpha: 0.2, h: 3}", 9, ["over-determined", "R, h, tan_alpha"]),
