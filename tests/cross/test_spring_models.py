@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import G, block, make_batch, pulse, record
+from scenes import SHARED, G, block, make_batch, pulse, record
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from rockcli.motion.reading import read_record
 from rockcli.scene.damping import Damping
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
 from rockcli.solvers.event import solve
@@ -193,3 +195,43 @@ def test_dashpot_energy_ratio_per_cycle(phi, ratio):
     start = 1.0 - (1.0 - phi) ** 2
     assert energy / start == pytest.approx(ratio, rel=2e-5)
     assert abs(response.scalars["energy_residual"][0]) < 1e-9
+
+
+RECORDS = Path(__file__).resolve().parents[2] / "records"
+REAL = SHARED / "records" / "peer"
+FILES = [RECORDS / "synthetic_rock_m65.AT2", RECORDS / "synthetic_pulse_m70.AT2"] + (
+    [REAL / "RSN1106_KOBE_KJM000.AT2", REAL / "RSN729_SUPER.B_B-IVW360.AT2"] if REAL.is_dir() else []
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize(
+    ("model", "geometry"), [("1", "corotational"), ("3", "corotational"), ("4", "negative_stiffness")]
+)
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
+def test_under_a_record(path, model, geometry, scheme):
+    """Fifteen seconds about the strongest shaking, scaled to 1.8 g tan(alpha); the three distinct laws of models 1-4."""
+    tan_alpha = 0.2
+    motion = read_record(path)
+    values, dt = np.asarray(motion.acceleration(G_)), motion.dt
+    strongest = int(np.argmax(np.abs(values)))
+    first = max(0, strongest - int(6.0 / dt))
+    values = values[first : first + int(15.0 / dt)]
+    values = values * (1.8 * G_ * tan_alpha / np.abs(values).max())
+    response, eta = ours(model, geometry, tan_alpha, scheme, record(values, dt))
+
+    def a_of_t(t0, t1):
+        i = round(t0 / dt)
+        if i >= len(values) - 1:
+            return lambda t: 0.0
+        return lambda t: values[i] + (values[i + 1] - values[i]) * (t - i * dt) / dt
+
+    alpha = np.arctan(tan_alpha)
+    breaks = [i * dt for i in range(len(values))]
+    peak = independent(model, geometry, alpha, eta, damper_of(scheme, alpha), a_of_t, breaks, until=breaks[-1] + 4.0)
+    if np.isinf(peak):
+        assert response.scalars["outcome"][0] >= OVERTURNED_WITHOUT_IMPACT
+    else:
+        assert response.scalars["outcome"][0] == 1
+        assert response.scalars["theta_peak_over_alpha"][0] == pytest.approx(peak / alpha, abs=1e-9)
