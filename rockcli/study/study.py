@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-
-if TYPE_CHECKING:
-    from rockcli.study.search import Search
 
 Index = NDArray[np.int64]
 
@@ -83,6 +80,29 @@ class CaseSource(Protocol):
         ...
 
 
+class Searched(CaseSource, Protocol):
+    """A range searched for overturning; as a source of cases, those at its first point.
+
+    Attributes:
+        axis: the scanned points; not a dimension of the dataset.
+        name: of the result in the dataset, `<axis>_overturning`.
+    """
+
+    @property
+    def axis(self) -> Axis:
+        """The scanned points."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """Of the result."""
+        ...
+
+    def at(self, indices: Index, values: NDArray[np.float64]) -> Iterator[tuple[Index, Batch]]:
+        """Yield (positions, batch) for flat case indices (k,), each with its own value (k,)."""
+        ...
+
+
 @dataclass(frozen=True)
 class Study:
     """A checked study.
@@ -127,7 +147,7 @@ class Study:
     warnings: tuple[str, ...] = ()
     histories_at: dict[str, Any] | None = None
     curves: tuple[str, ...] = ()
-    search: Search | None = None
+    search: Searched | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
