@@ -46,6 +46,8 @@ def interrupted(folder: Path, script: str, kernels: str, wait: float) -> tuple[i
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        # a process that is started in the background may be born deaf to the signal
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         env=os.environ | {"ROCK_KERNELS": kernels, "ROCK_CACHE_DIR": str(folder / "cache")},
     )
     lock = folder / "results" / "long" / ".lock"
@@ -72,5 +74,5 @@ def test_an_interrupt_is_answered(script: str, kernels: str, wait: float, tmp_pa
     assert code == 130
     assert told.startswith("rock: interrupted; run again to go on")
     assert told.count("\n") == 1
-    assert seconds < 3.0  # below one on an idle machine
+    assert seconds < 15.0  # below one on an idle machine; half a minute without an answer
     assert list((tmp_path / "results" / "long").iterdir()) == []
