@@ -246,7 +246,9 @@ def march(
         # the guard
         a_v_low = min(A[3], A[4], A[5])
         value = dot(row, z) + dot(row_v, v)
-        floor = 1e-9 * limit(par, CONTACT, s, 0.0) if phase == CONTACT else 1e-8 * par[ALPHA]
+        # a mode too weak to matter at this accuracy does not set how densely the step is looked at
+        weak = 1e-5 if par[FINENESS] >= 1.0 else (1e-7 if par[FINENESS] >= 0.5 else 1e-9)
+        floor = weak * (limit(par, CONTACT, s, 0.0) if phase == CONTACT else par[ALPHA])
         wander(lam, c, bu, th, F, h, z, v, row, row_v, floor, found)
         stray, omega = found[0], found[1]
         if phase == CONTACT:
