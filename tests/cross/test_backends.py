@@ -27,6 +27,9 @@ DRIVEN_IN_ROTATION = 2.5e-3
 COLUMN_IN_OPENSEES = 5e-3
 """A deformable column: OpenSees has another element and mass matrix; 1 % of the peak (.007) is asked of it."""
 
+ON_FIBRES = 1e-2
+"""HHT on fibres: the loss at a contact is that of the step, which the two codes divide in their own ways."""
+
 SETTINGS = {
     "event": {"accuracy": "reference"},
     "scipy": {"method": "DOP853", "rtol": 1e-12},
@@ -52,6 +55,10 @@ def _scene(model: str, geometry: str | None, damping: str) -> dict:
         "model": model,
         "damping": damping,
     }
+    if damping == "hht":
+        scene["damping"] = {"scheme": "hht", "alpha_d": 0.8}
+        scene["base"] = {"law": "winkler", "kw": 1e11, "fibres": 21}
+        scene["motion"]["duration"] = 2.2  # the first large swing
     if model == "4":
         scene["column"] = {"E": "30*GPa", "rho": 2500, "elements": 5}
     return scene | ({"geometry": geometry} if geometry else {})
@@ -61,8 +68,9 @@ def _pairs() -> list[tuple[str, str, str, str | None, str]]:
     found = []
     for one, other in itertools.combinations(BACKENDS.values(), 2):
         for model, geometry in sorted(one.support.models & other.support.models, key=str):
-            for damping in sorted(one.support.damping & other.support.damping - {"hht"}):
-                if model != "flexible" or damping != "dashpot":
+            for damping in sorted(one.support.damping & other.support.damping):
+                fibres = damping == "hht"  # model 4 on fibres that give way, as the source has it
+                if not (fibres and (model, geometry) != ("4", "corotational")) and (model, damping) != ("flexible", "dashpot"):
                     found.append((one.name, other.name, model, geometry, damping))
     return found
 
@@ -91,6 +99,8 @@ def test_two_backends_agree(one, other, model, geometry, damping):
     allowed, why = TOLERANCES[frozenset({one, other})]
     if model == "2" and {one, other} & {"frame", "opensees"}:
         allowed = max(allowed, DRIVEN_IN_ROTATION)
+    if damping == "hht":
+        allowed = ON_FIBRES
     if model == "flexible" and "opensees" in (one, other):
         allowed = COLUMN_IN_OPENSEES
     difference = abs(_peak(one, model, geometry, damping) - _peak(other, model, geometry, damping))
