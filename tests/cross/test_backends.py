@@ -70,7 +70,10 @@ def _pairs() -> list[tuple[str, str, str, str | None, str]]:
         for model, geometry in sorted(one.support.models & other.support.models, key=str):
             for damping in sorted(one.support.damping & other.support.damping):
                 fibres = damping == "hht"  # model 4 on fibres that give way, as the source has it
-                if not (fibres and (model, geometry) != ("4", "corotational")) and (model, damping) != ("flexible", "dashpot"):
+                if not (fibres and (model, geometry) != ("4", "corotational")) and (model, damping) != (
+                    "flexible",
+                    "dashpot",
+                ):
                     found.append((one.name, other.name, model, geometry, damping))
     return found
 
