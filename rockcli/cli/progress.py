@@ -30,6 +30,22 @@ class Progress:
         if self.shown:
             self._put(f"{self.name}: {words}")
 
+    def listen(self) -> None:
+        """Show on the line what a long case tells of itself (`rockcli.solvers` logs it at INFO)."""
+        if not self.shown:
+            return
+        import logging
+
+        line = self
+
+        class Told(logging.Handler):
+            def emit(self, record: logging.LogRecord) -> None:
+                line.note(record.getMessage())
+
+        logger = logging.getLogger("rockcli.solvers")
+        logger.setLevel(logging.INFO)
+        logger.handlers = [Told()]
+
     def close(self) -> None:
         """Wipe the line."""
         if self.width:

@@ -88,6 +88,7 @@ def _run_one(study: Study, out: Path, *, fresh: bool, plots: bool, plot_format: 
     from rockcli.engine.run import run_study
 
     line = Progress(study.name, shown=progress)
+    line.listen()
     kernels.announce = lambda: line.note("compiling the kernels, once: about 15 s")
     try:
         return run_study(study, out, fresh=fresh, plots=plots, plot_format=plot_format, progress=line)

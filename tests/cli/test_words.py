@@ -121,3 +121,21 @@ def test_compiling_is_announced_once(tmp_path: Path) -> None:
     (folder,) = tmp_path.iterdir()
     (folder / "march.nbi").write_text("")
     assert told("compiled") == ""
+
+
+def test_a_long_case_tells_how_far_it_is(capsys, monkeypatch):
+    import logging
+
+    from rockcli.cli.progress import Progress
+
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    logger = logging.getLogger("rockcli.solvers")
+    before = (logger.level, list(logger.handlers))
+    try:
+        line = Progress("tower", shown=True)
+        line.listen()
+        logging.getLogger("rockcli.solvers.calculix.folder").info("t = %.4g s of %.4g s", 1.5, 6.5)
+        line.close()
+    finally:
+        logger.level, logger.handlers = before
+    assert "tower: t = 1.5 s of 6.5 s" in capsys.readouterr().err
