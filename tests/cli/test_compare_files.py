@@ -1,0 +1,111 @@
+"""`rock compare A.nc B.nc`: exit codes, shared points, the worst points named."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from rockcli.cli.main import app
+from rockcli.engine.difference import difference
+from rockcli.engine.run import solve
+from rockcli.errors import StudyError
+from rockcli.storage import netcdf
+from rockcli.storage.contents import Contents, Field
+from rockcli.study.open import open_study
+
+
+def dataset(amplitudes: list[float], **block: float) -> Contents:
+    study = {
+        "name": "pair",
+        "case": {
+            "block": {"R": 2.0, "tan_alpha": 0.2} | block,
+            "motion": {"pulse": {"shape": "ricker", "a_p_over_g_tan_alpha": 2.0, "omega_p": "3*pi"}},
+        },
+        "vary": {"motion.pulse.a_p_over_g_tan_alpha": amplitudes, "model": ["rigid", 3]},
+        "save": {"histories": False},
+    }
+    return solve(open_study(study))
+
+
+@pytest.fixture(scope="module")
+def first() -> Contents:
+    return dataset([0.5, 2.0, 3.6, 9.0])
+
+
+def changed(contents: Contents, name: str, at: tuple[int, ...], value: float) -> Contents:
+    values = contents.values(name).copy()
+    values[at] = value
+    item = contents.fields[name]
+    return Contents(
+        contents.axes, contents.fields | {name: Field(item.dims, values, item.attrs, item.coordinate)}, contents.attrs
+    )
+
+
+def test_a_dataset_is_the_same_as_itself(first: Contents) -> None:
+    found = difference(first, first, rtol=0.0, atol=0.0)
+    assert found.same
+    assert (found.points, found.only_a, found.only_b, found.largest) == (8, 0, 0, 0.0)
+
+
+def test_peaks_within_and_beyond_the_tolerance(first: Contents) -> None:
+    peak = first.values("theta_peak_over_alpha")[2, 0]
+    other = changed(first, "theta_peak_over_alpha", (2, 0), peak * 1.001)
+    assert difference(first, other, rtol=2e-3).same
+    found = difference(first, other, rtol=1e-4)
+    assert (found.outcomes, found.peaks) == (0, 1)
+    assert found.largest == pytest.approx(1e-3 / 1.001)
+    assert found.worst[0][0] == "a_p_over_g_tan_alpha=3.6, model=rigid"
+
+
+def test_another_outcome_comes_first(first: Contents) -> None:
+    flag = first.values("outcome")[1, 1]
+    other = changed(changed(first, "outcome", (1, 1), -1), "theta_peak_over_alpha", (2, 0), 7.0)
+    found = difference(first, other, rtol=1e-6)
+    assert (found.outcomes, found.peaks) == (1, 1)
+    assert "unresolved" in found.worst[0][1]
+    assert flag != -1
+
+
+def test_an_answer_lost_is_a_difference(first: Contents) -> None:
+    other = changed(first, "theta_peak_over_alpha", (2, 0), np.nan)
+    assert difference(first, other, rtol=1.0).peaks == 1
+    assert difference(other, other, rtol=0.0).same
+
+
+def test_points_of_one_only_are_counted_and_axes_may_be_in_another_order(first: Contents) -> None:
+    second = dataset([2.0, 3.6, 4.0])
+    flipped = {
+        name: Field(f.dims[::-1], np.asarray(f.values).T, f.attrs, f.coordinate) if f.dims == second.axes else f
+        for name, f in second.fields.items()
+    }
+    found = difference(first, Contents(second.axes[::-1], flipped, second.attrs), rtol=1e-12)
+    assert found.same
+    assert (found.points, found.only_a, found.only_b) == (4, 4, 2)
+
+
+def test_what_cannot_be_compared(first: Contents) -> None:
+    with pytest.raises(StudyError, match="no point in common"):
+        difference(first, dataset([1.0]), rtol=1e-6)
+    single = open_study({"name": "one", "case": {"block": {"R": 2, "tan_alpha": 0.2}, "initial": {"theta": 0.1}}})
+    with pytest.raises(StudyError, match="other axes"):
+        difference(first, solve(single), rtol=1e-6)
+
+
+def test_the_command(first: Contents, tmp_path: Path) -> None:
+    a, b = tmp_path / "a.nc", tmp_path / "b.nc"
+    netcdf.write(first, a)
+    netcdf.write(dataset([0.5, 2.0, 3.6, 9.0], R=2.0001), b)
+    rock = CliRunner()
+    assert rock.invoke(app, ["compare", str(a), str(a)]).exit_code == 0
+    told = rock.invoke(app, ["compare", str(a), str(b), "--most", "1"])
+    assert told.exit_code == 1
+    assert "8 points in both" in told.stdout
+    assert "a_p_over_g_tan_alpha=3.6" in told.stdout
+    assert rock.invoke(app, ["compare", str(a), str(b), "--rtol", "0.01"]).exit_code == 0
+    summary = json.loads(rock.invoke(app, ["compare", str(a), str(b), "--json"]).stdout)
+    assert summary["same"] is False
+    assert summary["points"] == 8
