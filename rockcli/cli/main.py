@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from rockcli.cli import animate, check, compare, export, plot, run, show, verify
+from rockcli.cli import animate, check, compare, export, plot, report, run, show, verify
 from rockcli.cli.interrupt import INTERRUPTED, answered, tell
 from rockcli.errors import RockError
 
@@ -27,6 +27,7 @@ app.command("check")(check.check)
 app.command("plot")(plot.plot)
 app.command("animate")(animate.animate)
 app.command("compare")(compare.compare)
+app.command("report")(report.report)
 app.command("export")(export.export)
 app.command("show")(show.show)
 app.command("verify")(verify.verify)

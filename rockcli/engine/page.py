@@ -1,0 +1,51 @@
+"""The report of a dataset file as one HTML page, from the file alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rockcli.engine.expect import judge
+from rockcli.errors import StudyError
+from rockcli.storage import netcdf
+from rockcli.storage.atomic import replacing
+from rockcli.storage.contents import Contents
+from rockcli.storage.read import open_dataset
+from rockcli.study.reread import clauses_of
+
+
+def write_page(path: Path, out: Path | None = None) -> Path:
+    """Write the report of a dataset; default: <dataset>.html beside it.
+
+    Raises:
+        StudyError: the file is not a dataset of this program, or `out` would replace it.
+        OutputError: the page cannot be written.
+    """
+    from rockcli.plotting.page import page
+
+    target = path.with_suffix(".html") if out is None else out
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise StudyError("a report is an HTML page: expected a name that ends in .html", file=target)
+    dataset = open_dataset(path)
+    text = page(dataset, _verdicts(netcdf.read(path)))
+    with replacing(target) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+    return target
+
+
+def _verdicts(contents: Contents) -> list[tuple[bool, str]]:
+    """The clauses of `expect` in the study the file holds, judged again on what it holds."""
+    axes = [
+        (name, str(contents.fields[name].attrs.get("long_name", name)), contents.values(name)) for name in contents.axes
+    ]
+    found = tuple(name for name in contents.fields if name not in contents.axes)
+    clauses = clauses_of(contents.attrs.get("study", ""), axes, found)
+    words = []
+    for verdict in judge(contents, clauses):
+        many = (
+            f"{verdict.failing} of {verdict.points} points not, worst "
+            if verdict.failing and verdict.points > 1
+            else ""
+        )
+        where = f" at {verdict.where}" if verdict.where else ""
+        words.append((verdict.passed, f"{verdict.text}: {many}{verdict.worst}{where}"))
+    return words

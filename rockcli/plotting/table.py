@@ -1,0 +1,72 @@
+"""The cases of a dataset as a table of words: every case of a small study, the summary of a large one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockcli.plotting.cases import axes_of, is_numeric, number_at, outcome_at
+from rockcli.plotting.labels import unit_in_brackets
+from rockcli.scene.variables import VARIABLES
+
+if TYPE_CHECKING:
+    import xarray
+
+MOST = 60
+"""Cases listed one by one."""
+
+_SYMBOLS = ("R", "alpha", "p", "eta")
+_COLUMNS = (
+    "theta_peak_over_alpha", "t_peak", "t_overturn", "n_impacts", "mu_required", "error_estimate",
+)  # fmt: skip
+_SUMMED_UP = ("theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "n_impacts", "t_end", "error_estimate")
+
+Table = tuple[list[str], list[list[str]], str]
+"""Header, rows and a note below."""
+
+
+def case_table(dataset: xarray.Dataset) -> Table:
+    """Every case if there are at most MOST, else quantiles of what was saved over those that stand."""
+    axes = axes_of(dataset)
+    shape = tuple(int(dataset.sizes[axis]) for axis in axes)
+    if int(np.prod(shape, dtype=np.int64)) > MOST:
+        return _summary(dataset)
+    symbols = [name for name in _SYMBOLS if name in dataset.variables and name not in axes]
+    columns = [name for name in _COLUMNS if name in dataset.variables]
+    header = [*axes, *(_head(n) for n in symbols), "outcome", *(_head(n) for n in columns)]
+    rows = []
+    for position in np.ndindex(*shape):
+        at = [_coordinate(dataset, axis, i) for axis, i in zip(axes, position, strict=True)]
+        numbers = [_word(number_at(dataset, name, position)) for name in (*symbols, *columns)]
+        outcome = outcome_at(dataset, position).replace("_", " ")
+        rows.append([*at, *numbers[: len(symbols)], outcome, *numbers[len(symbols) :]])
+    told = [j for j in range(len(header)) if any(row[j] for row in rows)]
+    return [header[j] for j in told], [[row[j] for j in told] for row in rows], ""
+
+
+def _summary(dataset: xarray.Dataset) -> Table:
+    header = ["", "smallest", "16 %", "median", "84 %", "largest", "no finite value"]
+    rows = []
+    for name in _SUMMED_UP:
+        if name not in dataset.variables:
+            continue
+        values = np.asarray(dataset[name].values, dtype=float).ravel()
+        finite = values[np.isfinite(values)]
+        if finite.size:
+            spread = np.percentile(finite, [0, 16, 50, 84, 100])
+            rows.append([_head(name), *(_word(float(x)) for x in spread), str(values.size - finite.size)])
+    return header, rows, "over the cases with a finite value: overturned cases have no peak"
+
+
+def _coordinate(dataset: xarray.Dataset, axis: str, i: int) -> str:
+    value = dataset[axis].values[i]
+    return _word(float(value)) if is_numeric(dataset, axis) else str(value)
+
+
+def _head(name: str) -> str:
+    return name + (unit_in_brackets(VARIABLES[name].unit) if name in VARIABLES else "")
+
+
+def _word(value: float) -> str:
+    return "" if np.isnan(value) else f"{value:.6g}"

@@ -1,0 +1,28 @@
+"""What a dataset still knows of its study: the clauses of `expect`, from the resolved study it carries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from numpy.typing import NDArray
+
+from rockcli.study.expect import read_expect
+from rockcli.study.loader import load_value
+from rockcli.study.study import Axis, Expect
+from rockcli.study.tree import Source
+
+
+def clauses_of(
+    resolved: str, axes: Sequence[tuple[str, str, NDArray[Any]]], found: tuple[str, ...]
+) -> tuple[Expect, ...]:
+    """The clauses of a resolved study.
+
+    Args:
+        resolved: the study as YAML, as datasets carry it.
+        axes: (name, path, coordinate values) of the dataset.
+        found: names the dataset has beside those of the variables' table.
+    """
+    study = load_value(resolved, "the study in the dataset")
+    known = [Axis(name, path, tuple(v.tolist()), v.dtype.kind == "f") for name, path, v in axes]
+    return read_expect(Source(file=None), study, known, found=found)
