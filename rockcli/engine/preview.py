@@ -40,7 +40,7 @@ class Preview:
 
     Attributes:
         cases: how many; axes: (name, path, points) outermost first.
-        body: size, mass and friction; both edges of an asymmetric body.
+        body: mass, sizes, inertia and friction; both edges of an asymmetric body.
         model: model, geometry, damping, initial state.
         motion: accelerations in g and over that of uplift; of a record also its scaling.
         processing: what was done to the records, a sentence each.
@@ -124,22 +124,36 @@ def _backend(batch: Batch) -> str:
 
 
 def _body(batch: Batch) -> list[Row]:
+    """What the equations of motion know of the body, edge by edge, and what it was made from."""
     block = batch.block
-    rows = []
-    for name, words, both in (
-        ("R", "R [m]", block.R),
-        ("alpha", "alpha [rad]", block.alpha),
-        ("tan_alpha", "tan alpha", block.tan_alpha),
-        ("p", "p [rad/s]", batch.p),
-    ):
-        rows += [Row(f"{name}{key}", f"{words}{side}", float(both[0, edge])) for key, side, edge in _edges(block)]
-    rows += [
-        Row("height", "height 2h [m]", float(2.0 * block.h[0])),
-        Row("width", "width [m]", float(block.b[0].sum())),
+    h, top = float(block.h[0]), float(block.top[0])
+    both = {
+        "b": ("b, centre of mass to edge [m]", block.b),
+        "R": ("R [m]", block.R),
+        "alpha": ("alpha [rad]", block.alpha),
+        "tan_alpha": ("tan alpha", block.tan_alpha),
+        "g_tan_alpha": ("g tan alpha [m/s2]", batch.g[:, None] * block.tan_alpha),
+        "inertia": ("I_O/(m R2)", block.inertia),
+        "I_O": ("I_O [kg m2]", block.inertia * block.R**2 * block.mass[:, None]),
+        "p": ("p [rad/s]", batch.p),
+    }
+    tall = abs(top - 2.0 * h) <= 1e-9 * h
+    rows = [
         Row("mass", "mass [kg]", float(block.mass[0])),
-        Row("mu", "friction mu", float(block.mu[0])),
+        Row("height", "height 2h [m]", top) if tall else Row("top", "height of the top [m]", top),
+        Row("width", "width of the base [m]", float(block.b[0].sum())),
+        Row("h", "h, height of centre of mass [m]", h),
     ]
-    return [row for row in rows if not np.isnan(row.value)]
+    for name, (words, values) in both.items():
+        rows += [Row(f"{name}{key}", f"{words}{side}", float(values[0, edge])) for key, side, edge in _edges(block)]
+    r_g = float(np.sqrt((block.inertia[0, LEFT] - 1.0) * block.R[0, LEFT] ** 2))
+    rows.append(Row("r_g", "r_g, radius of gyration [m]", r_g))
+    if np.isfinite(mu := float(block.mu[0])):
+        slides = mu < block.tan_alpha[0]
+        begins = "slide (mu < tan alpha)" if slides.all() else "rock (mu >= tan alpha)"
+        begins = "slide or rock, by direction" if slides.any() and not slides.all() else begins
+        rows += [Row("mu", "friction mu", mu), Row("begins", "from rest it begins to", begins)]
+    return [row for row in rows if isinstance(row.value, str) or not np.isnan(row.value)]
 
 
 def _edges(block: Block) -> list[tuple[str, str, int]]:

@@ -41,6 +41,7 @@ class Samples:
         measures: of the motion as processed, before `factor`: pga [m/s^2], pgv [m/s], and whatever else
             is known of it; `pga_raw`, `pgv_raw` before any processing.
         sha256: of the bytes the motion was read from.
+        files: name and SHA-256 of each, where it was made from several.
     """
 
     values: Array
@@ -50,6 +51,7 @@ class Samples:
     processing: tuple[str, ...] = ()
     measures: dict[str, float] = field(default_factory=dict)
     sha256: str = ""
+    files: tuple[tuple[str, str], ...] = ()
 
     @property
     def end(self) -> float:

@@ -8,12 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 CASE, TIME, IMPACT, ROTATION = "case", "time", "impact", "rotation"
+SUITE, LIMIT, MEASURE = "suite", "limit_state", "measure"
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact) or
-    ROTATION (axes, rotation: static curves); unit "1" = dimensionless.
+    """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact),
+    ROTATION (axes, rotation: static curves), SUITE (the axes but that of `over`), LIMIT (the same, limit_state) or
+    MEASURE (the same, measure); unit "1" = dimensionless.
     """
 
     name: str
@@ -65,7 +67,11 @@ _ROWS: tuple[Variable, ...] = (
     Variable("t_end", r"$t_{\mathrm{end}}$", CASE, "s", "end of the reported response"),
     Variable("n_impacts", r"$n_{\mathrm{impacts}}$", CASE, "1", "impacts faster than 1e-6 p alpha up to t_end"),
     Variable(
-        "mu_required", r"$\mu_{\mathrm{req}}$", CASE, "1", "largest |T/N| at the base between impacts; inf where N <= 0"
+        "mu_required",
+        r"$\mu_{\mathrm{req}}$",
+        CASE,
+        "1",
+        "largest |T/N| at the base between impacts, mu of a body that slides; inf where N <= 0",
     ),
     Variable("mu_impact", r"$\mu_{\mathrm{impact}}$", CASE, "1", "largest ratio of impulses at an impact"),
     Variable(
@@ -88,6 +94,12 @@ _ROWS: tuple[Variable, ...] = (
         CASE,
         "1",
         "energy a captured base took at landings of a flexible body, over that of the unstable equilibrium",
+    ),
+    Variable(
+        "slide_peak", r"$|u|_{\mathrm{max}}$", CASE, "m", "largest |displacement along the ground|; NaN without mu"
+    ),
+    Variable(
+        "slide_residual", r"$u_{\mathrm{res}}$", CASE, "m", "displacement along the ground in the end; NaN without mu"
     ),
     Variable("error_estimate", r"$\epsilon$", CASE, "1", "estimated numerical error of theta_peak_over_alpha"),
     Variable("wall_time", "wall time", CASE, "s", "time the solver took, shared evenly over a batch"),
@@ -160,6 +172,9 @@ _ROWS: tuple[Variable, ...] = (
         "m2 s-2",
         "moment of the base on the body, opposing theta; per unit mass unless the study gives a mass (then N m)",
     ),
+    Variable("slide", r"$u$", TIME, "m", "displacement of the base along the ground, where mu is given"),
+    Variable("slide_dot", r"$\dot u$", TIME, "m s-1", "rate of sliding along the ground, where mu is given"),
+    Variable("contact_mode", "contact", TIME, "1", "mode of contact, where mu is given"),
     Variable("t_impact", r"$t$", IMPACT, "s", "time of impact"),
     Variable("theta_dot_before", r"$\dot\theta^-$", IMPACT, "rad s-1", "rate of rotation just before"),
     Variable("theta_dot_after", r"$\dot\theta^+$", IMPACT, "rad s-1", "rate of rotation just after"),
@@ -178,6 +193,14 @@ _ROWS: tuple[Variable, ...] = (
         "largest |theta - theta_ref|/alpha before either overturns",
     ),
     Variable("same_outcome", "same outcome", CASE, "1", "1 where the outcome agrees with the reference's"),
+    Variable("angle_worst", r"$\varphi_{\mathrm{w}}$", CASE, "rad", "direction of the motion with the largest peak"),
+    Variable(
+        "theta_peak_over_alpha_worst",
+        r"$|\theta|_{\mathrm{max}}/\alpha$",
+        CASE,
+        "1",
+        "theta_peak_over_alpha in the worst direction; inf overturned",
+    ),
     Variable("theta_over_alpha", r"$\theta/\alpha$", ROTATION, "1", "rotation over alpha, of the static curves"),
     Variable(
         "energy_ratio",
@@ -252,12 +275,70 @@ _ROWS: tuple[Variable, ...] = (
         "1",
         "largest |model - block| of the overturning moment over the block's at 0",
     ),
+    Variable("west_ratio", r"$\mathrm{PGA}/(g\,\tan\alpha)$", CASE, "1", "rule of West: overturning predicted above 1"),
+    Variable("ishiyama_ratio", r"$r_{\mathrm{Ishiyama}}$", CASE, "1", "rule of Ishiyama: overturning possible above 1"),
+    Variable(
+        "housner_ratio", r"$p S_v/(g\alpha)$", CASE, "1", "rule of Housner: overturning likelier than not above 1"
+    ),
+    Variable(
+        "asce43_theta_over_alpha",
+        r"$\theta_{\mathrm{ASCE\ 43}}/\alpha$",
+        CASE,
+        "1",
+        "ASCE 43-05: best-estimate rotation over alpha; inf: overturning predicted",
+    ),
 )
 
-VARIABLES: dict[str, Variable] = {row.name: row for row in _ROWS}
+_FRACTILES = (("p16", "16 % fractile"), ("p50", "median"), ("p84", "84 % fractile"), ("mean", "mean"))
+
+_SUITE_ROWS: tuple[Variable, ...] = (
+    Variable("n_answered", r"$n$", SUITE, "1", "members of the suite with an answer: neither failed nor unresolved"),
+    Variable("p_overturned", r"$P_{\mathrm{overturned}}$", SUITE, "1", "share that overturned of those with an answer"),
+    *(
+        Variable(f"{name}_{end}", f"{symbol}, {words}", SUITE, unit, f"{words} of {name} over the suite; {inf}")
+        for name, symbol, unit in (
+            ("theta_peak_over_alpha", r"$|\theta|_{\mathrm{max}}/\alpha$", "1"),
+            ("theta_dot_peak", r"$|\dot\theta|_{\mathrm{max}}$", "rad s-1"),
+            ("u_top_peak", r"$|u_{\mathrm{top}}|_{\mathrm{max}}$", "m"),
+        )
+        for end, words in _FRACTILES
+        for inf in ("inf where any overturned" if end == "mean" else "overturned counts as inf",)
+    ),
+    Variable("safe_island", "safe island", CASE, "1", "1 where a case stands although a lower intensity overturned it"),
+    Variable("n_safe_islands", r"$n_{\mathrm{islands}}$", SUITE, "1", "members that stand above an overturning one"),
+    Variable("limit_state", "limit state", LIMIT, "1", "theta_peak_over_alpha exceeded, or overturned"),
+    Variable("p_exceeded", r"$P$", LIMIT, "1", "share that exceeds the limit state of those with an answer"),
+    Variable("fragility_median", r"$\hat\theta$", LIMIT, "1", "intensity exceeded with probability 1/2; NaN: no curve"),
+    Variable("fragility_beta", r"$\beta$", LIMIT, "1", "standard deviation of the logarithm of the fragility curve"),
+    Variable(
+        "fragility_se_ln_median", r"$s$", LIMIT, "1", "standard error of ln(fragility_median), clustered by member"
+    ),
+    Variable("fragility_se_beta", r"$s_\beta$", LIMIT, "1", "standard error of fragility_beta, clustered by member"),
+    Variable("fragility_correlation", r"$\rho$", LIMIT, "1", "correlation of the estimates of ln(median) and beta"),
+    Variable("fragility_status", "status", LIMIT, "1", "whether there is a fragility curve, or why not"),
+    Variable("measure", "measure", MEASURE, "1", "measure of the ground motion"),
+    Variable("demand_spearman", r"$\rho_S$", MEASURE, "1", "rank correlation of theta_peak_over_alpha and the measure"),
+    Variable(
+        "demand_pearson", r"$\rho_P$", MEASURE, "1", "correlation of the logarithms, of members that rock and stand"
+    ),
+    Variable("n_moving", r"$n_{\mathrm{rock}}$", SUITE, "1", "members that rock and stand"),
+    Variable("p_pgv_over_g_tan_alpha", r"$p\,\mathrm{PGV}/(g\,\tan\alpha)$", CASE, "1", "dimensionless peak velocity"),
+    Variable("arias", r"$I_A$", CASE, "m s-1", "Arias intensity of the record used"),
+    Variable("cav", "CAV", CASE, "m s-1", "cumulative absolute velocity of the record used"),
+    Variable("t_mean", r"$T_m$", CASE, "s", "mean period of the record used (Rathje et al. 1998)"),
+    Variable("d5_95", r"$D_{5-95}$", CASE, "s", "significant duration of the record used, 5-95 % of Arias intensity"),
+)
+
+MEASURES: tuple[str, ...] = ("pga", "pgv", "p_pgv_over_g_tan_alpha", "arias", "cav", "t_mean", "d5_95")
+"""Measures of the ground motion that a suite's response is compared with."""
+
+VARIABLES: dict[str, Variable] = {row.name: row for row in (*_ROWS, *_SUITE_ROWS)}
 
 SCALARS_FLEXIBLE: tuple[str, ...] = ("landing_loss",)
 """Scalars of the flexible model alone."""
+
+SCALARS_SLIDING: tuple[str, ...] = ("slide_peak", "slide_residual")
+"""What only cases with a coefficient of friction have."""
 
 SCALARS_FEMA: tuple[str, ...] = ("fema_delta", "fema_u_top", "fema_T", "fema_beta", "fema_n_roots")
 """What only the damping scheme fema356 knows; NaN for all others."""
@@ -265,7 +346,7 @@ SCALARS_FEMA: tuple[str, ...] = ("fema_delta", "fema_u_top", "fema_T", "fema_bet
 SCALARS: tuple[str, ...] = (
     "outcome", "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn",
     "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual", "error_estimate", "wall_time",
-    "n_steps", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA,
+    "n_steps", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING,
 )  # fmt: skip
 """Scalars a study can save, in the order of the contract."""
 

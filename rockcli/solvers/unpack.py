@@ -116,6 +116,9 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
     with np.errstate(invalid="ignore"):
         slides = needs > mu  # False where no mu is given
         lifts = normal <= 0.0
+    # with a mu the question is what the body does; without, it cannot slide, and lifting is a remark
+    refused = (slides | (lifts & np.isfinite(mu))) & (outcome >= NO_UPLIFT)
+    withdraw(scalars, refused)
     many = scalars["n_impacts"] > MAX_IMPACTS_STORED if batch.save.histories else np.zeros(batch.size, bool)
     for i in np.flatnonzero((outcome < 0) | slides | lifts | many):
         said = []
@@ -123,10 +126,11 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
             said.append(f"gave up after {scalars['n_steps'][i]} steps at t = {out[i, k.T_END]:.6g} s")
         elif status[i] != k.DONE:
             said.append("the solution ceased to be finite: check the motion and the block for extreme numbers")
-        elif outcome[i] == UNRESOLVED:
+        elif outcome[i] == UNRESOLVED and not refused[i]:
             said.append("on the separatrix within rounding: whether it overturns cannot be told in double precision")
         if slides[i]:
-            said.append("needs more friction than mu: it would slide, which is not simulated")
+            words = "at an impact" if scalars["mu_impact"][i] > mu[i] else "while it rocks or before"
+            said.append(f"needs mu = {needs[i]:.3g}: it would slide {words}, which is not simulated")
         if lifts[i]:
             said.append("the normal force vanishes: the body would leave the ground, which is not simulated")
         if many[i]:
@@ -148,9 +152,14 @@ def compare_accuracies(scalars: dict[str, NDArray[Any]], coarse: dict[str, NDArr
         reasons[i] = "; ".join(
             filter(None, [reasons[i], "two accuracies disagree on the outcome: it is too close to a boundary"])
         )
-        scalars["outcome"][i] = UNRESOLVED
-        for name in ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak"):
-            scalars[name][i] = np.nan
+    withdraw(scalars, torn)
+
+
+def withdraw(scalars: dict[str, NDArray[Any]], which: NDArray[np.bool_]) -> None:
+    """Make cases `unresolved`: what they came to is not known."""
+    scalars["outcome"][which] = UNRESOLVED
+    for name in ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_overturn"):
+        scalars[name][which] = np.nan
 
 
 def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Array], Array]:

@@ -20,7 +20,7 @@ from rockcli.study.paths import UNITS, Path, dimension_names, is_path, resolve, 
 from rockcli.study.records import WILDCARDS, Records
 from rockcli.study.study import MATCH, Axis
 from rockcli.study.table import Table, read_table
-from rockcli.study.tree import List, Map, Source, Where, nearest, place, same_twice
+from rockcli.study.tree import List, Map, Places, Source, Where, nearest, place, same_twice
 from rockcli.study.values import describe, is_finite
 
 MAX_POINTS = 10_000_000
@@ -178,11 +178,7 @@ class _Reader:
             raise self.fail("has no values")
         if len(values) > MAX_POINTS:
             raise self.fail(f"has more than {MAX_POINTS} values")
-        places = values.where
-
-        def where(i: int) -> Where:
-            return places[i] if i < len(places) else None
-
+        where = Places(tuple(values.where))
         numbers = self.numbers(values)
         if numbers is not None:
             return self.numeric(numbers, where)
@@ -246,8 +242,9 @@ class _Reader:
 
     def labels(self, values: List) -> list[str]:
         texts = [v if isinstance(v, str) else json.dumps(v, default=str) for v in values]
-        if self.is_file and all(isinstance(v, str) for v in values):
-            names = [PurePosixPath(v).name for v in values]
+        if self.is_file and all(isinstance(v, str | list) for v in values):
+            both = [[v] if isinstance(v, str) else [str(name) for name in v] for v in values]
+            names = [" + ".join(PurePosixPath(name).name for name in pair) for pair in both]
             return names if len(set(names)) == len(names) else texts
         return texts
 
@@ -335,7 +332,7 @@ class _Reader:
         values = np.linspace(first, last, n) if spacing == "linear" else np.geomspace(first, last, n)
         values[0], values[-1] = first, last
         line = place(self.study, ("vary", self.text))
-        variation = self.numeric(values, lambda i: line)
+        variation = self.numeric(values, Places(beyond=line))
         if find and variation.columns is None:
             raise self.fail(
                 "cannot be searched: only a number of the block, the motion or the initial state can", "find"
@@ -348,7 +345,7 @@ class _Reader:
         places = [entry.where.get(label) for label in entry]
         settings = [self.put(v, places[i], label) for i, (label, v) in enumerate(entry.items())]
         settings = [tuple((p, self.as_number(p, v), w) for p, v, w in point) for point in settings]
-        return self.labelled(list(entry), settings, lambda i: places[i])
+        return self.labelled(list(entry), settings, Places(tuple(places)))
 
     @staticmethod
     def as_number(path: Path, value: Any) -> Any:
@@ -363,8 +360,7 @@ class _Reader:
     def matched(self, pattern: str) -> Variation:
         names = self.records.match(pattern)
         if not names:
-            sought = ", ".join(str(folder) for folder in self.records.folders() if folder.is_dir())
-            raise self.fail(f"is {pattern!r}, which no file matches; sought in {sought}")
+            raise self.records.no_match(f"vary.{self.text}", pattern, place(self.study, ("vary", self.text)))
         line = place(self.study, ("vary", self.text))
         return self.listed(List(names, [line] * len(names)))
 
@@ -378,7 +374,7 @@ class _Reader:
             tuple((path, self.as_number(path, value), line) for path, value in zip(paths, row, strict=True))
             for row in table.rows
         ]
-        return self.labelled(table.labels, settings, lambda i: line, {name: table.sha256})
+        return self.labelled(table.labels, settings, Places(beyond=line), {name: table.sha256})
 
     def labels_first(self, table: Table, file: FilePath) -> None:
         """Refuse a table whose first column is no labels, but a path like the others."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.block import Block, make_block
+from rockcli.study.outline import build_solid, has_outline
 from rockcli.study.tree import Keys, List
 
 if TYPE_CHECKING:
@@ -19,20 +21,24 @@ HEIGHT, WIDTH, ANGLE = ("h", "height"), ("b", "width"), ("alpha", "tan_alpha", "
 GROUPS: tuple[tuple[str, ...], ...] = (("R",), HEIGHT, WIDTH, ANGLE)
 """Ways to say the same thing; a body needs two of the four, once each."""
 
+SMALLEST_ALPHA = 1e-100
+"""Slenderness below which a body is refused [rad]."""
+
 SUFFICIENT = "two of R, h (or height), b (or width) and alpha (or tan_alpha, slenderness)"
 
 
 def sufficient_pair(numbers: Numbers) -> Block:
-    """Bodies of the given shape, as rectangles; what the user gave is kept to the last bit.
+    """Bodies of the given shape, as rectangles, or of the given outline; what the user gave is kept to the last bit.
 
     Raises:
-        StudyError: over- or under-determined, not positive, not finite, alpha not below pi/2.
+        StudyError: an outline of no body, over- or under-determined, not positive, not finite, alpha not below pi/2.
     """
     block = numbers.tree["case"]["block"]
-    if block.get("outline") is not None:
-        numbers.fail((*BLOCK, "outline"), "outlines are not available in this version; give R, h, b or alpha")
-    if block.get("density") is not None:
-        numbers.fail((*BLOCK, "density"), "belongs to an outline, and outlines are not available in this version")
+    if has_outline(block):
+        return _outlined(numbers)
+    for key in ("density", "depth"):
+        if block.get(key) is not None:
+            numbers.fail((*BLOCK, key), "belongs to an outline; a block given by its sizes has a mass")
     given = [[key for key in group if block.get(key) is not None] for group in GROUPS]
     for keys in given:
         if len(keys) > 1:
@@ -60,6 +66,9 @@ def make_body(numbers: Numbers, pair: Block) -> Block:
         StudyError: inertia of an asymmetric body, inertia beside r_g, or a value that cannot be.
     """
     block = numbers.tree["case"]["block"]
+    if has_outline(block):
+        given = {key: numbers.positive((*BLOCK, key)) for key in ("top", "mass", "mu") if block.get(key) is not None}
+        return replace(pair, **{key: numbers.array(value) for key, value in given.items() if value is not None})
     extras = {key: block[key] for key in ("inertia", "r_g", "top", "mass", "mu") if block.get(key) is not None}
     if not extras:
         return pair
@@ -81,6 +90,15 @@ def make_body(numbers: Numbers, pair: Block) -> Block:
             **values,
         )
     return _finite(numbers, body, list(extras))
+
+
+def _outlined(numbers: Numbers) -> Block:
+    """Bodies of the given outline; the top is their highest point, the mass NaN where no density is given."""
+    body, has_mass = build_solid(numbers)
+    mass = body.mass if has_mass else None
+    block = make_block(h=body.h, b=body.b, r_g=body.r_g, top=body.height, mass=mass, n=numbers.n)
+    key = "parts" if numbers.tree["case"]["block"].get("parts") is not None else "outline"
+    return _finite(numbers, block, [key])
 
 
 def _symmetric(numbers: Numbers, block: dict[str, Any]) -> Block:
@@ -155,4 +173,8 @@ def _finite(numbers: Numbers, block: Block, names: list[str]) -> Block:
         good = (values > 0.0) & (values < np.inf)
         numbers.require((*BLOCK, names[-1]), good, f"{' and '.join(names)} give no body of finite size")
     numbers.require((*BLOCK, names[-1]), block.alpha < 0.5 * np.pi, "alpha must be below pi/2")
+    too_slender = (
+        f"alpha must be at least {SMALLEST_ALPHA:g}: energies, of the order of alpha**2, would be rounded to 0"
+    )
+    numbers.require((*BLOCK, names[-1]), block.alpha >= SMALLEST_ALPHA, too_slender)
     return block

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import RECTANGLE_INERTIA, Block, housner_eta
 from rockcli.scene.column import Base, Column
-from rockcli.scene.damping import DASHPOT, Damping, Fema356
+from rockcli.scene.damping import DASHPOT, Damping, Fema356, dashpot_rate
 from rockcli.scene.excitation import Excitation
 from rockcli.scene.models import CONTINUUM, DEFORMABLE
 from rockcli.scene.numerics import Numerics
@@ -34,6 +34,12 @@ FEMA356_IS_POOR = (
     "damping fema356 is an equivalent linear method known to be poor (on the source's pulses its peaks are off by "
     "-43 to +66 %, docs/fema356.md): it is offered for comparison"
 )
+
+STRONGEST_DAMPER = 1e4
+"""Base damper above which a case is refused, c/(I_O p)."""
+
+LEAST_RTOL = {"event": 1e-16, "scipy": 2.5e-14}
+"""Smallest tolerance that a backend can keep to."""
 
 CLAMPED = "Housner's eta is negative (tan alpha > sqrt 2 for a rectangle): taken as 0, the body stops at the impact"
 
@@ -64,7 +70,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         warnings += _fema356_warnings(
             numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
         )
-    warnings += leaving_its_ground(model, geometry, block)
+    warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
     solver = numbers.tree["case"].get("solver") or {}
     warnings += unused_solver_keys(solver, numerics.backend, model, damping.scheme)
     column, base = _column(numbers, model), _base(numbers, model)
@@ -146,7 +152,8 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
             said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
     with np.errstate(invalid="ignore"):
         if (block.tan_alpha > block.mu[:, None]).any():
-            said.append("tan alpha > mu: the body slides before it rocks, and sliding is not simulated [1.8]")
+            who = f"is not in model {model}" if model in DEFORMABLE else "from rest in backend event only"
+            said.append(f"mu < tan alpha: the body slides before it rocks [1.8]; simulated {who}")
     return said
 
 
@@ -172,6 +179,7 @@ def _damping(numbers: Numbers, warnings: list[str]) -> Damping:
         if coefficient is None:
             coefficient = DASHPOT
         numbers.require((*keys, "coefficient"), np.greater_equal(coefficient, 0.0), "must not be negative")
+        _not_overdamped(numbers, (*keys, "coefficient"), numbers.array(coefficient))
         return Damping(scheme, np.ones((numbers.n, 2)), coefficient=numbers.array(coefficient))
     if scheme == "hht":
         alpha_d = numbers.value((*keys, "alpha_d"))
@@ -195,6 +203,18 @@ def _damping(numbers: Numbers, warnings: list[str]) -> Damping:
     numbers.require((*keys, key), np.greater_equal(value, 0.0) & np.less_equal(value, 1.0), "must be between 0 and 1")
     column = numbers.array(value if key == "eta" else np.sqrt(value))
     return Damping(scheme, np.repeat(column[:, None], 2, axis=1))
+
+
+def _not_overdamped(numbers: Numbers, keys: Keys, coefficient: Array) -> None:
+    """Refuse a base damper so strong that the body creeps: explicit steps would have to be as short as c/I_O is large.
+
+    Raises:
+        StudyError: c/(I_O p) is above `STRONGEST_DAMPER`.
+    """
+    block, g = numbers.block, numbers.array(numbers.g)
+    rate = dashpot_rate(coefficient[:, None], block.alpha, block.R, block.inertia, g[:, None])
+    strong = f"makes a base damper of c/(I_O p) above {STRONGEST_DAMPER:g}, in which nothing rocks (2 is critical)"
+    numbers.require(keys, rate <= STRONGEST_DAMPER * block.p(g), f"{strong}: the usual coefficient is {DASHPOT}")
 
 
 def _fema356(numbers: Numbers) -> Fema356:
@@ -273,6 +293,10 @@ def _numerics(numbers: Numbers) -> Numerics:
     for key, value in (("rtol", rtol), ("dt", dt), ("yield_rotation", yield_rotation)):
         numbers.require((*keys, key), value is None or value > 0.0, "must be greater than 0")
     numbers.require((*keys, "rtol"), rtol is None or rtol < 1.0, "must be below 1")
+    least = LEAST_RTOL.get(backend, LEAST_RTOL["event"])
+    numbers.require(
+        (*keys, "rtol"), rtol is None or rtol >= least, f"must be at least {least:g}: double precision holds no more"
+    )
     return Numerics(
         backend=backend,
         accuracy=solver.get("accuracy") or "standard",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,11 @@ from rockcli.study.loader import load_any
 
 
 def how_to_obtain(name: str) -> list[str]:
-    """What the record of that file name is and how to get it, sentences; none where the catalogue does not know it."""
+    """What the record of that name or pattern is and how to get it; none if not in the catalogue."""
     wanted = Path(name).name.casefold()
     for entry in _entries():
         names = [str(n).casefold() for n in entry.get("file_names") or ()]
-        if wanted in names or Path(wanted).stem in (
+        if any(fnmatchcase(name, wanted) for name in names) or Path(wanted).stem in (
             str(entry.get("id", "")).casefold(),
             *(Path(n).stem for n in names),
         ):

@@ -57,6 +57,8 @@ def _too_weak(batch: Batch) -> str:
     pair = (batch.model, batch.geometry)
     if motion is None or pair not in MODELS or batch.damping.scheme == "fema356":
         return ""
+    if isinstance(motion, Samples) and motion.files:  # in some directions a motion is weak
+        return ""
     block = batch.block
     alpha, tan_alpha = block.of_weak_edge(block.alpha), block.of_weak_edge(block.tan_alpha)
     weight = 1.0 if vertical is None else 1.0 - _pga(vertical) / batch.g

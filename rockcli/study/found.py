@@ -32,6 +32,7 @@ class Found:
     """What the cases of a study show: finest output spacing needed, files read and what was done to them.
 
     `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
+    `friction`: some case has a mu.
     """
 
     dt_out: float = DT_OUT
@@ -40,12 +41,15 @@ class Found:
     still: bool = True
     models: dict[tuple[str, str | None], None] = field(default_factory=dict)
     schemes: set[str] = field(default_factory=set)
+    friction: bool = False
     doubted: dict[str, None] = field(default_factory=dict)
 
     def look(self, numbers: Numbers, batch: Batch) -> None:
         """Take note of a batch and of the numbers it was built from."""
         self.models[batch.model, batch.geometry] = None
         self.schemes.add(batch.damping.scheme)
+        self.inputs |= numbers.inputs
+        self.friction |= bool(np.isfinite(batch.block.mu).any())
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
         self.doubted |= dict.fromkeys(doubts_about(numbers, batch))
         self._channel(numbers, batch, batch.excitation.horizontal, MOTION)
@@ -60,11 +64,13 @@ class Found:
             self._note(channel, Scaling.of(channel, batch, scaling_key(numbers.tree, keys)))
 
     def _note(self, samples: Samples, scaling: Scaling) -> None:
+        self.inputs |= dict(samples.files)
         name, k = samples.name, 1
-        while self.inputs.get(name, samples.sha256) != samples.sha256:  # two files of one name
+        while not samples.files and self.inputs.get(name, samples.sha256) != samples.sha256:  # two files of one name
             k += 1
             name = f"{samples.name} #{k}"
-        self.inputs[name] = samples.sha256
+        if not samples.files:
+            self.inputs[name] = samples.sha256
         label, k = name, 1
         while label in self.uses and not self._same_use(self.uses[label], samples, scaling):  # used in two ways
             k += 1

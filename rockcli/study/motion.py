@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from rockcli.scene.excitation import Channel, Excitation, Samples
 from rockcli.study.expressions import Value
 from rockcli.study.numbers import STANDARD_G, Numbers, in_range
 from rockcli.study.pulses import build_pulses
-from rockcli.study.records import MissingRecordError, Records
+from rockcli.study.records import MissingRecordError, Prepared, Records
 from rockcli.study.tree import Keys, dotted, place, value_at
 
 Array = NDArray[np.float64]
@@ -65,24 +66,10 @@ def _samples(
     from rockcli.motion.measures import pga, pgv
 
     record = value_at(numbers.tree, keys)
-    if not isinstance(record["file"], str) or record.get("angle") is not None:
-        numbers.fail((*keys, "file"), "two horizontal components are not available in this version; give one file")
     # where g differs from case to case it goes into the factor, so that a case does not depend on its neighbours
     g_varies = isinstance(numbers.g, np.ndarray)
     g = STANDARD_G if g_varies else float(numbers.g)
-    reading = {
-        "component": record.get("component"),
-        "units": record.get("units"),
-        "dt": numbers.constant((*keys, "dt")),
-    }
-    steps = {step: _step(numbers, (*keys, step)) for step in STEPS if record.get(step) is not None}
-    where = place(numbers.tree, (*keys, "file"))
-    try:
-        prepared = records.prepare(record["file"], where, reading=reading, steps=steps, g=g)
-    except MissingRecordError:
-        raise
-    except RecordError as error:
-        raise _at_its_key(numbers, keys, error) from None
+    prepared, files = _prepared(numbers, keys, records, g)
     motion, raw = prepared.motion, prepared.raw
     values, raw_values = motion.acceleration(g), raw.acceleration(g)
     measures = {
@@ -96,12 +83,60 @@ def _samples(
     polarity = numbers.value((*keys, "polarity"))
     if polarity is not None:
         numbers.require((*keys, "polarity"), np.abs(polarity) == 1.0, "must be 1 or -1")
-    warnings.extend(f"{motion.name}: {sentence}" for sentence in motion.warnings)
+    warnings.extend(sentence if files else f"{motion.name}: {sentence}" for sentence in motion.warnings)
     scaling = next((key for key in SCALING if record.get(key) is not None), "file")
     in_range(numbers, (*keys, scaling), amplitude * of_g * max(measures["pga"], measures["pgv"]))
     factor = numbers.array(amplitude * of_g * (1.0 if polarity is None else polarity))
-    samples = Samples(values, motion.dt, factor, motion.name, motion.processing, measures, motion.sha256)
+    samples = Samples(values, motion.dt, factor, motion.name, motion.processing, measures, motion.sha256, files)
     return samples, amplitude
+
+
+def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> tuple[Prepared, tuple[tuple[str, str], ...]]:
+    """The processed record, and name and SHA-256 of the files of two components.
+
+    Raises:
+        RecordError: a file is missing or cannot be read, or two components do not fit together.
+    """
+    record = value_at(numbers.tree, keys)
+    reading = {"units": record.get("units"), "dt": numbers.constant((*keys, "dt"))}
+    steps = {step: _step(numbers, (*keys, step)) for step in STEPS if record.get(step) is not None}
+    names, components = record["file"], record.get("component")
+    angle = numbers.constant((*keys, "angle"))
+    try:
+        if isinstance(names, str):
+            if angle is not None:
+                numbers.fail((*keys, "angle"), "needs two horizontal components: file: [H1, H2]")
+            if isinstance(components, list):
+                numbers.fail((*keys, "component"), "is a list: two components need two files, file: [H1, H2]")
+            where = place(numbers.tree, (*keys, "file"))
+            return records.prepare(names, where, reading={**reading, "component": components}, steps=steps, g=g), ()
+        if keys[:-1] != MOTION:
+            numbers.fail((*keys, "file"), "the vertical motion is one component, one file")
+        if len(names) != 2:
+            numbers.fail((*keys, "file"), f"has {len(names)} names; two horizontal components are expected")
+        if angle is None:
+            numbers.fail(keys, "two horizontal components need an angle, from the first towards the second")
+        pair = []
+        for i, name in enumerate(names):
+            component = components[i] if isinstance(components, list) else components
+            where = place(numbers.tree, (*keys, "file", i))
+            pair.append(records.prepare(name, where, reading={**reading, "component": component}, steps=steps, g=g))
+        files = tuple((name, one.motion.sha256) for name, one in zip(names, pair, strict=True))
+        return _in_direction(pair, angle), files
+    except MissingRecordError:
+        raise
+    except RecordError as error:
+        raise _at_its_key(numbers, keys, error) from None
+
+
+def _in_direction(pair: list[Prepared], angle: float) -> Prepared:
+    """Two processed components in one direction; as filed too, as long as both components last there."""
+    from rockcli.motion.direction import in_direction
+
+    one, two = pair
+    common = min(len(one.raw.values), len(two.raw.values))
+    raw_one, raw_two = (replace(part.raw, values=part.raw.values[:common]) for part in pair)
+    return Prepared(in_direction(one.motion, two.motion, angle), in_direction(raw_one, raw_two, angle), one.path)
 
 
 def _at_its_key(numbers: Numbers, keys: Keys, error: RecordError) -> RecordError:

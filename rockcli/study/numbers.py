@@ -57,6 +57,10 @@ class Numbers:
         n: number of cases.
         column: (axis, column) -> (n,) values.
         spot: (axis, i) -> place of the axis' value in case i, and the values of all axes there, as text.
+
+    Attributes:
+        inputs: files read for these numbers -> SHA-256 of their bytes.
+        remarks: sentences about what was made of them.
     """
 
     def __init__(
@@ -69,6 +73,8 @@ class Numbers:
     ) -> None:
         self.source, self.tree, self.n = source, tree, n
         self._column, self._spot = column, spot
+        self.inputs: dict[str, str] = {}
+        self.remarks: list[str] = []
         self._symbols: dict[str, Value] = {}
         self._busy: list[str] = []
         self._pair: Block | None = None

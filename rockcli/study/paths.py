@@ -39,7 +39,7 @@ ARRAYS: frozenset[Path] = frozenset(
 """Numbers that may differ from case to case within one batch; all else a case has is shared by a batch."""
 
 UNITS: dict[str, str] = {
-    **dict.fromkeys(("R", "h", "b", "height", "width", "r_g", "top"), "m"),
+    **dict.fromkeys(("R", "h", "b", "height", "width", "r_g", "top", "depth"), "m"),
     **dict.fromkeys(("alpha", "theta", "nu", "yield_rotation", "angle"), "rad"),
     **dict.fromkeys(("omega_p", "theta_dot"), "rad s-1"),
     **dict.fromkeys(("f_p", "highpass", "lowpass", "freq", "freqmin", "freqmax"), "s-1"),
@@ -112,7 +112,7 @@ def dimension_names(paths: list[str]) -> list[str]:
     """Names of the dimensions of axes with these paths, as the user wrote them."""
     plain = [path.removeprefix("case.") for path in paths]
     lasts = ["record" if path in ("motion.record", "motion.record.file") else path.rsplit(".", 1)[-1] for path in plain]
-    return [
-        path.replace(".", "_") if last in RESERVED or lasts.count(last) > 1 else last
-        for path, last in zip(plain, lasts, strict=True)
-    ]
+    names = [last if last not in RESERVED and lasts.count(last) == 1 else "" for last in lasts]
+    whole = [path.replace(".", "_") for path in plain]
+    # an own symbol of `let` may be called what another axis's whole path makes
+    return [name if name and name not in whole else path for name, path in zip(names, whole, strict=True)]

@@ -38,7 +38,7 @@ class Scaling:
     Attributes:
         key: of the study, `INHERITED`, or "" where nothing is scaled.
         factor: signed.  pga [g], pgv [m/s]: of the motion used; over: its PGA over g tan(alpha).
-        before, raw: PGA [g] and PGV [m/s] of the processed record and of the file.
+        before, raw: PGA [g] and PGV [m/s] of the processed record and of the file; they differ between directions.
     """
 
     key: str
@@ -46,8 +46,8 @@ class Scaling:
     pga: Range
     pgv: Range
     over: Range
-    before: Range
-    raw: Range
+    before: tuple[Range, Range]
+    raw: tuple[Range, Range]
 
     @classmethod
     def of(cls, samples: Samples, batch: Batch, key: str) -> Scaling:
@@ -61,18 +61,16 @@ class Scaling:
             pga=_range(pga),
             pgv=_range(size * measures["pgv"]),
             over=_range(pga / batch.block.of_weak_edge(batch.block.tan_alpha)),
-            before=(measures["pga"] / g, measures["pgv"]),
-            raw=(measures["pga_raw"] / g, measures["pgv_raw"]),
+            before=(_range(measures["pga"] / g), _range(measures["pgv"])),
+            raw=(_range(measures["pga_raw"] / g), _range(measures["pgv_raw"])),
         )
 
     def with_(self, other: Scaling) -> Scaling:
         """The scaling of these cases and of others."""
-        both = {
-            name: (min(mine[0], theirs[0]), max(mine[1], theirs[1]))
-            for name in ("factor", "pga", "pgv", "over")
-            for mine, theirs in [(getattr(self, name), getattr(other, name))]
-        }
-        return Scaling(key=self.key, before=self.before, raw=self.raw, **both)
+        both = {name: _both(getattr(self, name), getattr(other, name)) for name in ("factor", "pga", "pgv", "over")}
+        before = _both(self.before[0], other.before[0]), _both(self.before[1], other.before[1])
+        raw = _both(self.raw[0], other.raw[0]), _both(self.raw[1], other.raw[1])
+        return Scaling(key=self.key, before=before, raw=raw, **both)
 
     @property
     def varies(self) -> bool:
@@ -82,15 +80,15 @@ class Scaling:
 
     def sentence(self) -> str:
         """`scaled by 0.48 to pga 0.4 g: PGA 0.83 -> 0.4 g, PGV 0.6 -> 0.29 m/s; in the file ...`."""
-        (pga, pgv), (raw_pga, raw_pgv) = self.before, self.raw
-        as_filed = f"PGA {raw_pga:.4g} g, PGV {raw_pgv:.4g} m/s"
+        (pga, pgv), (raw_pga, raw_pgv) = (tuple(map(_words, ends)) for ends in (self.before, self.raw))
+        as_filed = f"PGA {raw_pga} g, PGV {raw_pgv} m/s"
         changed = self.before != self.raw
         in_file = f"; in the file {as_filed}" if changed else ""
         if not self.key and not self.varies:
             turned = ", turned by polarity -1" if self.factor[0] < 0.0 else ""
-            return f"not scaled{turned}: PGA {pga:.4g} g, PGV {pgv:.4g} m/s{in_file}"
+            return f"not scaled{turned}: PGA {pga} g, PGV {pgv} m/s{in_file}"
         by = f"factors from {_words(self.factor)}, case by case" if self.varies else f"{self.factor[0]:.6g}"
-        effect = f"PGA {pga:.4g} -> {_words(self.pga)} g, PGV {pgv:.4g} -> {_words(self.pgv)} m/s"
+        effect = f"PGA {pga} -> {_words(self.pga)} g, PGV {pgv} -> {_words(self.pgv)} m/s"
         return f"scaled by {by}{self._wanted()}: {effect}{in_file}"
 
     def _wanted(self) -> str:
@@ -106,6 +104,10 @@ class Scaling:
 def _range(values: ArrayLike) -> Range:
     values = np.asarray(values, dtype=float)
     return float(values.min()), float(values.max())
+
+
+def _both(one: Range, other: Range) -> Range:
+    return min(one[0], other[0]), max(one[1], other[1])
 
 
 def _words(ends: Range) -> str:

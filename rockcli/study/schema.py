@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from rockcli.scene.pulses import SHAPES
+from rockcli.scene.rules import RULE_NAMES as RULES
 from rockcli.scene.spectra import SPECTRA
 from rockcli.study.values import (
     NUMBER_SCHEMA,
@@ -18,6 +19,7 @@ from rockcli.study.values import (
     Label,
     Meaning,
     Number,
+    Outline,
     Pair,
     Scalars,
     Series,
@@ -40,8 +42,19 @@ def key(description: str, default: Any = None, **more: Any) -> Any:
     return Field(default, description=description, **more)
 
 
+class SolidPart(Part):
+    """One polygon of a body made of several."""
+
+    outline: Outline = key("polygon [[x, z], ...] [m], or FILE.csv beside the study", ...)
+    density: Number | None = key("density [kg/m^3]")
+    depth: Number | None = key("depth [m]; default 1")
+
+
 class BlockPart(Part):
-    """The body: a sufficient pair of R, h or height, b or width, and one of alpha, tan_alpha, slenderness."""
+    """The body: a sufficient pair of R, h or height, b or width, and one of alpha, tan_alpha, slenderness; or outlines.
+
+    An outline stands on its lowest points; mass, centre of mass and inertia follow from it.
+    """
 
     R: Number | None = key("distance from the edge to the centre of mass [m]")
     h: Number | None = key("height of the centre of mass above the base [m]")
@@ -53,11 +66,15 @@ class BlockPart(Part):
     slenderness: Number | None = key("h/b [1]")
     inertia: Number | None = key("I_O/(m R^2) about the edge [1]; default 4/3, a rectangle")
     r_g: Number | None = key("radius of gyration about the centre of mass [m]")
-    top: Number | None = key("height of the point whose displacement is reported [m]; default 2h")
+    top: Number | None = key(
+        "height of the point whose displacement is reported [m]; default 2h, or the highest point of an outline"
+    )
     mass: Number | None = key("mass [kg]")
     mu: Number | None = key("coefficient of friction of the base [1]")
-    outline: Any | None = key("polygon [[x, z], ...] or FILE.csv [m] (not in this version)")
-    density: Number | None = key("density of the outline [kg/m^3] (not in this version)")
+    outline: Outline | None = key("polygon [[x, z], ...] [m], z up, or FILE.csv beside the study")
+    density: Number | None = key("density of the outline [kg/m^3]")
+    depth: Number | None = key("depth of the outline [m]; default 1")
+    parts: Annotated[list[SolidPart], Field(min_length=1)] | None = key("several outlines, rigidly joined")
 
 
 class PulsePart(Part):
@@ -112,9 +129,12 @@ class RecordPart(Part):
     """A recorded motion; the keys are applied in this order, nothing by default."""
 
     file: Files = key(
-        "file name, sought beside the study, in records/ folders and in ROCK_RECORDS; two (not in this version)", ...
+        "file name, sought beside the study, in records/ folders and in ROCK_RECORDS; two for [H1, H2] with `angle`",
+        ...,
     )
-    component: str | int | None = key("which component of a file with several, by name or place from 0")
+    component: str | int | list[str | int] | None = key(
+        "which component of a file with several, by name or place from 0; two for two files"
+    )
     units: Text | None = key("units of the file's values, for files that do not say")
     dt: Number | None = key("time step [s], for files that do not say")
     window: Pair | None = key("[from, to] kept [s]")
@@ -129,7 +149,7 @@ class RecordPart(Part):
     pgv: Number | None = key("peak velocity wanted [m/s]")
     pga_over_g_tan_alpha: Number | None = key("peak acceleration wanted over g tan(alpha) [1]")
     polarity: Number | None = key("1 or -1")
-    angle: Number | None = key("direction of the motion between two horizontal components [rad] (not in this version)")
+    angle: Number | None = key("direction from H1 towards H2 [rad]: a_g = H1 cos(angle) + H2 sin(angle)")
 
 
 class VerticalPart(Part):
@@ -266,6 +286,18 @@ class ExpectPart(Part):
     references: Text = key("where the number comes from", "")
 
 
+class OverPart(Part):
+    """Statistics over one axis: what a suite of records, or of anything else, does."""
+
+    axis: Text = key("axis of the ensemble, by name or path", ...)
+    along: Text | None = key("axis of the intensity; default: the one amplitude of the motion that is varied")
+    limits: list[Number] = key("limit states: theta_peak_over_alpha exceeded [1], beside overturning", [0.1, 0.5, 1])
+    mean: bool = key("the mean beside the fractiles; inf where any overturned", False)
+
+
+Over = Annotated[OverPart | None, BeforeValidator(lambda v: {"axis": v} if isinstance(v, str) else v)]
+
+
 class StudyPart(Part):
     """A study of rocking bodies."""
 
@@ -278,12 +310,13 @@ class StudyPart(Part):
     case: CasePart = key("the base case", ...)
     vary: dict[str, Any] = key("path inside the case -> list, range, file glob, named settings or CSV file", {})
     compare_to: dict[str, Any] | None = key("{axis: value} of the reference")
-    over: Text | None = key("axis of the ensemble statistics (not in this version)")
+    over: Over = key("axis of the ensemble statistics, or {axis, along, limits, mean}")
     refine: bool = key("trace the outcome boundary of a two-axis map (not in this version)", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
     plots: list[Literal[PLOTS]] = key("kinds of plot", [])  # type: ignore[valid-type]
     expect: list[ExpectPart] = key("statements about the results", [])
     curves: list[Literal[CURVES]] = key("static curves", [])  # type: ignore[valid-type]
+    rules: list[Literal[RULES]] = key("rules of thumb and code checks beside the history", [])  # type: ignore[valid-type]
     audit: Any | None = key("checks of the source's assumptions (not in this version)")
 
 
@@ -298,6 +331,7 @@ _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
     ("RecordPart", "highpass"): NUMBER_SCHEMA,
     ("RecordPart", "lowpass"): NUMBER_SCHEMA,
     ("RecordPart", "bandpass"): PAIR_SCHEMA,
+    ("StudyPart", "over"): {"type": "string"},
 }
 """Short forms that `shorthands.expanded` writes out before the schema sees them."""
 
@@ -306,7 +340,7 @@ def json_schema() -> dict[str, Any]:
     """JSON Schema of a study file, short forms included."""
     schema = StudyPart.model_json_schema(by_alias=True)
     for (part, name), short in _SHORTHANDS.items():
-        properties = schema["$defs"][part]["properties"]
+        properties = (schema if part == "StudyPart" else schema["$defs"][part])["properties"]
         long = dict(properties[name])
         described = {word: long.pop(word) for word in ("description", "title") if word in long}
         long.pop("default", None)

@@ -45,6 +45,18 @@ class List(list[Any]):
 
 
 @dataclass(frozen=True)
+class Places:
+    """Place in the study file of every point of an axis; `beyond` is that of points that have none of their own."""
+
+    points: tuple[Where, ...] = ()
+    beyond: Where = None
+
+    def __call__(self, i: int) -> Where:
+        """Place of point i."""
+        return self.points[i] if i < len(self.points) else self.beyond
+
+
+@dataclass(frozen=True)
 class Source:
     """Where a study came from; makes the errors that name file, line and key."""
 
@@ -136,6 +148,7 @@ ALTERNATIVES: tuple[frozenset[str], ...] = (
     frozenset({"h", "height"}),
     frozenset({"b", "width"}),
     frozenset({"inertia", "r_g"}),
+    frozenset({"outline", "parts"}),
 )
 """Keys of one mapping that say the same thing in different ways: a varied or `--set` key displaces the others."""
 

@@ -73,6 +73,22 @@ def _files(value: Any) -> Any:
     return value
 
 
+def _outline(value: Any) -> Any:
+    if isinstance(value, str) and value.strip().lower().endswith(".csv"):
+        return value
+    if not isinstance(value, list):
+        raise ValueError(f"points [[x, z], ...] or FILE.csv are expected, not {describe(value)}")
+    if len(value) < 3:
+        raise ValueError(f"at least 3 points [x, z] are expected, not {len(value)}")
+    for i, point in enumerate(value):
+        if not isinstance(point, list) or len(point) != 2:
+            shown = list(point) if isinstance(point, list) else point
+            raise ValueError(f"point {i + 1} is {describe(repr(shown))}; two numbers, [x, z], are expected")
+        for number in point:
+            _number(number)
+    return value
+
+
 def _label(value: Any) -> Any:
     """A name: what YAML reads as a number or a truth value is meant as text."""
     if isinstance(value, bool) or not isinstance(value, str | int | float):
@@ -102,6 +118,11 @@ PAIR_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA, "minItems": 2, "maxItems
 Number = Annotated[Any, BeforeValidator(_number), WithJsonSchema(NUMBER_SCHEMA)]
 Pair = Annotated[Any, BeforeValidator(_pair), WithJsonSchema(PAIR_SCHEMA)]
 Edges = Annotated[Any, BeforeValidator(_edges), WithJsonSchema({"anyOf": [NUMBER_SCHEMA, PAIR_SCHEMA]})]
+Outline = Annotated[
+    Any,
+    BeforeValidator(_outline),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": PAIR_SCHEMA, "minItems": 3}]}),
+]
 Series = Annotated[
     Any,
     BeforeValidator(lambda value: [_number(v) for v in value] if isinstance(value, list) else _number(value)),

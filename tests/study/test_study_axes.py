@@ -6,6 +6,7 @@ import pytest
 from rockcli.errors import StudyError
 from rockcli.study.expressions import Expression
 from rockcli.study.open import open_study
+from rockcli.study.records import MissingRecordError
 
 PULSE = {"shape": "ricker", "a_p_over_g_tan_alpha": 1, "omega_p_over_p": 1}
 
@@ -135,7 +136,7 @@ class TestForms:
         assert axis.values == ("a.txt", "b.txt")
         assert study.resolved["vary"]["motion.record.file"] == ["a.txt", "b.txt"]
         assert [b.excitation.horizontal.name for _, b in study.batches()] == ["a.txt", "b.txt"]
-        with pytest.raises(StudyError, match="no file matches"):
+        with pytest.raises(MissingRecordError, match="no file matches"):
             study_of({"motion.record.file": "*.nothing"}, tmp_path, case=case)
 
     def test_own_symbols_may_be_varied(self):

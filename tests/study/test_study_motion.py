@@ -106,10 +106,14 @@ class TestPulses:
         with pytest.raises(StudyError, match=r"pulse\.gamma = 1e\+10: must be greater than 1 and at most 1000"):
             batch_of({"pulse": wavelet})
 
-    @pytest.mark.parametrize("alpha", [1e-300, 1e-150, 1e-320])
-    def test_the_slenderest_bodies_raise_no_warning(self, alpha):
-        ((_, batch),) = open_study({"name": "a", "case": {"block": {"R": 2, "alpha": alpha}}}).batches()
-        assert batch.block.alpha[0, 0] == alpha
+    def test_the_slenderest_bodies_raise_no_warning(self):
+        ((_, batch),) = open_study({"name": "a", "case": {"block": {"R": 2, "alpha": 1e-100}}}).batches()
+        assert batch.block.alpha[0, 0] == 1e-100
+
+    @pytest.mark.parametrize("alpha", [1e-101, 1e-300, 1e-320])
+    def test_bodies_whose_energies_are_no_numbers_are_refused(self, alpha):
+        with pytest.raises(StudyError, match=r"case\.block\.alpha = .*: alpha must be at least 1e-100"):
+            open_study({"name": "a", "case": {"block": {"R": 2, "alpha": alpha}}}).batches()
 
     def test_no_motion_is_free_rocking(self):
         for motion in ({}, "none", None):
@@ -228,7 +232,9 @@ class TestRecords:
             ({"pga": 1, "scale": 2}, "say the same thing"),
             ({"pga": -1}, "polarity"),
             ({"polarity": 0.5}, "1 or -1"),
-            ({"file": ["a", "b"], "angle": 0.3}, "two horizontal components are not available"),
+            ({"file": "a", "angle": 0.3}, r"record\.angle: needs two horizontal components: file: \[H1, H2\]"),
+            ({"file": ["a", "b"]}, "two horizontal components need an angle"),
+            ({"file": ["a", "b", "c"], "angle": 0.3}, "has 3 names; two horizontal components"),
             ({"window": [1]}, r"two numbers, \[from, to\], are expected, not \[1\]"),
             ({"detrend": "cubic"}, "constant, demean"),
             ({"resample": 0.01}, "must be a mapping"),

@@ -61,18 +61,6 @@ class TestKeys:
     def test_a_symbol_of_let_in_an_axis_of_the_block(self):
         assert "`k` is a symbol of `let`" in told(let={"k": 2}, vary={"block.R": ["k*1", 2]})
 
-    def test_features_to_come_are_marked_in_the_schema(self):
-        schema = json_schema()
-        top, parts = schema["properties"], schema["$defs"]
-        marked = [
-            top["over"],
-            top["refine"],
-            top["audit"],
-            *(parts["BlockPart"]["properties"][k] for k in ("outline", "density")),
-        ]
-        marked += [parts["RecordPart"]["properties"]["angle"], parts["CasePart"]["properties"]["model"]]
-        assert all("not in this version" in entry["description"] for entry in marked)
-
 
 class TestTables:
     def table(self, folder, head):

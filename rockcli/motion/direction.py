@@ -1,0 +1,61 @@
+"""Two horizontal components of a motion as one, in a given direction."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import replace
+
+from rockcli.errors import RecordError
+from rockcli.motion.motion import Motion
+
+TINY = 1e-12
+"""Angles closer than this to a whole number of quarter turns are one [rad]: 90*deg is component two, to the bit."""
+
+
+def cosine_and_sine(angle: float) -> tuple[float, float]:
+    """cos and sin of an angle [rad], exactly 0 and +/-1 at whole quarter turns."""
+    quarters = round(angle / (0.5 * math.pi))
+    if abs(angle - quarters * 0.5 * math.pi) <= TINY:
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[quarters % 4]
+    return math.cos(angle), math.sin(angle)
+
+
+def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
+    """The motion `one cos(angle) + two sin(angle)`, angle [rad] from component one towards component two.
+
+    At 0 and 90 degrees these are the components themselves, bit for bit.
+
+    Raises:
+        RecordError: time steps, lengths or units of the components differ.
+    """
+    if one.in_g != two.in_g:
+        raise RecordError(f"{one.name} is in {one.units}, {two.name} in {two.units}: both must be in the same units")
+    if abs(one.dt - two.dt) > 1e-9 * one.dt:
+        raise RecordError(f"{one.name} has the time step {one.dt:g} s, {two.name} {two.dt:g} s: both need the same")
+    if len(one.values) != len(two.values):
+        shorter = min(one.duration, two.duration)
+        raise RecordError(
+            f"{one.name} has {len(one.values)} samples, {two.name} {len(two.values)}: both must have as many; "
+            f"window: [0, {shorter:.10g}] keeps what they have in common"
+        )
+    c, s = cosine_and_sine(angle)
+    if s == 0.0:
+        values = c * one.values
+    elif c == 0.0:
+        values = s * two.values
+    else:
+        values = c * one.values + s * two.values
+    both = f"{one.sha256} {two.sha256} {angle!r}"
+    steps = [f"{motion.name}: {sentence}" for motion in (one, two) for sentence in motion.processing]
+    direction = f"taken in the direction of the angle from {one.name} towards {two.name}"
+    return replace(
+        one,
+        values=values,
+        name=f"{one.name} + {two.name}",
+        sha256=hashlib.sha256(both.encode()).hexdigest(),
+        processing=(*steps, direction),
+        warnings=tuple(f"{motion.name}: {sentence}" for motion in (one, two) for sentence in motion.warnings),
+        component="",
+        header={},
+    )

@@ -1,0 +1,215 @@
+"""Bodies from polygon outlines: area, centre of mass, second moment and edges, exactly.
+
+A body is one polygon or several, each of uniform density and depth.  Second moments are exact integrals over the
+polygon (Green's theorem), about the middle of its bounding box, so that sizes far from the origin lose no digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LEVEL = 1e-9
+"""Points within this fraction of the body's size above the lowest stand on the ground."""
+
+EVEN = 1e-12
+"""Edges whose distances differ by less than this fraction of the base are equally far."""
+
+
+class OutlineError(ValueError):
+    """An outline that is no body; `part` says which polygon of several, None = the body as a whole."""
+
+    def __init__(self, message: str, part: int | None = None) -> None:
+        super().__init__(message)
+        self.part = part
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A polygon: area [m^2], centroid [m], polar second moment about the centroid [m^4], each (n,).
+
+    `clockwise`: the points run clockwise in some case; the area is positive either way.
+    """
+
+    area: Array
+    x: Array
+    z: Array
+    polar: Array
+    clockwise: bool
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A planar body standing on the ground, (n,) each.
+
+    Attributes:
+        mass: sum of weight x area over the parts [kg, if the weights are density x depth].
+        h: height of the centre of mass above the base [m].
+        b: distances from the centre of mass to the left and right edge, (n, 2) [m].
+        r_g: radius of gyration about the centre of mass [m].
+        height: of the highest point above the base [m].
+    """
+
+    mass: Array
+    h: Array
+    b: Array
+    r_g: Array
+    height: Array
+
+
+def figure(points: Array) -> Figure:
+    """Area, centroid and polar second moment of polygons, `points` (n, k, 2) = x, z [m]; the last joins the first.
+
+    Raises:
+        OutlineError: fewer than three points, points that repeat, no area, sides that cross or touch.
+    """
+    k = points.shape[1]
+    if k < 3:
+        raise OutlineError(f"has {k} points; a polygon has at least 3")
+    _check_simple(points)
+    middle = 0.5 * (points.min(axis=1) + points.max(axis=1))
+    x, z = np.moveaxis(points - middle[:, None, :], 2, 0)
+    x_, z_ = np.roll(x, -1, axis=1), np.roll(z, -1, axis=1)
+    cross = x * z_ - x_ * z
+    twice = cross.sum(axis=1)
+    if not np.all(np.abs(twice) > 1e-12 * np.prod(np.ptp(points, axis=1), axis=1)):
+        raise OutlineError("has no area")
+    # integrals of 1, x, z and x^2 + z^2 over the polygon as sums over its sides
+    mean_x = ((x + x_) * cross).sum(axis=1) / (3.0 * twice)
+    mean_z = ((z + z_) * cross).sum(axis=1) / (3.0 * twice)
+    squares = x * x + x * x_ + x_ * x_ + z * z + z * z_ + z_ * z_
+    radius2 = (squares * cross).sum(axis=1) / (6.0 * twice) - mean_x**2 - mean_z**2
+    area = 0.5 * np.abs(twice)
+    clockwise = bool((twice < 0.0).any())
+    return Figure(area, mean_x + middle[:, 0], mean_z + middle[:, 1], radius2 * area, clockwise)
+
+
+def _check_simple(points: Array) -> None:
+    """Refuse polygons with sides of no length, or with sides that cross or touch others."""
+    k = points.shape[1]
+    size = np.ptp(points, axis=1).max(axis=1)
+    ends = np.roll(points, -1, axis=1)
+    short = np.hypot(*np.moveaxis(ends - points, 2, 0)) <= 1e-12 * size[:, None]
+    if short.any():
+        i = int(np.argmax(short.any(axis=0)))
+        raise OutlineError(f"repeats a point: points {i + 1} and {(i + 1) % k + 1} are the same")
+    for i in range(k - 1):
+        others = np.arange(i + 1, k)
+        met = meet(points[:, i, None], ends[:, i, None], points[:, others], ends[:, others])
+        met[:, 0] = _folded(points[:, i], ends[:, i], ends[:, others[0]])
+        if i == 0:
+            met[:, -1] = _folded(points[:, -1], ends[:, -1], ends[:, 0])
+        if met.any():
+            j = int(others[np.argmax(met.any(axis=0))])
+            raise OutlineError(f"crosses or touches itself: the sides after points {i + 1} and {j + 1} meet")
+
+
+def meet(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:
+    """Whether the segments a-b and c-d have a point in common; (..., 2) each, broadcast."""
+    one, two, three, four = _turn(a, b, c), _turn(a, b, d), _turn(c, d, a), _turn(c, d, b)
+    proper = (one * two < 0.0) & (three * four < 0.0)
+    touching = (
+        ((one == 0.0) & _between(a, b, c))
+        | ((two == 0.0) & _between(a, b, d))
+        | ((three == 0.0) & _between(c, d, a))
+        | ((four == 0.0) & _between(c, d, b))
+    )
+    return np.asarray(proper | touching)
+
+
+def _turn(a: Array, b: Array, c: Array) -> Array:
+    """Twice the area of a-b-c, positive if it turns left; rounding counts as straight."""
+    u, v = b - a, c - a
+    left, right = u[..., 0] * v[..., 1], u[..., 1] * v[..., 0]
+    area = left - right
+    return np.where(np.abs(area) <= 1e-14 * (np.abs(left) + np.abs(right)), 0.0, area)
+
+
+def _between(a: Array, b: Array, c: Array) -> NDArray[np.bool_]:
+    """Whether c, on the line a-b, lies between a and b."""
+    return np.asarray(((c >= np.minimum(a, b)) & (c <= np.maximum(a, b))).all(axis=-1))
+
+
+def _folded(a: Array, b: Array, c: Array) -> NDArray[np.bool_]:
+    """Whether the side b-c runs back along the side a-b, (n,)."""
+    return np.asarray((_turn(a, b, c) == 0.0) & (((b - a) * (c - b)).sum(axis=-1) < 0.0))
+
+
+def inside(point: Array, points: Array) -> NDArray[np.bool_]:
+    """Whether points (n, m, 2) lie strictly inside polygons (n, k, 2), (n, m); those on a side do not."""
+    a, b = points[:, None, :, :], np.roll(points, -1, axis=1)[:, None, :, :]
+    p = point[:, :, None, :]
+    rising = (a[..., 1] <= p[..., 1]) & (b[..., 1] > p[..., 1])
+    falling = (a[..., 1] > p[..., 1]) & (b[..., 1] <= p[..., 1])
+    turn = _turn(a, b, p)
+    winding = (rising & (turn > 0.0)).sum(axis=2) - (falling & (turn < 0.0)).sum(axis=2)
+    on_a_side = ((turn == 0.0) & _between(a, b, p)).any(axis=2)
+    return np.asarray((winding != 0) & ~on_a_side)
+
+
+def _check_apart(parts: Sequence[Array]) -> None:
+    """Refuse parts that overlap: their mass would count twice."""
+    for j, one in enumerate(parts):
+        for i, other in enumerate(parts[:j]):
+            if _overlap(one, other) or _overlap(other, one):
+                raise OutlineError(f"overlaps part {i + 1}: the mass in common would count twice", j)
+
+
+def _overlap(one: Array, other: Array) -> bool:
+    """Whether a side of `one` crosses one of `other`, or a point of it, of a side or of its inside lies in `other`."""
+    ends, other_ends = np.roll(one, -1, axis=1), np.roll(other, -1, axis=1)
+    a, b, c, d = one[:, :, None], ends[:, :, None], other[:, None], other_ends[:, None]
+    if ((_turn(a, b, c) * _turn(a, b, d) < 0.0) & (_turn(c, d, a) * _turn(c, d, b) < 0.0)).any():
+        return True
+    middles = 0.5 * (one + ends)
+    ears = (np.roll(one, 1, axis=1) + one + ends) / 3.0
+    within = np.where(inside(ears, one)[:, :, None], ears, middles)
+    return bool(inside(np.concatenate([one, middles, within], axis=1), other).any())
+
+
+def solid(parts: Sequence[Array], weights: Sequence[Array]) -> tuple[Solid, tuple[int, ...]]:
+    """The body made of polygons (n, k, 2) [m] of given density x depth (n,) [kg/m^2], and the parts given clockwise.
+
+    The edges are the lowest points farthest left and right; the parts are rigidly joined.
+
+    Raises:
+        OutlineError: a polygon that is none, parts that overlap, a body that stands on a point or not by itself.
+    """
+    figures = []
+    for j, points in enumerate(parts):
+        try:
+            figures.append(figure(points))
+        except OutlineError as error:
+            raise OutlineError(str(error), j) from None
+    _check_apart(parts)
+    every = np.concatenate(list(parts), axis=1)
+    ground = every[:, :, 1].min(axis=1)
+    size = np.ptp(every, axis=1).max(axis=1)
+    masses = [weight * f.area for weight, f in zip(weights, figures, strict=True)]
+    mass = np.sum(masses, axis=0)
+    x = np.sum([m * f.x for m, f in zip(masses, figures, strict=True)], axis=0) / mass
+    z = np.sum([m * f.z for m, f in zip(masses, figures, strict=True)], axis=0) / mass
+    I_cm = np.zeros_like(mass)
+    for m, f in zip(masses, figures, strict=True):
+        I_cm += m * (f.polar / f.area + (f.x - x) ** 2 + (f.z - z) ** 2)
+    stands = every[:, :, 1] - ground[:, None] <= LEVEL * size[:, None]
+    left = np.where(stands, every[:, :, 0], np.inf).min(axis=1)
+    right = np.where(stands, every[:, :, 0], -np.inf).max(axis=1)
+    if (right - left <= LEVEL * size).any():
+        raise OutlineError("stands on one point: two lowest points at the same height are needed")
+    b = np.stack([x - left, right - x], axis=1)
+    if not (b > 0.0).all():
+        i = int(np.argmin((b > 0.0).all(axis=1)))
+        raise OutlineError(
+            f"falls by itself: its centre of mass, x = {x[i]:.6g} m, is not between its lowest points, "
+            f"x = {left[i]:.6g} and {right[i]:.6g} m"
+        )
+    even = np.abs(b[:, 0] - b[:, 1]) <= EVEN * (right - left)
+    b = np.where(even[:, None], 0.5 * (right - left)[:, None], b)
+    body = Solid(mass, z - ground, b, np.sqrt(I_cm / mass), every[:, :, 1].max(axis=1) - ground)
+    return body, tuple(j for j, f in enumerate(figures) if f.clockwise)

@@ -1,0 +1,197 @@
+"""Two horizontal components in one direction: the components themselves at 0 and 90 degrees, the worst angle between."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference import body_of, integrate
+from scenes import SHARED
+
+import rockcli
+from rockcli.engine.direction import with_worst_direction
+from rockcli.errors import RecordError
+from rockcli.motion.direction import cosine_and_sine
+from rockcli.scene.block import housner_eta
+from rockcli.storage.contents import Contents, axis_field, variable_field
+from rockcli.study.open import open_study
+
+BLOCK = {"height": 1.9, "width": 0.5}
+STUDIES = Path(__file__).resolve().parents[2] / "studies" / "objects"
+DT = 0.01
+
+
+def column(values):
+    return "# units: m/s2\n" + "".join(f"{i * DT:.2f},{v:.17g}\n" for i, v in enumerate(values))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    rng = np.random.default_rng(7)
+    t = np.arange(400) * DT
+    for name in ("h1", "h2"):
+        waves = sum(rng.normal() * np.sin(rng.uniform(3, 12) * t + rng.uniform(0, 6)) for _ in range(5))
+        (tmp_path / f"{name}.csv").write_text(column(waves))
+    (tmp_path / "long.csv").write_text(column(np.sin(np.arange(420) * DT)))
+    (tmp_path / "coarse.csv").write_text("# units: m/s2\n" + "".join(f"{i * 0.02:.2f},1\n" for i in range(400)))
+    (tmp_path / "in_g.csv").write_text(column(np.sin(t)).replace("m/s2", "g"))
+    return tmp_path
+
+
+def opened(folder, record, **more):
+    import yaml
+
+    file = folder / "s.yaml"
+    case = {"block": BLOCK, "motion": {"record": record}}
+    file.write_text(yaml.safe_dump({"name": "s", "case": case, **more}, sort_keys=False))
+    return open_study(file)
+
+
+def samples(folder, record):
+    ((_, batch),) = opened(folder, record).batches()
+    return batch.excitation.horizontal
+
+
+BOTH = ["h1.csv", "h2.csv"]
+STEPS = {"window": [0.2, 3.5], "detrend": "linear", "highpass": 0.3}
+
+
+@pytest.mark.parametrize("steps", [{}, STEPS], ids=["as filed", "processed"])
+@pytest.mark.parametrize(
+    ("angle", "name", "sign"), [(0, 0, 1), ("90*deg", 1, 1), ("180*deg", 0, -1), ("3*pi/2", 1, -1)]
+)
+def test_quarter_turns_are_the_components_bit_for_bit(folder, angle, name, sign, steps):
+    ours = samples(folder, {"file": BOTH, "angle": angle, **steps})
+    alone = samples(folder, {"file": BOTH[name], **steps})
+    np.testing.assert_array_equal(ours.values, sign * alone.values)
+    assert ours.measures["pga"] == alone.measures["pga"]
+    assert ours.measures["pga_raw"] == alone.measures["pga_raw"]
+    assert ours.end == alone.end
+
+
+def test_the_answer_at_0_and_90_degrees_is_that_of_the_component(folder):
+    answers = []
+    for record in ({"file": BOTH, "angle": 0}, {"file": BOTH, "angle": "90*deg"}, *({"file": n} for n in BOTH)):
+        file = opened(folder, {**record, "window": [0, 1.2], "pga_over_g_tan_alpha": 1.4}, save={"dt_out": 0.05}).file
+        answers.append(rockcli.run(file))
+    for both, alone in zip(answers[:2], answers[2:], strict=True):
+        assert float(alone.theta_peak_over_alpha) > 0.0
+        np.testing.assert_array_equal(both.theta.values, alone.theta.values)
+
+
+def test_between_them_it_is_the_sum(folder):
+    one, two = (samples(folder, {"file": name}).values for name in BOTH)
+    ours = samples(folder, {"file": BOTH, "angle": 0.7})
+    np.testing.assert_allclose(ours.values, np.cos(0.7) * one + np.sin(0.7) * two, rtol=0, atol=1e-15)
+    assert ours.processing[-1] == "taken in the direction of the angle from h1.csv towards h2.csv"
+
+
+def test_exact_quarter_turns():
+    assert cosine_and_sine(np.pi / 2) == (0.0, 1.0)
+    assert cosine_and_sine(-np.pi / 2) == (0.0, -1.0)
+    assert cosine_and_sine(1e-9) != (1.0, 0.0)
+
+
+def test_the_bytes_of_both_files_identify_the_results(folder):
+    record = {"file": BOTH, "angle": 0.7}
+    first = opened(folder, record)
+    assert set(first.inputs) == set(BOTH)
+    text = (folder / "h2.csv").read_text()
+    (folder / "h2.csv").write_text(text.replace("0.01,", "0.010,"))
+    assert opened(folder, record).identity != first.identity
+    assert opened(folder, {**record, "angle": 0.8}).identity != opened(folder, record).identity
+
+
+def test_what_was_done_is_said_once_for_all_directions(folder):
+    study = opened(
+        folder, {"file": BOTH, "angle": 0, "scale": 2}, vary={"motion.record.angle": [0, "45*deg", "90*deg"]}
+    )
+    ((name, steps),) = study.processing.items()
+    assert name == "h1.csv + h2.csv"
+    pga = [np.abs(samples(folder, {"file": BOTH, "angle": a}).values).max() / 9.81 for a in (0, "45*deg", "90*deg")]
+    assert f"PGA {min(pga):.4g} to {max(pga):.4g} -> {2 * min(pga):.4g} to {2 * max(pga):.4g} g" in steps[-1]
+
+
+def test_a_suite_of_pairs_is_named_by_its_files(folder):
+    vary = {"motion.record.file": [BOTH, BOTH[::-1]], "motion.record.angle": [0, "45*deg"]}
+    study = opened(folder, {"file": BOTH, "angle": 0}, vary=vary)
+    assert study.axes[0].values == ("h1.csv + h2.csv", "h2.csv + h1.csv")
+    assert (study.axes[1].name, study.axes[1].unit) == ("angle", "rad")
+
+
+@pytest.mark.parametrize(
+    ("record", "words"),
+    [
+        ({"file": ["h1.csv", "long.csv"], "angle": 1}, r"400 samples, long.csv 420.*window: \[0, 3.99\]"),
+        ({"file": ["h1.csv", "coarse.csv"], "angle": 1}, "time step 0.01 s, coarse.csv 0.02 s"),
+        ({"file": ["h1.csv", "in_g.csv"], "angle": 1}, "h1.csv is in m/s2, in_g.csv in g"),
+        ({"file": ["h1.csv", "none.csv"], "angle": 1}, "'none.csv' was not found"),
+    ],
+)
+def test_components_that_do_not_fit_are_refused(folder, record, words):
+    with pytest.raises(RecordError, match=words) as caught:
+        opened(folder, record)
+    assert caught.value.file == str(folder / "s.yaml")
+
+
+def test_a_window_gives_components_of_different_length_what_they_have_in_common(folder):
+    ours = samples(folder, {"file": ["h1.csv", "long.csv"], "angle": 0, "window": [0, 3.99]})
+    np.testing.assert_array_equal(ours.values, samples(folder, {"file": "h1.csv"}).values)
+
+
+def test_the_vertical_motion_is_one_component(folder):
+    file = opened(folder, {"file": "h1.csv"}).file
+    text = file.read_text().replace("motion:\n", "motion:\n    vertical: {file: [h1.csv, h2.csv], angle: 1}\n")
+    file.write_text(text)
+    with pytest.raises(Exception, match="one component"):
+        open_study(file)
+
+
+def test_the_peak_that_the_study_expects_in_the_worst_direction():
+    """Its components are one motion at 60 degrees, here undivided and integrated with scipy."""
+    values = np.loadtxt(STUDIES / "polarised_h2.csv", delimiter=",")[:, 1] / np.sin(np.pi / 3)
+    ((_, batch),) = open_study({"name": "a", "case": {"block": BLOCK, "initial": {"theta": 0.1}}}).batches()
+    theirs = integrate(body_of(batch.block, housner_eta(batch.block)[0]), 0.8 * values, DT)
+    clause = open_study(STUDIES / "direction.yaml").expect[1]
+    assert clause.quantity == "theta_peak_over_alpha_worst"
+    assert clause.target == pytest.approx(theirs.peak_over_alpha, rel=clause.rtol)
+
+
+def test_the_worst_angle_where_some_overturn_or_have_no_answer(folder):
+    """Rows: peaks only; two angles overturn; one has no answer; no answer beside one that overturns; no uplift."""
+    vary = {"motion.record.scale": [1, 2, 3, 4, 5], "motion.record.angle": [0, 1, 2]}
+    study = opened(folder, {"file": BOTH, "angle": 0}, vary=vary)
+    peaks = np.array([[0.1, 0.4, 0.3], [0.2, np.inf, np.inf], [0.1, np.nan, 0.3], [np.nan, 0.1, np.inf], [0, 0, 0]])
+    fields = {
+        "scale": axis_field("scale", "motion.record.scale", [1, 2, 3, 4, 5], numeric=True, unit="1"),
+        "angle": axis_field("angle", "motion.record.angle", [0, 1, 2], numeric=True, unit="rad"),
+        "theta_peak_over_alpha": variable_field("theta_peak_over_alpha", ("scale", "angle"), peaks),
+    }
+    found = with_worst_direction(Contents(("scale", "angle"), fields, {}), study)
+    np.testing.assert_array_equal(found.values("angle_worst"), [1, 1, np.nan, 2, np.nan])
+    np.testing.assert_array_equal(found.values("theta_peak_over_alpha_worst"), [0.4, np.inf, np.nan, np.inf, 0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("angle", "peak"), [(0.0, 0.846867), (10.0, np.inf), (90.0, 0.812522)])
+def test_a_recorded_pair_overturns_between_its_components(angle, peak):
+    """Northridge, Beverly Hills - Mulholland: an independent integration of the sum."""
+    folder = SHARED / "records" / "peer" / "p695_far_field"
+    names = [folder / f"P695FF0{i}_NORTHR_MUL{c}.AT2" for i, c in ((1, "009"), (2, "279"))]
+    if not all(name.is_file() for name in names):
+        pytest.skip("the records are not here")
+    record = {"file": [str(name) for name in names], "angle": f"{angle}*deg"}
+    case = {"block": {"height": 2.4, "width": 0.6}, "motion": {"record": record}}
+    found = rockcli.run({"name": "a", "case": case, "save": {"histories": False}})
+    one, two = (
+        next(open_study({"name": "a", "case": {**case, "motion": {"record": {"file": str(name)}}}}).batches())[1]
+        for name in names
+    )
+    a = np.radians(angle)
+    values = np.cos(a) * one.excitation.horizontal.values + np.sin(a) * two.excitation.horizontal.values
+    theirs = integrate(body_of(one.block, housner_eta(one.block)[0]), values, one.excitation.horizontal.dt)
+    assert theirs.overturned == np.isinf(peak)
+    assert float(found.theta_peak_over_alpha) == pytest.approx(peak, rel=1e-5)
+    if not theirs.overturned:
+        assert theirs.peak_over_alpha == pytest.approx(peak, rel=1e-5)

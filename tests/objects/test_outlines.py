@@ -1,0 +1,238 @@
+"""Bodies from outlines against closed forms: rectangle, triangles, trapezoid, polygon, L, a statue on its plate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rockcli
+from rockcli.errors import StudyError
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.study.open import open_study
+
+
+def opened(block, folder=None, **more):
+    study = {"name": "a", "case": {"block": block, "initial": {"theta": 0.01}}, **more}
+    if folder is None:
+        return open_study(study)
+    import yaml
+
+    file = folder / "a.yaml"
+    file.write_text(yaml.safe_dump(study, sort_keys=False), encoding="utf-8")
+    return open_study(file)
+
+
+def body(block, **more):
+    ((_, batch),) = opened(block, **more).batches()
+    return batch.block
+
+
+def rectangle(left, bottom, right, top):
+    return [[left, bottom], [right, bottom], [right, top], [left, top]]
+
+
+def r_g2(block):
+    return (block.inertia[:, LEFT] - 1.0) * block.R[:, LEFT] ** 2
+
+
+CLOSE = {"rtol": 4e-15, "atol": 0.0}
+
+
+@pytest.mark.parametrize("corner", [(0.0, 0.0), (-0.25, 0.0), (1000.0, -50.0)])
+def test_a_rectangle_is_the_block(corner):
+    x, z = corner
+    width, height = 0.5, 2.0
+    ours = body({"outline": rectangle(x, z, x + width, z + height), "density": 2000, "depth": 0.25, "mu": 0.4})
+    block = body({"width": width, "height": height, "mass": 500, "mu": 0.4})
+    for name in ("h", "b", "tan_alpha", "alpha", "R", "top", "mass", "mu"):
+        np.testing.assert_array_equal(getattr(ours, name), getattr(block, name), name)
+    np.testing.assert_allclose(ours.inertia, 4.0 / 3.0, **CLOSE)
+
+
+def test_a_rectangle_answers_like_the_block():
+    motion = {"pulse": {"shape": "ricker", "a_p": "2.2*g*tan_alpha", "T_p": 0.7}}
+    answers = [
+        rockcli.run({"name": "a", "case": {"block": block, "motion": motion}})
+        for block in ({"width": 0.5, "height": 2.0}, {"outline": rectangle(3.0, 1.0, 3.5, 3.0)})
+    ]
+    block, ours = (float(answer.theta_peak_over_alpha) for answer in answers)
+    assert 0.1 < block < 1.0
+    assert ours == pytest.approx(block, rel=1e-12)
+
+
+def test_an_isosceles_triangle():
+    w, H = 0.9, 2.4
+    ours = body({"outline": [[0, 0], [w, 0], [w / 2, H]]})
+    assert ours.symmetric.all()
+    np.testing.assert_allclose([ours.h[0], ours.b[0, 0], ours.top[0]], [H / 3, w / 2, H], **CLOSE)
+    np.testing.assert_allclose(r_g2(ours), H**2 / 18 + w**2 / 24, rtol=1e-14)
+    assert np.isnan(ours.mass).all()
+
+
+def test_a_right_triangle_has_two_edges():
+    w, H = 0.9, 1.2
+    ours = body({"outline": [[0, 0], [w, 0], [0, H]], "density": 1000, "depth": 2})
+    np.testing.assert_allclose(ours.b[0], [w / 3, 2 * w / 3], **CLOSE)
+    np.testing.assert_allclose(r_g2(ours), (H**2 + w**2) / 18, rtol=1e-14)
+    np.testing.assert_allclose(ours.mass, 1000 * 2 * w * H / 2, **CLOSE)
+    # about the left edge: I = rho depth (w H^3 + H w^3)/12, R from the thirds
+    np.testing.assert_allclose(ours.inertia[0, LEFT], (w * H**3 + H * w**3) / 12 / (w * H / 2) / ((w**2 + H**2) / 9))
+
+
+@pytest.mark.parametrize(("a", "c"), [(1.0, 0.4), (0.6, 0.9)])
+def test_a_trapezoid(a, c):
+    H = 1.5
+    ours = body({"outline": [[-a / 2, 0], [a / 2, 0], [c / 2, H], [-c / 2, H]]})
+    I_x = H**3 * (a * a + 4 * a * c + c * c) / (36 * (a + c))
+    I_z = H * (a + c) * (a * a + c * c) / 48
+    np.testing.assert_allclose(ours.h, H / 3 * (a + 2 * c) / (a + c), **CLOSE)
+    np.testing.assert_allclose(r_g2(ours), (I_x + I_z) / (0.5 * (a + c) * H), rtol=1e-14)
+    np.testing.assert_array_equal(ours.b, a / 2)
+
+
+def test_a_regular_polygon():
+    k, R = 12, 0.8
+    angle = 2 * np.pi * (np.arange(k) + 0.5) / k - np.pi / 2
+    ours = body({"outline": np.column_stack([R * np.cos(angle), R * np.sin(angle)]).tolist()})
+    np.testing.assert_allclose(ours.h, R * np.cos(np.pi / k), rtol=1e-14)
+    np.testing.assert_allclose(ours.b, R * np.sin(np.pi / k), rtol=1e-13)
+    np.testing.assert_allclose(r_g2(ours), R**2 / 6 * (2 + np.cos(2 * np.pi / k)), rtol=1e-13)
+
+
+def by_parallel_axes(rectangles):
+    """Mass, x, z and r_g^2 of rectangles (left, bottom, right, top, density x depth)."""
+    left, bottom, right, top, weight = np.array(rectangles).T
+    m = weight * (right - left) * (top - bottom)
+    x, z = 0.5 * (left + right), 0.5 * (bottom + top)
+    own = ((right - left) ** 2 + (top - bottom) ** 2) / 12
+    x_c, z_c = (m * x).sum() / m.sum(), (m * z).sum() / m.sum()
+    return m.sum(), x_c, z_c, (m * (own + (x - x_c) ** 2 + (z - z_c) ** 2)).sum() / m.sum()
+
+
+def test_an_L_is_two_rectangles():
+    outline = [[0, 0], [1.2, 0], [1.2, 0.3], [0.4, 0.3], [0.4, 2.0], [0, 2.0]]
+    ours = body({"outline": outline, "density": 1800, "depth": 0.5})
+    mass, x, z, radius2 = by_parallel_axes([(0, 0, 1.2, 0.3, 900), (0, 0.3, 0.4, 2.0, 900)])
+    np.testing.assert_allclose(ours.mass, mass, rtol=1e-14)
+    np.testing.assert_allclose(ours.b[0], [x, 1.2 - x], rtol=1e-14)
+    np.testing.assert_allclose(ours.h, z, rtol=1e-14)
+    np.testing.assert_allclose(r_g2(ours), radius2, rtol=1e-14)
+    np.testing.assert_allclose(ours.R[0], np.hypot([x, 1.2 - x], z), rtol=1e-14)
+
+
+def test_a_slender_statue_on_a_wide_plate():
+    parts = [
+        {"outline": rectangle(-0.5, 0, 0.7, 0.05), "density": 7850, "depth": 1.0},
+        {"outline": rectangle(-0.1, 0.05, 0.1, 1.8), "density": 2700, "depth": 0.2},
+    ]
+    ours = body({"parts": parts, "top": 1.5})
+    mass, x, z, radius2 = by_parallel_axes([(-0.5, 0, 0.7, 0.05, 7850), (-0.1, 0.05, 0.1, 1.8, 540)])
+    np.testing.assert_allclose(ours.mass, mass, rtol=1e-14)
+    np.testing.assert_allclose(ours.b[0], [x + 0.5, 0.7 - x], rtol=1e-14)
+    np.testing.assert_allclose(ours.h, z, rtol=1e-14)
+    np.testing.assert_allclose(r_g2(ours), radius2, rtol=1e-14)
+    np.testing.assert_array_equal(ours.top, 1.5)
+    np.testing.assert_array_equal(body({"parts": parts}).top, 1.8)
+
+
+def test_turned_mirrored_moved_and_begun_elsewhere():
+    points = np.array([[0, 0], [0.9, 0], [0.6, 0.8], [0.7, 2.1], [0.1, 1.9]])
+    first = body({"outline": points.tolist()})
+    mirrored = body({"outline": (points * [-1, 1]).tolist()})
+    np.testing.assert_allclose(mirrored.b[0], first.b[0, ::-1], rtol=1e-14)
+    for other in (
+        points[::-1],
+        np.roll(points, 2, axis=0),
+        points + np.array([100, 7]),
+        np.vstack([points, points[:1]]),
+    ):
+        ours = body({"outline": other.tolist()})
+        for name in ("h", "b", "R", "inertia", "top"):
+            np.testing.assert_allclose(getattr(ours, name), getattr(first, name), rtol=1e-12)
+
+
+def test_a_clockwise_outline_is_said():
+    batch = next(iter(opened({"outline": rectangle(0, 0, 1, 3)[::-1]}).batches()))[1]
+    assert any("clockwise" in sentence for sentence in batch.warnings)
+    batch = next(iter(opened({"outline": rectangle(0, 0, 1, 3)}).batches()))[1]
+    assert not batch.warnings
+
+
+def test_points_may_be_expressions_and_vary():
+    outline = [[0, 0], ["w", 0], ["w", "180*cm"], [0, 1.8]]
+    study = opened({"outline": outline}, let={"w": 0.3}, vary={"let.w": [0.3, 0.45, 0.6]})
+    ((_, batch),) = study.batches()
+    np.testing.assert_allclose(batch.block.b[:, RIGHT], [0.15, 0.225, 0.3], rtol=1e-15)
+
+
+class TestFiles:
+    def test_a_file_beside_the_study(self, tmp_path):
+        (tmp_path / "o.csv").write_text("x, z  # metres\n0,0\n0.5,0\n\n0.5,2\n0,2\n", encoding="utf-8")
+        study = opened({"outline": "o.csv"}, tmp_path)
+        ((_, batch),) = study.batches()
+        np.testing.assert_array_equal(batch.block.b, 0.25)
+        assert list(study.inputs) == ["o.csv"]
+
+    def test_its_bytes_identify_the_results(self, tmp_path):
+        text = "0,0\n0.5,0\n0.5,2\n0,2\n"
+        identities = []
+        for content in (text, text, text.replace("2\n0,2", "2.0\n0,2")):
+            (tmp_path / "o.csv").write_text(content, encoding="utf-8")
+            identities.append(opened({"outline": "o.csv"}, tmp_path).identity)
+        assert identities[0] == identities[1] != identities[2]
+
+    def test_files_as_an_axis(self, tmp_path):
+        (tmp_path / "o.csv").write_text("0,0\n0.5,0\n0.5,2\n0,2\n", encoding="utf-8")
+        (tmp_path / "p.csv").write_text("0,0\n0.7,0\n0.7,2\n0,2\n", encoding="utf-8")
+        study = opened({"outline": "o.csv"}, tmp_path, vary={"block.outline": ["o.csv", "p.csv"]})
+        assert study.axes[0].values == ("o.csv", "p.csv")
+        assert set(study.inputs) == {"o.csv", "p.csv"}
+
+    @pytest.mark.parametrize(
+        ("content", "line", "words"),
+        [("0,0\n1,0\n1,x\n", 3, "x, z"), ("0,0\n1,0,3\n1,1\n", 2, "x, z"), ("x,z\n0,0\n1,0\n", None, "2 points")],
+    )
+    def test_a_bad_file_is_named_with_its_line(self, content, line, words, tmp_path):
+        (tmp_path / "o.csv").write_text(content, encoding="utf-8")
+        with pytest.raises(StudyError, match=words) as caught:
+            opened({"outline": "o.csv"}, tmp_path)
+        assert caught.value.file == str(tmp_path / "o.csv")
+        assert caught.value.line == line
+
+    def test_an_absent_file(self, tmp_path):
+        with pytest.raises(StudyError, match=r"case\.block\.outline: the outline .*o\.csv does not exist"):
+            opened({"outline": "o.csv"}, tmp_path)
+
+
+SQUARE = rectangle(0, 0, 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("block", "words"),
+    [
+        ({"outline": [[0, 0], [1, 0], [0, 1], [1, 1]]}, r"case\.block\.outline: crosses or touches itself.* 2 and 4"),
+        ({"outline": [[0, 0], [1, 0], [0.5, 0], [0.5, 1]]}, "crosses or touches itself"),
+        ({"outline": [[0, 0], [2, 0], [2, 1], [1, 0], [0, 1]]}, "crosses or touches itself"),
+        ({"outline": [[0, 0], [1, 0], [1, 0], [0, 1]]}, "points 2 and 3 are the same"),
+        ({"outline": [[0, 0], [1, 1], [-1, 1]]}, "stands on one point"),
+        ({"outline": [[0, 0], [0.1, 0], [1, 1], [0.5, 1]]}, "falls by itself: its centre of mass, x = 0.47"),
+        ({"outline": [[0, 0], [1, 0]]}, "at least 3 points"),
+        ({"outline": [[0, 0], [1, 0], [1]]}, r"point 3 .* \[x, z\]"),
+        ({"outline": [[0, 0], [1, 0], [1, "h"]]}, "known only once the block is"),
+        ({"outline": "o.txt"}, "FILE.csv"),
+        ({"outline": SQUARE, "density": 0}, "greater than 0"),
+        ({"outline": SQUARE, "density": 2, "mass": 3}, "say the same thing"),
+        ({"outline": SQUARE, "r_g": 1}, r"case\.block\.r_g: follows from the outline"),
+        ({"R": 1, "tan_alpha": 0.2, "depth": 3}, "belongs to an outline"),
+        ({"outline": SQUARE, "parts": [{"outline": SQUARE}]}, "stands beside parts"),
+        ({"parts": [{"outline": SQUARE}, {"outline": rectangle(0, 0.5, 1, 2)}]}, r"parts\.1\.outline: overlaps part 1"),
+        ({"parts": [{"outline": SQUARE}, {"outline": SQUARE}]}, "overlaps part 1"),
+        ({"parts": [{"outline": SQUARE, "density": 1}, {"outline": rectangle(0, 1, 1, 2)}]}, "has no density"),
+        ({"parts": []}, "parts"),
+        ({"parts": [{"density": 3}]}, "'outline' is missing"),
+        ({"parts": [{"outline": SQUARE, "colour": 1}]}, "unknown key 'colour'"),
+    ],
+)
+def test_what_is_no_body_is_refused(block, words):
+    with pytest.raises(StudyError, match=words):
+        opened(block)

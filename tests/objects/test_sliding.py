@@ -1,0 +1,296 @@
+"""Sliding: closed forms, an independent integration, Shenton's regions, and cases that are not simulated."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scenes import G, block, make_batch, pulse, record
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import rockcli
+from rockcli.scene.block import make_block
+from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest
+from rockcli.scene.response import NO_UPLIFT, ROCKING, UNRESOLVED
+from rockcli.solvers.event import solve
+
+
+def slid(motion, mu, *, tan_alpha=1.0, n=1, **how):
+    body = block(1.0, tan_alpha)
+    columns = {f.name: np.repeat(getattr(body, f.name), n, axis=0) for f in dataclasses.fields(body)}
+    columns["mu"] = np.broadcast_to(np.asarray(mu, float), (n,)).copy()
+    return solve(make_batch(type(body)(**columns), motion, **how))
+
+
+def closed_form(a_p, omega, mu, g=G):
+    """Peak, end and stops of a body under one cycle a_p sin(omega t): velocities and paths written out, roots by Brent."""
+    T = 2 * np.pi / omega
+    t, u, w, peak, stops = np.arcsin(mu * g / a_p) / omega, 0.0, 0.0, 0.0, []
+    d = -1.0  # the ground goes first
+    while True:
+        t0, u0, w0 = t, u, w
+
+        def rate(x, t0=t0, w0=w0, d=d):
+            return w0 + a_p / omega * (np.cos(omega * x) - np.cos(omega * t0)) - d * mu * g * (x - t0)
+
+        def place(x, t0=t0, u0=u0, w0=w0, d=d):
+            y = x - t0
+            wave = (np.sin(omega * x) - np.sin(omega * t0)) / omega - y * np.cos(omega * t0)
+            return u0 + w0 * y + a_p / omega * wave - 0.5 * d * mu * g * y * y
+
+        look = np.linspace(t0, T, 20001)[1:]
+        back = np.flatnonzero(d * rate(look[1:]) <= 0.0)
+        if not len(back):  # it still slides as the ground stops
+            u, w = place(T), rate(T)
+            u += w * abs(w) / (2 * mu * g)
+            return max(peak, abs(u)), u, [*stops, T + abs(w) / (mu * g)]
+        t = brentq(rate, look[back[0]], look[back[0] + 1], xtol=1e-15)
+        u, w = place(t), 0.0
+        peak = max(peak, abs(u))
+        stops.append(t)
+        a = a_p * np.sin(omega * t)
+        if abs(a) <= mu * g:  # it sticks, and breaks loose again in the second half if at all
+            again = (np.pi + np.arcsin(mu * g / a_p)) / omega
+            if t > again:
+                return peak, u, stops
+            t, d = again, 1.0
+        else:
+            d = -np.sign(a)
+
+
+@pytest.mark.parametrize(("a_p", "mu"), [(6.0, 0.3), (3.5, 0.3), (9.0, 0.05), (4.0, 0.39)])
+def test_one_cycle_of_a_sine(a_p, mu):
+    omega = 7.0
+    peak, end, stops = closed_form(a_p, omega, mu)
+    ours = slid(pulse("sine", a_p, omega), mu)
+    assert ours.scalars["outcome"][0] == NO_UPLIFT
+    assert ours.scalars["slide_peak"][0] == pytest.approx(peak, abs=1e-12)
+    assert ours.scalars["slide_residual"][0] == pytest.approx(end, abs=1e-12)
+    assert ours.scalars["t_end"][0] == pytest.approx(max(stops[-1], 2 * np.pi / omega), abs=1e-12)
+    assert ours.scalars["mu_required"][0] == mu
+    assert ours.reasons == ["slides and does not rock: mu is below tan(alpha)"]
+
+
+def test_a_rectangular_pulse_is_newmark_s_block():
+    """Constant a_g for t_1: u = a_g (a_g - mu g) t_1^2/(2 mu g) against the ground."""
+    a_g, mu, omega = 5.0, 0.2, 10.0
+    t_1 = np.pi / omega
+    ours = slid(pulse("rectangular", a_g, omega), mu)
+    assert ours.scalars["slide_residual"][0] == pytest.approx(-a_g * (a_g - mu * G) * t_1**2 / (2 * mu * G), rel=1e-13)
+    assert ours.scalars["t_end"][0] == pytest.approx(a_g * t_1 / (mu * G), rel=1e-13)
+
+
+def reference(values, up, dt, mu):
+    """Displacement at the samples: DOP853 restarted at every sample, stop and start; friction written in sgn(u')."""
+    u = w = 0.0
+    d = 0.0
+    places = [0.0]
+    for i in range(len(values) - 1):
+        t, end = i * dt, (i + 1) * dt
+
+        def a(x, i=i):
+            return values[i] + (values[i + 1] - values[i]) * (x / dt - i)
+
+        def N(x, i=i):
+            return G + up[i] + (up[i + 1] - up[i]) * (x / dt - i)
+
+        while t < end - 1e-13:
+            if d == 0.0:
+
+                def over(x):
+                    return abs(a(x)) - mu * N(x)
+
+                look = np.linspace(t, end, 65)
+                out = [x for x in look if over(x) > 1e-13]
+                if not out:
+                    t = end
+                    continue
+                before = max([x for x in look if x < out[0]], default=t)
+                t = out[0] if over(before) > 0 or before == out[0] else brentq(over, before, out[0], xtol=1e-15)
+                d = -np.sign(a(t))
+
+            def stop(x, y, d=d, t=t):
+                return y[1] * d if x > t + 1e-12 else 1.0
+
+            stop.terminal, stop.direction = True, -1
+
+            def rhs(x, y, d=d):
+                return [y[1], -a(x) - d * mu * N(x)]
+
+            found = solve_ivp(rhs, (t, end), [u, w], method="DOP853", rtol=1e-12, atol=1e-15, events=stop)
+            t, (u, w) = found.t[-1], found.y[:, -1]
+            if len(found.t_events[0]):
+                w = 0.0
+                d = 0.0
+        places.append(u)
+    return np.array(places)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_record_with_vertical_motion_against_an_independent_integration(seed):
+    rng = np.random.default_rng(seed)
+    dt, mu = 0.05, 0.15
+    t = np.arange(80) * dt
+    fade = np.minimum(1.0, (t[-1] - t) / 0.5)
+    values, up = (
+        s * fade * sum(rng.normal() * np.sin(rng.uniform(2, 12) * t + rng.uniform(0, 6)) for _ in range(4))
+        for s in (2, 1)
+    )
+    ours = slid(record(values, dt, vertical=up), mu, histories=True, dt_out=dt)
+    theirs = reference(values, up, dt, mu)
+    n = len(theirs)
+    np.testing.assert_allclose(ours.histories["slide"][0, : n - 1], theirs[: n - 1], atol=2e-10)
+    assert np.abs(theirs).max() > 0.05
+    assert ours.scalars["slide_peak"][0] >= np.abs(theirs).max() - 1e-10
+    assert ours.scalars["N_min_over_mg"][0] == pytest.approx(1 + up.min() / G, rel=1e-12)
+
+
+def test_histories_of_a_slide():
+    omega, a_p, mu = 7.0, 6.0, 0.3
+    motion = pulse("sine", a_p, omega)
+    ours = slid(motion, mu, histories=True, dt_out=0.001)
+    u, rate, mode = (ours.histories[name][0] for name in ("slide", "slide_dot", "contact_mode"))
+    np.testing.assert_allclose(np.gradient(u, 0.001)[5:-5], rate[5:-5], atol=2e-2)
+    np.testing.assert_array_equal(ours.histories["u_top"][0], u)
+    assert set(np.unique(mode)) == {REST, SLIDE}
+    assert (mode[ours.time < np.arcsin(mu * G / a_p) / omega] == REST).all()
+    np.testing.assert_array_equal(ours.histories["theta"][0], 0.0)
+    # the base moment is friction times h, never more than mu m g h
+    h = block(1.0, 1.0).h[0]
+    assert np.abs(ours.histories["M_base"][0]).max() == pytest.approx(mu * G * h, rel=1e-12)
+
+
+def test_sliding_and_rocking_side_by_side():
+    """Cases of one batch: three coefficients of friction, the sliding ones as alone, the others as without mu."""
+    motion = pulse("half_sine", np.full(3, 0.45 * G), np.full(3, 6.0))
+    both = slid(motion, [0.1, 0.25, 0.9], n=3, tan_alpha=0.3, histories=True)
+    alone = slid(pulse("half_sine", 0.45 * G, 6.0), 0.25, tan_alpha=0.3, histories=True)
+    free = slid(pulse("half_sine", 0.45 * G, 6.0), np.nan, tan_alpha=0.3, histories=True)
+    np.testing.assert_array_equal(both.scalars["outcome"], [NO_UPLIFT, NO_UPLIFT, ROCKING])
+    assert both.scalars["slide_peak"][1] == alone.scalars["slide_peak"][0] > 0.0
+    assert both.scalars["slide_peak"][2] == 0.0
+    assert both.scalars["theta_peak"][2] == free.scalars["theta_peak"][0]
+    k = len(free.time)
+    np.testing.assert_array_equal(both.histories["theta"][2, :k], free.histories["theta"][0])
+    assert set(np.unique(both.histories["contact_mode"][2, :k])) <= {REST, ROCK}
+    assert np.isnan(free.scalars["slide_peak"][0])
+    assert "contact_mode" not in free.histories
+
+
+def test_the_report_lasts_as_long_as_asked():
+    motion = pulse("rectangular", 5.0, 10.0, duration=0.5)
+    ours = slid(motion, 0.2, histories=True, dt_out=0.01)
+    t_1, decel = np.pi / 10.0, 0.2 * G
+    w = (5.0 - decel) * t_1
+    at_half = 0.5 * w * t_1 + w * (0.5 - t_1) - 0.5 * decel * (0.5 - t_1) ** 2
+    assert ours.scalars["t_end"][0] == 0.5
+    assert ours.scalars["slide_peak"][0] < -ours.scalars["slide_residual"][0]
+    assert -ours.histories["slide"][0, 50] == pytest.approx(at_half, rel=1e-12)
+    assert ours.scalars["slide_peak"][0] == pytest.approx(at_half, rel=1e-12)
+
+
+class TestShenton:
+    """Initiation from rest: the regions of mu and a_g."""
+
+    def test_the_regions(self):
+        t = 0.4
+        assert mode_from_rest(t, 4 / 3, 0.3, 0.29) == REST
+        assert mode_from_rest(t, 4 / 3, 0.3, 0.31) == SLIDE
+        assert mode_from_rest(t, 4 / 3, 0.3, 5.0) == SLIDE
+        assert mode_from_rest(t, 4 / 3, 0.9, 0.39) == REST
+        assert mode_from_rest(t, 4 / 3, 0.9, 0.41) == ROCK
+        assert mode_from_rest(t, 4 / 3, 0.45, 3.0) == SLIDE_ROCK
+        assert mode_from_rest(t, 4 / 3, 0.9, 0.41, -1.0) == FREE_FLIGHT
+
+    def test_the_friction_a_rectangle_needs_to_rock(self):
+        """mu = [a (1 + 4 r^2) + 3 r]/[3 a r + (4 + r^2)], r = b/h: Shenton's critical value, written out from T and N."""
+        for r in (0.1, 0.4, 0.8):
+            for a in (1.01 * r, 1.0, 3.0):
+                critical = (a * (1 + 4 * r * r) + 3 * r) / (3 * a * r + 4 + r * r)
+                assert mode_from_rest(r, 4 / 3, critical * (1 + 1e-9), a) == ROCK
+                assert mode_from_rest(r, 4 / 3, critical * (1 - 1e-9), a) == (SLIDE_ROCK if critical > r else SLIDE)
+
+    @pytest.mark.parametrize("up", [0.0, 0.3, -0.3])
+    def test_the_solver_agrees_under_a_sudden_constant_acceleration(self, up):
+        r = 0.4
+        body = make_block(h=1.0, b=r)
+        for mu in (0.2, 0.39, 0.41, 0.5, 0.7, 0.95):
+            for a in (0.1, 0.3, 0.45, 0.9, 1.6):
+                expected = mode_from_rest(r, 4 / 3, mu, a, up)
+                columns = {f.name: getattr(body, f.name) for f in dataclasses.fields(body)} | {"mu": np.array([mu])}
+                n = 3
+                motion = record(np.full(n, -a * G), 2e-3, vertical=np.full(n, up * G), duration=4e-3)
+                ours = solve(make_batch(type(body)(**columns), motion, histories=True, dt_out=1e-3))
+                outcome = ours.scalars["outcome"][0]
+                assert ours.histories["contact_mode"][0, 2] == expected
+                assert (outcome == UNRESOLVED) == (expected == SLIDE_ROCK)
+                assert (outcome == NO_UPLIFT) == (expected in (REST, SLIDE))
+                if outcome >= NO_UPLIFT:
+                    assert (ours.scalars["slide_peak"][0] > 0.0) == (expected == SLIDE)
+
+
+class TestNotSimulated:
+    def test_a_rocking_body_that_needs_more_friction_is_unresolved(self):
+        motion = pulse("ricker", 2.0 * G * 0.2, 8.0)
+        needed = float(slid(motion, np.nan, tan_alpha=0.2).scalars["mu_required"][0])
+        assert needed > 0.2
+        stands = slid(motion, needed * 1.001, tan_alpha=0.2)
+        assert stands.scalars["outcome"][0] == ROCKING
+        slips = slid(motion, needed * 0.999, tan_alpha=0.2, histories=True, dt_out=1e-4)
+        assert slips.scalars["outcome"][0] == UNRESOLVED
+        assert "would slide while it rocks" in slips.reasons[0]
+        assert np.isnan(slips.scalars["theta_peak"][0])
+        assert np.isnan(slips.scalars["slide_peak"][0])
+        assert slips.scalars["mu_required"][0] == needed
+        assert SLIDE_ROCK in slips.histories["contact_mode"][0]
+
+    def test_an_impact_may_need_more_friction_than_the_rest(self):
+        motion = pulse("ricker", 1.6 * G * 0.2, 8.0)
+        free = slid(motion, np.nan, tan_alpha=0.2, eta=0.4).scalars
+        assert free["mu_impact"][0] > free["mu_required"][0]
+        mu = 0.5 * float(free["mu_impact"][0] + free["mu_required"][0])
+        ours = slid(motion, mu, tan_alpha=0.2, eta=0.4)
+        assert ours.scalars["outcome"][0] == UNRESOLVED
+        assert "at an impact" in ours.reasons[0]
+
+    def test_a_body_thrown_up_is_unresolved(self):
+        n = 200
+        up = -1.2 * G * np.sin(np.arange(n) * 0.05)
+        ours = slid(record(np.full(n, 2.0), 0.01, vertical=up), 0.5, histories=True, dt_out=0.01)
+        assert ours.scalars["outcome"][0] == UNRESOLVED
+        assert "the normal force vanishes" in ours.reasons[0]
+        assert np.isnan(ours.scalars["slide_peak"][0])
+
+    def test_one_edge_slides_and_the_other_rocks(self):
+        body = make_block(h=1.0, b=[0.2, 0.6])
+        columns = {f.name: getattr(body, f.name) for f in dataclasses.fields(body)} | {"mu": np.array([0.4])}
+        ours = solve(make_batch(type(body)(**columns), pulse("half_sine", -0.5 * G, 6.0)))
+        assert ours.scalars["outcome"][0] == UNRESOLVED
+
+    @pytest.mark.parametrize(("mu", "outcome"), [(0.25, ROCKING), (0.2, UNRESOLVED)])
+    def test_from_a_tilt_it_rocks_as_long_as_friction_suffices(self, mu, outcome):
+        """Free rocking needs about 3/4 tan(alpha), less than uplift from rest does."""
+        ours = slid(pulse("half_sine", 0.1 * G, 6.0), mu, tan_alpha=0.3, theta_0=0.01)
+        assert ours.scalars["outcome"][0] == outcome
+        assert 0.2 < ours.scalars["mu_required"][0] < 0.25
+
+
+def test_in_a_study(tmp_path):
+    found = rockcli.run(
+        {
+            "name": "slides",
+            "case": {
+                "block": {"height": 1.0, "width": 0.8, "mu": 0.3},
+                "motion": {"pulse": {"shape": "sine", "a_p": 6.0, "omega_p": 7.0}},
+            },
+            "vary": {"block.mu": [0.05, 0.3]},
+            "expect": [{"quantity": "slide_peak", "min": 0.01}],
+        }
+    )
+    for mu in (0.05, 0.3):
+        peak, end, _ = closed_form(6.0, 7.0, mu)
+        assert float(found.slide_peak.sel(mu=mu)) == pytest.approx(peak, abs=1e-12)
+        assert float(found.slide_residual.sel(mu=mu)) == pytest.approx(end, abs=1e-12)
+    assert found.contact_mode.attrs["flag_meanings"].split() == ["rest", "slide", "rock", "slide_rock", "free_flight"]
