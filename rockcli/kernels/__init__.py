@@ -12,7 +12,11 @@ import sys
 from collections.abc import Callable
 from types import ModuleType
 
-_KERNELS = ("motion", "series", "roots", "decide", "rest", "watch", "contact", "march")
+_KERNELS = (
+    "motion", "series", "roots", "decide", "rest", "watch", "contact", "march", "slide",
+    "lane_math", "lane_vector", "lane_bounces", "lane_state", "lane_ground", "lane_series", "lane_roots", "lane_events",
+    "lane_pulses",
+)  # fmt: skip
 
 compiled: bool | None = None
 """How the kernels in use were loaded; None before the first `load`."""
@@ -21,19 +25,19 @@ announce: Callable[[], None] | None = None
 """Called when kernels are about to be compiled of which nothing is in the cache."""
 
 
-def load(*, compile_them: bool) -> ModuleType:
-    """The module `march`, compiled if asked.  Kernels once compiled stay so for the life of the process.
+def load(name: str = "march", *, compile_them: bool) -> ModuleType:
+    """A module of kernels, compiled if asked.  Kernels once compiled stay so for the life of the process.
 
     The environment variable ROCK_KERNELS = compiled | interpreted overrules the caller.
     """
     global compiled
     wish = {"compiled": True, "interpreted": False}.get(os.environ.get("ROCK_KERNELS", ""), compile_them)
     if compiled is None or (wish and not compiled):
-        for name in _KERNELS:
-            sys.modules.pop(f"{__name__}.{name}", None)
+        for kernel in _KERNELS:
+            sys.modules.pop(f"{__name__}.{kernel}", None)
         compiled = wish
         jit = importlib.import_module(f"{__name__}.jit")
         jit.decide(wish)
         if wish and announce is not None and jit.is_cold():
             announce()
-    return importlib.import_module(f"{__name__}.march")
+    return importlib.import_module(f"{__name__}.{name}")

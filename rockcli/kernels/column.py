@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.column_search import drop, first_event, look, note, note_peaks
 from rockcli.kernels.column_state import (
     ALPHA,
     BARRIER,
@@ -39,7 +40,6 @@ from rockcli.kernels.column_state import (
     base_moment,
     dot,
     energy,
-    first_event,
     gap,
     ground,
     ground_loads,
@@ -71,41 +71,24 @@ SLOTS = 8
 
 
 @jit
+def rounded(h):
+    """h to ten digits, so that steps which differ by rounding share a table, and the table does not tell which came."""
+    part, power = math.frexp(h)
+    return math.ldexp(math.floor(part * 2.0**33 + 0.5) / 2.0**33, power)
+
+
+@jit
 def slot_of(keys, used, clock, h):
     """Slot of a step table for h, and whether it is filled: the least recently used one if there is none."""
     oldest = 0
     for k in range(SLOTS):
-        if abs(keys[k] - h) <= 1e-10 * h:
+        if keys[k] == h:
             used[k] = clock
             return k, True
         if used[k] < used[oldest]:
             oldest = k
     keys[oldest], used[oldest] = h, clock
     return oldest, False
-
-
-@jit
-def raise_peak(par, lam, c, bu, th, top, F, x, omega, t, S, z, v, z_x, v_x, out):
-    """Note the largest |theta| and top displacement at samples of [0, x]; |theta| refined by a parabola."""
-    parts = min(max(math.ceil(4.0 * omega * x), 2), 60)
-    width = x / parts
-    q_0 = q_1 = 0.0
-    for j in range(parts + 1):
-        y = width * j
-        advance(lam, c, bu, th, F, y, S, z, v, z_x, v_x)
-        theta = dot(th, z_x)
-        q = abs(theta)
-        out[RATE_PEAK] = max(out[RATE_PEAK], abs(dot(th, v_x)))
-        u = par[LENGTH] * (math.sin(theta) + (dot(top, z_x) - theta) * math.cos(theta))
-        out[U_PEAK] = max(out[U_PEAK], abs(u))
-        if q > out[PEAK] * (1.0 + 1e-12):
-            out[PEAK], out[T_PEAK], out[PEAK_SIDE] = q, t + y, math.copysign(1.0, theta)
-        if j >= 2 and q_0 < q_1 >= q and q_1 >= out[PEAK] * (1.0 - 1e-12):
-            y = y - width + 0.5 * width * (q - q_0) / (2.0 * q_1 - q_0 - q)
-            advance(lam, c, bu, th, F, y, S, z, v, z_x, v_x)
-            if abs(dot(th, z_x)) > out[PEAK]:
-                out[PEAK], out[T_PEAK] = abs(dot(th, z_x)), t + y
-        q_0, q_1 = q_1, q
 
 
 @jit
@@ -143,18 +126,19 @@ def write(par, phase, s, lam, c, bu, th, top, row, row_v, F, x, t, t_end, dt_out
 def march(
     par, lams, cs, bus, ths, tops, rows, rows_v, T, z, v, max_steps,
     hk, h_values, h_tail, h_dt, h_table, h_n, vk, v_values, v_tail, v_dt, v_table, v_n,
-    dt_out, hist, landings, out, tables, influences, keys, used, work, S, F, A, found,
+    dt_out, hist, landings, out, tables, influences, keys, used, paces, filled, work, S, F, A, about, found,
 ):  # fmt: skip
     """Solve one case.
 
     Modal arrays (2, N), first index the phase; T (N, N) takes contact modes to open ones.  z, v the state at 0.
     hist (4, k): theta, its rate, bending at the top over L, base moment; landings (3, j): time, rate before, after.
-    The rest is work space: tables (2, SLOTS, 14, N), influences (2, SLOTS, 24), keys and used (2, SLOTS), work (4, N).
+    Kept for further cases of the same column: tables (2, SLOTS, 14, N), influences (2, SLOTS, 24), keys and used
+    (2, SLOTS) of the steps, paces (2, LEVELS, 7, N) and filled (2, LEVELS) of the search.  The rest is work space.
     """
     for i in range(N_OUT):
         out[i] = 0.0
     out[T_PEAK] = out[T_UPLIFT] = out[T_OVERTURN] = math.nan
-    z_1, v_1, z_x, v_x = work[0], work[1], work[2], work[3]
+    z_1, v_1, z_x, v_x, room, peaks = work[0], work[1], work[2], work[3], work[4:8], out[PEAK : U_PEAK + 1]
     phase, s, armed = int(par[PHASE_0]), par[SIDE_0], par[PHASE_0] == OPEN
     winkler = par[THETA_1] > 0.0
     t, t_motion, t_stop = 0.0, par[T_MOTION], par[T_STOP]
@@ -163,9 +147,8 @@ def march(
     if phase == OPEN:
         out[T_UPLIFT] = 0.0
         out[PEAK], out[PEAK_SIDE], out[T_PEAK] = abs(dot(ths[OPEN], z)), s, 0.0
-    verdict = -1
+    verdict = shown = -1
     reported = False
-    u = 0.0
     while True:
         clock += 1
         if clock > max_steps:
@@ -176,8 +159,10 @@ def march(
         while vk != NOTHING and iv < v_n and piece_end(vk, v_table, v_dt, iv) <= t * (1.0 + 1e-14):
             iv += 1
         after = t >= t_motion
-        lam, c, bu, th, top = lams[phase], cs[phase], bus[phase], ths[phase], tops[phase]
-        row, row_v = rows[phase], rows_v[phase]
+        if phase != shown:
+            shown = phase
+            lam, c, bu, th, top = lams[phase], cs[phase], bus[phase], ths[phase], tops[phase]
+            row, row_v, known, full = rows[phase], rows_v[phase], paces[phase], filled[phase]
         if t >= t_stop and not reported:
             reported = True
             out[T_END] = t_stop
@@ -219,8 +204,7 @@ def march(
             while h * h * stiff * par[MOBILITY] > 0.1 * fine * fine or h * rate > 0.3 * fine * q:
                 h *= 0.5
         lands = t_next - t <= h * (1.0 + 1e-9)
-        if lands:
-            h = t_next - t
+        h = rounded(t_next - t if lands else h)
         A[0], A[3] = 0.0, 0.0
         converged = False
         while True:
@@ -244,19 +228,18 @@ def march(
             break
 
         # the guard
-        a_v_low = min(A[3], A[4], A[5])
-        value = dot(row, z) + dot(row_v, v)
         # a mode too weak to matter at this accuracy does not set how densely the step is looked at
         weak = 1e-5 if par[FINENESS] >= 1.0 else (1e-7 if par[FINENESS] >= 0.5 else 1e-9)
         floor = weak * (limit(par, CONTACT, s, 0.0) if phase == CONTACT else par[ALPHA])
-        wander(lam, c, bu, th, F, h, z, v, row, row_v, floor, found)
+        near, _ = look(par, phase, s, armed, lam, c, bu, th, row, row_v, F, 0.0, z, v)
+        fall = drop(par, phase, lam, c, bu, th, row, row_v, F, h, z, v, floor, found)
         stray, omega = found[0], found[1]
-        if phase == CONTACT:
-            value += par[R_A] * A[0]
-            stray += 1.5 * abs(par[R_A]) * (abs(A[1] - A[0]) + abs(A[2] - A[0]))
         x, event = h, False
-        if gap(par, phase, s, armed, value, a_v_low) <= stray:
-            y = first_event(par, phase, s, armed, lam, c, bu, th, row, row_v, F, h, omega, S, z, v, z_x, v_x)
+        if near <= fall:
+            y = first_event(
+                par, phase, s, armed, lam, c, bu, th, row, row_v, F, h, z, v, z_1, v_1, floor, known, full,
+                room, about, S, found, z_x, v_x,
+            )  # fmt: skip
             if y >= 0.0:
                 event, x = True, y
                 for m in range(len(z)):
@@ -268,18 +251,24 @@ def march(
         # what is read off
         theta_0, theta_1, rate_0, rate_1 = dot(th, z), dot(th, z_1), dot(th, v), dot(th, v_1)
         if not reported or par[HAS_DURATION] == 0.0:
-            side = 1.0 if theta_0 + theta_1 >= 0.0 else -1.0
-            u = abs(par[LENGTH] * (math.sin(theta_1) + (dot(top, z_1) - theta_1) * math.cos(theta_1)))
-            turns = side * rate_0 > 0.0 >= side * rate_1
-            higher = abs(theta_1) > out[PEAK] or u > out[U_PEAK]
-            if turns:
-                wander(lam, c, bu, th, F, x, z, v, th, rows_v[OPEN], 1e-7 * par[ALPHA], found)
-                raise_peak(par, lam, c, bu, th, top, F, x, found[1], t, S, z, v, z_x, v_x, out)
-            elif higher:
-                out[U_PEAK] = max(out[U_PEAK], u)
-                if abs(theta_1) > out[PEAK]:
-                    out[PEAK], out[T_PEAK], out[PEAK_SIDE] = abs(theta_1), t + x, math.copysign(1.0, theta_1)
-            out[RATE_PEAK] = max(out[RATE_PEAK], abs(rate_1))
+            turns, sways = rate_0 * rate_1 <= 0.0, dot(top, v) * dot(top, v_1) <= 0.0
+            if omega * x > 1.0:
+                # the ends do not tell: may the rates vanish in between?
+                wander(lam, c, bu, th, F, x, z, v, rows_v[OPEN], th, math.inf, found)
+                turns = turns or abs(rate_0) <= found[0]
+                wander(lam, c, bu, th, F, x, z, v, rows_v[OPEN], top, math.inf, found)
+                sways = sways or abs(dot(top, v)) <= found[0]
+            seen = turns and (phase == OPEN or winkler) and abs(theta_0) + stray > out[PEAK]
+            if seen or sways:
+                wander(lam, c, bu, th, F, x, z, v, top, rows_v[OPEN], weak * par[ALPHA], found)
+                seen = seen or 1.1 * par[LENGTH] * (abs(dot(top, z)) + found[0]) > out[U_PEAK]
+            if seen:
+                note_peaks(
+                    par, lam, c, bu, th, top, F, x, found[1], t, z, v, z_1, v_1, known, full, room,
+                    about, S, z_x, v_x, peaks,
+                )  # fmt: skip
+            else:
+                note(par, th, top, t + x, z_1, v_1, peaks)
         if abs(theta_1) > par[REARM]:
             armed = True
         if abs(theta_0) < par[THETA_STAR] <= abs(theta_1):
@@ -295,7 +284,7 @@ def march(
         t = t_next if lands and not event else t + x
         for m in range(len(z)):
             z[m], v[m] = z_1[m], v_1[m]
-        if not math.isfinite(theta_1) or not math.isfinite(u):
+        if not math.isfinite(theta_1 + dot(top, z_1)):
             out[STATUS] = NOT_FINITE
             break
         if abs(theta_1) >= 0.5 * math.pi:

@@ -10,7 +10,7 @@ import math
 from rockcli.kernels.jit import jit
 from rockcli.kernels.motion import NOTHING, PULSES, expand
 from rockcli.kernels.motion import WIDTH as PIECE
-from rockcli.kernels.oscillator import HALF, PVV, PVZ, PZV, PZZ, WV, WZ, advance
+from rockcli.kernels.oscillator import HALF, PVV, PVZ, PZV, PZZ, WV, WZ
 
 CONTACT, OPEN = 0, 1
 """Phases: base held (rigid base) or in full contact (Winkler); base rocking on an edge."""
@@ -54,20 +54,14 @@ def base_moment(par, s, theta, a_v):
 
 
 @jit
-def uniform_load(par, theta, a, a_v):
-    """Load along the column beside the linear weight (F3)."""
-    g = par[G]
-    return ((g + a_v) * math.sin(theta) - g * theta - a * math.cos(theta)) / par[LENGTH]
-
-
-@jit
-def rotation_load(par, phase, s, theta, sigma, a, a_v):
-    """Moment on the base rotation beside the linear weight (F3)."""
-    g = par[G]
-    load = ((g + a_v) * math.cos(theta) - g + a * math.sin(theta)) * sigma / par[LENGTH]
+def loads(par, phase, s, theta, y, a, a_v):
+    """Loads beside the linear weight (F3): along the column, and the moment on the base rotation; y = b_u.y."""
+    g, sin, cos = par[G], math.sin(theta), math.cos(theta)
+    f = ((g + a_v) * sin - g * theta - a * cos) / par[LENGTH]
+    moment = ((g + a_v) * cos - g + a * sin) * (y - UNIFORM_TO_ROTATION * theta) / par[LENGTH]
     if phase == OPEN:
-        load -= base_moment(par, s, theta, a_v)
-    return load
+        moment -= base_moment(par, s, theta, a_v)
+    return f, moment
 
 
 @jit
@@ -101,26 +95,23 @@ def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
         theta_1 += th[m] * z_1[m]
         y_1 += bu[m] * z_1[m]
     theta = dot(th, z)
-    sigma = dot(bu, z) - UNIFORM_TO_ROTATION * theta
-    f_0 = uniform_load(par, theta, A[0], A[3])
-    m_0 = rotation_load(par, phase, s, theta, sigma, A[0], A[3])
+    w = influence
+    f_0, m_0 = loads(par, phase, s, theta, dot(bu, z), A[0], A[3])
     rate = 0.5 * h * dot(th, v)
-    t_b, t_1, s_b, s_1 = theta + rate, theta + 2.0 * rate, sigma, sigma
+    t_b, t_1, s_b, s_1 = theta + rate, theta + 2.0 * rate, dot(bu, z) + 0.5 * rate, dot(bu, z) + rate
     f_b = f_1 = m_b = m_1 = 0.0
+    close = 1e-7 if par[FINENESS] >= 1.0 else 1e-14
     converged = False
     for _ in range(60):
-        f_b, f_1 = uniform_load(par, t_b, A[1], A[4]), uniform_load(par, t_1, A[2], A[5])
-        m_b = rotation_load(par, phase, s, t_b, s_b, A[1], A[4])
-        m_1 = rotation_load(par, phase, s, t_1, s_1, A[2], A[5])
-        w = influence
+        f_b, m_b = loads(par, phase, s, t_b, s_b, A[1], A[4])
+        f_1, m_1 = loads(par, phase, s, t_1, s_1, A[2], A[5])
         new_b = theta_b + w[0] * f_0 + w[1] * f_b + w[2] * f_1 + w[3] * m_0 + w[4] * m_b + w[5] * m_1
-        sb = y_b + w[6] * f_0 + w[7] * f_b + w[8] * f_1 + w[9] * m_0 + w[10] * m_b + w[11] * m_1
+        s_b = y_b + w[6] * f_0 + w[7] * f_b + w[8] * f_1 + w[9] * m_0 + w[10] * m_b + w[11] * m_1
         new_1 = theta_1 + w[12] * f_0 + w[13] * f_b + w[14] * f_1 + w[15] * m_0 + w[16] * m_b + w[17] * m_1
-        s1 = y_1 + w[18] * f_0 + w[19] * f_b + w[20] * f_1 + w[21] * m_0 + w[22] * m_b + w[23] * m_1
+        s_1 = y_1 + w[18] * f_0 + w[19] * f_b + w[20] * f_1 + w[21] * m_0 + w[22] * m_b + w[23] * m_1
         change = abs(new_b - t_b) + abs(new_1 - t_1)
         t_b, t_1 = new_b, new_1
-        s_b, s_1 = sb - UNIFORM_TO_ROTATION * t_b, s1 - UNIFORM_TO_ROTATION * t_1
-        if change <= 1e-14 * (abs(theta) + abs(t_1)) + 1e-3 * par[TOL]:
+        if change <= close * (abs(theta) + abs(t_1)) + 1e-3 * par[TOL]:
             converged = True
             break
         if not change < 1e3:
@@ -160,82 +151,6 @@ def gap(par, phase, s, armed, value, a_v):
     if armed and par[THETA_1] > 0.0:
         room = min(room, s * value + par[TOL])
     return room
-
-
-@jit
-def gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, S, z, v, z_x, v_x):
-    """`gap` at x inside a step; the state there is left in z_x, v_x."""
-    advance(lam, c, bu, th, F, x, S, z, v, z_x, v_x)
-    value = dot(row, z_x) + dot(row_v, v_x)
-    if phase == CONTACT:
-        value += par[R_A] * along(F, 6, x)
-    return gap(par, phase, s, armed, value, along(F, 9, x))
-
-
-@jit
-def first_event(par, phase, s, armed, lam, c, bu, th, row, row_v, F, h, omega, S, z, v, z_x, v_x):
-    """First time in (0, h] a guard turns negative, or -1; the state there is left in z_x, v_x.
-
-    Samples stand half a radian of the fastest mode that matters apart (wider after 400 of them), and a dip
-    between samples is looked into.
-    """
-    parts = min(max(math.ceil(2.0 * omega * h), 4), 400)
-    width = min(h / parts, 0.5 / omega if omega > 0.0 else h)
-    x_0 = x_1 = 0.0
-    g_0 = g_1 = gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, 0.0, S, z, v, z_x, v_x)
-    if g_1 < 0.0:
-        return 0.0
-    count = 0
-    while x_1 < h:
-        if count > 200:
-            width *= 1.1
-        x = min(x_1 + width, h)
-        if h - x < 1e-6 * width:
-            x = h
-        g = gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, S, z, v, z_x, v_x)
-        lo, hi, g_lo, g_hi = x_1, x, g_1, g
-        if g >= 0.0 and count > 0 and g_0 > g_1 < g:
-            # vertex of the parabola through three samples
-            d_1, d_2 = (g_1 - g_0) / (x_1 - x_0), (g - g_1) / (x - x_1)
-            y = 0.5 * (x_0 + x_1) - d_1 * 0.5 * (x - x_0) / (d_2 - d_1)
-            y = min(max(y, x_0), x)
-            g_y = gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, y, S, z, v, z_x, v_x)
-            if g_y < 0.0:
-                lo, g_lo = (x_0, g_0) if y < x_1 else (x_1, g_1)
-                hi, g_hi = y, g_y
-        if g_hi < 0.0:
-            return _refine(par, phase, s, armed, lam, c, bu, th, row, row_v, F, lo, hi, g_lo, g_hi, S, z, v, z_x, v_x)
-        x_0, g_0, x_1, g_1 = x_1, g_1, x, g
-        count += 1
-    return -1.0
-
-
-@jit
-def _refine(par, phase, s, armed, lam, c, bu, th, row, row_v, F, lo, hi, g_lo, g_hi, S, z, v, z_x, v_x):
-    """Regula falsi (Illinois) on a bracket; ends just beyond the guard."""
-    side = 0
-    fine = 1e-13 * (g_lo - g_hi)
-    for _ in range(80):
-        if hi - lo <= 1e-14 * hi:
-            break
-        x = hi - g_hi * (hi - lo) / (g_hi - g_lo)
-        if not lo < x < hi:
-            x = 0.5 * (lo + hi)
-        g = gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, S, z, v, z_x, v_x)
-        if g < 0.0:
-            hi, g_hi = x, g
-            if g > -fine:
-                break
-            if side == -1:
-                g_lo *= 0.5
-            side = -1
-        else:
-            lo, g_lo = x, g
-            if side == 1:
-                g_hi *= 0.5
-            side = 1
-    gap_at(par, phase, s, armed, lam, c, bu, th, row, row_v, F, hi, S, z, v, z_x, v_x)
-    return hi
 
 
 @jit

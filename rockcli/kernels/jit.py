@@ -23,6 +23,11 @@ def decide(compile_them: bool) -> None:
         setattr(config, "CACHE_DIR", str(_cache_dir()))  # noqa: B010 - the checker does not know it
 
 
+def compiling() -> bool:
+    """What was decided."""
+    return _compiled
+
+
 def is_cold() -> bool:
     """Whether nothing compiled is in the cache."""
     return next(_cache_dir().rglob("*.nbi"), None) is None

@@ -28,3 +28,10 @@ DONE, OUT_OF_STEPS, NOT_FINITE = 0, 1, 2
 
 RETURNS, FALLS, UNDECIDED, NOT_YET = 0, 1, 2, -1
 """Verdicts on free rocking; NOT_YET: only going on can tell."""
+
+# a sliding case, and what it returns beside the above
+FRICTION, GRAVITY, MOTION_ENDS, REPORT_ENDS, LASTS, SCALE_H, SCALE_V = range(7)
+"""mu, g, end of the motion, longest report [s], whether that is the duration asked for, factors of sampled motions."""
+
+SLIDE_PEAK, SLIDE_END, T_FLIGHT, SLIDE_OUT = range(N_OUT, N_OUT + 4)
+"""Largest displacement with its sign, that at the end [m], when the normal force vanishes [s]; the length."""

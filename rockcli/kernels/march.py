@@ -195,7 +195,7 @@ def march(
                 if root != NO_ROOT and (x == NO_ROOT or root < x):
                     x, s_up = root, sign
             moved = x if x != NO_ROOT else h
-            if detail == ALL:
+            if detail == ALL and moved > 0.0:  # at a jump of the ground that it answers at once it is not at rest
                 watch_rest(a, deg_a, a_v, deg_v, g, moved, out)
             t_new = t_next if (x == NO_ROOT and h == t_next - t) else t + moved
             if stalled > 100:  # lifted and dropped again and again at one instant
@@ -330,11 +330,11 @@ def march(
     rest_energy = energy(par, e, q, v, linear) if mode == ROCK else 0.0
     out[ENERGY] = work - lost - rest_energy
     if out[STATUS] == DONE and mode == ROCK and detail > OUTCOME and (par[HAS_DURATION] == 0.0 or verdict == FALLS):
-        _afterwards(par, e, s, g, q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out)
+        afterwards(par, e, s, g, q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out)
 
 
 @jit
-def _afterwards(par, e, s, g, q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out):
+def afterwards(par, e, s, g, q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out):
     """Beyond the report: the swing under way still has its peak, or its last passage of the equilibrium."""
     a[0] = a_v[0] = 0.0
     star = par[e + Q_STAR]

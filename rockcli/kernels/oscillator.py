@@ -19,7 +19,7 @@ SERIES_BELOW = 1.0
 PZZ, PZV, PVZ, PVV, WZ, WV, HALF = 0, 1, 2, 3, 4, 7, 10
 """Rows of a step table: transition, weights of f at 0, h/2, h on z and on z', and what is read at h/2."""
 
-TABLE_ROWS = 14
+TABLE_ROWS, PACE_ROWS = 14, 7
 INFLUENCES = 24
 
 
@@ -103,6 +103,28 @@ def fill(lam, c, bu, th, h, S, table, influence):
 
 
 @jit
+def know_pace(lam, c, d, S, paces, filled, level):
+    """What d does to every mode into paces[level] (PACE_ROWS, N), once: transition, responses S_0, S_1, S_2."""
+    if filled[level] == 0.0:
+        filled[level] = 1.0
+        for m in range(len(lam)):
+            responses(lam[m], c[m], d, S)
+            paces[level, PZZ, m], paces[level, PZV, m] = S[0] + c[m] * S[1], S[1]
+            paces[level, PVZ, m], paces[level, PVV, m] = -lam[m] * S[1], S[0]
+            paces[level, 4, m], paces[level, 5, m], paces[level, 6, m] = S[2], S[3], S[4]
+
+
+@jit
+def hop(paces, level, bu, th, F, z, v, z_out, v_out):
+    """`advance` by a known pace."""
+    for m in range(len(z)):
+        f_0, f_1, f_2 = bu[m] * F[0] + th[m] * F[3], bu[m] * F[1] + th[m] * F[4], bu[m] * F[2] + th[m] * F[5]
+        s_1, s_0, s_00 = paces[level, PZV, m], paces[level, 4, m], paces[level, 5, m]
+        z_out[m] = paces[level, PZZ, m] * z[m] + s_1 * v[m] + s_0 * f_0 + s_00 * f_1 + paces[level, 6, m] * f_2
+        v_out[m] = paces[level, PVZ, m] * z[m] + paces[level, PVV, m] * v[m] + s_1 * f_0 + s_0 * f_1 + s_00 * f_2
+
+
+@jit
 def advance(lam, c, bu, th, F, x, S, z, v, z_out, v_out):
     """Modal state at x under the loads F = (f0, f1, f2 of the uniform load; of the base moment)."""
     for m in range(len(lam)):
@@ -126,12 +148,13 @@ def wander(lam, c, bu, th, F, h, z, v, row, row_v, floor, found):
             continue
         f_0, f_1, f_2 = bu[m] * F[0] + th[m] * F[3], bu[m] * F[1] + th[m] * F[4], bu[m] * F[2] + th[m] * F[5]
         if lam[m] * h * h > 0.01:
-            a_2 = f_2 / lam[m]
-            a_1 = (f_1 - c[m] * a_2) / lam[m]
-            a_0 = (f_0 - c[m] * a_1 - a_2) / lam[m]
+            soft = 1.0 / lam[m]
+            a_2 = f_2 * soft
+            a_1 = (f_1 - c[m] * a_2) * soft
+            a_0 = (f_0 - c[m] * a_1 - a_2) * soft
             omega = math.sqrt(lam[m])
             y, r = z[m] - a_0, v[m] - a_1
-            amp = math.sqrt(y * y + r * r / lam[m])
+            amp = math.sqrt(y * y + r * r * soft)
             share = (g_0 + g_1 * omega) * amp
             total += share * min(omega * h, 2.0) + g_0 * h * (abs(a_1) + abs(a_2) * h) + g_1 * h * abs(a_2)
             if share > floor and omega > omega_max:

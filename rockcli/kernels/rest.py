@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.jit import jit
-from rockcli.kernels.layout import ALPHA, ETA, FC, P2, R0, RC
+from rockcli.kernels.layout import ALPHA, DAMPER, ETA, FC, P2, R0, RC
 from rockcli.kernels.series import value
 
 STANDSTILL = 1e-13
@@ -18,7 +18,8 @@ def rest_time(par, e, other, s, g, v, a, deg_a, a_v, deg_v, x, t, t_next, rest_s
 
     Rest needs the ground to press it down on both sides.  Slow enough, the remaining bounces are those of a
     constant restoring moment, their times a geometric series: if it ends inside this piece, and the guard is
-    still closed then, the body is at rest at its end.  Below STANDSTILL it rests at once.
+    still closed then, the body is at rest at its end.  Below STANDSTILL it rests at once, and so does a body with a
+    base damper and no loss at impacts: its bounces have no end.
     """
     p = math.sqrt(par[e + P2])
     if v > rest_speed * p * math.sin(par[e + ALPHA]):
@@ -31,7 +32,8 @@ def rest_time(par, e, other, s, g, v, a, deg_a, a_v, deg_v, x, t, t_next, rest_s
         return t
     per_cycle = par[e + ETA] * par[other + ETA]
     if per_cycle >= 1.0:
-        return -1.0
+        # a damper slows the bounces as exp(-c t/3 I_O), without end: too slow to be seen is at rest
+        return t if par[e + DAMPER] > 0.0 else -1.0
     tail = 2.0 * v * (1.0 / down + par[other + ETA] / down_other) / (1.0 - per_cycle)
     if t + tail > t_next:
         return -1.0

@@ -20,13 +20,17 @@ from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
+from rockcli.solvers import lane_pulses, lane_records
 from rockcli.solvers.pack import channel_of, parameters_of
+from rockcli.solvers.sliding import with_sliding
 from rockcli.solvers.unpack import Raw, compare_accuracies, histories_of, scalars_of
 
 Array = NDArray[np.float64]
 
-MAX_STEPS = {True: 200_000_000, False: 30_000}
+MAX_STEPS = {True: 20_000_000, False: 30_000}
 """Steps a case may take, compiled or not; a case that needs more uncompiled is solved again compiled."""
+
+METHOD = "Taylor series to order {}, events located on the polynomial"
 
 COMPILE_ABOVE = 2.0
 """Estimated seconds of plain Python above which the kernels are compiled."""
@@ -47,8 +51,15 @@ def solve(batch: Batch) -> Response:
     began = time.perf_counter()
     level = batch.numerics.tolerances
     parameters = parameters_of(batch)
-    march = kernels.load(compile_them=_estimated_seconds(batch, parameters) > COMPILE_ABOVE)
-    run = _march(march, batch, parameters, level, histories=batch.save.histories)
+    pulses, records = lane_pulses.asked(batch), lane_records.asked(batch)
+    seconds = lane_pulses.SECONDS * batch.size if pulses else _estimated_seconds(batch, parameters)
+    march = kernels.load(compile_them=records or seconds > COMPILE_ABOVE)
+    in_lanes = pulses or (records and bool(kernels.compiled))
+    run = (
+        _lanes(march, batch, parameters, level)
+        if in_lanes
+        else _march(march, batch, parameters, level, histories=batch.save.histories)
+    )
     if not kernels.compiled and np.any(run.out[:, k.STATUS] == k.OUT_OF_STEPS):
         march = kernels.load(compile_them=True)
         run = _march(march, batch, parameters, level, histories=batch.save.histories)
@@ -61,13 +72,14 @@ def solve(batch: Batch) -> Response:
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",
-        "method": f"Taylor series to order {_order(level.rtol)}, events located on the polynomial",
+        "method": _method(pulses, in_lanes, level),
         "rtol": repr(level.rtol),
         "rest_speed": repr(level.rest_speed),
         "kernels": "compiled" if kernels.compiled else "interpreted",
     }
     histories, impacts, t = histories_of(batch, run) if batch.save.histories else ({}, {}, np.empty(0))
-    return Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
+    response = Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
+    return with_sliding(batch, response, MAX_STEPS[bool(kernels.compiled)])
 
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:
@@ -81,6 +93,37 @@ def _estimated_seconds(batch: Batch, parameters: Array) -> float:
     return passes * (batch.size * (0.01 + 60e-6 * pieces) + 1e-3 * swings)
 
 
+def _method(pulses: bool, in_lanes: bool, level: Accuracy) -> str:
+    if not in_lanes:
+        return METHOD.format(_order(level.rtol))
+    return lane_pulses.METHOD if pulses else lane_records.METHOD
+
+
+def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> Raw:
+    """A map of pulses or of a record in lanes; the bodies the lanes leave, one by one."""
+    rows = np.ascontiguousarray(parameters)
+    margin, detail = _margin(level), _detail(march, batch, False)
+    compiled = bool(kernels.compiled)
+    run = Raw(batch.size, 0, 0)
+    if lane_pulses.asked(batch):
+        lanes = kernels.load("lane_pulses", compile_them=compiled)
+        run.out[...] = lane_pulses.run(lanes, batch, rows, level, margin, detail)
+    else:
+        lanes = kernels.load("lane_records", compile_them=compiled)
+        run.out[...] = lane_records.run(lanes, batch, rows, level, _order(level.rtol), margin, detail)
+    left = np.flatnonzero(np.isnan(run.out[:, k.STATUS]))
+    if len(left):
+        alone = Raw(len(left), 0, 0)
+        _march_rows(march, batch, rows[left], level, alone, detail, cases=left)
+        run.out[left] = alone.out
+    return run
+
+
+def _margin(level: Accuracy) -> float:
+    """Distance from a separatrix, in units of rotation, below which the outcome is unresolved."""
+    return max(2e-14, 10.0 * level.rtol)
+
+
 def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, *, histories: bool) -> Raw:
     n = batch.size
     n_time = 0
@@ -88,23 +131,28 @@ def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, 
         stop = parameters[:, k.T_STOP].max()
         n_time = int(np.floor(stop / batch.save.dt_out * (1.0 + 1e-12))) + 1
     run = Raw(n, n_time, MAX_IMPACTS_STORED if histories else 0)
+    _march_rows(march, batch, np.ascontiguousarray(parameters), level, run, _detail(march, batch, histories))
+    return run
+
+
+def _march_rows(
+    march: ModuleType, batch: Batch, rows: Any, level: Accuracy, run: Raw, detail: int, cases: Any = slice(None)
+) -> None:
+    """The single-body kernels for the rows of parameters of some cases of the batch, into `run`."""
     arrays = [run.theta, run.rate, run.t_impact, run.before, run.after, run.out]
-    horizontal = channel_of(batch.excitation.horizontal, n)
-    vertical = channel_of(batch.excitation.vertical, n)
-    rows: Any = np.ascontiguousarray(parameters)
+    horizontal = channel_of(batch.excitation.horizontal, batch.size, cases)
+    vertical = channel_of(batch.excitation.vertical, batch.size, cases)
     outputs: list[Any] = arrays
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python
-        rows = parameters.tolist()
+        rows = rows.tolist()
         horizontal, vertical = _as_lists(horizontal), _as_lists(vertical)
         outputs = [x.tolist() for x in arrays]
-    margin = max(2e-14, 10.0 * level.rtol)
-    detail = _detail(march, batch, histories)
     march.march_all(
         rows,
         MODELS[batch.model, batch.geometry].linear,
         level.rtol,
         level.rest_speed,
-        margin,
+        _margin(level),
         MAX_STEPS[bool(kernels.compiled)],
         _order(level.rtol),
         detail,
@@ -116,7 +164,6 @@ def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, 
     if not kernels.compiled:
         for array, output in zip(arrays, outputs, strict=True):
             array[...] = output
-    return run
 
 
 def _order(rtol: float) -> int:

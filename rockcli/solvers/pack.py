@@ -73,8 +73,8 @@ def _factor(channel: Channel | None, n: int) -> Array:
     return channel.factor if isinstance(channel, Samples) else np.ones(n)
 
 
-def channel_of(channel: Channel | None, n: int) -> tuple[int, Any, Any, float, Any, int]:
-    """A channel as the kernels want it: kind, values, running bound, dt, tables, number of pieces."""
+def channel_of(channel: Channel | None, n: int, cases: Any = slice(None)) -> tuple[int, Any, Any, float, Any, int]:
+    """A channel as the kernels want it: kind, values, running bound, dt, tables of `cases`, number of pieces."""
     nothing = np.zeros(1)
     if isinstance(channel, Samples):
         tail = np.maximum.accumulate(np.abs(channel.values)[::-1])[::-1]
@@ -82,5 +82,5 @@ def channel_of(channel: Channel | None, n: int) -> tuple[int, Any, Any, float, A
         return 1, values, tail, channel.dt, np.zeros((1, 1)), len(values) - 1
     if isinstance(channel, Pulses):
         pieces = channel.table.shape[1]
-        return 2, nothing, nothing, 1.0, channel.table.reshape(n, pieces * PIECE_WIDTH), pieces
+        return 2, nothing, nothing, 1.0, channel.table.reshape(n, pieces * PIECE_WIDTH)[cases], pieces
     return 0, nothing, nothing, 1.0, np.zeros((1, 1)), 0

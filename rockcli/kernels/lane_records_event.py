@@ -1,0 +1,231 @@
+"""What a rocking lane meets: impact, peak, overturning, the motion's end (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.decide import free_rocking, lost_for_good
+from rockcli.kernels.jit import jit
+from rockcli.kernels.lane_records_rest import (
+    BALLISTIC,
+    BALLISTIC_AFTER,
+    FINISHED,
+    ROCKING,
+    STANDING,
+    finish,
+    rest,
+    turn,
+)
+from rockcli.kernels.lane_records_step import (
+    CAP,
+    COEFFICIENTS,
+    END,
+    FAST,
+    HALF_PI,
+    IMPACTS,
+    LEN,
+    ORDER,
+    PIECE,
+    SIDE,
+    SLOW,
+    SMALL,
+    STEPS,
+    STRIDE,
+    H,
+    Q,
+    V,
+    X,
+)
+from rockcli.kernels.lane_records_step import ONTO_LEFT as LANE_ONTO_LEFT
+from rockcli.kernels.lane_records_step import PEAK as LANE_PEAK
+from rockcli.kernels.layout import (
+    ALPHA,
+    ETA,
+    FALLS,
+    FELL,
+    LEFT,
+    PEAK,
+    PEAK_SIDE,
+    Q_STAR,
+    RETURNS,
+    RIGHT,
+    STATUS,
+    T_END,
+    T_MOTION,
+    T_OVERTURN,
+    T_STOP,
+    G,
+)
+from rockcli.kernels.march import OUTCOME, afterwards
+from rockcli.kernels.motion import NOTHING, SAMPLES
+from rockcli.kernels.roots import NO_ROOT, first_root, last_passage, passage, turning_point
+from rockcli.kernels.series import slope, value
+from rockcli.kernels.watch import set_peak
+
+HANDED_OVER = 3
+"""STATUS of a body that needs the single-body kernels."""
+
+PATIENCE = 200_000.0
+"""Steps after which a body is handed over."""
+
+
+@jit
+def hand_over(out):
+    """Leave the body to the single-body kernels."""
+    out[STATUS] = HANDED_OVER
+    return FINISHED
+
+
+@jit
+def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, c, sin_q, cos_q, a, a_v, out):
+    """A rocking lane at the end of its samples: the motion's, or the report's.
+
+    At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
+    """
+    q, v, s = st[Q + i], st[V + i], st[SIDE + i]
+    e, other = (RIGHT, LEFT) if s > 0.0 else (LEFT, RIGHT)
+    verdict = free_rocking(par, e, other, q, v, linear, margin * par[e + ALPHA])
+    if st[END + i] < n_values - 1.0:
+        out[FELL] = verdict
+        if detail == OUTCOME:
+            out[T_END] = par[T_MOTION]
+            return finish(st, i, verdict, out)
+        st[PIECE + i], st[END + i], st[X + i] = n_values - 2, n_values - 1, 0.0
+        st[LEN + i] = par[T_STOP] - par[T_MOTION]
+        st[CAP + i] = dt
+        st[SLOW + i] *= BALLISTIC_AFTER / BALLISTIC
+        return STANDING
+    verdict = out[FELL]
+    t = par[T_STOP]
+    out[T_END] = t
+    if verdict == FALLS:
+        out[PEAK_SIDE] = s
+    if v > 0.0 and verdict != RETURNS:
+        set_peak(par, e, s, q, t, out)
+    afterwards(par, e, s, par[G], q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out)
+    return finish(st, i, verdict, out)
+
+
+@jit
+def attend(
+    st, i, par, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, dt,
+    c, guard, sin_q, cos_q, a, a_v, out,
+):  # fmt: skip
+    """Look at the step lane i tried, go as far as its first event, and see to that."""
+    q, h, x0 = st[Q + i], st[H + i], st[X + i]
+    c[0] = q
+    for k in range(ORDER):
+        c[k + 1] = st[COEFFICIENTS + k * STRIDE + i]
+    if not abs(c[ORDER]) <= st[SMALL + i]:
+        if not h > 1e-9 * dt or not q < 10.0:
+            return hand_over(out)
+        st[CAP + i] = 0.5 * h
+        return STANDING
+    if st[STEPS + i] > PATIENCE:
+        return hand_over(out)
+    last = len(values) - 3
+    piece = int(st[PIECE + i])
+    free = piece > last
+    t0 = (par[T_MOTION] if free else piece * dt) + x0
+    s = st[SIDE + i]
+    e, other = (RIGHT, LEFT) if s > 0.0 else (LEFT, RIGHT)
+    skip = 0
+    if q == 0.0:
+        if c[1] == 0.0:
+            c[2] = max(c[2], 0.0)
+        skip = 1
+        while skip < 4 and c[skip] == 0.0:
+            skip += 1
+        if c[skip] <= 0.0:
+            return hand_over(out)
+
+    # guards
+    x = first_root(c, ORDER, 1.0, skip)
+    impact = x != NO_ROOT
+    if not impact:
+        x = 1.0
+    fell = False
+    reach = 0.0
+    for k in range(ORDER, -1, -1):
+        reach = reach * x + abs(c[k])
+    star = par[e + Q_STAR]
+    if reach >= HALF_PI:
+        if star == math.inf:
+            return hand_over(out)
+        for k in range(ORDER + 1):
+            guard[k] = -c[k]
+        guard[0] = HALF_PI - q
+        if linear:
+            if value(c, ORDER, x) >= HALF_PI and lost_for_good(
+                par, e, par[G], value(c, ORDER, x), slope(c, ORDER, x), free,
+                SAMPLES, tail, tail, piece, last, NOTHING, tail, tail, 0, 0,
+            ):  # fmt: skip
+                fell = True
+                if guard[0] > 0.0:
+                    x = passage(c, ORDER, HALF_PI, 0.0, x)
+        elif guard[0] > 0.0:
+            over = first_root(guard, ORDER, x, 0)
+            if over != NO_ROOT:
+                fell, x = True, over
+    if fell:
+        impact = False
+    v = slope(c, ORDER, x)
+    if reach > out[PEAK] and c[1] > 0.0 >= v:
+        y = turning_point(c, ORDER, 0.0, x)
+        set_peak(par, e, s, value(c, ORDER, y), t0 + y * h, out)
+        st[LANE_PEAK + i] = out[PEAK]
+    if reach >= star:
+        passed = last_passage(c, ORDER, star, x, 1)
+        if passed != NO_ROOT:
+            out[T_OVERTURN] = t0 + passed * h
+    v /= h
+    if fell:
+        out[T_END] = t0 + x * h
+        out[PEAK_SIDE] = s
+        afterwards(
+            par,
+            e,
+            s,
+            par[G],
+            value(c, ORDER, x),
+            v,
+            t0 + x * h,
+            FALLS,
+            linear,
+            tol,
+            order,
+            c,
+            sin_q,
+            cos_q,
+            a,
+            a_v,
+            out,
+        )
+        return finish(st, i, FALLS, out)
+
+    # go there
+    st[Q + i], st[V + i] = 0.0 if impact else value(c, ORDER, x), v
+    length = st[LEN + i]
+    place = x0 + x * h
+    if (x == 1.0 and h == length - x0) or place >= length:
+        st[PIECE + i] += 1.0
+        st[X + i] = 0.0
+        at_end = st[PIECE + i] >= st[END + i]
+    else:
+        st[X + i] = place
+        at_end = False
+    if impact:
+        rate = abs(min(v, 0.0))
+        if rate > st[FAST + i]:
+            st[IMPACTS + i] += 1.0
+            if s > 0.0:
+                st[LANE_ONTO_LEFT + i] += 1.0
+        st[V + i] = par[other + ETA] * rate
+        turn(st, i, par, -s)
+        if not at_end and st[V + i] <= st[SLOW + i]:
+            state = rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out)
+            if state != ROCKING:
+                return state
+    if at_end:
+        return arrive(st, i, par, linear, tol, margin, detail, order, len(values), dt, c, sin_q, cos_q, a, a_v, out)
+    return STANDING

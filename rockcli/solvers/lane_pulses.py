@@ -1,0 +1,80 @@
+"""Pulse maps in lanes: which bodies `kernels.lane_pulses` takes, and what it is given (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.kernels import layout as k
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import PIECE_WIDTH, Pulses
+from rockcli.scene.models import MODELS
+from rockcli.scene.numerics import Accuracy
+
+Array = NDArray[np.float64]
+
+METHOD = "Taylor series, many bodies in lanes, events located on the polynomial, outcomes decided early"
+
+FINEST = 1e-13
+"""Smallest tolerance of the lanes: the reference stays with the single-body kernels."""
+
+WITHIN = frozenset(
+    {
+        "outcome", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "t_peak", "t_uplift", "n_impacts",
+        "wall_time", "reason",
+    }
+)  # fmt: skip
+"""Scalars that the lanes find."""
+
+SECONDS = 0.01
+"""A case in lanes of plain Python [s]."""
+
+MAX_STEPS = 10_000.0
+"""Steps of a case after which it is left to the single-body kernels."""
+
+
+def asked(batch: Batch) -> bool:
+    """Whether what is asked can be found in lanes, whatever the number of cases."""
+    motion = batch.excitation
+    return (
+        isinstance(motion.horizontal, Pulses)
+        and motion.vertical is None
+        and batch.damping.coefficient is None
+        and not batch.save.histories
+        and batch.save.scalars <= WITHIN
+        and batch.numerics.tolerances.rtol >= FINEST
+    )
+
+
+def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, margin: float, detail: int) -> Array:
+    """Raw results (n, N_OUT) of `kernels.layout`; NaN in STATUS for a body that is left to the single-body kernels.
+
+    Left are bodies of two different edges, with a given duration or mu, and those the lanes hand over.
+    """
+    channel = batch.excitation.horizontal
+    assert isinstance(channel, Pulses)
+    left, right = (rows[:, side : side + k.EDGE] for side in (k.LEFT, k.RIGHT))
+    fit = np.all(left == right, axis=1) & (rows[:, k.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
+    pieces = channel.table.shape[1]
+    tables = channel.table.reshape(len(rows), pieces * PIECE_WIDTH)
+    out = np.full((len(rows), k.N_OUT), np.nan)
+    found = np.zeros((int(fit.sum()), k.N_OUT))
+    order = _order(level.rtol)
+    with np.errstate(all="ignore"):  # idle lanes divide by zero too
+        lanes.sweep(
+            np.ascontiguousarray(rows[fit]), MODELS[batch.model, batch.geometry].linear, level.rtol, level.rest_speed,
+            margin, MAX_STEPS, order, detail, np.ascontiguousarray(tables[fit]), pieces,
+            lanes.work_space(order), found,
+        )  # fmt: skip
+    found[found[:, k.STATUS] == lanes.LEFT_TO_MARCH, k.STATUS] = np.nan
+    found[:, [k.T_OVERTURN, k.T_END]] = np.nan  # the lanes stop where the answer is known
+    found[:, [k.N_MIN, k.N_STANDING]] = np.inf  # nobody looked
+    out[fit] = found
+    return out
+
+
+def _order(rtol: float) -> int:
+    """Order of the series: about where a case costs least."""
+    return int(np.clip(round(6.0 - 0.9 * np.log10(rtol)), 10, 18))

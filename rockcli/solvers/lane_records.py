@@ -1,0 +1,61 @@
+"""Record maps in lanes: which bodies `kernels.lane_records` takes, and what it is given (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.kernels import layout as k
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Samples
+from rockcli.scene.models import MODELS
+from rockcli.scene.numerics import Accuracy
+
+Array = NDArray[np.float64]
+
+METHOD = "Taylor series of order 8 from sample to sample, many bodies in lanes, events located on the polynomial"
+
+FINEST = 1e-13
+"""Smallest tolerance of the lanes; below it polynomials of their order would need many steps per sample."""
+
+BEYOND = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual", "error_estimate"})
+"""Scalars that need a look inside every step, or a second run."""
+
+
+def asked(batch: Batch) -> bool:
+    """Whether what is asked can be found in lanes, whatever the number of cases."""
+    motion = batch.excitation
+    return (
+        isinstance(motion.horizontal, Samples)
+        and motion.vertical is None
+        and batch.damping.coefficient is None
+        and not batch.save.histories
+        and not batch.save.scalars & BEYOND
+        and batch.numerics.tolerances.rtol >= FINEST
+    )
+
+
+def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: int, margin: float, detail: int) -> Array:
+    """Raw results (n, N_OUT) of `kernels.layout`; NaN in STATUS for a body that is left to the single-body kernels.
+
+    Left are bodies of two different edges, with a given duration or mu, and those the lanes hand over.
+    """
+    channel = batch.excitation.horizontal
+    assert isinstance(channel, Samples)
+    values = np.concatenate([channel.values, np.zeros(2)])
+    slopes = np.concatenate([np.diff(channel.values) / channel.dt, np.zeros(3)])
+    size = np.abs(channel.values)
+    tail = np.ascontiguousarray(np.maximum.accumulate(size[::-1])[::-1])
+    blocks = np.maximum.reduceat(size, np.arange(0, len(size), lanes.BLOCK))
+    left, right = (rows[:, side : side + k.EDGE] for side in (k.LEFT, k.RIGHT))
+    fit = np.all(left == right, axis=1) & (rows[:, k.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
+    out = np.full((len(rows), k.N_OUT), np.nan)
+    found = np.zeros((int(fit.sum()), k.N_OUT))
+    linear = MODELS[batch.model, batch.geometry].linear
+    how = (linear, level.rtol, level.rest_speed, margin, detail, order)
+    lanes.march_lanes(np.ascontiguousarray(rows[fit]), *how, values, slopes, blocks, tail, channel.dt, found)
+    found[found[:, k.STATUS] == lanes.HANDED_OVER, k.STATUS] = np.nan
+    out[fit] = found
+    return out

@@ -1,0 +1,137 @@
+"""Pulse maps in lanes against the single-body kernels at reference accuracy, and against an independent DOP853."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scenes import G, make_batch, pulse
+from scipy.integrate import solve_ivp
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import make_block
+from rockcli.scene.models import MODELS
+from rockcli.scene.pulses import SHAPES
+from rockcli.solvers import lane_pulses
+from rockcli.solvers.event import solve
+
+ALPHA = 0.2
+PEAKS = ("outcome", "theta_peak_over_alpha", "theta_peak", "n_impacts", "t_peak", "t_uplift")
+OPTIONS = {"mavroeidis_papageorgiou": {"gamma": 3.0}, "sine": {"cycles": 2.0}}
+
+
+def map_of(
+    shape: str, side: int, *, model="rigid", geometry=None, eta=0.9, accuracy="standard", scalars=PEAKS
+) -> Batch:
+    """A side x side overturning map of a block of p = 1."""
+    A, W = (x.ravel() for x in np.meshgrid(np.linspace(0.8, 6.0, side), np.linspace(0.5, 8.0, side)))
+    options = {name: np.full(A.shape, value) for name, value in OPTIONS.get(shape, {}).items()}
+    motion = pulse(shape, A * G * np.tan(ALPHA), W, **options)
+    R = 0.75 * G
+    body = make_block(h=R * np.cos(ALPHA), b=np.full((A.size, 2), R * np.sin(ALPHA)), R=R, alpha=ALPHA, n=A.size)
+    batch = make_batch(body, motion, eta=np.full((A.size, 2), eta), model=model, accuracy=accuracy, scalars=scalars)
+    return replace(batch, geometry=geometry)
+
+
+def assert_same(batch: Batch, tolerance: float) -> None:
+    assert lane_pulses.asked(batch)
+    found = solve(batch)
+    assert found.used["method"] == lane_pulses.METHOD
+    exact = solve(replace(batch, numerics=replace(batch.numerics, accuracy="reference"))).scalars
+    np.testing.assert_array_equal(found.scalars["outcome"], exact["outcome"])
+    np.testing.assert_array_equal(found.scalars["t_uplift"] > 0.0, exact["t_uplift"] > 0.0)
+    stands = np.isfinite(exact["theta_peak_over_alpha"])
+    for name in ("theta_peak_over_alpha", "theta_peak"):
+        error = np.abs(found.scalars[name][stands] - exact[name][stands])
+        assert np.median(error) < tolerance
+        assert np.quantile(error, 0.99) < 1e3 * tolerance
+    # an impact at the very end of the report may fall on either side of it
+    assert np.mean(found.scalars["n_impacts"] != exact["n_impacts"]) < 5e-3
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_shapes(shape):
+    assert_same(map_of(shape, 4), 1e-10)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", SHAPES)
+def test_shapes_in_detail(shape):
+    assert_same(map_of(shape, 60), 1e-10)
+
+
+@pytest.mark.parametrize(("model", "geometry"), [pair for pair in MODELS if pair != ("rigid", None)])
+def test_models(model, geometry):
+    assert_same(map_of("ricker", 4, model=model, geometry=geometry), 1e-10)
+
+
+@pytest.mark.parametrize("eta", [0.0, 0.5, 1.0])
+def test_restitution(eta):
+    assert_same(map_of("sine", 4, eta=eta), 1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("eta", [0.0, 0.3, 0.8, 0.99, 1.0])
+def test_restitution_in_detail(eta):
+    assert_same(map_of("ricker", 60, eta=eta), 1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", SHAPES)
+def test_no_wrong_outcome_among_forty_thousand(shape):
+    batch = map_of(shape, 200, scalars=("outcome",))
+    found = solve(batch).scalars["outcome"]
+    exact = solve(replace(batch, numerics=replace(batch.numerics, accuracy="reference"))).scalars["outcome"]
+    np.testing.assert_array_equal(found >= 2, exact >= 2)
+
+
+def overturns_by_dop853(A: float, W: float, eta: float) -> bool:
+    """(2.2) in theta under a Ricker pulse, p = 1, restarted after each impact; the energy decides at the end."""
+    t0, end = 4.0 * np.pi / W, 8.0 * np.pi / W
+
+    def a(t):
+        x = 0.5 * (W * (t - t0)) ** 2
+        return A * np.tan(ALPHA) * (1.0 - x) * np.exp(-0.5 * x)
+
+    grid = np.linspace(0.0, end, 200_001)
+    first = int(np.argmax(np.abs(a(grid)) > np.tan(ALPHA)))
+    lo, hi = grid[first - 1], grid[first]
+    for _ in range(60):
+        lo, hi = (lo, 0.5 * (lo + hi)) if abs(a(0.5 * (lo + hi))) > np.tan(ALPHA) else (0.5 * (lo + hi), hi)
+    t, s, y = hi, -np.sign(a(hi)), [0.0, 0.0]
+    while t < end:
+
+        def rhs(x, u, s=s):
+            return [u[1], -(np.sin(ALPHA * s - u[0]) + a(x) * np.cos(ALPHA * s - u[0]))]
+
+        def impact(x, u, s=s):
+            return s * u[0] + (1e-15 if x <= t + 1e-9 else 0.0)
+
+        def ground(x, u):
+            return abs(u[0]) - 0.5 * np.pi
+
+        impact.terminal = ground.terminal = True
+        impact.direction = -1
+        sol = solve_ivp(rhs, (t, end), y, method="DOP853", rtol=1e-12, atol=1e-14, events=(impact, ground))
+        if len(sol.t_events[1]):
+            return True
+        t, y = sol.t[-1], [0.0, eta * sol.y[1, -1]]
+        if not len(sol.t_events[0]):
+            break
+        s = -s
+    q, v = s * sol.y[0, -1], s * sol.y[1, -1]
+    if q > ALPHA:
+        return v > -np.sqrt(2.0 * (1.0 - np.cos(ALPHA - q)))
+    return v > np.sqrt(2.0 * (1.0 - np.cos(ALPHA - q)))
+
+
+def test_against_dop853():
+    A, W = (x.ravel() for x in np.meshgrid(np.linspace(1.5, 6.0, 6), np.linspace(1.0, 5.0, 5)))
+    R = 0.75 * G
+    body = make_block(h=R * np.cos(ALPHA), b=np.full((A.size, 2), R * np.sin(ALPHA)), R=R, alpha=ALPHA, n=A.size)
+    motion = pulse("ricker", A * G * np.tan(ALPHA), W)
+    batch = make_batch(body, motion, eta=np.full((A.size, 2), 0.9), accuracy="standard", scalars=("outcome",))
+    found = solve(batch).scalars["outcome"] >= 2
+    assert 3 <= found.sum() <= A.size - 3
+    np.testing.assert_array_equal(found, [overturns_by_dop853(*case, 0.9) for case in zip(A, W, strict=True)])

@@ -1,0 +1,229 @@
+"""Record maps in lanes against the single-body solver, an independent integrator, and themselves in another order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference import body_of, integrate
+from scenes import SHARED, G
+
+from rockcli import kernels
+from rockcli.scene.batch import Batch, Save
+from rockcli.scene.block import housner_eta, make_block
+from rockcli.scene.damping import Damping
+from rockcli.scene.excitation import Excitation, Samples
+from rockcli.scene.models import MODELS
+from rockcli.scene.numerics import Numerics
+from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
+from rockcli.solvers.event import solve
+
+OWN = Path(__file__).resolve().parents[2] / "records"
+SCALARS = ("outcome", "theta_peak_over_alpha", "n_impacts", "theta_peak", "t_peak", "t_uplift", "t_overturn", "t_end")
+
+
+@pytest.fixture(autouse=True)
+def _lanes_only():
+    kernels.load(compile_them=True)
+    if not kernels.compiled:
+        pytest.skip("kernels are interpreted: there are no lanes")
+
+
+def read(path: Path) -> tuple[np.ndarray, float]:
+    import obspy
+
+    trace = obspy.read(str(path))[0]
+    return np.asarray(trace.data * G, float), float(trace.stats.delta)
+
+
+def own(name: str = "synthetic_pulse_m70.AT2") -> tuple[np.ndarray, float]:
+    return read(OWN / name)
+
+
+def suite(values, dt, scale, R, tan_alpha, *, eta=None, model="rigid", geometry=None, accuracy="standard", **theta):
+    """Every combination of scale [g tan(alpha)], R [m] and tan(alpha)."""
+    scale, R, tan_alpha = (x.ravel() for x in np.meshgrid(scale, R, tan_alpha, indexing="ij"))
+    n, alpha = len(scale), np.arctan(tan_alpha)
+    edges = np.repeat((R * np.sin(alpha))[:, None], 2, axis=1)
+    body = make_block(h=R * np.cos(alpha), b=edges, R=R, alpha=alpha, tan_alpha=tan_alpha, n=n)
+    ratio = np.clip(housner_eta(body), 0.0, 1.0) if eta is None else np.full((n, 2), eta)
+    motion = Samples(values, dt, scale * G * tan_alpha / np.abs(values).max())
+    return Batch(
+        g=np.full(n, G),
+        block=body,
+        excitation=Excitation(motion, None, np.full(n, np.nan)),
+        theta_0=np.full(n, theta.get("theta_0", 0.0)),
+        theta_dot_0=np.full(n, theta.get("theta_dot_0", 0.0)),
+        model=model,
+        geometry=geometry,
+        damping=Damping("restitution", np.ascontiguousarray(ratio)),
+        numerics=Numerics(accuracy=accuracy),
+        save=Save(False, 0.01, frozenset(SCALARS)),
+    )
+
+
+def part(batch: Batch, rows) -> Batch:
+    """Some cases of a batch, in the order given."""
+    block = replace(batch.block, **{x: getattr(batch.block, x)[rows] for x in batch.block.__dataclass_fields__})
+    horizontal = batch.excitation.horizontal
+    assert isinstance(horizontal, Samples)
+    motion = replace(horizontal, factor=horizontal.factor[rows])
+    return replace(
+        batch,
+        g=batch.g[rows],
+        block=block,
+        excitation=Excitation(motion, None, batch.excitation.duration[rows]),
+        theta_0=batch.theta_0[rows],
+        theta_dot_0=batch.theta_dot_0[rows],
+        damping=replace(batch.damping, eta=np.ascontiguousarray(batch.damping.eta[rows])),
+    )
+
+
+def reference(batch: Batch) -> dict:
+    """The same by the single-body kernels."""
+    return solve(replace(batch, numerics=Numerics(accuracy="reference"))).scalars
+
+
+def differences(batch: Batch) -> tuple[np.ndarray, np.ndarray, dict, dict]:
+    response = solve(batch)
+    assert "lanes" in response.used["method"]
+    found, exact = response.scalars, reference(batch)
+    with np.errstate(invalid="ignore"):
+        error = np.abs(found["theta_peak_over_alpha"] - exact["theta_peak_over_alpha"])
+    return found["outcome"] != exact["outcome"], error[np.isfinite(error)], found, exact
+
+
+LAWS = [key for key in MODELS if key[0] in ("rigid", "linearized", "1", "3")]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=str)
+def test_every_law(law):
+    values, dt = own()
+    batch = suite(values, dt, np.linspace(0.9, 5.0, 9), [0.6, 3.0], [0.1, 0.25], model=law[0], geometry=law[1])
+    wrong, error, found, exact = differences(batch)
+    assert not wrong.any()
+    assert np.median(error) <= 1e-10  # of a body that bounces often: conditioning, not truncation
+    assert np.mean(found["n_impacts"] != exact["n_impacts"]) <= 0.05
+    assert {0, 1} <= set(found["outcome"].tolist())
+    for name in ("t_peak", "t_uplift", "t_overturn", "t_end"):
+        assert (np.isnan(found[name]) == np.isnan(exact[name])).all(), name
+        moments = np.abs(found[name] - exact[name])
+        assert not np.isfinite(moments).any() or np.nanmedian(moments) <= 1e-9, name
+
+
+@pytest.mark.parametrize("eta", [0.0, 0.5, 1.0])
+def test_every_restitution(eta):
+    values, dt = own("synthetic_rock_m65.AT2")
+    batch = suite(values, dt, [1.05, 2.0, 3.0, 4.5], [1.0, 3.0], [0.15], eta=eta)
+    wrong, error, _, _ = differences(batch)
+    assert not wrong.any()
+    # without loss an error grows with every impact
+    assert np.median(error) <= (1e-6 if eta == 1.0 else 1e-10)
+
+
+def test_both_polarities_mirror():
+    values, dt = own()
+    batch = suite(values, dt, [1.5, 2.5, 3.5], [0.8, 2.0], [0.2])
+    there, back = solve(batch).scalars, solve(replace(batch, excitation=mirrored(batch.excitation))).scalars
+    np.testing.assert_array_equal(there["theta_peak"], -back["theta_peak"])
+    np.testing.assert_array_equal(there["n_impacts"], back["n_impacts"])
+    np.testing.assert_array_equal(there["outcome"], back["outcome"])
+
+
+def mirrored(excitation: Excitation) -> Excitation:
+    return replace(excitation, horizontal=replace(excitation.horizontal, factor=-excitation.horizontal.factor))
+
+
+def test_from_a_tilt():
+    values, dt = own()
+    wrong, error, _, _ = differences(suite(values, dt, [0.5, 2.0], [1.0, 2.0], [0.2], theta_0=-0.05, theta_dot_0=0.1))
+    assert not wrong.any()
+    assert np.median(error) <= 1e-10
+
+
+def test_neighbours_order_and_chunks_do_not_matter():
+    """Bit for bit: alone, in any order, in chunks of any size; more bodies than lanes, so that lanes are refilled."""
+    values, dt = own()
+    batch = suite(values, dt, np.linspace(0.9, 5.0, 40), np.geomspace(0.4, 6.0, 5), [0.1, 0.2, 0.3])
+    whole = solve(batch).scalars
+    mixed = np.random.default_rng(3).permutation(batch.size)
+    again = solve(part(batch, mixed)).scalars
+    chunks = [solve(part(batch, rows)).scalars for rows in np.split(np.arange(batch.size), [1, 2, 9, 50, 51, 333])]
+    for name in (*SCALARS, "n_steps", "u_top_peak", "mu_impact"):
+        np.testing.assert_array_equal(again[name], whole[name][mixed], err_msg=name)
+        np.testing.assert_array_equal(np.concatenate([c[name] for c in chunks]), whole[name], err_msg=name)
+
+
+def test_the_choice_depends_on_what_is_asked_alone():
+    values, dt = own()
+    one = suite(values, dt, [2.0], [1.0], [0.2])
+    many = suite(values, dt, np.linspace(1.0, 4.0, 300), [1.0], [0.2])
+    assert solve(one).used == solve(many).used
+    forces = replace(one, save=Save(False, 0.01, frozenset({"outcome", "mu_required"})))
+    assert "lanes" not in solve(forces).used["method"]
+    assert (solve(forces).scalars["mu_required"] > 0.0).all()
+    finest = replace(one, numerics=Numerics(accuracy="reference"))
+    assert "lanes" not in solve(finest).used["method"]
+
+
+def test_bodies_the_lanes_do_not_take():
+    """Two different edges, a duration: solved one by one, in the same batch."""
+    values, dt = own()
+    batch = suite(values, dt, [1.5, 2.0, 2.5], [1.0], [0.2])
+    edges = batch.block.b.copy()
+    edges[1, 0] *= 0.8
+    skew = make_block(h=batch.block.h, b=edges, n=3)
+    batch = replace(batch, block=skew, excitation=replace(batch.excitation, duration=np.array([np.nan, np.nan, 9.0])))
+    wrong, error, found, exact = differences(batch)
+    assert not wrong.any()
+    assert np.max(error) <= 1e-9
+    assert found["t_end"][2] == exact["t_end"][2] == 9.0
+
+
+def test_levels_are_honest():
+    values, dt = own()
+    errors = {}
+    for accuracy in ("draft", "standard"):
+        batch = suite(values, dt, np.linspace(1.0, 3.0, 30), [0.7, 2.0], [0.15], accuracy=accuracy)
+        wrong, error, _, _ = differences(batch)
+        assert not wrong.any()
+        errors[accuracy] = np.median(error)
+    assert errors["draft"] <= 1e-7
+    assert errors["standard"] <= 1e-10
+
+
+def test_against_an_independent_integrator():
+    values, dt = own()
+    batch = suite(values, dt, [2.0], [1.0], [0.2])
+    found = solve(batch).scalars
+    for i in range(batch.size):
+        theirs = integrate(
+            body_of(batch.block, batch.damping.eta[i], case=i), values * batch.excitation.horizontal.factor[i], dt
+        )
+        assert theirs.overturned == (found["outcome"][i] >= OVERTURNED_WITHOUT_IMPACT)
+        if not theirs.overturned:
+            assert found["theta_peak_over_alpha"][i] == pytest.approx(theirs.peak_over_alpha, abs=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SHARED.is_dir(), reason="no folder of real records beside the checkout")
+def test_forty_thousand_cases_of_real_records():
+    """Ten records x scales x sizes x slendernesses: the rate of wrong outcomes and the median error as stated."""
+    paths = sorted((SHARED / "records" / "peer").glob("*.AT2"))[::4][:10]
+    wrong, errors = [], []
+    for path in paths:
+        values, dt = read(path)
+        batch = suite(values, dt, np.linspace(0.8, 6.0, 21), np.geomspace(0.4, 8.0, 14), np.linspace(0.08, 0.35, 14))
+        bad, error, found, exact = differences(batch)
+        resolved = (found["outcome"] >= 0) & (exact["outcome"] >= 0)
+        wrong.append(bad[resolved])
+        errors.append(error)
+    wrong, errors = np.concatenate(wrong), np.concatenate(errors)
+    print(
+        f"\n{len(wrong)} cases, wrong {wrong.mean():.2e}, median {np.median(errors):.1e}, p90 {np.quantile(errors, 0.9):.1e}"
+    )
+    assert len(wrong) >= 40_000
+    assert wrong.mean() <= 2e-4
+    assert np.median(errors) <= 1e-9

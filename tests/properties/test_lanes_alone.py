@@ -1,0 +1,67 @@
+"""A case solved in lanes gives the same bits whatever its neighbours, its order and its chunk."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scenes import G, make_batch, pulse
+
+from rockcli.kernels import lane_math
+from rockcli.scene.block import make_block
+from rockcli.solvers import lane_pulses
+from rockcli.solvers.event import solve
+
+SCALARS = ("outcome", "theta_peak_over_alpha", "n_impacts", "t_peak", "t_uplift")
+N = 24
+
+
+def results(cases: np.ndarray) -> dict[str, np.ndarray]:
+    """Some of N cases of different bodies and pulses, in the order given."""
+    rng = np.random.default_rng(7)
+    A, W, alpha, p = (rng.uniform(lo, hi, N)[cases] for lo, hi in ((0.9, 5.0), (0.8, 6.0), (0.05, 0.4), (0.6, 2.5)))
+    eta = rng.uniform(0.5, 1.0, N)[cases]
+    R = 0.75 * G / p**2
+    b = np.column_stack([R * np.sin(alpha)] * 2)
+    body = make_block(h=R * np.cos(alpha), b=b, R=R, alpha=alpha, n=len(cases))
+    motion = pulse("ricker", A * G * np.tan(alpha), W * p)
+    batch = make_batch(body, motion, eta=np.column_stack([eta, eta]), accuracy="standard", scalars=SCALARS)
+    assert lane_pulses.asked(batch)
+    found = solve(batch).scalars
+    return {name: found[name] for name in SCALARS}
+
+
+@pytest.fixture(scope="module")
+def together() -> dict[str, np.ndarray]:
+    found = results(np.arange(N))
+    assert len(set(found["outcome"])) >= 3
+    return found
+
+
+def test_shuffled(together):
+    order = np.random.default_rng(3).permutation(N)
+    for name, values in results(order).items():
+        np.testing.assert_array_equal(values, together[name][order])
+
+
+@pytest.mark.parametrize("chunk", [7])
+def test_in_chunks(together, chunk):
+    parts = [results(np.arange(i, min(i + chunk, N))) for i in range(0, N, chunk)]
+    for name in SCALARS:
+        np.testing.assert_array_equal(np.concatenate([part[name] for part in parts]), together[name])
+
+
+@pytest.mark.parametrize("case", [5])
+def test_one_alone(together, case):
+    for name, values in results(np.array([case])).items():
+        np.testing.assert_array_equal(values, together[name][[case]])
+
+
+def test_polynomials_of_sines_and_exponentials():
+    for x in np.linspace(-0.5 * np.pi, 0.5 * np.pi, 501):
+        assert lane_math.sin_cos(x) == pytest.approx((math.sin(x), math.cos(x)), rel=0, abs=3e-16)
+    for x in np.linspace(-1e3, 1e3, 1001):
+        assert lane_math.sin_cos_of_any(x) == pytest.approx((math.sin(x), math.cos(x)), rel=0, abs=4e-16)
+    for x in np.linspace(-50.0, 0.0, 501):
+        assert lane_math.exp_of_negative(x) == pytest.approx(math.exp(x), rel=0, abs=4e-16)
