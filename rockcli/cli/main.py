@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from rockcli.cli import animate, check, compare, export, plot, report, run, show, verify
+from rockcli.cli import animate, check, compare, export, identify, plot, report, run, show, verify
 from rockcli.cli.interrupt import INTERRUPTED, answered, tell
 from rockcli.errors import RockError
 
@@ -28,6 +28,7 @@ app.command("plot")(plot.plot)
 app.command("animate")(animate.animate)
 app.command("compare")(compare.compare)
 app.command("report")(report.report)
+app.command("identify")(identify.identify)
 app.command("export")(export.export)
 app.command("show")(show.show)
 app.command("verify")(verify.verify)

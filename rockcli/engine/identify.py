@@ -1,0 +1,231 @@
+"""Restitution and body from a measured motion: the study's own solver, fitted to data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.engine.run import solve
+from rockcli.errors import StudyError
+from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
+from rockcli.solvers.fit import Fit, least_squares_fit
+from rockcli.study.open import open_study
+
+Array = NDArray[np.float64]
+
+STAGES = (0.15, 0.3, 0.6, 1.0)
+"""Shares of the data fitted one after the other: a late swing depends so much on eta that it misleads a first guess."""
+
+ETA, ALPHA, P, THETA, RATE = "eta", "alpha", "p", "theta_0", "theta_dot_0"
+
+PARAMETERS = (ETA, ALPHA, P, THETA, RATE)
+
+_LEAST = 0.2
+"""Smallest alpha and p that are tried, relative to the first guess; the inverse is the largest p."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """What was measured: rotations (n,) [rad] at times (n,) [s], or the amplitudes |theta| of successive swings."""
+
+    theta: Array
+    time: Array | None
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """What came out: one row per parameter in the order asked, how well it fits, and remarks."""
+
+    names: tuple[str, ...]
+    fit: Fit
+    points: int
+    notes: tuple[str, ...]
+
+
+def read_measured(path: Path, *, degrees: bool) -> Measured:
+    """Two columns are time [s] and rotation, one column holds amplitudes; # and % begin comments, commas may separate.
+
+    Raises:
+        StudyError: naming file and line: no numbers, other numbers of columns, times that do not grow.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise StudyError(f"cannot be read: {error}", file=path) from None
+    rows: list[list[float]] = []
+    for number, line in enumerate(lines, start=1):
+        words = line.split("#")[0].split("%")[0].replace(",", " ").split()
+        if not words:
+            continue
+        try:
+            row = [float(word) for word in words]
+        except ValueError:
+            if not rows:  # a line of headings
+                continue
+            raise StudyError(f"expected numbers, not {line.strip()!r}", file=path, line=number) from None
+        if len(row) not in (1, 2) or (rows and len(row) != len(rows[0])) or not np.isfinite(row).all():
+            raise StudyError("expected one column (amplitudes) or two (time, rotation)", file=path, line=number)
+        if rows and len(row) == 2 and row[0] <= rows[-1][0]:
+            raise StudyError("the times do not grow", file=path, line=number)
+        rows.append(row)
+    if len(rows) < 3:
+        raise StudyError("holds fewer than three rows of numbers", file=path)
+    table = np.array(rows) * np.array([1.0, np.pi / 180.0 if degrees else 1.0])[-len(rows[0]) :]
+    if len(rows[0]) == 1:
+        return Measured(np.abs(table[:, 0]), None)
+    return Measured(table[:, 1], table[:, 0])
+
+
+def amplitudes_of(measured: Measured) -> Array:
+    """Largest |theta| of each swing of one sign; the first from the beginning of the data."""
+    theta = measured.theta
+    if measured.time is None:
+        return theta
+    noise = 0.02 * np.max(np.abs(theta))
+    sign = np.zeros(len(theta))
+    sign[theta > noise], sign[theta < -noise] = 1.0, -1.0
+    seen = np.flatnonzero(sign)
+    breaks = np.flatnonzero(np.diff(sign[seen])) + 1
+    return np.array([np.max(np.abs(theta[part])) for part in np.split(seen, breaks) if len(part)])
+
+
+def height_lost(theta: Array, alpha: Array | float) -> Array:
+    """Potential energy of a rigid block at |theta| over m g R: cos(alpha - |theta|) - cos(alpha)."""
+    q = np.abs(theta)
+    return np.asarray(2.0 * np.sin(alpha - 0.5 * q) * np.sin(0.5 * q))
+
+
+def eta_of_amplitudes(amplitudes: Array, alpha: float) -> float:
+    """Geometric mean of sqrt(U_{k+1}/U_k): an impact keeps eta² of the energy."""
+    U = height_lost(amplitudes, alpha)
+    U = U[: int(np.argmax(U <= 0.0))] if (U <= 0.0).any() else U
+    if len(U) < 2:
+        return 0.9
+    return float(np.clip((U[-1] / U[0]) ** (0.5 / (len(U) - 1)), 0.05, 0.999))
+
+
+def identify_amplitudes(measured: Measured, alpha: float, *, free: Sequence[str]) -> Identified:
+    """Fit U_k = U_0 eta^(2k) to the amplitudes: eta and theta_0, and alpha if asked (free rocking of a rigid block).
+
+    Raises:
+        StudyError: an amplitude is 0 or beyond alpha, or p is asked for: amplitudes know nothing of time.
+    """
+    a = measured.theta
+    if P in free:
+        raise StudyError("amplitudes alone say nothing of p: give times too")
+    if (a <= 0.0).any() or (a >= alpha).any():
+        raise StudyError(f"amplitudes must lie between 0 and alpha = {alpha:.6g} rad")
+    names = (ETA, THETA, *((ALPHA,) if ALPHA in free else ()))
+
+    def residuals(x: Array) -> Array:
+        eta, theta_0, top = x[:, :1], x[:, 1:2], x[:, 2:] if len(names) > 2 else np.full((len(x), 1), alpha)
+        U = height_lost(np.minimum(theta_0, top), top) * eta ** (2.0 * np.arange(len(a)))
+        # cos(alpha - theta) = U + cos(alpha)
+        theta = top - 2.0 * np.arcsin(np.sqrt(np.clip(np.sin(0.5 * top) ** 2 - 0.5 * U, 0.0, 1.0)))
+        return np.asarray(theta - a)
+
+    start = np.array([eta_of_amplitudes(a, alpha), a[0], alpha])[: len(names)]
+    step = 1e-6 * start
+    low = np.array([0.0, 1e-6 * a[0], 1.0001 * a.max()])[: len(names)]
+    high = np.array([1.0, alpha, 1.5])[: len(names)]
+    fit = least_squares_fit(residuals, start, step, (low, high), final=True)
+    return Identified(names, fit, len(a), ())
+
+
+def guess_of(source: Path | dict[str, Any]) -> dict[str, float]:
+    """First values of all parameters, from a study of one case of a rigid block; and `inertia`, `g`, which stay.
+
+    Raises:
+        StudyError: the study has axes, another model or an asymmetric body.
+    """
+    study = open_study(source)
+    if study.axes:
+        raise StudyError("a study to be fitted has one case: take away `vary`", file=study.file)
+    _, batch = next(iter(study.batches()))
+    if batch.model != "rigid" or batch.damping.scheme != "restitution" or np.ptp(batch.block.alpha) > 0.0:
+        message = "expected model rigid with damping restitution and a symmetric body"
+        raise StudyError(message, file=study.file)
+    return {
+        ETA: float(batch.damping.eta[0, 0]),
+        ALPHA: float(batch.block.alpha[0, 0]),
+        P: float(batch.p[0, 0]),
+        THETA: float(batch.theta_0[0]),
+        RATE: float(batch.theta_dot_0[0]),
+        "inertia": float(batch.block.inertia[0, 0]),
+        "g": float(batch.g[0]),
+    }
+
+
+def identify_history(
+    measured: Measured, source: Path | dict[str, Any], guess: dict[str, float], free: Sequence[str]
+) -> Identified:
+    """Fit the solver's rotation to a measured one, over growing shares of the data.
+
+    Args:
+        measured: with times; the study's time 0 is the first of them.
+        source: the study whose motion, if any, drives the body.
+        guess: of `guess_of`, changed as the caller sees fit; parameters not in `free` stay.
+        free: parameters to find.
+
+    Raises:
+        StudyError: the study is wrong.
+    """
+    assert measured.time is not None
+    time, theta = measured.time - measured.time[0], measured.theta
+    size = float(np.max(np.abs(theta)))
+    scales = {ETA: 1.0, ALPHA: guess[ALPHA], P: guess[P], THETA: size, RATE: size * guess[P]}
+    limits = {ETA: (0.0, 1.0), ALPHA: (_LEAST * guess[ALPHA], 1.5), P: (_LEAST * guess[P], guess[P] / _LEAST)}
+    low, high = np.array([limits.get(name, (-np.inf, np.inf)) for name in free]).T
+    step = 1e-5 * np.array([scales[name] for name in free])
+    x = np.array([guess[name] for name in free])
+    for share in STAGES:
+        n = min(max(int(share * len(time)), len(free) + 2), len(time))
+
+        def residuals(rows: Array, n: int = n) -> Array:
+            values = [guess | dict(zip(free, row.tolist(), strict=True)) for row in rows]
+            return _rotations(source, values, time[:n]) - theta[:n]
+
+        fit = least_squares_fit(residuals, np.clip(x, low, high), step, (low, high), final=share == STAGES[-1])
+        x = fit.values
+    missed = float(np.sqrt(np.mean(residuals(x[None]) ** 2) / np.mean(theta**2)))
+    notes = [] if missed < 0.2 else [f"the fit leaves {missed:.0%} of the motion unexplained (root mean square)"]
+    if not fit.converged:
+        notes.append("the search stopped before it found a minimum")
+    return Identified(tuple(free), fit, len(time), tuple(notes))
+
+
+def _rotations(source: Path | dict[str, Any], values: list[dict[str, float]], time: Array) -> Array:
+    """Rotations [rad] of cases with these values at times (n,), 0 after they have come to rest: (cases, n)."""
+    spacing = float(np.min(np.diff(time)))
+    uniform = np.allclose(time, spacing * np.arange(len(time)), rtol=0.0, atol=1e-6 * spacing)
+    settings = ", ".join(f"case_{number}: {_setting(row)}" for number, row in enumerate(values))
+    study = open_study(
+        source,
+        overrides=[
+            ("case.motion.duration", repr(float(time[-1]) + spacing)),
+            ("vary", f"{{case: {{{settings}}}}}"),
+            ("save", f"{{histories: true, dt_out: {spacing if uniform else spacing / 8.0!r}, scalars: [outcome]}}"),
+        ],
+    )
+    contents = solve(study)
+    out = np.empty((len(values), len(time)))
+    for row, history, outcome in zip(out, contents.values("theta"), contents.values("outcome"), strict=True):
+        missing = np.isnan(history)
+        fallen = outcome >= OVERTURNED_WITHOUT_IMPACT and not missing.all()
+        lies = np.copysign(0.5 * np.pi, history[~missing][-1]) if fallen else 0.0
+        row[:] = np.interp(time, contents.values("time"), np.where(missing, lies, history))
+    return out
+
+
+def _setting(values: dict[str, float]) -> str:
+    R = values["g"] / (values["inertia"] * values[P] ** 2)
+    return (
+        f"{{block: {{R: {R!r}, alpha: {values[ALPHA]!r}, inertia: {values['inertia']!r}}}, "
+        f"damping: {{scheme: restitution, eta: {values[ETA]!r}}}, "
+        f"initial: {{theta: {values[THETA]!r}, theta_dot: {values[RATE]!r}}}}}"
+    )

@@ -1,0 +1,146 @@
+"""`rock identify` on synthetic measurements: an independent integration plus noise, and amplitudes alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from typer.testing import CliRunner
+
+from rockcli.cli.main import app
+from rockcli.engine.identify import ALPHA, ETA, Measured, identify_amplitudes
+
+G, ALPHA_0, R, ETA_0 = 9.81, 0.25, 0.8, 0.91
+P_0 = float(np.sqrt(0.75 * G / R))
+
+
+def free_rocking(theta_0: float, t: np.ndarray) -> np.ndarray:
+    """Rotation of a rigid block let go at theta_0, by DOP853 restarted at impacts."""
+    out = np.zeros(len(t))
+    now, y, s = 0.0, [theta_0, 0.0], np.sign(theta_0)
+    while now < t[-1] and abs(y[1]) + abs(y[0]) > 1e-4:
+
+        def rhs(_: float, u: np.ndarray, s: float = s) -> list[float]:
+            return [u[1], -(P_0**2) * np.sin(s * ALPHA_0 - u[0])]
+
+        def hits(_: float, u: np.ndarray, s: float = s) -> float:
+            return s * u[0] + (1e-12 if s * u[1] > 0 else 0.0)
+
+        hits.terminal, hits.direction = True, -1
+        run = solve_ivp(rhs, (now, t[-1]), y, "DOP853", events=hits, rtol=1e-10, atol=1e-12, dense_output=True)
+        inside = (t >= now) & (t <= run.t[-1])
+        out[inside] = run.sol(t[inside])[0]
+        now, s = float(run.t[-1]), -s
+        y = [0.0, ETA_0 * run.y[1, -1]]
+    return out
+
+
+def write(path: Path, *columns: np.ndarray, head: str = "") -> Path:
+    np.savetxt(path, np.column_stack(columns), header=head)
+    return path
+
+
+def identified(*arguments: str) -> dict:
+    result = CliRunner().invoke(app, ["identify", *arguments, "--json"])
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
+
+
+def test_eta_alpha_and_p_from_a_noisy_history(tmp_path: Path) -> None:
+    t = np.arange(0.0, 4.0, 0.02)
+    noise = 0.01 * ALPHA_0 * np.random.default_rng(7).normal(size=len(t))
+    file = write(tmp_path / "free.txt", t, free_rocking(0.6 * ALPHA_0, t) + noise, head="time [s], theta [rad]")
+    found = identified(str(file), "--alpha", str(1.05 * ALPHA_0), "--p", str(0.97 * P_0), "--fit", "alpha,p")
+    truth = {"eta": ETA_0, "alpha": ALPHA_0, "p": P_0, "theta_0": 0.6 * ALPHA_0}
+    for name, true in truth.items():
+        row = found["parameters"][name]
+        half = row["high"] - row["value"]
+        assert abs(row["value"] - true) < 2.0 * half, name  # four standard errors
+        assert half < 0.05 * true, name
+    assert found["scatter"] == pytest.approx(0.01 * ALPHA_0, rel=0.2)
+    assert found["notes"] == []
+
+
+def test_eta_of_a_driven_body(tmp_path: Path) -> None:
+    # a shake table: the motion in the study, the history by the solver under another eta
+    import rockcli
+
+    study = {
+        "name": "table",
+        "case": {
+            "block": {"R": R, "alpha": ALPHA_0},
+            "motion": {"pulse": {"shape": "sine", "a_p": 4.0, "omega_p": 5.0, "cycles": 2}},
+            "damping": {"scheme": "restitution", "eta": ETA_0},
+        },
+        "save": {"dt_out": 0.01},
+    }
+    truth = rockcli.run(study)
+    kept = np.isfinite(truth["theta"].values)
+    t, theta = truth["time"].values[kept][:400], truth["theta"].values[kept][:400]
+    noisy = theta + 0.002 * np.random.default_rng(3).normal(size=len(theta))
+    data = write(tmp_path / "table.csv", t, np.degrees(noisy))
+    file = tmp_path / "table.yaml"
+    study["case"]["damping"]["eta"] = 0.95  # type: ignore[index]
+    file.write_text(json.dumps(study))
+    found = identified(str(data), "--study", str(file), "--degrees")
+    assert list(found["parameters"]) == ["eta"]
+    row = found["parameters"]["eta"]
+    assert row["low"] - 1e-3 < ETA_0 < row["high"] + 1e-3
+
+
+def amplitudes(n: int) -> np.ndarray:
+    top = np.cos(0.0) - np.cos(ALPHA_0)
+    start = np.cos(ALPHA_0 - 0.7 * ALPHA_0) - np.cos(ALPHA_0)
+    U = start * ETA_0 ** (2.0 * np.arange(n))
+    assert U[0] < top
+    return ALPHA_0 - np.arccos(U + np.cos(ALPHA_0))
+
+
+def test_amplitudes_alone() -> None:
+    found = identify_amplitudes(Measured(amplitudes(8), None), ALPHA_0, free=[ETA])
+    assert found.fit.values[0] == pytest.approx(ETA_0, abs=1e-9)
+    found = identify_amplitudes(Measured(amplitudes(8), None), 1.2 * ALPHA_0, free=[ALPHA])
+    assert found.fit.values[[0, 2]] == pytest.approx([ETA_0, ALPHA_0], rel=1e-6)
+
+
+def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
+    draw = np.random.default_rng(11)
+    covered = []
+    for _ in range(200):
+        noisy = amplitudes(8) + 0.002 * draw.normal(size=8)
+        fit = identify_amplitudes(Measured(noisy, None), ALPHA_0, free=[ETA]).fit
+        covered.append(fit.low[0] <= ETA_0 <= fit.high[0])
+    assert 0.90 <= np.mean(covered) <= 0.99
+
+
+def test_the_command_with_amplitudes(tmp_path: Path) -> None:
+    file = write(tmp_path / "peaks.txt", amplitudes(6))
+    told = CliRunner().invoke(app, ["identify", str(file), "--alpha", str(ALPHA_0)])
+    assert told.exit_code == 0, told.output
+    assert f"eta          {ETA_0:.6g}" in told.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "said"),
+    [
+        ("0 .1\n1 .05\n1 .02\n", ["--alpha", ".2", "--p", "2"], "do not grow"),
+        ("0 .1 3\n1 .05 3\n", ["--alpha", ".2", "--p", "2"], "one column"),
+        ("t theta\n0 .1\nx y\n", ["--alpha", ".2", "--p", "2"], "expected numbers"),
+        ("0 .1\n1 .05\n2 .02\n", ["--alpha", ".2"], "needs --p"),
+        (".1\n.05\n.02\n", [], "--alpha"),
+        (".3\n.05\n.02\n", ["--alpha", ".2"], "between 0 and alpha"),
+        (".1\n.05\n.02\n", ["--alpha", ".2", "--fit", "p"], "say nothing of p"),
+        (".1\n.05\n.02\n", ["--alpha", ".2", "--fit", "mass"], "expected eta, alpha or p"),
+    ],
+)
+def test_wrong_data(tmp_path: Path, text: str, options: list[str], said: str) -> None:
+    from rockcli.errors import StudyError
+
+    file = tmp_path / "data.txt"
+    file.write_text(text)
+    result = CliRunner().invoke(app, ["identify", str(file), *options])
+    assert isinstance(result.exception, StudyError)
+    assert said in str(result.exception)

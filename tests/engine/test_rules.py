@@ -1,0 +1,145 @@
+"""Rules of thumb and code checks against hand calculations, independent spectra and the solver itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from rockcli.engine.report import report_on
+from rockcli.engine.rules import misled
+from rockcli.engine.run import check_answers, solve
+from rockcli.errors import StudyError
+from rockcli.scene import rules
+from rockcli.storage.contents import Contents
+from rockcli.study.open import open_study
+
+G = 9.81
+
+
+def study(**more: object) -> dict[str, object]:
+    return {
+        "name": "ruled",
+        "case": {
+            "block": {"R": 2.0, "tan_alpha": 0.2},
+            "motion": {"pulse": {"shape": "sine", "a_p_over_g_tan_alpha": 3.0, "f_p": 2.0}},
+        },
+        "save": {"histories": False},
+        "rules": ["west", "ishiyama", "housner", "asce43"],
+    } | more
+
+
+def solved(**more: object) -> Contents:
+    return solve(open_study(study(**more)))
+
+
+def test_the_standard_s_own_example() -> None:
+    # b = .3 m, h = 1.5 m, theta_0 = .05: .350 g, .914 Hz, 1.9 %
+    S_a, f = rules.asce43_capacity(np.array([0.05]), 1.5, 0.2, 4.0 / 3.0, G)
+    assert S_a[0] / G == pytest.approx(0.350, abs=5e-4)
+    assert f[0] == pytest.approx(0.914, abs=5e-4)
+    assert rules.asce43_damping(0.2, 4.0 / 3.0) == pytest.approx(0.019, abs=5e-4)
+
+
+def test_capacity_starts_at_uplift_and_the_oscillator_has_the_block_s_energy() -> None:
+    S_a, f = rules.asce43_capacity(np.array([1e-9]), 1.0, 0.3, 4.0 / 3.0, G)
+    assert S_a[0] == pytest.approx(2.0 * 0.3 * G, rel=1e-6)  # so in the standard: a linear spring of equal energy
+    theta = np.array([0.1])
+    S_a, f = rules.asce43_capacity(theta, 1.0, 0.3, 4.0 / 3.0, G)
+    R, alpha = np.hypot(1.0, 0.3), np.arctan(0.3)
+    I_O = 4.0 / 3.0 * R**2
+    lifted = G * R * (np.cos(alpha - theta) - np.cos(alpha))
+    assert 0.5 * I_O * (2.0 * np.pi * f * theta) ** 2 == pytest.approx(lifted, rel=1e-12)
+
+
+@pytest.mark.parametrize("tan_alpha", [0.1, 0.3])
+def test_the_impulsive_velocity_overturns(tan_alpha: float) -> None:
+    # a rectangular pulse so short and strong that it is a velocity step
+    R, alpha = 2.0, np.arctan(tan_alpha)
+    V = float(rules.impulsive_velocity(np.array(R), np.array(alpha), np.array(4.0 / 3.0), np.array(G)))
+    short = 1e-5
+    body = {"R": R, "tan_alpha": tan_alpha}
+    for factor, falls in ((0.999, False), (1.001, True)):
+        pulse = {"shape": "rectangular", "a_p": factor * V / short, "T_p": 2.0 * short}
+        contents = solved(case={"block": body, "motion": {"pulse": pulse}}, rules=["ishiyama"])
+        assert (int(contents.values("outcome")) >= 2) is falls
+        assert float(contents.values("ishiyama_ratio")) == pytest.approx(factor / rules.ISHIYAMA_FACTOR, rel=1e-6)
+
+
+def spectral_displacement(f: float, zeta: float, a_p: float) -> float:
+    """Of one sine cycle of 2 Hz, by integration."""
+    w = 2.0 * np.pi * f
+
+    def rhs(t: float, y: np.ndarray) -> list[float]:
+        a_g = a_p * np.sin(4.0 * np.pi * t) if t < 0.5 else 0.0
+        return [y[1], -2.0 * zeta * w * y[1] - w**2 * y[0] - a_g]
+
+    first = solve_ivp(rhs, (0.0, 0.5), [0.0, 0.0], rtol=1e-7, atol=1e-10, max_step=0.02)
+    after = solve_ivp(rhs, (0.5, 0.5 + 2.0 / f), first.y[:, -1], rtol=1e-7, atol=1e-10, max_step=0.02 / f)
+    return float(max(np.abs(first.y[0]).max(), np.abs(after.y[0]).max()))
+
+
+def test_asce43_meets_an_integrated_spectrum() -> None:
+    contents = solved(rules=["asce43"])
+    alpha, a_p, h = np.arctan(0.2), 3.0 * 0.2 * G, 2.0 * np.cos(np.arctan(0.2))
+    beta = rules.asce43_damping(0.2, 4.0 / 3.0)
+
+    def excess(theta: float) -> float:
+        S_a, f = rules.asce43_capacity(np.array([theta]), h, 0.2, 4.0 / 3.0, G)
+        return (2.0 * np.pi * f[0]) ** 2 * spectral_displacement(f[0], beta, a_p) - S_a[0]
+
+    found = float(contents.values("asce43_theta_over_alpha"))
+    assert 0.0 < found < 1.0
+    assert brentq(excess, 0.5 * found * alpha, min(2.0 * found, 1.0) * alpha, rtol=1e-6) == pytest.approx(
+        found * alpha, rel=3e-3
+    )
+
+
+def test_housner_of_an_integrated_spectrum() -> None:
+    contents = solved(rules=["housner"])
+    periods = np.linspace(0.1, 2.5, 25)
+    each = np.array([2.0 * np.pi / T * spectral_displacement(1.0 / T, 0.05, 3.0 * 0.2 * G) for T in periods])
+    S_v = np.mean(0.5 * (each[1:] + each[:-1]))
+    p = np.sqrt(0.75 * G / 2.0)
+    assert float(contents.values("housner_ratio")) == pytest.approx(p * S_v / (G * np.arctan(0.2)), rel=0.01)
+
+
+def test_no_uplift_and_falling_for_certain() -> None:
+    vary = {"motion.pulse.a_p_over_g_tan_alpha": [0.9, 3.0, 60.0]}
+    contents = solved(vary=vary)
+    assert contents.values("west_ratio") == pytest.approx([0.9, 3.0, 60.0])
+    theta = contents.values("asce43_theta_over_alpha")
+    assert theta[0] == 0.0
+    assert theta[2] == np.inf
+    assert list(contents.values("outcome") >= 2) == [False, False, True]
+
+
+def test_how_often_a_rule_misleads_is_counted_and_said() -> None:
+    from rockcli.cli.words import report_text
+
+    vary = {"motion.pulse.a_p_over_g_tan_alpha": [0.9, 3.0, 60.0]}
+    opened = open_study(study(vary=vary))
+    contents = solve(opened)
+    counted = {m.name: m for m in misled(contents)}
+    assert (counted["west"].cases, counted["west"].unsafe, counted["west"].wary) == (3, 0, 1)
+    report = report_on(opened, contents, status="solved")
+    assert "west: 0 unsafe" in report_text(report)
+
+
+def test_free_rocking_has_no_rule_and_too_many_cases_are_refused() -> None:
+    free = {"block": {"R": 2.0, "tan_alpha": 0.2}, "initial": {"theta": 0.05}}
+    contents = solved(case=free)
+    assert np.isnan(contents.values("asce43_theta_over_alpha"))
+    assert misled(contents)[0].cases == 0
+    many = study(vary={"motion.pulse.f_p": {"from": 0.1, "to": 1.0, "n": 30_000}})
+    with pytest.raises(StudyError, match="at most 20000 cases"):
+        check_answers(open_study(many))
+
+
+def test_rules_can_be_expected_and_are_redrawn_without_solving() -> None:
+    with_rules, without = open_study(study()), open_study(study(rules=[]))
+    assert with_rules.identity == without.identity
+    clause = {"quantity": "west_ratio", "value": 3.0}
+    report = report_on(open_study(study(expect=[clause])), solved(), status="solved")
+    assert report.verdicts[0].passed
