@@ -57,7 +57,9 @@ def solve(batch: Batch) -> Response:
     used = {
         "backend": "event",
         "method": "modal steps exact between events, loads by collocation",
-        "dt": repr(numerics.dt) if numerics.dt is not None else f"{fineness} x draft",
+        "dt": repr(numerics.dt)
+        if numerics.dt is not None
+        else f"T_p/{PULSE_STEPS / fineness:g}, {ROCKING_STEP * fineness:g}/p",
         "kernels": "compiled" if kernels.compiled else "interpreted",
     }
     histories, impacts, t = histories_of(batch, run, prepared) if batch.save.histories else ({}, {}, np.empty(0))
@@ -71,10 +73,10 @@ def _kernel() -> ModuleType:
     kernels.load(compile_them=True)
     loaded = sys.modules.get(name)
     if loaded is not None and (kernels.compiled != before or not _fits(loaded)):
-        for module in ("column", "column_state", "oscillator"):
+        for module in ("column", "column_search", "column_state", "oscillator"):
             sys.modules.pop(f"rockcli.kernels.{module}", None)
     elif loaded is None:
-        for module in ("column_state", "oscillator"):
+        for module in ("column_search", "column_state", "oscillator"):
             sys.modules.pop(f"rockcli.kernels.{module}", None)
     return importlib.import_module(name)
 
@@ -179,14 +181,20 @@ def _march(
     vertical = channel_of(batch.excitation.vertical, n)
     N = 2 * (batch.column.elements if batch.column is not None else 1) + 1
     space = _work_space(N)
+    before: Prepared | None = None
     for i, (column, par) in enumerate(zip(columns, parameters, strict=True)):
         if column is None or par is None:
             continue
-        a = float(acceleration(batch.excitation.horizontal, np.zeros(1), i)[0])
-        phase, s, z, v = first_state(column, float(batch.theta_0[i]), float(batch.theta_dot_0[i]), a)
+        start, rate = float(batch.theta_0[i]), float(batch.theta_dot_0[i])
+        upright = start == 0.0 and rate == 0.0
+        a = 0.0 if upright else float(acceleration(batch.excitation.horizontal, np.zeros(1), i)[0])
+        phase, s, z, v = first_state(column, start, rate, a)
         par[k.PHASE_0], par[k.SIDE_0] = phase, s
         m = column.modes
-        space["keys"][...] = -1.0
+        if column is not before:
+            space["keys"][...], space["filled"][...] = -1.0, 0.0
+            before = column
+        space["used"][...] = 0.0
         march(
             par, m.lam, m.c, m.bu, m.th, m.top, m.row, m.row_v, m.T, z, v, MAX_STEPS,
             *_of_case(horizontal, i), *_of_case(vertical, i),
@@ -202,6 +210,7 @@ def _of_case(channel: tuple[int, Any, Any, float, Any, int], i: int) -> tuple[in
 
 def _work_space(N: int) -> dict[str, Array]:
     """Arrays the kernel works in, in the order of its arguments."""
+    from rockcli.kernels.column_search import PACE_SHAPE
     from rockcli.kernels.oscillator import INFLUENCES, TABLE_ROWS
 
     slots = 8
@@ -210,9 +219,12 @@ def _work_space(N: int) -> dict[str, Array]:
         "influences": np.zeros((2, slots, INFLUENCES)),
         "keys": np.full((2, slots), -1.0),
         "used": np.zeros((2, slots)),
-        "work": np.zeros((4, N)),
+        "paces": np.zeros((2, *PACE_SHAPE, N)),
+        "filled": np.zeros((2, PACE_SHAPE[0])),
+        "work": np.zeros((8, N)),
         "S": np.zeros(5),
         "F": np.zeros(24),
         "A": np.zeros(6),
+        "about": np.zeros(12),
         "found": np.zeros(2),
     }
