@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import sys
+from collections import deque
 from time import perf_counter
+
+REMEMBERED = 32
+"""Steps that the rate is taken over; what was finished by earlier runs is in none of them."""
 
 
 class Progress:
@@ -13,17 +17,21 @@ class Progress:
         self.name = name
         self.what = what
         self.shown = shown and sys.stderr.isatty()
-        self.began = perf_counter()
+        self.seen: deque[tuple[float, int]] = deque(maxlen=REMEMBERED)
         self.width = 0
 
     def __call__(self, done: int, total: int) -> None:
         """Rewrite the line."""
         if not self.shown or total < 2:
             return
-        spent = perf_counter() - self.began
-        rate = done / spent if spent > 0.0 else 0.0
-        left = (total - done) / rate if rate > 0.0 else 0.0
-        self._put(f"{self.name}: {done}/{total} {self.what}, {rate:,.0f}/s, {duration(left)} left")
+        self.seen.append((perf_counter(), done))
+        (since, before), (now, _) = self.seen[0], self.seen[-1]
+        words = f"{self.name}: {done}/{total} {self.what}"
+        if done > before and now > since:
+            rate = (done - before) / (now - since)
+            shown = f"{rate:,.0f}" if rate >= 10.0 else f"{rate:.2g}"
+            words += f", {shown}/s, {duration((total - done) / rate)} left"
+        self._put(words)
 
     def note(self, words: str) -> None:
         """Rewrite the line with what keeps it from moving."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,6 +21,15 @@ def run(
         list[str] | None,
         typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
     ] = None,
+    workers: Annotated[
+        int | None, typer.Option("--workers", metavar="N", min=1, help="Processes; default: one per usable core.")
+    ] = None,
+    dask: Annotated[
+        str | None, typer.Option("--dask", metavar="ADDRESS", help="Solve on a Dask cluster, as tcp://host:8786.")
+    ] = None,
+    part: Annotated[
+        str | None, typer.Option("--part", metavar="K/N", help="Solve one share; a last plain run merges them.")
+    ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Replace results that are there.")] = False,
     skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
@@ -36,10 +45,16 @@ def run(
     from rockcli.cli.interrupt import advise
     from rockcli.cli.sources import open_all
     from rockcli.cli.words import totals_text
+    from rockcli.engine.executors import Team, usable_cores
     from rockcli.engine.report import SKIPPED, RunReport, exit_code
     from rockcli.engine.run import check_study
 
     _check_format(plot_format)
+    share = _share(part, fresh=fresh)
+    if dask is not None:
+        from rockcli.engine.cluster import check_cluster
+
+        check_cluster(dask)
     if junit is not None:
         _check_junit(junit)
     opened = open_all(
@@ -49,9 +64,11 @@ def run(
     for report in reports:
         typer.echo(f"rock: skipped {report.name}: {report.warnings[0]}", err=True)
     spoken = not quiet and not as_json
-    advise("run again to go on: a finished study is not solved twice, the one at work starts over")
+    advise("run again to go on: what is finished is not solved twice")
     for study in opened.studies:
-        report = _run_one(study, out, fresh=fresh, plots=not no_plots, plot_format=plot_format, progress=not quiet)
+        team = Team(workers or usable_cores(), dask)
+        how: dict[str, Any] = {"plots": not no_plots, "plot_format": plot_format, "team": team, "share": share}
+        report = _run_one(study, out, progress=not quiet, fresh=fresh, **how)
         _tell(report, spoken=spoken, quiet=quiet)
         reports.append(report)
     if spoken and len(reports) > 1:
@@ -82,7 +99,23 @@ def _check_junit(path: Path) -> None:
         check_file(path)
 
 
-def _run_one(study: Study, out: Path, *, fresh: bool, plots: bool, plot_format: str, progress: bool) -> RunReport:
+def _share(part: str | None, *, fresh: bool) -> tuple[int, int] | None:
+    """`2/8` -> (2, 8)."""
+    import re
+
+    from rockcli.errors import StudyError
+
+    if part is None:
+        return None
+    found = re.fullmatch(r"(\d{1,9})/(\d{1,9})", part)
+    if found is None or not 1 <= int(found[1]) <= int(found[2]):
+        raise StudyError(f"--part {part}: expected K/N with K from 1 to N, such as 2/8")
+    if fresh:
+        raise StudyError("--part does not go with --fresh: shares may run at the same time; remove the old results")
+    return int(found[1]), int(found[2])
+
+
+def _run_one(study: Study, out: Path, *, progress: bool, **options: Any) -> RunReport:
     from rockcli import kernels
     from rockcli.cli.progress import Progress
     from rockcli.engine.run import run_study
@@ -91,7 +124,7 @@ def _run_one(study: Study, out: Path, *, fresh: bool, plots: bool, plot_format: 
     line.listen()
     kernels.announce = lambda: line.note("compiling the kernels, once: about 15 s")
     try:
-        return run_study(study, out, fresh=fresh, plots=plots, plot_format=plot_format, progress=line)
+        return run_study(study, out, progress=line, **options)
     finally:
         kernels.announce = None
         line.close()

@@ -48,6 +48,7 @@ def _variables() -> str:
     from rockcli.scene.variables import VARIABLES
 
     beside = {"case": "axes", "time": "axes, time", "impact": "axes, impact", "rotation": "axes, rotation"}
+    beside |= {"suite": "axes left by over", "limit_state": "the same, limit_state", "measure": "the same, measure"}
     rows = [(v.name, beside[v.over], v.unit, v.sentence) for v in VARIABLES.values()]
     outcomes = ", ".join(f"{flag} {name}" for flag, name in sorted(OUTCOMES.items()))
     return f"{_table(('variable', 'over', 'unit', 'meaning'), rows)}\n\noutcome: {outcomes}"

@@ -16,8 +16,13 @@ _MOST_REASONS = 5
 
 def report_text(report: RunReport) -> str:
     """A study's summary: a headline and a few aligned lines."""
+    if report.share is not None:
+        return _share_text(report)
     time = f" in {duration(report.seconds)}" if report.status == "solved" else ""
     lines = [f"{report.name}: {counted(report.cases, 'case')}, {report.status}{time}"]
+    for count, source in ((report.taken_over, "the results that were there"), (report.resumed, "earlier runs")):
+        if count:
+            lines.append(_row("kept", f"{counted(count, 'case')} of {source}"))
     if report.outcomes:
         lines.append(
             _row("outcomes", ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in report.outcomes.items()))
@@ -31,6 +36,11 @@ def report_text(report: RunReport) -> str:
     if len(report.reasons) > _MOST_REASONS:
         others = counted(len(report.reasons) - _MOST_REASONS, "other sentence")
         lines.append(_row("", f"and {others}, in `reasons` of the dataset"))
+    for number, rule in enumerate(report.rules):
+        unsafe = f"{rule.unsafe} unsafe (stands by the rule, overturned by the history)"
+        words = f"{rule.name}: {unsafe}, {rule.wary} the other way, of {rule.cases}"
+        lines.append(_row("rules" if number == 0 else "", words))
+    lines += [_row("suite" if number == 0 else "", words) for number, words in enumerate(report.suite)]
     if report.verdicts:
         met = len(report.verdicts) - report.unmet
         lines.append(_row("expect", f"{met} of {len(report.verdicts)} met"))
@@ -39,6 +49,14 @@ def report_text(report: RunReport) -> str:
     if report.plots:
         lines.append(_row("plots", " ".join(path.name for path in report.plots)))
     return "\n".join(lines)
+
+
+def _share_text(report: RunReport) -> str:
+    assert report.share is not None
+    k, n = report.share
+    left = report.cases - report.resumed
+    then = f"{counted(left, 'case')} of other shares not there yet" if left else "run without --part to merge"
+    return f"{report.name}: share {k}/{n} solved in {duration(report.seconds)}, {then}"
 
 
 def _survivors(report: RunReport) -> str:

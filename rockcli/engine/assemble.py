@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.compare import with_comparison
+from rockcli.engine.direction import with_worst_direction
 from rockcli.engine.provenance import attributes
-from rockcli.engine.sweep import Results
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.variables import HISTORIES, IMPACTS, LARGE, VARIABLES
+from rockcli.engine.results import Results
+from rockcli.engine.symbols import EDGES
+from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
 from rockcli.storage.contents import (
     COORDINATES,
     DIM_IMPACT,
@@ -34,16 +34,16 @@ def assemble(study: Study, results: Results, thresholds: NDArray[np.float64] | N
         axis.name: axis_field(axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit)
         for axis in study.axes
     }
-    fields |= _symbols(results, axes, study.shape) | _edges(study, axes)
+    fields |= _symbols(results, axes) | _edges(results, axes)
     if results.histories:
         fields["time"] = time_field(results.time)
     for name in study.scalars:
-        values = results.sentences if name == "reason" else results.scalars[name]
+        values = results.reason if name == "reason" else results.scalars[name]
         fields[name] = variable_field(name, axes, values.reshape(study.shape))
         if name in ("n_impacts", "n_steps"):
             fields[name].attrs["comment"] = "-1: no answer"
     if "reason" in study.scalars:
-        fields["reasons"] = reasons_field(list(results.codes))
+        fields["reasons"] = reasons_field(results.reasons)
     if thresholds is not None:
         assert study.search is not None
         sought = study.search.axis
@@ -57,7 +57,8 @@ def assemble(study: Study, results: Results, thresholds: NDArray[np.float64] | N
     if "M_base" in fields and results.has_mass:
         unit = {"units": "N m", "long_name": "moment of the base on the body, opposing theta"}
         fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
-    return with_comparison(Contents(axes, fields, attributes(study, results)), study.compare_to)
+    contents = Contents(axes, fields, attributes(study, results))
+    return with_worst_direction(with_comparison(contents, study.compare_to), study)
 
 
 def _beside_axes(
@@ -75,58 +76,15 @@ def _beside_axes(
     }
 
 
-def _symbols(results: Results, axes: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Field]:
+def _symbols(results: Results, axes: tuple[str, ...]) -> dict[str, Field]:
     """The symbols over the axes they depend on; those no case has are left out."""
-    fields = {}
-    for name in COORDINATES:
-        full = results.symbols.get(name)
-        if full is not None and not np.isnan(full).all():
-            dims, values = reduce(full.reshape(shape), axes)
-            fields[name] = variable_field(name, dims, values)
-    return fields
+    found = {name: results.symbols.over(name, axes) for name in COORDINATES}
+    return {name: variable_field(name, *over) for name, over in found.items() if over is not None}
 
 
-def _edges(study: Study, axes: tuple[str, ...]) -> dict[str, Field]:
+def _edges(results: Results, axes: tuple[str, ...]) -> dict[str, Field]:
     """R, alpha, p and eta of either edge where a body is asymmetric, over the axes they depend on."""
-    if study.size > LARGE or not _may_be_asymmetric(study.resolved):
-        return {}
-    values: dict[str, NDArray[np.float64]] = {}
-    symmetric = True
-    for indices, batch in study.batches():
-        block = batch.block
-        symmetric &= bool(block.symmetric.all())
-        of_edges = {"R": block.R, "alpha": block.alpha, "p": batch.p, "eta": batch.damping.eta}
-        for name, both in of_edges.items():
-            for column, side in ((LEFT, "left"), (RIGHT, "right")):
-                full = values.setdefault(f"{name}_{side}", np.full(study.size, np.nan))
-                full[indices] = both[:, column]
-    if symmetric:
-        return {}
-    reduced = {name: reduce(full.reshape(study.shape), axes) for name, full in values.items()}
+    found = {} if results.symmetric else {name: results.symbols.over(name, axes) for name in EDGES}
     return {
-        name: replace(variable_field(name, dims, kept), coordinate=True)
-        for name, (dims, kept) in reduced.items()
-        if not np.isnan(kept).all()
+        name: replace(variable_field(name, *over), coordinate=True) for name, over in found.items() if over is not None
     }
-
-
-def _may_be_asymmetric(resolved: dict[str, Any]) -> bool:
-    """Whether a study speaks of an outline, of two distances b, or of a file or a setting that may."""
-    case = resolved.get("case") or {}
-    block = case.get("block") or {}
-    varied = " ".join(resolved.get("vary") or {})
-    return "outline" in block or isinstance(block.get("b"), list) or "block" in varied or "case" in varied
-
-
-def reduce(values: NDArray[Any], axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[Any]]:
-    """Drop the axes along which values do not change (NaN equals NaN); the dims left and the values over them."""
-    kept: list[str] = []
-    for axis in axes:
-        at = len(kept)
-        first = np.take(values, [0], axis=at)
-        same = (values == first) | (np.isnan(values) & np.isnan(first))
-        if same.all():
-            values = first.squeeze(axis=at)
-        else:
-            kept.append(axis)
-    return tuple(kept), np.asarray(values)

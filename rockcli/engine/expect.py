@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.compare import NEEDED_BY, locate
+from rockcli.engine.direction import WORST, angle_axis
+from rockcli.engine.ensemble import variables
 from rockcli.errors import StudyError
 from rockcli.scene.curves import variables_of
 from rockcli.scene.excitation import Pulses
 from rockcli.scene.models import FLEXIBLE
 from rockcli.scene.response import FAILED, OUTCOMES
+from rockcli.scene.rules import RULES
 from rockcli.scene.variables import HISTORIES, IMPACTS, LARGE, ROTATION, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
 from rockcli.study.study import Expect, Study
@@ -21,6 +24,7 @@ from rockcli.study.study import Expect, Study
 Mask = NDArray[np.bool_]
 
 _OF_PULSES, _OF_MOTIONS, _OF_FLEXIBLE = {"a_p", "omega_p"}, {"pga", "pgv"}, {"u_top_bending"}
+_OF_FRICTION = {"slide", "slide_dot", "contact_mode"}
 """What only studies with such cases have."""
 
 _COUNTS = ("n_impacts", "n_steps")
@@ -51,14 +55,17 @@ class Verdict:
 
 def check_quantities(study: Study) -> None:
     """`StudyError` if a clause speaks of something the dataset will not have."""
-    saved = {*study.scalars, *COORDINATES, *variables_of(study.curves)}
+    saved = {*study.scalars, *COORDINATES, *variables_of(study.curves), *(RULES[name].variable for name in study.rules)}
     if study.histories:
         saved |= {*HISTORIES, *IMPACTS}
+    saved |= variables(study)
     if study.search is not None:
-        saved.add(study.search.name)
+        saved |= {study.search.name, *study.search.results(study.over)}
+    if angle_axis(study) is not None:
+        saved |= set(WORST)
     if study.compare_to is not None:
         saved |= {error for error, needed in NEEDED_BY.items() if needed in saved}
-    asked = {clause.quantity for clause in study.expect} & (_OF_PULSES | _OF_MOTIONS | _OF_FLEXIBLE)
+    asked = {clause.quantity for clause in study.expect} & (_OF_PULSES | _OF_MOTIONS | _OF_FLEXIBLE | _OF_FRICTION)
     saved -= asked - _of_cases(study, asked)
     for clause in study.expect:
         if clause.quantity not in saved:
@@ -79,6 +86,7 @@ def _of_cases(study: Study, asked: set[str]) -> set[str]:
             found |= _OF_PULSES if isinstance(motion, Pulses) else set()
             found |= _OF_MOTIONS if motion is not None and study.size <= LARGE else set()
             found |= _OF_FLEXIBLE if batch.model == FLEXIBLE else set()
+            found |= _OF_FRICTION if np.isfinite(batch.block.mu).any() else set()
             if found >= asked:
                 break
     return found
@@ -118,12 +126,18 @@ def _values(contents: Contents, clause: Expect) -> NDArray[Any]:
     """Values the clause speaks of: (axes..., [time or impact]), axes named in `at` of length 1; no answer is NaN."""
     item = contents.fields[clause.quantity]
     beside = tuple(dim for dim in item.dims if dim not in contents.axes)
-    values = item.values if beside else contents.over_axes(clause.quantity)
+    values = contents.over_axes(clause.quantity)
     if clause.quantity != "outcome":
         values = values.astype(float)
         if clause.quantity in _COUNTS:
             values = np.where(values < 0, np.nan, values)
-    values = values[_selection(contents, clause)]
+    chosen = _selection(contents, clause)
+    values = values[
+        tuple(part if axis in item.dims else slice(0, 1) for axis, part in zip(contents.axes, chosen, strict=True))
+    ]
+    for dim in beside:
+        if dim in clause.at:
+            values = np.take(values, [locate(contents, dim, clause.at[dim])], axis=values.ndim - 1)
     if clause.time is not None and beside == (DIM_TIME,):
         return _read_at(values, contents.values(DIM_TIME), clause.time)
     if clause.rotation is not None and beside == (ROTATION,):
@@ -194,12 +208,13 @@ def _place(contents: Contents, clause: Expect, at: tuple[Any, ...]) -> str:
     """The axes' coordinates of a point, in words; the axes `at` fixes are in the clause's own words."""
     parts = []
     for number, axis in enumerate(contents.axes):
-        if axis not in clause.at:
+        if axis not in clause.at and axis in contents.fields[clause.quantity].dims:
             parts.append(f"{axis}={coordinate_word(contents.values(axis)[at[number]])}")
     if len(at) > len(contents.axes):
         beside = contents.fields[clause.quantity].dims[-1]
-        last = contents.values(DIM_TIME)[at[-1]] if beside == DIM_TIME else at[-1]
-        parts.append(f"{beside}={coordinate_word(last)}")
+        if beside not in clause.at:
+            last = contents.values(beside)[at[-1]] if beside in contents.fields else at[-1]
+            parts.append(f"{beside}={coordinate_word(last)}")
     return ", ".join(parts)
 
 

@@ -50,7 +50,8 @@ def histories_size(study: Study, enough: float = np.inf) -> Size:
         for _, batch in study.batches(np.arange(start, min(start + _LOOKED_AT, study.size))):
             if batch.save.histories:
                 longest = max(size.longest, _longest(batch))
-                variables = max(size.variables, 8 if batch.model == FLEXIBLE else 7)
+                sliding = 3 if np.isfinite(batch.block.mu).any() else 0
+                variables = max(size.variables, 8 if batch.model == FLEXIBLE else 7 + sliding)
                 points = longest / study.dt_out + 1.0
                 size = Size(longest, points, variables, study.size * points * variables * 8.0)
             if size.bytes > enough:

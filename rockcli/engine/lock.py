@@ -1,7 +1,8 @@
-"""One process at a time in a result folder; the lock dies with its process."""
+"""Who may work in a result folder: one process, or one per share; a lock dies with its process."""
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import os
 from collections.abc import Iterator
@@ -13,31 +14,54 @@ from rockcli.storage.places import passing, reason
 
 LOCK_NAME = ".lock"
 
+BUSY = "another process is working in this folder"
+
 
 @contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Hold the folder's lock (made if it is missing); `StudyError` if another process holds it."""
+def locked(folder: Path, share: tuple[int, int] | None = None) -> Iterator[None]:
+    """Hold the folder's lock (made if it is missing); with a share, beside the other shares.
+
+    Raises:
+        StudyError: another process holds the folder, or the same share of it.
+        OutputError: the folder cannot be written in.
+    """
     path = folder / LOCK_NAME
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        descriptor = _acquire(path)
-    except OSError as error:
-        raise OutputError(f"cannot be written in: {reason(error)}", file=folder) from error
-    try:
-        with passing(path):  # removed while held: who opened it meanwhile sees below that it is gone
+    if share is None:
+        with _held(path, fcntl.LOCK_EX, BUSY), passing(path):
+            # removed while held: who opened it meanwhile sees in `_acquire` that it is gone
             yield
+        return
+    k, n = share
+    own = folder / f"{LOCK_NAME}-{k}-of-{n}"
+    with _held(path, fcntl.LOCK_SH, BUSY) as common:
+        with _held(own, fcntl.LOCK_EX, f"another process is working on share {k}/{n} in this folder"), passing(own):
+            yield
+        with contextlib.suppress(OSError):  # the last share removes what the shares hold together
+            fcntl.flock(common, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            path.unlink(missing_ok=True)
+
+
+@contextmanager
+def _held(path: Path, kind: int, busy: str) -> Iterator[int]:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor = _acquire(path, kind, busy)
+    except OSError as error:
+        raise OutputError(f"cannot be written in: {reason(error)}", file=path.parent) from error
+    try:
+        yield descriptor
     finally:
         os.close(descriptor)
 
 
-def _acquire(path: Path) -> int:
+def _acquire(path: Path, kind: int, busy: str) -> int:
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
         except OSError:
             os.close(descriptor)
-            raise StudyError("another process is working in this folder", file=path.parent) from None
+            raise StudyError(busy, file=path.parent) from None
         try:
             if os.stat(path).st_ino == os.fstat(descriptor).st_ino:
                 return descriptor

@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from rockcli import __version__
-from rockcli.engine.sweep import Results
+from rockcli.engine.results import Results
 from rockcli.storage.contents import root_attributes
 from rockcli.study.study import Study
 
@@ -23,6 +23,7 @@ def attributes(study: Study, results: Results) -> dict[str, str]:
         "study": study.resolved_yaml,
         "study_name": study.name,
         "identity": study.identity,
+        "kinship": study.kinship,
         "compare_to": as_json(study.compare_to),
         "inputs": as_json(study.inputs),
         "processing": as_json({name: list(steps) for name, steps in study.processing.items()}),

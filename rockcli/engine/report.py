@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -10,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from rockcli.engine.expect import Verdict, coordinate_word, expected_failures, judge
+from rockcli.engine.rules import Misled, misled
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Study
 
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
-SOLVED, UP_TO_DATE, SKIPPED = "solved", "up to date", "skipped"
+SOLVED, UP_TO_DATE, SKIPPED, SHARE = "solved", "up to date", "skipped", "share solved"
 
 
 @dataclass(frozen=True)
@@ -24,14 +26,19 @@ class RunReport:
     """One study's run.
 
     Attributes:
-        name: of the study; status: SOLVED, UP_TO_DATE or SKIPPED; file: the dataset, None if skipped.
+        name: of the study; status: SOLVED, UP_TO_DATE, SKIPPED or SHARE; file: the dataset, None without one.
         cases: number of cases; outcomes: cases by outcome, without those that have none.
         failed: cases that failed although no clause expected it.
         peak: largest finite theta_peak_over_alpha (None without one); peak_at: its place on the axes.
         verdicts: of the `expect` clauses, in order.
         reasons: sentence -> number of cases, most first; sentences that differ in numbers only count as the first.
+        suite: what the ensemble statistics come to, in sentences.
+        rules: what the rules of thumb would have said of the same cases.
         warnings: about the physics and the study.
         plots: files drawn; seconds: wall time of the run.
+        taken_over: cases that the results of a study of fewer points had; resumed: cases from parts of earlier runs,
+            after a share: cases that all shares have by now.
+        share: (K, N) of a share.
     """
 
     name: str
@@ -44,9 +51,14 @@ class RunReport:
     peak_at: str = ""
     verdicts: tuple[Verdict, ...] = ()
     reasons: dict[str, int] = field(default_factory=dict)
+    rules: tuple[Misled, ...] = ()
+    suite: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     plots: tuple[Path, ...] = ()
     seconds: float = 0.0
+    taken_over: int = 0
+    resumed: int = 0
+    share: tuple[int, int] | None = None
 
     @property
     def unmet(self) -> int:
@@ -93,6 +105,8 @@ def report_on(study: Study, contents: Contents, **more: Any) -> RunReport:
         peak_at=where,
         verdicts=tuple(judge(contents, study.expect)),
         reasons=_reasons(contents),
+        rules=misled(contents),
+        suite=tuple(json.loads(contents.attrs.get("ensemble", "{}")).get("says", ())),
         **more,
     )
 

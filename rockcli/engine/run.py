@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -12,13 +13,20 @@ import numpy as np
 from rockcli.engine.assemble import assemble
 from rockcli.engine.compare import with_comparison
 from rockcli.engine.curves import with_curves
+from rockcli.engine.describe import describe_cases
+from rockcli.engine.ensemble import with_ensembles
+from rockcli.engine.executors import Team
 from rockcli.engine.expect import check_quantities
 from rockcli.engine.limits import check_histories
 from rockcli.engine.lock import locked
+from rockcli.engine.parts import Parts
+from rockcli.engine.prescreen import with_prescreen
 from rockcli.engine.provenance import refreshed
-from rockcli.engine.report import SOLVED, UP_TO_DATE, RunReport, report_on
+from rockcli.engine.report import SHARE, SOLVED, UP_TO_DATE, RunReport, report_on
+from rockcli.engine.rules import check_rules, with_rules
 from rockcli.engine.search import find_overturning
-from rockcli.engine.sweep import Progress, describe_cases, solve_cases
+from rockcli.engine.sweep import Progress, Sweep, solve_cases
+from rockcli.engine.takeover import taken_over
 from rockcli.errors import StudyError
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import sweep_leftovers
@@ -45,13 +53,15 @@ def solve_study(source: dict[str, Any] | str | Path) -> xarray.Dataset:
     return to_xarray(solve(study))
 
 
-def solve(study: Study, progress: Progress | None = None) -> Contents:
-    """Solve a checked study in memory."""
+def solve(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Contents:
+    """Solve a checked study in memory, by itself or as `sweep` says."""
     if study.search is not None:
-        thresholds = find_overturning(study, progress)
-        return with_curves(assemble(study, describe_cases(study), thresholds), study)
+        thresholds = find_overturning(study, progress, sweep.team if sweep else None)
+        found = with_rules(with_curves(assemble(study, describe_cases(study), thresholds), study), study)
+        return with_ensembles(with_prescreen(found, study), study)
     with np.errstate(all="ignore"):  # what is not finite is a result
-        return with_curves(assemble(study, solve_cases(study, progress)), study)
+        found = with_rules(with_curves(assemble(study, solve_cases(study, progress, sweep)), study), study)
+        return with_ensembles(found, study)
 
 
 def dataset_path(study: Study, out_dir: Path) -> Path:
@@ -67,6 +77,7 @@ def check_answers(study: Study) -> None:
     """
     check_quantities(study)
     check_histories(study)
+    check_rules(study)
 
 
 def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
@@ -82,9 +93,16 @@ def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
         return
     check_quantities(study)
     found = netcdf.identity(path)
-    if found != study.identity:
-        what = "a file that is not a dataset of this program" if found is None else "the results of another study"
-        raise StudyError(f"{path} holds {what} (or of another version of it); --fresh replaces it", file=study.file)
+    if found == study.identity:
+        return
+    if found is None:
+        what = "a file that is not a dataset of this program"
+    elif taken_over(study, netcdf.read(path)) is not None:
+        check_answers(study)
+        return
+    else:
+        what = "the results of another study"
+    raise StudyError(f"{path} holds {what} (or of another version of it); --fresh replaces it", file=study.file)
 
 
 def run_study(
@@ -95,10 +113,13 @@ def run_study(
     plots: bool = True,
     plot_format: str = "png",
     progress: Progress | None = None,
+    team: Team | None = None,
+    share: tuple[int, int] | None = None,
 ) -> RunReport:
     """Solve a study into DIR/<name>/<name>.nc, judge it and draw its plots.
 
-    A finished study of the same identity is not solved again: its words, errors, verdicts and plots are renewed.
+    A finished study of the same identity is not solved again: its words, errors, verdicts and plots are renewed.  What
+    a killed run or other shares have finished is not solved again, nor what the dataset of fewer points has.
 
     Args:
         study: a checked study.
@@ -106,6 +127,8 @@ def run_study(
         fresh: replace whatever stands there.
         plots: draw; plot_format: png, pdf or svg.
         progress: called with (cases done, cases in all).
+        team: who works; None = this process.
+        share: (K, N): solve only the K-th of N shares and leave it for a run without a share, which merges them.
 
     Raises:
         StudyError: as `check_study`, or another process works in the folder.
@@ -113,15 +136,68 @@ def run_study(
     """
     started = perf_counter()
     path = dataset_path(study, out_dir)
-    with locked(path.parent):
-        sweep_leftovers(path.parent)
+    team = team or Team()
+    parts = Parts(path.parent, study)
+    sweep = Sweep(team, parts, share, progress=progress)
+    with locked(path.parent, share):
         check_study(study, out_dir, fresh=fresh)
+        if share is None:
+            sweep_leftovers(path.parent)
+            parts.sweep()
+        known = 0
         if path.exists() and not fresh:
-            contents, status = _renewed(study, path), UP_TO_DATE
-        else:
-            contents, status = solve(study, progress), SOLVED
-            netcdf.write(contents, path)
-        drawn, complaints = _draw(study, path, plot_format) if plots else ((), ())
+            if netcdf.identity(path) == study.identity:
+                contents, status = _renewed(study, path), UP_TO_DATE
+                return _told(study, contents, status, path, started, plot_format if plots else None)
+            old = taken_over(study, netcdf.read(path))
+            assert old is not None
+            known, sweep.known = len(old.cases), (old,)
+        if fresh:
+            parts.remove()
+        if share is not None:
+            return _of_share(study, sweep, started)
+        contents = _solve_and_keep(study, sweep)
+        netcdf.write(contents, path)
+        parts.remove()
+        report = _told(study, contents, SOLVED, path, started, plot_format if plots else None)
+    return replace(report, taken_over=known, resumed=sweep.resumed, warnings=(*report.warnings, *team.notes))
+
+
+def _solve_and_keep(study: Study, sweep: Sweep) -> Contents:
+    """Solve; when interrupted, write what is finished first."""
+    try:
+        return solve(study, sweep=sweep)
+    except KeyboardInterrupt:
+        assert isinstance(sweep.keeper, Parts)
+        sweep.keeper.flush()
+        raise
+
+
+def _of_share(study: Study, sweep: Sweep, started: float) -> RunReport:
+    """Solve one share into parts."""
+    assert isinstance(sweep.keeper, Parts)
+    assert sweep.share is not None
+    if study.search is not None:
+        raise StudyError("--part does not share out a search (`find`); --workers and --dask do", file=study.file)
+    try:
+        cases = solve_cases(study, sweep=sweep).answered
+    finally:
+        sweep.keeper.flush()
+    return RunReport(
+        name=study.name,
+        status=SHARE,
+        cases=study.size,
+        resumed=cases,
+        share=sweep.share,
+        warnings=tuple(sweep.team.notes),
+        seconds=perf_counter() - started,
+    )
+
+
+def _told(
+    study: Study, contents: Contents, status: str, path: Path, started: float, plot_format: str | None
+) -> RunReport:
+    drawn, complaints = _draw(study, path, plot_format) if plot_format is not None else ((), ())
     return report_on(
         study,
         contents,
@@ -140,7 +216,8 @@ def _renewed(study: Study, path: Path) -> Contents:
         return contents
     described = Contents(contents.axes, contents.fields, refreshed(contents.attrs, study))
     with np.errstate(all="ignore"):
-        contents = with_curves(with_comparison(described, study.compare_to), study)
+        contents = with_rules(with_curves(with_comparison(described, study.compare_to), study), study)
+        contents = with_ensembles(contents, study)
     netcdf.write(contents, path)
     return contents
 

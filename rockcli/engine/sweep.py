@@ -1,219 +1,204 @@
-"""Walks all cases of a study in chunks and gathers the results; one bad case never loses the others."""
+"""Solves all cases of a study in chunks and gathers the results; one bad case never loses the others."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rockcli import kernels
+from rockcli.engine.agenda import CHUNK, Agenda, Pace
+from rockcli.engine.answer import Answer, blank
+from rockcli.engine.apart import build_apart, solve_apart
 from rockcli.engine.choose import choose
+from rockcli.engine.cost import seconds_per_case
+from rockcli.engine.describe import describe, describe_rest, rows_of, symbols_of
+from rockcli.engine.executors import Team, answers
 from rockcli.engine.limits import cases_at_a_time
-from rockcli.engine.measures import peaks
-from rockcli.errors import RecordError, SolverError, StudyError
+from rockcli.engine.parts import Keeper
+from rockcli.engine.results import Results
+from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Pulses
-from rockcli.scene.response import FAILED, MAX_IMPACTS_STORED, Response
-from rockcli.scene.variables import LARGE
+from rockcli.scene.models import DEFORMABLE
+from rockcli.scene.response import Response
 from rockcli.study.study import Index, Study
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
-
-CHUNK = 65536
-"""Cases solved at a time."""
 
 CHUNK_WITH_HISTORIES = 100
 
-_ATTEMPTS = 64
-"""Batches that may break before what is left of a chunk is no longer taken apart to find the culprits."""
-
-_DTYPES = {"outcome": np.int8, "n_impacts": np.int64, "n_steps": np.int64}
+COMPILED_ABOVE, PLAIN = 2.0, 100.0
+"""Time in plain Python above which a study's kernels are compiled [s], and how much slower that is."""
 
 
-@dataclass(eq=False)
-class Results:
-    """Everything the solvers said, over the flat cases of a study.
+@dataclass
+class Sweep:
+    """How a study is to be solved, beside what it says.
 
     Attributes:
-        scalars: (n,) by name; floats NaN and counts -1 where there is no answer.
-        symbols: R alpha p eta a_p omega_p pga pgv, (n,), NaN where a case has none.
-        time: output times (k,) [s].
-        histories: (n, k) by name, NaN after a case's t_end; impacts: (n, j), NaN-padded.
-        sentences: (n,) code of the sentence of each case; codes: sentence -> code, "" is 0.
-        used: distinct settings of the solvers, in the order met.
-        warnings: sentence -> number of cases.
-        has_mass: whether every case has a mass (M_base is then in N m).
+        team: who works.
+        keeper: keeps what is finished where a killed run finds it again; None = nowhere.
+        share: (K, N): only the K-th of N shares of the cases.
+        known: answers there are already, of the same numbers.
+        progress: called with (cases done, cases in all) after every chunk.
+        resumed: afterwards, how many cases the keeper had.
     """
 
-    scalars: dict[str, NDArray[Any]]
-    symbols: dict[str, Array]
-    sentences: NDArray[np.int32]
-    codes: dict[str, int] = field(default_factory=lambda: {"": 0})
-    time: Array = field(default_factory=lambda: np.empty(0))
-    histories: dict[str, Array] = field(default_factory=dict)
-    impacts: dict[str, Array] = field(default_factory=dict)
-    used: list[dict[str, str]] = field(default_factory=list)
-    warnings: dict[str, int] = field(default_factory=dict)
-    has_mass: bool = True
-
-    def say(self, indices: Index, sentences: list[str]) -> None:
-        """Note one sentence per case."""
-        for index, sentence in zip(indices, sentences, strict=True):
-            if sentence:
-                self.sentences[index] = self.codes.setdefault(sentence, len(self.codes))
-
-    def order_reasons(self) -> None:
-        """Number the sentences by the first case that has them, whatever order the batches came in."""
-        known = list(self.codes)
-        used, first = np.unique(self.sentences, return_index=True)
-        order = [0, *(int(code) for code in used[np.argsort(first)] if code)]
-        place = np.zeros(len(known), dtype=np.int32)
-        place[order] = np.arange(len(order))
-        self.sentences = place[self.sentences]
-        self.codes = {known[code]: i for i, code in enumerate(order)}
+    team: Team
+    keeper: Keeper | None = None
+    share: tuple[int, int] | None = None
+    known: Iterable[Answer] = ()
+    progress: Progress | None = None
+    resumed: int = 0
 
 
-def solve_cases(study: Study, progress: Progress | None = None) -> Results:
-    """Solve every case of a study.
+@dataclass(frozen=True, eq=False)
+class Solving:
+    """Solves some cases of a study, wherever it is called (`executors.Work`)."""
 
-    Args:
-        study: a checked study.
-        progress: called with (cases done, cases in all) after every batch.
+    study: Study
+    compiled: bool = False
+
+    def __call__(self, cases: Index) -> Answer:
+        """The answer of some cases.
+
+        Raises:
+            StudyError: a solver cannot do what the study asks for.
+        """
+        with np.errstate(all="ignore"):  # what is not finite is found in the results
+            return self._solved(cases)
+
+    def lost(self, cases: Index, why: str) -> Answer:
+        """The answer of cases that failed with a sentence."""
+        return Answer(cases, blank(self.study.scalars, len(cases)), {why: cases})
+
+    def _solved(self, cases: Index) -> Answer:
+        if self.compiled:
+            kernels.load(compile_them=True)
+        study = self.study
+        answer = Answer(cases, blank(study.scalars, len(cases)))
+        responses: list[tuple[Index, Response]] = []
+        said: dict[str, list[Index]] = {}
+        built: list[tuple[Index, Batch]] = []
+        for part, batch in build_apart(study.batches, cases):
+            if isinstance(batch, str):
+                said.setdefault(batch, []).append(part)
+                continue
+            built.append((part, batch))
+            for some, response in solve_apart(study.batches, part, batch):
+                if isinstance(response, str):
+                    said.setdefault(response, []).append(some)
+                else:
+                    _gather(answer, some, response, said)
+                    if response.histories or response.impacts:
+                        responses.append((some, response))
+        answer.sentences = {sentence: np.sort(np.concatenate(where)) for sentence, where in said.items()}
+        answer.described = describe(study, built)
+        _join(answer, responses)
+        return answer
+
+
+def solve_cases(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Results:
+    """Solve every case of a study, or what of it `sweep` says.
 
     Raises:
-        StudyError, RecordError: a case cannot be built.
+        StudyError: a solver cannot do what the study asks for.
+        OutputError: what is finished cannot be kept.
     """
-    with np.errstate(all="ignore"):  # what is not finite is found in the results
-        return _solve_cases(study, progress)
-
-
-def _solve_cases(study: Study, progress: Progress | None) -> Results:
-    results = _empty(study)
-    histories: list[tuple[Index, Response]] = []
-    done = 0
-    for chunk in _chunks(study):
-        for indices, batch in study.batches(chunk):
-            _describe(results, indices, batch, measure=study.size <= LARGE)
-            for part, response in solve_apart(study.batches, indices, batch):
-                _gather(results, part, response)
-                if study.histories and not isinstance(response, str):
-                    histories.append((part, response))
-            done += len(indices)
-            if progress is not None:
-                progress(done, study.size)
-    _join_histories(results, histories, study.size)
-    results.order_reasons()
-    return results
-
-
-def describe_cases(study: Study) -> Results:
-    """What is known of the cases without solving them: their symbols and warnings."""
-    results = _empty(study)
+    sweep = sweep or Sweep(Team())
+    sweep.progress = progress or sweep.progress
     with np.errstate(all="ignore"):
-        for chunk in _chunks(study):
-            for indices, batch in study.batches(chunk):
-                _describe(results, indices, batch, measure=False)
+        return _solve_cases(study, sweep)
+
+
+def _solve_cases(study: Study, sweep: Sweep) -> Results:
+    results = Results.of(study, symbols_of(study))
+    todo = np.ones(study.size, dtype=bool)
+    for answer in sweep.known:
+        todo[answer.cases] = False
+        results.put(answer)
+    for answer in sweep.keeper.kept() if sweep.keeper else ():
+        fresh = answer.among(todo[answer.cases])
+        todo[fresh.cases] = False
+        results.put(fresh)
+        sweep.resumed += len(fresh.cases)
+    known = results.answered
+    if sweep.share is not None:
+        todo &= _of_share(study.size, *sweep.share)
+    agenda = Agenda(study.size, None if todo.all() else todo)
+    estimate, compiled = outlook(study, study.size) if agenda.left else (1.0, False)
+    most = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
+    in_all = known + agenda.left
+    done = known
+    if sweep.progress is not None and known:
+        sweep.progress(done, in_all)
+    for cases, answer in answers(Solving(study, compiled), agenda, Pace(estimate, most), sweep.team):
+        if answer.described is not None:
+            results.describe(answer.described)
+            answer.described = None
+        if sweep.keeper is not None:
+            sweep.keeper.keep(answer)
+        results.put(answer)
+        done += len(cases)
+        if sweep.progress is not None:
+            sweep.progress(done, in_all)
+    if known and sweep.share is None:
+        describe_rest(study, results, ~todo)
+    results.finish()
     return results
 
 
-def _chunks(study: Study) -> Iterator[Index]:
-    step = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
-    for start in range(0, study.size, step):
-        yield np.arange(start, min(start + step, study.size))
+def _of_share(n: int, k: int, shares: int) -> Any:
+    """Whether each of n cases belongs to share k of N: blocks in turn, since neighbours cost about the same."""
+    mine = np.zeros(n, dtype=bool)
+    block = max(1, n // (64 * shares))
+    for start in range((k - 1) * block, n, shares * block):
+        mine[start : start + block] = True
+    return mine
 
 
-def _empty(study: Study) -> Results:
-    n = study.size
-    scalars: dict[str, NDArray[Any]] = {}
-    for name in study.scalars:
-        if name == "outcome":
-            scalars[name] = np.full(n, FAILED, dtype=np.int8)
-        elif name in _DTYPES:
-            scalars[name] = np.full(n, -1, dtype=_DTYPES[name])
-        elif name != "reason":
-            scalars[name] = np.full(n, np.nan)
-    return Results(scalars, {}, np.zeros(n, dtype=np.int32))
-
-
-def _describe(results: Results, indices: Index, batch: Batch, *, measure: bool) -> None:
-    """Note the symbols and warnings of a batch."""
-    block, motion = batch.block, batch.excitation.horizontal
-    symbols = {
-        "R": block.of_weak_edge(block.R),
-        "alpha": block.of_weak_edge(block.alpha),
-        "p": block.of_weak_edge(batch.p),
-        "eta": block.of_weak_edge(batch.damping.eta),
-    }
-    if isinstance(motion, Pulses):
-        symbols |= {"a_p": motion.a_p, "omega_p": motion.omega_p}
-    if measure:
-        symbols["pga"], symbols["pgv"] = peaks(motion, batch.size, batch.excitation.duration)
-    for name, values in symbols.items():
-        results.symbols.setdefault(name, np.full(len(results.sentences), np.nan))[indices] = values
-    results.has_mass &= bool(np.isfinite(block.mass).all())
-    for sentence in batch.warnings:
-        results.warnings[sentence] = results.warnings.get(sentence, 0) + batch.size
-
-
-Rebuild = Callable[[Index], Iterator[tuple[Index, Batch]]]
-
-
-def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tuple[Index, Response | str]]:
-    """Yield responses, or the sentence of why there is none; a batch that breaks is halved to find the bad cases.
-
-    `rebuild(indices)` gives the batches of some of the cases again.
-    """
-    pending: list[tuple[Index, Batch]] = [(indices, batch)]
-    broken = 0
-    while pending:
-        part, cases = pending.pop()
+def outlook(study: Study, size: int) -> tuple[float, bool]:
+    """Seconds per case, estimated from the first, and whether kernels are to be compiled for so many of them."""
+    for _, batch in build_apart(study.batches, np.zeros(1, dtype=np.int64)):
+        if isinstance(batch, str):
+            break
         try:
-            solver = choose(cases).load()
-        except SolverError as error:
-            yield part, str(error)
-            continue
-        try:
-            response = solver(cases)
-        except (StudyError, RecordError):
-            raise
-        except SolverError as error:
-            yield part, str(error)
-        except Exception as error:  # a solver that breaks is a failed case, not a lost study
-            broken += 1
-            if len(part) == 1 or broken > _ATTEMPTS:
-                yield part, f"the solver broke: {type(error).__name__}: {error}"
-                continue
-            for half in np.array_split(part, 2):
-                pending.extend(rebuild(half))
-        else:
-            yield part, response
+            backend = choose(batch).name
+        except SolverError:
+            break
+        seconds = seconds_per_case(batch, backend)
+        plain = backend == "event" and batch.model not in DEFORMABLE
+        return seconds, plain and seconds * PLAIN * size > COMPILED_ABOVE
+    return 1e-3, False
 
 
-def _gather(results: Results, indices: Index, response: Response | str) -> None:
-    if isinstance(response, str):
-        results.say(indices, [response] * len(indices))
-        return
-    for name, values in results.scalars.items():
+def _gather(answer: Answer, part: Index, response: Response, said: dict[str, list[Index]]) -> None:
+    rows = rows_of(answer.cases, part)
+    for name, values in answer.scalars.items():
         if name in response.scalars:
-            values[indices] = response.scalars[name]
-    results.say(indices, response.reasons)
-    if response.used not in results.used:
-        results.used.append(response.used)
+            values[rows] = response.scalars[name]
+    if any(response.reasons):
+        by_sentence: dict[str, list[int]] = {}
+        for case, sentence in zip(part.tolist(), response.reasons, strict=True):
+            if sentence:
+                by_sentence.setdefault(sentence, []).append(case)
+        for sentence, where in by_sentence.items():
+            said.setdefault(sentence, []).append(np.array(where, dtype=np.int64))
+    if response.used not in [one for _, one in answer.used]:
+        answer.used.append((int(part.min()), response.used))
+    answer.used = [(min(first, int(part.min())) if one == response.used else first, one) for first, one in answer.used]
 
 
-def _join_histories(results: Results, parts: list[tuple[Index, Response]], n: int) -> None:
-    """Lay the histories of all batches on the longest of their time axes, and pad the impacts."""
-    results.time = max((response.time for _, response in parts), key=len, default=np.empty(0))
-    longest = max((a.shape[1] for _, r in parts for a in r.impacts.values()), default=0)
-    for indices, response in parts:
-        for name, values in response.histories.items():
-            if name not in results.histories:
-                results.histories[name] = np.full((n, len(results.time)), np.nan)
-            results.histories[name][indices, : values.shape[1]] = values
-        for name, values in response.impacts.items():
-            if name not in results.impacts:
-                results.impacts[name] = np.full((n, min(max(longest, 1), MAX_IMPACTS_STORED)), np.nan)
-            results.impacts[name][indices, : values.shape[1]] = values
+def _join(answer: Answer, responses: list[tuple[Index, Response]]) -> None:
+    """Histories of the batches of a chunk on the longest of their time axes, impacts padded."""
+    answer.time = max((response.time for _, response in responses), key=len, default=answer.time)
+    for into, kind in ((answer.histories, "histories"), (answer.impacts, "impacts")):
+        found: list[tuple[Index, dict[str, Any]]] = [(part, getattr(response, kind)) for part, response in responses]
+        width = max((values.shape[1] for _, named in found for values in named.values()), default=0)
+        for part, named in found:
+            for name, values in named.items():
+                if name not in into:
+                    into[name] = np.full((len(answer.cases), width), np.nan)
+                into[name][rows_of(answer.cases, part), : values.shape[1]] = values

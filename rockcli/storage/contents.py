@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.contact import MODES
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.variables import VARIABLES
 
@@ -67,10 +68,11 @@ class Contents:
         return self.fields[name].values
 
     def over_axes(self, name: str) -> NDArray[Any]:
-        """Values of a coordinate that depends on some of the axes only, broadcast to all of them."""
+        """Values of a variable that depends on some of the axes only, broadcast to all of them; other dims last."""
         item = self.fields[name]
         index = tuple(slice(None) if axis in item.dims else None for axis in self.axes)
-        return np.broadcast_to(item.values[index], self.shape)
+        beside = tuple(size for dim, size in zip(item.dims, item.values.shape, strict=True) if dim not in self.axes)
+        return np.broadcast_to(item.values[index], (*self.shape, *beside))
 
 
 def axis_field(name: str, path: str, values: Sequence[Any], *, numeric: bool, unit: str) -> Field:
@@ -89,6 +91,8 @@ def variable_field(name: str, dims: tuple[str, ...], values: NDArray[Any], **att
             "flag_values": np.array(sorted(OUTCOMES), dtype=np.int8),
             "flag_meanings": " ".join(OUTCOMES[flag] for flag in sorted(OUTCOMES)),
         }
+    elif name == "contact_mode":
+        described |= {"flag_values": np.array(list(MODES), dtype=float), "flag_meanings": " ".join(MODES.values())}
     elif name != "reason":
         described["units"] = row.unit
     return Field(dims, values, described | attrs, coordinate=name in COORDINATES)

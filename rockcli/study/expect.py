@@ -8,9 +8,9 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
-from rockcli.scene.variables import CASE, IMPACT, ROTATION, TIME, VARIABLES
+from rockcli.scene.variables import CASE, IMPACT, LIMIT, MEASURE, MEASURES, ROTATION, SUITE, TIME, VARIABLES
 from rockcli.study.expressions import ExpressionError, constant, parse
-from rockcli.study.study import MATCH, Axis, Expect
+from rockcli.study.study import MATCH, Axis, Expect, Over
 from rockcli.study.tree import Keys, Map, Source, nearest, place
 from rockcli.study.values import describe
 
@@ -32,16 +32,42 @@ def of_constants(text: str) -> float:
 
 
 def read_expect(
-    source: Source, study: Map, axes: Sequence[Axis], evaluate: Evaluate = of_constants, found: tuple[str, ...] = ()
+    source: Source,
+    study: Map,
+    axes: Sequence[Axis],
+    evaluate: Evaluate = of_constants,
+    found: tuple[str, ...] = (),
+    suite: Over | None = None,
 ) -> tuple[Expect, ...]:
     """The clauses of a study whose form has been checked; `evaluate` is for the coordinates in `at`.
 
-    `found`: names of results that a search gives beside the variables of the dataset.
+    `found`: names of results that a search gives beside the variables of the dataset; `suite`: the ensemble
+    statistics of the study.
 
     Raises:
         StudyError: an unknown quantity, a point that is on no axis, none or several of `value`, `min`, ...
     """
-    return tuple(_clause(source, study, axes, i, evaluate, found) for i in range(len(study.get("expect") or ())))
+    n = len(study.get("expect") or ())
+    return tuple(_clause(source, study, axes, i, evaluate, found, suite) for i in range(n))
+
+
+def _axes_of(quantity: str, axes: Sequence[Axis], suite: Over | None) -> Sequence[Axis]:
+    """What a clause about a quantity may name in `at`."""
+    over = CASE
+    if quantity in VARIABLES:
+        over = VARIABLES[quantity].over
+    elif suite is not None and quantity.rsplit("_", 1)[-1] in suite.ends:
+        over = SUITE
+    if suite is None or over not in (SUITE, LIMIT, MEASURE):
+        return axes
+    left = [axis for axis in axes if axis.name != suite.axis]
+    if over == LIMIT:
+        single = quantity == "p_exceeded"
+        left = [axis for axis in left if single or axis.name != suite.along]
+        left.append(Axis(LIMIT, LIMIT, suite.limit_states, False))
+    elif over == MEASURE:
+        left.append(Axis(MEASURE, MEASURE, MEASURES, False))
+    return left
 
 
 def check_histories(
@@ -152,7 +178,13 @@ def _number(value: Any) -> float | None:
 
 
 def _clause(
-    source: Source, study: Map, axes: Sequence[Axis], i: int, evaluate: Evaluate, found: tuple[str, ...]
+    source: Source,
+    study: Map,
+    axes: Sequence[Axis],
+    i: int,
+    evaluate: Evaluate,
+    found: tuple[str, ...],
+    suite: Over | None,
 ) -> Expect:
     clause: Map = study["expect"][i]
     keys: Keys = ("expect", i)
@@ -184,7 +216,7 @@ def _clause(
         target = _target(source, study, (*keys, check), quantity, clause[check])
     return Expect(
         quantity=quantity,
-        at=match(source, study, (*keys, "at"), clause.get("at") or {}, axes, evaluate),
+        at=match(source, study, (*keys, "at"), clause.get("at") or {}, _axes_of(quantity, axes, suite), evaluate),
         check=check,
         target=target,
         rtol=_positive(source, study, (*keys, "rtol"), clause.get("rtol", 1e-6)),

@@ -11,7 +11,6 @@ from rockcli.study.tree import Keys, Map, Source, value_at
 DAMPING: tuple[str, ...] = ("none", "restitution", "dashpot", "fema356", "hht")
 BACKENDS: tuple[str, ...] = ("auto", "event", "scipy", "frame", "calculix", "opensees")
 LATER: dict[Keys, str] = {
-    ("over",): "ensemble statistics along an axis are",
     ("refine",): "adaptive refinement is",
     ("audit",): "the audit is",
 }

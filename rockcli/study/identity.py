@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
 import yaml
 
 import rockcli
@@ -31,6 +32,45 @@ def identity(
         "version": rockcli.__version__,
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=True).encode()).hexdigest()
+
+
+def kinship(
+    case: dict[str, Any],
+    let: dict[str, Any],
+    variations: Sequence[Variation],
+    save: dict[str, Any],
+    files: dict[str, str],
+) -> str:
+    """What tells whether the results of one study are among those of another, as JSON.
+
+    `base` is the hash of all but the axes; an axis has the hash of what each of its points puts into a case, or None
+    where the coordinate says it.  `files`: name -> SHA-256 of every record, which counts where its name stands.
+    """
+
+    def content(value: Any) -> str:
+        told = [_canonical(value), sorted({text: files[text] for text in _texts(value) if text in files}.items())]
+        return hashlib.sha256(json.dumps(told, sort_keys=True, allow_nan=True).encode()).hexdigest()[:32]
+
+    said = {key: value for key, value in save.items() if key != "dt_out" or save["histories"] is not False}
+    axes = []
+    for variation in variations:
+        axis, points = variation.axis, None
+        if variation.columns is not None and not axis.numeric:
+            paths = [".".join(path) for path in variation.columns]
+            points = [content([paths, row]) for row in np.column_stack(list(variation.columns.values())).tolist()]
+        elif not axis.numeric:
+            points = [content([[".".join(path), value] for path, value, _ in point]) for point in variation.settings]
+        axes.append([axis.name, axis.path, points, variation.find])
+    return json.dumps({"base": content([case, let, said, rockcli.__version__]), "axes": axes})
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """All texts in a tree."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict | list | tuple):
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _texts(item)
 
 
 def as_yaml(resolved: dict[str, Any]) -> str:

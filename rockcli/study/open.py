@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from rockcli.errors import StudyError
 from rockcli.scene.batch import Save
-from rockcli.scene.variables import LARGE, SCALARS, SCALARS_FEMA, SCALARS_FLEXIBLE, SCALARS_LARGE
+from rockcli.scene.variables import LARGE, SCALARS, SCALARS_FEMA, SCALARS_FLEXIBLE, SCALARS_LARGE, SCALARS_SLIDING
 from rockcli.study.axes import Evaluate, Variation, read_axes
 from rockcli.study.build import build_batch
 from rockcli.study.cases import Cases
@@ -23,8 +23,9 @@ from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.features import check_curves, check_features
 from rockcli.study.found import DT_OUT, Found
-from rockcli.study.identity import as_yaml, identity, plain
+from rockcli.study.identity import as_yaml, identity, kinship, plain
 from rockcli.study.loader import load_file, load_mapping
+from rockcli.study.over import read_over
 from rockcli.study.overrides import apply_overrides
 from rockcli.study.records import Records
 from rockcli.study.schema import CasePart, StudyPart
@@ -79,7 +80,8 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
     search = None if sought is None else make_search(cases, sought)
-    expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else (search.name,))
+    over = read_over(where, tree, axes, scalars, searches=search is not None)
+    expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
     compare_to = tree.get("compare_to")
     resolved = _resolved(part, base, variations, saved)
@@ -99,12 +101,15 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         resolved=resolved,
         resolved_yaml=as_yaml(resolved),
         identity=identity(resolved["case"], resolved.get("let", {}), variations, saved, found.inputs),
+        kinship=kinship(resolved["case"], resolved.get("let", {}), variations, saved, records.hashes()),
         inputs=found.inputs,
         processing=found.processing(),
         warnings=(*warnings, *unused_symbols(tree, variations), *replaced_records(tree), *found.doubts(tree)),
         histories_at=at,
         curves=tuple(dict.fromkeys(part.curves)),
+        rules=tuple(dict.fromkeys(part.rules)),
         search=search,
+        over=over,
     )
 
 
@@ -163,7 +168,9 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
     wanted = save.get("scalars")
     if wanted is None:
         wanted = () if curves_only else SCALARS if size <= LARGE else SCALARS_LARGE
-    special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE}
+    special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE, *SCALARS_SLIDING}
+    if found.friction:
+        special -= set(SCALARS_SLIDING)
     if "fema356" in found.schemes:
         special -= set(SCALARS_FEMA)
     if any(model == "flexible" for model, _ in found.models):

@@ -67,6 +67,11 @@ class Records:
                 raise self.source.record_error(where, self._missing(name), MissingRecordError)
         return self.found[name]
 
+    def hashes(self) -> dict[str, str]:
+        """SHA-256 of the bytes of every record read, by its name in the study."""
+        read = {prepared.path: prepared.motion.sha256 for prepared in self.prepared.values()}
+        return {name: read[path] for name, path in self.found.items() if path in read}
+
     def match(self, pattern: str) -> list[str]:
         """Names of the records a glob matches, sorted, in the first folder that has any."""
         import glob
@@ -102,6 +107,11 @@ class Records:
                 motion = process(raw, **steps, g=g)
             self.prepared[key] = Prepared(motion, raw, path)
         return self.prepared[key]
+
+    def no_match(self, key: str, pattern: str, where: Where) -> RecordError:
+        """The error of a pattern that matches no file: what it may be, where it was sought and how to get it."""
+        lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Sought in {', '.join(self._searched())}"]
+        return self.source.record_error(where, "\n  ".join(lines + how_to_obtain(pattern)), MissingRecordError)
 
     def _missing(self, name: str) -> str:
         """What is missing, where it was sought and how to get it: a line each."""

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from rockcli.scene.batch import Batch, Save
 from rockcli.study.axes import Variation
 from rockcli.study.cases import Cases
-from rockcli.study.study import Axis, Index
+from rockcli.study.over import AMPLITUDES
+from rockcli.study.study import Axis, Index, Over
 from rockcli.study.tree import Map, Source
 
 Array = NDArray[np.float64]
@@ -29,6 +30,18 @@ class Search:
     axis: Axis
     name: str
     _cases: Cases
+
+    @property
+    def prescreens(self) -> tuple[str, ...]:
+        """Names of the pre-screens beside the value found: from the first uplift, and for the worst excursion."""
+        path = self.axis.path.removeprefix("case.").split(".")
+        of_motion = path[0] == "motion" and len(path) == 3 and path[-1] in AMPLITUDES
+        return (f"{self.name}_prescreen", f"{self.name}_prescreen_worst") if of_motion else ()
+
+    def results(self, over: Over | None) -> tuple[str, ...]:
+        """Names of what the search gives: the value found, its pre-screens, and the statistics over a suite."""
+        names = (self.name, *self.prescreens)
+        return (*names, *(f"{name}_{end}" for name in names for end in (over.ends if over else ())))
 
     def at(self, indices: Index, values: Array) -> Iterator[tuple[Index, Batch]]:
         """Yield (positions, batch) for the study's flat case indices (k,), each with its own value (k,)."""

@@ -72,6 +72,33 @@ class Expect:
     line: int | None = None
 
 
+@dataclass(frozen=True)
+class Over:
+    """Ensemble statistics.
+
+    Attributes:
+        axis: name of the axis they are taken over.
+        along: name of the axis of the intensity; None = there is none.
+        limits: limit states, theta_peak_over_alpha exceeded, ascending; overturning is one more.
+        mean: whether the mean is wanted beside the fractiles.
+    """
+
+    axis: str
+    along: str | None
+    limits: tuple[float, ...]
+    mean: bool
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """Ends of the names of the statistics of a scalar."""
+        return ("p16", "p50", "p84", "mean") if self.mean else ("p16", "p50", "p84")
+
+    @property
+    def limit_states(self) -> tuple[str, ...]:
+        """Labels: the limits, and overturning."""
+        return (*(f"{limit:g}" for limit in self.limits), "overturned")
+
+
 class CaseSource(Protocol):
     """Builds the cases of a study on demand, so that a sweep never holds them all."""
 
@@ -98,6 +125,15 @@ class Searched(CaseSource, Protocol):
         """Of the result."""
         ...
 
+    @property
+    def prescreens(self) -> tuple[str, ...]:
+        """Names of the pre-screens beside the value found; none where no amplitude of the motion is searched."""
+        ...
+
+    def results(self, over: Over | None) -> tuple[str, ...]:
+        """Names of what the search gives: the value found, its pre-screens, and the statistics over a suite."""
+        ...
+
     def at(self, indices: Index, values: NDArray[np.float64]) -> Iterator[tuple[Index, Batch]]:
         """Yield (positions, batch) for flat case indices (k,), each with its own value (k,)."""
         ...
@@ -118,10 +154,13 @@ class Study:
         histories: whether histories are saved; dt_out: output spacing [s]; scalars: names in contract order.
         histories_at: {axis name: coordinate value} of the only cases whose histories are saved; None = all.
         curves: kinds of static curve asked for.
+        rules: rules of thumb and code checks asked for.
         search: the range searched for overturning (`find`), which makes no dimension; None = none.
+        over: ensemble statistics asked for; None = none.
         resolved: the resolved study as a plain mapping (re-runnable when dumped as YAML).
         resolved_yaml: the same as YAML text.
         identity: SHA-256 hex of what changes numbers (case, let, vary, save, record bytes, program version).
+        kinship: what tells whether results of another study are among these (see `identity.kinship`), JSON.
         inputs: record file name -> SHA-256 of its bytes.
         processing: record name -> what was done to it, sentences in order, with the effect on PGA and PGV.
         warnings: sentences about the study as a whole.
@@ -147,7 +186,10 @@ class Study:
     warnings: tuple[str, ...] = ()
     histories_at: dict[str, Any] | None = None
     curves: tuple[str, ...] = ()
+    rules: tuple[str, ...] = ()
     search: Searched | None = None
+    kinship: str = ""
+    over: Over | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rockcli.engine import sweep
+from rockcli.engine import apart, sweep
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import make_block
 from rockcli.scene.damping import Damping
@@ -93,6 +93,7 @@ class Hand:
     """Stands where a backend would."""
 
     solver: Solver
+    name: str = "by hand"
 
     def load(self) -> Solver:
         return self.solver
@@ -100,4 +101,5 @@ class Hand:
 
 def solve_by(monkeypatch: pytest.MonkeyPatch, solver: Solver) -> None:
     """Make every batch be solved by `solver`."""
-    monkeypatch.setattr(sweep, "choose", lambda batch: Hand(solver))
+    for module in (apart, sweep):
+        monkeypatch.setattr(module, "choose", lambda batch: Hand(solver))

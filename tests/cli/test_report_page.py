@@ -45,7 +45,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
         "name": "paged",
         "title": "Peaks < 1 & more",
         "case": {
-            "block": {"R": 2.0, "tan_alpha": 0.2, "mu": 0.1},
+            "block": {"R": 2.0, "tan_alpha": 0.2, "mu": 0.21},
             "motion": {"pulse": {"shape": "ricker", "a_p_over_g_tan_alpha": 3.6, "omega_p": "3*pi"}},
         },
         "vary": {"model": ["rigid", 3]},

@@ -1,0 +1,95 @@
+"""What is still to be solved, and how much of it at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.study.study import Index
+
+_WINDOW = 1 << 20
+"""Cases looked through at a time for those that are left."""
+
+CHUNK = 65536
+"""Cases solved at a time, at most."""
+
+FIRST, TARGET = 0.2, 1.0
+"""Time that the first chunk and the others are meant to take [s]."""
+
+SHARES = 4
+"""Chunks that are left for every worker near the end, so that none waits long for the last."""
+
+
+class Agenda:
+    """Hands out the cases that are left, in order; what was lost comes back and goes first.
+
+    Args:
+        size: cases in all.
+        todo: which of them are left, (size,); None = all.
+    """
+
+    def __init__(self, size: int, todo: NDArray[np.bool_] | None = None) -> None:
+        self.size = size
+        self._todo = todo
+        self.left = size if todo is None else int(todo.sum())
+        self._next = 0
+        self._returned: list[Index] = []
+
+    def take(self, most: int) -> Index:
+        """The next cases, ascending, `most` at the most; empty when there are none."""
+        if self._returned:
+            cases = self._returned.pop()
+            if len(cases) > most:
+                self._returned.append(cases[most:])
+                cases = cases[:most]
+        elif self._todo is None:
+            cases = np.arange(self._next, min(self._next + most, self.size))
+            self._next += len(cases)
+        else:
+            cases = self._search(most)
+        self.left -= len(cases)
+        return cases
+
+    def _search(self, most: int) -> Index:
+        assert self._todo is not None
+        found: list[Index] = []
+        missing = most
+        while missing and self._next < self.size:
+            rows = np.flatnonzero(self._todo[self._next : self._next + max(_WINDOW, most)])[:missing] + self._next
+            full = len(rows) == missing
+            self._next = int(rows[-1]) + 1 if full else self._next + max(_WINDOW, most)
+            missing -= len(rows)
+            found.append(rows)
+        return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
+
+    def give_back(self, cases: Index) -> None:
+        """Cases that were taken and are not solved."""
+        self._returned.append(cases)
+        self.left += len(cases)
+
+
+class Pace:
+    """How many cases make a chunk: by what the last one took, before that by an estimate.
+
+    Args:
+        estimate: seconds per case.
+        most: cases in a chunk, whatever they take.
+    """
+
+    def __init__(self, estimate: float, most: int = CHUNK) -> None:
+        self.seconds_per_case = estimate
+        self.most = most
+        self.measured = 0
+
+    def learn(self, cases: int, seconds: float) -> None:
+        """What some cases took in one process."""
+        self.seconds_per_case = max(seconds, 1e-9) / max(cases, 1)
+        self.measured += 1
+
+    def step(self, left: int, workers: int = 1) -> int:
+        """Cases of the next chunk."""
+        target = TARGET if self.measured else FIRST
+        wanted = min(target / self.seconds_per_case, self.most)
+        if workers > 1:
+            wanted = min(wanted, -(-left // (SHARES * workers)))
+        return max(int(wanted), 1)

@@ -1,0 +1,71 @@
+"""Builds and solves cases so that one bad case never loses the others: what breaks is halved to find the culprits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from rockcli.engine.choose import choose
+from rockcli.errors import RecordError, RockError, SolverError, StudyError
+from rockcli.scene.batch import Batch
+from rockcli.scene.response import Response
+from rockcli.study.study import Index
+
+Rebuild = Callable[[Index], Iterator[tuple[Index, Batch]]]
+
+ATTEMPTS = 64
+"""Batches that may break before what is left of a chunk is no longer taken apart to find the culprits."""
+
+
+def build_apart(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch | str]]:
+    """Yield the batches of cases, or the sentence of why there is none; what cannot be built is halved to find it."""
+    pending = [cases]
+    broken = 0
+    while pending:
+        some = pending.pop()
+        done: list[Index] = []
+        try:
+            for part, batch in build(some):
+                yield part, batch
+                done.append(part)
+        except Exception as error:  # a record that is gone, a number that cannot be: the case's, not the study's
+            broken += 1
+            rest = np.setdiff1d(some, np.concatenate(done)) if done else some
+            if len(rest) == 1 or broken > ATTEMPTS:
+                yield rest, str(error) if isinstance(error, RockError) else _broke("the case cannot be built", error)
+            else:
+                pending.extend(np.array_split(rest, 2))
+
+
+def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tuple[Index, Response | str]]:
+    """Yield responses, or the sentence of why there is none; a batch that breaks is halved to find the bad cases.
+
+    `rebuild(indices)` gives the batches of some of the cases again.
+    """
+    pending: list[tuple[Index, Batch | str]] = [(indices, batch)]
+    broken = 0
+    while pending:
+        part, cases = pending.pop()
+        if isinstance(cases, str):
+            yield part, cases
+            continue
+        try:
+            response = choose(cases).load()(cases)
+        except StudyError:
+            raise
+        except (SolverError, RecordError) as error:
+            yield part, str(error)
+        except Exception as error:  # a solver that breaks is a failed case, not a lost study
+            broken += 1
+            if len(part) == 1 or broken > ATTEMPTS:
+                yield part, _broke("the solver broke", error)
+                continue
+            for half in np.array_split(part, 2):
+                pending.extend(build_apart(rebuild, half))
+        else:
+            yield part, response
+
+
+def _broke(what: str, error: Exception) -> str:
+    return f"{what}: {type(error).__name__}: {error}"

@@ -1,0 +1,130 @@
+"""A Dask cluster that solves chunks; Dask's one door."""
+
+from __future__ import annotations
+
+import pickle
+import threading
+from collections.abc import Iterator
+from time import perf_counter
+from typing import Any, TypeVar
+
+import numpy as np
+
+import rockcli
+from rockcli.engine.agenda import Agenda, Pace
+from rockcli.engine.executors import Team, Work
+from rockcli.errors import StudyError
+from rockcli.study.study import Index
+
+T = TypeVar("T")
+
+ANSWERS_WITHIN = 10.0
+"""Time that the scheduler has to answer [s]."""
+
+AHEAD = 2
+"""Chunks at the scheduler for every thread of a worker."""
+
+_turn = threading.Lock()
+"""Kernels are loaded by one thread, and a process solves one chunk at a time."""
+
+_unpacked: dict[int, Any] = {}
+
+
+def check_cluster(address: str) -> None:
+    """`StudyError` if a cluster cannot be used: Dask is missing, nobody answers, or workers run another version."""
+    with _client(address):
+        pass
+
+
+def on_cluster(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
+    """Solve what is left on the cluster `team.dask`; see `executors.answers`.
+
+    A worker that dies costs what it was at, which the scheduler has done again by another one.
+    """
+    assert team.dask is not None
+    with _client(team.dask) as client:
+        from distributed.scheduler import KilledWorker
+
+        packed = pickle.dumps(work)
+        held = client.submit(_kept, packed, pure=False)  # a task: if who holds it dies, another one makes it again
+        taken: dict[Any, Index] = {}
+        threads = max(sum(client.nthreads().values()), 1)
+
+        def submit() -> list[Any]:
+            new = []
+            while agenda.left and len(taken) < AHEAD * threads:
+                cases = agenda.take(pace.step(agenda.left, threads))
+                future = client.submit(_solve, held, cases, pure=False, retries=0)
+                taken[future.key] = cases
+                new.append(future)
+            return new
+
+        results = _as_completed(submit(), client)
+        for future in results:
+            cases = taken.pop(future.key)
+            try:
+                answer, seconds = future.result()
+            except KilledWorker:
+                team.note("worker processes of the cluster died; what they were at was solved again")
+                if len(cases) == 1:
+                    yield cases, work.lost(cases, "the solver's process died, on several workers")
+                else:
+                    for half in np.array_split(cases, 2):
+                        agenda.give_back(half)
+            else:
+                pace.learn(len(cases), seconds)
+                yield cases, answer
+            for new in submit():
+                results.add(new)
+
+
+def _as_completed(futures: list[Any], client: Any) -> Any:
+    """Futures as they are done; more may be added."""
+    from distributed import as_completed
+
+    return as_completed(futures, loop=client.loop)  # type: ignore[no-untyped-call]
+
+
+def _kept(packed: bytes) -> bytes:
+    return packed
+
+
+def _solve(packed: bytes, cases: Index) -> tuple[Any, float]:
+    """On a worker: the answer of a chunk, and the time it took [s]."""
+    with _turn:
+        key = hash(packed)
+        if key not in _unpacked:
+            _unpacked.clear()
+            _unpacked[key] = pickle.loads(packed)
+        began = perf_counter()
+        with np.errstate(all="ignore"):
+            return _unpacked[key](cases), perf_counter() - began
+
+
+def _version() -> str:
+    return rockcli.__version__
+
+
+def _client(address: str) -> Any:
+    try:
+        import distributed
+    except ImportError:
+        raise StudyError("--dask needs the packages dask and distributed: pip install 'rockcli[distributed]'") from None
+    start: Any = distributed.Client
+    try:
+        client = start(address, timeout=ANSWERS_WITHIN, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        said = str(error) or type(error).__name__
+        raise StudyError(f"--dask {address}: no Dask scheduler answers there ({said})") from None
+    try:
+        found = client.run(_version)
+    except Exception as error:
+        client.close()
+        why = f"rockcli has to be installed on the workers as it is here ({type(error).__name__}: {error})"
+        raise StudyError(f"--dask {address}: {why}") from None
+    others = sorted(set(found.values()) - {rockcli.__version__})
+    if others or not found:
+        client.close()
+        why = f"workers run rockcli {', '.join(others)}, not {rockcli.__version__}" if others else "it has no workers"
+        raise StudyError(f"--dask {address}: {why}")
+    return client

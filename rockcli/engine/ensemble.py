@@ -1,0 +1,205 @@
+"""Ensemble statistics (`over`): what a suite does at every point of the other axes.
+
+Failed and unresolved members are left out and counted; overturned ones count as infinite, never left out.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.engine.demand import correlations, with_measures
+from rockcli.engine.fragility import STATUS, fit
+from rockcli.engine.suite_words import sentences, warnings
+from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT, UNRESOLVED
+from rockcli.scene.statistics import fractile
+from rockcli.scene.variables import LIMIT, VARIABLES
+from rockcli.storage.contents import Contents, Field, text, variable_field
+from rockcli.study.study import Over, Study
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+ATTRIBUTE = "ensemble"
+"""Root attribute, JSON: axis, along, limits, the fields that belong to it, its sentences and its warnings."""
+
+PEAK = "theta_peak_over_alpha"
+
+SCALARS: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak")
+"""Scalars whose fractiles are taken."""
+
+_FRACTILES: dict[str, float] = {"p16": 0.16, "p50": 0.5, "p84": 0.84}
+
+
+@dataclass(frozen=True, eq=False)
+class Members:
+    """What became of every case, over the axes."""
+
+    answered: Mask
+    overturned: Mask
+
+
+def with_ensembles(contents: Contents, study: Study) -> Contents:
+    """Add the statistics a study asks for, or take away those it does not ask for.
+
+    Statistics have the axes but that of `over`; a fragility curve takes the axis of the intensity too, and has
+    `limit_state` instead.
+    """
+    before = json.loads(contents.attrs.get(ATTRIBUTE, "{}"))
+    fields = {name: item for name, item in contents.fields.items() if name not in before.get("fields", ())}
+    said = [s for s in json.loads(contents.attrs.get("warnings", "[]")) if s not in before.get("warnings", ())]
+    attrs = {name: value for name, value in contents.attrs.items() if name != ATTRIBUTE}
+    plain = Contents(contents.axes, fields, attrs | {"warnings": _json(said)})
+    if study.over is None:
+        return plain
+    with np.errstate(all="ignore"):
+        added = _thresholds(plain, study, study.over) if study.search else _statistics(plain, study, study.over)
+    whole = replace(plain, fields=fields | added)
+    more = [s for s in warnings(whole, study) if s not in said]
+    about = {
+        "axis": study.over.axis,
+        "along": study.over.along,
+        "limits": list(study.over.limits),
+        "fields": list(added),
+        "says": sentences(whole, study),
+        "warnings": more,
+    }
+    return replace(whole, attrs=attrs | {"warnings": _json([*said, *more]), ATTRIBUTE: _json(about)})
+
+
+def variables(study: Study) -> set[str]:
+    """Names of the statistics a study's dataset will have (of a search, see `Searched.results`)."""
+    over = study.over
+    if over is None:
+        return set()
+    found = {"n_answered"}
+    if study.search is not None:
+        return found | set(study.search.results(over))
+    found |= {"p_overturned", *(f"{name}_{end}" for name in SCALARS if name in study.scalars for end in over.ends)}
+    if PEAK in study.scalars:
+        found |= {"demand_spearman", "demand_pearson", "n_moving"}
+    if over.along is not None:
+        found |= {"safe_island", "n_safe_islands", "p_exceeded", "fragility_status", *_FITTED}
+    return found | set(VARIABLES).intersection(("p_pgv_over_g_tan_alpha", "arias", "cav", "t_mean", "d5_95"))
+
+
+def members(contents: Contents) -> Members:
+    """What became of every case, by its outcome, or by its peak where no outcome is saved."""
+    if "outcome" in contents.fields:
+        flags = contents.values("outcome")
+        return Members(flags > UNRESOLVED, flags >= OVERTURNED_WITHOUT_IMPACT)
+    peak = contents.values(PEAK)
+    return Members(~np.isnan(peak), np.isposinf(peak))
+
+
+def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
+    axes, at = contents.axes, contents.axes.index(over.axis)
+    rest = tuple(axis for axis in axes if axis != over.axis)
+    became = members(contents)
+    n = became.answered.sum(axis=at)
+    added = {
+        "n_answered": variable_field("n_answered", rest, n),
+        "p_overturned": variable_field(
+            "p_overturned", rest, np.where(n > 0, became.overturned.sum(axis=at) / n, np.nan)
+        ),
+    }
+    for name in SCALARS:
+        if name in contents.fields:
+            values = np.where(became.answered, contents.values(name), np.nan)
+            for end, reduced in _reduced(values, at, over).items():
+                added[f"{name}_{end}"] = variable_field(f"{name}_{end}", rest, reduced)
+    if over.along is not None:
+        added |= _islands(contents, became, over, rest) | _fragility(contents, became, over, rest)
+    measured = with_measures(contents.fields, contents, study)
+    if PEAK in contents.fields:
+        whole = replace(contents, fields=contents.fields | measured)
+        response = np.where(became.answered, contents.values(PEAK), np.nan)
+        measured |= correlations(response, whole, over.axis)
+    return added | measured
+
+
+def _reduced(values: Array, at: int, over: Over) -> dict[str, Array]:
+    """Fractiles along an axis by the ends of their names, and the mean where it is asked for."""
+    found = {end: fractile(values, q, at) for end, q in _FRACTILES.items()}
+    if over.mean:
+        known = ~np.isnan(values)
+        found["mean"] = np.where(known, values, 0.0).sum(axis=at) / known.sum(axis=at)
+    return found
+
+
+def _thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
+    """Fractiles of what a search found: nowhere in its range counts as inf."""
+    assert study.search is not None
+    at = contents.axes.index(over.axis)
+    rest = tuple(axis for axis in contents.axes if axis != over.axis)
+    answered = ~np.isnan(contents.values(study.search.name))
+    added = {"n_answered": variable_field("n_answered", rest, answered.sum(axis=at))}
+    words = {"p16": "16 % fractile", "p50": "median", "p84": "84 % fractile", "mean": "mean"}
+    for name in (study.search.name, *study.search.prescreens):
+        found = contents.fields[name]
+        for end, reduced in _reduced(found.values, at, over).items():
+            attrs = found.attrs | {"long_name": f"{words[end]} over the suite of: {found.attrs['long_name']}"}
+            added[f"{name}_{end}"] = Field(rest, reduced, attrs)
+    return added
+
+
+def _islands(contents: Contents, became: Members, over: Over, rest: tuple[str, ...]) -> dict[str, Field]:
+    """Cases that stand although the same member overturned at a lower intensity."""
+    assert over.along is not None
+    at = contents.axes.index(over.along)
+    order = np.argsort(contents.values(over.along))
+    fell = np.take(became.overturned, order, axis=at)
+    before = np.logical_or.accumulate(fell, axis=at)
+    stands = np.take(became.answered & ~became.overturned, order, axis=at)
+    island = np.take(before & stands, np.argsort(order), axis=at)
+    count = island.sum(axis=contents.axes.index(over.axis))
+    return {
+        "safe_island": variable_field("safe_island", contents.axes, island.astype(np.int8)),
+        "n_safe_islands": variable_field("n_safe_islands", rest, count),
+    }
+
+
+_FITTED: tuple[str, ...] = (
+    "fragility_median", "fragility_beta", "fragility_se_ln_median", "fragility_se_beta", "fragility_correlation"
+)  # fmt: skip
+
+
+def _fragility(contents: Contents, became: Members, over: Over, rest: tuple[str, ...]) -> dict[str, Field]:
+    """Shares that exceed each limit state at every intensity, and the curves through them."""
+    assert over.along is not None
+    peak = contents.fields.get(PEAK)
+    states = (
+        [became.overturned] if peak is None else [*(peak.values > limit for limit in over.limits), became.overturned]
+    )
+    labels = over.limit_states[-len(states) :]
+    order = (*(contents.axes.index(a) for a in rest if a != over.along), contents.axes.index(over.axis))
+    order = (*order, contents.axes.index(over.along))
+    answered = became.answered.transpose(order)
+    exceeds = np.stack([(state & became.answered).transpose(order) for state in states], axis=-3)
+    shape = exceeds.shape[:-2]
+    n, k = exceeds.shape[-2:]
+    repeated = np.broadcast_to(answered[..., None, :, :], exceeds.shape)
+    fits = fit(contents.values(over.along), exceeds.reshape(-1, n, k), repeated.reshape(-1, n, k))
+    share = exceeds.sum(axis=-2) / repeated.sum(axis=-2)  # (others, limit, k)
+    dims = (*(axis for axis in rest if axis != over.along), LIMIT)
+    place = rest.index(over.along)
+    added = {
+        LIMIT: Field((LIMIT,), text(labels), {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True),
+        "p_exceeded": variable_field("p_exceeded", (*rest, LIMIT), np.moveaxis(share, -1, place)),
+    }
+    unit = contents.fields[over.along].attrs.get("units", "1")
+    for name in _FITTED:
+        values = getattr(fits, name.removeprefix("fragility_")).reshape(shape)
+        more: dict[str, Any] = {"units": unit} if name == "fragility_median" else {}
+        added[name] = variable_field(name, dims, values, **more)
+    flags = {"flag_values": np.array(list(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS.values())}
+    added["fragility_status"] = variable_field("fragility_status", dims, fits.status.reshape(shape), **flags)
+    return added
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False)

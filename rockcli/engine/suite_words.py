@@ -1,0 +1,134 @@
+"""What a suite has to tell, in sentences: for the run's report, and as warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.engine.fragility import FITTED, WHY_NOT
+from rockcli.scene.variables import LIMIT, MEASURE
+from rockcli.storage.contents import Contents
+from rockcli.study.study import Over, Study
+
+_UNITS = {"1": "", "m s-2": " m/s2", "m s-1": " m/s"}
+
+
+def sentences(contents: Contents, study: Study) -> list[str]:
+    """What the statistics come to: capacity by limit state, and the measures that tell the demand best."""
+    assert study.over is not None
+    if study.search is not None:
+        return list(_of_thresholds(contents, study, study.over))
+    return [*_of_fragility(contents, study.over), *_of_demand(contents, study.over)]
+
+
+def warnings(contents: Contents, study: Study) -> list[str]:
+    """What must not be overlooked: members left out, safe islands, curves refused."""
+    assert study.over is not None
+    return [
+        *_left_out(contents, study, study.over),
+        *_islands(contents, study.over),
+        *_refused(contents, study.over),
+    ]
+
+
+def _left_out(contents: Contents, study: Study, over: Over) -> Iterator[str]:
+    answered = contents.values("n_answered")
+    total = len(contents.values(over.axis)) * answered.size
+    missing = total - int(answered.sum())
+    if missing:
+        why = "failed or unresolved"
+        if study.search is not None:
+            why = "failed, unresolved, or overturned at the first point of the range already"
+        yield f"{missing} of {total} cases have no answer ({why}) and are left out of the statistics; see n_answered"
+
+
+def _islands(contents: Contents, over: Over) -> Iterator[str]:
+    if "safe_island" not in contents.fields:
+        return
+    island = contents.values("safe_island") > 0
+    curves = island.any(axis=contents.axes.index(over.along))
+    if curves.any():
+        where = _place(contents, contents.axes, np.argwhere(island)[0])
+        yield (
+            f"safe islands: on {int(curves.sum())} of {curves.size} curves along {over.along} a body stands above an "
+            f"intensity that overturned it (first: {where}); the share that overturns need not grow along the curve"
+        )
+
+
+def _refused(contents: Contents, over: Over) -> Iterator[str]:
+    if "fragility_status" not in contents.fields:
+        return
+    item = contents.fields["fragility_status"]
+    points = item.values[..., 0].size
+    for i, label in enumerate(contents.values(LIMIT)):
+        of_limit = item.values[..., i]
+        for status, why in WHY_NOT.items():
+            bad = np.argwhere(of_limit == status)
+            if len(bad):
+                where = _place(contents, item.dims[:-1], bad[0])
+                at = f" at {len(bad)} of {points} points (first: {where})" if points > 1 else ""
+                yield f"no fragility curve for {limit_words(label)}{at}: {why}"
+
+
+def _of_fragility(contents: Contents, over: Over) -> Iterator[str]:
+    if "fragility_median" not in contents.fields:
+        return
+    unit = _UNITS.get(str(contents.fields["fragility_median"].attrs["units"]), "")
+    n = len(contents.values(over.axis))
+    for i, label in enumerate(contents.values(LIMIT)):
+        fitted = contents.values("fragility_status")[..., i] == FITTED
+        median, beta = (contents.values(f"fragility_{name}")[..., i][fitted] for name in ("median", "beta"))
+        if not len(median):
+            continue
+        words = f"{limit_words(label)}: median {over.along} {_span(median)}{unit}, beta {_span(beta)}"
+        points = "" if fitted.size == 1 else f", {len(median)} of {fitted.size} points"
+        yield f"{words} ({n} {_members(over)}{points})"
+
+
+def _of_demand(contents: Contents, over: Over) -> Iterator[str]:
+    if "demand_spearman" not in contents.fields:
+        return
+    rho = contents.values("demand_spearman")
+    flat = rho.reshape(-1, rho.shape[-1])
+    found = []
+    for name, column in zip(contents.values(MEASURE), flat.T, strict=True):
+        known = column[np.isfinite(column)]
+        if len(known):
+            found.append((float(np.median(known)), str(name)))
+    if found:
+        found.sort(key=lambda item: -abs(item[0]))
+        words = ", ".join(f"{name} {value:.2f}" for value, name in found)
+        points = "" if len(flat) == 1 else f", median of {len(flat)} points"
+        yield f"rank correlation of the peak: {words} (Spearman{points})"
+
+
+def _of_thresholds(contents: Contents, study: Study, over: Over) -> Iterator[str]:
+    assert study.search is not None
+    unit = _UNITS.get(study.search.axis.unit, "")
+    values = [np.ravel(contents.values(f"{study.search.name}_{end}")) for end in ("p16", "p50", "p84")]
+    words = ", ".join(f"{name} {_span(v)}" for name, v in zip(("16 %", "median", "84 %"), values, strict=True))
+    n = len(contents.values(over.axis))
+    yield f"{study.search.name}{unit and f' [{unit.strip()}]'}: {words} ({n} {_members(over)})"
+
+
+def limit_words(label: Any) -> str:
+    """A limit state for people."""
+    return "overturning" if label == "overturned" else f"theta/alpha > {label}"
+
+
+def _members(over: Over) -> str:
+    return "records" if over.axis == "record" else f"points of {over.axis}"
+
+
+def _span(values: NDArray[np.float64]) -> str:
+    low, high = f"{np.min(values):.4g}", f"{np.max(values):.4g}"
+    return low if low == high else f"{low} to {high}"
+
+
+def _place(contents: Contents, dims: tuple[str, ...], at: NDArray[np.int64]) -> str:
+    values = [contents.values(dim)[i] for dim, i in zip(dims, at, strict=True)]
+    words = [value if isinstance(value, str) else f"{value:.6g}" for value in values]
+    return ", ".join(f"{dim}={word}" for dim, word in zip(dims, words, strict=True))

@@ -1,0 +1,113 @@
+"""The symbols of the cases (R alpha p ...), held over the axes they depend on, never over all of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.study.study import Index
+
+Array = NDArray[np.float64]
+Values = dict[str, Array | float]
+
+EDGES = tuple(f"{name}_{side}" for name in ("R", "alpha", "p", "eta") for side in ("left", "right"))
+"""Symbols of either edge of an asymmetric body."""
+
+LOOKED_AT = 64
+"""Points of an axis looked at to see what changes along it."""
+
+
+class Symbols:
+    """Collects symbols case by case.
+
+    A first look along the axes tells what depends on what.  A case that contradicts it later makes its symbol one of
+    all axes, so that the result never depends on the look.
+
+    Args:
+        shape: points of every axis.
+        look: symbols of some flat cases, ascending.
+    """
+
+    def __init__(self, shape: tuple[int, ...], look: Callable[[Index], Values]) -> None:
+        self.shape = shape
+        self._kept: dict[str, tuple[int, ...]] = {}
+        self._values: dict[str, Array] = {}
+        self._known: dict[str, NDArray[np.bool_]] = {}
+        for axis in range(len(shape)):
+            for corner in (np.zeros(len(shape), dtype=np.int64), np.array(shape) - 1):
+                line = self._line(axis, corner)
+                for name, values in look(line).items():
+                    kept = self._kept.setdefault(name, ())
+                    if not isinstance(values, float) and axis not in kept:
+                        self._kept[name] = tuple(sorted((*kept, axis)))
+
+    def _line(self, axis: int, corner: Index) -> Index:
+        n = self.shape[axis]
+        points = np.repeat(corner[:, None], min(n, LOOKED_AT), axis=1)
+        points[axis] = np.unique(np.linspace(0, n - 1, min(n, LOOKED_AT)).astype(np.int64))
+        return np.asarray(np.ravel_multi_index(tuple(points), self.shape), dtype=np.int64)
+
+    def put(self, cases: Index, found: Values) -> None:
+        """Take the symbols of some flat cases; one that is not among them has no value there."""
+        places: dict[tuple[int, ...], Index] = {}
+        for name in dict.fromkeys((*found, *self._values)):
+            self._put(name, cases, places, found.get(name, float("nan")))
+
+    def _put(self, name: str, cases: Index, places: dict[tuple[int, ...], Index], values: Array | float) -> None:
+        kept = self._kept.setdefault(name, tuple(range(len(self.shape))))
+        if name not in self._values:
+            size = [self.shape[axis] for axis in kept]
+            self._values[name], self._known[name] = np.full(size, np.nan), np.zeros(size, dtype=bool)
+        held = self._values[name].reshape(-1)
+        if len(kept) == len(self.shape):
+            held[cases] = values
+            return
+        if kept not in places:
+            places[kept] = self._places(cases, kept)
+        at, known = places[kept], self._known[name].reshape(-1)
+        before = np.where(known[at], held[at], values)
+        held[at], known[at] = values, True
+        if not (_same(before, values).all() and _same(held[at], values).all()):
+            held[at] = before  # as it was, but for what this chunk was the first to say
+            self._over_all(name, kept)
+            self._put(name, cases, places, values)
+
+    def _places(self, cases: Index, kept: tuple[int, ...]) -> Index:
+        """Flat places of cases among the points of some axes."""
+        places = np.zeros(len(cases), dtype=np.int64)
+        for axis in kept:
+            inner = int(np.prod(self.shape[axis + 1 :], dtype=np.int64))
+            places = places * self.shape[axis] + cases // inner % self.shape[axis]
+        return places
+
+    def _over_all(self, name: str, kept: tuple[int, ...]) -> None:
+        inserted = tuple(slice(None) if axis in kept else None for axis in range(len(self.shape)))
+        self._values[name] = np.broadcast_to(self._values[name][inserted], self.shape).copy()
+        self._kept[name] = tuple(range(len(self.shape)))
+        del self._known[name]
+
+    def over(self, name: str, axes: tuple[str, ...]) -> tuple[tuple[str, ...], Array] | None:
+        """Dims and values of a symbol over the axes it depends on; None if no case has it."""
+        values = self._values.get(name)
+        if values is None or np.isnan(values).all():
+            return None
+        return reduce(values, tuple(axes[axis] for axis in self._kept[name]))
+
+
+def _same(one: Array, other: Array | float) -> NDArray[np.bool_]:
+    return np.asarray((one == other) | (np.isnan(one) & np.isnan(other)))
+
+
+def reduce(values: Array, axes: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
+    """Drop the axes along which values do not change (NaN equals NaN); the dims left and the values over them."""
+    kept: list[str] = []
+    for axis in axes:
+        at = len(kept)
+        first = np.take(values, [0], axis=at)
+        if _same(values, first).all():
+            values = first.squeeze(axis=at)
+        else:
+            kept.append(axis)
+    return tuple(kept), np.asarray(values)

@@ -1,0 +1,106 @@
+"""`rock run --workers --part --dask`: what they are told, what they tell."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rockcli.cli.progress import Progress
+
+Rock = Callable[..., int]
+
+STUDY = """\
+name: few
+case:
+  block: {R: 2.0, tan_alpha: 0.2}
+  initial: {theta: 0.1}
+vary:
+  block.R: [1.0, 2.0, 3.0, 4.0]
+save: {histories: false, scalars: [outcome]}
+"""
+
+
+@pytest.fixture
+def few(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("ROCK_KERNELS", "interpreted")
+    path = tmp_path / "few.yaml"
+    path.write_text(STUDY)
+    return path
+
+
+@pytest.mark.parametrize("part", ["0/2", "3/2", "2", "1/0", "a/b", "-1/2", "1/2/3", ""])
+def test_shares_that_cannot_be(part: str, few: Path, rock: Rock, capsys: pytest.CaptureFixture[str]) -> None:
+    assert rock("run", few, f"--part={part}") == 2
+    assert "expected K/N with K from 1 to N, such as 2/8" in capsys.readouterr().err
+    assert not Path("results").exists()
+
+
+def test_shares_are_not_fresh(few: Path, rock: Rock, capsys: pytest.CaptureFixture[str]) -> None:
+    assert rock("run", few, "--part", "1/2", "--fresh") == 2
+    assert "--part does not go with --fresh" in capsys.readouterr().err
+
+
+def test_shares_tell_what_is_missing_and_are_merged(few: Path, rock: Rock, capsys: pytest.CaptureFixture[str]) -> None:
+    assert rock("run", few, "--part", "1/2") == 0
+    assert re.search(r"few: share 1/2 solved in .*, 2 cases of other shares not there yet", capsys.readouterr().out)
+    assert rock("run", few, "--part", "2/2", "--json") == 0
+    told = json.loads(capsys.readouterr().out)["studies"][0]
+    assert (told["status"], told["share"], told["resumed"], told["file"]) == ("share solved", [2, 2], 4, None)
+    assert rock("run", few, "--no-plots") == 0
+    assert "kept      4 cases of earlier runs" in capsys.readouterr().out
+
+
+def test_what_was_taken_over_is_told(few: Path, rock: Rock, capsys: pytest.CaptureFixture[str]) -> None:
+    assert rock("run", few, "--no-plots") == 0
+    few.write_text(STUDY.replace("4.0]", "4.0, 5.0]"))
+    assert rock("run", few, "--no-plots", "--workers", "2") == 0
+    assert "kept      4 cases of the results that were there" in capsys.readouterr().out
+
+
+def test_workers_are_counted_from_one(few: Path, rock: Rock) -> None:
+    assert rock("run", few, "--workers", "0") == 2
+
+
+def test_a_cluster_that_is_not_there(
+    few: Path, rock: Rock, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rockcli.engine.cluster.ANSWERS_WITHIN", 0.3)
+    assert rock("run", few, "--dask", "tcp://127.0.0.1:9") == 2
+    assert "rock: --dask" in capsys.readouterr().err
+    assert not Path("results").exists()
+
+
+class Terminal:
+    def __init__(self) -> None:
+        self.text = ""
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, words: str) -> None:
+        self.text += words
+
+    def flush(self) -> None:
+        pass
+
+
+def test_the_rate_is_that_of_this_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = [0.0]
+    terminal = Terminal()
+    monkeypatch.setattr("rockcli.cli.progress.perf_counter", lambda: clock[0])
+    monkeypatch.setattr("sys.stderr", terminal)
+    line = Progress("few", shown=True)
+    line(9000, 10000)  # what earlier runs had
+    assert terminal.text.strip() == "few: 9000/10000 cases"
+    clock[0], terminal.text = 2.0, ""
+    line(9100, 10000)
+    assert terminal.text.strip() == "few: 9100/10000 cases, 50/s, 18 s left"
+
+
+def test_no_line_where_there_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    Progress("few", shown=True)(1, 2)
+    assert capsys.readouterr().err == ""

@@ -1,0 +1,235 @@
+"""`over`: statistics of a suite by hand and by closed form; what is left out is counted and said."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from scenes import G
+
+import rockcli
+from rockcli.engine.ensemble import with_ensembles
+from rockcli.engine.run import solve
+from rockcli.errors import StudyError
+from rockcli.motion.measures import measures
+from rockcli.scene.statistics import fractile
+from rockcli.storage.contents import Contents, variable_field
+from rockcli.study.open import open_study
+
+ALPHA = 0.1
+SINES = [1.0, 1.5, 2.0, 3.0, 4.0]
+
+
+def study(**more):
+    base = {
+        "name": "suite",
+        "case": {
+            "block": {"R": 0.75 * G, "alpha": ALPHA},
+            "motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "omega_p": 1.0}},
+            "model": "linearized",
+        },
+        "over": "omega_p",
+        "vary": {
+            "motion.pulse.omega_p": SINES,
+            "motion.pulse.a_p": {"from": 0.5 * G * ALPHA, "to": 8.0 * G * ALPHA, "n": 16},
+        },
+        "save": {"histories": False},
+    }
+    base["over"] = "motion.pulse.omega_p"
+    return base | more
+
+
+@pytest.fixture(scope="module")
+def data():
+    return rockcli.run(study())
+
+
+def test_share_that_overturns_is_that_of_the_closed_form(data):
+    """A half sine overturns a linear block for good: the shares follow from the thresholds of every member."""
+    found = rockcli.run(
+        study(
+            over=None,
+            vary={
+                "motion.pulse.omega_p": SINES,
+                "motion.pulse.a_p": {"from": 0.5, "to": 9.0, "n": 9, "find": "overturning"},
+            },
+        )
+    )["motion_pulse_a_p_overturning"].values
+    a_p = data["motion_pulse_a_p"].values
+    expected = (a_p[None, :] >= found[:, None]).mean(axis=0)
+    assert 0.0 < expected.mean() < 1.0
+    np.testing.assert_array_equal(data["p_overturned"].values, expected)
+    np.testing.assert_array_equal(data["n_answered"].values, 5)
+
+
+def test_fractiles_count_overturned_as_infinite(data):
+    peak = data["theta_peak_over_alpha"].values
+    for end, q in (("p16", 0.16), ("p50", 0.5), ("p84", 0.84)):
+        got = data[f"theta_peak_over_alpha_{end}"].values
+        assert data[f"theta_peak_over_alpha_{end}"].dims == ("motion_pulse_a_p",)
+        for column, value in zip(peak.T, got, strict=True):
+            ordered = np.sort(column)
+            rank = 4.0 * q
+            low, high = ordered[int(rank)], ordered[int(np.ceil(rank))]
+            expected = low if low == high else np.inf if np.isinf(high) else low + (rank % 1.0) * (high - low)
+            assert value == pytest.approx(expected, rel=1e-12)
+    assert np.isinf(data["theta_peak_over_alpha_p84"].values[-1])
+
+
+def test_fractile_of_finite_numbers_is_that_of_numpy():
+    values = np.random.default_rng(2).standard_normal((7, 4, 5))
+    for q in (0.0, 0.16, 0.5, 0.84, 1.0):
+        np.testing.assert_allclose(fractile(values, q, 1), np.quantile(values, q, axis=1), rtol=1e-12, atol=1e-15)
+    values[:, 2] = np.nan
+    np.testing.assert_allclose(fractile(values, 0.3, 1), np.nanquantile(values, 0.3, axis=1), rtol=1e-12)
+    assert np.isnan(fractile(np.full((3, 2), np.nan), 0.5, 0)).all()
+
+
+def test_the_mean_only_where_it_is_asked_for(data):
+    assert "theta_peak_over_alpha_mean" not in data
+    asked = rockcli.run(study(over={"axis": "motion.pulse.omega_p", "mean": True}))
+    peak = asked["theta_peak_over_alpha"].values
+    np.testing.assert_allclose(asked["theta_peak_over_alpha_mean"].values, peak.mean(axis=0), rtol=1e-12)
+
+
+def handmade(outcome, peak) -> tuple[Contents, rockcli.study.study.Study]:
+    """The study's dataset with outcomes (5, 16) put in by hand."""
+    checked = open_study(study(save={"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]}))
+    whole = solve(checked)
+    fields = dict(whole.fields)
+    axes = whole.axes
+    fields["outcome"] = variable_field("outcome", axes, np.asarray(outcome, dtype=np.int8))
+    fields["theta_peak_over_alpha"] = variable_field("theta_peak_over_alpha", axes, np.asarray(peak, dtype=float))
+    return with_ensembles(Contents(axes, fields, whole.attrs), checked), checked
+
+
+def test_islands_and_missing_answers():
+    outcome = np.ones((5, 16))
+    outcome[:, 8:] = 3
+    outcome[2, 10:12] = 1  # stands above an overturning one
+    outcome[0, 3], outcome[1, 4] = -1, -2
+    peak = np.where(outcome >= 2, np.inf, np.where(outcome < 0, np.nan, 0.3))
+    contents, checked = handmade(outcome, peak)
+    assert contents.values("safe_island").sum() == 2
+    assert contents.values("safe_island")[2, 10:12].tolist() == [1, 1]
+    assert contents.values("n_safe_islands")[9:13].tolist() == [0, 1, 1, 0]
+    assert contents.values("n_answered")[:6].tolist() == [5, 5, 5, 4, 4, 5]
+    assert contents.values("p_overturned")[10] == pytest.approx(0.8)
+    said = " ".join(json.loads(contents.attrs["warnings"]))
+    assert "2 of 80 cases have no answer" in said
+    assert "safe islands: on 1 of 5 curves" in said
+    assert "no fragility curve for theta/alpha > 0.1: every case exceeds it" in said
+    again = with_ensembles(contents, checked)  # nothing piles up
+    assert again.attrs == contents.attrs
+    assert list(again.fields) == list(contents.fields)
+
+
+def test_separable_data_have_no_curve():
+    outcome = np.where(np.arange(16) < 8, 1, 3) * np.ones((5, 1))
+    contents, _ = handmade(outcome, np.where(outcome > 1, np.inf, 0.3))
+    assert np.isnan(contents.values("fragility_median")[-1])
+    assert "no fragility curve for overturning: it goes from none to all at once" in contents.attrs["warnings"]
+
+
+def test_measures_and_correlations():
+    """Unscaled records: the measures in the dataset are those of the files, the ranks those of three numbers."""
+    base = {
+        "name": "cloud",
+        "case": {"block": {"R": 8.0, "tan_alpha": 0.15}, "motion": {"record": {"file": "synthetic_rock_m65.AT2"}}},
+        "over": "record",
+        "vary": {"motion.record.file": "synthetic_*.AT2", "motion.record.scale": [1.0, 2.0]},
+        "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]},
+    }
+    checked = open_study(base)
+    data = rockcli.run(base)
+    for indices, batch in checked.batches():
+        motion = batch.excitation.horizontal
+        for k, factor in zip(indices, motion.factor, strict=True):
+            record, scale = np.unravel_index(k, (3, 2))
+            expected = measures(motion.values * factor, motion.dt, G)
+            for name in ("arias", "cav", "t_mean", "d5_95"):
+                item = data[name]
+                place = {d: i for d, i in (("record", record), ("scale", scale)) if d in item.dims}
+                assert float(item[place]) == pytest.approx(expected[name], rel=1e-12), name
+    group = data["p"] * data["pgv"] / (G * 0.15)
+    np.testing.assert_allclose(data["p_pgv_over_g_tan_alpha"].transpose(*group.dims), group, rtol=1e-12)
+    peak, pgv = data["theta_peak_over_alpha"].values[:, 0], data["pgv"].values[:, 0]
+    rank = [np.argsort(np.argsort(v)) for v in (peak, pgv)]
+    got = data["demand_spearman"].sel(measure="pgv", scale=1.0)
+    assert float(got) == pytest.approx(np.corrcoef(*rank)[0, 1], rel=1e-12)
+
+
+def test_expectations_on_statistics(tmp_path):
+    clauses = [
+        {"quantity": "p_overturned", "at": {"motion.pulse.a_p": 8.0 * G * ALPHA}, "value": 1},
+        {"quantity": "fragility_beta", "at": {"limit_state": "overturned"}, "min": 0.0},
+        {"quantity": "demand_spearman", "at": {"measure": "pgv"}, "max": 1.0},
+    ]
+    from rockcli.engine.run import run_study
+
+    report = run_study(open_study(study(expect=clauses[:2])), tmp_path, plots=False)
+    open_study(study(expect=clauses))
+    assert [v.passed for v in report.verdicts] == [True, True]
+    assert [v.points for v in report.verdicts] == [1, 1]
+    assert any(line.startswith("overturning: median") for line in report.suite)
+    with pytest.raises(StudyError, match="no axis"):
+        open_study(study(expect=[clauses[0] | {"at": {"motion.pulse.omega_p": 1.0}}]))
+    with pytest.raises(StudyError, match="limit_state"):
+        open_study(study(expect=[clauses[1] | {"at": {"limit_state": "2"}}]))
+
+
+def test_only_words_change_when_over_does(tmp_path):
+    """`over` does not identify results: a finished study gets its statistics without being solved again."""
+    from rockcli.engine.run import run_study
+    from rockcli.storage import netcdf
+
+    first = run_study(open_study(study(over=None)), tmp_path, plots=False)
+    assert first.suite == ()
+    second = run_study(open_study(study()), tmp_path, plots=False)
+    assert second.status == "up to date"
+    assert second.suite
+    fresh = run_study(open_study(study()), tmp_path / "fresh", plots=False)
+    one, other = netcdf.read(second.file), netcdf.read(fresh.file)
+    assert set(one.fields) == set(other.fields)
+    for name in one.fields:
+        if name != "wall_time":
+            np.testing.assert_array_equal(one.values(name), other.values(name))
+    third = run_study(open_study(study(over=None)), tmp_path, plots=False)
+    assert not {"p_overturned", "limit_state", "arias"} & set(netcdf.read(third.file).fields)
+
+
+def test_a_search_over_a_suite():
+    vary = {"motion.pulse.omega_p": SINES, "motion.pulse.a_p": {"from": 0.5, "to": 2.0, "n": 7, "find": "overturning"}}
+    data = rockcli.run(study(vary=vary))
+    found = data["motion_pulse_a_p_overturning"].values
+    assert np.isinf(found).any()
+    np.testing.assert_array_equal(data["motion_pulse_a_p_overturning_p50"].values, np.median(found))
+    assert int(data["n_answered"]) == 5
+
+
+@pytest.mark.parametrize(
+    ("over", "words"),
+    [
+        ("record", "no axis"),
+        ({"axis": "motion.pulse.omega_p", "along": "motion.pulse.omega_p"}, "must be another axis"),
+        ({"axis": "motion.pulse.omega_p", "limits": [0.1, -1]}, "greater than 0"),
+        ({"axis": "motion.pulse.omega_p", "limit": [0.1]}, "did you mean 'limits'"),
+        (3, "over"),
+    ],
+)
+def test_wrong_ensembles(over, words):
+    with pytest.raises(StudyError, match=words):
+        open_study(study(over=over))
+
+
+def test_two_intensities_need_a_word():
+    vary = study()["vary"] | {"motion.pulse.a_p_over_g_tan_alpha": [1, 2]}
+    del vary["motion.pulse.a_p"]
+    vary["motion.vertical.pulse.a_p"] = [0.1, 0.2]
+    data = study(vary=vary)
+    data["case"]["motion"]["vertical"] = {"pulse": {"shape": "sine", "a_p": 0.1, "omega_p": 3.0}}
+    with pytest.raises(StudyError, match="along"):
+        open_study(data)
+    with pytest.raises(StudyError, match="outcome or theta_peak_over_alpha"):
+        open_study(study(save={"scalars": ["n_impacts"]}))

@@ -1,0 +1,308 @@
+"""What is finished is never lost, doubled or mixed, wherever a run is ended."""
+
+from __future__ import annotations
+
+import resource
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from swept import CASES, assert_same, made_up, solved, study, write_study
+
+from rockcli.engine import parts, sweep
+from rockcli.engine.answer import Answer, blank, cases_of, spans_of
+from rockcli.engine.lock import LOCK_NAME, locked
+from rockcli.engine.parts import FOLDER, Parts
+from rockcli.engine.report import SHARE, SOLVED, UP_TO_DATE
+from rockcli.engine.run import run_study
+from rockcli.errors import OutputError, StudyError
+from rockcli.scene.batch import Batch
+from rockcli.scene.response import Response
+from rockcli.storage import netcdf
+
+
+@pytest.fixture
+def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Cases solved, batch by batch; three at a time, every one kept at once."""
+    sizes: list[int] = []
+
+    def solver(batch: Batch) -> Response:
+        sizes.append(batch.size)
+        return made_up(batch)
+
+    monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+    monkeypatch.setattr(sweep, "CHUNK", 3)
+    monkeypatch.setattr(parts, "EVERY", -1.0)
+    return sizes
+
+
+def stop_after(monkeypatch: pytest.MonkeyPatch, chunks: int, error: type[BaseException]) -> None:
+    """Break off a run after some chunks."""
+    keep, seen = Parts.keep, []
+
+    def kept(self: Parts, answer: Answer) -> None:
+        keep(self, answer)
+        seen.append(answer)
+        if len(seen) == chunks:
+            raise error
+
+    monkeypatch.setattr(Parts, "keep", kept)
+
+
+def break_off(folder: Path, monkeypatch: pytest.MonkeyPatch, chunks: int = 5) -> None:
+    """Interrupt a run after some chunks."""
+    with monkeypatch.context() as once:
+        stop_after(once, chunks, KeyboardInterrupt)
+        with pytest.raises(KeyboardInterrupt):
+            run_study(study(), folder, plots=False)
+
+
+def hidden(folder: Path) -> list[Path]:
+    return sorted((folder / "swept" / FOLDER).rglob("*.npz"))
+
+
+def test_a_broken_off_run_goes_on(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = solved(study())
+    counted.clear()
+    break_off(tmp_path, monkeypatch)
+    assert sum(counted) == 15
+    assert len(hidden(tmp_path)) == 5
+    report = run_study(study(), tmp_path, plots=False)
+    assert sum(counted) == CASES
+    assert (report.status, report.resumed) == (SOLVED, 15)
+    assert_same(whole, netcdf.read(tmp_path / "swept" / "swept.nc"))
+    assert [file.name for file in (tmp_path / "swept").iterdir()] == ["swept.nc"]
+    assert run_study(study(), tmp_path, plots=False).status == UP_TO_DATE
+
+
+def test_what_waits_is_written_on_interrupt(
+    tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(parts, "EVERY", 1e9)
+    break_off(tmp_path, monkeypatch, 4)
+    assert len(hidden(tmp_path)) == 1
+    assert run_study(study(), tmp_path, plots=False).resumed == 12
+
+
+def test_parts_of_another_study_never_mix(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    break_off(tmp_path, monkeypatch)
+    other = study(case={"block": {"R": 2.0, "tan_alpha": 0.3}, "initial": {"theta": 0.01}})
+    wrong = tmp_path / "swept" / FOLDER / other.identity[:16]
+    hidden(tmp_path)[0].parent.rename(wrong)  # the right name, and still not its own
+    assert run_study(other, tmp_path, plots=False).resumed == 0
+
+
+def test_damaged_parts_are_solved_again(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = solved(study())
+    break_off(tmp_path, monkeypatch)
+    one, two, three, *_ = hidden(tmp_path)
+    one.write_bytes(one.read_bytes()[:-200])
+    two.write_bytes(b"")
+    turned = bytearray(three.read_bytes())
+    turned[len(turned) // 2] ^= 255
+    three.write_bytes(bytes(turned))
+    report = run_study(study(), tmp_path, plots=False)
+    assert 6 <= report.resumed <= 9  # the turned bit may stand where nobody reads
+    assert_same(whole, netcdf.read(tmp_path / "swept" / "swept.nc"))
+
+
+def test_fresh_forgets_parts(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    break_off(tmp_path, monkeypatch)
+    assert run_study(study(), tmp_path, plots=False, fresh=True).resumed == 0
+
+
+def test_a_full_disk_keeps_what_was_finished(
+    tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "no space")
+
+    keep, seen = Parts.keep, []
+
+    def kept(self: Parts, answer: Answer) -> None:
+        if len(seen) == 5:
+            monkeypatch.setattr(np, "savez", full)
+        keep(self, answer)
+        seen.append(answer)
+
+    with monkeypatch.context() as once:
+        once.setattr(Parts, "keep", kept)
+        with pytest.raises(OutputError, match="no space left on the device"):
+            run_study(study(), tmp_path, plots=False)
+    monkeypatch.undo()
+    assert len(hidden(tmp_path)) == 5
+    monkeypatch.setattr("rockcli.solvers.event.solve", made_up)
+    assert run_study(study(), tmp_path, plots=False).resumed == 15
+
+
+def test_a_part_holds_everything(tmp_path: Path) -> None:
+    cases = np.array([0, 1, 2, 7, 9, 10], dtype=np.int64)
+    answer = Answer(cases, blank(("outcome", "theta_peak", "n_steps", "reason"), 6))
+    answer.sentences = {"naïve: a sentence": np.array([2, 9])}
+    answer.used = [(7, {"backend": "x"})]
+    answer.time = np.arange(4) * 0.1
+    answer.histories = {"theta": np.arange(24.0).reshape(6, 4)}
+    answer.impacts = {"t_impact": np.full((6, 1), np.nan)}
+    keeper = Parts(tmp_path, study())
+    keeper.keep(answer)
+    keeper.flush()
+    (found,) = Parts(tmp_path, study()).kept()
+    np.testing.assert_array_equal(found.cases, cases)
+    assert found.used == answer.used
+    for kind in ("scalars", "sentences", "histories", "impacts"):
+        mine, theirs = getattr(answer, kind), getattr(found, kind)
+        assert mine.keys() == theirs.keys()
+        for name in mine:
+            assert mine[name].dtype == theirs[name].dtype
+            np.testing.assert_array_equal(mine[name], theirs[name])
+    some = found.among(np.isin(cases, [2, 7]))
+    assert some.cases.tolist() == [2, 7]
+    assert [where.tolist() for where in some.sentences.values()] == [[2]]
+    assert some.histories["theta"].tolist() == [[8.0, 9.0, 10.0, 11.0], [12.0, 13.0, 14.0, 15.0]]
+
+
+@pytest.mark.parametrize("cases", [[5], [0, 1, 2], [1, 3, 5], [0, 1, 4, 5, 6, 9]])
+def test_spans(cases: list[int]) -> None:
+    assert cases_of(spans_of(np.array(cases))).tolist() == cases
+
+
+@pytest.mark.parametrize("shares", [1, 3, 7])
+def test_shares_are_merged_to_the_same_file(tmp_path: Path, counted: list[int], shares: int) -> None:
+    whole = solved(study())
+    counted.clear()
+    for k in reversed(range(1, shares + 1)):
+        report = run_study(study(), tmp_path, plots=False, share=(k, shares))
+        assert (report.status, report.share, report.exit_code) == (SHARE, (k, shares), 0)
+    assert sum(counted) == CASES
+    assert not (tmp_path / "swept" / "swept.nc").exists()
+    report = run_study(study(), tmp_path, plots=False)
+    assert (report.resumed, sum(counted)) == (CASES, CASES)
+    assert_same(whole, netcdf.read(tmp_path / "swept" / "swept.nc"))
+
+
+def test_overlapping_shares_double_nothing(tmp_path: Path, counted: list[int]) -> None:
+    whole = solved(study())
+    for share in ((1, 2), (2, 3), (3, 3)):
+        keeper = Parts(tmp_path / "swept", study())
+        sweep.solve_cases(study(), sweep=sweep.Sweep(sweep.Team(), share=share)).finish()
+        done = sweep.Sweep(sweep.Team(), keeper=_Deaf(keeper), share=share)
+        sweep.solve_cases(study(), sweep=done)
+        keeper.flush()
+    run_study(study(), tmp_path, plots=False)
+    found = netcdf.read(tmp_path / "swept" / "swept.nc")
+    assert_same(whole, found)
+
+
+class _Deaf:
+    """Keeps, and does not look at what others have kept."""
+
+    def __init__(self, keeper: Parts) -> None:
+        self.keeper = keeper
+
+    def kept(self):  # type: ignore[no-untyped-def]
+        return iter(())
+
+    def keep(self, answer: Answer) -> None:
+        self.keeper.keep(answer)
+
+
+def test_shares_work_side_by_side_and_keep_others_out(tmp_path: Path, counted: list[int]) -> None:
+    folder = tmp_path / "swept"
+    with locked(folder, (1, 2)):
+        with locked(folder, (2, 2)):
+            pass
+        with pytest.raises(StudyError, match="share 1/2"), locked(folder, (1, 2)):
+            pass
+        with pytest.raises(StudyError, match="another process is working in this folder"), locked(folder):
+            pass
+        assert (folder / LOCK_NAME).exists()
+    with locked(folder), pytest.raises(StudyError, match="another process"), locked(folder, (1, 2)):
+        pass
+    assert list(folder.iterdir()) == []
+
+
+def test_a_searched_range_has_no_shares(tmp_path: Path) -> None:
+    searched = study(vary={"initial.theta": {"from": 0.01, "to": 0.3, "n": 5, "find": "overturning"}}, save={})
+    with pytest.raises(StudyError, match="--part does not share out a search"):
+        run_study(searched, tmp_path, share=(1, 2))
+
+
+KILLED = """\
+import os, sys, time
+from swept import made_up
+from rockcli.engine import agenda, executors, parts, sweep
+from rockcli.solvers import event
+def solve(batch):
+    time.sleep(0.01 * batch.size)
+    with open("solved", "a") as log:
+        log.writelines(f"{model} {R} {theta}\\n" for model, R, theta in
+            zip([batch.model] * batch.size, batch.block.R[:, 0], batch.theta_0))
+    return made_up(batch)
+event.solve = solve
+sweep.CHUNK, parts.EVERY, executors._worth = 2, -1.0, lambda *_: True
+from rockcli.cli.main import main
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("workers", "kills"),
+    [(2, (3,)), pytest.param(1, (3, 8, 12), marks=pytest.mark.slow), pytest.param(2, (2, 9), marks=pytest.mark.slow)],
+)
+def test_a_killed_run_goes_on(
+    workers: int, kills: tuple[int, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_study(tmp_path)
+    command = [sys.executable, "-c", KILLED, "run", path.name, "--no-plots", "--workers", str(workers)]
+    environment = {"PYTHONPATH": str(Path(__file__).parent), "PATH": "/usr/bin:/bin"}
+    for enough in kills:
+        process = subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.DEVNULL)
+        limit = time.monotonic() + 60.0
+        while len(list((tmp_path / "results").rglob("*.npz"))) < enough and time.monotonic() < limit:
+            time.sleep(0.002)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    assert not (tmp_path / "results" / "swept" / "swept.nc").exists()
+    time.sleep(1.0)  # workers notice within half a second
+    subprocess.run(command, cwd=tmp_path, env=environment, check=False, stdout=subprocess.DEVNULL)
+    monkeypatch.setattr("rockcli.solvers.event.solve", made_up)
+    assert_same(solved(study()), netcdf.read(tmp_path / "results" / "swept" / "swept.nc"))
+    assert [file.name for file in (tmp_path / "results" / "swept").iterdir()] == ["swept.nc"]
+    said = (tmp_path / "solved").read_text().splitlines()
+    assert len(set(said)) == CASES
+    # solved twice: at most what was at work, on its way or unwritten when it was killed
+    assert len(said) <= CASES + 6 * workers * len(kills)
+
+
+def test_the_disk_that_is_full_for_the_dataset(tmp_path: Path, counted: list[int]) -> None:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))  # room for parts, not for the dataset
+        with pytest.raises(OutputError):
+            run_study(study(), tmp_path, plots=False)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, ignored)
+    counted.clear()
+    assert run_study(study(), tmp_path, plots=False).resumed == CASES
+    assert not counted
+
+
+def test_two_runs_into_one_folder(tmp_path: Path, counted: list[int]) -> None:
+    with locked(tmp_path / "swept"), pytest.raises(StudyError, match="another process"):
+        run_study(study(), tmp_path, plots=False)
+    assert not counted
+
+
+def test_resolved_anew_after_a_longer_study(tmp_path: Path, counted: list[int]) -> None:
+    """Parts go once the dataset is there, so that nothing of an older study can come back."""
+    run_study(study(), tmp_path, plots=False)
+    again = run_study(replace(study(), identity="0" * 64), tmp_path, plots=False, fresh=True)
+    assert again.resumed == 0
+    assert hidden(tmp_path) == []
