@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 import numpy as np
 
-from rockcli.plotting import bending, curve, curves, histories, overlay, phase, style
+from rockcli.plotting import bending, curve, curves, fragility, histories, ida, overlay, phase, spectrum, style
 from rockcli.plotting import map as outcomes
 from rockcli.plotting.cases import axes_of, is_numeric
+from rockcli.plotting.suite import suite_of
 
 if TYPE_CHECKING:
     import xarray
@@ -58,6 +59,9 @@ _ROWS: tuple[Kind, ...] = (
     Kind("bending", "rotation and top of flexible columns and other models", bending.without_bending, bending.draw),
     Kind("phase", "rate against rotation, with the separatrix", _without_histories, phase.draw),
     Kind("map", "outcomes over two numeric axes, peaks over one", _without_map, _draw_map),
+    Kind("ida", "peaks of a suite against intensity, with fractiles", ida.without_ida, ida.draw),
+    Kind("fragility", "share of a suite that exceeds limit states", fragility.without_fragility, fragility.draw),
+    Kind("spectrum", "peaks against size, 2 pi/p", spectrum.without_spectrum, spectrum.draw),
     Kind("curves", "static curves of the block and its models, with their errors", curves.without_curves, curves.draw),
 )
 
@@ -76,7 +80,12 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
             chosen.append("bending")
         if moves:
             chosen.append("phase")
-    if numeric and not _without_map(dataset):
+    if suite_of(dataset) is not None:
+        rows = {"ida": ida.without_ida, "fragility": fragility.without_fragility}
+        chosen += [name for name, why in rows.items() if not why(dataset)]
+        if not spectrum.without_spectrum(dataset) and not {"ida", "fragility"} & set(chosen):
+            chosen.append("spectrum")
+    elif numeric and not _without_map(dataset):
         chosen.append("map")
     if not curves.without_curves(dataset):
         chosen.append("curves")

@@ -1,0 +1,144 @@
+"""Figures of suites: what they show, what they say, and what they refuse."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rockcli
+from rockcli.plotting import figures
+from rockcli.scene.statistics import normal_cdf
+
+G = 9.81
+
+
+def suite(**more):
+    base = {
+        "name": "suite",
+        "title": "Half sines",
+        "case": {
+            "block": {"R": 2.0, "tan_alpha": 0.2},
+            "motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "omega_p": 1.0}},
+        },
+        "over": "motion.pulse.omega_p",
+        "vary": {
+            "motion.pulse.omega_p": [2.0, 3.0, 4.0, 5.0, 6.0],
+            "motion.pulse.a_p": {"from": "0.1*g", "to": "2*g", "n": 20},
+        },
+        "save": {"histories": False},
+    }
+    return base | more
+
+
+@pytest.fixture(scope="module")
+def stripes():
+    return rockcli.run(suite())
+
+
+@pytest.fixture(scope="module")
+def sizes():
+    vary = {
+        "motion.pulse.omega_p": [2.0, 3.0, 4.0],
+        "block.tan_alpha": [0.1, 0.2],
+        "block.R": {"from": 1, "to": 30, "n": 12, "spacing": "log"},
+    }
+    return rockcli.run(
+        suite(
+            vary=vary,
+            case={
+                "block": {"R": 2.0, "tan_alpha": 0.2},
+                "motion": {"pulse": {"shape": "half_sine", "a_p": 0.5 * G, "omega_p": 3.0}},
+            },
+        )
+    )
+
+
+def test_default_kinds(stripes, sizes):
+    assert figures.default_kinds(stripes) == ("ida", "fragility")
+    assert figures.default_kinds(sizes) == ("spectrum",)
+
+
+def test_ida_shows_every_member_and_the_fractiles(stripes):
+    figure = figures.figure("ida", stripes)
+    (axes,) = figure.axes
+    curves = [line for line in axes.lines if len(line.get_ydata()) == 20]
+    assert len(curves) == 5 + 3
+    np.testing.assert_allclose(curves[0].get_ydata(), stripes["motion_pulse_a_p"].values / G)
+    peak = stripes["theta_peak_over_alpha"].values
+    right = axes.get_xlim()[1]
+    for line, expected in zip(curves, peak, strict=False):
+        x = line.get_xdata()
+        np.testing.assert_array_equal(x[np.isfinite(expected)], expected[np.isfinite(expected)])
+        assert (x[np.isinf(expected)] > right).all()
+    assert np.isinf(peak).any()
+    assert "leave to the right" in figure.get_suptitle()
+
+
+def test_fragility_draws_shares_and_fits(stripes):
+    figure = figures.figure("fragility", stripes)
+    (axes,) = figure.axes
+    lines = iter(axes.lines)
+    fitted = np.isfinite(stripes["fragility_median"].values)
+    assert fitted.any()
+    for i, label in enumerate(stripes["limit_state"].values):
+        median, beta = float(stripes["fragility_median"][i]) / G, float(stripes["fragility_beta"][i])
+        markers = next(lines)
+        np.testing.assert_array_equal(markers.get_ydata(), stripes["p_exceeded"].values[:, i])
+        if not fitted[i]:
+            assert markers.get_label().endswith("no curve")
+            continue
+        curve = next(lines)
+        x, y = curve.get_data()
+        np.testing.assert_allclose(y, normal_cdf(np.log(np.asarray(x) / median) / beta), atol=1e-12)
+        assert f"median {median:.3g} g" in curve.get_label()
+        assert (label == "overturned") == curve.get_label().startswith("overturned")
+    assert len(axes.collections) == fitted.sum()
+
+
+def test_without_a_curve_the_legend_says_so():
+    low = {"motion.pulse.omega_p": [2.0, 3.0], "motion.pulse.a_p": {"from": "0.1*g", "to": "0.3*g", "n": 5}}
+    dataset = rockcli.run(suite(vary=low))
+    (axes,) = figures.figure("fragility", dataset).axes
+    assert any("overturned: no curve" in str(label) for label in axes.get_legend_handles_labels()[1])
+
+
+def test_spectrum_of_a_suite_and_of_single_cases(sizes):
+    figure = figures.figure("spectrum", sizes)
+    assert len(figure.axes) == 3 * 2
+    assert [axes.get_title() for axes in figure.axes[:2]] == [r"$\tan\alpha$ = 0.1", r"$\tan\alpha$ = 0.2"]
+    first = next(line for line in figure.axes[0].lines if len(line.get_xdata()) == 12)
+    np.testing.assert_allclose(first.get_xdata(), 2 * np.pi / np.sqrt(0.75 * G / sizes["block_R"].values))
+    vary = {"block.tan_alpha": [0.1, 0.2], "block.R": [1.0, 2.0, 4.0, 8.0]}
+    single = rockcli.run(suite(over=None, vary=vary))
+    figure = figures.figure("spectrum", single)
+    rates = [line.get_ydata() for line in figure.axes[1].lines]
+    expected = (single["theta_dot_peak"] / single["p"]).values
+    np.testing.assert_allclose(rates[0], np.where(np.isinf(expected[0]), rates[0], expected[0]))
+    assert len(figure.legends) == 1
+
+
+def test_spectrum_of_overturning_amplitudes():
+    vary = {
+        "motion.pulse.omega_p": [3.0, 4.0],
+        "block.R": [0.5, 1.0, 2.0],
+        "motion.pulse.a_p": {"from": "0.1*g", "to": "6*g", "n": 30, "find": "overturning"},
+    }
+    dataset = rockcli.run(suite(vary=vary))
+    assert figures.default_kinds(dataset) == ("spectrum",)
+    (axes,) = figures.figure("spectrum", dataset).axes
+    assert axes.get_ylabel() == "overturning $a_p$ [g]"
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), dataset["motion_pulse_a_p_overturning"].values[0] / G)
+
+
+def test_what_cannot_be_drawn_is_refused_in_words(sizes, stripes):
+    assert "no amplitude" in figures.why_not("ida", sizes)
+    assert "p changes along no axis" in figures.why_not("spectrum", stripes)
+    assert "over: record" in figures.why_not("fragility", rockcli.run(suite(over=None)))
+
+
+@pytest.mark.parametrize("plot_format", ["pdf", "svg"])
+def test_the_same_figure_gives_the_same_bytes(stripes, tmp_path, plot_format):
+    for kind in ("ida", "fragility"):
+        for name in ("one", "two"):
+            figures.save(figures.figure(kind, stripes), tmp_path / name, plot_format)
+        assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
