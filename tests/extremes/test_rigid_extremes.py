@@ -320,30 +320,3 @@ def test_coarsely_sampled_half_sine(n, A):
     for factor, falls in ((1.0 - 1e-8, False), (1.0 + 1e-8, True)):
         motion = record(shape * A * factor * G * 0.1, dt)
         assert overturns(rock(unit_block(0.1), motion, model="linearized", eta=0.9)) is falls
-
-
-CHAOS = [
-    (48.37323115355224, 0.4, 0.8536191374695059, 0.4616369616957953, 0.7864644623861797),
-    (63.5904024934078, 0.5, 1.1268266690343856, 0.5760523846222055, 0.6031192757314929),
-    (94.02474517311892, 0.6, 1.5526638979769238, 0.7131761093790504, 0.5668474575422224),
-]
-
-
-@pytest.mark.parametrize(("A", "eta", "mean", "std", "gap"), CHAOS)
-def test_chaotic_rocking_has_the_right_statistics(A, eta, mean, std, gap, monkeypatch):
-    """Omega = 14: beyond p t of about 22 histories are lost to chaos, impact speeds keep their distribution."""
-    from rockcli.solvers import event
-
-    monkeypatch.setattr(event, "MAX_IMPACTS_STORED", 60000)
-    monkeypatch.setenv("ROCK_KERNELS", "compiled")
-    Omega, alpha = 14.0, 0.1
-    motion = pulse("cosine", -A * G * alpha, Omega, t0=-0.3 / Omega, cycles=1e5, duration=40000.0)
-    response = rock(
-        unit_block(alpha), motion, model="linearized", eta=eta, theta_dot_0=0.3 * alpha, histories=True, dt_out=100.0
-    )
-    assert response.scalars["n_impacts"][0] > 45000
-    speed = np.abs(response.impacts["theta_dot_after"][0, 1000:]) / alpha  # the table is of speeds after impact
-    times = response.impacts["t_impact"][0, 1000:]
-    assert speed.mean() == pytest.approx(mean, rel=0.03)
-    assert speed.std() == pytest.approx(std, rel=0.03)
-    assert np.diff(times).mean() == pytest.approx(gap, rel=0.03)

@@ -6,7 +6,6 @@ from rockcli.errors import RecordError, StudyError
 from rockcli.study.expressions import ExpressionError, parse
 from rockcli.study.open import open_study
 from rockcli.study.records import MissingRecordError
-from rockcli.study.schema import json_schema
 from rockcli.study.tree import nearest
 
 BLOCK = {"R": 2, "tan_alpha": 0.2}

@@ -17,6 +17,7 @@ from rockcli.scene.excitation import Channel, Pulses, acceleration
 from rockcli.scene.models import MODELS
 from rockcli.solvers.frame.base import fibres_of, kind_of_base
 from rockcli.solvers.frame.structure import Structure, structure_of
+from rockcli.solvers.stepping import check_step
 
 Array = NDArray[np.float64]
 
@@ -99,6 +100,8 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     if gravity and not corotational:
         raise SolverError("method linear has no P-Delta: it needs geometry: negative_stiffness and a rigid base")
     end, stop, own = _times(batch, case, p)
+    if coarser == 1.0:
+        check_step(batch, case, dt, stop)
     damping = batch.damping
 
     par = np.zeros(k.N_PAR)

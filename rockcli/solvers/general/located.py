@@ -236,7 +236,8 @@ class Located:
             return self.t
         cycle = here.eta * other.eta
         if cycle >= 1.0:
-            return None
+            # a damper slows the bounces for ever: too slow to be seen is at rest
+            return self.t if here.damper > 0.0 else None
         end = self.t + 2.0 * self.v * (1.0 / down + other.eta / down_other) / (1.0 - cycle)
         if end > piece.t_b or min(self._pressed(edge, piece, end) for edge in (here, other)) <= 0.0:
             return None

@@ -12,6 +12,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import Channel, Samples, acceleration
+from rockcli.solvers.stepping import check_step
 
 Array = NDArray[np.float64]
 
@@ -165,6 +166,8 @@ def case_of(batch: Batch, case: int, *, coarser: float = 1.0) -> CaseOfOpenSees:
     duration = float(batch.excitation.duration[case])
     given = bool(np.isfinite(duration))
     stop = duration if given else end + FREE_ROCKING / p
+    if coarser == 1.0:
+        check_step(batch, case, dt, stop)
     lines: list[Parameter] = [
         ("g", g, "acceleration of gravity [m/s2]"),
         ("R", R, "from the edge to the centre of mass [m]"),
