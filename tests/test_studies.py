@@ -1,10 +1,19 @@
-"""Every study of the repository runs and meets what it expects; those whose record is absent are listed as such."""
+"""Every study of the repository runs and meets what it expects; those whose record is absent are listed as such.
+
+By default only those that take less than a second or two; the rest with `-m slow`.  Records are sought in ROCK_RECORDS,
+or in a folder of real records beside the checkout.
+"""
 
 from __future__ import annotations
 
+import os
+import re
+import shutil
 from pathlib import Path
 
 import pytest
+import yaml
+from scenes import SHARED
 
 from rockcli.engine.run import check_study, run_study
 from rockcli.study.open import open_study
@@ -13,9 +22,46 @@ from rockcli.study.records import MissingRecordError
 STUDIES = Path(__file__).resolve().parents[1] / "studies"
 FILES = sorted(STUDIES.rglob("*.yaml"))
 
+SLOW = (
+    "extremes/(flexible|frame|hundred_thousand_periods).yaml",
+    "flexible/thresholds.yaml",
+    "frame/",
+    "seed/fig03.yaml",
+    "seed/fig18.yaml",  # finite elements, compiled
+    "seed/fig3[6-9].yaml",
+    "seed/fig4[56].yaml",  # ten thousand pulses each, compiled
+    "seed/fig4[1278].yaml",  # records
+    "seed/fig49.yaml",
+    "seed/fig5.*.yaml",
+    "seed/fig6[12].yaml",
+    "seed/mesh/",  # CalculiX: minutes each
+)
+"""Patterns of the studies that take longer."""
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(STUDIES)))
+WITHOUT_RESULT = {1, 2, 6, 9, 13, 17, 35, 40, 59}
+"""Figures of the source that show a photograph, a sketch of a model or of a procedure."""
+
+
+def _name(path: Path) -> str:
+    return path.relative_to(STUDIES).as_posix()
+
+
+def _marked(path: Path):
+    slow = any(re.match(pattern, _name(path)) for pattern in SLOW)
+    return pytest.param(path, id=_name(path), marks=[pytest.mark.slow] if slow else [])
+
+
+@pytest.fixture(autouse=True)
+def _records_beside_the_checkout(monkeypatch):
+    folders = [SHARED / "records" / name for name in ("peer", "derived")]
+    if "ROCK_RECORDS" not in os.environ and all(folder.is_dir() for folder in folders):
+        monkeypatch.setenv("ROCK_RECORDS", os.pathsep.join(map(str, folders)))
+
+
+@pytest.mark.parametrize("path", [_marked(path) for path in FILES])
 def test_study_meets_its_expectations(path, tmp_path):
+    if _name(path).startswith("seed/mesh/") and shutil.which("ccx") is None:
+        pytest.skip("CalculiX (ccx) is not installed")
     try:
         study = open_study(path)
     except MissingRecordError as missing:
@@ -30,3 +76,17 @@ def test_study_meets_its_expectations(path, tmp_path):
 def test_examples_cover_what_a_newcomer_needs():
     names = {path.stem for path in (STUDIES / "examples").glob("*.yaml")}
     assert {"first_rock", "record", "free_rocking", "sweep"} <= names
+
+
+def test_every_figure_with_a_result_has_a_study():
+    found = {path.stem for path in (STUDIES / "seed").glob("*.yaml")}
+    assert found == {f"fig{number:02d}" for number in set(range(1, 67)) - WITHOUT_RESULT}
+
+
+@pytest.mark.parametrize("path", sorted((STUDIES / "seed").glob("*.yaml")), ids=lambda path: path.stem)
+def test_a_figures_study_says_what_it_reproduces_and_what_it_expects(path):
+    text = path.read_text(encoding="utf-8")
+    assert re.search(rf"^name: {path.stem}$", text, re.M)
+    assert re.search(rf"^references: .*dissertation, Fig\. {int(path.stem[3:])}\b", text, re.M)
+    for clause in yaml.safe_load(text)["expect"]:
+        assert "references" in clause or clause["quantity"] in ("outcome", "same_outcome"), clause

@@ -252,19 +252,25 @@ def march(
         theta_0, theta_1, rate_0, rate_1 = dot(th, z), dot(th, z_1), dot(th, v), dot(th, v_1)
         if not reported or par[HAS_DURATION] == 0.0:
             turns, sways = rate_0 * rate_1 <= 0.0, dot(top, v) * dot(top, v_1) <= 0.0
+            quickest = 0.0
+            if phase == OPEN or winkler:
+                # may the rate set a record in between?
+                wander(lam, c, bu, th, F, x, z, v, rows_v[OPEN], th, weak * par[P] * par[ALPHA], found)
+                turns = turns or (omega * x > 1.0 and abs(rate_0) <= found[0])
+                if abs(rate_0) + found[0] > out[RATE_PEAK]:
+                    quickest = max(found[1], 1.0 / x)
             if omega * x > 1.0:
-                # the ends do not tell: may the rates vanish in between?
-                wander(lam, c, bu, th, F, x, z, v, rows_v[OPEN], th, math.inf, found)
-                turns = turns or abs(rate_0) <= found[0]
+                # the ends do not tell: may the rate of the top vanish in between?
                 wander(lam, c, bu, th, F, x, z, v, rows_v[OPEN], top, math.inf, found)
                 sways = sways or abs(dot(top, v)) <= found[0]
             seen = turns and (phase == OPEN or winkler) and abs(theta_0) + stray > out[PEAK]
             if seen or sways:
                 wander(lam, c, bu, th, F, x, z, v, top, rows_v[OPEN], weak * par[ALPHA], found)
                 seen = seen or 1.1 * par[LENGTH] * (abs(dot(top, z)) + found[0]) > out[U_PEAK]
-            if seen:
+                quickest = max(quickest, found[1]) if seen else quickest
+            if seen or quickest > 0.0:
                 note_peaks(
-                    par, lam, c, bu, th, top, F, x, found[1], t, z, v, z_1, v_1, known, full, room,
+                    par, lam, c, bu, th, top, F, x, quickest, t, z, v, z_1, v_1, known, full, room,
                     about, S, z_x, v_x, peaks,
                 )  # fmt: skip
             else:

@@ -38,6 +38,9 @@ accuracy `draft`."""
 PATIENCE = 200
 """Paces in a step after which RESOLVED is let grow."""
 
+MOST_PACES = 60.0
+"""A step is walked for its peaks in no more paces than twice this."""
+
 
 @jit
 def level_of(d):
@@ -184,16 +187,27 @@ def note(par, th, top, t, z, v, peaks):
 
 
 @jit
+def bend(lam, c, bu, th, row, F, x, z, v):
+    """Second rate of row.z where the modal state at x is z, v."""
+    f, m_0 = along(F, 0, x), along(F, 3, x)
+    total = 0.0
+    for m in range(len(lam)):
+        total += row[m] * (bu[m] * f + th[m] * m_0 - c[m] * v[m] - lam[m] * z[m])
+    return total
+
+
+@jit
 def note_peaks(
     par, lam, c, bu, th, top, F, h, omega, t, z, v, z_1, v_1, paces, filled, room, about, S, z_x, v_x, peaks
 ):  # fmt: skip
-    """`note` along a step, RESOLVED radians of omega apart, and where theta or the top turn in between."""
+    """`note` along a step, RESOLVED radians of omega apart, and where theta, its rate or the top turn in between."""
     z_a, v_a, z_b, v_b = room[0], room[1], room[2], room[3]
     for m in range(len(z)):
         z_a[m], v_a[m] = z[m], v[m]
     note(par, th, top, t, z, v, peaks)
-    level = level_of(max(min(RESOLVED / omega, 0.5 * h) if omega > 0.0 else 0.5 * h, h / 60.0))
+    level = level_of(max(min(RESOLVED / omega, 0.5 * h) if omega > 0.0 else 0.5 * h, h / MOST_PACES))
     know_pace(lam, c, math.ldexp(1.0, LONGEST - level), S, paces, filled, level)
+    turning = bend(lam, c, bu, th, th, F, 0.0, z, v)
     x = 0.0
     while x < h:
         d = math.ldexp(1.0, LONGEST - level)
@@ -216,12 +230,15 @@ def note_peaks(
                 for _ in range(2):
                     advance(lam, c, bu, th, about, y, S, z_a, v_a, z_x, v_x)
                     note(par, th, top, t + x + y, z_x, v_x, peaks)
-                    rate, bend = dot(row, v_x), 0.0
-                    f, m_0 = along(about, 0, y), along(about, 3, y)
-                    for m in range(len(z)):
-                        bend += row[m] * (bu[m] * f + th[m] * m_0 - c[m] * v_x[m] - lam[m] * z_x[m])
-                    if abs(rate) > abs(bend) * d:
+                    rate, slope = dot(row, v_x), bend(lam, c, bu, th, row, about, y, z_x, v_x)
+                    if abs(rate) > abs(slope) * d:
                         break
-                    y = min(max(y - rate / bend, 0.0), d)
+                    y = min(max(y - rate / slope, 0.0), d)
+        before, turning = turning, bend(lam, c, bu, th, th, about, d, z_b, v_b)
+        if before * turning < 0.0:
+            y = d * before / (before - turning)
+            if abs(dot(th, v_a)) + 0.5 * abs(before) * y > peaks[3]:
+                advance(lam, c, bu, th, about, y, S, z_a, v_a, z_x, v_x)
+                note(par, th, top, t + x + y, z_x, v_x, peaks)
         z_a, v_a, z_b, v_b = z_b, v_b, z_a, v_a
         x = h if last else x + d
