@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.contact import watch_rest, watch_rocking
-from rockcli.kernels.decide import free_rocking, lost_for_good
+from rockcli.kernels.decide import free_rocking, lost_for_good, separatrix
 from rockcli.kernels.jit import jit, zeros_maker
 from rockcli.kernels.layout import (
     ALPHA,
@@ -134,6 +134,8 @@ def march(
             if mode == ROCK:
                 verdict = free_rocking(par, e, other, q, v, linear, margin * par[e + ALPHA])
             if detail == OUTCOME and verdict != NOT_YET:
+                if verdict == FALLS and separatrix(par, e, q, v, linear) < 0.0:  # an impact comes first
+                    out[N_IMPACTS] += 1
                 break
         if t >= t_stop and verdict == NOT_YET:  # beyond the report, until the damper has had its way
             if t >= t_stop + PATIENCE / p_min:
