@@ -106,7 +106,7 @@ def switch(T, back, z, v, z_x, v_x):
 @jit
 def write(par, phase, s, lam, c, bu, th, top, row, row_v, F, x, t, t_end, dt_out, i_hist, S, z, v, z_x, v_x, hist):
     """Histories at output times in [t, t + x]; returns the next index."""
-    while i_hist < hist.shape[1] and i_hist * dt_out <= min(t + x, t_end) * (1.0 + 1e-14):
+    while i_hist < hist.shape[1] and i_hist * dt_out <= min(t + x, t_end) * (1.0 + 1e-9):
         y = min(max(i_hist * dt_out - t, 0.0), x)
         advance(lam, c, bu, th, F, y, S, z, v, z_x, v_x)
         theta = dot(th, z_x)
@@ -175,7 +175,7 @@ def march(
             if phase == CONTACT:
                 for k in range(12):
                     F[k] = 0.0
-                wander(lam, c, bu, th, F, 1e9, z, v, row, row_v, math.inf, found)
+                wander(lam, c, bu, th, F, 1e9, z, v, row, row_v, math.inf, math.inf, found)
                 if 0.5 * found[0] < 1e-3 * limit(par, phase, s, 0.0):
                     verdict = RETURNS
                     if not reported:
@@ -232,8 +232,9 @@ def march(
         weak = 1e-5 if par[FINENESS] >= 1.0 else (1e-7 if par[FINENESS] >= 0.5 else 1e-9)
         floor = weak * (limit(par, CONTACT, s, 0.0) if phase == CONTACT else par[ALPHA])
         near, _ = look(par, phase, s, armed, lam, c, bu, th, row, row_v, F, 0.0, z, v)
-        fall = drop(par, phase, lam, c, bu, th, row, row_v, F, h, z, v, floor, found)
-        stray, omega = found[0], found[1]
+        floor_rate = math.sqrt(weak) * par[P] * par[ALPHA]
+        fall = drop(par, phase, lam, c, bu, th, row, row_v, F, h, z, v, floor, floor_rate, found)
+        stray, omega, swing, omega_rate = found[0], found[1], found[2], found[3]
         x, event = h, False
         if near <= fall:
             y = first_event(
@@ -250,33 +251,36 @@ def march(
 
         # what is read off
         theta_0, theta_1, rate_0, rate_1 = dot(th, z), dot(th, z_1), dot(th, v), dot(th, v_1)
+        turning = phase == OPEN or winkler  # whether the base can turn
         if not reported or par[HAS_DURATION] == 0.0:
             turns, sways = rate_0 * rate_1 <= 0.0, dot(top, v) * dot(top, v_1) <= 0.0
-            quickest = 0.0
-            if phase == OPEN or winkler:
-                # may the rate set a record in between?
-                wander(lam, c, bu, th, F, x, z, v, rows_v[OPEN], th, weak * par[P] * par[ALPHA], found)
-                turns = turns or (omega * x > 1.0 and abs(rate_0) <= found[0])
-                if abs(rate_0) + found[0] > out[RATE_PEAK]:
-                    quickest = max(found[1], 1.0 / x)
-            if omega * x > 1.0:
-                # the ends do not tell: may the rate of the top vanish in between?
-                wander(lam, c, bu, th, F, x, z, v, rows_v[OPEN], top, math.inf, found)
-                sways = sways or abs(dot(top, v)) <= found[0]
-            seen = turns and (phase == OPEN or winkler) and abs(theta_0) + stray > out[PEAK]
-            if seen or sways:
-                wander(lam, c, bu, th, F, x, z, v, top, rows_v[OPEN], weak * par[ALPHA], found)
-                seen = seen or 1.1 * par[LENGTH] * (abs(dot(top, z)) + found[0]) > out[U_PEAK]
-                quickest = max(quickest, found[1]) if seen else quickest
-            if seen or quickest > 0.0:
+            long = omega * x > 1.0  # the ends do not tell: may the rates vanish in between?
+            turns = turns or (long and abs(rate_0) <= swing)
+            seen = turning and turns and abs(theta_0) + stray > out[PEAK]
+            quick = turning and abs(rate_0) + swing > out[RATE_PEAK]
+            if seen or sways or long:
+                wander(lam, c, bu, th, F, x, z, v, top, rows_v[OPEN], weak * par[ALPHA], math.inf, found)
+                sways = sways or (long and abs(dot(top, v)) <= found[2])
+                seen = seen or (sways and 1.1 * par[LENGTH] * (abs(dot(top, z)) + found[0]) > out[U_PEAK])
+            if seen or quick:
+                fast = max(found[1] if seen else 0.0, omega_rate if quick else 0.0)
                 note_peaks(
-                    par, lam, c, bu, th, top, F, x, quickest, t, z, v, z_1, v_1, known, full, room,
+                    par, lam, c, bu, th, top, F, x, fast, seen, t, z, v, z_1, v_1, known, full, room,
                     about, S, z_x, v_x, peaks,
                 )  # fmt: skip
             else:
                 note(par, th, top, t + x, z_1, v_1, peaks)
-        if abs(theta_1) > par[REARM]:
-            armed = True
+        if not armed and turning and abs(theta_0) + stray > par[REARM]:
+            armed = abs(theta_1) > par[REARM]
+            if not armed:
+                # it may have been beyond and come back
+                highest = about[12:17]
+                highest[0] = 0.0
+                note_peaks(
+                    par, lam, c, bu, th, top, F, x, omega, True, t, z, v, z_1, v_1, known, full, room,
+                    about, S, z_x, v_x, highest,
+                )  # fmt: skip
+                armed = highest[0] > par[REARM]
         if abs(theta_0) < par[THETA_STAR] <= abs(theta_1):
             out[T_OVERTURN] = t + x
         if par[DETAIL] > 0.0 and not after and not reported:

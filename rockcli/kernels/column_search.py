@@ -38,7 +38,7 @@ accuracy `draft`."""
 PATIENCE = 200
 """Paces in a step after which RESOLVED is let grow."""
 
-MOST_PACES = 60.0
+MOST_PACES = 240.0
 """A step is walked for its peaks in no more paces than twice this."""
 
 
@@ -57,9 +57,9 @@ def shift(F, x, out):
 
 
 @jit
-def drop(par, phase, lam, c, bu, th, row, row_v, F, d, z, v, floor, found):
-    """Bound of how far `gap` may fall within d; found[1]: fastest mode whose share exceeds `floor`."""
-    wander(lam, c, bu, th, F, d, z, v, row, row_v, floor, found)
+def drop(par, phase, lam, c, bu, th, row, row_v, F, d, z, v, floor, floor_rate, found):
+    """Bound of how far `gap` may fall within d; found as from `wander`."""
+    wander(lam, c, bu, th, F, d, z, v, row, row_v, floor, floor_rate, found)
     stray = found[0]
     if phase == CONTACT and par[THETA_1] == 0.0:
         lighter = max(-F[10], 0.0) + 0.5 * d * max(-F[11], 0.0)
@@ -113,7 +113,7 @@ def first_event(
         last = h - x <= d * (1.0 + 1e-6)
         d = h - x if last else d
         shift(F, x, about)
-        fall = drop(par, phase, lam, c, bu, th, row, row_v, about, d, z_a, v_a, floor, found)
+        fall = drop(par, phase, lam, c, bu, th, row, row_v, about, d, z_a, v_a, floor, math.inf, found)
         safe = g > fall
         if not safe and found[1] * d > resolved and level < LEVELS - 1:
             level = max(level + 1, min(level + 2, level_of(resolved / found[1])))
@@ -198,16 +198,20 @@ def bend(lam, c, bu, th, row, F, x, z, v):
 
 @jit
 def note_peaks(
-    par, lam, c, bu, th, top, F, h, omega, t, z, v, z_1, v_1, paces, filled, room, about, S, z_x, v_x, peaks
+    par, lam, c, bu, th, top, F, h, omega, turns, t, z, v, z_1, v_1, paces, filled, room, about, S, z_x, v_x, peaks
 ):  # fmt: skip
-    """`note` along a step, RESOLVED radians of omega apart, and where theta, its rate or the top turn in between."""
+    """`note` along a step, RESOLVED radians of omega apart, and where the rate turns in between.
+
+    `turns`: theta and the top are looked at too, also where they turn in between; without it COARSELY does.
+    """
     z_a, v_a, z_b, v_b = room[0], room[1], room[2], room[3]
     for m in range(len(z)):
         z_a[m], v_a[m] = z[m], v[m]
     note(par, th, top, t, z, v, peaks)
-    level = level_of(max(min(RESOLVED / omega, 0.5 * h) if omega > 0.0 else 0.5 * h, h / MOST_PACES))
+    apart = RESOLVED if turns or par[FINENESS] < 0.5 else COARSELY
+    level = level_of(max(min(apart / omega, 0.5 * h) if omega > 0.0 else 0.5 * h, h / MOST_PACES))
     know_pace(lam, c, math.ldexp(1.0, LONGEST - level), S, paces, filled, level)
-    turning = bend(lam, c, bu, th, th, F, 0.0, z, v)
+    rate, turning = dot(th, v), bend(lam, c, bu, th, th, F, 0.0, z, v)
     x = 0.0
     while x < h:
         d = math.ldexp(1.0, LONGEST - level)
@@ -219,8 +223,9 @@ def note_peaks(
                 z_b[m], v_b[m] = z_1[m], v_1[m]
         else:
             hop(paces, level, bu, th, about, z_a, v_a, z_b, v_b)
-        note(par, th, top, t + x + d, z_b, v_b, peaks)
-        for part in range(2):
+        if turns or last:
+            note(par, th, top, t + x + d, z_b, v_b, peaks)
+        for part in range(2 if turns else 0):
             row = th if part == 0 else top
             record = peaks[0] if part == 0 else peaks[4] / par[LENGTH]
             r_a, r_b = dot(row, v_a), dot(row, v_b)
@@ -230,15 +235,16 @@ def note_peaks(
                 for _ in range(2):
                     advance(lam, c, bu, th, about, y, S, z_a, v_a, z_x, v_x)
                     note(par, th, top, t + x + y, z_x, v_x, peaks)
-                    rate, slope = dot(row, v_x), bend(lam, c, bu, th, row, about, y, z_x, v_x)
-                    if abs(rate) > abs(slope) * d:
+                    r, slope = dot(row, v_x), bend(lam, c, bu, th, row, about, y, z_x, v_x)
+                    if abs(r) > abs(slope) * d:
                         break
-                    y = min(max(y - rate / slope, 0.0), d)
+                    y = min(max(y - r / slope, 0.0), d)
         before, turning = turning, bend(lam, c, bu, th, th, about, d, z_b, v_b)
-        if before * turning < 0.0:
-            y = d * before / (before - turning)
-            if abs(dot(th, v_a)) + 0.5 * abs(before) * y > peaks[3]:
-                advance(lam, c, bu, th, about, y, S, z_a, v_a, z_x, v_x)
-                note(par, th, top, t + x + y, z_x, v_x, peaks)
+        y = d * before / (before - turning) if before * turning < 0.0 else 0.0
+        if abs(rate) + 0.5 * abs(before) * y > peaks[3]:
+            advance(lam, c, bu, th, about, y, S, z_a, v_a, z_x, v_x)
+            peaks[3] = max(peaks[3], abs(dot(th, v_x)))
+        rate = dot(th, v_b)
+        peaks[3] = max(peaks[3], abs(rate))
         z_a, v_a, z_b, v_b = z_b, v_b, z_a, v_a
         x = h if last else x + d

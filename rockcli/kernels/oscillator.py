@@ -135,13 +135,14 @@ def advance(lam, c, bu, th, F, x, S, z, v, z_out, v_out):
 
 
 @jit
-def wander(lam, c, bu, th, F, h, z, v, row, row_v, floor, found):
+def wander(lam, c, bu, th, F, h, z, v, row, row_v, floor, floor_rate, found):
     """Bound of how far row.z + row_v.z' strays from its value at the start of a step, into found[0].
 
     A damped free oscillation never exceeds its first energy, so |z - z_p| <= amp and |z' - z_p'| <= omega amp
     with z_p the polynomial solution.  found[1]: highest omega whose share in the output exceeds `floor`.
+    found[2], found[3]: the same of the rate row.z', with `floor_rate`.
     """
-    total = omega_max = 0.0
+    total = omega_max = rate = omega_rate = 0.0
     for m in range(len(lam)):
         g_0, g_1 = abs(row[m]), abs(row_v[m])
         if g_0 == 0.0 and g_1 == 0.0:
@@ -156,11 +157,17 @@ def wander(lam, c, bu, th, F, h, z, v, row, row_v, floor, found):
             y, r = z[m] - a_0, v[m] - a_1
             amp = math.sqrt(y * y + r * r * soft)
             share = (g_0 + g_1 * omega) * amp
-            total += share * min(omega * h, 2.0) + g_0 * h * (abs(a_1) + abs(a_2) * h) + g_1 * h * abs(a_2)
+            within = min(omega * h, 2.0)
+            total += share * within + g_0 * h * (abs(a_1) + abs(a_2) * h) + g_1 * h * abs(a_2)
             if share > floor and omega > omega_max:
                 omega_max = omega
+            share = g_0 * omega * amp
+            rate += share * within + g_0 * h * abs(a_2)
+            if share > floor_rate and omega > omega_rate:
+                omega_rate = omega
         else:
             pull = abs(f_0) + h * (abs(f_1) + h * abs(f_2)) + abs(lam[m]) * (abs(z[m]) + h * abs(v[m]))
             pull += c[m] * abs(v[m])
             total += 1.1 * (g_0 * h * (abs(v[m]) + h * pull) + g_1 * h * pull)
-    found[0], found[1] = total, omega_max
+            rate += 1.1 * g_0 * h * pull
+    found[0], found[1], found[2], found[3] = total, omega_max, rate, omega_rate

@@ -105,23 +105,28 @@ def _unstable_equilibrium(modes: Modes, length: float, b: float, g: float, theta
     """Rotation and energy of the unstable equilibrium, the bending following statically (F7)."""
     full, pull, kappa = g * b / length**2, g / length, modes.kappa
 
+    def slopes(q: Array) -> Array:
+        base = full * (1.0 - 2.0 / 3.0 * np.sqrt(theta_1 / q))
+        if theta_1 > 0.0:
+            base = np.where(q > theta_1, base, full * q / (3.0 * theta_1))
+        return np.asarray(base - 0.5 * pull * np.sin(q) - pull**2 * kappa * np.sin(q) * np.cos(q))
+
     def slope(q: float) -> float:
-        base = full * (1.0 - 2.0 / 3.0 * np.sqrt(theta_1 / q)) if q > theta_1 else full * q / (3.0 * theta_1)
-        return float(base - 0.5 * pull * np.sin(q) - pull**2 * kappa * np.sin(q) * np.cos(q))
+        return float(slopes(np.array([q]))[0])
 
     def energy(q: float) -> float:
         base = full * (q - 4.0 / 3.0 * np.sqrt(theta_1 * q) + 0.5 * theta_1)
         return float(base - pull * np.sin(0.5 * q) ** 2 - 0.5 * pull**2 * kappa * np.sin(q) ** 2)
 
     grid = np.linspace(theta_1, 0.5 * np.pi, 400)[1:]
-    values = np.array([slope(q) for q in grid])
+    values = slopes(grid)
     up = np.flatnonzero(values > 0.0)
     if len(up) == 0:
         fine = np.geomspace(max(theta_1, 1e-9), grid[0], 200)[1:]
-        lifted = [q for q in fine if slope(q) > 0.0]
-        if not lifted:
+        lifted = fine[slopes(fine) > 0.0]
+        if len(lifted) == 0:
             raise RefusedError("the column has no upright position it returns to: base or column are too soft")
-        lo, hi = lifted[-1], float(grid[0])
+        lo, hi = float(lifted[-1]), float(grid[0])
     elif up[-1] == len(grid) - 1:
         return 0.5 * np.pi, energy(0.5 * np.pi)
     else:

@@ -225,6 +225,6 @@ def _work_space(N: int) -> dict[str, Array]:
         "S": np.zeros(5),
         "F": np.zeros(24),
         "A": np.zeros(6),
-        "about": np.zeros(12),
-        "found": np.zeros(2),
+        "about": np.zeros(17),
+        "found": np.zeros(4),
     }
