@@ -1,0 +1,155 @@
+"""`rock trade`: what accuracy costs on the scenes of a study, by backend, model and setting."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from rockcli.engine.trade import Point, Trade
+    from rockcli.study.study import Study
+
+_UNITS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
+
+_SHOWN = 6
+"""Reasons for skipped settings that are told."""
+
+
+def trade(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="A study.")],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where results go.")] = Path("results"),
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
+    ] = None,
+    sample: Annotated[int, typer.Option("--sample", metavar="N", min=1, help="Cases measured, at most.")] = 20,
+    budget: Annotated[
+        str, typer.Option("--budget", metavar="TIME", help="Time for the settings, such as 60s, '5 min', 1h.")
+    ] = "60s",
+    every: Annotated[bool, typer.Option("--all", help="List every setting, not only the Pareto front.")] = False,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
+    plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table; errors only.")] = False,
+) -> None:
+    """Measure what accuracy costs on the scenes of a study.
+
+    Every backend and setting that solves the study's model, from coarse to fine; errors of numerics, model and data
+    apart; DIR/<name>-trade/<name>-trade.nc, a work-precision plot, and the Pareto front on stdout.
+    """
+    from rockcli.cli.interrupt import advise
+    from rockcli.cli.progress import Progress
+    from rockcli.cli.sources import open_all
+    from rockcli.engine.draw import FORMATS
+    from rockcli.engine.trade import trade as measure
+    from rockcli.engine.traded import trade_path, write_trade
+    from rockcli.errors import StudyError
+    from rockcli.storage.places import check_file
+
+    if plot_format not in FORMATS:
+        raise StudyError(f"--format {plot_format}: expected {', '.join(FORMATS)}")
+    seconds = _seconds(budget)
+    if study.is_dir():
+        raise StudyError("is a folder; give one study", file=study)
+    opened = open_all([study], settings or ())
+    given = opened.studies[0]
+    check_file(trade_path(given, out))
+    advise("nothing was written")
+    line = Progress(given.name, shown=not quiet, what="settings")
+    from rockcli import kernels
+
+    kernels.announce = lambda: line.note("compiling the kernels, once: about 15 s")
+    try:
+        found = measure(given, sample=sample, budget=seconds, progress=line)
+    finally:
+        kernels.announce = None
+        line.close()
+    path = write_trade(given, found, out)
+    drawn = () if no_plots else _draw(path, plot_format)
+    if not quiet:
+        typer.echo(_text(given, found, path, drawn, every=every))
+
+
+def _seconds(budget: str) -> float:
+    """`60 s`, `5min`, `90` -> seconds."""
+    import re
+
+    from rockcli.errors import StudyError
+
+    read = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*(s|min|h|)\s*", budget)
+    if read is None or not float(read[1]) > 0.0:
+        raise StudyError(f"--budget {budget}: expected a time such as 60s, '5 min' or 1h")
+    return float(read[1]) * _UNITS[read[2]]
+
+
+def _draw(path: Path, plot_format: str) -> tuple[Path, ...]:
+    from rockcli.engine.draw import draw
+
+    drawn, complaints = draw(path, ("work_precision",), plot_format)
+    for complaint in complaints:
+        typer.echo(f"rock: {complaint}", err=True)
+    return drawn
+
+
+def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, every: bool) -> str:
+    from rockcli.engine.ladder import DATA, MODEL, NUMERICS
+    from rockcli.engine.traded import best_of_others, on_front
+
+    lines = [f"{study.name}: {len(found.cases)} of {found.size} cases, {len(found.points)} settings"]
+    lines += [f"  reference {name}: {words}" for name, words in found.references.items()]
+    heads = {
+        MODEL: "error of the model, against a better one",
+        DATA: "error of the data, against the record as it is",
+        NUMERICS: "error of the numerics, against the reference" + ("" if every else ": Pareto front"),
+    }
+    for part, head in heads.items():
+        points = [p for p in found.points if p.rung.part == part]
+        if part == NUMERICS and not every:
+            points = on_front(found, part)
+        if points:
+            lines += [f"  {head}", *_table(points)]
+        if part == NUMERICS and not every and (others := best_of_others(found, part)):
+            lines += ["  the most accurate of every other family", *_table(others)]
+    for name, why in found.skipped[:_SHOWN]:
+        lines.append(f"  skipped   {name}: {why}")
+    if len(found.skipped) > _SHOWN:
+        lines.append(f"            and {len(found.skipped) - _SHOWN} more")
+    lines.append(f"  file      {path}")
+    if drawn:
+        lines.append(f"  plots     {' '.join(file.name for file in drawn)}")
+    return "\n".join(lines)
+
+
+def _table(points: Iterable[Point]) -> list[str]:
+    """Columns: model, backend and setting, median and 90 % of |error| in theta/alpha, wrong outcomes, cost, steps."""
+    import numpy as np
+
+    from rockcli.engine.ladder import MODEL, model_word
+
+    rows = [("model", "setting", "median", "90 %", "wrong", "per case", "steps")]
+    for p in points:
+        steps = p.answers.steps[np.isfinite(p.answers.steps)]
+        setting = f"against {p.rung.against}" if p.rung.part == MODEL else f"{p.rung.family}, {p.rung.setting}"
+        rows.append(
+            (
+                model_word((p.rung.model, p.rung.geometry)),
+                setting,
+                _error(p.quantile(0.5)),
+                _error(p.quantile(0.9)),
+                f"{p.wrong} of {p.compared}",
+                f"{p.cost * 1e3:.3g} ms",
+                f"{np.median(steps):.0f}" if steps.size else "-",
+            )
+        )
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        left = "  ".join(cell.ljust(width) for cell, width in zip(row[:2], widths[:2], strict=True))
+        lines.append("    " + left + "  " + "  ".join(c.rjust(w) for c, w in zip(row[2:], widths[2:], strict=True)))
+    return lines
+
+
+def _error(value: float) -> str:
+    return "-" if value != value else f"{value:.1e}"

@@ -1,0 +1,155 @@
+"""Work and precision: error against cost of every setting that `rock trade` measured, by kind of error."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.ticker import NullFormatter
+from numpy.typing import NDArray
+
+from rockcli.plotting.labels import title_of
+from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, headline, new_figure, panel_title
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LEAST = 1e-17
+"""Errors below are drawn here: on a logarithmic axis nothing is 0."""
+
+MOST_MODELS = 3
+"""Panels of numerical errors at most, one per model of the study."""
+
+LINE = 0.042
+"""Height of a line of names over that of a panel."""
+
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "*", "h")
+
+_HEADS = {"numerics": "numerics", "model": "models, at accuracy standard", "data": "sampling of the record"}
+
+
+def without_trade(dataset: xarray.Dataset) -> str:
+    """Why a dataset cannot be drawn so; "" if it can."""
+    needed = ("part", "family", "cost", "error_median", "on_front")
+    if any(name not in dataset.variables for name in needed):
+        return "work and precision are measured by `rock trade`, and drawn from its dataset"
+    return "" if np.isfinite(dataset["error_median"].values).any() else "no setting has an error that could be drawn"
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """A panel of numerical errors per model of the study, one of model errors, one of sampling; they share an axis."""
+    parts = dataset["part"].values
+    models = list(dict.fromkeys(dataset["model"].values[parts == "numerics"]))
+    shown = [("numerics", model) for model in models[:MOST_MODELS]]
+    shown += [(part, "") for part in ("model", "data") if (parts == part).any()]
+    drawable = np.isfinite(dataset["error_median"].values)
+    shown = [(part, model) for part, model in shown if (drawable & _rows(dataset, part, model)).any()]
+    width = DOUBLE if len(shown) > 1 else DOUBLE * 0.6
+    figure = new_figure(width, 4.3)
+    grid = figure.subplots(
+        1, len(shown), sharey=True, squeeze=False, width_ratios=[1.6 if m else 1.0 for _, m in shown]
+    )
+    families = list(dict.fromkeys(dataset["family"].values[parts == "numerics"]))
+    errors = _numbers(dataset, drawable)[1]
+    grid[0][0].set_yscale("log")
+    grid[0][0].set_ylim(errors.min() / 10.0, errors.max() * 10.0)
+    for axes, (part, model) in zip(grid[0], shown, strict=True):
+        rows = drawable & _rows(dataset, part, model)
+        axes.set_xscale("log")
+        if part == "numerics":
+            _numerics(axes, dataset, rows, families)
+        else:
+            _named(axes, dataset, rows, part)
+        axes.set_xlabel("cost per case [s]")
+        head = f"numerics: model {model}" if model and len(models) > 1 else _HEADS[part]
+        panel_title(axes, head, width / len(shown))
+        axes.grid(visible=True, which="major", color="#EBEBEB", linewidth=0.5)
+        axes.set_axisbelow(True)
+        axes.margins(x=0.12)
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    grid[0][0].set_ylabel(r"median error of $|\theta|_{\mathrm{max}}/\alpha$")
+    handles, labels = _legend(grid[0])
+    figure.legend(handles, labels, loc="outside lower center", ncols=4 if width == DOUBLE else 2, columnspacing=1.2)
+    headline(figure, f"{title_of(dataset)}: error against cost", _note(dataset))
+    return figure
+
+
+def _rows(dataset: xarray.Dataset, part: str, model: str) -> NDArray[np.bool_]:
+    of_part = dataset["part"].values == part
+    return np.asarray(of_part & (dataset["model"].values == model) if model else of_part)
+
+
+def _numbers(dataset: xarray.Dataset, rows: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Cost and error of some settings."""
+    cost = np.asarray(dataset["cost"].values[rows], dtype=float)
+    return cost, np.maximum(np.asarray(dataset["error_median"].values[rows], dtype=float), LEAST)
+
+
+def _numerics(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], families: list[str]) -> None:
+    """A line per family from coarse to fine, and the Pareto front below all of them."""
+    for number, family in enumerate(families):
+        own = rows & (dataset["family"].values == family)
+        if own.any():
+            look: Any = {"color": COLOURS[number % len(COLOURS)], "marker": _MARKERS[number % len(_MARKERS)]}
+            axes.plot(*_numbers(dataset, own), label=str(family), markersize=3.6, markeredgewidth=0.0, **look)
+    best = rows & (dataset["on_front"].values == 1) & (dataset["family"].values != "event, elements")
+    cost, error = _numbers(dataset, best)
+    order = np.argsort(cost)
+    axes.plot(
+        cost[order], error[order], drawstyle="steps-post", color=QUIET, linewidth=4.0, alpha=0.35, zorder=1,
+        label="Pareto front", solid_capstyle="round",
+    )  # fmt: skip
+
+
+def _named(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], part: str) -> None:
+    """Points with their names beside them, moved apart where they would lie on one another."""
+    cost, error = _numbers(dataset, rows)
+    names = [str(name) for name in dataset["step" if part == "data" else "model"].values[rows]]
+    groups: dict[float, list[int]] = {}
+    for i in np.argsort(error):
+        near = next((e for e in groups if abs(np.log10(error[i] / e)) < 0.04), None)
+        groups.setdefault(float(error[i]) if near is None else near, []).append(int(i))
+    axes.plot(cost, error, linestyle="", marker="o", markersize=3.6, color="#000000", markeredgewidth=0.0)
+    low, high = float(cost.min()), float(cost.max())
+    axes.set_xlim(10.0 ** np.floor(np.log10(low)), max(high, low * 2.0) * 30.0)
+    bottom, top = np.log10(axes.get_ylim())
+    lowest = -np.inf
+    for at, members in groups.items():
+        words = _together([names[i] for i in sorted(members)])
+        right = max(float(cost[i]) for i in members)
+        place = max(np.log10(at), lowest + LINE * (top - bottom))
+        lowest = place
+        axes.annotate(words, (right, 10.0**place), xytext=(5, 0), textcoords="offset points", va="center", fontsize=7.0)
+
+
+def _together(names: list[str]) -> str:
+    """`1, 2 n.s.; 2 cor.` for `1 negative_stiffness`, `2 negative_stiffness`, `2 corotational`."""
+    short = {"negative_stiffness": " n.s.", "corotational": " cor."}
+    groups: dict[str, list[str]] = {}
+    for name in dict.fromkeys(names):
+        first, _, geometry = name.partition(" ")
+        if geometry in short:
+            groups.setdefault(short[geometry], []).append(first)
+        else:
+            groups.setdefault("", []).append(name)
+    return "; ".join(", ".join(members) + geometry for geometry, members in groups.items())
+
+
+def _legend(grid: NDArray[np.object_]) -> tuple[list[Any], list[str]]:
+    found: dict[str, Any] = {}
+    for axes in grid:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    return list(found.values()), list(found)
+
+
+def _note(dataset: xarray.Dataset) -> str:
+    said = [str(dataset.attrs.get("sample", ""))]
+    against = dict.fromkeys(str(a) for a in dataset["against"].values[dataset["part"].values == "numerics"])
+    said.append("numerics against " + "; ".join(against))
+    if "model" in dataset["part"].values:
+        better = dict.fromkeys(str(a) for a in dataset["against"].values[dataset["part"].values == "model"])
+        said.append("models against " + "; ".join(better))
+    return ". ".join(filter(None, said))

@@ -1,0 +1,58 @@
+"""The generated part of docs/accuracy.md is what the committed csv says, and the csv keeps what the page claims of it."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def levels():
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    try:
+        spec = importlib.util.spec_from_file_location("accuracy_levels", ROOT / "benchmarks" / "accuracy_levels.py")
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules["accuracy_levels"] = module
+        spec.loader.exec_module(module)
+        yield module
+    finally:
+        sys.path.remove(str(ROOT / "benchmarks"))
+        sys.modules.pop("accuracy_levels", None)
+
+
+def test_the_page_is_made_of_the_csv(levels):
+    rows, stamp = levels.read_rows()
+    text = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
+    section = text.split(levels.BEGIN)[1].split(levels.END)[0].strip()
+    assert section == "\n".join(levels.lines_of(rows, stamp))
+
+
+def test_a_changed_row_is_seen(levels):
+    rows, stamp = levels.read_rows()
+    changed = [dict(rows[0], wrong=str(int(rows[0]["wrong"]) + 1)), *rows[1:]]
+    assert levels.lines_of(changed, stamp) != levels.lines_of(rows, stamp)
+
+
+def test_what_the_page_claims_of_standard(levels):
+    rows, _ = levels.read_rows()
+    assert {row["scenes"] for row in rows} >= {
+        "200 x 200 Ricker map",
+        "beside a boundary",
+        "chatter",
+        "flexible columns",
+    }
+    standard = [row for row in rows if row["level"] == "standard"]
+    large = next(row for row in standard if row["scenes"] == levels.MAP)  # the only set that can tell 1e-4
+    assert int(large["wrong"]) <= 1e-4 * int(large["decided"])
+    assert int(large["decided"]) >= 10_000
+    assert all(float(row["median"]) <= 1e-6 for row in standard)
+    for scenes in {row["scenes"] for row in rows}:
+        errors = {row["level"]: float(row["median"]) for row in rows if row["scenes"] == scenes}
+        assert errors["standard"] <= errors["draft"]
