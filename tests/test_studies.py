@@ -34,6 +34,7 @@ SLOW = (
     "seed/fig49.yaml",
     "seed/fig5.*.yaml",
     "seed/fig6[12].yaml",
+    "spectra/",  # eighty thousand pulses each, compiled
     "seed/mesh/",  # CalculiX: minutes each
 )
 """Patterns of the studies that take longer."""

@@ -37,6 +37,7 @@ def identify(
         THETA,
         P,
         amplitudes_of,
+        check_history,
         eta_of_amplitudes,
         guess_of,
         identify_amplitudes,
@@ -58,7 +59,9 @@ def identify(
         raise StudyError("a history needs --p (sqrt(0.75 g/R) of a rectangle) beside --alpha, or --study")
     else:
         names = [ETA, *(name for name in (ALPHA, P) if name in asked)]
-        if not _driven(source):
+        driven = _driven(source)
+        check_history(measured, None if driven or ALPHA in asked else guess[ALPHA])
+        if not driven:
             guess |= {THETA: float(measured.theta[0]), RATE: 0.0}
             guess[ETA] = eta_of_amplitudes(amplitudes_of(measured), guess[ALPHA])
             names += [THETA, RATE]
@@ -106,12 +109,20 @@ def _unit(name: str) -> str:
 
 def _as_json(found: Identified) -> str:
     import json
+    import math
 
     rows = zip(found.names, found.fit.values, found.fit.low, found.fit.high, strict=True)
     plain = {
         "points": found.points,
         "scatter": found.fit.scatter,
-        "parameters": {name: {"value": v, "low": low, "high": high} for name, v, low, high in rows},
+        "parameters": {
+            name: {
+                "value": v,
+                "low": low if math.isfinite(low) else None,
+                "high": high if math.isfinite(high) else None,
+            }
+            for name, v, low, high in rows
+        },
         "notes": list(found.notes),
     }
     return json.dumps(plain, indent=2)

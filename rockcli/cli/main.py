@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from rockcli.cli import animate, check, compare, export, identify, plot, report, run, show, verify
+from rockcli.cli import animate, check, compare, export, identify, plot, report, run, show, trade, verify
 from rockcli.cli.interrupt import INTERRUPTED, answered, tell
 from rockcli.errors import RockError
 
@@ -27,6 +27,7 @@ app.command("check")(check.check)
 app.command("plot")(plot.plot)
 app.command("animate")(animate.animate)
 app.command("compare")(compare.compare)
+app.command("trade")(trade.trade)
 app.command("report")(report.report)
 app.command("identify")(identify.identify)
 app.command("export")(export.export)

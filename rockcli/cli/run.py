@@ -32,6 +32,9 @@ def run(
     ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Replace results that are there.")] = False,
     skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
+    audit: Annotated[
+        bool, typer.Option("--audit", help="Solve again at a tighter accuracy and tell what disagrees.")
+    ] = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
     plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary; errors only.")] = False,
@@ -58,7 +61,10 @@ def run(
     if junit is not None:
         _check_junit(junit)
     opened = open_all(
-        studies, settings or (), skip_missing=skip_missing, also=lambda study: check_study(study, out, fresh=fresh)
+        studies,
+        [*(settings or ()), *(["audit=true"] if audit else [])],
+        skip_missing=skip_missing,
+        also=lambda study: check_study(study, out, fresh=fresh),
     )
     reports = [RunReport(name=file.stem, status=SKIPPED, warnings=(why,)) for file, why in opened.skipped]
     for report in reports:

@@ -25,11 +25,13 @@ def show(
 
 
 def _models() -> str:
+    from rockcli.scene.auto import AUTO
     from rockcli.scene.models import CONTINUUM, FLEXIBLE, MODELS
 
     rows = [(m.name, m.geometry or "-", m.reference, m.sentence) for m in MODELS.values()]
     rows.append((FLEXIBLE, "corotational", "-", "the deformable column on a rigid or Winkler base (docs/flexible.md)"))
     rows.append((CONTINUUM, "-", "-", "the same body as a full mesh, solved by CalculiX (docs/calculix.md)"))
+    rows.append((AUTO, "-", "-", "the cheapest of these that keeps a tolerance, case by case (docs/auto.md)"))
     return _table(("model", "geometry", "equation", "good for"), rows)
 
 
@@ -49,6 +51,7 @@ def _variables() -> str:
 
     beside = {"case": "axes", "time": "axes, time", "impact": "axes, impact", "rotation": "axes, rotation"}
     beside |= {"suite": "axes left by over", "limit_state": "the same, limit_state", "measure": "the same, measure"}
+    beside |= {"setting": "setting"}
     rows = [(v.name, beside[v.over], v.unit, v.sentence) for v in VARIABLES.values()]
     outcomes = ", ".join(f"{flag} {name}" for flag, name in sorted(OUTCOMES.items()))
     return f"{_table(('variable', 'over', 'unit', 'meaning'), rows)}\n\noutcome: {outcomes}"

@@ -23,6 +23,11 @@ def report_text(report: RunReport) -> str:
     for count, source in ((report.taken_over, "the results that were there"), (report.resumed, "earlier runs")):
         if count:
             lines.append(_row("kept", f"{counted(count, 'case')} of {source}"))
+    if report.refined is not None:
+        share = 100.0 * report.refined / max(report.cases, 1)
+        lines.append(
+            _row("refined", f"{counted(report.refined, 'case')} solved ({share:.2g} %), the outcomes between filled in")
+        )
     if report.outcomes:
         lines.append(
             _row("outcomes", ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in report.outcomes.items()))
@@ -41,6 +46,7 @@ def report_text(report: RunReport) -> str:
         words = f"{rule.name}: {unsafe}, {rule.wary} the other way, of {rule.cases}"
         lines.append(_row("rules" if number == 0 else "", words))
     lines += [_row("suite" if number == 0 else "", words) for number, words in enumerate(report.suite)]
+    lines += [_row("audit" if number == 0 else "", words) for number, words in enumerate(report.audit)]
     if report.verdicts:
         met = len(report.verdicts) - report.unmet
         lines.append(_row("expect", f"{met} of {len(report.verdicts)} met"))
@@ -60,6 +66,8 @@ def _share_text(report: RunReport) -> str:
 
 
 def _survivors(report: RunReport) -> str:
+    if report.refined is not None:
+        return " (largest of those solved that stand)"
     return " (largest of those that stand)" if any(name.startswith("overturned") for name in report.outcomes) else ""
 
 

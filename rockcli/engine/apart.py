@@ -6,8 +6,10 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from rockcli.engine.auto import settled
 from rockcli.engine.choose import choose
 from rockcli.errors import RecordError, RockError, SolverError, StudyError
+from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response
 from rockcli.study.study import Index
@@ -51,7 +53,7 @@ def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tupl
             yield part, cases
             continue
         try:
-            response = choose(cases).load()(cases)
+            answers = list(_solved(part, cases))
         except StudyError:
             raise
         except (SolverError, RecordError) as error:
@@ -64,7 +66,15 @@ def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tupl
             for half in np.array_split(part, 2):
                 pending.extend(build_apart(rebuild, half))
         else:
-            yield part, response
+            yield from answers
+
+
+def _solved(indices: Index, batch: Batch) -> Iterator[tuple[Index, Response]]:
+    """The response of a batch; of model auto one for each model its cases are solved with."""
+    if batch.model == AUTO:
+        yield from ((indices[rows], response) for rows, response in settled(batch))
+    else:
+        yield indices, choose(batch).load()(batch)
 
 
 def _broke(what: str, error: Exception) -> str:

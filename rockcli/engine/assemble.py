@@ -42,6 +42,8 @@ def assemble(study: Study, results: Results, thresholds: NDArray[np.float64] | N
         fields[name] = variable_field(name, axes, values.reshape(study.shape))
         if name in ("n_impacts", "n_steps"):
             fields[name].attrs["comment"] = "-1: no answer"
+    if results.solved is not None:
+        fields["solved"] = variable_field("solved", axes, results.solved.reshape(study.shape))
     if "reason" in study.scalars:
         fields["reasons"] = reasons_field(results.reasons)
     if thresholds is not None:

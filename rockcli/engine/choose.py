@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import cast
 
 from rockcli.errors import SolverError
+from rockcli.scene.auto import AUTO, highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import FLEXIBLE, MODELS
 from rockcli.scene.response import Response
@@ -123,8 +124,13 @@ BACKENDS: dict[str, Backend] = {row.name: row for row in _ROWS}
 
 
 def choose(batch: Batch) -> Backend:
-    """Backend of a batch; `SolverError` if the one asked for, or for `auto` every one, cannot solve it."""
+    """Backend of a batch; `SolverError` if the one asked for, or for `auto` every one, cannot solve it.
+
+    That of a batch of model auto is the backend of the highest model that its cases may need.
+    """
     asked = batch.numerics.backend
+    if batch.model == AUTO and asked in ("auto", "event"):
+        batch = highest(batch)
     if asked != "auto" and asked not in BACKENDS:
         raise SolverError(f"there is no backend {asked!r}; there are {', '.join(BACKENDS)}")
     candidates = [row for row in BACKENDS.values() if row.automatic] if asked == "auto" else [BACKENDS[asked]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import DEFORMABLE
@@ -51,7 +52,7 @@ def _solving(batch: Batch, backend: str, samples: int) -> float:
         finer = 1.0 if backend == "frame" else 0.5  # opensees takes steps twice as long
         steps = _length(batch) / (batch.numerics.dt or 1e-4 / float(batch.p.max())) * finer
         return FRAME_STEP * steps if backend == "frame" else OPENSEES_START + OPENSEES_STEP * steps
-    if batch.model in DEFORMABLE:
+    if highest(batch).model in DEFORMABLE:
         return COLUMN + COLUMN_SAMPLE * samples
     return EVENT + EVENT_SAMPLE * samples
 

@@ -12,12 +12,13 @@ from rockcli.engine.compare import NEEDED_BY, locate
 from rockcli.engine.direction import WORST, angle_axis
 from rockcli.engine.ensemble import variables
 from rockcli.errors import StudyError
+from rockcli.scene.auto import highest
 from rockcli.scene.curves import variables_of
 from rockcli.scene.excitation import Pulses
 from rockcli.scene.models import FLEXIBLE
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.rules import RULES
-from rockcli.scene.variables import HISTORIES, IMPACTS, LARGE, ROTATION, VARIABLES
+from rockcli.scene.variables import AUDIT, HISTORIES, IMPACTS, LARGE, ROTATION, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
 from rockcli.study.study import Expect, Study
 
@@ -58,7 +59,7 @@ def check_quantities(study: Study) -> None:
     saved = {*study.scalars, *COORDINATES, *variables_of(study.curves), *(RULES[name].variable for name in study.rules)}
     if study.histories:
         saved |= {*HISTORIES, *IMPACTS}
-    saved |= variables(study)
+    saved |= {*variables(study), *(AUDIT if study.audit else ())}
     if study.search is not None:
         saved |= {study.search.name, *study.search.results(study.over)}
     if angle_axis(study) is not None:
@@ -85,7 +86,7 @@ def _of_cases(study: Study, asked: set[str]) -> set[str]:
             motion = batch.excitation.horizontal
             found |= _OF_PULSES if isinstance(motion, Pulses) else set()
             found |= _OF_MOTIONS if motion is not None and study.size <= LARGE else set()
-            found |= _OF_FLEXIBLE if batch.model == FLEXIBLE else set()
+            found |= _OF_FLEXIBLE if highest(batch).model == FLEXIBLE else set()
             found |= _OF_FRICTION if np.isfinite(batch.block.mu).any() else set()
             if found >= asked:
                 break

@@ -35,6 +35,7 @@ class Measured:
 
     theta: Array
     time: Array | None
+    file: Path | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,24 +49,28 @@ class Identified:
 
 
 def read_measured(path: Path, *, degrees: bool) -> Measured:
-    """Two columns are time [s] and rotation, one column holds amplitudes; # and % begin comments, commas may separate.
+    """Two columns are time [s] and rotation, one column holds amplitudes; # and % begin comments.
+
+    Blanks, commas or semicolons separate; lines above the numbers that begin with a word are headings.
 
     Raises:
         StudyError: naming file and line: no numbers, other numbers of columns, times that do not grow.
     """
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise StudyError(f"cannot be read: {error}", file=path) from None
+        lines = path.read_text(encoding="utf-8-sig").splitlines()  # spreadsheets put a mark before the first number
+    except OSError as error:
+        raise StudyError(f"cannot be read: {error.strerror}", file=path) from None
+    except UnicodeDecodeError:
+        raise StudyError("is not text in UTF-8: expected lines of numbers", file=path) from None
     rows: list[list[float]] = []
     for number, line in enumerate(lines, start=1):
-        words = line.split("#")[0].split("%")[0].replace(",", " ").split()
+        words = line.split("#")[0].split("%")[0].replace(",", " ").replace(";", " ").split()
         if not words:
             continue
         try:
             row = [float(word) for word in words]
         except ValueError:
-            if not rows:  # a line of headings
+            if not rows and not _is_number(words[0]):  # a line of headings
                 continue
             raise StudyError(f"expected numbers, not {line.strip()!r}", file=path, line=number) from None
         if len(row) not in (1, 2) or (rows and len(row) != len(rows[0])) or not np.isfinite(row).all():
@@ -77,8 +82,16 @@ def read_measured(path: Path, *, degrees: bool) -> Measured:
         raise StudyError("holds fewer than three rows of numbers", file=path)
     table = np.array(rows) * np.array([1.0, np.pi / 180.0 if degrees else 1.0])[-len(rows[0]) :]
     if len(rows[0]) == 1:
-        return Measured(np.abs(table[:, 0]), None)
-    return Measured(table[:, 1], table[:, 0])
+        return Measured(np.abs(table[:, 0]), None, path)
+    return Measured(table[:, 1], table[:, 0], path)
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 def amplitudes_of(measured: Measured) -> Array:
@@ -118,8 +131,12 @@ def identify_amplitudes(measured: Measured, alpha: float, *, free: Sequence[str]
     a = measured.theta
     if P in free:
         raise StudyError("amplitudes alone say nothing of p: give times too")
-    if (a <= 0.0).any() or (a >= alpha).any():
-        raise StudyError(f"amplitudes must lie between 0 and alpha = {alpha:.6g} rad")
+    wrong = np.flatnonzero((a <= 0.0) | (a >= alpha))
+    if len(wrong):
+        what = f"amplitude {wrong[0] + 1} is {a[wrong[0]]:.6g} rad: expected between 0 and alpha = {alpha:.6g} rad"
+        raise StudyError(f"{what}; --degrees if it is in degrees", file=measured.file)
+    if len(a) <= (k := 2 + (ALPHA in free)):
+        raise StudyError(f"{k} unknowns need more than {len(a)} amplitudes", file=measured.file)
     names = (ETA, THETA, *((ALPHA,) if ALPHA in free else ()))
 
     def residuals(x: Array) -> Array:
@@ -134,7 +151,45 @@ def identify_amplitudes(measured: Measured, alpha: float, *, free: Sequence[str]
     low = np.array([0.0, 1e-6 * a[0], 1.0001 * a.max()])[: len(names)]
     high = np.array([1.0, alpha, 1.5])[: len(names)]
     fit = least_squares_fit(residuals, start, step, (low, high), final=True)
-    return Identified(names, fit, len(a), ())
+    missed = float(np.sqrt(np.mean(residuals(fit.values[None]) ** 2) / np.mean(a**2)))
+    return Identified(names, fit, len(a), _notes(names, fit, missed))
+
+
+def _notes(names: Sequence[str], fit: Fit, missed: float) -> tuple[str, ...]:
+    """What speaks against a fit: `missed` is the root mean square of its residuals over that of the data."""
+    notes = [] if missed < 0.2 else [f"the fit leaves {missed:.0%} of the motion unexplained (root mean square)"]
+    if not fit.converged:
+        notes.append("the search stopped before it found a minimum")
+    unknown = ", ".join(name for name, low in zip(names, fit.low, strict=True) if not np.isfinite(low))
+    if unknown:
+        notes.append(
+            f"the data do not determine all of {unknown}: no intervals, and the first guess may stand unchanged"
+        )
+    return tuple(notes)
+
+
+def check_history(measured: Measured, alpha: float | None) -> None:
+    """What a rotation history cannot be.
+
+    Args:
+        measured: with times.
+        alpha: beyond it a body that rocks freely does not come back; None where the ground moves or alpha is sought.
+
+    Raises:
+        StudyError: nothing moves, or rotations no rocking body reaches.
+    """
+    size = float(np.max(np.abs(measured.theta)))
+    if size == 0.0:
+        raise StudyError("all rotations are 0", file=measured.file)
+    if size > 0.5 * np.pi:
+        raise StudyError(
+            f"rotations up to {size:.6g} rad, beyond pi/2: --degrees if they are in degrees", measured.file
+        )
+    if alpha is not None and size > 1.05 * alpha:  # a little of it may be noise
+        what = (
+            f"rotations up to {size:.6g} rad, beyond alpha = {alpha:.6g} rad, from where free rocking does not return"
+        )
+        raise StudyError(f"{what}: leave out the fall, or give another alpha", file=measured.file)
 
 
 def guess_of(source: Path | dict[str, Any]) -> dict[str, float]:
@@ -173,9 +228,11 @@ def identify_history(
         free: parameters to find.
 
     Raises:
-        StudyError: the study is wrong.
+        StudyError: the study is wrong, or there are not more rows than unknowns.
     """
     assert measured.time is not None
+    if len(measured.theta) <= len(free):
+        raise StudyError(f"{len(free)} unknowns need more than {len(measured.theta)} rows", file=measured.file)
     time, theta = measured.time - measured.time[0], measured.theta
     size = float(np.max(np.abs(theta)))
     scales = {ETA: 1.0, ALPHA: guess[ALPHA], P: guess[P], THETA: size, RATE: size * guess[P]}
@@ -193,10 +250,7 @@ def identify_history(
         fit = least_squares_fit(residuals, np.clip(x, low, high), step, (low, high), final=share == STAGES[-1])
         x = fit.values
     missed = float(np.sqrt(np.mean(residuals(x[None]) ** 2) / np.mean(theta**2)))
-    notes = [] if missed < 0.2 else [f"the fit leaves {missed:.0%} of the motion unexplained (root mean square)"]
-    if not fit.converged:
-        notes.append("the search stopped before it found a minimum")
-    return Identified(tuple(free), fit, len(time), tuple(notes))
+    return Identified(tuple(free), fit, len(time), _notes(free, fit, missed))
 
 
 def _rotations(source: Path | dict[str, Any], values: list[dict[str, float]], time: Array) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rockcli.errors import StudyError
+from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import FLEXIBLE
 from rockcli.study.study import Study
@@ -51,7 +52,7 @@ def histories_size(study: Study, enough: float = np.inf) -> Size:
             if batch.save.histories:
                 longest = max(size.longest, _longest(batch))
                 sliding = 3 if np.isfinite(batch.block.mu).any() else 0
-                variables = max(size.variables, 8 if batch.model == FLEXIBLE else 7 + sliding)
+                variables = max(size.variables, 8 if highest(batch).model == FLEXIBLE else 7 + sliding)
                 points = longest / study.dt_out + 1.0
                 size = Size(longest, points, variables, study.size * points * variables * 8.0)
             if size.bytes > enough:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,6 +33,18 @@ def peaks(channel: Channel | None, n: int, duration: Array | None = None) -> tup
     until = np.full(n, np.inf) if duration is None else np.where(np.isnan(duration), np.inf, duration)
     with np.errstate(all="ignore"):
         return _of_samples(channel, until) if isinstance(channel, Samples) else _of_pulses(channel, until)
+
+
+def scaled(channel: Channel, factor: float) -> Channel:
+    """The same motion, a factor larger."""
+    if isinstance(channel, Samples):
+        return replace(channel, factor=channel.factor * factor)
+    table = channel.table.copy()
+    table[:, :, PIECE_WIDTH - 1] *= abs(factor)
+    for kind, columns in _AMPLITUDES.items():
+        for column in columns:
+            table[:, :, column] *= np.where(table[:, :, 2] == kind, factor, 1.0)
+    return replace(channel, table=table, a_p=channel.a_p * factor)
 
 
 def _of_samples(samples: Samples, until: Array) -> tuple[Array, Array]:
@@ -77,8 +91,9 @@ def _of_pulses(pulses: Pulses, until: Array) -> tuple[Array, Array]:
                 table[:, :, column] *= np.where(kinds == kind, scale[:, None], 1.0)
     table[:, :, :2] *= pulses.omega_p[:, None, None]
     until = np.minimum(until * pulses.omega_p, table[:, -1, 1])
+    # what is measured is the rounded pulse itself, so that it does not depend on the cases it stands among
     keys = np.round(np.column_stack([table.reshape(n, -1), until]), 12)
-    _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    pga, pgv = extremes(table[first], until[first])
+    distinct, inverse = np.unique(keys, axis=0, return_inverse=True)
+    pga, pgv = extremes(distinct[:, :-1].reshape(-1, *table.shape[1:]), np.ascontiguousarray(distinct[:, -1]))
     inverse = inverse.reshape(-1)
     return pga[inverse] * a_p, pgv[inverse] * a_p / pulses.omega_p

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.auto import prospect
 from rockcli.engine.choose import choose
 from rockcli.engine.cost import STARTING, seconds_per_case
 from rockcli.engine.limits import HISTORIES_AT_MOST, histories_size
 from rockcli.engine.measures import peaks
 from rockcli.errors import SolverError
+from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT, Block
 from rockcli.scene.excitation import Channel, Pulses, Samples
@@ -166,6 +168,8 @@ def _edges(block: Block) -> list[tuple[str, str, int]]:
 def _model(batch: Batch) -> list[Row]:
     damping, column = batch.damping, batch.column
     rows = [Row("model", "model", batch.model)]
+    if batch.model == AUTO:
+        rows += [Row(*said) for said in prospect(batch)]
     if batch.geometry is not None:
         rows.append(Row("geometry", "geometry", batch.geometry))
     if column is not None and np.isfinite(column.E[0]):

@@ -32,13 +32,14 @@ class RunReport:
         peak: largest finite theta_peak_over_alpha (None without one); peak_at: its place on the axes.
         verdicts: of the `expect` clauses, in order.
         reasons: sentence -> number of cases, most first; sentences that differ in numbers only count as the first.
-        suite: what the ensemble statistics come to, in sentences.
+        suite: what the ensemble statistics come to, in sentences; audit: what an audit found.
         rules: what the rules of thumb would have said of the same cases.
         warnings: about the physics and the study.
         plots: files drawn; seconds: wall time of the run.
         taken_over: cases that the results of a study of fewer points had; resumed: cases from parts of earlier runs,
             after a share: cases that all shares have by now.
         share: (K, N) of a share.
+        refined: cases of a refined map that were solved; None where every case is.
     """
 
     name: str
@@ -53,12 +54,14 @@ class RunReport:
     reasons: dict[str, int] = field(default_factory=dict)
     rules: tuple[Misled, ...] = ()
     suite: tuple[str, ...] = ()
+    audit: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     plots: tuple[Path, ...] = ()
     seconds: float = 0.0
     taken_over: int = 0
     resumed: int = 0
     share: tuple[int, int] | None = None
+    refined: int | None = None
 
     @property
     def unmet(self) -> int:
@@ -103,10 +106,12 @@ def report_on(study: Study, contents: Contents, **more: Any) -> RunReport:
         failed=_failed(study, contents),
         peak=peak,
         peak_at=where,
+        refined=int(contents.values("solved").sum()) if "solved" in contents.fields else None,
         verdicts=tuple(judge(contents, study.expect)),
         reasons=_reasons(contents),
         rules=misled(contents),
         suite=tuple(json.loads(contents.attrs.get("ensemble", "{}")).get("says", ())),
+        audit=tuple(json.loads(contents.attrs.get("audit", "{}")).get("says", ())),
         **more,
     )
 

@@ -41,6 +41,7 @@ class Results:
         has_mass: whether every case has a mass (M_base is then in N m).
         symmetric: whether every body is.
         answered: cases of which there is an answer.
+        solved: (n,) of a refined map, 1 where the case was solved and 0 where its outcome is filled in; else None.
     """
 
     size: int
@@ -55,6 +56,7 @@ class Results:
     has_mass: bool = True
     symmetric: bool = True
     answered: int = 0
+    solved: NDArray[np.int8] | None = None
     _warnings: set[str] = field(default_factory=set)
     _used: dict[str, tuple[int, dict[str, str]]] = field(default_factory=dict)
     _pending: list[Answer] = field(default_factory=list)

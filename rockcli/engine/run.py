@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockcli.engine.assemble import assemble
+from rockcli.engine.audit import check_audit, with_audit
 from rockcli.engine.compare import with_comparison
 from rockcli.engine.curves import with_curves
 from rockcli.engine.describe import describe_cases
@@ -22,6 +23,7 @@ from rockcli.engine.lock import locked
 from rockcli.engine.parts import Parts
 from rockcli.engine.prescreen import with_prescreen
 from rockcli.engine.provenance import refreshed
+from rockcli.engine.refine import solve_refined
 from rockcli.engine.report import SHARE, SOLVED, UP_TO_DATE, RunReport, report_on
 from rockcli.engine.rules import check_rules, with_rules
 from rockcli.engine.search import find_overturning
@@ -60,8 +62,10 @@ def solve(study: Study, progress: Progress | None = None, sweep: Sweep | None = 
         found = with_rules(with_curves(assemble(study, describe_cases(study), thresholds), study), study)
         return with_ensembles(with_prescreen(found, study), study)
     with np.errstate(all="ignore"):  # what is not finite is a result
-        found = with_rules(with_curves(assemble(study, solve_cases(study, progress, sweep)), study), study)
-        return with_ensembles(found, study)
+        answered = (solve_refined if study.refine else solve_cases)(study, progress, sweep)
+        found = with_rules(with_curves(assemble(study, answered), study), study)
+        found = with_ensembles(found, study)
+        return with_audit(found, study, sweep.team if sweep else None, sweep.progress if sweep else progress)
 
 
 def dataset_path(study: Study, out_dir: Path) -> Path:
@@ -78,6 +82,7 @@ def check_answers(study: Study) -> None:
     check_quantities(study)
     check_histories(study)
     check_rules(study)
+    check_audit(study)
 
 
 def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
@@ -147,7 +152,7 @@ def run_study(
         known = 0
         if path.exists() and not fresh:
             if netcdf.identity(path) == study.identity:
-                contents, status = _renewed(study, path), UP_TO_DATE
+                contents, status = _renewed(study, path, team, progress), UP_TO_DATE
                 return _told(study, contents, status, path, started, plot_format if plots else None)
             old = taken_over(study, netcdf.read(path))
             assert old is not None
@@ -179,6 +184,8 @@ def _of_share(study: Study, sweep: Sweep, started: float) -> RunReport:
     assert sweep.share is not None
     if study.search is not None:
         raise StudyError("--part does not share out a search (`find`); --workers and --dask do", file=study.file)
+    if study.refine:
+        raise StudyError("--part does not share out a refined map (`refine`); --workers and --dask do", file=study.file)
     try:
         cases = solve_cases(study, sweep=sweep).answered
     finally:
@@ -209,7 +216,7 @@ def _told(
     )
 
 
-def _renewed(study: Study, path: Path) -> Contents:
+def _renewed(study: Study, path: Path, team: Team, progress: Progress | None) -> Contents:
     """The finished dataset, with the study's present words, comparison and curves; rewritten only if they changed."""
     contents = netcdf.read(path)
     if contents.attrs.get("study") == study.resolved_yaml:
@@ -217,7 +224,7 @@ def _renewed(study: Study, path: Path) -> Contents:
     described = Contents(contents.axes, contents.fields, refreshed(contents.attrs, study))
     with np.errstate(all="ignore"):
         contents = with_rules(with_curves(with_comparison(described, study.compare_to), study), study)
-        contents = with_ensembles(contents, study)
+        contents = with_audit(with_ensembles(contents, study), study, team, progress)
     netcdf.write(contents, path)
     return contents
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.engine.agenda import CHUNK, Agenda, Pace
@@ -20,6 +21,7 @@ from rockcli.engine.limits import cases_at_a_time
 from rockcli.engine.parts import Keeper
 from rockcli.engine.results import Results
 from rockcli.errors import SolverError
+from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import DEFORMABLE
 from rockcli.scene.response import Response
@@ -115,7 +117,23 @@ def solve_cases(study: Study, progress: Progress | None = None, sweep: Sweep | N
 
 def _solve_cases(study: Study, sweep: Sweep) -> Results:
     results = Results.of(study, symbols_of(study))
-    todo = np.ones(study.size, dtype=bool)
+    todo = take_known(sweep, results)
+    known = results.answered
+    if sweep.share is not None:
+        todo &= _of_share(study.size, *sweep.share)
+    agenda = Agenda(study.size, None if todo.all() else todo)
+    estimate, compiled = outlook(study, study.size) if agenda.left else (1.0, False)
+    most = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
+    work_off(study, sweep, results, agenda, Pace(estimate, most), compiled=compiled)
+    if known and sweep.share is None:
+        describe_rest(study, results, ~todo)
+    results.finish()
+    return results
+
+
+def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:
+    """Put the answers there are already into results; which cases are left, (n,)."""
+    todo = np.ones(results.size, dtype=bool)
     for answer in sweep.known:
         todo[answer.cases] = False
         results.put(answer)
@@ -124,17 +142,21 @@ def _solve_cases(study: Study, sweep: Sweep) -> Results:
         todo[fresh.cases] = False
         results.put(fresh)
         sweep.resumed += len(fresh.cases)
-    known = results.answered
-    if sweep.share is not None:
-        todo &= _of_share(study.size, *sweep.share)
-    agenda = Agenda(study.size, None if todo.all() else todo)
-    estimate, compiled = outlook(study, study.size) if agenda.left else (1.0, False)
-    most = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
-    in_all = known + agenda.left
-    done = known
-    if sweep.progress is not None and known:
+    return todo
+
+
+def work_off(study: Study, sweep: Sweep, results: Results, agenda: Agenda, pace: Pace, *, compiled: bool) -> None:
+    """Solve the cases of an agenda into results.
+
+    Raises:
+        StudyError: a solver cannot do what the study asks for.
+        OutputError: what is finished cannot be kept.
+    """
+    done = results.answered
+    in_all = done + agenda.left
+    if sweep.progress is not None and done:
         sweep.progress(done, in_all)
-    for cases, answer in answers(Solving(study, compiled), agenda, Pace(estimate, most), sweep.team):
+    for cases, answer in answers(Solving(study, compiled), agenda, pace, sweep.team):
         if answer.described is not None:
             results.describe(answer.described)
             answer.described = None
@@ -144,10 +166,6 @@ def _solve_cases(study: Study, sweep: Sweep) -> Results:
         done += len(cases)
         if sweep.progress is not None:
             sweep.progress(done, in_all)
-    if known and sweep.share is None:
-        describe_rest(study, results, ~todo)
-    results.finish()
-    return results
 
 
 def _of_share(n: int, k: int, shares: int) -> Any:
@@ -169,7 +187,7 @@ def outlook(study: Study, size: int) -> tuple[float, bool]:
         except SolverError:
             break
         seconds = seconds_per_case(batch, backend)
-        plain = backend == "event" and batch.model not in DEFORMABLE
+        plain = backend == "event" and highest(batch).model not in DEFORMABLE
         return seconds, plain and seconds * PLAIN * size > COMPILED_ABOVE
     return 1e-3, False
 

@@ -5,19 +5,19 @@ impact comes at p t = acosh(1/(1 - theta_0/alpha)), with the speed p sqrt(alpha^
 n impacts the body rises for p t = atanh(v_n/(p alpha)).  Nonlinear:
 theta_dot^2 = 2 p^2 [cos(alpha - theta_0) - cos(alpha - theta)].
 
-A forced linear block overturns without impact if the growing part of phi, phi + phi_dot/p, is negative at the
-end of the pulse: alpha exp(-p t_u) < (p/g) integral of a exp(-p t) from uplift t_u on.
+Overturning of the forced linear block: scene/overturning.py.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from math import acosh, asin, atan, atanh, cos, exp, isnan, nan, pi, sin, sqrt
+from math import acosh, atan, atanh, cos, isnan, nan, pi, sin, sqrt
 from typing import Any
 
 import numpy as np
 
+from rockcli.scene.overturning import rectangular_without_impact, sine_without_impact
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, ROCKING
 from rockcli.storage.contents import Contents
 
@@ -119,7 +119,7 @@ def _uplift() -> Iterator[Check]:
 
 def _rectangular() -> Iterator[Check]:
     for duration in (0.5, 1.0, 2.0):  # p t_1
-        expected = ALPHA * G / (1.0 - exp(-duration))
+        expected = ALPHA * G * float(rectangular_without_impact(np.array(pi / duration)))
         pulse = {"shape": "rectangular", "T_p": 2.0 * duration / P}
         got = _flip("linearized", pulse, expected, 1e-7, lambda flag: flag == OVERTURNED_WITHOUT_IMPACT)
         yield Check(f"overturning by a rectangular pulse, p t = {duration:g} [m/s2]", expected, got, 1.01e-7)
@@ -127,29 +127,10 @@ def _rectangular() -> Iterator[Check]:
 
 def _one_sine() -> Check:
     ratio = 3.0  # omega_p/p
-    expected = ALPHA * G * one_sine_threshold(ratio)
+    expected = ALPHA * G * float(sine_without_impact(np.array(ratio)))
     pulse = {"shape": "sine", "omega_p": ratio * P}
     got = _flip("linearized", pulse, expected, 1e-7, lambda flag: flag == OVERTURNED_WITHOUT_IMPACT)
     return Check(f"overturning by one sine, no impact, omega/p = {ratio:g} [m/s2]", expected, got, 1.01e-7)
-
-
-def one_sine_threshold(ratio: float) -> float:
-    """Amplitude over g alpha above which one sine of omega_p/p = `ratio` overturns a linear block without impact.
-
-    With t in 1/p and w = ratio, uplift at sin(w t_u) = 1/a, the condition of the module's docstring is
-    exp(-t_u) (1 + w^2) = a [exp(-t_u) (1/a + w sqrt(1 - 1/a^2)) - w exp(-2 pi/w)].
-    """
-
-    def excess(a: float) -> float:
-        decay = exp(-asin(1.0 / a) / ratio)
-        gain = decay * (1.0 / a + ratio * sqrt(1.0 - 1.0 / a**2)) - ratio * exp(-2.0 * pi / ratio)
-        return a * gain - decay * (1.0 + ratio**2)
-
-    low, high = 1.0, 1e3
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if excess(middle) > 0.0 else (middle, high)
-    return 0.5 * (low + high)
 
 
 def _flip(model: str, pulse: dict[str, Any], expected: float, step: float, reached: Any) -> float:

@@ -10,7 +10,19 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 import numpy as np
 
-from rockcli.plotting import bending, curve, curves, fragility, histories, ida, overlay, phase, spectrum, style
+from rockcli.plotting import (
+    bending,
+    curve,
+    curves,
+    fragility,
+    histories,
+    ida,
+    overlay,
+    phase,
+    spectrum,
+    style,
+    work_precision,
+)
 from rockcli.plotting import map as outcomes
 from rockcli.plotting.cases import axes_of, is_numeric
 from rockcli.plotting.suite import suite_of
@@ -62,6 +74,7 @@ _ROWS: tuple[Kind, ...] = (
     Kind("ida", "peaks of a suite against intensity, with fractiles", ida.without_ida, ida.draw),
     Kind("fragility", "share of a suite that exceeds limit states", fragility.without_fragility, fragility.draw),
     Kind("spectrum", "peaks against size, 2 pi/p", spectrum.without_spectrum, spectrum.draw),
+    Kind("work_precision", "error against cost (`rock trade`)", work_precision.without_trade, work_precision.draw),
     Kind("curves", "static curves of the block and its models, with their errors", curves.without_curves, curves.draw),
 )
 
@@ -87,6 +100,8 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
             chosen.append("spectrum")
     elif numeric and not _without_map(dataset):
         chosen.append("map")
+    if not work_precision.without_trade(dataset):
+        chosen.append("work_precision")
     if not curves.without_curves(dataset):
         chosen.append("curves")
     return tuple(chosen)

@@ -10,6 +10,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from rockcli.plotting.boundaries import boundary_handles, draw_boundaries
 from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note
 from rockcli.plotting.labels import axis_label, axis_values, title_of, variable_label
 from rockcli.plotting.style import DOUBLE, OUTCOME_COLOURS, SINGLE, headline, new_figure, panel_title
@@ -17,6 +18,7 @@ from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -65,10 +67,12 @@ def draw(dataset: xarray.Dataset) -> Figure:
     peaks = _peaks(dataset)
     norm = Normalize(0.0, 1.0, clip=True)
     present: set[int] = set()
+    bounded: set[str] = set()
     for number, case in enumerate(shown):
         axes = grid.flat[number]
         rest = {a: i for a, i in zip(axes_of(dataset), case.position, strict=True) if a in others}
         present |= _panel(axes, dataset.isel(rest), found, norm, shaded=peaks is not None)
+        bounded |= {*draw_boundaries(axes, dataset.isel(rest), found)}
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
@@ -84,13 +88,14 @@ def draw(dataset: xarray.Dataset) -> Figure:
         bar = figure.colorbar(ScalarMappable(norm, _ROCKING), ax=used, shrink=0.9, aspect=28, pad=0.02, extend=beyond)
         bar.set_label("rocking: " + variable_label("theta_peak_over_alpha"))
         bar.outline.set_linewidth(0.4)
-    _legend(figure, present, shaded=peaks is not None, columns=2 if columns == 1 else 4)
+    _legend(figure, present, bounded, shaded=peaks is not None, columns=2 if columns == 1 else 4)
     headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
     return figure
 
 
 def _peaks(dataset: xarray.Dataset) -> Array | None:
-    if "theta_peak_over_alpha" not in dataset or "outcome" not in dataset:
+    """Finite peaks that shade a map; none of a refined map, which has them beside its boundaries only."""
+    if "solved" in dataset or "theta_peak_over_alpha" not in dataset or "outcome" not in dataset:
         return None
     peaks = dataset["theta_peak_over_alpha"].values
     finite = peaks[np.isfinite(peaks)]
@@ -147,15 +152,17 @@ def _edges(values: Array, *, log: bool) -> Array:
     return np.asarray(np.exp(edges) if log else edges)
 
 
-def _legend(figure: Figure, present: set[int], *, shaded: bool, columns: int) -> None:
+def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, columns: int) -> None:
     flags = [flag for flag in OUTCOMES if flag in present and not (shaded and flag == ROCKING)]
     flags.sort(key=lambda flag: (flag < NO_UPLIFT, flag))
     patches = [
         Patch(facecolor=OUTCOME_COLOURS[OUTCOMES[f]], edgecolor="#666666", linewidth=0.4, label=_words(f))
         for f in flags
     ]
-    if patches:
-        figure.legend(handles=patches, loc="outside lower center", ncols=min(len(patches), columns), handlelength=1.2)
+    handles: list[Artist] = [*patches, *boundary_handles(bounded)]
+    if handles:
+        look = (min(len(patches), columns), 1.2) if not bounded else (2, 2.2)
+        figure.legend(handles=handles, loc="outside lower center", ncols=look[0], handlelength=look[1])
 
 
 def _words(flag: int) -> str:

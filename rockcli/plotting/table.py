@@ -8,6 +8,7 @@ import numpy as np
 
 from rockcli.plotting.cases import axes_of, is_numeric, number_at, outcome_at
 from rockcli.plotting.labels import unit_in_brackets
+from rockcli.plotting.spectrum import FOUND
 from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def case_table(dataset: xarray.Dataset) -> Table:
     if int(np.prod(shape, dtype=np.int64)) > MOST:
         return _summary(dataset)
     symbols = [name for name in _SYMBOLS if name in dataset.variables and name not in axes]
-    columns = [name for name in _COLUMNS if name in dataset.variables]
+    columns = [*_thresholds(dataset), *(name for name in _COLUMNS if name in dataset.variables)]
     header = [*axes, *(_head(n) for n in symbols), "outcome", *(_head(n) for n in columns)]
     rows = []
     for position in np.ndindex(*shape):
@@ -48,15 +49,20 @@ def case_table(dataset: xarray.Dataset) -> Table:
 def _summary(dataset: xarray.Dataset) -> Table:
     header = ["", "smallest", "16 %", "median", "84 %", "largest", "no finite value"]
     rows = []
-    for name in _SUMMED_UP:
-        if name not in dataset.variables:
-            continue
+    for name in (*_thresholds(dataset), *(name for name in _SUMMED_UP if name in dataset.variables)):
         values = np.asarray(dataset[name].values, dtype=float).ravel()
         finite = values[np.isfinite(values)]
         if finite.size:
             spread = np.percentile(finite, [0, 16, 50, 84, 100])
             rows.append([_head(name), *(_word(float(x)) for x in spread), str(values.size - finite.size)])
     return header, rows, "over the cases with a finite value: overturned cases have no peak"
+
+
+def _thresholds(dataset: xarray.Dataset) -> list[str]:
+    """What a search found for every case: the lowest overturning values, and their pre-screens."""
+    axes = set(axes_of(dataset))
+    found = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == axes]
+    return [name for name in found if name.endswith(FOUND) or f"{FOUND}_prescreen" in name]
 
 
 def _coordinate(dataset: xarray.Dataset, axis: str, i: int) -> str:

@@ -6,7 +6,8 @@ only in numbers, which are arrays over the cases.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,11 @@ from numpy.typing import NDArray
 from rockcli.scene.block import Block
 from rockcli.scene.column import Base, Column
 from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Excitation
+from rockcli.scene.excitation import Channel, Excitation, Samples
 from rockcli.scene.numerics import Numerics
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Batch:
         save: what is wanted back.
         warnings: sentences about the physics of these cases, for people.
         column: of the flexible model, else None.  base: what the body stands on; None = rigid.
+        tolerance: error of theta_peak/alpha allowed to model auto, (n,); None for all others.
     """
 
     g: Array
@@ -60,6 +63,7 @@ class Batch:
     warnings: tuple[str, ...] = field(default=())
     column: Column | None = None
     base: Base | None = None
+    tolerance: Array | None = None
 
     @property
     def size(self) -> int:
@@ -70,3 +74,36 @@ class Batch:
     def p(self) -> Array:
         """Frequency parameter of each edge, (n, 2) [rad/s]."""
         return self.block.p(self.g)
+
+    def rows(self, at: NDArray[np.int64]) -> Batch:
+        """Some of the cases, by their places (k,)."""
+        motion = self.excitation
+        return replace(
+            self,
+            g=self.g[at],
+            block=_taken(self.block, at),
+            excitation=Excitation(
+                horizontal=_channel(motion.horizontal, at, self.size),
+                vertical=_channel(motion.vertical, at, self.size),
+                duration=motion.duration[at],
+            ),
+            theta_0=self.theta_0[at],
+            theta_dot_0=self.theta_dot_0[at],
+            damping=_taken(self.damping, at),
+            column=None if self.column is None else _taken(self.column, at),
+            base=None if self.base is None else _taken(self.base, at),
+            tolerance=None if self.tolerance is None else self.tolerance[at],
+        )
+
+
+def _taken(value: T, at: NDArray[np.int64]) -> T:
+    """A frozen value whose arrays are all over the cases, for some of them."""
+    arrays = {f.name: getattr(value, f.name) for f in fields(value)}  # type: ignore[arg-type]
+    changed: dict[str, Any] = {name: of[at] for name, of in arrays.items() if isinstance(of, np.ndarray)}
+    return replace(value, **changed)  # type: ignore[type-var]
+
+
+def _channel(channel: Channel | None, at: NDArray[np.int64], n: int) -> Channel | None:
+    if isinstance(channel, Samples):
+        return replace(channel, factor=np.broadcast_to(channel.factor, n)[at])
+    return None if channel is None else _taken(channel, at)

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 
 CASE, TIME, IMPACT, ROTATION = "case", "time", "impact", "rotation"
 SUITE, LIMIT, MEASURE = "suite", "limit_state", "measure"
+SETTING = "setting"
 
 
 @dataclass(frozen=True)
 class Variable:
     """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact),
-    ROTATION (axes, rotation: static curves), SUITE (the axes but that of `over`), LIMIT (the same, limit_state) or
-    MEASURE (the same, measure); unit "1" = dimensionless.
+    ROTATION (axes, rotation: static curves), SUITE (the axes but that of `over`), LIMIT (the same, limit_state),
+    MEASURE (the same, measure) or SETTING (setting: `rock trade`); unit "1" = dimensionless.
     """
 
     name: str
@@ -103,6 +104,14 @@ _ROWS: tuple[Variable, ...] = (
     ),
     Variable("error_estimate", r"$\epsilon$", CASE, "1", "estimated numerical error of theta_peak_over_alpha"),
     Variable("wall_time", "wall time", CASE, "s", "time the solver took, shared evenly over a batch"),
+    Variable("model_used", "model", CASE, "1", "model auto: the model that solved the case"),
+    Variable(
+        "model_error",
+        r"$\epsilon_{\mathrm{model}}$",
+        CASE,
+        "1",
+        "model auto: error of theta_peak_over_alpha expected against the highest model; NaN where that one was used",
+    ),
     Variable("n_steps", r"$n_{\mathrm{steps}}$", CASE, "1", "steps of the solver"),
     Variable("reason", "reason", CASE, "1", "index into `reasons`: what there is to say about this case"),
     Variable(
@@ -193,6 +202,17 @@ _ROWS: tuple[Variable, ...] = (
         "largest |theta - theta_ref|/alpha before either overturns",
     ),
     Variable("same_outcome", "same outcome", CASE, "1", "1 where the outcome agrees with the reference's"),
+    Variable("solved", "solved", CASE, "1", "refine: 1 solved; 0 not solved, the outcome is that all around"),
+    Variable(
+        "audit_same_outcome", "same outcome", CASE, "1", "1 where a tighter run gave the same outcome, 0 where another"
+    ),
+    Variable("audit_error", r"$\Delta|\theta|_{\mathrm{max}}/\alpha$", CASE, "1", "|peak - that of a tighter run|"),
+    Variable("audit_disagreements", "disagreements", CASE, "1", "outcomes and peaks a tighter run does not confirm"),
+    Variable("cost", "cost per case", SETTING, "s", "time per case of the sample, in one process"),
+    Variable("error_median", r"median $|\epsilon|$", SETTING, "1", "median of |error_theta_peak_over_alpha|"),
+    Variable("error_p90", r"90 % $|\epsilon|$", SETTING, "1", "90 % quantile of |error_theta_peak_over_alpha|"),
+    Variable("wrong_outcomes", "wrong outcomes", SETTING, "1", "share of the outcomes that differ"),
+    Variable("on_front", "Pareto front", SETTING, "1", "1 where no other setting is cheaper and more accurate"),
     Variable("angle_worst", r"$\varphi_{\mathrm{w}}$", CASE, "rad", "direction of the motion with the largest peak"),
     Variable(
         "theta_peak_over_alpha_worst",
@@ -334,6 +354,9 @@ MEASURES: tuple[str, ...] = ("pga", "pgv", "p_pgv_over_g_tan_alpha", "arias", "c
 
 VARIABLES: dict[str, Variable] = {row.name: row for row in (*_ROWS, *_SUITE_ROWS)}
 
+AUDIT: tuple[str, ...] = ("audit_same_outcome", "audit_error", "audit_disagreements")
+"""What an audit adds to a dataset."""
+
 SCALARS_FLEXIBLE: tuple[str, ...] = ("landing_loss",)
 """Scalars of the flexible model alone."""
 
@@ -343,10 +366,13 @@ SCALARS_SLIDING: tuple[str, ...] = ("slide_peak", "slide_residual")
 SCALARS_FEMA: tuple[str, ...] = ("fema_delta", "fema_u_top", "fema_T", "fema_beta", "fema_n_roots")
 """What only the damping scheme fema356 knows; NaN for all others."""
 
+SCALARS_AUTO: tuple[str, ...] = ("model_used", "model_error")
+"""What only model auto has to say."""
+
 SCALARS: tuple[str, ...] = (
     "outcome", "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn",
     "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual", "error_estimate", "wall_time",
-    "n_steps", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING,
+    "n_steps", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_AUTO,
 )  # fmt: skip
 """Scalars a study can save, in the order of the contract."""
 

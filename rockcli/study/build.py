@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.auto import AUTO, TOLERANCE
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import RECTANGLE_INERTIA, Block, housner_eta
 from rockcli.scene.column import Base, Column
@@ -90,7 +91,24 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         warnings=tuple(dict.fromkeys(warnings)),
         column=column,
         base=base,
+        tolerance=_tolerance(numbers, numerics, damping) if model == AUTO else None,
     )
+
+
+def _tolerance(numbers: Numbers, numerics: Numerics, damping: Damping) -> Array:
+    """The error of theta_peak/alpha that model auto may make, (n,).
+
+    Raises:
+        StudyError: not between 0 and 1, or auto is asked for what none of its models does.
+    """
+    keys: Keys = ("case", "model", "tolerance")
+    tolerance = numbers.positive(keys)
+    numbers.require(keys, tolerance is None or np.less_equal(tolerance, 1.0), "must be at most 1 (of theta/alpha)")
+    if damping.scheme not in ("none", "restitution"):
+        numbers.fail(("case", "damping"), "model auto chooses among models with damping restitution or none")
+    if numerics.backend not in ("auto", "event"):
+        numbers.fail(("case", "solver", "backend"), "model auto is solved by backend event")
+    return numbers.array(TOLERANCE if tolerance is None else tolerance)
 
 
 def _column(numbers: Numbers, model: str) -> Column | None:
@@ -100,7 +118,7 @@ def _column(numbers: Numbers, model: str) -> Column | None:
     if model == "4" and given:
         unknown = numbers.array(np.nan)
         return Column(unknown, unknown, unknown, int(given.get("elements") or 5), given.get("mass") or "consistent")
-    if model not in DEFORMABLE:
+    if model not in DEFORMABLE and not (model == AUTO and given):
         return None
     if not given or given.get("E") is None or given.get("rho") is None:
         needs = f"model {model} needs a column with E and rho: {{E: 30*GPa, rho: 2500}}"
@@ -132,7 +150,9 @@ def _base(numbers: Numbers, model: str) -> Base | None:
             numbers.fail((*keys, "kw"), "belongs to base law winkler")
         return None
     scheme = (numbers.tree["case"].get("damping") or {}).get("scheme")
-    if model not in DEFORMABLE and not (model == "4" and scheme == "hht"):
+    if model == AUTO and not numbers.tree["case"].get("column"):
+        numbers.fail(keys, "a winkler base needs a column beside it: {E: 30*GPa, rho: 2500}")
+    if model not in (*DEFORMABLE, AUTO) and not (model == "4" and scheme == "hht"):
         models = ", ".join(DEFORMABLE)
         numbers.fail((*keys, "law"), f"winkler is a base of models {models}, or of model 4 with damping hht")
     kw = numbers.positive((*keys, "kw"))

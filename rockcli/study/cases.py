@@ -15,7 +15,6 @@ from rockcli.study.axes import Variation
 from rockcli.study.build import build_batch
 from rockcli.study.check import check_case
 from rockcli.study.expressions import ExpressionError, parse
-from rockcli.study.features import check_features
 from rockcli.study.numbers import Numbers, Varied
 from rockcli.study.records import Records
 from rockcli.study.shorthands import expanded
@@ -138,7 +137,6 @@ class Cases:
         for path, value, where in sorted(settings, key=lambda s: len(s[0])):
             study = expanded(replaced(study, path, value, where))
         check_case(self.source, study)
-        check_features(self.source, study)
         return study
 
     def probe(self) -> Index:

@@ -5,26 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from rockcli.scene.models import DEFORMABLE, MODEL_NAMES, MODELS
-from rockcli.study.tree import Keys, Map, Source, value_at
+from rockcli.scene.auto import AUTO
+from rockcli.scene.models import DEFORMABLE, MODELS
+from rockcli.study.tree import Keys, Map, Source
 
 DAMPING: tuple[str, ...] = ("none", "restitution", "dashpot", "fema356", "hht")
 BACKENDS: tuple[str, ...] = ("auto", "event", "scipy", "frame", "calculix", "opensees")
-LATER: dict[Keys, str] = {
-    ("refine",): "adaptive refinement is",
-    ("audit",): "the audit is",
-}
-"""Keys of the study file whose feature is not there yet."""
 
 DEFAULT_GEOMETRY = "negative_stiffness"
-
-
-def check_features(source: Source, study: Map) -> None:
-    """Refuse the keys of a study whose feature is not there yet."""
-    for keys, what in LATER.items():
-        value = value_at(study, keys)
-        if value not in (None, False, [], {}):
-            raise source.error(study, keys, f": {what} not available in this version")
 
 
 def check_curves(source: Source, study: Map, models: Iterable[tuple[str, str | None]]) -> None:
@@ -39,12 +27,8 @@ def model_and_geometry(source: Source, study: Map) -> tuple[str, str | None]:
     case: dict[str, Any] = study["case"]
     model = (case.get("model") or {}).get("name") or "rigid"
     geometry = case.get("geometry")
-    if model not in (*MODEL_NAMES, *DEFORMABLE):
-        raise source.error(
-            study,
-            ("case", "model"),
-            f": model {model} is not available in this version; available: {_list((*MODEL_NAMES, *DEFORMABLE))}",
-        )
+    if model == AUTO:
+        return model, None  # a geometry given beside it is that of the models it is compared with
     if (case.get("model") or {}).get("tolerance") is not None:
         raise source.error(study, ("case", "model", "tolerance"), "belongs to model auto")
     if model in DEFORMABLE:

@@ -21,8 +21,10 @@ def identity(
     variations: Sequence[Variation],
     save: dict[str, Any],
     inputs: dict[str, str],
+    *,
+    refine: bool = False,
 ) -> str:
-    """SHA-256 of what changes numbers: case, let, axes, save, the bytes of all files, the program's version."""
+    """SHA-256 of what changes numbers: case, let, axes, save, refine, the bytes of all files, the program's version."""
     content = {
         "case": _canonical(case),
         "let": _canonical(let),
@@ -30,7 +32,7 @@ def identity(
         "save": _canonical(save),
         "inputs": dict(sorted(inputs.items())),
         "version": rockcli.__version__,
-    }
+    } | ({"refine": True} if refine else {})
     return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=True).encode()).hexdigest()
 
 
@@ -41,7 +43,7 @@ def kinship(
     save: dict[str, Any],
     files: dict[str, str],
 ) -> str:
-    """What tells whether the results of one study are among those of another, as JSON.
+    """What tells whether the results of one study are among those of another, as JSON; not for refined maps.
 
     `base` is the hash of all but the axes; an axis has the hash of what each of its points puts into a case, or None
     where the coordinate says it.  `files`: name -> SHA-256 of every record, which counts where its name stands.

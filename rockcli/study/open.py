@@ -13,21 +13,31 @@ import numpy as np
 from pydantic import ValidationError
 
 from rockcli.errors import StudyError
+from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Save
-from rockcli.scene.variables import LARGE, SCALARS, SCALARS_FEMA, SCALARS_FLEXIBLE, SCALARS_LARGE, SCALARS_SLIDING
+from rockcli.scene.variables import (
+    LARGE,
+    SCALARS,
+    SCALARS_AUTO,
+    SCALARS_FEMA,
+    SCALARS_FLEXIBLE,
+    SCALARS_LARGE,
+    SCALARS_SLIDING,
+)
 from rockcli.study.axes import Evaluate, Variation, read_axes
 from rockcli.study.build import build_batch
 from rockcli.study.cases import Cases
 from rockcli.study.check import check_case, check_study
 from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
-from rockcli.study.features import check_curves, check_features
+from rockcli.study.features import check_curves
 from rockcli.study.found import DT_OUT, Found
 from rockcli.study.identity import as_yaml, identity, kinship, plain
 from rockcli.study.loader import load_file, load_mapping
 from rockcli.study.over import read_over
 from rockcli.study.overrides import apply_overrides
 from rockcli.study.records import Records
+from rockcli.study.refine import RECORDS, read_refine
 from rockcli.study.schema import CasePart, StudyPart
 from rockcli.study.search import make_search, searched
 from rockcli.study.shorthands import expanded
@@ -81,10 +91,12 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
     search = None if sought is None else make_search(cases, sought)
     over = read_over(where, tree, axes, scalars, searches=search is not None)
+    refine = read_refine(where, tree, axes, scalars, searches=search is not None, over=over)
     expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
     compare_to = tree.get("compare_to")
     resolved = _resolved(part, base, variations, saved)
+    content = resolved["case"], resolved.get("let", {}), variations, saved
     return Study(
         name=part.name,
         title=part.title,
@@ -100,16 +112,24 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         scalars=scalars,
         resolved=resolved,
         resolved_yaml=as_yaml(resolved),
-        identity=identity(resolved["case"], resolved.get("let", {}), variations, saved, found.inputs),
-        kinship=kinship(resolved["case"], resolved.get("let", {}), variations, saved, records.hashes()),
+        identity=identity(*content, found.inputs, refine=bool(refine)),
+        kinship="" if refine else kinship(*content, records.hashes()),
         inputs=found.inputs,
         processing=found.processing(),
-        warnings=(*warnings, *unused_symbols(tree, variations), *replaced_records(tree), *found.doubts(tree)),
+        warnings=(
+            *warnings,
+            *unused_symbols(tree, variations),
+            *replaced_records(tree),
+            *found.doubts(tree),
+            *((RECORDS,) if refine and found.uses else ()),
+        ),
         histories_at=at,
         curves=tuple(dict.fromkeys(part.curves)),
         rules=tuple(dict.fromkeys(part.rules)),
         search=search,
         over=over,
+        refine=refine,
+        audit=part.audit,
     )
 
 
@@ -127,7 +147,6 @@ def _check_top(source: Source, tree: Map) -> StudyPart:
         part = check_study(source, tree)
     for name in part.let:
         check_symbol(source, tree, name)
-    check_features(source, tree)
     return part
 
 
@@ -164,15 +183,17 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
     if isinstance(histories, dict):
         at = match(source, tree, ("save", "histories"), histories, [v.axis for v in cases.variations], cases.evaluate)
     elif histories is None:
-        histories = size <= HISTORIES_UP_TO and not curves_only
+        histories = size <= HISTORIES_UP_TO and not curves_only and not tree.get("refine")
     wanted = save.get("scalars")
     if wanted is None:
-        wanted = () if curves_only else SCALARS if size <= LARGE else SCALARS_LARGE
-    special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE, *SCALARS_SLIDING}
+        wanted = () if curves_only else SCALARS if size <= LARGE and not tree.get("refine") else SCALARS_LARGE
+    special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE, *SCALARS_SLIDING, *SCALARS_AUTO}
     if found.friction:
         special -= set(SCALARS_SLIDING)
     if "fema356" in found.schemes:
         special -= set(SCALARS_FEMA)
+    if any(model == AUTO for model, _ in found.models):
+        special -= {*SCALARS_AUTO, *SCALARS_FLEXIBLE}
     if any(model == "flexible" for model, _ in found.models):
         special -= set(SCALARS_FLEXIBLE)
     every = [name for name in SCALARS if name not in special]

@@ -55,12 +55,14 @@ def read_over(
 
 
 def _axis(source: Source, study: Map, keys: tuple[str, ...], text: str, axes: Sequence[Axis]) -> Axis:
-    found = next((a for a in axes if text in (a.name, a.path, f"case.{a.path}")), None)
-    if found is None:
+    found = [a for a in axes if text in (a.name, a.path, f"case.{a.path}")]
+    found = found or [a for a in axes if text == a.path.rsplit(".", 1)[-1]]
+    if len(found) != 1:
         names = [name for a in axes for name in dict.fromkeys((a.path, a.name))]
         hint = nearest(text, names) if names else "the study has no axes (`vary`)"
-        raise source.error(study, keys, f"is {text!r}, which is no axis of the dataset; {hint}")
-    return found
+        what = "which may be several axes" if found else "which is no axis of the dataset"
+        raise source.error(study, keys, f"is {text!r}, {what}; {hint}")
+    return found[0]
 
 
 def _limit(source: Source, study: Map, i: int, value: Any) -> float:

@@ -6,12 +6,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
+from rockcli.scene.auto import AUTO
+from rockcli.scene.models import DEFORMABLE, MODEL_NAMES
 from rockcli.scene.pulses import SHAPES
 from rockcli.scene.rules import RULE_NAMES as RULES
 from rockcli.scene.spectra import SPECTRA
+from rockcli.study.features import BACKENDS, DAMPING
 from rockcli.study.values import (
     NUMBER_SCHEMA,
     PAIR_SCHEMA,
+    Audit,
     Edges,
     Eta,
     Files,
@@ -26,7 +30,7 @@ from rockcli.study.values import (
     Text,
 )
 
-MODEL_NAMES = ("rigid", "linearized", "1", "2", "3", "4", "flexible", "continuum", "auto")
+MODELS = (*MODEL_NAMES, *DEFORMABLE, AUTO)
 PLOTS = ("histories", "bending", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")
 CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")
 
@@ -178,8 +182,8 @@ class InitialPart(Part):
 class ModelPart(Part):
     """The model by name, with what it needs."""
 
-    name: Literal[MODEL_NAMES] = key("model; auto (not in this version)", "rigid")  # type: ignore[valid-type]
-    tolerance: Number | None = key("auto: error of theta_peak_over_alpha allowed [1] (not in this version)")
+    name: Literal[MODELS] = key("model; auto chooses what the scene requires", "rigid")  # type: ignore[valid-type]
+    tolerance: Number | None = key("auto: error of theta_peak_over_alpha allowed [1]; default 0.02")
 
 
 class ColumnPart(Part):
@@ -219,7 +223,7 @@ Spectrum = Annotated[SpectrumPart | None, BeforeValidator(lambda v: {"shape": "m
 class DampingPart(Part):
     """What is lost at impacts or between them."""
 
-    scheme: Literal["none", "restitution", "dashpot", "hht", "fema356"] = key("damping scheme", "restitution")
+    scheme: Literal[DAMPING] = key("damping scheme", "restitution")  # type: ignore[valid-type]
     eta: Eta | None = key("restitution: angular velocity after / before an impact, in [0, 1]; default housner")
     r_energy: Number | None = key("restitution: kinetic energy after / before an impact, eta^2, in [0, 1]")
     coefficient: Number | None = key("dashpot: coefficient [1]; default 0.02")
@@ -232,7 +236,7 @@ class DampingPart(Part):
 class SolverPart(Part):
     """How, and how well."""
 
-    backend: Literal["auto", "event", "scipy", "frame", "opensees", "calculix"] = key("who solves", "auto")
+    backend: Literal[BACKENDS] = key("who solves", "auto")  # type: ignore[valid-type]
     accuracy: Literal["draft", "standard", "reference"] = key("named tolerances", "standard")
     rtol: Number | None = key("truncation error per step, relative to alpha [1]")
     method: Text | None = key("method of the backend")
@@ -249,7 +253,8 @@ class CasePart(Part):
     motion: MotionPart = key("ground motion; none = free rocking", MotionPart.model_construct())
     initial: InitialPart = key("state at t = 0", InitialPart.model_construct())
     model: ModelPart = key(
-        "rigid, linearized, 1, 2, 3, 4, flexible, continuum; auto (not in this version)", ModelPart.model_construct()
+        "rigid, linearized, 1, 2, 3, 4, flexible, continuum, auto, or {name: auto, tolerance}",
+        ModelPart.model_construct(),
     )
     geometry: Literal["negative_stiffness", "corotational"] | None = key("restoring law of models 1-4")
     column: ColumnPart | None = key("the column of the flexible models")
@@ -311,18 +316,20 @@ class StudyPart(Part):
     vary: dict[str, Any] = key("path inside the case -> list, range, file glob, named settings or CSV file", {})
     compare_to: dict[str, Any] | None = key("{axis: value} of the reference")
     over: Over = key("axis of the ensemble statistics, or {axis, along, limits, mean}")
-    refine: bool = key("trace the outcome boundary of a two-axis map (not in this version)", False)
+    refine: bool = key("trace the outcome boundary of a two-axis map instead of solving every pixel", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
     plots: list[Literal[PLOTS]] = key("kinds of plot", [])  # type: ignore[valid-type]
     expect: list[ExpectPart] = key("statements about the results", [])
     curves: list[Literal[CURVES]] = key("static curves", [])  # type: ignore[valid-type]
     rules: list[Literal[RULES]] = key("rules of thumb and code checks beside the history", [])  # type: ignore[valid-type]
-    audit: Any | None = key("checks of the source's assumptions (not in this version)")
+    audit: Audit = key(
+        "solve again at a tighter accuracy and tell what disagrees: true, or the share of the cases", False
+    )
 
 
 _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
     ("CasePart", "damping"): {"enum": ["none", "restitution", "dashpot", "hht", "fema356"]},
-    ("CasePart", "model"): {"enum": [*MODEL_NAMES, 1, 2, 3, 4]},
+    ("CasePart", "model"): {"enum": [*MODELS, 1, 2, 3, 4]},
     ("CasePart", "motion"): {"const": "none"},
     ("DampingPart", "spectrum"): {"const": "motion"},
     ("MotionPart", "record"): {"type": "string"},

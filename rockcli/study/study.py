@@ -157,6 +157,8 @@ class Study:
         rules: rules of thumb and code checks asked for.
         search: the range searched for overturning (`find`), which makes no dimension; None = none.
         over: ensemble statistics asked for; None = none.
+        refine: the two axes of which the outcome boundary is traced, as in `axes`; () = every case is solved.
+        audit: share of the cases that are solved again more accurately; True = all up to a limit, False = none.
         resolved: the resolved study as a plain mapping (re-runnable when dumped as YAML).
         resolved_yaml: the same as YAML text.
         identity: SHA-256 hex of what changes numbers (case, let, vary, save, record bytes, program version).
@@ -190,6 +192,8 @@ class Study:
     search: Searched | None = None
     kinship: str = ""
     over: Over | None = None
+    refine: tuple[str, ...] = ()
+    audit: float | bool = False
 
     @property
     def shape(self) -> tuple[int, ...]:

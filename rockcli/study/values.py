@@ -113,6 +113,15 @@ def _histories(value: Any) -> Any:
     return value
 
 
+def _audit(value: Any) -> Any:
+    if isinstance(value, bool):
+        return value
+    if not isinstance(value, int | float) or not 0.0 < value <= 1.0:
+        expected = "true, false or a share of the cases, above 0 and up to 1,"
+        raise ValueError(f"{expected} is expected, not {describe(value)}")
+    return float(value)
+
+
 NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
 PAIR_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
 Number = Annotated[Any, BeforeValidator(_number), WithJsonSchema(NUMBER_SCHEMA)]
@@ -137,6 +146,11 @@ Files = Annotated[
     WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 2}]}),
 ]
 
+Audit = Annotated[
+    Any,
+    BeforeValidator(_audit),
+    WithJsonSchema({"anyOf": [{"type": "boolean"}, {"type": "number", "exclusiveMinimum": 0, "maximum": 1}]}),
+]
 Histories = Annotated[Any, BeforeValidator(_histories), WithJsonSchema({"type": ["boolean", "object"]})]
 Scalars = Annotated[
     Any,

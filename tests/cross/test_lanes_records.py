@@ -95,6 +95,17 @@ def differences(batch: Batch) -> tuple[np.ndarray, np.ndarray, dict, dict]:
     return found["outcome"] != exact["outcome"], error[np.isfinite(error)], found, exact
 
 
+def near_a_boundary(batch: Batch, rows) -> np.ndarray:
+    """Whether the reference itself changes its outcome when the motion is scaled by 1 +- 1e-9, 1e-10 or 1e-11."""
+    some = part(batch, rows)
+    horizontal = some.excitation.horizontal
+    exact, changes = reference(some)["outcome"], np.zeros(len(rows), bool)
+    for shift in (1e-9, -1e-9, 1e-10, -1e-10, 1e-11, -1e-11):
+        moved = replace(some.excitation, horizontal=replace(horizontal, factor=horizontal.factor * (1.0 + shift)))
+        changes |= reference(replace(some, excitation=moved))["outcome"] != exact
+    return changes
+
+
 LAWS = [key for key in MODELS if key[0] in ("rigid", "linearized", "1", "3")]
 
 
@@ -121,6 +132,17 @@ def test_every_restitution(eta):
     assert not wrong.any()
     # without loss an error grows with every impact
     assert np.median(error) <= (1e-6 if eta == 1.0 else 1e-10)
+
+
+def test_at_the_threshold():
+    """At a peak of exactly g tan(alpha) rounding may lift a body and drop it at once: nothing comes of it."""
+    values, dt = own()
+    _, error, found, exact = differences(
+        suite(values, dt, [1.0], np.geomspace(0.4, 8.0, 20), np.linspace(0.08, 0.35, 20))
+    )
+    assert set(found["outcome"].tolist()) | set(exact["outcome"].tolist()) <= {0, 1}
+    assert len(error) == 400
+    assert error.max() <= 1e-12
 
 
 def test_both_polarities_mirror():
@@ -210,20 +232,29 @@ def test_against_an_independent_integrator():
 @pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="no folder of real records beside the checkout")
 def test_forty_thousand_cases_of_real_records():
-    """Ten records x scales x sizes x slendernesses: the rate of wrong outcomes and the median error as stated."""
+    """Ten records x scales x sizes x slendernesses: the rate of wrong outcomes and the median error as stated.
+
+    Every difference counts, but for cases that are shown to lie within 1e-9 in amplitude of another outcome.
+    """
     paths = sorted((SHARED / "records" / "peer").glob("*.AT2"))[::4][:10]
-    wrong, errors = [], []
+    wrong, doubtful, errors = [], 0, []
     for path in paths:
         values, dt = read(path)
         batch = suite(values, dt, np.linspace(0.8, 6.0, 21), np.geomspace(0.4, 8.0, 14), np.linspace(0.08, 0.35, 14))
         bad, error, found, exact = differences(batch)
         resolved = (found["outcome"] >= 0) & (exact["outcome"] >= 0)
+        bad &= resolved
+        rows = np.flatnonzero(bad)
+        if len(rows):
+            near = near_a_boundary(batch, rows)
+            bad[rows[near]] = False
+            doubtful += int(near.sum())
         wrong.append(bad[resolved])
         errors.append(error)
     wrong, errors = np.concatenate(wrong), np.concatenate(errors)
-    print(
-        f"\n{len(wrong)} cases, wrong {wrong.mean():.2e}, median {np.median(errors):.1e}, p90 {np.quantile(errors, 0.9):.1e}"
-    )
+    found = f"wrong {wrong.sum()}, near a boundary {doubtful} of {len(wrong)}"
+    print(f"\n{found}; error: median {np.median(errors):.1e}, p90 {np.quantile(errors, 0.9):.1e}")
     assert len(wrong) >= 40_000
     assert wrong.mean() <= 2e-4
-    assert np.median(errors) <= 1e-9
+    assert doubtful <= 1e-3 * len(wrong)
+    assert np.median(errors) <= 1e-11

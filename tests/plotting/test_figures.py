@@ -98,7 +98,8 @@ def test_what_the_content_suggests() -> None:
     bare = xarray.Dataset({"outcome": ((), np.int8(1))}, attrs={"axes": ""})
     assert figures.default_kinds(bare) == ()
     assert "no histories" in figures.why_not("phase", bare)
-    assert "not drawn by this version" in figures.why_not("work_precision", bare)
+    assert "not drawn by this version" in figures.why_not("portrait", bare)
+    assert "measured by `rock trade`" in figures.why_not("work_precision", bare)
     assert figures.why_not("map", spectrum()) == ""
 
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -56,6 +59,23 @@ def test_in_chunks(together, chunk):
 def test_one_alone(together, case):
     for name, values in results(np.array([case])).items():
         np.testing.assert_array_equal(values, together[name][[case]])
+
+
+@pytest.mark.slow
+def test_compiled_and_interpreted():
+    """A small chunk runs as plain Python where a large one is compiled: the numbers are the same to the last bit."""
+    program = (
+        "import numpy as np, test_lanes_alone as here;"
+        "found = here.results(np.arange(8));"
+        "print([float(x).hex() for values in found.values() for x in values])"
+    )
+    said = []
+    for kernels in ("compiled", "interpreted"):
+        env = os.environ | {"ROCK_KERNELS": kernels, "PYTHONPATH": os.pathsep.join(sys.path)}
+        ran = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, check=True)
+        said.append(ran.stdout)
+    assert said[0].count("0x") > 3 * 8  # some of them stand
+    assert said[0] == said[1]
 
 
 def test_polynomials_of_sines_and_exponentials():

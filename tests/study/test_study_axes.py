@@ -165,9 +165,9 @@ class TestForms:
         assert study.axes[0].values == (1e-6, 1e-9)
         assert [b.numerics.rtol for _, b in study.batches()] == [1e-6, 1e-9]
 
-    def test_features_that_come_later_are_refused_on_axes_too(self):
-        with pytest.raises(StudyError, match=r"model auto is not available"):
-            study_of({"model": ["rigid", "auto"]})
+    def test_the_choice_of_a_model_is_a_point_on_an_axis(self):
+        study = study_of({"model": ["rigid", "auto"]})
+        assert [(b.model, b.tolerance is None) for _, b in study.batches()] == [("rigid", True), ("auto", False)]
 
 
 class TestRanges:

@@ -1,0 +1,276 @@
+"""Model auto: which model a scene requires, by its dimensionless groups and a table of measured errors (docs/auto.md).
+
+Rungs, cheapest first: none (the body cannot move), linearized, rigid, flexible, winkler (flexible with partial
+uplift).  The reference is the highest rung that a body's data allow.  The error of a rung is |its theta_peak/alpha
+minus the reference's|, 0 where both overturn, infinite where one does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.auto_table import EXCEEDED, TABLES, TRIED
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Samples
+from rockcli.scene.models import FLEXIBLE
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+AUTO = "auto"
+
+TOLERANCE = 0.02
+"""Error of theta_peak/alpha allowed where the study says nothing."""
+
+NONE, LINEARIZED, RIGID, COLUMN, WINKLER = 0, 1, 2, 3, 4
+
+RUNGS: dict[int, str] = {
+    -1: "not_auto",
+    NONE: "none",
+    LINEARIZED: "linearized",
+    RIGID: "rigid",
+    COLUMN: "flexible",
+    WINKLER: "flexible_winkler",
+}
+"""Flags of `model_used`."""
+
+FREE_OVER_CLAMPED = 4.385
+"""First bending frequency of a rocking (pinned) column over that of a clamped one."""
+
+NUDGE = 0.05
+"""Relative change of the motion by which the rigid block is tried."""
+
+LINEARIZED_CLASSES: tuple[str, ...] = (
+    "its peak is below 0.2 alpha",
+    "its peak is below 0.6 alpha",
+    "its peak is above 0.6 alpha",
+    "it overturns",
+)
+"""What the linearised block does."""
+
+RIGID_CLASSES: tuple[str, ...] = (
+    "it stays at rest, also with 5 % more motion",
+    "its peak is known to 0.01 alpha",
+    "its peak is known to 0.03 alpha",
+    "its peak is known to 0.1 alpha",
+    "its peak is not known to 0.1 alpha",
+    "it is close to overturning",
+    "it overturns, also with 5 % less motion",
+)
+"""What the rigid block does, tried with 5 % more and less motion and with the law that stiff columns tend to."""
+
+
+GROUP_OF = {"linearized": "alpha", "rigid": "p_T1", "flexible": "opening"}
+"""Step of the table: the group along its rows."""
+
+FAR = {"linearized": 2, "rigid": 4, "flexible": 4}
+"""Step: classes below this one are far from overturning."""
+
+
+@dataclass(frozen=True, eq=False)
+class Groups:
+    """Dimensionless groups of n cases; NaN where a case has none.
+
+    Attributes:
+        alpha: of the weaker edge [rad].
+        eta: restitution.
+        amplitude: PGA/(g tan(alpha)).
+        rate: PGA/PGV over p.
+        p_T1: p times the clamped first period (4.3).
+        zeta: damping ratio of the column.
+        opening: m g/(2 kw b^2)/alpha, the rotation at which a Winkler base opens over alpha.
+        record: whether the motion is a record; the same for all.
+    """
+
+    alpha: Array
+    eta: Array
+    amplitude: Array
+    rate: Array
+    p_T1: Array
+    zeta: Array
+    opening: Array
+    record: bool
+
+    def rows(self, at: NDArray[np.int64]) -> Groups:
+        """Those of some of the cases, by their places (k,)."""
+        arrays = {f.name: getattr(self, f.name)[at] for f in fields(self) if f.name != "record"}
+        return replace(self, **arrays)
+
+
+def highest(batch: Batch) -> Batch:
+    """A batch of model auto with the highest model its data allow: flexible with a column, on the base it has.
+
+    Any other batch is its own highest.
+    """
+    if batch.model != AUTO:
+        return batch
+    return replace(batch, model="rigid" if batch.column is None else FLEXIBLE)
+
+
+def rung_of_reference(batch: Batch) -> int:
+    """Rung of `highest`."""
+    if batch.column is None:
+        return RIGID
+    return COLUMN if batch.base is None else WINKLER
+
+
+def on_rung(batch: Batch, rung: int) -> Batch:
+    """The batch with the model of a rung; `none` is the rigid block, which stays at rest."""
+    if rung == WINKLER:
+        return replace(batch, model=FLEXIBLE)
+    if rung == COLUMN:
+        return replace(batch, model=FLEXIBLE, base=None)
+    return replace(batch, model="linearized" if rung == LINEARIZED else "rigid", column=None, base=None)
+
+
+def groups_of(batch: Batch, pga: Array, pgv: Array) -> Groups:
+    """Groups of a batch; `pga` [m/s^2] and `pgv` [m/s] of each case, (n,)."""
+    block, n = batch.block, batch.size
+    alpha, tan_alpha = block.of_weak_edge(block.alpha), block.of_weak_edge(block.tan_alpha)
+    p, unknown = block.of_weak_edge(batch.p), np.full(n, np.nan)
+    p_T1 = zeta = opening = unknown
+    if batch.column is not None:
+        T_1 = 12.38 * np.sqrt(batch.column.rho / batch.column.E) * block.h / tan_alpha
+        p_T1, zeta = p * T_1, batch.column.zeta
+        if batch.base is not None:
+            weight = batch.column.rho * 4.0 * block.b[:, 0] * block.h * batch.g
+            opening = weight / (2.0 * batch.base.kw * block.b[:, 0] ** 2) / alpha
+    return Groups(
+        alpha=alpha,
+        eta=block.of_weak_edge(batch.damping.eta),
+        amplitude=pga / (batch.g * tan_alpha),
+        rate=pga / pgv / p,
+        p_T1=p_T1,
+        zeta=zeta,
+        opening=opening,
+        record=isinstance(batch.excitation.horizontal, Samples),
+    )
+
+
+def bending_at_uplift(p_T1: float) -> float:
+    """Static bending of the top under a_g = g tan(alpha), w/(2h alpha) = 3 rho g h/(E alpha^2) (slender), by p T_1."""
+    return 3.0 * p_T1**2 / (0.75 * 12.38**2)
+
+
+def outside(batch: Batch, groups: Groups) -> list[str]:
+    """Why each case is not one the table speaks of, "" where it is."""
+    excitation, block = batch.excitation, batch.block
+    said = [""] * batch.size
+    checks: list[tuple[NDArray[np.bool_] | bool, str]] = [
+        (excitation.horizontal is None, "there is no horizontal motion"),
+        (excitation.vertical is not None, "there is a vertical motion"),
+        ((batch.theta_0 != 0.0) | (batch.theta_dot_0 != 0.0), "the body moves at t = 0"),
+        (np.isfinite(excitation.duration), "the response is cut off by `duration`"),
+        (~block.symmetric, "the body is asymmetric"),
+        (np.isfinite(block.mu), "mu is given"),
+    ]
+    wanted = ["alpha", "eta", "amplitude", "rate"]
+    wanted += ["p_T1", "zeta"] if batch.column is not None else []
+    wanted += ["opening"] if batch.base is not None else []
+    for name in wanted:
+        low, high = TRIED[name]
+        values = getattr(groups, name)
+        checks.append((~((values >= low) & (values <= high)), f"{_WORDS[name]} is not in {low:g} to {high:g}"))
+    for which, why in checks:
+        for i in np.flatnonzero(np.broadcast_to(which, batch.size)):
+            said[i] = said[i] or why
+    return said
+
+
+_WORDS = {
+    "alpha": "alpha",
+    "eta": "eta",
+    "amplitude": "PGA/(g tan alpha)",
+    "rate": "PGA/(PGV p)",
+    "p_T1": "p T_1",
+    "zeta": "zeta",
+    "opening": "m g/(2 kw b^2 alpha)",
+}
+
+
+def class_of_linearized(peak: Array) -> Ints:
+    """Index into LINEARIZED_CLASSES, (n,); `peak` over alpha, inf overturned, NaN unknown (taken as large)."""
+    peak = np.where(np.isnan(peak), 2.0, peak)
+    return np.where(np.isinf(peak), 3, np.digitize(peak, (0.2, 0.6))).astype(np.int64)
+
+
+def class_of_rigid(peak: Array, tried: Array) -> Ints:
+    """Index into RIGID_CLASSES, (n,).
+
+    Args:
+        peak: of the rigid block over alpha, (n,), inf overturned, NaN unknown.
+        tried: the same of its neighbours, (k, n).
+    """
+    every = np.vstack([peak, tried])
+    fell = np.isinf(every)
+    with np.errstate(invalid="ignore"):
+        spread = np.max(np.abs(tried - peak), axis=0)
+    found = 1 + np.digitize(spread, (0.01, 0.03, 0.1))
+    found = np.where((every == 0.0).all(axis=0), 0, found)
+    found = np.where(fell.any(axis=0) | np.isnan(every).any(axis=0), 5, found)
+    return np.where(fell.all(axis=0), 6, found).astype(np.int64)
+
+
+def expected_error(step: str, groups: Groups, found: Ints, *, boundary: bool = False) -> Array:
+    """Error that all but a few of the measured scenes of the same bin kept below, (n,); inf outside the bins.
+
+    Args:
+        step: `linearized` (against rigid), `rigid` (against flexible) or `flexible` (against winkler).
+        found: class of what the cheap model does, (n,).
+        boundary: whether outcomes alone are asked for, as in a search for the overturning amplitude: then only a body
+            that stands with a known peak is far enough from the boundary.
+    """
+    edges, values = TABLES[step]
+    x = getattr(groups, GROUP_OF[step])
+    table = np.array(values["record" if groups.record else "pulse"])
+    row = np.searchsorted(edges, x, side="right") - 1
+    row = np.where(x == edges[-1], len(edges) - 2, row)
+    inside = (row >= 0) & (row < len(edges) - 1)
+    error = np.where(inside, table[np.clip(row, 0, len(edges) - 2), found], np.inf)
+    return np.where(found >= FAR[step], np.inf, error) if boundary else error
+
+
+def prospect(batch: Batch, groups: Groups) -> str:
+    """What would be chosen for the first case of a batch, as far as the table says it before anything is solved."""
+    assert batch.tolerance is not None
+    reference, tolerance = rung_of_reference(batch), float(batch.tolerance[0])
+    top, why = _name(reference), outside(batch, groups)[0]
+    if why:
+        return f"{top}, the highest model of this body: {why}"
+    if reference == RIGID:
+        if groups.amplitude[0] <= 1.0:
+            return "none: PGA does not exceed g tan(alpha)"
+        words, cheap = LINEARIZED_CLASSES, "linearized"
+    else:
+        words, cheap = RIGID_CLASSES, "rigid"
+    first, classes = groups.rows(np.zeros(len(words), dtype=np.int64)), np.arange(len(words))
+    error = expected_error(cheap, first, classes)
+    if reference == WINKLER:
+        error = error + expected_error("flexible", first, classes)
+    serves = [said for said, e in zip(words, error, strict=True) if e <= tolerance]
+    if not serves:
+        return f"{_name(reference - 1)} or {top}" if reference == WINKLER else top
+    return f"{cheap} if {', or '.join(serves)}; else {top}"
+
+
+def _name(rung: int) -> str:
+    return RUNGS[rung].replace("_", " on ")
+
+
+def doubt(model: str, error: float, doing: str) -> str:
+    """Why a cheap model does not serve."""
+    off = f"may be off by {error:.2g} alpha" if np.isfinite(error) else "may be far off"
+    return f"the {model} block {off} ({doing})"
+
+
+def sentence(rung: int, reference: int, error: float, why: str) -> str:
+    """What was chosen, why, and the error expected."""
+    name, top = _name(rung), _name(reference)
+    if rung == reference:
+        return f"auto: {name}, the highest model of this body: {why}"
+    if rung == NONE and reference == RIGID:
+        return f"auto: {name}: {why}"
+    return f"auto: {name}: {why}; error against {top} below {error:.2g} alpha in {100 - EXCEEDED:g} % of such scenes"

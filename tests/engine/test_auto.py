@@ -1,0 +1,197 @@
+"""Model auto: what it chooses, that the answer is the chosen model's, and that its error table keeps its promise."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rockcli
+from rockcli.engine.auto import decide, peak_of
+from rockcli.engine.measures import scaled
+from rockcli.errors import StudyError
+from rockcli.scene import auto
+from rockcli.scene.auto_table import TABLES
+from rockcli.scene.excitation import acceleration
+from rockcli.scene.pulses import SHAPES
+from rockcli.study.open import open_study
+
+INF, NAN = np.inf, np.nan
+
+RICKER = {"shape": "ricker", "a_p_over_g_tan_alpha": 2.0, "omega_p_over_p": 5.0}
+SLENDER = {"R": 2.0, "tan_alpha": 0.05}
+STOUT = {"R": 2.0, "tan_alpha": 0.4}
+MONUMENT = {"height": 50, "width": 5}
+CONCRETE = {"E": "30*GPa", "rho": 2500, "zeta": 0.01}
+STIFF = {"E": "30e4*GPa", "rho": 2500, "zeta": 0.01}
+FLAGS = {name: flag for flag, name in auto.RUNGS.items()}
+
+
+def study(model: Any = "auto", histories: bool = False, **case: Any) -> dict[str, Any]:
+    vary = case.pop("vary", {})
+    motion = case.pop("motion", {"pulse": RICKER})
+    return {
+        "name": "auto",
+        "case": {"motion": motion, "model": model, **case},
+        "vary": vary,
+        "save": {"histories": histories},
+    }
+
+
+def batch_of(**case: Any) -> Any:
+    ((_, batch),) = open_study(study(**case)).batches()
+    return batch
+
+
+def said(found: Any) -> str:
+    return str(found.reasons.values[int(found.reason)])
+
+
+@pytest.mark.parametrize(
+    ("case", "rung"),
+    [
+        ({"block": SLENDER, "motion": {"pulse": {**RICKER, "a_p_over_g_tan_alpha": 0.99}}}, "none"),
+        ({"block": SLENDER}, "linearized"),
+        ({"block": STOUT}, "rigid"),
+    ],
+)
+def test_a_body_without_a_column_takes_the_cheapest_block_that_serves(case: dict[str, Any], rung: str) -> None:
+    found = rockcli.run(study(**case))
+    assert int(found.model_used) == FLAGS[rung]
+    assert said(found).startswith(f"auto: {rung}")
+    model = "rigid" if rung == "none" else rung
+    alone = rockcli.run(study(model, **case))
+    assert float(found.theta_peak_over_alpha) == float(alone.theta_peak_over_alpha)
+    assert int(found.outcome) == int(alone.outcome)
+
+
+def test_a_stiff_column_is_solved_as_a_rigid_block_and_a_monument_as_a_column() -> None:
+    weak = {"pulse": {**RICKER, "a_p_over_g_tan_alpha": 0.8}}
+    for column, motion, model in ((STIFF, weak, "rigid"), (CONCRETE, {"pulse": RICKER}, "flexible")):
+        case = {"block": MONUMENT, "column": column, "motion": motion}
+        found = rockcli.run(study(histories=True, **case))
+        alone = rockcli.run(study(model, histories=True, **case))
+        assert int(found.model_used) == FLAGS["none" if model == "rigid" else "flexible"]
+        assert float(found.theta_peak_over_alpha) == float(alone.theta_peak_over_alpha)
+        np.testing.assert_array_equal(found.theta.values, alone.theta.values)
+        assert np.isnan(float(found.model_error)) == (model == "flexible")
+
+
+@pytest.mark.parametrize(
+    ("more", "why"),
+    [
+        ({"initial": {"theta": "0.2*alpha"}}, "moves at t = 0"),
+        ({"motion": {"pulse": RICKER, "duration": 3.0}}, "cut off by `duration`"),
+        ({"motion": {"pulse": RICKER, "vertical": {"pulse": {"shape": "sine", "a_p": 0.1, "T_p": 1}}}}, "vertical"),
+        ({"motion": {"pulse": {**RICKER, "a_p_over_g_tan_alpha": 50}}}, "PGA/(g tan alpha) is not in"),
+        ({"column": {"E": 1e20, "rho": 2500}}, "p T_1 is not in"),
+        ({"base": {"law": "winkler", "kw": 1e15}}, "m g/(2 kw b^2 alpha) is not in"),
+    ],
+)
+def test_outside_the_calibrated_range_the_highest_model_is_taken_and_that_is_said(
+    more: dict[str, Any], why: str
+) -> None:
+    batch = batch_of(**{"block": MONUMENT, "column": CONCRETE, **more})
+    choice = decide(batch)
+    assert choice.rung[0] == (auto.WINKLER if "base" in more else auto.COLUMN)
+    assert np.isnan(choice.error[0])
+    assert why in choice.said[0]
+
+
+def test_what_is_chosen_for_a_case_does_not_depend_on_the_cases_beside_it() -> None:
+    a = "motion.pulse.a_p_over_g_tan_alpha"
+    case = {"block": {"R": 1.0, "tan_alpha": 0.15}, "column": CONCRETE, "vary": {a: {"from": 0.6, "to": 9, "n": 23}}}
+    batch = batch_of(**case)
+    whole = decide(batch)
+    alone = [decide(batch.rows(np.array([i]))) for i in range(batch.size)]
+    assert len(set(whole.rung.tolist())) > 1
+    assert whole.rung.tolist() == [int(one.rung[0]) for one in alone]
+    np.testing.assert_array_equal(whole.error, [one.error[0] for one in alone])
+
+
+def test_a_sweep_mixes_models_and_says_which() -> None:
+    a = "motion.pulse.a_p_over_g_tan_alpha"
+    case = {"block": SLENDER, "vary": {a: [0.5, 2.0], "model": ["auto", "rigid"]}}
+    found = rockcli.run(study(**case))
+    assert found.model_used.values.tolist() == [[FLAGS["none"], -1], [FLAGS["linearized"], -1]]
+    assert found.model_used.attrs["flag_meanings"].split() == list(auto.RUNGS.values())
+    assert abs(float(np.diff(found.theta_peak_over_alpha.values[1])[0])) <= auto.TOLERANCE
+
+
+@pytest.mark.parametrize(
+    ("case", "message"),
+    [
+        ({"model": {"name": "rigid", "tolerance": 0.1}, "block": SLENDER}, "belongs to model auto"),
+        ({"model": {"name": "auto", "tolerance": 2}, "block": SLENDER}, "must be at most 1"),
+        ({"model": {"name": "auto", "tolerance": 0}, "block": SLENDER}, "must be greater than 0"),
+        ({"block": SLENDER, "damping": "dashpot"}, "damping restitution or none"),
+        ({"block": SLENDER, "solver": {"backend": "scipy"}}, "solved by backend event"),
+        ({"block": SLENDER, "base": {"law": "winkler", "kw": 1e11}}, "needs a column"),
+        ({"block": SLENDER, "column": {"E": 1e10}}, "E and rho"),
+    ],
+)
+def test_what_auto_cannot_do_is_said_at_once(case: dict[str, Any], message: str) -> None:
+    with pytest.raises(StudyError, match=message):
+        open_study(study(**case))
+
+
+def test_a_search_finds_the_threshold_of_the_highest_model() -> None:
+    a = "motion.pulse.a_p_over_g_tan_alpha"
+    vary = {a: {"from": 1.2, "to": 9.6, "n": 9, "find": "overturning"}}
+    pulse = {"shape": "sine", "a_p_over_g_tan_alpha": 1, "omega_p_over_p": 3}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.1}, "motion": {"pulse": pulse}, "column": CONCRETE, "vary": vary}
+    found, alone = (rockcli.run(study(m, **case)).a_p_over_g_tan_alpha_overturning for m in ("auto", "flexible"))
+    assert np.isfinite(float(alone))
+    assert float(found) == pytest.approx(float(alone), rel=auto.TOLERANCE)
+
+
+def test_classes() -> None:
+    lin = auto.class_of_linearized(np.array([0.0, 0.19, 0.3, 0.9, INF, NAN]))
+    assert lin.tolist() == [0, 0, 1, 2, 3, 2]
+    peak = np.array([0.0, 0.0, 0.5, 0.5, 0.5, 0.5, 0.9, INF, INF, 0.5])
+    other = np.array([0.0, 0.1, 0.505, 0.48, 0.55, 0.7, INF, INF, 0.9, NAN])
+    assert auto.class_of_rigid(peak, np.stack([other, peak])).tolist() == [0, 4, 1, 2, 3, 4, 5, 6, 5, 5]
+
+
+def test_the_expected_error_never_shrinks_as_a_body_gets_softer_or_thicker() -> None:
+    for edges, kinds in TABLES.values():
+        assert np.all(np.diff(edges) > 0.0)
+        for table in map(np.array, kinds.values()):
+            assert len(table) == len(edges) - 1
+            assert np.all(table[1:] >= table[:-1])
+
+
+@pytest.mark.parametrize("shape", sorted(SHAPES))
+def test_a_scaled_pulse_is_the_pulse_of_the_scaled_amplitude(shape: str) -> None:
+    more = {"gamma": 2} if shape == "mavroeidis_papageorgiou" else {}
+    small, large = (
+        batch_of(block=SLENDER, motion={"pulse": {"shape": shape, "a_p": a, "T_p": 1, **more}}).excitation.horizontal
+        for a in (1.0, 1.5)
+    )
+    t = np.linspace(0.0, 5.0, 1001)
+    np.testing.assert_allclose(acceleration(scaled(small, 1.5), t), acceleration(large, t), rtol=1e-12, atol=1e-13)
+
+
+def test_rows_of_a_batch_are_those_cases() -> None:
+    case = {"block": SLENDER, "column": STIFF, "vary": {"block.tan_alpha": [0.05, 0.1, 0.2], "damping.eta": [0.8, 0.9]}}
+    batch = batch_of(**case)
+    some = np.array([4, 1])
+    part = batch.rows(some)
+    assert part.size == 2
+    rigid, of_part = (peak_of(auto.on_rung(b, auto.RIGID)) for b in (batch, part))
+    np.testing.assert_array_equal(of_part, rigid[some])
+    np.testing.assert_array_equal(part.column.E, batch.column.E[some])
+
+
+@pytest.mark.slow
+def test_scenes_the_calibration_has_not_seen_keep_the_tolerance() -> None:
+    sys.path.insert(0, str(Path(rockcli.__file__).parent.parent / "benchmarks"))
+    from trial_auto import trial
+
+    for row in trial(seed=3, per_shape=6, records=6, per_record=4, tolerances=(0.02,)):
+        assert row["scenes"] == 60
+        assert row["kept"] >= 57, row
+        assert row["on a cheaper model"] > 20, row

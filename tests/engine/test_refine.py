@@ -1,0 +1,261 @@
+"""`refine` against the full map: made-up outcomes, whose boundaries are known, and Ricker pulses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from swept import assert_same
+
+from rockcli.cli.words import report_text
+from rockcli.engine.executors import Team
+from rockcli.engine.refine import coarse_pitch
+from rockcli.engine.report import report_on
+from rockcli.engine.run import run_study, solve
+from rockcli.engine.sweep import Sweep
+from rockcli.errors import StudyError
+from rockcli.scene.batch import Batch
+from rockcli.scene.response import FAILED, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, ROCKING, Response
+from rockcli.storage import netcdf
+from rockcli.storage.contents import Contents
+from rockcli.study.open import open_study
+from rockcli.study.study import Study
+
+SIDE = 301
+MAP: dict[str, Any] = {
+    "name": "map",
+    "case": {"block": {"R": 2.0, "tan_alpha": 0.2}, "initial": {"theta": 0.01}},
+    "vary": {"block.R": {"from": 1, "to": 2, "n": SIDE}, "initial.theta": {"from": 0.05, "to": 0.15, "n": SIDE}},
+    "save": {"scalars": ["outcome", "theta_peak_over_alpha", "n_impacts"]},
+    "refine": True,
+}
+
+
+def made_up(batch: Batch) -> Response:
+    """A wavy boundary, a disc that the coarse grid sees, and a sickle one pixel thick that grows out of the disc."""
+    y, x = batch.block.R[:, 0] - 1.0, (batch.theta_0 - 0.05) / 0.1
+    if batch.model == "linearized":
+        x, y = y, 1.0 - x
+    outcome = np.where(y > 0.7 + 0.1 * np.sin(9.0 * x), OVERTURNED_WITHOUT_IMPACT, ROCKING)
+    outcome[np.hypot(x - 0.3, y - 0.3) < 0.06] = OVERTURNED_AFTER_IMPACT
+    outcome[(np.abs(y - 0.3) < 0.6 / SIDE) & (x > 0.3) & (x < 0.8)] = OVERTURNED_AFTER_IMPACT
+    scalars = {
+        "outcome": outcome.astype(np.int8),
+        "theta_peak_over_alpha": np.sqrt(x + y),
+        "n_impacts": np.rint(100 * x).astype(np.int64),
+    }
+    return Response(scalars=scalars, reasons=[""] * batch.size, used={"backend": "made up"})
+
+
+def unlucky(batch: Batch) -> Response:
+    """As `made_up`, but solutions fail in a square, and are unresolved beside it."""
+    found = made_up(batch)
+    y, x = batch.block.R[:, 0] - 1.0, (batch.theta_0 - 0.05) / 0.1
+    found.scalars["outcome"][(x > 0.5) & (x < 0.7) & (y < 0.2)] = FAILED
+    return found
+
+
+@pytest.fixture
+def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Sizes of the batches solved by `made_up`."""
+    sizes: list[int] = []
+
+    def solver(batch: Batch) -> Response:
+        sizes.append(batch.size)
+        return made_up(batch)
+
+    monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+    return sizes
+
+
+def study(**more: Any) -> Study:
+    return open_study(MAP | more)
+
+
+def both(given: dict[str, Any]) -> tuple[Contents, Contents]:
+    """The refined and the full map."""
+    return solve(open_study(given)), solve(open_study(given | {"refine": False}))
+
+
+def assert_solved_alike(refined: Contents, full: Contents) -> None:
+    """Every solved pixel has the bits of the full map; the others say that they have none."""
+    solved = refined.values("solved") == 1
+    for name in ("outcome", "theta_peak_over_alpha", "n_impacts"):
+        assert refined.values(name)[solved].tobytes() == full.values(name)[solved].tobytes(), name
+    assert np.isnan(refined.values("theta_peak_over_alpha")[~solved]).all()
+    assert (refined.values("n_impacts")[~solved] == -1).all()
+
+
+def test_a_map_of_what_can_be_seen_is_the_full_map(counted: list[int]) -> None:
+    refined, full = both(MAP)
+    assert_solved_alike(refined, full)
+    np.testing.assert_array_equal(refined.values("outcome"), full.values("outcome"))
+    solved = refined.values("solved")
+    assert solved.dtype == np.int8
+    assert 0.02 < solved.mean() < 0.25
+    assert sum(counted) == SIDE**2 + solved.sum()
+    assert "solved" not in full.fields
+    for name in ("R", "alpha", "p", "eta"):  # known of all cases, solved or not
+        assert refined.values(name).tobytes() == full.values(name).tobytes()
+
+
+def test_other_axes_have_a_map_each(counted: list[int]) -> None:
+    vary = {
+        "block.R": MAP["vary"]["block.R"],
+        "model": ["rigid", "linearized"],
+        "initial.theta": {"from": 0.05, "to": 0.15, "n": 250},
+        "block.tan_alpha": [0.2, 0.3],
+    }
+    assert study(vary=vary).refine == ("block_R", "initial_theta")
+    refined, full = both(MAP | {"vary": vary})
+    assert_solved_alike(refined, full)
+    np.testing.assert_array_equal(refined.values("outcome"), full.values("outcome"))
+    assert refined.values("solved").mean() < 0.3
+
+
+def test_what_failed_is_never_filled_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rockcli.solvers.event.solve", unlucky)
+    refined, full = both(MAP)
+    failed = full.values("outcome") == FAILED
+    assert failed.sum() > 1000
+    assert (refined.values("solved")[failed] == 1).all()
+    np.testing.assert_array_equal(refined.values("outcome"), full.values("outcome"))
+
+
+def test_an_island_between_the_coarse_pixels_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the documentation says is missed is missed, and what it says is found is found."""
+
+    def solver(batch: Batch) -> Response:
+        found = made_up(batch)
+        y, x = batch.block.R[:, 0] - 1.0, (batch.theta_0 - 0.05) / 0.1
+        row, column = np.rint(y * (SIDE - 1)), np.rint(x * (SIDE - 1))
+        pitch = coarse_pitch(SIDE)
+        outcome = np.where(
+            (row % pitch > 0) & (column % pitch > 0) & (row // pitch == 30) & (column // pitch == 40), 3, 1
+        )
+        outcome[(row > 4) & (row < 5 + pitch) & (column > 6) & (column < 7 + pitch)] = 2
+        found.scalars["outcome"][:] = outcome
+        return found
+
+    monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+    refined, full = both(MAP)
+    pitch = coarse_pitch(SIDE)
+    wrong = refined.values("outcome") != full.values("outcome")
+    assert wrong.sum() == (pitch - 1) ** 2
+    assert (full.values("outcome")[wrong] == 3).all()
+
+
+@pytest.mark.parametrize(
+    ("n", "pitch"), [(2, 1), (99, 1), (100, 2), (200, 4), (399, 4), (400, 8), (1000, 16), (9000, 16)]
+)
+def test_the_coarse_grid_has_at_least_fifty_cells(n: int, pitch: int) -> None:
+    assert coarse_pitch(n) == pitch
+
+
+def test_a_broken_off_run_goes_on(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = solve(study(), sweep=Sweep(Team()))
+    needed = sum(counted)
+    counted.clear()
+
+    def breaks(batch: Batch) -> Response:
+        if len(counted) == 4:
+            raise KeyboardInterrupt
+        counted.append(batch.size)
+        return made_up(batch)
+
+    with monkeypatch.context() as once:
+        once.setattr("rockcli.solvers.event.solve", breaks)
+        with pytest.raises(KeyboardInterrupt):
+            run_study(study(), tmp_path, plots=False)
+    report = run_study(study(), tmp_path, plots=False)
+    assert report.resumed > 1000
+    assert sum(counted) == needed == report.refined
+    assert_same(whole, netcdf.read(tmp_path / "map" / "map.nc"))
+    assert run_study(study(), tmp_path, plots=False).refined == needed
+    with pytest.raises(StudyError, match="another study"):
+        run_study(study(refine=False), tmp_path, plots=False)
+
+
+def test_shares_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(StudyError, match="--part does not share out a refined map"):
+        run_study(study(), tmp_path, plots=False, share=(1, 2))
+
+
+PULSES = {
+    "name": "ricker",
+    "case": {
+        "block": {"R": 1, "tan_alpha": 0.2},
+        "motion": {"pulse": {"shape": "ricker", "omega_p_over_p": 2, "a_p_over_g_tan_alpha": 2}},
+    },
+    "save": {"scalars": ["outcome", "theta_peak_over_alpha", "n_impacts"]},
+    "refine": True,
+}
+
+
+def ricker(n: int) -> dict[str, Any]:
+    vary = {
+        "motion.pulse.omega_p_over_p": {"from": 0.1, "to": 10, "n": n},
+        "motion.pulse.a_p_over_g_tan_alpha": {"from": 1, "to": 10.9, "n": n},
+    }
+    return PULSES | {"vary": vary}
+
+
+def share_and_wrong(n: int) -> tuple[float, float]:
+    refined, full = both(ricker(n))
+    assert_solved_alike(refined, full)
+    wrong = refined.values("outcome") != full.values("outcome")
+    report = report_on(open_study(ricker(n)), refined, status="solved")
+    assert report.refined == refined.values("solved").sum()
+    assert f"refined   {report.refined} cases solved" in report_text(report)
+    return float(refined.values("solved").mean()), float(wrong.mean())
+
+
+def test_ricker_pulses() -> None:
+    share, wrong = share_and_wrong(130)
+    assert share < 0.4  # the finer the map, the smaller
+    assert wrong < 2e-3
+
+
+@pytest.mark.slow
+def test_ricker_pulses_on_a_fine_map() -> None:
+    share, wrong = share_and_wrong(1000)
+    assert share <= 0.05
+    assert wrong <= 2e-4
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"vary": {"block.R": [1, 2, 3]}}, "needs two numeric axes .* there are 1"),
+        ({"vary": {"block.R": [1, 3, 2], "initial.theta": [0.01, 0.02]}}, "block.R is not ascending or descending"),
+        ({"over": "block.R"}, "`over` takes statistics"),
+        ({"save": {"histories": True}}, "no histories are saved"),
+        ({"save": {"scalars": ["n_impacts"]}}, "needs outcome among the saved scalars"),
+    ],
+)
+def test_what_cannot_be_refined_is_said(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(StudyError, match=words):
+        study(**changes)
+
+
+def test_a_search_is_not_refined() -> None:
+    searched = ricker(20)
+    searched["vary"]["motion.pulse.a_p_over_g_tan_alpha"]["find"] = "overturning"
+    with pytest.raises(StudyError, match="`find` does not make a map"):
+        open_study(searched | {"save": {}})
+
+
+def test_records_are_warned_of() -> None:
+    given = {
+        "name": "record",
+        "case": {
+            "block": {"R": 1, "tan_alpha": 0.2},
+            "motion": {"record": {"file": "synthetic_rock_m65.AT2", "pga": 1}},
+        },
+        "vary": {"block.R": [1, 2], "motion.record.pga": [1, 2]},
+        "refine": True,
+    }
+    assert any("fractal" in sentence for sentence in open_study(given).warnings)
+    assert not any("fractal" in sentence for sentence in open_study(given | {"refine": False}).warnings)

@@ -1,0 +1,133 @@
+"""Closed forms drawn over maps of pulses: where they lie, and where they have no business."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
+
+import rockcli
+from rockcli.plotting import figures
+from rockcli.plotting.told import case_settings
+from rockcli.scene.overturning import sine_without_impact
+
+CASE: dict[str, Any] = {
+    "block": {"R": 1, "alpha": 0.3},
+    "motion": {"pulse": {"shape": "sine", "omega_p_over_p": 2, "a_p_over_g_tan_alpha": 2}},
+    "model": "linearized",
+    "damping": {"scheme": "restitution", "eta": 0.9},
+}
+VARY: dict[str, Any] = {
+    "motion.pulse.omega_p_over_p": {"from": 0.5, "to": 8, "n": 6},
+    "motion.pulse.a_p_over_g_tan_alpha": {"from": 0.5, "to": 12, "n": 7},
+}
+
+
+def mapped(case: dict[str, Any] | None = None, vary: dict[str, Any] | None = None, **more: Any) -> xarray.Dataset:
+    study = {"name": "m", "case": CASE | (case or {}), "vary": {**(vary or {}), **VARY}}
+    return rockcli.run(study | {"save": {"histories": False, "scalars": ["outcome"]}} | more)
+
+
+def pulse(**changes: Any) -> dict[str, Any]:
+    return {"motion": {"pulse": CASE["motion"]["pulse"] | changes}}
+
+
+def drawn(axes: Axes) -> tuple[int, int]:
+    """Numbers of lines without impact and after one impact."""
+    return len(axes.lines), sum(isinstance(item, ContourSet) for item in axes.collections)
+
+
+def test_the_lines_are_the_closed_forms_over_g_tan_alpha() -> None:
+    axes = figures.figure("map", mapped()).axes[0]
+    assert drawn(axes) == (1, 1)
+    (line,) = axes.lines
+    x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+    np.testing.assert_allclose(y * np.tan(0.3) / 0.3, sine_without_impact(x), rtol=1e-12)
+    assert 0.0 < x[0] < 0.01
+    assert x[-1] == axes.get_xlim()[1]
+    (contour,) = (item for item in axes.collections if isinstance(item, ContourSet))
+    points = np.concatenate([path.vertices for path in contour.get_paths()])
+    for A in (1.4035653556427826612, 3.4846627333224920275):  # high-precision boundaries at omega_p/p = 3
+        there = np.array([3.0, A * 0.3 / np.tan(0.3)])
+        beside = points[np.argsort(np.hypot(*(points - there).T))[:2]]
+        along = beside[1] - beside[0]
+        off = abs(along[0] * (there - beside[0])[1] - along[1] * (there - beside[0])[0]) / np.hypot(*along)
+        assert off < 2e-3
+
+
+def test_they_agree_with_the_outcomes_of_a_map() -> None:
+    """Beside the solid line and inside the dashed one the solver says what the figure says."""
+    dataset = mapped()
+    outcome = dataset["outcome"]
+    at = outcome.sel(omega_p_over_p=5.0)
+    A = at["a_p_over_g_tan_alpha"].values * np.tan(0.3) / 0.3
+    np.testing.assert_array_equal(at.values == 2, sine_without_impact(np.array(5.0)) < A)
+
+
+def test_every_map_of_a_figure_has_its_own() -> None:
+    figure = figures.figure("map", mapped(vary={"model": ["linearized", "rigid", "3"]}))
+    assert [drawn(axes) for axes in figure.axes[:3]] == [(1, 1), (1, 1), (0, 0)]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels[-2:] == ["closed form (linearised): no impact", "closed form (linearised): one impact"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "lines"),
+    [
+        (pulse(shape="half_sine"), (1, 0)),
+        (pulse(shape="rectangular"), (1, 0)),
+        (pulse(shape="cosine"), (0, 0)),
+        (pulse(cycles=2), (0, 0)),
+        (pulse(cycles=1), (1, 1)),
+        ({"model": "2"}, (0, 0)),
+        ({"damping": "none"}, (1, 1)),
+        ({"damping": "dashpot"}, (0, 0)),
+        ({"initial": {"theta": 0.01}}, (0, 0)),
+        ({"motion": CASE["motion"] | {"duration": 3}}, (0, 0)),
+        ({"block": {"h": 2, "b": [0.3, 0.4]}}, (0, 0)),
+    ],
+)
+def test_they_are_drawn_only_where_they_hold(changes: dict[str, Any], lines: tuple[int, int]) -> None:
+    dataset = mapped(changes)
+    assert drawn(figures.figure("map", dataset).axes[0]) == lines
+
+
+def test_nothing_is_drawn_over_other_planes_or_without_a_study() -> None:
+    plane = {"motion.pulse.T_p": {"from": 1, "to": 4, "n": 6}, "motion.pulse.a_p": {"from": 1, "to": 9, "n": 7}}
+    assert drawn(figures.figure("map", _over(plane)).axes[0]) == (0, 0)
+    dataset = mapped()
+    del dataset.attrs["study"]
+    assert drawn(figures.figure("map", dataset).axes[0]) == (0, 0)
+
+
+def _over(plane: dict[str, Any]) -> xarray.Dataset:
+    return rockcli.run({"name": "m", "case": CASE, "vary": plane, "save": {"histories": False, "scalars": ["outcome"]}})
+
+
+@pytest.mark.parametrize("models", [["linearized"], ["linearized", "rigid"]])
+def test_the_legend_stays_on_the_page(models: list[str]) -> None:
+    figure = figures.figure("map", mapped(vary={"model": models}))
+    figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert box.x0 >= figure.bbox.x0
+    assert box.x1 <= figure.bbox.x1
+    assert not box.overlaps(figure.axes[0].xaxis.label.get_window_extent())
+
+
+def test_a_refined_map_is_not_shaded_by_the_peaks_beside_its_boundaries() -> None:
+    save = {"scalars": ["outcome", "theta_peak_over_alpha"]}
+    refined, full = (figures.figure("map", mapped(save=save, refine=refine)) for refine in (True, False))
+    assert len(full.axes) == len(refined.axes) + 1  # the colour bar
+    assert "rocking" in [text.get_text() for text in refined.legends[0].get_texts()]
+
+
+def test_the_settings_of_the_case_are_read_from_the_dataset() -> None:
+    settings = case_settings(mapped())
+    assert settings["motion.pulse.shape"] == "sine"
+    assert settings["damping.eta"] == "0.9"
+    assert settings["model"] == "linearized"
+    assert "name" not in settings
