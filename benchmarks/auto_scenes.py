@@ -35,6 +35,12 @@ class Scenes:
     table: Path
     size: int
 
+    def study(self, **case: Any) -> dict[str, Any]:
+        """The study of these scenes, on the highest model unless `case` says otherwise."""
+        scalars = ["outcome", "theta_peak_over_alpha", "wall_time"]
+        save = {"histories": False, "scalars": scalars + ["model_used", "model_error"] * ("model" not in case)}
+        return {"name": "auto", "case": {**self.case, **case}, "vary": {"case": str(self.table)}, "save": save}
+
 
 def log_uniform(rng: np.random.Generator, low: float, high: float, n: int) -> Array:
     """Numbers whose logarithm is uniform."""
@@ -49,14 +55,14 @@ def draw(seed: int, per_shape: int, records: int, per_record: int, folder: Path)
         if shape == "mavroeidis_papageorgiou":
             pulse["gamma"] = 2.0
         columns = bodies(rng, per_shape) | {
-            "motion.pulse.a_p_over_g_tan_alpha": log_uniform(rng, 0.3, 8.0, per_shape),
-            "motion.pulse.omega_p_over_p": log_uniform(rng, 0.5, 20.0, per_shape),
+            "motion.pulse.a_p_over_g_tan_alpha": log_uniform(rng, 0.15, 10.0, per_shape),
+            "motion.pulse.omega_p_over_p": log_uniform(rng, 0.3, 30.0, per_shape),
         }
         yield made(shape, {"motion": {"pulse": pulse}}, columns, folder)
     for number in range(records):
         file = synthetic(1000 * seed + number, folder)
         columns = bodies(rng, per_record) | {
-            "motion.record.pga_over_g_tan_alpha": log_uniform(rng, 0.5, 6.0, per_record),
+            "motion.record.pga_over_g_tan_alpha": log_uniform(rng, 0.3, 8.0, per_record),
         }
         yield made(
             f"record {number}",
@@ -71,13 +77,13 @@ def bodies(rng: np.random.Generator, n: int) -> dict[str, Array]:
     tan_alpha, R = log_uniform(rng, 0.03, 0.5, n), log_uniform(rng, 0.3, 30.0, n)
     h, alpha = R / np.hypot(1.0, tan_alpha), np.arctan(tan_alpha)
     p = np.sqrt(0.75 * G / R)
-    p_T1, opening = log_uniform(rng, 0.01, 1.0, n), log_uniform(rng, 1e-5, 0.05, n)
+    p_T1, opening = log_uniform(rng, 1e-3, 1.0, n), log_uniform(rng, 1e-7, 0.05, n)
     eta = np.where(rng.random(n) < 0.6, 1.0 - 1.5 * np.sin(alpha) ** 2, rng.uniform(0.7, 1.0, n))
     return {
         "block.R": R,
         "block.tan_alpha": tan_alpha,
         "column.E": RHO * (12.38 * p * h / (tan_alpha * p_T1)) ** 2,
-        "column.zeta": rng.uniform(0.0, 0.05, n),
+        "column.zeta": rng.uniform(0.0, 0.1, n),
         "base.kw": 2.0 * RHO * G / (opening * alpha * tan_alpha),
         "damping.eta": eta,
     }
@@ -92,6 +98,7 @@ def made(label: str, motion: dict[str, Any], columns: dict[str, Array], folder: 
         writer.writerow(["scene", *columns])
         writer.writerows([f"s{i}", *(float(values[i]) for values in columns.values())] for i in range(n))
     case = {
+        "model": "auto",
         "block": {"R": 1.0, "tan_alpha": 0.1},
         "column": {"E": 1e9, "rho": RHO, "zeta": 0.0},
         "base": {"law": "winkler", "kw": 1e11},

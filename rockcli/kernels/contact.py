@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.layout import ALPHA, MU, N_MIN, RADIUS, RATE_PEAK
 from rockcli.kernels.series import bend, slope, third, value
 
@@ -12,7 +12,7 @@ RATE, NORMAL, FRICTION = 0, 1, 2
 """What is watched: |q'|, N and |T|/N; its values stand in slots 0-2, its derivatives (to their sign) in slots 3-5."""
 
 
-@jit
+@jit_lean
 def contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force):
     """Rate, N/g and |T|/N at y, and what has the sign of their derivatives, into force[0:6]; per unit mass.
 
@@ -31,7 +31,7 @@ def contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force):
     force[5] = T * (dT * N - T * dN)
 
 
-@jit
+@jit_lean
 def note(force, out):
     """Raise the largest rate and friction, lower the smallest normal force."""
     out[RATE_PEAK] = max(out[RATE_PEAK], force[RATE])
@@ -39,7 +39,7 @@ def note(force, out):
     out[MU] = max(out[MU], force[FRICTION])
 
 
-@jit
+@jit_lean
 def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out):
     """Largest rate and friction and smallest normal force on [0, x].
 
@@ -61,7 +61,7 @@ def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out
         d0, d1, d2 = e0, e1, e2
 
 
-@jit
+@jit_lean
 def extreme(par, e, s, g, c, n, lo, hi, f_lo, f_hi, what, a, deg_a, a_v, deg_v, force, out):
     """Locate a maximum of `what` (of -N for NORMAL) in [lo, hi] by its derivative (Illinois method) and note it."""
     kept = 0
@@ -85,7 +85,7 @@ def extreme(par, e, s, g, c, n, lo, hi, f_lo, f_hi, what, a, deg_a, a_v, deg_v, 
     note(force, out)
 
 
-@jit
+@jit_lean
 def watch_rest(a, deg_a, a_v, deg_v, g, x, out):
     """Friction |a_g|/(g + a_v) and normal force of a body at rest on [0, x]."""
     parts = 1 if max(deg_a, deg_v) <= 1 else 32

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.layout import (
     ALPHA,
     DAMPER,
@@ -24,7 +24,7 @@ from rockcli.kernels.layout import (
 from rockcli.kernels.motion import NOTHING, bound_from
 
 
-@jit
+@jit_lean
 def barrier(par, e, q, linear):
     """Potential energy still missing to the unstable equilibrium, over I_O p^2.
 
@@ -38,7 +38,7 @@ def barrier(par, e, q, linear):
     return par[e + R0] * (y - math.sin(y)) + 2.0 * par[e + SLOPE] * half * half
 
 
-@jit
+@jit_lean
 def separatrix(par, e, q, v, linear):
     """Distance from the separatrix in units of rotation: > 0 falls, < 0 returns.
 
@@ -49,7 +49,7 @@ def separatrix(par, e, q, v, linear):
     return v / math.sqrt(par[e + P2]) - side * root
 
 
-@jit
+@jit_lean
 def free_rocking(par, e, other, q, v, linear, margin):
     """Does a body rocking freely about edge e, no forcing, ever fall?  RETURNS, FALLS or UNDECIDED.
 
@@ -87,7 +87,7 @@ def free_rocking(par, e, other, q, v, linear, margin):
     return UNDECIDED
 
 
-@jit
+@jit_lean
 def damped_rocking(par, e, other, q, v, linear, margin):
     """With a damper at the base: RETURNS or FALLS where the energy, which can only fall, tells; else NOT_YET."""
     if q >= par[e + Q_STAR] and v >= 0.0:
@@ -102,7 +102,7 @@ def damped_rocking(par, e, other, q, v, linear, margin):
     return RETURNS if at_rest_below or inertia * energy < lowest * (1.0 - margin) else NOT_YET
 
 
-@jit
+@jit_lean
 def lost_for_good(par, e, g, q, v, after, hk, h_table, h_tail, ih, h_n, vk, v_table, v_tail, iv, v_n):
     """Linear body beyond its equilibrium: no return whatever the rest of the motion does.
 

@@ -1,4 +1,4 @@
-"""Beam elements along the vertical, and what stands under them (docs/frame.md, equations F1-F8).
+"""Beam elements along the vertical, and what stands under them (docs/frame.md, equations E1-E8).
 
 Freedoms of node i: 3 i horizontal u, 3 i + 1 vertical v (up), 3 i + 2 rotation theta (clockwise, as u = s sin(theta)).
 """
@@ -34,7 +34,7 @@ from rockcli.kernels.jit import jit
 
 @jit
 def pose(par, u, i, B):
-    """Strain-displacement rows B (3, 6) of element i; return length, extension and both end rotations (F1, F2)."""
+    """Strain-displacement rows B (3, 6) of element i; return length, extension and both end rotations (E1, E2)."""
     L, j = par[LENGTH], 3 * i
     du, dv = u[j + 3] - u[j], u[j + 4] - u[j + 1]
     if par[COROTATIONAL] > 0.0:
@@ -53,7 +53,7 @@ def pose(par, u, i, B):
 
 @jit
 def add_elements(par, u, n, f, K, B):
-    """Add the nodal forces of n elements to f and their tangent stiffness to K (F3, F4)."""
+    """Add the nodal forces of n elements to f and their tangent stiffness to K (E3, E4)."""
     axial, bending = par[AXIAL] / par[LENGTH], par[BENDING] / par[LENGTH]
     geometric = par[COROTATIONAL] > 0.0
     for i in range(n):
@@ -78,7 +78,7 @@ def add_elements(par, u, n, f, K, B):
 
 @jit
 def damping(par, u, n, C, B):
-    """Write the damping matrix at u: the dashpot, and `STIFF_DAMPING` times the material stiffness (F7).
+    """Write the damping matrix at u: the dashpot, and `STIFF_DAMPING` times the material stiffness (E7).
 
     The material stiffness alone, so that a rigid rotation is not damped.
     """
@@ -97,7 +97,7 @@ def damping(par, u, n, C, B):
 
 @jit
 def spring(par, theta):
-    """Moment and tangent of a rotational base spring at theta (F5)."""
+    """Moment and tangent of a rotational base spring at theta (E5)."""
     q, s = abs(theta), 1.0 if theta >= 0.0 else -1.0
     if par[BASE] == SOFTENING or par[BASE] == PLASTIC:
         if q <= par[YIELD_ROTATION]:
@@ -117,7 +117,7 @@ def spring(par, theta):
 
 @jit
 def add_base(par, u, factor, fibres, f, K):
-    """Add the base: a spring, times `factor` = 1 + a_v/g, or fibres (k, 2) of place and stiffness (F5, F6)."""
+    """Add the base: a spring, times `factor` = 1 + a_v/g, or fibres (k, 2) of place and stiffness (E5, E6)."""
     if par[BASE] != FIBRES:
         M, k = spring(par, u[2])
         f[2] += factor * M
@@ -172,7 +172,7 @@ def spring_energy(par, theta):
 
 @jit
 def stored_energy(par, u, n, weights, fibres, B):
-    """Strain energy of elements and base, and potential of the weights where they are loads [J] (F8)."""
+    """Strain energy of elements and base, and potential of the weights where they are loads [J] (E8)."""
     total = 0.0
     axial, bending = par[AXIAL] / par[LENGTH], par[BENDING] / par[LENGTH]
     for i in range(n):

@@ -1,4 +1,4 @@
-"""One step of the Newmark family with Newton's iterations, and the states it begins from (docs/frame.md, F9-F13)."""
+"""One step of the Newmark family with Newton's iterations, and the states it begins from (docs/frame.md, E9-E13)."""
 
 from __future__ import annotations
 

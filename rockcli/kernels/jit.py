@@ -39,11 +39,20 @@ def jit(function: F) -> F:
     No fast-math: the same operations in the same order give the same bits compiled or not.  Other threads may run
     meanwhile, such as the one that hears an interrupt.
     """
+    return _compile(function)
+
+
+def jit_lean(function: F) -> F:
+    """`jit` for a kernel that makes no arrays: those it is given are not counted, as that costs more than its work."""
+    return _compile(function, _nrt=False)
+
+
+def _compile(function: F, **options: Any) -> F:
     if not _compiled:
         return function
     from numba import njit
 
-    return cast(F, njit(cache=True, error_model="numpy", nogil=True)(function))
+    return cast(F, njit(cache=True, error_model="numpy", nogil=True, **options)(function))
 
 
 def zeros(n: int) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_math import sin_cos
 from rockcli.kernels.lane_vector import WIDTH, load, select, some, spread, sqrt, store
 from rockcli.kernels.layout import N_IMPACTS, STATUS
@@ -25,7 +25,7 @@ LEFT_TO_MARCH = 3.0
 """STATUS of a case that `march` has to solve."""
 
 
-@jit
+@jit_lean
 def swing(v, r0, rs, rc, linear):
     """Time from take-off at rate v to the next impact.
 
@@ -56,7 +56,7 @@ def swing(v, r0, rs, rc, linear):
     return 2.0 * v * total
 
 
-@jit
+@jit_lean
 def impacts_until(stop, t, v, eta, slowest, r0, rs, rc, linear, going):
     """Impacts faster than `slowest` of bodies that take off at t with rate v, up to the time `stop`; -1: too many."""
     count = spread(0.0)
@@ -72,7 +72,7 @@ def impacts_until(stop, t, v, eta, slowest, r0, rs, rc, linear, going):
     return select(going, -1.0, count)
 
 
-@jit
+@jit_lean
 def settle(backlog, count, linear, out):
     """Add to the results of the cases in the backlog the impacts they still have."""
     for j in range(count, WIDTH):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_roots import LOST, NO_ROOT, first_root, turning_point
 from rockcli.kernels.lane_series import slope_of
 from rockcli.kernels.lane_state import (
@@ -30,7 +30,7 @@ from rockcli.kernels.lane_state import (
 from rockcli.kernels.lane_vector import WIDTH, gather, load, note, select, some, spread, store
 
 
-@jit
+@jit_lean
 def find_impacts(state, n, c, poly, lanes, count):
     """First roots of q of the lanes that asked, WIDTH of them at a time."""
     for begin in range(0, count, WIDTH):
@@ -63,7 +63,7 @@ def find_impacts(state, n, c, poly, lanes, count):
                 state[EVENT * LANES + i] = NONE if root == NO_ROOT else HANDED
 
 
-@jit
+@jit_lean
 def padded(lanes, begin, slots, space):
     """The next lanes of a list as a vector, the last repeated to fill it."""
     for j in range(WIDTH):
@@ -71,7 +71,7 @@ def padded(lanes, begin, slots, space):
     return load(space, 0)
 
 
-@jit
+@jit_lean
 def find_uplifts(state, n, a, poly, lanes, count):
     """First time the ground lifts the resting lanes that asked, on either side."""
     for begin in range(0, count, WIDTH):
@@ -97,7 +97,7 @@ def find_uplifts(state, n, a, poly, lanes, count):
                 state[EVENT * LANES + i] = NONE if root == NO_ROOT else HANDED
 
 
-@jit
+@jit_lean
 def find_tops(state, n, tol, c, poly, lanes, brackets):
     """Turning points of the lanes that may have passed a higher one than before: in the step or in half of it.
 

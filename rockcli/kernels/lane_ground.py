@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_math import exp_of_negative, sin_cos_of_any
 from rockcli.kernels.lane_state import C0, C1, C2, C3, C4, C5, KIND, L_BOUND, L_END, L_LAST, LANES, ORIGIN, T
 from rockcli.kernels.lane_vector import load, select, some, spread, store
@@ -10,7 +10,7 @@ from rockcli.kernels.lane_vector import load, select, some, spread, store
 LINEAR, WAVES, BELL = 0.0, 1.0, 2.0
 
 
-@jit
+@jit_lean
 def expand(state, o, n, a):
     """Coefficients about now of the vector at offset o into a; returns a bound of the rest of the integral of |a|."""
     kind = load(state, KIND * LANES + o)
@@ -35,7 +35,7 @@ def expand(state, o, n, a):
     return left
 
 
-@jit
+@jit_lean
 def _waves(state, o, n, a, where, t):
     x = t - load(state, C0 * LANES + o)
     for j in range(3):
@@ -52,7 +52,7 @@ def _waves(state, o, n, a, where, t):
                 store(a, k * LANES + o, load(a, k * LANES + o) + s)
 
 
-@jit
+@jit_lean
 def _bell(state, o, n, a, where, t):
     """exp(-y^2/2) obeys E' = -y y' E; a = (d0 + d1 y + d2 y^2 + d3 y^3) E, y = y0 + w x.  Returns int |a| to come."""
     w = load(state, C1 * LANES + o)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import factorial, pi
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 
 S3, S5, S7, S9, S11, S13, S15, S17, S19, S21 = ((-1.0) ** (k // 2) / factorial(k) for k in range(3, 22, 2))
 C2, C4, C6, C8, C10, C12, C14, C16, C18, C20, C22 = ((-1.0) ** (k // 2) / factorial(k) for k in range(2, 23, 2))
@@ -25,7 +25,7 @@ PI_REST = 1.2246467991473532e-16
 """What a double leaves of pi."""
 
 
-@jit
+@jit_lean
 def sin_cos(x):
     """(sin x, cos x) for |x| <= pi/2, to 2e-16: their series to x^21 and x^22."""
     z = x * x
@@ -36,7 +36,7 @@ def sin_cos(x):
     return s, c
 
 
-@jit
+@jit_lean
 def sin_cos_of_any(x):
     """(sin x, cos x) for |x| < 1e8, to 2e-16 beside the rounding of x: reduced to |x| <= pi/2 first."""
     n = (x * ONE_OVER_PI + ROUND) - ROUND
@@ -46,7 +46,7 @@ def sin_cos_of_any(x):
     return sign * s, sign * c
 
 
-@jit
+@jit_lean
 def exp_of_negative(x):
     """exp(x) for -50 <= x <= 0, to 4e-16 absolute.
 

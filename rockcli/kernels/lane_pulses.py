@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit, zeros_maker
+from rockcli.kernels.jit import jit_lean, zeros_maker
 from rockcli.kernels.lane_bounces import BACKLOG, LEFT_TO_MARCH, LOW, settle
 from rockcli.kernels.lane_events import find_impacts, find_tops, find_uplifts
 from rockcli.kernels.lane_ground import expand
@@ -72,7 +72,7 @@ LONGEST = 2.0
 """Longest step, over 1/p."""
 
 
-@jit
+@jit_lean
 def sweep(pars, linear, tol, rest_speed, margin, max_steps, n, detail, tables, pieces, work, out):
     """Solve every row of `pars` under the pulse of its row of `tables` with series of order n.
 
@@ -153,7 +153,7 @@ def work_space(n):
     return room(FIELDS * LANES + (2 * n + 6) * LANES + (5 * n + 7) * WIDTH + 6 * LANES + BACKLOG * WIDTH)
 
 
-@jit
+@jit_lean
 def split(work, n):
     """Work space: state; coefficients of q and of a_g of all lanes; four series of a vector; the polynomials whose
     roots are sought; lists of lanes.  Four more coefficients of q stay zero."""
@@ -165,7 +165,7 @@ def split(work, n):
     return work[:i], work[i:j], work[j:k], work[k:m], work[m:r], work[r:]
 
 
-@jit
+@jit_lean
 def look(state, o, n, linear, tol, margin, max_steps, detail, c, a, scratch):
     """One vector: series, verdict, step, and what has to be looked at more closely."""
     mode = load(state, MODE * LANES + o)
@@ -250,7 +250,7 @@ def look(state, o, n, linear, tol, margin, max_steps, detail, c, a, scratch):
     store(state, N_STEPS * LANES + o, n_steps + 1.0)
 
 
-@jit
+@jit_lean
 def advance(state, o, rest_speed):
     """One vector: take the step, turn over at impacts, leave rest at uplifts."""
     event, mode = load(state, EVENT * LANES + o), load(state, MODE * LANES + o)
@@ -284,7 +284,7 @@ def advance(state, o, rest_speed):
     store(state, MODE * LANES + o, select(lifts, ROCK, select(slow, REST, mode)))
 
 
-@jit
+@jit_lean
 def only_bounces(state, o, tol, linear):
     """Lanes that have just landed after the motion, and whose later swings are lower than the peak: only counted."""
     v, eta = load(state, V * LANES + o), load(state, L_ETA * LANES + o)
@@ -304,7 +304,7 @@ def only_bounces(state, o, tol, linear):
     return lands
 
 
-@jit
+@jit_lean
 def lay_aside(state, i, backlog, slot):
     """Lane i is done but for its bounces, which are counted when a vector of such cases has come together."""
     state[VERDICT * LANES + i], state[EVENT * LANES + i] = 1.0 * RETURNS, DONE
@@ -316,7 +316,7 @@ def lay_aside(state, i, backlog, slot):
     backlog[8 * WIDTH + slot] = state[L_RC * LANES + i]
 
 
-@jit
+@jit_lean
 def come_to_rest(state, i, n, a, par, rest_speed, queue):
     """A slow impact of lane i, put into REST on trial: whether it stays there, or goes on rocking (`rest_time`)."""
     e, other = (RIGHT, LEFT) if state[S * LANES + i] > 0.0 else (LEFT, RIGHT)

@@ -10,33 +10,45 @@ from __future__ import annotations
 
 import numpy as np
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_fused import lowest_bit
-from rockcli.kernels.lane_records_event import HANDED_OVER as HANDED_OVER
 from rockcli.kernels.lane_records_event import arrive, attend
 from rockcli.kernels.lane_records_impact import land
 from rockcli.kernels.lane_records_rest import BLOCK as BLOCK
-from rockcli.kernels.lane_records_rest import FINISHED, STANDING, begin, rest
-from rockcli.kernels.lane_records_step import LANES, PIECE, STATE, STRIDE, advance, advance_linear
-from rockcli.kernels.lane_vector import WIDTH
+from rockcli.kernels.lane_records_rest import FINISHED, STANDING, begin, hand_over, rest
+from rockcli.kernels.lane_records_rest import HANDED_OVER as HANDED_OVER
+from rockcli.kernels.lane_records_step import LANES, PIECE, STATE, STEPS, STRIDE, advance, advance_linear
+from rockcli.kernels.lane_vector import WIDTH, room
+from rockcli.kernels.march import MAX_ORDER
 
 ROWS = STATE // STRIDE
 
+STEPS_PER_SAMPLE, STEPS_AFTER = 16, 20_000
+"""Steps a body may take in lanes, a sample on the average and after the motion; one that needs more is handed over."""
 
-@jit
-def march_lanes(pars, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, dt, out):
+ROUNDS = 1024
+"""Rounds between two looks at who has taken too many."""
+
+
+def work_space():
+    """Work space of `march_lanes`: state, case of each lane, lanes that land, series, the ground."""
+    return (
+        room(STATE), np.zeros(LANES, np.int64), room(LANES + WIDTH),
+        *(room(MAX_ORDER + 1) for _ in range(4)), room(2), room(2),
+    )  # fmt: skip
+
+
+@jit_lean
+def march_lanes(pars, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, dt, work, out):
     """`march_all` for bodies with two equal edges, no damper, under one sampled motion; no forces, no histories.
 
     values, slopes: of the motion, then two of zeros.  blocks: largest |value| of each block; tail: running bound.
     A row of `out` whose STATUS is HANDED_OVER is for `march_all` to solve.
     """
-    st = np.zeros(STATE)
-    case = np.zeros(LANES, np.int64)
-    queue = np.zeros(LANES + WIDTH)
-    c, guard, sin_q, cos_q = np.zeros(31), np.zeros(31), np.zeros(31), np.zeros(31)
-    a, a_v = np.zeros(2), np.zeros(2)
+    st, case, queue, c, guard, sin_q, cos_q, a, a_v = work
     n_case = len(pars)
-    following = busy = 0
+    following = busy = rounds = 0
+    patience = STEPS_PER_SAMPLE * len(values) + STEPS_AFTER
     while True:
         # fill the free lanes
         while busy < LANES and following < n_case:
@@ -99,6 +111,12 @@ def march_lanes(pars, linear, tol, rest_speed, margin, detail, order, values, sl
                 else:
                     state = rest(st, lane, pars[k], rest_speed, values, slopes, blocks, tail, dt, out[k])
                 if state == FINISHED:
+                    case[lane] = -1
+        rounds += 1
+        if rounds % ROUNDS == 0:
+            for lane in range(busy):
+                if case[lane] >= 0 and st[STEPS + lane] > patience:
+                    hand_over(out[case[lane]])
                     case[lane] = -1
         # close the gaps
         lane = 0

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.decide import free_rocking, lost_for_good
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_records_rest import (
     BALLISTIC,
     BALLISTIC_AFTER,
-    FINISHED,
     ROCKING,
     STANDING,
     finish,
+    hand_over,
     rest,
     turn,
 )
@@ -29,7 +29,6 @@ from rockcli.kernels.lane_records_step import (
     SIDE,
     SLOW,
     SMALL,
-    STEPS,
     STRIDE,
     H,
     Q,
@@ -49,7 +48,6 @@ from rockcli.kernels.layout import (
     Q_STAR,
     RETURNS,
     RIGHT,
-    STATUS,
     T_END,
     T_MOTION,
     T_OVERTURN,
@@ -62,21 +60,8 @@ from rockcli.kernels.roots import NO_ROOT, first_root, last_passage, passage, tu
 from rockcli.kernels.series import slope, value
 from rockcli.kernels.watch import set_peak
 
-HANDED_OVER = 3
-"""STATUS of a body that needs the single-body kernels."""
 
-PATIENCE = 200_000.0
-"""Steps after which a body is handed over."""
-
-
-@jit
-def hand_over(out):
-    """Leave the body to the single-body kernels."""
-    out[STATUS] = HANDED_OVER
-    return FINISHED
-
-
-@jit
+@jit_lean
 def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, c, sin_q, cos_q, a, a_v, out):
     """A rocking lane at the end of its samples: the motion's, or the report's.
 
@@ -106,7 +91,7 @@ def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, c, sin_
     return finish(st, i, verdict, out)
 
 
-@jit
+@jit_lean
 def attend(
     st, i, par, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, dt,
     c, guard, sin_q, cos_q, a, a_v, out,
@@ -121,8 +106,6 @@ def attend(
             return hand_over(out)
         st[CAP + i] = 0.5 * h
         return STANDING
-    if st[STEPS + i] > PATIENCE:
-        return hand_over(out)
     last = len(values) - 3
     piece = int(st[PIECE + i])
     free = piece > last

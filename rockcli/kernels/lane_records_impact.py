@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_fused import bits, fma, gather, scatter
 from rockcli.kernels.lane_records_step import (
     COEFFICIENTS,
@@ -27,7 +27,7 @@ from rockcli.kernels.lane_records_step import (
 from rockcli.kernels.lane_vector import load, select, some, sqrt
 
 
-@jit
+@jit_lean
 def land(st, queue, j):
     """Take the lanes queue[j: j + WIDTH] to the first zero of their polynomials, turned over, or to their steps' ends.
 
@@ -73,7 +73,7 @@ def land(st, queue, j):
         beyond = ~(step <= 1.0 - x)
         moved = going & ~there & ~beyond
         x = select(moved, x + step, x)
-        there = there | (step <= 4e-16 * x)
+        there = there | (step <= 4e-16 * x) | (M * step * step <= 4e-16 * x * abs(dP))
         hit = hit | going & there
         going = going & ~there & ~beyond
         if not some(going):

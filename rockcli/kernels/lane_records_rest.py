@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_records_step import (
     CAP,
     END,
@@ -55,6 +55,7 @@ from rockcli.kernels.layout import (
     RETURNS,
     RIGHT,
     RS,
+    STATUS,
     T_END,
     T_MOTION,
     T_OVERTURN,
@@ -72,6 +73,9 @@ from rockcli.kernels.watch import set_peak
 FINISHED, STANDING, ROCKING = 0, 1, 2
 """What becomes of a lane: its body is done, or goes on from where it is; ROCKING: it does not come to rest."""
 
+HANDED_OVER = 3
+"""STATUS of a body that needs the single-body kernels."""
+
 BLOCK = 64
 """Samples per block of the bounds."""
 
@@ -79,7 +83,7 @@ BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
 """Impacts slower than this fraction of p alpha bounce under a constant moment, during the motion and after it."""
 
 
-@jit
+@jit_lean
 def begin(st, i, par, tol, values, slopes, blocks, tail, dt, out):
     """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED."""
     for k in range(N_OUT):
@@ -91,8 +95,9 @@ def begin(st, i, par, tol, values, slopes, blocks, tail, dt, out):
     st[FREE_0 + i], st[FREE_S + i], st[FREE_C + i] = (
         -p2 * par[RIGHT + R0], -p2 * par[RIGHT + RS], -p2 * par[RIGHT + RC],
     )  # fmt: skip
-    # the first term left out is at most an eighth of the last one kept
-    st[SMALL + i] = 8.0 * tol * par[RIGHT + ALPHA]
+    # the first term left out is at most an eighth of the last one kept: a hundredth of what the level allows, as an
+    # error may grow with every impact, and it costs a tenth more steps
+    st[SMALL + i] = 0.08 * tol * par[RIGHT + ALPHA]
     st[EQUILIBRIUM + i] = par[RIGHT + Q_STAR]
     st[LANE_PEAK + i] = 0.0
     st[STEPS + i] = st[IMPACTS + i] = st[LANE_ONTO_LEFT + i] = 0.0
@@ -119,7 +124,7 @@ def begin(st, i, par, tol, values, slopes, blocks, tail, dt, out):
     return STANDING
 
 
-@jit
+@jit_lean
 def turn(st, i, par, s):
     """Put lane i on side s."""
     st[SIDE + i] = s
@@ -127,7 +132,7 @@ def turn(st, i, par, s):
     st[FORCING_C + i], st[FORCING_S + i] = force * par[RIGHT + FC], force * par[RIGHT + FS]
 
 
-@jit
+@jit_lean
 def lift(st, i, par, values, slopes, blocks, tail, dt, out):
     """From rest at a time in a sample: put lane i where it uplifts next, or FINISHED if it never does.
 
@@ -176,7 +181,7 @@ def lift(st, i, par, values, slopes, blocks, tail, dt, out):
     return finish(st, i, RETURNS, out)
 
 
-@jit
+@jit_lean
 def following(values, blocks, level, k, last):
     """First sample from k on whose modulus reaches the level, or last + 1."""
     while k <= last:
@@ -191,7 +196,7 @@ def following(values, blocks, level, k, last):
     return k
 
 
-@jit
+@jit_lean
 def finish(st, i, verdict, out):
     """Note how it ended."""
     out[FELL] = verdict
@@ -200,7 +205,14 @@ def finish(st, i, verdict, out):
     return FINISHED
 
 
-@jit
+@jit_lean
+def hand_over(out):
+    """Leave the body to the single-body kernels."""
+    out[STATUS] = HANDED_OVER
+    return FINISHED
+
+
+@jit_lean
 def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
     """Whether the body of lane i, just turned over, comes to rest inside this sample; if so, what then.
 
@@ -217,8 +229,8 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
     u0, u1 = force * (values[k] + slopes[k] * x), force * slopes[k]
     eta = par[e + ETA]
     still = STANDSTILL * p_alpha
-    if abs(u0) >= press:
-        return lift(st, i, par, values, slopes, blocks, tail, dt, out) if v == 0.0 else ROCKING
+    if abs(u0) >= press:  # a standing body that the ground just fails to lift must not bounce on one spot for ever
+        return lift(st, i, par, values, slopes, blocks, tail, dt, out) if v <= still else ROCKING
     if v > still and eta >= 1.0:
         return ROCKING
     y, rate, turned = 0.0, v, 1.0

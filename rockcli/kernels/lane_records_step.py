@@ -5,7 +5,7 @@ The polynomial is in the fraction of the step gone by, c_k = q^(k) h^k / k!, so 
 
 from __future__ import annotations
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_fused import bits, fma, gather
 from rockcli.kernels.lane_math import (
     C2,
@@ -64,7 +64,7 @@ HALF_PI = 1.5707963267948966
 I2, I3, I4, I5, I6, I7, I8 = (1.0 / k for k in range(2, 9))
 
 
-@jit
+@jit_lean
 def sin_cos(x):
     """`lane_math.sin_cos` with fused multiply-adds."""
     z = x * x
@@ -78,7 +78,7 @@ def sin_cos(x):
     return fma(x * z, s, x), fma(z, c, 1.0)
 
 
-@jit
+@jit_lean
 def advance(st, i, values, slopes):
     """Step WIDTH lanes from lane i on; what comes back is said in `settle`."""
     q, v, x, piece = load(st, Q + i), load(st, V + i), load(st, X + i), load(st, PIECE + i)
@@ -113,7 +113,7 @@ def advance(st, i, values, slopes):
     return settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8)
 
 
-@jit
+@jit_lean
 def advance_linear(st, i, values, slopes):
     """`advance` for the linear law: sin q is q, cos q is 1."""
     q, v, x, piece = load(st, Q + i), load(st, V + i), load(st, X + i), load(st, PIECE + i)
@@ -132,7 +132,7 @@ def advance_linear(st, i, values, slopes):
     return settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8)
 
 
-@jit
+@jit_lean
 def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     """Move WIDTH lanes to the end of their steps: (lanes that call for attention, those of them that have moved,
     those that may touch the base and nothing else).

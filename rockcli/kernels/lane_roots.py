@@ -5,13 +5,13 @@ Coefficients of order k stand at [k * WIDTH].  A lane that has found its root st
 
 from __future__ import annotations
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_vector import WIDTH, load, select, some, spread, sqrt
 
 NO_ROOT, LOST = -1.0, -2.0
 
 
-@jit
+@jit_lean
 def first_root(c, n, h):
     """(x, slope there): smallest x in [0, h] where the polynomial is not positive, NO_ROOT if there is none.
 
@@ -21,7 +21,7 @@ def first_root(c, n, h):
     M = spread(0.0)
     for k in range(n, 1, -1):
         M = M * h + (k * (k - 1)) * abs(load(c, k * WIDTH))
-    x, found, steep = spread(0.0), spread(LOST), spread(0.0)
+    x, found = spread(0.0), spread(LOST)
     going = h >= 0.0
     for _ in range(200):
         P = load(c, n * WIDTH)
@@ -33,18 +33,24 @@ def first_root(c, n, h):
         step = select(dP > 0.0, (dP + root) / M, 2.0 * P / (root - dP))
         there = P <= 0.0
         gone = ~there & ~(step <= h - x)
-        near = ~there & ~gone & (step <= 4e-16 * x)
+        last = (step <= 4e-16 * x) | (
+            M * step * step <= 4e-16 * (x + step) * abs(dP)
+        )  # its own error is below rounding
+        near = ~there & ~gone & last
+        x = select(going & near, x + step, x)
         found = select(going & (there | near), select(x < h, x, h), found)
         found = select(going & gone, NO_ROOT, found)
-        steep = select(going, dP, steep)
         going = going & ~(there | gone | near)
         if not some(going):
             break
         x = select(going, x + step, x)
-    return found, steep
+    dP = n * load(c, n * WIDTH)
+    for k in range(n - 1, 0, -1):
+        dP = dP * x + k * load(c, k * WIDTH)
+    return found, dP
 
 
-@jit
+@jit_lean
 def turning_point(c, n, lo, hi):
     """(x, value there) where P' changes sign from > 0 at lo to <= 0 at hi: Newton kept inside the bracket."""
     x = 0.5 * (lo + hi)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_math import sin_cos
 from rockcli.kernels.lane_state import L_FC, L_FS, L_R0, L_RC, L_RS, LANES, LAUNCH, Q, S, V
 from rockcli.kernels.lane_vector import WIDTH, bits_of, from_bits, load, select, spread, store
@@ -11,7 +11,7 @@ ONE = 4607182418800017408.0
 """The bits of 1.0 read as an integer."""
 
 
-@jit
+@jit_lean
 def flow(state, o, n, a, forced, linear, c, rate, sin_q, cos_q, drive):
     """Coefficients of q into c (of order k at [k * LANES + o]); returns sin q, 1 - cos q
     (q, q^2/2).
@@ -69,13 +69,13 @@ def flow(state, o, n, a, forced, linear, c, rate, sin_q, cos_q, drive):
     return sin_0, (0.5 * q * q if linear else 1.0 - cos_0)
 
 
-@jit
+@jit_lean
 def rough_power(x, e):
     """x^e of x > 0 for |e| < 1, to a few per cent: the bits of a float are nearly its logarithm."""
     return from_bits(ONE + e * (bits_of(x) - ONE))
 
 
-@jit
+@jit_lean
 def reach_of(c, o, n, small, h):
     """Step, at most h, at which the last two terms of the series are below `small`."""
     for k in range(n - 1, n + 1):
@@ -86,7 +86,7 @@ def reach_of(c, o, n, small, h):
     return h
 
 
-@jit
+@jit_lean
 def value_and_slope(c, o, n, x):
     """The polynomial and its derivative at x."""
     P = load(c, n * LANES + o)
@@ -97,7 +97,7 @@ def value_and_slope(c, o, n, x):
     return P, dP
 
 
-@jit
+@jit_lean
 def slope_of(c, o, n, x):
     """The derivative at x."""
     dP = n * load(c, n * LANES + o)
@@ -106,7 +106,7 @@ def slope_of(c, o, n, x):
     return dP
 
 
-@jit
+@jit_lean
 def bends_and_reach(c, o, n, h):
     """(bound of |P''|, bound of |P|) on [0, h]."""
     M, reach = spread(0.0), abs(load(c, n * LANES + o))

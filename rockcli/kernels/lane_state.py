@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_vector import WIDTH
 from rockcli.kernels.layout import (
     ALPHA,
@@ -38,7 +38,7 @@ from rockcli.kernels.layout import N_IMPACTS as OUT_N_IMPACTS
 from rockcli.kernels.layout import N_STEPS as OUT_N_STEPS
 from rockcli.kernels.motion import WIDTH as PIECE_WIDTH
 
-LANES = 4 * WIDTH
+LANES = 8 * WIDTH
 """Lanes that run at a time, each at its own pace: enough to fill a vector with those that have an event."""
 
 (
@@ -65,17 +65,18 @@ STEEPEST = 9.5
 """|y| up to which exp(-y^2/2) of a bell is computed; the shapes stop at 8.9."""
 
 
-@jit
+@jit_lean
 def put(state, i, field, value):
     """Write one number of lane i."""
     state[field * LANES + i] = value
 
 
-@jit
+@jit_lean
 def enter(state, i, case, par, table, pieces, linear):
     """Put a case into lane i; False if it is not for lanes.
 
-    A body that cannot overturn, one that starts far out and a motion that grazes the threshold are left to `march`.
+    A body that cannot overturn, one that starts far out, one that moves before a bell comes (far from it the series of
+    the bell knows nothing of it) and a motion that grazes the threshold are left to `march`.
     """
     star, guard, g, p2 = par[RIGHT + Q_STAR], par[G] * par[RIGHT + THRESHOLD], par[G], par[RIGHT + P2]
     bound = table[13] if pieces > 0 else 0.0
@@ -86,6 +87,8 @@ def enter(state, i, case, par, table, pieces, linear):
         row = j * PIECE_WIDTH
         w = table[row + 4]
         if table[row + 2] == 2.0:
+            if q != 0.0 or rate != 0.0:
+                return False
             steep = max(abs(w * (table[row] - table[row + 3])), abs(w * (table[row + 1] - table[row + 3])))
             if not steep <= STEEPEST:
                 return False
@@ -141,7 +144,7 @@ def enter(state, i, case, par, table, pieces, linear):
     return True
 
 
-@jit
+@jit_lean
 def next_piece(state, i, table, pieces):
     """The piece of the motion that lane i is in now, and its end."""
     t = state[T * LANES + i]
@@ -170,7 +173,7 @@ def next_piece(state, i, table, pieces):
         state[T * LANES + i] = max(t, min(_wakes(state, i), state[T_NEXT * LANES + i]))
 
 
-@jit
+@jit_lean
 def _wakes(state, i):
     """Time before which a bell cannot lift the body: left of it |d| exp(-y^2/2) is below the threshold."""
     d0, d1 = abs(state[C2 * LANES + i]), abs(state[C3 * LANES + i])
@@ -182,7 +185,7 @@ def _wakes(state, i):
     return state[C0 * LANES + i] - y / w
 
 
-@jit
+@jit_lean
 def leave(state, i, verdict, out):
     """Take the case out of lane i: its results in the layout of `march`."""
     out[OUT_FELL] = verdict

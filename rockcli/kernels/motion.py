@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 
 WIDTH = 14
 """Numbers per piece of a pulse table."""
@@ -13,7 +13,7 @@ NOTHING, SAMPLES, PULSES = 0, 1, 2
 """Kinds of channel."""
 
 
-@jit
+@jit_lean
 def piece_end(kind, table, dt, i):
     """End of piece i [s]; samples: of the interval between samples i and i + 1."""
     if kind == SAMPLES:
@@ -21,7 +21,7 @@ def piece_end(kind, table, dt, i):
     return table[i * WIDTH + 1]
 
 
-@jit
+@jit_lean
 def bound_from(kind, table, tail, factor, i):
     """Bound of |a| over piece i and all later ones [m/s^2]."""
     if kind == SAMPLES:
@@ -29,7 +29,7 @@ def bound_from(kind, table, tail, factor, i):
     return table[i * WIDTH + 13]
 
 
-@jit
+@jit_lean
 def expand(kind, values, dt, factor, table, i, t, n, out):
     """Write the Taylor coefficients about t of piece i into out[0..deg]; return deg <= n.
 
@@ -51,7 +51,7 @@ def expand(kind, values, dt, factor, table, i, t, n, out):
     return _expand_bell(table, row, t, n, out)
 
 
-@jit
+@jit_lean
 def _expand_waves(table, row, t, n, out):
     for k in range(n + 1):
         out[k] = 0.0
@@ -69,7 +69,7 @@ def _expand_waves(table, row, t, n, out):
     return n
 
 
-@jit
+@jit_lean
 def _expand_bell(table, row, t, n, out):
     # exp(-y^2/2) obeys E' = -y y' E; out = (d0 + d1 y + d2 y^2 + d3 y^3) E with y = y0 + w x
     w = table[row + 4]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.layout import ALPHA, DAMPER, ETA, FC, P2, R0, RC
 from rockcli.kernels.series import value
 
@@ -12,7 +12,7 @@ STANDSTILL = 1e-13
 """Impacts slower than this fraction of p alpha end in rest whatever eta is."""
 
 
-@jit
+@jit_lean
 def rest_time(par, e, other, s, g, v, a, deg_a, a_v, deg_v, x, t, t_next, rest_speed):
     """When a body just turned onto edge e with rate v comes to rest, or -1 if it goes on rocking.
 
@@ -45,7 +45,7 @@ def rest_time(par, e, other, s, g, v, a, deg_a, a_v, deg_v, x, t, t_next, rest_s
     return t + tail
 
 
-@jit
+@jit_lean
 def pressed(par, e, s, g, a, a_v):
     """Deceleration of a body that starts to turn about edge e: -q'' at q = 0."""
     return par[e + P2] * ((1.0 + a_v / g) * (par[e + R0] + par[e + RC]) + s * a / g * par[e + FC])

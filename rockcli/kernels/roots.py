@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.series import bend, slope, value
 
 NO_ROOT = -1.0
 
+SQUARED = 1e-9
+"""A step of Newton this small, relative, is the last: the next would be about its square."""
 
-@jit
+
+@jit_lean
 def safe_step(P, dP, M):
     """Zero y > 0 of the lower bound P + dP y - M y^2/2, P >= 0; infinite if it has none."""
     root = math.sqrt(dP * dP + 2.0 * M * P)
@@ -19,7 +22,7 @@ def safe_step(P, dP, M):
     return 2.0 * P / (root - dP) if root > dP else math.inf
 
 
-@jit
+@jit_lean
 def first_root(c, n, h, skip):
     """Smallest x in (0, h] where P(x) = c[skip] + c[skip+1] x + ... reaches zero from above, or NO_ROOT.
 
@@ -44,12 +47,12 @@ def first_root(c, n, h, skip):
         if not step <= h - x:  # also where the bound has no zero
             return NO_ROOT
         x += step
-        if step <= 4e-16 * x:
+        if step <= 4e-16 * x or M * step * step <= 4e-16 * x * abs(dP):  # the step's own error is below rounding
             return min(x, h)
     return min(x, h)
 
 
-@jit
+@jit_lean
 def turning_point(c, n, lo, hi):
     """Root of P' in [lo, hi] where P' > 0 at lo and <= 0 at hi: Newton kept inside the bracket."""
     x = 0.5 * (lo + hi)
@@ -61,15 +64,17 @@ def turning_point(c, n, lo, hi):
             hi = x
         df = bend(c, n, x)
         new = x - f / df if df != 0.0 else lo
+        near = abs(new - x) <= SQUARED * abs(new)
         if not lo < new < hi:
             new = 0.5 * (lo + hi)
-        if abs(new - x) <= 4e-16 * abs(new):
+            near = abs(new - x) <= 4e-16 * abs(new)
+        if near:
             return new
         x = new
     return x
 
 
-@jit
+@jit_lean
 def passage(c, n, level, lo, hi):
     """Root of P - level in [lo, hi] where P < level at lo and >= level at hi."""
     x = 0.5 * (lo + hi)
@@ -81,15 +86,17 @@ def passage(c, n, level, lo, hi):
             hi = x
         df = slope(c, n, x)
         new = x - f / df if df != 0.0 else lo
+        near = abs(new - x) <= SQUARED * abs(new)
         if not lo < new < hi:
             new = 0.5 * (lo + hi)
-        if abs(new - x) <= 4e-16 * abs(new):
+            near = abs(new - x) <= 4e-16 * abs(new)
+        if near:
             return new
         x = new
     return x
 
 
-@jit
+@jit_lean
 def last_passage(c, n, level, x, parts):
     """Last upward passage of P through level on (0, x], or NO_ROOT.
 
@@ -115,7 +122,7 @@ def last_passage(c, n, level, x, parts):
     return found
 
 
-@jit
+@jit_lean
 def lowest_point(c, n, lo, hi):
     """Root of P' in [lo, hi] where P' < 0 at lo and > 0 at hi, by bisection to a millionth of the bracket."""
     for _ in range(20):
@@ -127,7 +134,7 @@ def lowest_point(c, n, lo, hi):
     return 0.5 * (lo + hi)
 
 
-@jit
+@jit_lean
 def uplift(d, n, h, scale):
     """First x in [0, h] where the guard polynomial d turns negative for good, or NO_ROOT.
 

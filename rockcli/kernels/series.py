@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.layout import ALPHA, DAMPER, FC, FS, P2, R0, RC, RS
 
 
-@jit
+@jit_lean
 def flow(par, e, g, q, v, s, a, deg_a, a_v, deg_v, launch, linear, h, tol, n, c, sin_q, cos_q):
     """Coefficients of q about now into c; return (order, step).
 
@@ -69,7 +69,7 @@ def flow(par, e, g, q, v, s, a, deg_a, a_v, deg_v, launch, linear, h, tol, n, c,
     return n, h
 
 
-@jit
+@jit_lean
 def value(c, n, x):
     """Polynomial c[0] + ... + c[n] x^n."""
     y = c[n]
@@ -78,7 +78,7 @@ def value(c, n, x):
     return y
 
 
-@jit
+@jit_lean
 def slope(c, n, x):
     """Its derivative."""
     if n < 1:
@@ -89,7 +89,7 @@ def slope(c, n, x):
     return y
 
 
-@jit
+@jit_lean
 def bend(c, n, x):
     """Its second derivative."""
     if n < 2:
@@ -100,7 +100,7 @@ def bend(c, n, x):
     return y
 
 
-@jit
+@jit_lean
 def third(c, n, x):
     """Its third derivative."""
     if n < 3:

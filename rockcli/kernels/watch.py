@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.layout import (
     ALPHA,
     DAMPER,
@@ -24,7 +24,7 @@ from rockcli.kernels.roots import turning_point
 from rockcli.kernels.series import slope, value
 
 
-@jit
+@jit_lean
 def energy(par, e, q, v, linear):
     """Energy about edge e over I_O p_right^2 of its side: v^2/(2 p^2) + potential, zero at q = 0."""
     r0, rs, rc = par[e + R0], par[e + RS], par[e + RC]
@@ -37,7 +37,7 @@ def energy(par, e, q, v, linear):
     return par[e + RADIUS] * (0.5 * v * v / par[e + P2] + potential)
 
 
-@jit
+@jit_lean
 def work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, moment):
     """Work of the ground motion and of the damper over a step, over m g: -R * integral of their moments times q'.
 
@@ -65,7 +65,7 @@ def work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, moment)
     return -total * par[e + RADIUS] / g
 
 
-@jit
+@jit_lean
 def raise_peak(par, e, s, c, n, x, t, parts, out):
     """Raise the peak of |theta| to the largest turning point on [0, x].
 
@@ -81,7 +81,7 @@ def raise_peak(par, e, s, c, n, x, t, parts, out):
         lo, v_lo = hi, v_hi
 
 
-@jit
+@jit_lean
 def set_peak(par, e, s, q, t, out):
     """Note |theta| = q at t if it is the largest so far."""
     if q > out[PEAK] * (1.0 + 1e-12):

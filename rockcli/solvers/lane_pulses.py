@@ -59,18 +59,21 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, margin: f
     fit = np.all(left == right, axis=1) & (rows[:, k.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
     pieces = channel.table.shape[1]
     tables = channel.table.reshape(len(rows), pieces * PIECE_WIDTH)
-    out = np.full((len(rows), k.N_OUT), np.nan)
+    whole = bool(fit.all())  # mostly so, and then nothing is copied
     found = np.zeros((int(fit.sum()), k.N_OUT))
     order = _order(level.rtol)
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
         lanes.sweep(
-            np.ascontiguousarray(rows[fit]), MODELS[batch.model, batch.geometry].linear, level.rtol, level.rest_speed,
-            margin, MAX_STEPS, order, detail, np.ascontiguousarray(tables[fit]), pieces,
+            rows if whole else rows[fit], MODELS[batch.model, batch.geometry].linear, level.rtol, level.rest_speed,
+            margin, MAX_STEPS, order, detail, tables if whole else tables[fit], pieces,
             lanes.work_space(order), found,
         )  # fmt: skip
     found[found[:, k.STATUS] == lanes.LEFT_TO_MARCH, k.STATUS] = np.nan
-    found[:, [k.T_OVERTURN, k.T_END]] = np.nan  # the lanes stop where the answer is known
-    found[:, [k.N_MIN, k.N_STANDING]] = np.inf  # nobody looked
+    found[:, k.T_OVERTURN] = found[:, k.T_END] = np.nan  # the lanes stop where the answer is known
+    found[:, k.N_MIN] = found[:, k.N_STANDING] = np.inf  # nobody looked
+    if whole:
+        return found
+    out = np.full((len(rows), k.N_OUT), np.nan)
     out[fit] = found
     return out
 

@@ -51,11 +51,15 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: in
     blocks = np.maximum.reduceat(size, np.arange(0, len(size), lanes.BLOCK))
     left, right = (rows[:, side : side + k.EDGE] for side in (k.LEFT, k.RIGHT))
     fit = np.all(left == right, axis=1) & (rows[:, k.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
-    out = np.full((len(rows), k.N_OUT), np.nan)
+    whole = bool(fit.all())  # mostly so, and then nothing is copied
     found = np.zeros((int(fit.sum()), k.N_OUT))
     linear = MODELS[batch.model, batch.geometry].linear
     how = (linear, level.rtol, level.rest_speed, margin, detail, order)
-    lanes.march_lanes(np.ascontiguousarray(rows[fit]), *how, values, slopes, blocks, tail, channel.dt, found)
+    work = lanes.work_space()
+    lanes.march_lanes(rows if whole else rows[fit], *how, values, slopes, blocks, tail, channel.dt, work, found)
     found[found[:, k.STATUS] == lanes.HANDED_OVER, k.STATUS] = np.nan
+    if whole:
+        return found
+    out = np.full((len(rows), k.N_OUT), np.nan)
     out[fit] = found
     return out

@@ -59,6 +59,9 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         return np.where(missing, np.nan, values)
 
     unseen = failed | ~np.isfinite(out[:, k.N_MIN])  # forces and rates were not asked for
+    asked, nothing = batch.save.scalars, np.full(batch.size, np.nan)
+    friction = "mu_impact" in asked or bool(np.isfinite(batch.block.mu).any())
+    onto = out[:, k.ONTO_LEFT] > 0, out[:, k.ONTO_RIGHT] > 0
 
     scalars: dict[str, NDArray[Any]] = {
         "outcome": outcome.astype(np.int8),
@@ -72,9 +75,11 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "t_end": known(out[:, k.T_END]),
         "n_impacts": impacts,
         "mu_required": known(out[:, k.MU], unseen),
-        "mu_impact": known(_impact_friction(batch, out[:, k.ONTO_LEFT] > 0, out[:, k.ONTO_RIGHT] > 0)),
+        "mu_impact": known(_impact_friction(batch, *onto)) if friction else nothing,
         "N_min_over_mg": known(out[:, k.N_MIN], unseen),
-        "energy_residual": known(_over(out[:, k.ENERGY], _barrier(batch)), unseen),
+        "energy_residual": known(_over(out[:, k.ENERGY], _barrier(batch)), unseen)
+        if "energy_residual" in asked
+        else nothing,
         "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
     }
     return scalars, _reasons(batch, scalars, out)

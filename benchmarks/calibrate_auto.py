@@ -1,0 +1,189 @@
+"""Measures the errors by which `model: auto` chooses, and writes rockcli/scene/auto_table.py.
+
+    nice -n 19 python benchmarks/calibrate_auto.py [--raw FILE.npz]
+
+Random scenes (auto_scenes.py, seed 1) are solved by every rung.  They are sorted into bins by a group (alpha, p T_1, the
+rotation at which a Winkler base opens) and by what the cheap model does in the scene; the table holds the error that
+3 % of a bin exceed, made to grow with the group.  --raw keeps the measured scenes, or reads them if the file is there.
+Writes results/calibrate_auto.csv.  About ten minutes on a core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from datetime import date
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from auto_scenes import Array, Scenes, draw
+from machine import machine
+
+from rockcli import kernels
+from rockcli.engine.auto import groups, peak_of, try_rigid
+from rockcli.scene import auto
+from rockcli.scene.auto_table import EXCEEDED, TRIED
+from rockcli.study.open import open_study
+
+HERE = Path(__file__).resolve().parent
+RESULTS = HERE / "results" / "calibrate_auto.csv"
+TABLE = HERE.parent / "rockcli" / "scene" / "auto_table.py"
+
+SEED, PER_SHAPE, RECORDS, PER_RECORD = 1, 800, 60, 25
+WINKLER_EVERY = 4
+"""The Winkler base costs most: only every fourth scene is solved on it."""
+
+EDGES = {
+    "linearized": ("alpha", (0.03, 0.05, 0.08, 0.12, 0.18, 0.26, TRIED["alpha"][1])),
+    "rigid": ("p_T1", (0.001, 0.01, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0)),
+    "flexible": ("opening", (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.05)),
+}
+"""Step: its group and the edges of the bins."""
+
+CLASSES = {"linearized": auto.LINEARIZED_CLASSES, "rigid": auto.RIGID_CLASSES, "flexible": auto.RIGID_CLASSES}
+
+TOO_FEW = 12
+"""Scenes below which a bin is not trusted: it takes the error of an outcome that differs."""
+
+
+def measured(scenes: Scenes) -> dict[str, Array]:
+    """Groups, and peaks over alpha by every rung, of some scenes."""
+    ((_, batch),) = open_study(scenes.study()).batches()
+    found = groups(batch)
+    rigid, tried = try_rigid(batch)
+    linearized = peak_of(auto.on_rung(batch, auto.LINEARIZED))
+    flexible = peak_of(auto.on_rung(batch, auto.COLUMN))
+    winkler = np.full(batch.size, np.nan)
+    some = np.arange(0, batch.size, WINKLER_EVERY)
+    winkler[some] = peak_of(auto.on_rung(batch.rows(some), auto.WINKLER))
+    inside = np.array([not reason for reason in auto.outside(batch, found)])
+    return {
+        **{name: np.asarray(getattr(found, name)) for name in TRIED},
+        "record": np.full(batch.size, float(found.record)),
+        "inside": inside.astype(float),
+        "is linearized": auto.class_of_linearized(linearized).astype(float),
+        "is rigid": auto.class_of_rigid(rigid, tried).astype(float),
+        **{"peak linearized": linearized, "peak rigid": rigid, "peak flexible": flexible, "peak winkler": winkler},
+    }
+
+
+def error(peak: Array, reference: Array) -> Array:
+    """|difference| of peaks over alpha: 0 where both overturn, inf where one does, NaN where one has no answer."""
+    with np.errstate(invalid="ignore"):
+        gap = np.where(np.isinf(peak) & np.isinf(reference), 0.0, np.abs(peak - reference))
+    return np.where(np.isnan(peak) | np.isnan(reference), np.nan, gap)
+
+
+def exceeded_by_few(errors: Array) -> float:
+    """The smallest of some errors that at most EXCEEDED % of them exceed; inf for too few of them."""
+    if len(errors) < TOO_FEW:
+        return float("inf")
+    allowed = int(np.floor(len(errors) * EXCEEDED / 100.0))
+    return float(np.sort(errors)[len(errors) - 1 - allowed])
+
+
+def fitted(raw: dict[str, Array]) -> tuple[dict[str, Any], list[list[Any]]]:
+    """The tables, and what they were made from, a row per bin."""
+    tables: dict[str, Any] = {}
+    rows: list[list[Any]] = []
+    good = raw["inside"] > 0.0
+    for step, (group, edges) in EDGES.items():
+        reference = {"linearized": "rigid", "rigid": "flexible", "flexible": "winkler"}[step]
+        errors = error(raw[f"peak {step}"], raw[f"peak {reference}"])
+        doing = raw["is linearized" if step == "linearized" else "is rigid"]
+        usable = good & ~np.isnan(errors)
+        if step == "linearized":
+            usable &= raw["amplitude"] > 1.0
+        kinds = {}
+        for kind, flag in (("pulse", 0.0), ("record", 1.0)):
+            of_kind = usable & (raw["record"] == flag)
+            values = np.empty((len(edges) - 1, len(CLASSES[step])))
+            for i, (low, high) in enumerate(pairwise(edges)):
+                for j, words in enumerate(CLASSES[step]):
+                    bin_ = errors[of_kind & (raw[group] >= low) & (raw[group] < high) & (doing == j)]
+                    values[i, j] = exceeded_by_few(bin_)
+                    median = float(np.median(bin_)) if len(bin_) else np.nan
+                    rows.append([step, reference, kind, group, low, high, words, len(bin_), median, values[i, j]])
+            # a bin is no better than the one before it, and a bin of few scenes no worse than both its neighbours
+            kinds[kind] = np.maximum.accumulate(np.ceil(values * 1e4) / 1e4, axis=0)
+        tables[step] = (edges, kinds)
+    return tables, rows
+
+
+def write_table(tables: dict[str, Any], raw: dict[str, Array]) -> None:
+    """Write the module of numbers."""
+    good = raw["inside"] > 0.0
+    counts = {kind: int((good & (raw["record"] == flag)).sum()) for kind, flag in (("pulses", 0.0), ("records", 1.0))}
+    lines = [
+        '"""Errors by which model auto chooses, and the range they were measured over (docs/auto.md).',
+        "",
+        f"Written by benchmarks/calibrate_auto.py from {counts['pulses']} random scenes under pulses and",
+        f"{counts['records']} under synthetic records (seed {SEED}); its counts are in benchmarks/results/calibrate_auto.csv.",
+        '"""',
+        "",
+        "from __future__ import annotations",
+        "",
+        "from math import inf",
+        "",
+        f"EXCEEDED = {EXCEEDED}",
+        '"""Share of the measured scenes of a bin whose error was larger [%]."""',
+        "",
+        "TRIED: dict[str, tuple[float, float]] = {",
+        *(f'    "{name}": {TRIED[name]},' for name in TRIED),
+        "}",
+        '"""Groups: the range of the scenes."""',
+        "",
+        "TABLES: dict[str, tuple[tuple[float, ...], dict[str, tuple[tuple[float, ...], ...]]]] = {",
+    ]
+    for step, (edges, kinds) in tables.items():
+        lines += [f'    "{step}": (', f"        {edges},", "        {"]
+        for kind, values in kinds.items():
+            lines.append(f'            "{kind}": (')
+            lines += [
+                f"                ({', '.join(f'{float(v):g}' for v in row)}),".replace(".0,", ",") for row in values
+            ]
+            lines.append("            ),")
+        lines += ["        },", "    ),"]
+    lines += [
+        "}",
+        '"""Step (linearized against rigid, rigid against flexible, flexible against winkler): edges of the rows (alpha, p T_1,',
+        "m g/(2 kw b^2 alpha)) and, for either kind of motion, the error of theta_peak/alpha by row and by class of what the",
+        'cheap model does (scene/auto.py)."""',
+        "",
+    ]
+    TABLE.write_text("\n".join(lines))
+
+
+def main() -> None:
+    """Measure, fit, write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--raw", type=Path)
+    raw_file = parser.parse_args().raw
+    if raw_file is not None and raw_file.exists():
+        raw = dict(np.load(raw_file))
+    else:
+        kernels.load(compile_them=True)
+        parts = []
+        with TemporaryDirectory() as folder, np.errstate(all="ignore"):
+            for scenes in draw(SEED, PER_SHAPE, RECORDS, PER_RECORD, Path(folder)):
+                parts.append(measured(scenes))
+                print(scenes.label, flush=True)
+        raw = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        if raw_file is not None:
+            np.savez(raw_file, **raw)
+    tables, rows = fitted(raw)
+    write_table(tables, raw)
+    with RESULTS.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        head = ["rung", "against", "motion", "group", "from", "to", "cheap model", "scenes", "median error", "error"]
+        writer.writerow([*head, "measured", "machine"])
+        for row in rows:
+            shown = [f"{v:.4g}" if isinstance(v, float) else v for v in row]
+            writer.writerow([*shown, date.today().isoformat(), machine()])
+
+
+if __name__ == "__main__":
+    main()
