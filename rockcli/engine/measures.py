@@ -92,7 +92,7 @@ def _of_pulses(pulses: Pulses, until: Array) -> tuple[Array, Array]:
     table[:, :, :2] *= pulses.omega_p[:, None, None]
     until = np.minimum(until * pulses.omega_p, table[:, -1, 1])
     # what is measured is the rounded pulse itself, so that it does not depend on the cases it stands among
-    keys: Array = np.round(np.column_stack([table.reshape(n, -1), until]), 12)
+    keys = np.asarray(np.round(np.column_stack([table.reshape(n, -1), until]), 12), dtype=np.float64)
     distinct, inverse = np.unique(keys, axis=0, return_inverse=True)
     pga, pgv = extremes(distinct[:, :-1].reshape(-1, *table.shape[1:]), np.ascontiguousarray(distinct[:, -1]))
     inverse = inverse.reshape(-1)
