@@ -41,12 +41,7 @@ def report_text(report: RunReport) -> str:
     if len(report.reasons) > _MOST_REASONS:
         others = counted(len(report.reasons) - _MOST_REASONS, "other sentence")
         lines.append(_row("", f"and {others}, in `reasons` of the dataset"))
-    for number, rule in enumerate(report.rules):
-        unsafe = f"{rule.unsafe} unsafe (stands by the rule, overturned by the history)"
-        words = f"{rule.name}: {unsafe}, {rule.wary} the other way, of {rule.cases}"
-        lines.append(_row("rules" if number == 0 else "", words))
-    lines += [_row("suite" if number == 0 else "", words) for number, words in enumerate(report.suite)]
-    lines += [_row("audit" if number == 0 else "", words) for number, words in enumerate(report.audit)]
+    lines += _rules(report)
     if report.verdicts:
         met = len(report.verdicts) - report.unmet
         lines.append(_row("expect", f"{met} of {len(report.verdicts)} met"))
@@ -63,6 +58,19 @@ def _share_text(report: RunReport) -> str:
     left = report.cases - report.resumed
     then = f"{counted(left, 'case')} of other shares not there yet" if left else "run without --part to merge"
     return f"{report.name}: share {k}/{n} solved in {duration(report.seconds)}, {then}"
+
+
+def _rules(report: RunReport) -> list[str]:
+    """What the rules of thumb would have made of the same cases."""
+    speaking = [rule for rule in report.rules if rule.cases]
+    if report.rules and not speaking:
+        return [_row("rules", "say nothing here: they need a ground motion and an outcome")]
+    lines = []
+    for number, rule in enumerate(speaking):
+        unsafe = f"{rule.unsafe} unsafe (stands by the rule, overturned by the history)"
+        words = f"{rule.name}: {unsafe}, {rule.wary} the other way, of {rule.cases}"
+        lines.append(_row("rules" if number == 0 else "", words))
+    return lines
 
 
 def _survivors(report: RunReport) -> str:

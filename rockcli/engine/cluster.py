@@ -80,9 +80,10 @@ def on_cluster(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
 
 def _as_completed(futures: list[Any], client: Any) -> Any:
     """Futures as they are done; more may be added."""
-    from distributed import as_completed
+    import distributed
 
-    return as_completed(futures, loop=client.loop)  # type: ignore[no-untyped-call]
+    as_completed: Any = distributed.as_completed
+    return as_completed(futures, loop=client.loop)
 
 
 def _kept(packed: bytes) -> bytes:

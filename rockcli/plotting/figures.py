@@ -121,11 +121,11 @@ def why_not(kind: str, dataset: xarray.Dataset) -> str:
 
 def figure(kind: str, dataset: xarray.Dataset) -> Figure:
     """Draw a kind the dataset can show."""
-    with mpl.rc_context(style.RC):
+    with mpl.rc_context(style.RC), style.no_word_of_glyphs():
         return KINDS[kind].draw(dataset)
 
 
 def save(drawn: Figure, path: Path, plot_format: str) -> None:
     """Write a figure as png, pdf or svg."""
-    with mpl.rc_context(style.RC):
+    with mpl.rc_context(style.RC), style.no_word_of_glyphs():
         style.save(drawn, path, plot_format)

@@ -105,7 +105,7 @@ def _plots(dataset: xarray.Dataset, kinds: Sequence[str]) -> Iterable[str]:
             yield _section(kind.capitalize(), f'<p class="quiet">not drawn: {escape(why)}</p>')
             continue
         drawn, picture = figure(kind, dataset), io.BytesIO()
-        with mpl.rc_context(style.RC):
+        with mpl.rc_context(style.RC), style.no_word_of_glyphs():
             drawn.savefig(picture, format="png", dpi=_DPI)
         code = base64.b64encode(picture.getvalue()).decode("ascii")
         width = int(drawn.get_figwidth() * 130)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import textwrap
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -105,3 +108,11 @@ def legend_beside(figure: Figure, axes: Axes, columns: int) -> None:
 def save(figure: Figure, path: Path, plot_format: str) -> None:
     """Write a figure; the same figure gives the same bytes."""
     figure.savefig(path, format=plot_format, dpi=DPI, metadata=_UNDATED[plot_format])
+
+
+@contextmanager
+def no_word_of_glyphs() -> Iterator[None]:
+    """A title in letters that the font lacks is drawn with boxes, which everyone sees, without a warning each."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        yield

@@ -9,6 +9,7 @@ import pytest
 import xarray
 from matplotlib.figure import Figure
 
+import rockcli
 from rockcli.plotting import figures
 from rockcli.plotting.labels import axis_label, coordinate_label, unit_g, variable_label
 from rockcli.plotting.map import is_log, plane
@@ -200,3 +201,11 @@ def test_accelerations_are_in_the_g_of_the_case() -> None:
     varied = dataset.rename(R_m="g").assign_attrs(study=study.format("2.0"), axes="g")
     varied["g"].attrs["long_name"] = "g"
     assert unit_g(varied) == 9.81
+
+
+def test_letters_the_font_lacks_are_no_warning(tmp_path: Path) -> None:
+    """Warnings are errors here."""
+    from rockcli.plotting.figures import figure, save
+
+    study = {"name": "far", "title": "地震", "case": {"block": {"R": 2, "tan_alpha": 0.2}, "initial": {"theta": 0.1}}}
+    save(figure("histories", rockcli.run(study)), tmp_path / "h.png", "png")
