@@ -42,6 +42,8 @@ def report_text(report: RunReport) -> str:
         others = counted(len(report.reasons) - _MOST_REASONS, "other sentence")
         lines.append(_row("", f"and {others}, in `reasons` of the dataset"))
     lines += _rules(report)
+    lines += [_row("suite" if number == 0 else "", words) for number, words in enumerate(report.suite)]
+    lines += [_row("audit" if number == 0 else "", words) for number, words in enumerate(report.audit)]
     if report.verdicts:
         met = len(report.verdicts) - report.unmet
         lines.append(_row("expect", f"{met} of {len(report.verdicts)} met"))

@@ -139,3 +139,11 @@ def test_a_long_case_tells_how_far_it_is(capsys, monkeypatch):
     finally:
         logger.level, logger.handlers = before
     assert "tower: t = 1.5 s of 6.5 s" in capsys.readouterr().err
+
+
+def test_a_suite_has_its_lines() -> None:
+    from rockcli.cli.words import report_text
+    from rockcli.engine.report import RunReport
+
+    told = report_text(RunReport("n", "solved", cases=3, suite=("first words", "second words")))
+    assert "  suite     first words\n            second words\n" in told
