@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,11 @@ from rockcli.errors import StudyError
 from rockcli.motion.spectrum import displacement_spectrum, forcing
 from rockcli.scene import rules
 from rockcli.scene.batch import Batch
+from rockcli.scene.damping import Fema356
 from rockcli.scene.excitation import Channel, Samples
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT
 from rockcli.scene.rules import RULES
+from rockcli.solvers import fema356
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.study import Study
 
@@ -48,9 +50,9 @@ class Misled:
 
 def check_rules(study: Study) -> None:
     """`StudyError` if there are too many cases for the rules asked for."""
-    if study.size > MOST and {"housner", "asce43"} & set(study.rules):
-        message = f"rules: housner and asce43 take a response spectrum per case; at most {MOST} cases, not {study.size}"
-        raise StudyError(message, file=study.file)
+    if study.size > MOST and {"housner", "asce43", "fema356"} & set(study.rules):
+        who = "housner, asce43 and fema356 take a response spectrum per case"
+        raise StudyError(f"rules: {who}; at most {MOST} cases, not {study.size}", file=study.file)
 
 
 def with_rules(contents: Contents, study: Study) -> Contents:
@@ -101,6 +103,8 @@ def _evaluate(name: str, batch: Batch) -> Array:
         return rules.west(pga, np.tan(alpha), batch.g)
     if name == "ishiyama":
         return rules.ishiyama(pga, pgv, R, alpha, inertia, batch.g)
+    if name == "fema356":
+        return _fema356(batch)
     spectra = _Spectra(motion, batch.excitation.duration)
     out = np.empty(n)
     for i in range(n):
@@ -115,6 +119,15 @@ def _evaluate(name: str, batch: Batch) -> Array:
         demand = np.interp(1.0 / f, T, S_a, left=pga[i])
         out[i] = _largest_root(demand / capacity - 1.0) if pga[i] > batch.g[i] * tan_alpha else 0.0
     return rules.housner(out, p, alpha, batch.g) if name == "housner" else out
+
+
+def _fema356(batch: Batch) -> Array:
+    """The procedure's rotation over alpha, as the damping scheme of that name gives it."""
+    scheme = Fema356(np.ones(batch.size), np.full(batch.size, np.nan))
+    wanted = replace(batch.save, histories=False, scalars=frozenset({"outcome", "theta_peak_over_alpha"}))
+    damping = replace(batch.damping, scheme="fema356", fema356=scheme)
+    found = fema356.solve(replace(batch, model="rigid", geometry=None, damping=damping, save=wanted)).scalars
+    return np.asarray(found["theta_peak_over_alpha"], dtype=np.float64)
 
 
 def _largest_root(excess: Array) -> float:

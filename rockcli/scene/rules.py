@@ -67,6 +67,15 @@ _ROWS: tuple[Rule, ...] = (
         "an equivalent oscillator on the response spectrum; horizontal motion alone; where several rotations "
         "satisfy it, the largest",
     ),
+    Rule(
+        "fema356",
+        "fema356_theta_over_alpha",
+        np.inf,
+        "rotation over alpha by the rocking procedure; infinite where it has no solution",
+        "FEMA-356 (2000), section 4.4.2 and the source's (3.4)-(3.7)",
+        "an equivalent oscillator on the response spectrum, known to be poor (docs/fema356.md); the whole weight "
+        "at the base",
+    ),
 )
 
 RULES: dict[str, Rule] = {row.name: row for row in _ROWS}

@@ -307,6 +307,13 @@ _ROWS: tuple[Variable, ...] = (
         "1",
         "ASCE 43-05: best-estimate rotation over alpha; inf: overturning predicted",
     ),
+    Variable(
+        "fema356_theta_over_alpha",
+        r"$\theta_{\mathrm{FEMA}}/\alpha$",
+        CASE,
+        "1",
+        "FEMA-356 as a rule: rotation over alpha; inf: overturning predicted",
+    ),
 )
 
 _FRACTILES = (("p16", "16 % fractile"), ("p50", "median"), ("p84", "84 % fractile"), ("mean", "mean"))

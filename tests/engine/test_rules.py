@@ -143,3 +143,15 @@ def test_rules_can_be_expected_and_are_redrawn_without_solving() -> None:
     clause = {"quantity": "west_ratio", "value": 3.0}
     report = report_on(open_study(study(expect=[clause])), solved(), status="solved")
     assert report.verdicts[0].passed
+
+
+def test_fema356_is_that_of_the_damping_scheme() -> None:
+    # the source's block of R = 5 m, tan(alpha) 0.1 under a Ricker pulse: theta/alpha .3508 by its own procedure
+    case = {
+        "block": {"R": 5.0, "tan_alpha": 0.1},
+        "motion": {"pulse": {"shape": "ricker", "a_p_over_g_tan_alpha": 3.6, "omega_p": "2*pi"}},
+    }
+    asked = solved(case=case, rules=["fema356"]).values("fema356_theta_over_alpha")
+    assert float(asked) == pytest.approx(0.3508, abs=1e-4)
+    falls = solved(vary={"motion.pulse.a_p_over_g_tan_alpha": [0.9, 60.0]}, rules=["fema356"])
+    assert falls.values("fema356_theta_over_alpha").tolist() == [0.0, np.inf]
