@@ -20,6 +20,7 @@ def expanded_case(case: Any) -> Any:
         return case
     case = _put(case, "damping", _named("scheme"))
     case = _put(case, "model", _named("name"))
+    case = _within(case, "model", lambda model: _put(model, "tolerance", _percent))
     case = _put(case, "motion", lambda value, where: Map() if value in (None, "none") else value)
     return _within(case, "motion", _motion)
 
@@ -59,6 +60,16 @@ def _named(inner: str) -> Callable[[Any, Where], Any]:
         return Map({inner: value}, {inner: where}) if isinstance(value, str) else value
 
     return named
+
+
+def _percent(value: Any, where: Where) -> Any:
+    """`2 %` is 0.02."""
+    if isinstance(value, str) and value.rstrip().endswith("%"):
+        try:
+            return float(value.rstrip()[:-1]) / 100.0
+        except ValueError:
+            return value
+    return value
 
 
 def _wrapped(inner: str) -> Callable[[Any, Where], Any]:

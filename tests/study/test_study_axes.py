@@ -347,3 +347,15 @@ class TestSave:
         assert study.histories_at == {"block_R": 2.0}
         assert study.scalars == ("outcome", "n_impacts")
         assert {int(i): b.save.histories for indices, b in study.batches() for i in indices} == {0: False, 1: True}
+
+
+def test_a_tolerance_in_per_cent() -> None:
+    from rockcli.study.open import open_study
+
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": 4.0, "T_p": 1.0}}}
+    told = [
+        open_study({"name": "p", "case": case | {"model": {"name": "auto", "tolerance": words}}})
+        for words in ("2 %", "2%", 0.02)
+    ]
+    assert len({study.identity for study in told}) == 1
+    assert [next(iter(study.batches()))[1].tolerance.tolist() for study in told] == [[0.02]] * 3
