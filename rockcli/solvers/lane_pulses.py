@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,34 +49,26 @@ def asked(batch: Batch) -> bool:
     )
 
 
-def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, margin: float, detail: int) -> Array:
-    """Raw results (n, N_OUT) of `kernels.layout`; NaN in STATUS for a body that is left to the single-body kernels.
+def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, margin: float, detail: int, cases: Any) -> Array:
+    """Raw results (n, N_OUT) of `kernels.layout` for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
 
-    Left are bodies of two different edges, with a given duration or mu, and those the lanes hand over.
+    NaN in STATUS for a body that is left to the single-body kernels.
     """
     channel = batch.excitation.horizontal
     assert isinstance(channel, Pulses)
-    left, right = (rows[:, side : side + k.EDGE] for side in (k.LEFT, k.RIGHT))
-    fit = np.all(left == right, axis=1) & (rows[:, k.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
     pieces = channel.table.shape[1]
-    tables = channel.table.reshape(len(rows), pieces * PIECE_WIDTH)
-    whole = bool(fit.all())  # mostly so, and then nothing is copied
-    found = np.zeros((int(fit.sum()), k.N_OUT))
+    tables = channel.table[cases].reshape(len(rows), pieces * PIECE_WIDTH)
+    found = np.zeros((len(rows), k.N_OUT))
     order = _order(level.rtol)
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
         lanes.sweep(
-            rows if whole else rows[fit], MODELS[batch.model, batch.geometry].linear, level.rtol, level.rest_speed,
-            margin, MAX_STEPS, order, detail, tables if whole else tables[fit], pieces,
-            lanes.work_space(order), found,
+            rows, MODELS[batch.model, batch.geometry].linear, level.rtol, level.rest_speed, margin, MAX_STEPS, order,
+            detail, tables, pieces, lanes.work_space(order), found,
         )  # fmt: skip
     found[found[:, k.STATUS] == lanes.LEFT_TO_MARCH, k.STATUS] = np.nan
     found[:, k.T_OVERTURN] = found[:, k.T_END] = np.nan  # the lanes stop where the answer is known
     found[:, k.N_MIN] = found[:, k.N_STANDING] = np.inf  # nobody looked
-    if whole:
-        return found
-    out = np.full((len(rows), k.N_OUT), np.nan)
-    out[fit] = found
-    return out
+    return found
 
 
 def _order(rtol: float) -> int:

@@ -38,9 +38,9 @@ def asked(batch: Batch) -> bool:
 
 
 def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: int, margin: float, detail: int) -> Array:
-    """Raw results (n, N_OUT) of `kernels.layout`; NaN in STATUS for a body that is left to the single-body kernels.
+    """Raw results (n, N_OUT) of `kernels.layout` for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
 
-    Left are bodies of two different edges, with a given duration or mu, and those the lanes hand over.
+    NaN in STATUS for a body that is left to the single-body kernels; `order`: of their series.
     """
     channel = batch.excitation.horizontal
     assert isinstance(channel, Samples)
@@ -49,17 +49,9 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: in
     size = np.abs(channel.values)
     tail = np.ascontiguousarray(np.maximum.accumulate(size[::-1])[::-1])
     blocks = np.maximum.reduceat(size, np.arange(0, len(size), lanes.BLOCK))
-    left, right = (rows[:, side : side + k.EDGE] for side in (k.LEFT, k.RIGHT))
-    fit = np.all(left == right, axis=1) & (rows[:, k.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
-    whole = bool(fit.all())  # mostly so, and then nothing is copied
-    found = np.zeros((int(fit.sum()), k.N_OUT))
+    found = np.zeros((len(rows), k.N_OUT))
     linear = MODELS[batch.model, batch.geometry].linear
     how = (linear, level.rtol, level.rest_speed, margin, detail, order)
-    work = lanes.work_space()
-    lanes.march_lanes(rows if whole else rows[fit], *how, values, slopes, blocks, tail, channel.dt, work, found)
+    lanes.march_lanes(rows, *how, values, slopes, blocks, tail, channel.dt, lanes.work_space(), found)
     found[found[:, k.STATUS] == lanes.HANDED_OVER, k.STATUS] = np.nan
-    if whole:
-        return found
-    out = np.full((len(rows), k.N_OUT), np.nan)
-    out[fit] = found
-    return out
+    return found
