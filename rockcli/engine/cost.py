@@ -8,12 +8,20 @@ from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import DEFORMABLE
+from rockcli.solvers import lane_pulses, lane_records
+from rockcli.study.study import Study
 
 STARTING = 0.4
 """Seconds for imports and for loading compiled kernels."""
 
 EVENT, EVENT_SAMPLE = 1e-4, 1.2e-7
 """One case of the event-driven solver, and one sample of its record [s]."""
+
+LANE, LANE_OUTCOME, LANE_SAMPLE = 5e-6, 2e-6, 5e-9
+"""The same of a case in lanes: of pulses with peaks, of pulses with the outcome alone, of a sample of a record [s]."""
+
+PLAIN = 100.0
+"""How much slower the event-driven solver is in plain Python."""
 
 COLUMN, COLUMN_SAMPLE = 0.05, 1e-4
 """The same of the flexible column [s]."""
@@ -24,11 +32,14 @@ GENERAL, GENERAL_SAMPLE = 0.02, 5e-5
 FRAME_STEP, OPENSEES_STEP, OPENSEES_START = 5e-6, 2.5e-5, 0.3
 """A step of the penalty backends, and the start of a process [s]."""
 
-MESH = 90.0
-"""A case of a full mesh [s]."""
+MESH = 2.5e-4
+"""An increment of an element of a full mesh [s]."""
 
 SPECTRUM = 5e-3
 """A case of the equivalent linear method [s]."""
+
+REFINED = 30.0
+"""Cases that a refined map of n x n pixels solves, over n."""
 
 HISTORY = 2e-7
 """An output time of a case whose histories are saved [s]."""
@@ -41,9 +52,20 @@ def seconds_per_case(batch: Batch, backend: str) -> float:
     return _solving(batch, backend, samples) + (_length(batch) / batch.save.dt_out * HISTORY * batch.save.histories)
 
 
+def seconds_in_plain_python(batch: Batch) -> float:
+    """Time that the event-driven solver of rigid bodies needs for a case with nothing compiled, typically [s]."""
+    return lane_pulses.SECONDS if lane_pulses.asked(batch) else PLAIN * seconds_per_case(batch, "event")
+
+
+def share_refined(study: Study) -> float:
+    """Share of the cases of a study with `refine` that are solved, typically; 1 without."""
+    sizes = [axis.size for axis in study.axes if axis.name in study.refine]
+    return min(1.0, REFINED / max(sizes)) if sizes else 1.0
+
+
 def _solving(batch: Batch, backend: str, samples: int) -> float:
     if backend == "calculix":
-        return MESH
+        return MESH * _element_increments(batch)
     if backend == "fema356":
         return SPECTRUM
     if backend == "scipy":
@@ -54,7 +76,19 @@ def _solving(batch: Batch, backend: str, samples: int) -> float:
         return FRAME_STEP * steps if backend == "frame" else OPENSEES_START + OPENSEES_STEP * steps
     if highest(batch).model in DEFORMABLE:
         return COLUMN + COLUMN_SAMPLE * samples
+    if lane_pulses.asked(batch):
+        return LANE_OUTCOME if batch.save.scalars <= {"outcome"} else LANE
+    if lane_records.asked(batch):
+        return LANE + LANE_SAMPLE * samples
     return EVENT + EVENT_SAMPLE * samples
+
+
+def _element_increments(batch: Batch) -> float:
+    """Elements times increments of the first case of a full mesh."""
+    from rockcli.solvers.calculix.case import elements_along, largest_step
+
+    assert batch.column is not None
+    return batch.column.across * elements_along(batch, 0) * _length(batch) / largest_step(batch, 0)
 
 
 def _length(batch: Batch) -> float:

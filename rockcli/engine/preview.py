@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli.engine.auto import prospect
 from rockcli.engine.choose import choose
-from rockcli.engine.cost import STARTING, seconds_per_case
+from rockcli.engine.cost import STARTING, seconds_per_case, share_refined
 from rockcli.engine.limits import HISTORIES_AT_MOST, histories_size
 from rockcli.engine.measures import peaks
 from rockcli.errors import SolverError
@@ -112,7 +112,7 @@ def _preview(study: Study) -> Preview:
         motion=tuple(_motion(batch)),
         processing=study.processing,
         backend=_backend(batch),
-        seconds=STARTING + seconds * study.size / looked_at,
+        seconds=STARTING + seconds / looked_at * study.size * share_refined(study),
         megabytes=histories_size(study, HISTORIES_AT_MOST).bytes / 1e6,
         warnings=tuple(dict.fromkeys((*study.warnings, *said))),
     )

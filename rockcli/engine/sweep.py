@@ -14,7 +14,7 @@ from rockcli.engine.agenda import CHUNK, Agenda, Pace
 from rockcli.engine.answer import Answer, blank
 from rockcli.engine.apart import build_apart, solve_apart
 from rockcli.engine.choose import choose
-from rockcli.engine.cost import seconds_per_case
+from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
 from rockcli.engine.describe import describe, describe_rest, rows_of, symbols_of
 from rockcli.engine.executors import Team, answers
 from rockcli.engine.limits import cases_at_a_time
@@ -31,8 +31,8 @@ Progress = Callable[[int, int], None]
 
 CHUNK_WITH_HISTORIES = 100
 
-COMPILED_ABOVE, PLAIN = 2.0, 100.0
-"""Time in plain Python above which a study's kernels are compiled [s], and how much slower that is."""
+COMPILED_ABOVE = 2.0
+"""Time in plain Python above which a study's kernels are compiled [s]."""
 
 
 @dataclass
@@ -186,9 +186,9 @@ def outlook(study: Study, size: int) -> tuple[float, bool]:
             backend = choose(batch).name
         except SolverError:
             break
-        seconds = seconds_per_case(batch, backend)
         plain = backend == "event" and highest(batch).model not in DEFORMABLE
-        return seconds, plain and seconds * PLAIN * size > COMPILED_ABOVE
+        compiled = plain and seconds_in_plain_python(batch) * size > COMPILED_ABOVE
+        return seconds_per_case(batch, backend), compiled
     return 1e-3, False
 
 

@@ -10,6 +10,7 @@ import pytest
 
 import rockcli
 from rockcli.engine import limits
+from rockcli.engine.preview import preview
 from rockcli.engine.run import check_study, solve
 from rockcli.engine.sweep import solve_cases
 from rockcli.errors import StudyError
@@ -127,3 +128,16 @@ def test_extreme_numbers_warn_of_nothing(block: dict[str, Any]) -> None:
     body = {"R": 2.0, "tan_alpha": 0.2} | block
     body = {key: value for key, value in body.items() if value is not None}
     rockcli.run(study(case={"block": body}, pulse={}, save={"dt_out": 1e10 if "R" in block else 0.01}))
+
+
+def test_the_estimated_time_is_that_of_how_the_cases_are_solved() -> None:
+    axes = {
+        "motion.pulse.a_p": {"from": "g*tan_alpha", "to": "4*g*tan_alpha", "n": 1000},
+        "motion.pulse.omega_p": {"from": 1.0, "to": 9.0, "n": 1000},
+    }
+    outcome = {"vary": axes, "save": {"scalars": ["outcome"]}}
+    in_lanes = preview(open_study(study(**outcome))).seconds
+    one_by_one = preview(open_study(study(**outcome | {"save": {"scalars": ["outcome", "error_estimate"]}}))).seconds
+    refined = preview(open_study(study(**outcome, refine=True))).seconds
+    assert in_lanes < 0.1 * one_by_one  # docs/sweeps.md: by one to two orders
+    assert refined < 0.5 * in_lanes
