@@ -7,11 +7,14 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import cast
 
-from rockcli.errors import SolverError
+import numpy as np
+
+from rockcli.errors import RockError, SolverError, StudyError
 from rockcli.scene.auto import AUTO, highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import FLEXIBLE, MODELS
 from rockcli.scene.response import Response
+from rockcli.study.study import Study
 
 Solver = Callable[[Batch], Response]
 
@@ -121,6 +124,27 @@ _ROWS: tuple[Backend, ...] = (
 
 BACKENDS: dict[str, Backend] = {row.name: row for row in _ROWS}
 """In order of preference for `backend: auto`."""
+
+
+DECIDING = ("model", "geometry", "damping", "solver", "case")
+"""Axes along which the backend may change: the first key of their paths."""
+
+
+def check_backend(study: Study) -> None:
+    """`StudyError` if no backend, or not the one asked for, can solve any case of a study.
+
+    Where an axis decides on it, single cases are refused when they are solved.
+    """
+    if any(axis.path.split(".")[0] in DECIDING for axis in study.axes):
+        return
+    try:
+        _, batch = next(iter(study.batches(np.array([0]))))
+    except RockError:
+        return  # a bad case never loses the others
+    try:
+        choose(batch)
+    except SolverError as refused:
+        raise StudyError(f"case: {refused} (rock show backends: what each solves)", file=study.file) from None
 
 
 def choose(batch: Batch) -> Backend:

@@ -12,6 +12,7 @@ import numpy as np
 
 from rockcli.engine.assemble import assemble
 from rockcli.engine.audit import check_audit, with_audit
+from rockcli.engine.choose import check_backend
 from rockcli.engine.compare import with_comparison
 from rockcli.engine.curves import with_curves
 from rockcli.engine.describe import describe_cases
@@ -77,9 +78,11 @@ def check_answers(study: Study) -> None:
     """What can be said against solving a study, wherever its results go.
 
     Raises:
-        StudyError: a clause of `expect` speaks of what will not be saved, or the histories would not fit.
+        StudyError: a clause of `expect` speaks of what will not be saved, no backend solves the model, or the histories
+            would not fit.
     """
     check_quantities(study)
+    check_backend(study)
     check_histories(study)
     check_rules(study)
     check_audit(study)

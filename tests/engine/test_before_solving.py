@@ -130,6 +130,16 @@ def test_extreme_numbers_warn_of_nothing(block: dict[str, Any]) -> None:
     rockcli.run(study(case={"block": body}, pulse={}, save={"dt_out": 1e10 if "R" in block else 0.01}))
 
 
+@pytest.mark.usefixtures("unsolvable")
+def test_a_backend_that_cannot_solve_the_model(tmp_path: Path) -> None:
+    case = {"solver": {"backend": "calculix"}}
+    refused = open_study(study(case=case))
+    with pytest.raises(StudyError, match="backend 'calculix' does not solve model 'rigid'"):
+        check_study(refused, tmp_path)
+    axis = {"solver.backend": ["event", "calculix"]}
+    check_study(open_study(study(vary=axis)), tmp_path)  # one that can is among them
+
+
 def test_the_estimated_time_is_that_of_how_the_cases_are_solved() -> None:
     axes = {
         "motion.pulse.a_p": {"from": "g*tan_alpha", "to": "4*g*tan_alpha", "n": 1000},
