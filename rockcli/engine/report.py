@@ -13,6 +13,7 @@ import numpy as np
 from rockcli.engine.expect import Verdict, coordinate_word, expected_failures, judge
 from rockcli.engine.rules import Misled, misled
 from rockcli.scene.response import FAILED, OUTCOMES
+from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Study
 
@@ -33,6 +34,7 @@ class RunReport:
         verdicts: of the `expect` clauses, in order.
         reasons: sentence -> number of cases, most first; sentences that differ in numbers only count as the first.
         suite: what the ensemble statistics come to, in sentences; audit: what an audit found.
+        overturns: searched axis -> from where on the cases overturn, in words.
         rules: what the rules of thumb would have said of the same cases.
         warnings: about the physics and the study.
         plots: files drawn; seconds: wall time of the run.
@@ -52,6 +54,7 @@ class RunReport:
     peak_at: str = ""
     verdicts: tuple[Verdict, ...] = ()
     reasons: dict[str, int] = field(default_factory=dict)
+    overturns: dict[str, str] = field(default_factory=dict)
     rules: tuple[Misled, ...] = ()
     suite: tuple[str, ...] = ()
     audit: tuple[str, ...] = ()
@@ -109,6 +112,7 @@ def report_on(study: Study, contents: Contents, **more: Any) -> RunReport:
         refined=int(contents.values("solved").sum()) if "solved" in contents.fields else None,
         verdicts=tuple(judge(contents, study.expect)),
         reasons=_reasons(contents),
+        overturns=_overturns(contents),
         rules=misled(contents),
         suite=tuple(json.loads(contents.attrs.get("ensemble", "{}")).get("says", ())),
         audit=tuple(json.loads(contents.attrs.get("audit", "{}")).get("says", ())),
@@ -146,6 +150,15 @@ def _largest_peak(contents: Contents) -> tuple[float | None, str]:
     at = np.unravel_index(int(np.argmax(finite)), finite.shape)
     words = [f"{axis}={coordinate_word(contents.values(axis)[i])}" for axis, i in zip(contents.axes, at, strict=True)]
     return float(finite[at]), ", ".join(words)
+
+
+def _overturns(contents: Contents) -> dict[str, str]:
+    axes = {name: contents.values(name) for name in contents.axes}
+    return {
+        name.removesuffix(FOUND): threshold_words(item.values, axes)
+        for name, item in contents.fields.items()
+        if name.endswith(FOUND) and item.dims == contents.axes
+    }
 
 
 def _reasons(contents: Contents) -> dict[str, int]:

@@ -19,6 +19,7 @@ from rockcli.plotting.page_style import CSS
 from rockcli.plotting.style import OUTCOME_COLOURS
 from rockcli.plotting.table import case_table
 from rockcli.scene.response import OUTCOMES
+from rockcli.scene.thresholds import FOUND, threshold_words
 
 if TYPE_CHECKING:
     import xarray
@@ -38,7 +39,7 @@ def page(dataset: xarray.Dataset, verdicts: Sequence[tuple[bool, str]] = (), kin
     attrs = dataset.attrs
     name, title = str(attrs.get("study_name", "study")), str(attrs.get("title", ""))
     parts = [
-        _section("Result", _outcomes(dataset) + _verdicts(verdicts) + _warnings(dataset)),
+        _section("Result", _outcomes(dataset) + _thresholds(dataset) + _verdicts(verdicts) + _warnings(dataset)),
         *_plots(dataset, kinds),
         _section("Cases", _table(*case_table(dataset))),
         _section("Study", f"<pre>{escape(str(attrs.get('study', '')).strip())}</pre>"),
@@ -73,6 +74,18 @@ def _outcomes(dataset: xarray.Dataset) -> str:
         words.append(f'<li><i style="background:{colour}"></i>{int(count)} {escape(name.replace("_", " "))}</li>')
     many = "case" if total == 1 else "cases"
     return f'<p>{total} {many}</p><div class="bar">{"".join(bar)}</div><ul class="key">{"".join(words)}</ul>\n'
+
+
+def _thresholds(dataset: xarray.Dataset) -> str:
+    """From where on the cases of a search overturn."""
+    axes = axes_of(dataset)
+    said = [
+        f"<p>Overturns: {escape(str(name).removesuffix(FOUND))} "
+        f"{escape(threshold_words(item.values, {axis: dataset[axis].values for axis in axes}))}.</p>\n"
+        for name, item in dataset.data_vars.items()
+        if str(name).endswith(FOUND) and item.dims == axes
+    ]
+    return "".join(said)
 
 
 def _verdicts(verdicts: Sequence[tuple[bool, str]]) -> str:

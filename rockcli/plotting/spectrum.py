@@ -18,6 +18,7 @@ from rockcli.plotting.labels import title_of, unit_g, unit_in_brackets, variable
 from rockcli.plotting.map import is_log, scale_axes
 from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, legend_beside, new_figure, panel_title
 from rockcli.plotting.suite import members_word, suite_of
+from rockcli.scene.thresholds import FOUND
 from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
 Order = NDArray[np.intp]
 
 MOST_COLUMNS, MOST_CURVES = 3, 8
-
-FOUND = "_overturning"
-"""End of the name of what a search found."""
 
 _FEWEST_SIZES = 3
 

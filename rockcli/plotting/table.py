@@ -8,7 +8,7 @@ import numpy as np
 
 from rockcli.plotting.cases import axes_of, is_numeric, number_at, outcome_at
 from rockcli.plotting.labels import unit_in_brackets
-from rockcli.plotting.spectrum import FOUND
+from rockcli.scene.thresholds import FOUND
 from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
