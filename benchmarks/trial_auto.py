@@ -30,7 +30,7 @@ HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results" / "trial_auto.csv"
 
 SEED, PER_SHAPE, RECORDS, PER_RECORD = 2, 20, 16, 5
-TOLERANCES = (0.02,)
+TOLERANCES = (0.01, 0.02, 0.05)
 SEARCHES = 10
 
 WITHOUT_COLUMN = ("column.E", "column.zeta", "base.kw")
