@@ -15,7 +15,7 @@ from types import ModuleType
 _KERNELS = (
     "motion", "series", "roots", "decide", "rest", "watch", "contact", "march", "slide",
     "lane_math", "lane_vector", "lane_bounces", "lane_state", "lane_ground", "lane_series", "lane_roots", "lane_events",
-    "lane_pulses",
+    "lane_wakes", "lane_decide", "lane_pulses",
 )  # fmt: skip
 
 compiled: bool | None = None

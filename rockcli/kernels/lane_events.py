@@ -6,11 +6,11 @@ from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_roots import LOST, NO_ROOT, first_root, turning_point
 from rockcli.kernels.lane_series import slope_of
 from rockcli.kernels.lane_state import (
+    BRACKET,
     DONE,
     EVENT,
     HANDED,
     L_GUARD,
-    LANES,
     MODE,
     NEW_Q,
     NEW_V,
@@ -20,36 +20,41 @@ from rockcli.kernels.lane_state import (
     TOP,
     TOP_SIDE,
     TOP_T,
+    VECTORS,
     H,
     Q,
     S,
     T,
     V,
     X,
+    series_of_a,
+    series_of_q,
+    stride,
 )
 from rockcli.kernels.lane_vector import WIDTH, gather, load, note, select, some, spread, store
 
 
 @jit_lean
-def find_impacts(state, n, c, poly, lanes, count):
+def find_impacts(state, n, poly, lanes, count):
     """First roots of q of the lanes that asked, WIDTH of them at a time."""
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
         for j in range(slots):
             i = int(lanes[begin + j])
             skip = 0  # a root at once is divided out
-            if state[Q * LANES + i] == 0.0:
+            if state[i + Q * WIDTH] == 0.0:
                 skip = 1
-                while skip < 4 and c[skip * LANES + i] == 0.0:
+                while skip < 4 and state[series_of_q(i) + skip * WIDTH] == 0.0:
                     skip += 1
             poly[j], poly[WIDTH + j] = 1.0 * i, 1.0 * skip
         for j in range(slots, WIDTH):
             poly[j], poly[WIDTH + j] = poly[0], poly[WIDTH]
         lane, skips = load(poly, 0), load(poly, WIDTH)
+        where = lane + skips * (1.0 * WIDTH)
         for k in range(n + 1):
-            store(poly, k * WIDTH, gather(c, (skips + k) * LANES + lane))
+            store(poly, k * WIDTH, gather(state, where + 1.0 * series_of_q(k * WIDTH)))
         sinks = (load(poly, 0) <= 0.0) & (skips > 0.0)  # would enter the ground at once
-        x, slope = first_root(poly, n, gather(state, H * LANES + lane))
+        x, slope = first_root(poly, n, gather(state, lane + 1.0 * (H * WIDTH)))
         for power in range(4):
             slope = select(skips > power, slope * x, slope)
         x = select(sinks, LOST, x)
@@ -58,9 +63,9 @@ def find_impacts(state, n, c, poly, lanes, count):
         for j in range(slots):
             i, root = int(lanes[begin + j]), poly[j]
             if root >= 0.0:
-                state[X * LANES + i], state[NEW_Q * LANES + i], state[NEW_V * LANES + i] = root, 0.0, poly[WIDTH + j]
+                state[i + X * WIDTH], state[i + NEW_Q * WIDTH], state[i + NEW_V * WIDTH] = root, 0.0, poly[WIDTH + j]
             else:
-                state[EVENT * LANES + i] = NONE if root == NO_ROOT else HANDED
+                state[i + EVENT * WIDTH] = NONE if root == NO_ROOT else HANDED
 
 
 @jit_lean
@@ -72,16 +77,16 @@ def padded(lanes, begin, slots, space):
 
 
 @jit_lean
-def find_uplifts(state, n, a, poly, lanes, count):
+def find_uplifts(state, n, poly, lanes, count):
     """First time the ground lifts the resting lanes that asked, on either side."""
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
         lane = padded(lanes, begin, slots, poly)
-        h, guard = gather(state, H * LANES + lane), gather(state, L_GUARD * LANES + lane)
+        h, guard = gather(state, lane + 1.0 * (H * WIDTH)), gather(state, lane + 1.0 * (L_GUARD * WIDTH))
         side, first = spread(0.0), spread(NO_ROOT)
         for sign in (-1.0, 1.0):
             for k in range(n + 1):
-                store(poly, k * WIDTH, sign * gather(a, 1.0 * (k * LANES) + lane))
+                store(poly, k * WIDTH, sign * gather(state, lane + 1.0 * series_of_a(k * WIDTH, n)))
             store(poly, 0, load(poly, 0) + guard)
             x, _ = first_root(poly, n, h)
             sooner = (x >= 0.0) & ((x < first) | (first == NO_ROOT)) & ~(first == LOST)
@@ -92,41 +97,42 @@ def find_uplifts(state, n, a, poly, lanes, count):
         for j in range(slots):
             i, root = int(lanes[begin + j]), poly[j]
             if root >= 0.0:
-                state[X * LANES + i], state[S * LANES + i] = root, poly[WIDTH + j]
+                state[i + X * WIDTH], state[i + S * WIDTH] = root, poly[WIDTH + j]
             else:
-                state[EVENT * LANES + i] = NONE if root == NO_ROOT else HANDED
+                state[i + EVENT * WIDTH] = NONE if root == NO_ROOT else HANDED
 
 
 @jit_lean
-def find_tops(state, n, tol, c, poly, lanes, brackets):
+def find_tops(state, n, tol, poly, lanes):
     """Turning points of the lanes that may have passed a higher one than before: in the step or in half of it.
 
     Equal peaks of an undamped body differ by the errors of the steps: a later one must be higher by more than that.
     """
     count = 0
-    for o in range(0, LANES, WIDTH):
-        x, v, v_new = load(state, X * LANES + o), load(state, V * LANES + o), load(state, NEW_V * LANES + o)
-        event = load(state, EVENT * LANES + o)
-        may = (load(state, MODE * LANES + o) == ROCK) & (event >= NONE) & (event < DONE)
-        may = may & (load(state, REACH * LANES + o) > load(state, TOP * LANES + o))
+    size = stride(n)
+    for o in range(0, VECTORS * size, size):
+        x, v, v_new = load(state, o + X * WIDTH), load(state, o + V * WIDTH), load(state, o + NEW_V * WIDTH)
+        event = load(state, o + EVENT * WIDTH)
+        may = (load(state, o + MODE * WIDTH) == ROCK) & (event >= NONE) & (event < DONE)
+        may = may & (load(state, o + REACH * WIDTH) > load(state, o + TOP * WIDTH))
         if some(may):
-            half = 0.5 * x
-            v_half = slope_of(c, o, n, half)
+            v_half = slope_of(state, series_of_q(o), n, 0.5 * x)
             early, late = (v > 0.0) & (v_half <= 0.0), (v_half > 0.0) & (v_new <= 0.0)
-            store(brackets, o, select(early, 0.0, half))
-            store(brackets, LANES + o, select(early, half, x))
+            store(state, o + BRACKET * WIDTH, select(early, 0.0, 0.5))
             count = note(may & (early | late), 1.0 * o, lanes, count)
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
         lane = padded(lanes, begin, slots, poly)
-        lo, hi = gather(brackets, lane), gather(brackets, 1.0 * LANES + lane)
+        x = gather(state, lane + 1.0 * (X * WIDTH))
+        share = gather(state, lane + 1.0 * (BRACKET * WIDTH))
         for k in range(n + 1):
-            store(poly, k * WIDTH, gather(c, 1.0 * (k * LANES) + lane))
-        x, P = turning_point(poly, n, lo, hi)
+            store(poly, k * WIDTH, gather(state, lane + 1.0 * series_of_q(k * WIDTH)))
+        x, P = turning_point(poly, n, share * x, (share + 0.5) * x)
         store(poly, 0, x)
         store(poly, WIDTH, P)
         for j in range(slots):
             i = int(lanes[begin + j])
-            if poly[WIDTH + j] > state[TOP * LANES + i] * (1.0 + 1e-12 + 100.0 * tol):
-                state[TOP * LANES + i], state[TOP_T * LANES + i] = poly[WIDTH + j], state[T * LANES + i] + poly[j]
-                state[TOP_SIDE * LANES + i] = state[S * LANES + i]
+            if poly[WIDTH + j] > state[i + TOP * WIDTH] * (1.0 + 1e-12 + 100.0 * tol):
+                state[i + TOP * WIDTH] = poly[WIDTH + j]
+                state[i + TOP_T * WIDTH] = state[i + T * WIDTH] + poly[j]
+                state[i + TOP_SIDE * WIDTH] = state[i + S * WIDTH]

@@ -1,80 +1,118 @@
-"""Taylor coefficients of the ground acceleration of the pulses of a vector of lanes (scene/excitation.py)."""
+"""The ground acceleration of the pulses of a vector of lanes: its Taylor coefficients now, and what is still to come.
+
+A bell is b times the second derivative of -exp(-y^2/2), (1 - y^2) exp(-y^2/2), or the third, (y^3 - 3 y) exp(-y^2/2),
+in y = w (t - t_0) (scene/excitation.py, docs/sweeps.md); others are left to `march`.
+"""
 
 from __future__ import annotations
 
+from math import exp, sqrt
+
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_math import exp_of_negative, sin_cos_of_any
-from rockcli.kernels.lane_state import C0, C1, C2, C3, C4, C5, KIND, L_BOUND, L_END, L_LAST, LANES, ORIGIN, T
-from rockcli.kernels.lane_vector import load, select, some, spread, store
+from rockcli.kernels.lane_state import BELL, BELL_E, C0, C1, C2, C3, C5, KIND, L_BOUND, L_END, ORIGIN, T, series_of_a
+from rockcli.kernels.lane_vector import WIDTH, load, select, some, spread, store
 
-LINEAR, WAVES, BELL = 0.0, 1.0, 2.0
+LINEAR, WAVES = 0.0, 1.0
+
+ROOT = sqrt(3.0)
+AT_ONE, AT_ROOT = exp(-0.5), 2.0 * exp(-1.5)
+"""|integral| of the two bells from their outer zeros, +-1 and +-sqrt 3, to infinity."""
+
+ROUNDING = 4e-16
+"""Error of exp(-y^2/2)."""
 
 
 @jit_lean
-def expand(state, o, n, a):
-    """Coefficients about now of the vector at offset o into a; returns a bound of the rest of the integral of |a|."""
-    kind = load(state, KIND * LANES + o)
-    t = load(state, T * LANES + o)
-    zero = spread(0.0)
-    for k in range(n + 1):
-        store(a, k * LANES + o, zero)
-    left = load(state, L_BOUND * LANES + o) * (load(state, L_END * LANES + o) - t)
-    left = select(left > 0.0, left, zero)
+def expand(state, o, n):
+    """Coefficients about now, to order n, of the vector at o.  BELL_E must be of now."""
+    kind, t = load(state, o + KIND * WIDTH), load(state, o + T * WIDTH)
+    a = series_of_a(o, n)
+    if some(kind == BELL):
+        _bell(state, o, n, a, kind == BELL, t)
+    else:
+        zero = spread(0.0)
+        for k in range(n + 1):
+            store(state, a + k * WIDTH, zero)
     if some(kind == LINEAR):
         where = kind == LINEAR
-        slope = load(state, C1 * LANES + o)
-        a0 = load(state, C0 * LANES + o) + slope * (t - load(state, ORIGIN * LANES + o))
-        store(a, o, select(where, a0, zero))
-        store(a, LANES + o, select(where, slope, zero))
+        slope = load(state, o + C1 * WIDTH)
+        a0 = load(state, o + C0 * WIDTH) + slope * (t - load(state, o + ORIGIN * WIDTH))
+        store(state, a, load(state, a) + select(where, a0, 0.0))
+        store(state, a + WIDTH, load(state, a + WIDTH) + select(where, slope, 0.0))
     if some(kind == WAVES):
         _waves(state, o, n, a, kind == WAVES, t)
-    if some(kind == BELL):
-        tail = _bell(state, o, n, a, kind == BELL, t)
-        last = (kind == BELL) & (load(state, L_LAST * LANES + o) == 1.0) & (tail < left)
-        left = select(last, tail, left)
-    return left
 
 
 @jit_lean
 def _waves(state, o, n, a, where, t):
-    x = t - load(state, C0 * LANES + o)
+    x = t - load(state, o + C0 * WIDTH)
     for j in range(3):
-        A = load(state, (C1 + 3 * j) * LANES + o)
+        A = load(state, o + (C1 + 3 * j) * WIDTH)
         A = select(where, A, 0.0)
         if some(abs(A) > 0.0):
-            w = load(state, (C2 + 3 * j) * LANES + o)
-            s, c = sin_cos_of_any(w * x + load(state, (C3 + 3 * j) * LANES + o))
+            w = load(state, o + (C2 + 3 * j) * WIDTH)
+            s, c = sin_cos_of_any(w * x + load(state, o + (C3 + 3 * j) * WIDTH))
             s, c = select(where, A * s, 0.0), select(where, A * c, 0.0)
-            store(a, o, load(a, o) + s)
+            store(state, a, load(state, a) + s)
             for k in range(1, n + 1):
                 r = w * (1.0 / k)
                 s, c = c * r, -s * r
-                store(a, k * LANES + o, load(a, k * LANES + o) + s)
+                store(state, a + k * WIDTH, load(state, a + k * WIDTH) + s)
 
 
 @jit_lean
 def _bell(state, o, n, a, where, t):
-    """exp(-y^2/2) obeys E' = -y y' E; a = (d0 + d1 y + d2 y^2 + d3 y^3) E, y = y0 + w x.  Returns int |a| to come."""
-    w = load(state, C1 * LANES + o)
-    y = w * (t - load(state, C0 * LANES + o))
-    w, y = select(where, w, 1.0), select(where, y, 0.0)
-    d0 = select(where, load(state, C2 * LANES + o), 0.0)
-    d1 = select(where, load(state, C3 * LANES + o), 0.0)
-    d2 = select(where, load(state, C4 * LANES + o), 0.0)
-    d3 = select(where, load(state, C5 * LANES + o), 0.0)
-    e = exp_of_negative(-0.5 * y * y)
-    c0 = d0 + y * (d1 + y * (d2 + y * d3))
-    c1 = w * (d1 + y * (2.0 * d2 + y * (3.0 * d3)))
-    c2 = w * w * (d2 + 3.0 * y * d3)
-    c3 = w * w * w * d3
-    # beyond y > 1: int_y^oo u^k exp(-u^2/2) du <= exp(-y^2/2) {1/y, 1, y + 1/y, y^2 + 2}
-    over = 1.0 / select(y > 1.0, y, 1.0)
-    tail = (abs(d0) * over + abs(d1) + abs(d2) * (y + over) + abs(d3) * (y * y + 2.0)) * (abs(e) + 4e-16) / w
-    tail = select(y > 1.0, tail, 1e300)
-    e1 = e2 = e3 = spread(0.0)
-    wy, ww = -w * y, -w * w
-    for k in range(n + 1):
-        store(a, k * LANES + o, load(a, k * LANES + o) + (c0 * e + c1 * e1 + c2 * e2 + c3 * e3))
-        over = 1.0 / (k + 1)
-        e, e1, e2, e3 = (wy * e + ww * e1) * over, e, e1, e2
-    return tail
+    """D, a derivative of order m of exp(-y^2/2), obeys D'' + y D' + (m + 1) D = 0."""
+    w = load(state, o + C1 * WIDTH)
+    y = w * (t - load(state, o + C0 * WIDTH))
+    w, y = select(where, w, 0.0), select(where, y, 0.0)
+    even, odd = load(state, o + C2 * WIDTH), load(state, o + C5 * WIDTH)
+    e = select(where, load(state, o + BELL_E * WIDTH), 0.0)
+    z = y * y
+    now = (even * (1.0 - z) + odd * (y * (z - 3.0))) * e
+    after = w * ((even * (y * (z - 3.0)) + odd * (z * (6.0 - z) - 3.0)) * e)
+    store(state, a, now)
+    store(state, a + WIDTH, after)
+    wy, ww = w * y, w * w
+    more = select(abs(odd) > 0.0, 3.0, 2.0) * ww
+    for k in range(1, n):
+        over = -1.0 / (k + 1)
+        now, after = after, (wy * after + (ww + more * (1.0 / k)) * now) * over
+        store(state, a + (k + 1) * WIDTH, after)
+
+
+@jit_lean
+def to_come(state, o, t):
+    """Bounds of the integrals of a_g > 0 and of -a_g > 0 over what is left; sets BELL_E."""
+    left = load(state, o + L_BOUND * WIDTH) * (load(state, o + L_END * WIDTH) - t)
+    left = select(left > 0.0, left, 0.0)
+    plus, minus = left, left
+    bell = load(state, o + KIND * WIDTH) == BELL
+    if some(bell):
+        w = load(state, o + C1 * WIDTH)
+        y = select(bell, w * (t - load(state, o + C0 * WIDTH)), 0.0)
+        e = exp_of_negative(-0.5 * y * y)
+        store(state, o + BELL_E * WIDTH, e)
+        up, down = rest_of_bell(load(state, o + C2 * WIDTH), load(state, o + C5 * WIDTH), y, e)
+        over = 1.0 / w
+        plus, minus = select(bell, up * over, plus), select(bell, down * over, minus)
+    return plus, minus
+
+
+@jit_lean
+def rest_of_bell(even, odd, y, e):
+    """Integrals over y of a bell's positive and negative part from y on: between zeros, of the lower derivative."""
+    rest = (odd * (y * y - 1.0) - even * y) * e
+    two = abs(even) > 0.0  # zeros +-1 if even, else 0 and +-sqrt 3
+    first = select(y > select(two, -1.0, -ROOT), rest, AT_ONE * even + AT_ROOT * odd)
+    second = select(y > select(two, 1.0, 0.0), rest, -AT_ONE * even - odd)
+    third = select(y > select(two, 1.0, ROOT), rest, AT_ROOT * odd - AT_ONE * even)
+    slack = ROUNDING * (abs(even) + abs(odd)) * (1.0 + y * y)
+    up = slack + _positive(rest - first) + _positive(first - second) + _positive(second - third) + _positive(third)
+    return up, up - rest + slack
+
+
+@jit_lean
+def _positive(x):
+    return select(x > 0.0, x, 0.0)

@@ -30,7 +30,7 @@ def first_root(c, n, h):
             dP = dP * x + P
             P = P * x + load(c, k * WIDTH)
         root = sqrt(abs(dP * dP + 2.0 * M * P))
-        step = select(dP > 0.0, (dP + root) / M, 2.0 * P / (root - dP))
+        step = select(dP > 0.0, dP + root, 2.0 * P) / select(dP > 0.0, M, root - dP)
         there = P <= 0.0
         gone = ~there & ~(step <= h - x)
         last = (step <= 4e-16 * x) | (

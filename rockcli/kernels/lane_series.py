@@ -3,8 +3,23 @@
 from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.lane_math import sin_cos
-from rockcli.kernels.lane_state import L_FC, L_FS, L_R0, L_RC, L_RS, LANES, LAUNCH, Q, S, V
+from rockcli.kernels.lane_state import (
+    COSINE,
+    L_ACROSS,
+    L_ALONG,
+    L_FC,
+    L_FS,
+    L_R0,
+    L_RC,
+    L_RS,
+    LAUNCH,
+    SINE,
+    Q,
+    S,
+    V,
+    series_of_a,
+    series_of_q,
+)
 from rockcli.kernels.lane_vector import WIDTH, bits_of, from_bits, load, select, spread, store
 
 ONE = 4607182418800017408.0
@@ -12,61 +27,83 @@ ONE = 4607182418800017408.0
 
 
 @jit_lean
-def flow(state, o, n, a, forced, linear, c, rate, sin_q, cos_q, drive):
-    """Coefficients of q into c (of order k at [k * LANES + o]); returns sin q, 1 - cos q
-    (q, q^2/2).
+def flow(state, o, n, forced, work):
+    """Coefficients of q of the vector at o; SINE and COSINE must be of now.  work: 3 (n + 1) vectors.
 
-    rate, sin_q, cos_q, drive: work space.  `forced`: whether any lane is shaken.
-    q'' = -(r0 + rs sin q + rc cos q) - s a (fc cos q + fs sin q); linear: sin q -> q, cos q -> 1.
+    q'' = -(r0 + along f + across g) - s a f,  f = fc cos q + fs sin q,  g = df/dq.
+    `forced`: whether any lane is shaken.
     """
-    q, v = load(state, Q * LANES + o), load(state, V * LANES + o)
-    r0, rs, rc = load(state, L_R0 * LANES + o), load(state, L_RS * LANES + o), load(state, L_RC * LANES + o)
-    s = load(state, S * LANES + o)
-    fc, fs = s * load(state, L_FC * LANES + o), s * load(state, L_FS * LANES + o)
-    launch = load(state, LAUNCH * LANES + o) > 0.0
-    store(c, o, q)
-    store(c, LANES + o, v)
-    store(rate, WIDTH, v)
-    if linear:
-        sine, cosine = q, spread(1.0)
-    else:
-        sine, cosine = sin_cos(q)
-    sin_0, cos_0 = sine, cosine
-    store(sin_q, 0, sine)
-    store(cos_q, 0, cosine)
-    moment = r0 + rs * sine + rc * cosine
-    a0 = load(a, o)
-    f = fc * cosine + fs * sine
-    store(drive, 0, f)
-    moment = moment + a0 * f
-    second = select(launch & (moment > 0.0), 0.0, -0.5 * moment)
-    store(c, 2 * LANES + o, second)
-    store(rate, 2 * WIDTH, 2.0 * second)
+    c, a = series_of_q(o), series_of_a(o, n)
+    rate, f, g = 0, (n + 1) * WIDTH, 2 * (n + 1) * WIDTH
+    s = load(state, o + S * WIDTH)
+    fc, fs = s * load(state, o + L_FC * WIDTH), s * load(state, o + L_FS * WIDTH)
+    along, across = s * load(state, o + L_ALONG * WIDTH), s * load(state, o + L_ACROSS * WIDTH)
+    sine, cosine = load(state, o + SINE * WIDTH), load(state, o + COSINE * WIDTH)
+    force, turned = fc * cosine + fs * sine, fs * cosine - fc * sine
+    along = along + load(state, a)
+    moment = load(state, o + L_R0 * WIDTH) + (along * force + across * turned)
+    store(work, f, force)
+    store(work, g, turned)
+    begin(state, o, c, moment, work)
     for k in range(1, n - 1):
-        if linear:
-            sine, cosine = load(c, k * LANES + o), spread(0.0)
-        else:
-            up, down = spread(0.0), spread(0.0)
-            for j in range(k, 0, -1):  # what was stored last is needed last
-                r = load(rate, j * WIDTH)
-                up = up + r * load(cos_q, (k - j) * WIDTH)
-                down = down + r * load(sin_q, (k - j) * WIDTH)
-            over = 1.0 / k
-            sine, cosine = up * over, down * -over
-        store(sin_q, k * WIDTH, sine)
-        store(cos_q, k * WIDTH, cosine)
-        moment = rs * sine + rc * cosine
+        up, down, pull = spread(0.0), spread(0.0), spread(0.0)
         if forced:
-            f = fc * cosine + fs * sine
-            store(drive, k * WIDTH, f)
-            pull = spread(0.0)
+            for j in range(k, 0, -1):  # what was stored last is needed last
+                r, back = load(work, rate + j * WIDTH), load(work, f + (k - j) * WIDTH)
+                up = up + r * load(work, g + (k - j) * WIDTH)
+                down = down + r * back
+                pull = pull + load(state, a + j * WIDTH) * back
+        else:
             for j in range(k, 0, -1):
-                pull = pull + load(a, j * LANES + o) * load(drive, (k - j) * WIDTH)
-            moment = moment + (pull + a0 * f)
-        term = moment * (-1.0 / ((k + 1) * (k + 2)))
-        store(c, (k + 2) * LANES + o, term)
-        store(rate, (k + 2) * WIDTH, (k + 2) * term)
-    return sin_0, (0.5 * q * q if linear else 1.0 - cos_0)
+                r = load(work, rate + j * WIDTH)
+                up = up + r * load(work, g + (k - j) * WIDTH)
+                down = down + r * load(work, f + (k - j) * WIDTH)
+        force, turned = up * (1.0 / k), down * (-1.0 / k)
+        store(work, f + k * WIDTH, force)
+        store(work, g + k * WIDTH, turned)
+        add(state, c, k, along * force + across * turned + pull, work)
+
+
+@jit_lean
+def flow_linear(state, o, n, forced, work):
+    """`flow` with sin q -> q, cos q -> 1."""
+    c, a = series_of_q(o), series_of_a(o, n)
+    s = load(state, o + S * WIDTH)
+    fc, fs = s * load(state, o + L_FC * WIDTH), s * load(state, o + L_FS * WIDTH)
+    rs, q = load(state, o + L_RS * WIDTH), load(state, o + Q * WIDTH)
+    force = fc + fs * q
+    store(work, (n + 1) * WIDTH, force)
+    moment = load(state, o + L_R0 * WIDTH) + rs * q + load(state, o + L_RC * WIDTH)
+    begin(state, o, c, moment + load(state, a) * force, work)
+    for k in range(1, n - 1):
+        now = load(state, c + k * WIDTH)
+        store(work, (n + 1 + k) * WIDTH, fs * now)
+        moment = rs * now
+        if forced:
+            for j in range(k + 1):
+                moment = moment + load(state, a + j * WIDTH) * load(work, (n + 1 + k - j) * WIDTH)
+        add(state, c, k, moment, work)
+
+
+@jit_lean
+def begin(state, o, c, moment, work):
+    """The first three coefficients; a body about to be lifted is not pressed down by rounding."""
+    v = load(state, o + V * WIDTH)
+    launch = load(state, o + LAUNCH * WIDTH) > 0.0
+    second = select(launch & (moment > 0.0), 0.0, -0.5 * moment)
+    store(state, c, load(state, o + Q * WIDTH))
+    store(state, c + WIDTH, v)
+    store(state, c + 2 * WIDTH, second)
+    store(work, WIDTH, v)
+    store(work, 2 * WIDTH, 2.0 * second)
+
+
+@jit_lean
+def add(state, c, k, moment, work):
+    """The coefficient of order k + 2 from that of the moment of order k; and of order k + 1 of the rate."""
+    rate = moment * (-1.0 / (k + 1))
+    store(work, (k + 2) * WIDTH, rate)
+    store(state, c + (k + 2) * WIDTH, rate * (1.0 / (k + 2)))
 
 
 @jit_lean
@@ -76,10 +113,10 @@ def rough_power(x, e):
 
 
 @jit_lean
-def reach_of(c, o, n, small, h):
-    """Step, at most h, at which the last two terms of the series are below `small`."""
+def reach_of(state, c, n, small, h):
+    """Step, at most h, at which the last two terms of the series at c are below `small`."""
     for k in range(n - 1, n + 1):
-        size = abs(load(c, k * LANES + o))
+        size = abs(load(state, c + k * WIDTH))
         size = select(size > 1e-280, size, 1e-280)
         step = rough_power(small / size, 1.0 / k)
         h = select(step < h, step, h)
@@ -87,33 +124,30 @@ def reach_of(c, o, n, small, h):
 
 
 @jit_lean
-def value_and_slope(c, o, n, x):
-    """The polynomial and its derivative at x."""
-    P = load(c, n * LANES + o)
-    dP = spread(0.0)
-    for k in range(n - 1, -1, -1):
-        dP = dP * x + P
-        P = P * x + load(c, k * LANES + o)
-    return P, dP
-
-
-@jit_lean
-def slope_of(c, o, n, x):
-    """The derivative at x."""
-    dP = n * load(c, n * LANES + o)
+def slope_of(state, c, n, x):
+    """The derivative at x of the polynomial at c."""
+    dP = n * load(state, c + n * WIDTH)
     for k in range(n - 1, 0, -1):
-        dP = dP * x + k * load(c, k * LANES + o)
+        dP = dP * x + k * load(state, c + k * WIDTH)
     return dP
 
 
 @jit_lean
-def bends_and_reach(c, o, n, h):
-    """(bound of |P''|, bound of |P|) on [0, h]."""
-    M, reach = spread(0.0), abs(load(c, n * LANES + o))
-    for k in range(n, 1, -1):
-        size = abs(load(c, k * LANES + o))
+def look_along(state, c, n, h):
+    """(P(h), P'(h), bound of |P''|, bound of |P|) of the polynomial P at c, the bounds on [0, h]."""
+    P = load(state, c + n * WIDTH)
+    dP, reach = spread(0.0), abs(P)
+    M = (n * (n - 1)) * reach
+    for k in range(n - 1, 1, -1):
+        term = load(state, c + k * WIDTH)
+        size = abs(term)
+        dP = dP * h + P
+        P = P * h + term
         M = M * h + (k * (k - 1)) * size
-        if k < n:
-            reach = reach * h + size
-    reach = (reach * h + abs(load(c, LANES + o))) * h + abs(load(c, o))
-    return M, reach
+        reach = reach * h + size
+    for k in range(1, -1, -1):
+        term = load(state, c + k * WIDTH)
+        dP = dP * h + P
+        P = P * h + term
+        reach = reach * h + abs(term)
+    return P, dP, M, reach

@@ -18,30 +18,35 @@ Array = NDArray[np.float64]
 FREE_ROCKING = 20.0
 """The report goes on this many 1/p after the motion's end."""
 
+BLOCK = 2048
+"""Rows written at a time."""
+
 
 def parameters_of(batch: Batch) -> Array:
     """One row per case in the layout of `kernels.layout`."""
     model = MODELS[batch.model, batch.geometry]
     block, p = batch.block, batch.p
     law = model.law(block.alpha, block.tan_alpha)
-    edges = np.stack(
-        [
-            p**2, block.alpha, law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star,
-            _slope(law, model.linear), batch.damping.eta, _damper(batch), block.R,
-        ],
-        axis=2,
+    edges = (
+        p**2, block.alpha, law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star,
+        _slope(law, model.linear), batch.damping.eta, _damper(batch), block.R,
     )  # fmt: skip
     end = _motion_end(batch)
     duration = batch.excitation.duration
     given = np.isfinite(duration)
     end = np.where(given, np.minimum(end, duration), end)
     stop = np.where(given, duration, end + FREE_ROCKING / p.min(axis=1))
-    return np.column_stack(
-        [
-            batch.g, edges[:, LEFT], edges[:, RIGHT], batch.theta_0, batch.theta_dot_0, end, stop, given,
-            _factor(batch.excitation.horizontal, batch.size), _factor(batch.excitation.vertical, batch.size),
-        ]
+    columns = (
+        batch.g, *(x[:, LEFT] for x in edges), *(x[:, RIGHT] for x in edges), batch.theta_0, batch.theta_dot_0,
+        end, stop, given,
+        _factor(batch.excitation.horizontal, batch.size), _factor(batch.excitation.vertical, batch.size),
     )  # fmt: skip
+    rows = np.empty((batch.size, len(columns)))
+    for begin in range(0, batch.size, BLOCK):  # column by column in rows that stay in the cache
+        part = rows[begin : begin + BLOCK]
+        for column, values in enumerate(columns):
+            part[:, column] = values[begin : begin + BLOCK]
+    return rows
 
 
 def _damper(batch: Batch) -> Array:
