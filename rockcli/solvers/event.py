@@ -19,11 +19,12 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Accuracy
-from rockcli.scene.response import MAX_IMPACTS_STORED, Response
+from rockcli.scene.response import MAX_IMPACTS_STORED, NO_UPLIFT, Response
 from rockcli.solvers import lane_pulses, lane_records
+from rockcli.solvers.agreement import compare_accuracies, disagreement, horizon_of
 from rockcli.solvers.pack import channel_of, parameters_of
 from rockcli.solvers.sliding import with_sliding
-from rockcli.solvers.unpack import Raw, compare_accuracies, histories_of, scalars_of
+from rockcli.solvers.unpack import Raw, histories_of, scalars_of
 
 Array = NDArray[np.float64]
 
@@ -38,15 +39,20 @@ COMPILE_ABOVE = 2.0
 FORCES = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"})
 """Scalars that cost a look along every step; NaN when nothing of the kind is wanted."""
 
-COARSER = 1e3
-"""The error estimate is the difference to a run with this many times the tolerance."""
+COARSER, FINEST = 1e3, 1e-16
+"""The error estimate is the difference to a run with this many times the tolerance; where that leaves an outcome in
+doubt, to one with so many times less, down to the finest."""
+
+CONFIRMED = 0.1
+"""The finer run confirms within this part of the horizon: more, and the errors of the coarser one, a thousand times as
+large, have been everything there is, so that these may agree by chance."""
 
 
 def solve(batch: Batch) -> Response:
     """Solve every case of the batch with the event-driven kernels; see `Response` for what comes back.
 
-    A case that cannot be solved is `failed` with a sentence; an outcome that rounding would decide, or on
-    which two accuracies disagree, is `unresolved`.
+    A case that cannot be solved is `failed` with a sentence; an outcome that rounding would decide, or that two
+    accuracies leave unknown, is `unresolved`.
     """
     began = time.perf_counter()
     level = batch.numerics.tolerances
@@ -68,9 +74,7 @@ def solve(batch: Batch) -> Response:
 
     scalars, reasons = scalars_of(batch, run)
     if "error_estimate" in batch.save.scalars:
-        coarse = Accuracy(max(level.rtol, 1e-16) * COARSER, level.rest_speed * 10.0)
-        other, _ = scalars_of(batch, _march(march, batch, parameters, coarse, histories=False))
-        compare_accuracies(scalars, other, reasons)
+        _compare(march, batch, parameters, level, scalars, reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",
@@ -82,6 +86,28 @@ def solve(batch: Batch) -> Response:
     histories, impacts, t = histories_of(batch, run) if batch.save.histories else ({}, {}, np.empty(0))
     response = Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
     return with_sliding(batch, response, MAX_STEPS[bool(kernels.compiled)])
+
+
+def _compare(
+    march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, scalars: dict[str, Any], reasons: list[str]
+) -> None:
+    """Error estimates from a coarser run; of cases it leaves in doubt from a finer one, which knows better."""
+    coarse = Accuracy(max(level.rtol, FINEST) * COARSER, level.rest_speed * 10.0)
+    horizon = np.full(batch.size, horizon_of(coarse.rtol))
+    again = _march(march, batch, parameters, coarse, histories=False)
+    other, _ = scalars_of(batch, again)
+    sure = disagreement(batch, scalars, other, horizon) < horizon  # not where the other run has no answer
+    doubted = np.flatnonzero(~sure & (scalars["outcome"] >= NO_UPLIFT))
+    if len(doubted) and level.rtol > FINEST:
+        finer = Accuracy(max(level.rtol / COARSER, FINEST), level.rest_speed / 10.0)
+        alone = Raw(len(doubted), 0, 0)
+        rows = np.ascontiguousarray(parameters[doubted])
+        _march_rows(march, batch, rows, finer, alone, _detail(march, batch, False), cases=doubted)
+        answered = (alone.out[:, k.STATUS] == k.DONE) & (alone.out[:, k.FELL] != k.UNDECIDED)
+        again.out[doubted[answered]] = alone.out[answered]
+        horizon[doubted[answered]] *= CONFIRMED
+        other, _ = scalars_of(batch, again)
+    compare_accuracies(batch, scalars, other, reasons, horizon)
 
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:

@@ -21,6 +21,7 @@ from rockcli.scene.response import (
     ROCKING,
     UNRESOLVED,
 )
+from rockcli.solvers.agreement import withdraw
 
 Array = NDArray[np.float64]
 
@@ -81,6 +82,7 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         if "energy_residual" in asked
         else nothing,
         "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
+        "n_rhs": np.rint(out[:, k.N_STEPS]).astype(np.int64),  # a step is one expansion
     }
     return scalars, _reasons(batch, scalars, out)
 
@@ -142,29 +144,6 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
             said.append(f"of its impacts the first {MAX_IMPACTS_STORED} are stored")
         reasons[i] = "; ".join(said)
     return reasons
-
-
-def compare_accuracies(scalars: dict[str, NDArray[Any]], coarse: dict[str, NDArray[Any]], reasons: list[str]) -> None:
-    """Error estimate of the peak from a coarser run; `unresolved` where the two disagree on the outcome."""
-    fine, rough = scalars["theta_peak_over_alpha"], coarse["theta_peak_over_alpha"]
-    with np.errstate(invalid="ignore"):
-        estimate = np.abs(fine - rough)
-    overturned = scalars["outcome"] >= OVERTURNED_WITHOUT_IMPACT
-    agree = overturned == (coarse["outcome"] >= OVERTURNED_WITHOUT_IMPACT)
-    scalars["error_estimate"] = np.where(overturned & agree, 0.0, estimate)
-    torn = ~agree & (scalars["outcome"] >= NO_UPLIFT) & (coarse["outcome"] >= NO_UPLIFT)
-    for i in np.flatnonzero(torn):
-        reasons[i] = "; ".join(
-            filter(None, [reasons[i], "two accuracies disagree on the outcome: it is too close to a boundary"])
-        )
-    withdraw(scalars, torn)
-
-
-def withdraw(scalars: dict[str, NDArray[Any]], which: NDArray[np.bool_]) -> None:
-    """Make cases `unresolved`: what they came to is not known."""
-    scalars["outcome"][which] = UNRESOLVED
-    for name in ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_overturn"):
-        scalars[name][which] = np.nan
 
 
 def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Array], Array]:

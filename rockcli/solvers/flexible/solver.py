@@ -16,10 +16,10 @@ from rockcli.kernels import column_state as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
+from rockcli.solvers.agreement import compare_accuracies
 from rockcli.solvers.flexible.column import REARM, Prepared, RefusedError, first_state, key_of, prepare
 from rockcli.solvers.flexible.unpack import Raw, histories_of, scalars_of
 from rockcli.solvers.pack import FREE_ROCKING, channel_of
-from rockcli.solvers.unpack import compare_accuracies
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ def solve(batch: Batch) -> Response:
         sampled = any(isinstance(c, Samples) for c in (batch.excitation.horizontal, batch.excitation.vertical))
         again = _march(batch, prepared, (0.5 if sampled else 2.0) * fineness, histories=False, halved=sampled)
         other, _ = scalars_of(batch, again, prepared, refusals)
-        compare_accuracies(scalars, other, reasons)
+        compare_accuracies(batch, scalars, other, reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",

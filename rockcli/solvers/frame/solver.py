@@ -14,9 +14,9 @@ from rockcli.errors import SolverError
 from rockcli.kernels import frame_layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
+from rockcli.solvers.agreement import compare_accuracies
 from rockcli.solvers.frame.case import Kernels, case_of
 from rockcli.solvers.frame.results import histories_of, scalars_of
-from rockcli.solvers.unpack import compare_accuracies
 
 Array = NDArray[np.float64]
 
@@ -57,7 +57,7 @@ def solve(batch: Batch) -> Response:
     scalars, reasons = scalars_of(batch, runs.out, runs.par)
     if "error_estimate" in batch.save.scalars:
         rough = run(batch, histories=False, coarser=COARSER)
-        compare_accuracies(scalars, scalars_of(batch, rough.out, rough.par)[0], reasons)
+        compare_accuracies(batch, scalars, scalars_of(batch, rough.out, rough.par)[0], reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     histories: dict[str, Array] = {}
     impacts: dict[str, Array] = {}

@@ -33,7 +33,7 @@ class Diary:
         rate_peak: largest |rate| [rad/s].
         impacts: (t, rate before, rate after) of the first MAX_IMPACTS_STORED; n_impacts: how many there were.
         verdict: what becomes of the body, see `body`.
-        failure: why there is no answer, "" if there is one; torn: whether two tolerances disagree on the verdict.
+        failure: why there is no answer, "" if there is one.
     """
 
     body: Body
@@ -52,7 +52,6 @@ class Diary:
     impacts: list[tuple[float, float, float]] = field(default_factory=list)
     verdict: str = RETURNS
     failure: str = ""
-    torn: bool = False
 
     def begin(self, theta: float, rate: float) -> None:
         """Note an initial state that is not rest."""

@@ -75,6 +75,7 @@ class Walker:
         max_step: largest step [s].
         first: length of the very first step, None = the method's own choice [s].
         taken: steps so far; last: length of the last one that was not cut by the end [s].
+        evaluated: calls of the flow so far.
     """
 
     method: Method
@@ -82,6 +83,7 @@ class Walker:
     max_step: float
     first: float | None = None
     taken: int = 0
+    evaluated: int = 0
     last: float | None = None
 
     def walk(
@@ -119,8 +121,13 @@ class Walker:
 
     def _start(self, flow: Flow, t: float, y: Any, t_bound: float, first: float | None) -> Any:
         first = None if first is None or not first > 0.0 else min(first, self.max_step)
+
+        def counted(t: float, y: Array) -> tuple[float, float]:
+            self.evaluated += 1  # scipy's own count leaves out differences for Jacobians
+            return flow(t, y)
+
         return self.method.make(
-            flow, t, y, t_bound, first_step=first, max_step=self.max_step, rtol=self.rtol,
+            counted, t, y, t_bound, first_step=first, max_step=self.max_step, rtol=self.rtol,
             atol=self.rtol * ATOL_OVER_RTOL,
         )  # fmt: skip
 

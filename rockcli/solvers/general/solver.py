@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from rockcli.scene.response import (
     UNRESOLVED,
     Response,
 )
+from rockcli.solvers.agreement import compare_accuracies, horizon_of
 from rockcli.solvers.general import naive
 from rockcli.solvers.general.body import FALLS, UNDECIDED, body_of
 from rockcli.solvers.general.diary import Diary
@@ -62,7 +63,7 @@ def solve(batch: Batch) -> Response:
     """Solve every case of the batch with a general method.
 
     The scalars about contact forces and energy are NaN.  A case in which the method fails is `failed` with a sentence;
-    one on a separatrix within the tolerance, or on whose outcome two tolerances disagree, is `unresolved`.
+    one on a separatrix within the tolerance, or whose outcome two tolerances leave unknown, is `unresolved`.
 
     Raises:
         SolverError: the method is unknown, or restitution is asked for without located impacts.
@@ -71,25 +72,30 @@ def solve(batch: Batch) -> Response:
     began = time.perf_counter()
     grounds = [ground_of(batch, i) for i in range(batch.size)]
     diaries: list[Diary] = []
-    columns: dict[str, list[Any]] = {"wall_time": [], "n_steps": [], "error_estimate": []}
+    others: list[Diary] = []
+    columns: dict[str, list[Any]] = {"wall_time": [], "n_steps": [], "n_rhs": []}
     reasons: list[str] = []
     for i, ground in enumerate(grounds):
-        diary, steps = _solve_one(batch, i, ground, settings, histories=batch.save.histories)
-        estimate = math.nan
-        if "error_estimate" in batch.save.scalars and not diary.failure:
-            estimate, more = _error_estimate(batch, i, ground, settings, diary)
-            steps += more
+        diary, walker = _solve_one(batch, i, ground, settings, histories=batch.save.histories)
+        steps, evaluated = walker.taken, walker.evaluated
+        if "error_estimate" in batch.save.scalars:
+            other = diary
+            if not diary.failure:
+                other, more = _solve_one(batch, i, ground, _compared(settings), histories=False)
+                steps, evaluated = steps + more.taken, evaluated + more.evaluated
+            others.append(other)
         diaries.append(diary)
         reasons.append(_reason(batch, i, diary))
         now = time.perf_counter()
-        for name, value in (("wall_time", now - began), ("n_steps", steps), ("error_estimate", estimate)):
+        for name, value in (("wall_time", now - began), ("n_steps", steps), ("n_rhs", evaluated)):
             columns[name].append(value)
         began = now
     scalars = _scalars(batch, diaries)
     scalars["wall_time"] = np.array(columns["wall_time"])
-    scalars["n_steps"] = np.array(columns["n_steps"], dtype=np.int64)
-    if "error_estimate" in batch.save.scalars:
-        scalars["error_estimate"] = np.array(columns["error_estimate"])
+    scalars |= {name: np.array(columns[name], dtype=np.int64) for name in ("n_steps", "n_rhs")}
+    if others:
+        rtol = max(settings.rtol, _compared(settings).rtol)
+        compare_accuracies(batch, scalars, _scalars(batch, others), reasons, horizon_of(rtol))
     histories, impacts, t = histories_of(batch, diaries) if batch.save.histories else ({}, {}, np.empty(0))
     used = {
         "backend": "scipy",
@@ -117,8 +123,8 @@ def _settings(batch: Batch) -> Settings:
     return Settings(METHODS[name], max(rtol, FLOOR), events, numerics.tolerances.rest_speed)
 
 
-def _solve_one(batch: Batch, i: int, ground: Ground, how: Settings, *, histories: bool) -> tuple[Diary, int]:
-    """The diary of one case and the number of steps."""
+def _solve_one(batch: Batch, i: int, ground: Ground, how: Settings, *, histories: bool) -> tuple[Diary, Walker]:
+    """The diary of one case, and who counted the work."""
     body = body_of(batch, i)
     n_time = math.floor(ground.t_stop / batch.save.dt_out * (1.0 + 1e-12)) + 1 if histories else 0
     diary = Diary(body, batch.save.dt_out, np.full(n_time, np.nan), np.full(n_time, np.nan))
@@ -132,35 +138,19 @@ def _solve_one(batch: Batch, i: int, ground: Ground, how: Settings, *, histories
             naive.run(body, ground, walker, diary, theta, rate, margin)
     except StuckError as stuck:
         diary.failure = str(stuck)
-    return diary, walker.taken
+    return diary, walker
 
 
-def _error_estimate(batch: Batch, i: int, ground: Ground, how: Settings, diary: Diary) -> tuple[float, int]:
-    """Difference in the peak to a run with another tolerance, and its steps; outcomes that differ decide nothing."""
+def _compared(how: Settings) -> Settings:
+    """Settings of the run that tells the error: finer, or coarser where nothing finer is to be had."""
     finer = how.rtol * FINER
-    rtol = finer if finer >= FLOOR else how.rtol / FINER
-    other, steps = _solve_one(batch, i, ground, Settings(how.method, rtol, how.events, how.rest_speed), histories=False)
-    if other.failure or UNDECIDED in (diary.verdict, other.verdict):
-        return math.nan, steps
-    if (diary.verdict == FALLS) != (other.verdict == FALLS):
-        diary.verdict = UNDECIDED
-        diary.torn = True
-        return math.nan, steps
-    if diary.verdict == FALLS:
-        return 0.0, steps
-    return abs(_over_alpha(diary) - _over_alpha(other)), steps
-
-
-def _over_alpha(diary: Diary) -> float:
-    return diary.peak / diary.body.edge(diary.side).alpha
+    return replace(how, rtol=finer if finer >= FLOOR else how.rtol / FINER)
 
 
 def _reason(batch: Batch, i: int, diary: Diary) -> str:
     said = []
     if diary.failure:
         said.append(diary.failure)
-    elif diary.torn:
-        said.append("two tolerances disagree on the outcome: too close to a boundary, or too coarse")
     elif diary.verdict == UNDECIDED:
         said.append("on the separatrix within the tolerance: whether it overturns cannot be told")
     if np.isfinite(batch.block.mu[i]):

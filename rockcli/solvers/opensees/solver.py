@@ -10,11 +10,11 @@ from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
 from rockcli.scene.response import Response
+from rockcli.solvers.agreement import compare_accuracies
 from rockcli.solvers.opensees.case import law_of
 from rockcli.solvers.opensees.results import Outcome, histories_of, scalars_of
 from rockcli.solvers.opensees.run import PeerError, require_opensees, run_script
 from rockcli.solvers.opensees.script import script_of
-from rockcli.solvers.unpack import compare_accuracies
 
 METHODS = (None, "corotational", "linear")
 """`method` of the study: the transformation of the elements."""
@@ -37,7 +37,7 @@ def solve(batch: Batch) -> Response:
     outcomes = run(batch)
     scalars, reasons = scalars_of(batch, outcomes)
     if "error_estimate" in batch.save.scalars:
-        compare_accuracies(scalars, scalars_of(batch, run(batch, coarser=COARSER))[0], reasons)
+        compare_accuracies(batch, scalars, scalars_of(batch, run(batch, coarser=COARSER))[0], reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     histories, impacts, t = histories_of(batch, outcomes) if batch.save.histories else ({}, {}, np.empty(0))
     return Response(scalars, reasons, t, histories, impacts, _used(batch, outcomes))
