@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from rockcli.engine.trade import Point, Trade
     from rockcli.study.study import Study
 
@@ -123,14 +126,14 @@ def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, ev
 
 
 def _table(points: Iterable[Point]) -> list[str]:
-    """Columns: model, backend and setting, median and 90 % of |error| in theta/alpha, wrong outcomes, cost, steps."""
-    import numpy as np
+    """Columns: model, backend and setting, median and 90 % of |error| in theta/alpha, wrong outcomes, cost.
 
+    Cost is the time per case, and the median numbers of steps and of evaluations of the right-hand side.
+    """
     from rockcli.engine.ladder import MODEL, model_word
 
-    rows = [("model", "setting", "median", "90 %", "wrong", "per case", "steps")]
+    rows = [("model", "setting", "median", "90 %", "wrong", "per case", "steps", "rhs")]
     for p in points:
-        steps = p.answers.steps[np.isfinite(p.answers.steps)]
         setting = f"against {p.rung.against}" if p.rung.part == MODEL else f"{p.rung.family}, {p.rung.setting}"
         rows.append(
             (
@@ -139,8 +142,9 @@ def _table(points: Iterable[Point]) -> list[str]:
                 _error(p.quantile(0.5)),
                 _error(p.quantile(0.9)),
                 f"{p.wrong} of {p.compared}",
-                f"{p.cost * 1e3:.3g} ms",
-                f"{np.median(steps):.0f}" if steps.size else "-",
+                f"{p.cost * 1e3:.3g} ms" if p.cost < 1.0 else f"{p.cost:.3g} s",
+                _middle(p.answers.steps),
+                _middle(p.answers.rhs),
             )
         )
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
@@ -149,6 +153,14 @@ def _table(points: Iterable[Point]) -> list[str]:
         left = "  ".join(cell.ljust(width) for cell, width in zip(row[:2], widths[:2], strict=True))
         lines.append("    " + left + "  " + "  ".join(c.rjust(w) for c, w in zip(row[2:], widths[2:], strict=True)))
     return lines
+
+
+def _middle(counts: NDArray[np.float64]) -> str:
+    """The median of those that are known."""
+    import numpy as np
+
+    known = counts[np.isfinite(counts)]
+    return f"{np.median(known):.0f}" if known.size else "-"
 
 
 def _error(value: float) -> str:

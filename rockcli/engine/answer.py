@@ -17,11 +17,12 @@ DTYPES: dict[str, type[np.generic]] = {
     "outcome": np.int8,
     "n_impacts": np.int64,
     "n_steps": np.int64,
+    "n_rhs": np.int64,
     "model_used": np.int8,
 }
 """Scalars that are not floats."""
 
-UNSAID: dict[str, int] = {"outcome": FAILED, "n_impacts": -1, "n_steps": -1, "model_used": -1}
+UNSAID: dict[str, int] = {"outcome": FAILED, "n_impacts": -1, "n_steps": -1, "n_rhs": -1, "model_used": -1}
 """What stands where there is no answer; NaN among the floats."""
 
 

@@ -40,7 +40,7 @@ def assemble(study: Study, results: Results, thresholds: NDArray[np.float64] | N
     for name in study.scalars:
         values = results.reason if name == "reason" else results.scalars[name]
         fields[name] = variable_field(name, axes, values.reshape(study.shape))
-        if name in ("n_impacts", "n_steps"):
+        if name in ("n_impacts", "n_steps", "n_rhs"):
             fields[name].attrs["comment"] = "-1: no answer"
     if results.solved is not None:
         fields["solved"] = variable_field("solved", axes, results.solved.reshape(study.shape))

@@ -28,7 +28,7 @@ _OF_PULSES, _OF_MOTIONS, _OF_FLEXIBLE = {"a_p", "omega_p"}, {"pga", "pgv"}, {"u_
 _OF_FRICTION = {"slide", "slide_dot", "contact_mode"}
 """What only studies with such cases have."""
 
-_COUNTS = ("n_impacts", "n_steps")
+_COUNTS = ("n_impacts", "n_steps", "n_rhs")
 
 
 @dataclass(frozen=True)

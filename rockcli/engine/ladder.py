@@ -10,8 +10,9 @@ import numpy as np
 from rockcli.engine.choose import BACKENDS
 from rockcli.engine.sampling import SAMPLINGS, has_samples, resampled
 from rockcli.scene.batch import Batch, Save
+from rockcli.scene.damping import Damping
 from rockcli.scene.excitation import Pulses
-from rockcli.scene.models import DEFORMABLE, FLEXIBLE, MODELS
+from rockcli.scene.models import CONTINUUM, DEFORMABLE, FLEXIBLE, MODELS
 from rockcli.scene.numerics import ACCURACIES, Numerics
 
 NUMERICS, MODEL, DATA = "numerics", "model", "data"
@@ -42,7 +43,7 @@ class Rung:
         model, geometry: solved.
         numerics: tolerances; `dt` and `yield_rotation` are set by `factor` where that is given.
         factor: of the time step (see `STEPPING`, `MODAL`).
-        elements: of the column, None = the study's.
+        elements, across: of the column, None = the study's.
         sampling: of records, "" = as they are.
         against: label of the reference.
     """
@@ -55,6 +56,7 @@ class Rung:
     numerics: Numerics
     factor: float | None = None
     elements: int | None = None
+    across: int | None = None
     sampling: str = ""
     against: str = ""
 
@@ -65,15 +67,20 @@ class Rung:
 
     def of(self, batch: Batch) -> Batch:
         """The cases of a batch with this setting."""
-        column = batch.column if self.model in (FLEXIBLE, "4") else None
+        column = batch.column if self.model in (*DEFORMABLE, "4") else None
         if column is not None and self.elements is not None:
             column = replace(column, elements=self.elements)
+        if column is not None and self.across is not None:
+            column = replace(column, across=self.across)
+        damping = batch.damping
+        if self.model == CONTINUUM and damping.scheme == "restitution":
+            damping = Damping("none", np.ones_like(damping.eta))  # an impact costs what the mesh makes of it
         excitation = resampled(batch.excitation, self.sampling) if self.sampling else batch.excitation
         numerics = self.numerics
         given = replace(
-            batch, model=self.model, geometry=self.geometry, column=column, excitation=excitation,
+            batch, model=self.model, geometry=self.geometry, column=column, excitation=excitation, damping=damping,
             base=batch.base if self.model in (batch.model, *DEFORMABLE) else None,
-            save=Save(False, batch.save.dt_out, frozenset({"outcome", "theta_peak_over_alpha", "n_steps"})),
+            save=Save(False, batch.save.dt_out, frozenset({"outcome", "theta_peak_over_alpha", "n_steps", "n_rhs"})),
         )  # fmt: skip
         if self.factor is not None:
             numerics = _stepping(numerics, given, self.factor)
@@ -92,6 +99,11 @@ def _stepping(numerics: Numerics, batch: Batch, factor: float) -> Numerics:
         if isinstance(batch.excitation.horizontal, Pulses):
             steps = min(steps, 2.0 * np.pi / float(batch.excitation.horizontal.omega_p.max()) / 60.0)
         return replace(numerics, dt=factor * float(steps))
+    if numerics.backend == "calculix":
+        from rockcli.solvers.calculix.case import largest_step
+
+        plain = replace(batch, numerics=Numerics())
+        return replace(numerics, dt=factor * min(largest_step(plain, i) for i in range(batch.size)))
     from rockcli.solvers.frame.case import YIELD_ROTATION, default_dt
 
     plain = replace(batch, numerics=Numerics())

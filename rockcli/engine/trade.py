@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from time import perf_counter
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
+from rockcli.engine import meshes
 from rockcli.engine.choose import BACKENDS
 from rockcli.engine.cost import seconds_per_case
 from rockcli.engine.ladder import (
@@ -24,16 +26,14 @@ from rockcli.engine.ladder import (
     numerical,
     reference,
 )
+from rockcli.engine.sample import Sample
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.batch import Batch
-from rockcli.scene.models import CONTINUUM, FLEXIBLE
+from rockcli.scene.models import DEFORMABLE
 from rockcli.scene.response import FAILED, NO_UPLIFT, Response
 from rockcli.study.study import Index, Study
 
 Array = NDArray[np.float64]
-
-SEED = 20260102
-"""Of the sample: the same cases every time."""
 
 AT_ONCE, REPEATS = 0.05, 3
 """Time below which a setting is timed again, and how often [s]."""
@@ -41,32 +41,39 @@ AT_ONCE, REPEATS = 0.05, 3
 UNSURE = 0.05
 """Share of what is left of the budget above which a rough guess is not enough."""
 
+LAST = "calculix"
+"""The backend whose ladders are climbed when all others are: it would eat up any budget."""
+
+NO_CCX = "there is no `ccx` in PATH"
+
 COSTLIER = {"dt": 2.0, "rtol": 2.5}
 """How much dearer the next rung of a ladder is expected to be."""
 
 
 @dataclass(eq=False)
 class Answers:
-    """Outcome, peak and steps over the sampled cases, (n,) each."""
+    """Outcome, peak, steps and right-hand sides over the sampled cases, (n,) each."""
 
     outcome: NDArray[np.int8]
     peak: Array
     steps: Array
+    rhs: Array
     seconds: float = 0.0
     cases: int = 0
 
     @classmethod
     def none(cls, n: int) -> Answers:
         """Nothing yet."""
-        return cls(np.full(n, FAILED, dtype=np.int8), np.full(n, np.nan), np.full(n, np.nan))
+        return cls(np.full(n, FAILED, dtype=np.int8), np.full(n, np.nan), np.full(n, np.nan), np.full(n, np.nan))
 
     def put(self, rows: Index, response: Response) -> None:
         """Take the answers of some cases."""
         self.outcome[rows] = response.scalars["outcome"]
         self.peak[rows] = response.scalars["theta_peak_over_alpha"]
-        steps = response.scalars.get("n_steps")
-        if steps is not None:
-            self.steps[rows] = steps
+        for values, name in ((self.steps, "n_steps"), (self.rhs, "n_rhs")):
+            if name in response.scalars:
+                counted = response.scalars[name].astype(np.float64)
+                values[rows] = np.where(counted < 0.0, np.nan, counted)
 
 
 @dataclass(eq=False)
@@ -122,64 +129,35 @@ class Trade:
     skipped: list[tuple[str, str]] = field(default_factory=list)
 
 
-Ladder = list[tuple[Rung, Answers]]
-"""Rungs, coarse to fine, each with the answers it is held against."""
+@dataclass(frozen=True, eq=False)
+class Ladder:
+    """Rungs, coarse to fine, and the answers they are held against.
 
-
-class _Scene:
-    """The sampled cases: batches, each with the rows it fills; the first alone; the models the study solves."""
-
-    def __init__(self, study: Study, sample: int) -> None:
-        if study.search is not None:
-            raise StudyError("trade: needs cases, and `find` keeps none", file=study.file)
-        ours = [axis.path.split(".")[0] in ("solver", "model", "geometry") for axis in study.axes]
-        shape = [1 if own else axis.size for own, axis in zip(ours, study.axes, strict=True)]
-        total = int(np.prod(shape, dtype=np.int64))
-        chosen = np.arange(total)
-        if sample < total:
-            chosen = np.sort(np.random.default_rng(SEED).choice(total, sample, replace=False))
-        at, self.own = _models_of(study, ours)
-        places = np.unravel_index(chosen, shape) if shape else ()
-        flat = [place + own for place, own in zip(places, at, strict=True)]
-        self.cases = np.sort(np.ravel_multi_index(flat, study.shape)) if shape else chosen
-        self.batches = [(np.searchsorted(self.cases, part), batch) for part, batch in study.batches(self.cases)]
-        self.own += [p for p in dict.fromkeys((b.model, b.geometry) for _, b in self.batches) if p not in self.own]
-        _, self.first = next(study.batches(self.cases[:1]))
-        if any(batch.model == CONTINUUM or batch.damping.scheme == "fema356" for _, batch in self.batches):
-            words = "trade: neither a full mesh nor the scheme fema356 has a ladder of settings"
-            raise StudyError(words, file=study.file)
-
-    def solvable(self, pair: Pair) -> list[tuple[Index, Batch]]:
-        """Batches that can be solved with a model: a column is not made up."""
-        return [(rows, batch) for rows, batch in self.batches if pair[0] != FLEXIBLE or batch.model == FLEXIBLE]
-
-
-def _models_of(study: Study, ours: list[bool]) -> tuple[tuple[int, ...], list[Pair]]:
-    """Where on the axes over model, geometry and solver the cases are taken from, and the models along those axes.
-
-    A deformable model goes first: only its cases know the column.
+    `best` None: those of the finest rung measured of `meshes` with `least` elements across, or of the ladder itself.
     """
-    along = [axis.size if own else 1 for own, axis in zip(ours, study.axes, strict=True)]
-    combos = [tuple(int(i) for i in combo) for combo in np.ndindex(*along)]
-    found: dict[Pair, tuple[int, ...]] = {}
-    for combo in combos:
-        flat = int(np.ravel_multi_index(combo, study.shape)) if combo else 0
-        _, batch = next(study.batches(np.array([flat])))
-        found.setdefault((batch.model, batch.geometry), combo)
-    pairs = sorted((pair for pair in found if pair[0] != CONTINUUM), key=lambda pair: pair[0] != FLEXIBLE)
-    return found[pairs[0]] if pairs else combos[0], pairs
+
+    rungs: list[Rung]
+    best: Answers | None = None
+    meshes: list[Rung] | None = None
+    least: int = 0
+
+    @property
+    def backend(self) -> str:
+        """Of its rungs."""
+        return self.rungs[0].numerics.backend
 
 
 def peers() -> frozenset[str]:
     """Backends that can be traded on this machine."""
+    from rockcli.solvers.calculix.run import program
     from rockcli.solvers.opensees.run import require_opensees
 
     found = {"event", "frame", "scipy"}
-    try:
-        require_opensees()
-    except SolverError:
-        return frozenset(found)
-    return frozenset({*found, "opensees"})
+    for name, require in (("opensees", require_opensees), ("calculix", program)):
+        with contextlib.suppress(SolverError):
+            require()
+            found.add(name)
+    return frozenset(found)
 
 
 def trade(
@@ -192,7 +170,8 @@ def trade(
 ) -> Trade:
     """Measure every setting that can solve the study's models, coarse to fine, while the budget lasts.
 
-    References are solved first, whatever they cost.  A setting that is expected to take longer than what is left of the
+    References are solved first, whatever they cost; that of the full mesh is the finest setting the budget allows.
+    A setting that is expected to take longer than what is left of the
     budget is skipped, with all finer ones of its family.
 
     Args:
@@ -207,20 +186,25 @@ def trade(
     """
     with np.errstate(all="ignore"):
         kernels.load(compile_them=True)
-        scene = _Scene(study, sample)
+        scene = Sample(study, sample)
         known = peers() if backends is None else backends
         found = Trade(scene.cases, study.size)
         ladders = _ladders(scene, known, found)
         if not ladders:
-            raise StudyError("trade: no backend solves this study's model with its damping", file=study.file)
+            why = "no backend solves its model with its damping"
+            if meshes.MESH in scene.own and "calculix" not in known:
+                why = f"the full mesh needs CalculiX: {NO_CCX}"
+            raise StudyError(f"trade: {why}", file=study.file)
         if "opensees" not in known and backends is None:
             found.skipped.append(("opensees", "OpenSeesPy is not installed"))
+        if "calculix" not in known and backends is None and any(pair[0] in DEFORMABLE for pair in scene.own):
+            found.skipped.append(("calculix", NO_CCX))
         _climb(scene, ladders, found, budget, progress)
     _mark_fronts(found.points)
     return found
 
 
-def _ladders(scene: _Scene, known: frozenset[str], found: Trade) -> list[Ladder]:
+def _ladders(scene: Sample, known: frozenset[str], found: Trade) -> list[Ladder]:
     """Every ladder, each rung with the answers it is held against, which are solved here."""
     solved: dict[tuple[Pair, str], Answers] = {}
 
@@ -238,27 +222,42 @@ def _ladders(scene: _Scene, known: frozenset[str], found: Trade) -> list[Ladder]
     for number, pair in enumerate(scene.own):
         for _, batch in scene.solvable(pair)[:1]:
             for rungs in numerical(batch, pair, known):
-                answers = best(batch, pair, ELEMENTS_REFERENCE if rungs[0].elements else None)
-                ladders.append([(rung, answers) for rung in rungs])
-            ladders += [[(rung, best(batch, better))] for rung, better in models(batch, pair) if number == 0]
-            ladders += [[(rung, best(batch, pair))] for rung in data(batch, pair)]
-    return ladders
+                ladders.append(Ladder(rungs, best(batch, pair, ELEMENTS_REFERENCE if rungs[0].elements else None)))
+            ladders += [Ladder([rung], best(batch, better)) for rung, better in models(batch, pair) if number == 0]
+            ladders += [Ladder([rung], best(batch, pair)) for rung in data(batch, pair)]
+    return ladders + (_of_meshes(scene, found) if "calculix" in known else [])
+
+
+def _of_meshes(scene: Sample, found: Trade) -> list[Ladder]:
+    """Ladders of the full mesh, and the models it judges; none where there is no column to make it from."""
+    for _, batch in scene.solvable(meshes.MESH)[:1]:
+        if not BACKENDS["calculix"].supports(Rung(NUMERICS, "", "", *meshes.MESH, meshes.HOW).of(batch)):
+            continue
+        if why := meshes.refusal(batch):
+            found.skipped.append(("calculix", why))
+            continue
+        elements, steps = meshes.ladders(batch, scene.along)
+        least = steps[0].across or 0
+        judged = [Ladder([rung], meshes=elements, least=least) for rung in meshes.judged(batch, scene.own[0])]
+        asked = meshes.MESH in scene.own  # else it is only there to judge other models
+        return [Ladder(elements), *([Ladder(steps)] if asked else []), *judged]
+    return []
 
 
 def _climb(
-    scene: _Scene,
+    scene: Sample,
     ladders: list[Ladder],
     found: Trade,
     budget: float,
     progress: Callable[[int, int], None] | None,
 ) -> None:
     """Rung by rung: first what costs next to nothing, then all other ladders side by side, coarse ends first."""
-    total = sum(len(ladder) for ladder in ladders)
+    total = sum(len(ladder.rungs) for ladder in ladders)
     began = perf_counter()
-    last: dict[int, float] = {}
+    last: dict[int, tuple[Rung, float]] = {}
     over: set[int] = set()
-    points: dict[str, Point] = {}
-    for done, (number, (rung, answers)) in enumerate(_order(ladders), start=1):
+    answers: dict[str, Answers] = {}
+    for done, (number, rung) in enumerate(_order(ladders), start=1):
         left = budget - (perf_counter() - began)
         try:
             expected = 0.0 if number in over else _expected(scene, rung, last.get(number), left)
@@ -267,35 +266,63 @@ def _climb(
                 found.skipped.append((rung.label, "the budget is used up"))
             else:
                 measured = _measured(scene, rung, Answers.none(len(scene.cases)))
-                last[number] = measured.seconds
-                points[rung.label] = _point(rung, measured, answers)
+                last[number] = rung, measured.seconds
+                answers[rung.label] = measured
         except SolverError as refused:
             found.skipped.append((rung.label, str(refused)))
         if progress is not None:
             progress(done, total)
-    found.points = [points[rung.label] for ladder in ladders for rung, _ in ladder if rung.label in points]
+    for ladder in ladders:
+        found.points += _points(ladder, answers, found)
 
 
-def _order(ladders: list[Ladder]) -> Iterator[tuple[int, tuple[Rung, Answers]]]:
+def _points(ladder: Ladder, answers: dict[str, Answers], found: Trade) -> list[Point]:
+    """The rungs of a ladder that were measured, with their errors."""
+    rungs = [rung for rung in ladder.rungs if rung.label in answers]
+    if ladder.best is not None:
+        return [_point(rung, answers[rung.label], ladder.best) for rung in rungs]
+    candidates = [r for r in ladder.meshes or ladder.rungs if r.label in answers and (r.across or 0) >= ladder.least]
+    if not candidates:
+        found.skipped[:0] = [(rung.label, "no mesh as fine as the study's was measured") for rung in rungs]
+        return []
+    finest = max(reversed(candidates), key=lambda rung: int(np.sum(answers[rung.label].outcome != FAILED)))
+    best = answers[finest.label]
+    if ladder.meshes is None:
+        words = f"{finest.family}, {finest.setting}"
+        found.references[finest.family.replace("calculix", model_word(meshes.MESH))] = f"{words}: the finest measured"
+        return [_point(replace(r, against=words), answers[r.label], best if r != finest else None) for r in rungs]
+    return [_point(rung, answers[rung.label], best) for rung in rungs]
+
+
+def _order(ladders: list[Ladder]) -> Iterator[tuple[int, Rung]]:
     """(number of the ladder, rung) in the order they are climbed."""
-    cheap = [number for number, ladder in enumerate(ladders) if ladder[0][0].numerics.backend == "event"]
-    for number in cheap:
-        for item in ladders[number]:
-            yield number, item
-    for step in zip_longest(*(ladder for number, ladder in enumerate(ladders) if number not in cheap)):
-        others = (number for number in range(len(ladders)) if number not in cheap)
-        yield from ((number, item) for number, item in zip(others, step, strict=True) if item is not None)
+    numbered = list(enumerate(ladders))
+    for number, ladder in numbered:
+        if ladder.backend == "event":
+            yield from ((number, rung) for rung in ladder.rungs)
+    for late in (False, True):
+        others = [
+            (number, it.rungs) for number, it in numbered if it.backend != "event" and (it.backend == LAST) == late
+        ]
+        for step in zip_longest(*(rungs for _, rungs in others)):
+            yield from ((number, rung) for (number, _), rung in zip(others, step, strict=True) if rung is not None)
 
 
-def _expected(scene: _Scene, rung: Rung, before: float | None, left: float) -> float:
+def _expected(scene: Sample, rung: Rung, before: tuple[Rung, float] | None, left: float) -> float:
     """Time a rung is likely to take [s]: from the rung before; of a first one a guess, and a case if it matters."""
     if rung.numerics.backend == "event":
         return 0.0
-    guess = seconds_per_case(rung.of(scene.first), rung.numerics.backend) * len(scene.cases)
+
+    def guessed(rung: Rung) -> float:
+        return seconds_per_case(rung.of(scene.first), rung.numerics.backend) * len(scene.cases)
+
+    guess = guessed(rung)
+    if rung.numerics.backend == "calculix":  # the cost goes with elements and increments
+        return guess if before is None else before[1] * guess / guessed(before[0])
     if before is None and guess < UNSURE * left:
         return guess
     if before is not None:
-        return before * COSTLIER["dt" if rung.factor else "rtol"]
+        return before[1] * COSTLIER["dt" if rung.factor else "rtol"]
     seconds = 0.0
     for _ in range(2):  # the first also imports and compiles
         began = perf_counter()
@@ -306,7 +333,7 @@ def _expected(scene: _Scene, rung: Rung, before: float | None, left: float) -> f
     return seconds * len(scene.cases)
 
 
-def _parts(scene: _Scene, rung: Rung) -> list[tuple[Index, Batch]]:
+def _parts(scene: Sample, rung: Rung) -> list[tuple[Index, Batch]]:
     return scene.solvable((rung.model, rung.geometry))
 
 
@@ -314,10 +341,10 @@ def _solver(rung: Rung) -> Callable[[Batch], Response]:
     return BACKENDS[rung.numerics.backend].of_model(rung.model).load()
 
 
-def _measured(scene: _Scene, rung: Rung, answers: Answers) -> Answers:
+def _measured(scene: Sample, rung: Rung, answers: Answers) -> Answers:
     """Solve the sample with a setting; the time is the least of a few runs where one takes next to nothing."""
     solver = _solver(rung)
-    for run in range(REPEATS):
+    for run in range(1 if rung.numerics.backend == LAST else REPEATS):
         spent, cases = 0.0, 0
         for rows, batch in _parts(scene, rung):
             given = rung.of(batch)
@@ -333,7 +360,10 @@ def _measured(scene: _Scene, rung: Rung, answers: Answers) -> Answers:
     return answers
 
 
-def _point(rung: Rung, found: Answers, best: Answers) -> Point:
+def _point(rung: Rung, found: Answers, best: Answers | None) -> Point:
+    """A setting with its error; `best` None: it is the reference itself, with nothing to be held against."""
+    if best is None:
+        best = Answers.none(len(found.peak))
     error = found.peak - best.peak
     decided = (found.outcome >= NO_UPLIFT) & (best.outcome >= NO_UPLIFT)
     same = np.where(decided, found.outcome == best.outcome, -1).astype(np.int8)
@@ -341,14 +371,15 @@ def _point(rung: Rung, found: Answers, best: Answers) -> Point:
 
 
 def _mark_fronts(points: list[Point]) -> None:
-    """Pareto front of cost and median error, for each model of each part, among settings with no failed case."""
+    """Pareto front of cost and median error, for each model of each part, among settings with no failed case.
+
+    Errors against different references, as those of steps and of elements, are not compared.
+    """
     groups: dict[tuple[str, Pair | None, str], list[Point]] = {}
     for point in points:
         if np.isfinite(point.quantile(0.5)) and not np.isin(point.answers.outcome, (FAILED,)).any():
             pair = (point.rung.model, point.rung.geometry) if point.rung.part == NUMERICS else None
-            # elements are an error of space, told against another reference
-            kind = "elements" if point.rung.elements else ""
-            groups.setdefault((point.rung.part, pair, kind), []).append(point)
+            groups.setdefault((point.rung.part, pair, point.rung.against), []).append(point)
     for group in groups.values():
         for point, kept in zip(group, front([(p.cost, p.quantile(0.5)) for p in group]), strict=True):
             point.on_front = kept

@@ -57,6 +57,7 @@ def contents_of(study: Study, found: Trade) -> Contents:
         "error_theta_peak_over_alpha": np.array([p.error for p in points]),
         "same_outcome": np.array([p.same for p in points]),
         "n_steps": np.array([p.answers.steps for p in points]),
+        "n_rhs": np.array([p.answers.rhs for p in points]),
     }
     for name, values in stacked.items():
         fields[name] = variable_field(name, AXES, values)

@@ -54,11 +54,11 @@ from rockcli.kernels.oscillator import advance, fill, wander
 
 (
     STATUS, VERDICT, PEAK, PEAK_SIDE, T_PEAK, RATE_PEAK, U_PEAK, T_UPLIFT, T_OVERTURN, T_END, N_LANDINGS, ENERGY,
-    LANDING_LOSS, N_STEPS, N_STORED, CAPTURES, N_OUT,
-) = range(17)  # fmt: skip
+    LANDING_LOSS, N_STEPS, N_STORED, CAPTURES, N_RHS, N_OUT,
+) = range(18)  # fmt: skip
 """How it ended; the verdict; largest |theta|, its sign and time; largest rate and top displacement; times; landings
 counted; energy not accounted for, and lost where the base caught a re-crossing (both over m L^2); steps; stored
-landings; such captures."""
+landings; such captures; evaluations of the loads."""
 
 DONE, OUT_OF_STEPS, NOT_FINITE = 0, 1, 2
 RETURNS, FALLS, UNDECIDED = 0, 1, 2
@@ -218,7 +218,9 @@ def march(
             table, influence = tables[phase, slot], influences[phase, slot]
             if not ready:
                 fill(lam, c, bu, th, h, S, table, influence)
-            converged = step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F)
+            evaluated = step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F)
+            out[N_RHS] += abs(evaluated)
+            converged = evaluated > 0
             if converged or h < 1e-9 * par[H_MAX]:
                 break
             h *= 0.5

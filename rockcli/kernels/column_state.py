@@ -83,7 +83,7 @@ def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
     """One step: the loads by collocation at 0, h/2, h (F9), then the exact modal flow under them.
 
     A holds a_g and a_v at 0, h/2, h.  Writes the state at h into z_1, v_1 and the loads' coefficients into F.
-    Returns False if the loads do not converge (the step is too long).
+    Returns how often the loads were evaluated, negative if they do not converge (the step is too long).
     """
     n = len(lam)
     theta_b = y_b = theta_1 = y_1 = 0.0
@@ -102,9 +102,11 @@ def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
     f_b = f_1 = m_b = m_1 = 0.0
     close = 1e-7 if par[FINENESS] >= 1.0 else 1e-14
     converged = False
+    evaluated = 1
     for _ in range(60):
         f_b, m_b = loads(par, phase, s, t_b, s_b, A[1], A[4])
         f_1, m_1 = loads(par, phase, s, t_1, s_1, A[2], A[5])
+        evaluated += 2
         new_b = theta_b + w[0] * f_0 + w[1] * f_b + w[2] * f_1 + w[3] * m_0 + w[4] * m_b + w[5] * m_1
         s_b = y_b + w[6] * f_0 + w[7] * f_b + w[8] * f_1 + w[9] * m_0 + w[10] * m_b + w[11] * m_1
         new_1 = theta_1 + w[12] * f_0 + w[13] * f_b + w[14] * f_1 + w[15] * m_0 + w[16] * m_b + w[17] * m_1
@@ -124,7 +126,7 @@ def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
     quadratic(m_0, m_b, m_1, h, F, 3)
     quadratic(A[0], A[1], A[2], h, F, 6)
     quadratic(A[3], A[4], A[5], h, F, 9)
-    return converged
+    return evaluated if converged else -evaluated
 
 
 @jit

@@ -29,6 +29,7 @@ from rockcli.kernels.frame_layout import (
     LOAD,
     MOMENT,
     N_IMPACTS,
+    N_RHS,
     N_STEPS,
     N_STORED,
     NO_CONVERGENCE,
@@ -137,6 +138,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
     damped = par[DASHPOT] > 0.0 or par[STIFF_DAMPING] > 0.0
     damping(par, u, n, bands[DAMPING], B)
     accelerate(par, n, mass, damped, pull, weights, fibres, a_g[0], a_v[0], u, v, a, work, bands, B)
+    out[N_RHS] = 1.0
     begun = stored_energy(par, u, n, weights, fibres, B) + kinetic(mass, v, work)
     worked = lost = 0.0
 
@@ -166,6 +168,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
         iterations = step(
             par, n, mass, damped, pull, weights, fibres, h, between(a_g, i, part), up, u, v, a, work, bands, B
         )
+        out[N_RHS] += abs(iterations)
         if iterations < 0:
             out[CUTS] += 1.0
             units //= 10
@@ -209,6 +212,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
                 for k in range(len(v)):
                     v[k] *= eta
                 accelerate(par, n, mass, damped, pull, weights, fibres, end_g, end_v, u, v, a, work, bands, B)
+                out[N_RHS] += 1.0
             if abs(before) > par[FAST] and now <= par[T_STOP]:
                 stored = int(out[N_IMPACTS])
                 if stored < len(impacts):

@@ -67,7 +67,7 @@ def size(par, x):
 def step(par, n, mass, damped, pull, weights, fibres, h, a_g, a_v, u, v, a, work, bands, B):
     """Try one step of h [s]; accelerations of the ground are those at the instant of equilibrium.
 
-    On success u, v, a are the state at its end and the number of iterations is returned, else -1.
+    On success u, v, a are the state at its end.  Returns the number of iterations, negative without success.
     """
     alpha_d = par[ALPHA_D]
     gamma, beta = 1.5 - alpha_d, 0.25 * (2.0 - alpha_d) ** 2
@@ -105,10 +105,10 @@ def step(par, n, mass, damped, pull, weights, fibres, h, a_g, a_v, u, v, a, work
         if par[HINGED] > 0.0:
             hold(A, r, 1)
         if not solve(A, r):
-            return -1
+            return -iteration
         change = size(par, r)
         if change >= 1e300:
-            return -1
+            return -iteration
         for i in range(N):
             u_1[i] += r[i]
         if change <= par[TOLERANCE]:
@@ -117,7 +117,7 @@ def step(par, n, mass, damped, pull, weights, fibres, h, a_g, a_v, u, v, a, work
                 v_1[i] += to_v * r[i]
                 u[i], v[i], a[i] = u_1[i], v_1[i], a_1[i]
             return iteration
-    return -1
+    return -MAX_ITERATIONS
 
 
 @jit

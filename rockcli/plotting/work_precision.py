@@ -16,16 +16,21 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+Panel = tuple[str, str]
+"""Part of the dataset, and model where it has a panel of its own."""
+
 LEAST = 1e-17
 """Errors below are drawn here: on a logarithmic axis nothing is 0."""
 
 MOST_MODELS = 3
 """Panels of numerical errors at most, one per model of the study."""
 
-LINE = 0.042
+LINE = 0.048
 """Height of a line of names over that of a panel."""
 
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "*", "h")
+
+_OVER = {"cost": "cost per case [s]", "n_rhs": "right-hand sides per case"}
 
 _HEADS = {"numerics": "numerics", "model": "models, at accuracy standard", "data": "sampling of the record"}
 
@@ -39,7 +44,10 @@ def without_trade(dataset: xarray.Dataset) -> str:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """A panel of numerical errors per model of the study, one of model errors, one of sampling; they share an axis."""
+    """A panel of numerical errors per model of the study, one of model errors, one of sampling; they share an axis.
+
+    Below, where the file knows them, the numerical errors again over evaluations of the right-hand side.
+    """
     parts = dataset["part"].values
     models = list(dict.fromkeys(dataset["model"].values[parts == "numerics"]))
     shown = [("numerics", model) for model in models[:MOST_MODELS]]
@@ -47,30 +55,32 @@ def draw(dataset: xarray.Dataset) -> Figure:
     drawable = np.isfinite(dataset["error_median"].values)
     shown = [(part, model) for part, model in shown if (drawable & _rows(dataset, part, model)).any()]
     width = DOUBLE if len(shown) > 1 else DOUBLE * 0.6
-    figure = new_figure(width, 4.3)
-    grid = figure.subplots(
-        1, len(shown), sharey=True, squeeze=False, width_ratios=[1.6 if m else 1.0 for _, m in shown]
-    )
+    efforts = {"cost": np.asarray(dataset["cost"].values, dtype=float), "n_rhs": _evaluations(dataset)}
+    known = drawable & np.isfinite(efforts["n_rhs"])
+    again = [one for one in shown if one[0] == "numerics" and (known & _rows(dataset, *one)).any()]
+    figure = new_figure(width, 7.0 if again else 4.3)
     families = list(dict.fromkeys(dataset["family"].values[parts == "numerics"]))
-    errors = _numbers(dataset, drawable)[1]
-    grid[0][0].set_yscale("log")
-    grid[0][0].set_ylim(errors.min() / 10.0, errors.max() * 10.0)
-    for axes, (part, model) in zip(grid[0], shown, strict=True):
-        rows = drawable & _rows(dataset, part, model)
+    errors = _errors(dataset, drawable)
+    for axes, (part, model), over in _panels(figure, shown, again):
+        rows = drawable & _rows(dataset, part, model) & np.isfinite(efforts[over])
         axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.set_ylim(errors.min() / 10.0, errors.max() * 10.0)
         if part == "numerics":
-            _numerics(axes, dataset, rows, families)
+            _numerics(axes, dataset, rows, efforts[over], families)
+            if over == "cost":
+                _front(axes, dataset, rows)
         else:
             _named(axes, dataset, rows, part)
-        axes.set_xlabel("cost per case [s]")
+        axes.set_xlabel(_OVER[over])
         head = f"numerics: model {model}" if model and len(models) > 1 else _HEADS[part]
-        panel_title(axes, head, width / len(shown))
+        panel_title(axes, head, width / len(shown if over == "cost" else again))
         axes.grid(visible=True, which="major", color="#EBEBEB", linewidth=0.5)
         axes.set_axisbelow(True)
-        axes.margins(x=0.12)
         axes.xaxis.set_minor_formatter(NullFormatter())
-    grid[0][0].set_ylabel(r"median error of $|\theta|_{\mathrm{max}}/\alpha$")
-    handles, labels = _legend(grid[0])
+        if (part, model) == shown[0]:
+            axes.set_ylabel(r"median error of $|\theta|_{\mathrm{max}}/\alpha$")
+    handles, labels = _legend(figure.axes)
     figure.legend(handles, labels, loc="outside lower center", ncols=4 if width == DOUBLE else 2, columnspacing=1.2)
     headline(figure, f"{title_of(dataset)}: error against cost", _note(dataset))
     return figure
@@ -81,21 +91,52 @@ def _rows(dataset: xarray.Dataset, part: str, model: str) -> NDArray[np.bool_]:
     return np.asarray(of_part & (dataset["model"].values == model) if model else of_part)
 
 
-def _numbers(dataset: xarray.Dataset, rows: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Cost and error of some settings."""
-    cost = np.asarray(dataset["cost"].values[rows], dtype=float)
-    return cost, np.maximum(np.asarray(dataset["error_median"].values[rows], dtype=float), LEAST)
+def _panels(figure: Figure, shown: list[Panel], again: list[Panel]) -> list[tuple[Axes, Panel, str]]:
+    """Axes for what is shown in the first row over time, and again in a second one over evaluations."""
+    rows = {"cost": shown, "n_rhs": again} if again else {"cost": shown}
+    parts = figure.subfigures(len(rows), 1, squeeze=False)[:, 0]
+    made = []
+    for place, (over, panels) in zip(parts, rows.items(), strict=True):
+        widths = [1.6 if model else 1.0 for _, model in panels]
+        grid = place.subplots(1, len(panels), sharey=True, squeeze=False, width_ratios=widths)[0]
+        made += [(axes, panel, over) for axes, panel in zip(grid, panels, strict=True)]
+    return made
 
 
-def _numerics(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], families: list[str]) -> None:
-    """A line per family from coarse to fine, and the Pareto front below all of them."""
+def _errors(dataset: xarray.Dataset, rows: NDArray[np.bool_]) -> NDArray[np.float64]:
+    return np.asarray(np.maximum(dataset["error_median"].values[rows], LEAST), dtype=float)
+
+
+def _evaluations(dataset: xarray.Dataset) -> NDArray[np.float64]:
+    """Median evaluations of the right-hand side per setting; NaN where they are not known."""
+    if "n_rhs" not in dataset:
+        return np.full(dataset.sizes["setting"], np.nan)
+    values = np.asarray(dataset["n_rhs"].transpose("setting", "case").values, dtype=float)
+    known = np.isfinite(values).any(axis=1)
+    return np.array([np.nanmedian(row) if any_ else np.nan for row, any_ in zip(values, known, strict=True)])
+
+
+def _numerics(
+    axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], over: NDArray[np.float64], families: list[str]
+) -> None:
+    """A line per family from coarse to fine, over what it costs."""
     for number, family in enumerate(families):
         own = rows & (dataset["family"].values == family)
         if own.any():
-            look: Any = {"color": COLOURS[number % len(COLOURS)], "marker": _MARKERS[number % len(_MARKERS)]}
-            axes.plot(*_numbers(dataset, own), label=str(family), markersize=3.6, markeredgewidth=0.0, **look)
-    best = rows & (dataset["on_front"].values == 1) & (dataset["family"].values != "event, elements")
-    cost, error = _numbers(dataset, best)
+            again = number >= len(COLOURS)  # no colour of its own is left
+            look: Any = {"color": COLOURS[number % len(COLOURS)], "linestyle": "--" if again else "-"}
+            look["marker"] = _MARKERS[number % len(_MARKERS)]
+            axes.plot(over[own], _errors(dataset, own), label=str(family), markersize=3.6, markeredgewidth=0.0, **look)
+    low, high = np.log10(over[rows].min()), np.log10(over[rows].max())
+    middle, half = 0.5 * (low + high), max(0.58 * (high - low), 1.05)  # two powers of ten at least
+    axes.set_xlim(10.0 ** (middle - half), 10.0 ** (middle + half))
+
+
+def _front(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_]) -> None:
+    """The Pareto front below the lines, but that of elements."""
+    spatial = np.array([str(family).endswith(", elements") for family in dataset["family"].values])
+    best = rows & (dataset["on_front"].values == 1) & ~spatial
+    cost, error = np.asarray(dataset["cost"].values[best], dtype=float), _errors(dataset, best)
     order = np.argsort(cost)
     axes.plot(
         cost[order], error[order], drawstyle="steps-post", color=QUIET, linewidth=4.0, alpha=0.35, zorder=1,
@@ -105,20 +146,21 @@ def _numerics(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], fami
 
 def _named(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], part: str) -> None:
     """Points with their names beside them, moved apart where they would lie on one another."""
-    cost, error = _numbers(dataset, rows)
+    cost, error = np.asarray(dataset["cost"].values[rows], dtype=float), _errors(dataset, rows)
     names = [str(name) for name in dataset["step" if part == "data" else "model"].values[rows]]
     groups: dict[float, list[int]] = {}
+    bottom, top = np.log10(axes.get_ylim())
     for i in np.argsort(error):
-        near = next((e for e in groups if abs(np.log10(error[i] / e)) < 0.04), None)
+        near = next((e for e in groups if abs(np.log10(error[i] / e)) < 0.4 * LINE * (top - bottom)), None)
         groups.setdefault(float(error[i]) if near is None else near, []).append(int(i))
     axes.plot(cost, error, linestyle="", marker="o", markersize=3.6, color="#000000", markeredgewidth=0.0)
     low, high = float(cost.min()), float(cost.max())
     axes.set_xlim(10.0 ** np.floor(np.log10(low)), max(high, low * 2.0) * 30.0)
-    bottom, top = np.log10(axes.get_ylim())
     lowest = -np.inf
     for at, members in groups.items():
         words = _together([names[i] for i in sorted(members)])
         right = max(float(cost[i]) for i in members)
+        right = float(cost[cost < 3.0 * right].max())  # names of a cluster stand in line
         place = max(np.log10(at), lowest + LINE * (top - bottom))
         lowest = place
         axes.annotate(words, (right, 10.0**place), xytext=(5, 0), textcoords="offset points", va="center", fontsize=7.0)
@@ -137,7 +179,7 @@ def _together(names: list[str]) -> str:
     return "; ".join(", ".join(members) + geometry for geometry, members in groups.items())
 
 
-def _legend(grid: NDArray[np.object_]) -> tuple[list[Any], list[str]]:
+def _legend(grid: list[Axes]) -> tuple[list[Any], list[str]]:
     found: dict[str, Any] = {}
     for axes in grid:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):

@@ -113,6 +113,7 @@ _ROWS: tuple[Variable, ...] = (
         "model auto: error of theta_peak_over_alpha expected against the highest model; NaN where that one was used",
     ),
     Variable("n_steps", r"$n_{\mathrm{steps}}$", CASE, "1", "steps of the solver"),
+    Variable("n_rhs", r"$n_{\mathrm{rhs}}$", CASE, "1", "evaluations of the right-hand side (docs/study.md)"),
     Variable("reason", "reason", CASE, "1", "index into `reasons`: what there is to say about this case"),
     Variable(
         "fema_delta",
@@ -379,7 +380,7 @@ SCALARS_AUTO: tuple[str, ...] = ("model_used", "model_error")
 SCALARS: tuple[str, ...] = (
     "outcome", "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn",
     "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual", "error_estimate", "wall_time",
-    "n_steps", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_AUTO,
+    "n_steps", "n_rhs", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_AUTO,
 )  # fmt: skip
 """Scalars a study can save, in the order of the contract."""
 

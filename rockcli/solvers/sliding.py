@@ -144,6 +144,7 @@ def _scalars(batch: Batch, slid: Slid) -> dict[str, Any]:
         "mu_required": np.where(failed, np.nan, np.where(flew, np.inf, needed)),
         "N_min_over_mg": np.where(failed, np.nan, np.where(flew, np.minimum(out[:, k.N_MIN], 0.0), out[:, k.N_MIN])),
         "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
+        "n_rhs": np.rint(out[:, k.N_STEPS]).astype(np.int64),  # a step is one expansion
     }
 
 

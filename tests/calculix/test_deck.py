@@ -102,6 +102,13 @@ def test_what_is_no_mesh_is_refused(how, sentence):
         prepare(mesh_batch(still(1.0), **how), 0)
 
 
+def test_a_step_that_does_not_see_the_body_vibrate_is_refused():
+    period = 12.3809 * np.sqrt(2500.0 / 30e9) * 25.0 / 0.1
+    prepare(mesh_batch(still(1.0), dt=period / 8.01), 0)
+    with pytest.raises(Refused, match="too long for a body of clamped period"):
+        prepare(mesh_batch(still(1.0), dt=period / 7.99), 0)
+
+
 def test_asymmetric_moving_or_columnless_cases_are_refused():
     from dataclasses import replace
 

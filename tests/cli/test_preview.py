@@ -80,7 +80,7 @@ def test_columns_are_aligned(checked: Callable[..., Any]) -> None:
         ("", 0.1, 2.0),
         ("solver: {backend: frame}, model: 3", 0.5, 30.0),
         ("solver: {backend: scipy}", 0.3, 2.0),
-        ("model: continuum, column: {E: 30*GPa, rho: 2500}, damping: none", 60.0, 1000.0),
+        ("model: continuum, column: {E: 30*GPa, rho: 2500}, damping: none", 600.0, 2400.0),
     ],
 )
 def test_the_cost_knows_the_backend(checked: Callable[..., Any], more: str, low: float, high: float) -> None:

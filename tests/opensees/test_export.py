@@ -30,7 +30,7 @@ case:
   solver: {backend: opensees}
 vary:
   model: [rigid, 3]
-save: {scalars: [outcome, theta_peak_over_alpha, n_impacts, n_steps]}
+save: {scalars: [outcome, theta_peak_over_alpha, n_impacts, n_steps, n_rhs]}
 """
 
 
@@ -60,6 +60,7 @@ def test_running_the_exported_script_gives_the_backends_answer(study, tmp_path):
     alpha = np.arctan(0.2)
     assert abs(found["theta_peak"]) / alpha == float(answer.theta_peak_over_alpha)
     assert found["steps"] == int(answer.n_steps)
+    assert found["iterations"] == int(answer.n_rhs) > found["steps"]
     assert len(found["impacts"]) == int(answer.n_impacts) > 0
     table = np.loadtxt(script.with_name("case_2_results.txt"))
     theta = np.interp(answer.time.values, table[:, 0], table[:, 1])

@@ -34,6 +34,9 @@ FREE_ROCKING = 20.0
 STEPS = {"draft": 90.0, "standard": 180.0, "reference": 360.0}
 """Increments per clamped period of the body, by accuracy."""
 
+LEAST_STEPS = 8.0
+"""Increments per clamped period below which landings may gain energy, so that a body overturns that would not."""
+
 PULSE_STEPS, ROCKING_STEPS = 100.0, 50.0
 """Increments at least per period of a pulse, and per 1/p, at accuracy `standard`."""
 
@@ -56,11 +59,25 @@ def clamped_period(E: float, rho: float, h: float, tan_alpha: float) -> float:
     return float(12.3809 * np.sqrt(rho / E) * h / tan_alpha)
 
 
+def period_of(batch: Batch, i: int) -> float:
+    """Clamped period of the column of case i [s]."""
+    assert batch.column is not None
+    h, tan_alpha = float(batch.block.h[i]), float(batch.block.tan_alpha[i, 0])
+    return clamped_period(float(batch.column.E[i]), float(batch.column.rho[i]), h, tan_alpha)
+
+
+def elements_along(batch: Batch, i: int) -> int:
+    """Elements along the height of case i: the study's, or as many as make them square."""
+    assert batch.column is not None
+    across = batch.column.across
+    return batch.column.elements or max(1, round(across * float(batch.block.h[i] / batch.block.b[i, 0])))
+
+
 def prepare(batch: Batch, i: int) -> Prepared:
     """Prepare case i.
 
     Raises:
-        Refused: asymmetric or not a rectangle, values that cannot be, set in motion at the start.
+        Refused: asymmetric or not a rectangle, values that cannot be, set in motion at the start, too long a step.
     """
     column, block, base = batch.column, batch.block, batch.base
     if column is None:
@@ -83,17 +100,21 @@ def prepare(batch: Batch, i: int) -> Prepared:
     kw = float(base.kw[i]) if base is not None and base.law == "winkler" else RIGID_BASE * E / b
     if not kw > 0.0:
         raise Refused("a winkler base needs a positive kw")
-    period = clamped_period(E, rho, h, float(block.tan_alpha[i, 0]))
+    period = period_of(batch, i)
     p, alpha = float(batch.p[i, 0]), float(block.alpha[i, 0])
     end = max(0.0, *(_end(channel, i) for channel in (batch.excitation.horizontal, batch.excitation.vertical)))
     duration = float(batch.excitation.duration[i])
     given = bool(np.isfinite(duration))
     stop = duration if given else end + FREE_ROCKING / p
-    dt = largest_step(batch, i, period, p)
+    dt = largest_step(batch, i)
+    if dt * LEAST_STEPS > period:
+        raise Refused(
+            f"a step of {dt:.3g} s is too long for a body of clamped period {period:.3g} s: at most an eighth"
+        )
     t = breakpoints(batch, i, stop, dt)
     a_g, a_v = ground(batch, i, t)
     deck = Deck(
-        mesh=make_mesh(2.0 * h, 2.0 * b, column.across, column.elements or max(1, round(column.across * h / b))),
+        mesh=make_mesh(2.0 * h, 2.0 * b, column.across, elements_along(batch, i)),
         E=E,
         nu=POISSON,
         rho=rho,
@@ -120,13 +141,13 @@ def _dissipation(batch: Batch, i: int) -> float:
     return float(alpha_d[i]) - 1.0
 
 
-def largest_step(batch: Batch, i: int, period: float, p: float) -> float:
+def largest_step(batch: Batch, i: int) -> float:
     """Largest increment [s]: the study's, or a part of what is shortest of body, pulse and rocking."""
     if batch.numerics.dt is not None:
         return batch.numerics.dt
     steps = STEPS[batch.numerics.accuracy]
     finer = STEPS["standard"] / steps
-    longest = [period / steps, finer / (ROCKING_STEPS * p)]
+    longest = [period_of(batch, i) / steps, finer / (ROCKING_STEPS * float(batch.p[i, 0]))]
     for channel in (batch.excitation.horizontal, batch.excitation.vertical):
         if isinstance(channel, Pulses):
             longest.append(finer * 2.0 * np.pi / float(channel.omega_p[i]) / PULSE_STEPS)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rockcli.errors import SolverError
 from rockcli.solvers.calculix.body import rotation
 from rockcli.solvers.calculix.deck import Deck
-from rockcli.solvers.calculix.results import Displacements, Garbage, time_reached
+from rockcli.solvers.calculix.results import Displacements, Garbage, progress
 from rockcli.solvers.calculix.run import JOB, run
 
 Array = NDArray[np.float64]
@@ -43,13 +43,14 @@ class Result:
     Attributes:
         complaint: why there is no result; "" if there is.
         t, u: times (k,) [s] and displacements (k, nodes, 3) [m] of the base nodes and the two top corners.
-        increments: of the dynamic step.
+        increments, iterations: of the dynamic step, the latter with those of attempts that did not converge.
     """
 
     complaint: str
     t: Array
     u: Array
     increments: int
+    iterations: int
 
 
 def solve_deck(deck: Deck, enough: Callable[[Array, Array], bool]) -> Result:
@@ -126,11 +127,12 @@ def _solved(folder: Path, deck: Deck, text: str, enough: Callable[[Array, Array]
         complaint = ending.complaint
     except Garbage as garbage:
         complaint, result, ending = f"what CalculiX wrote cannot be read: {garbage}", None, None
-    reached, increments = time_reached(folder / f"{JOB}.sta", deck.t_static)
+    so_far = progress(folder / f"{JOB}.sta", deck.t_static)
     if result is not None and ending is not None and not ending.stopped and result.t[-1] < deck.t_stop * (1.0 - 1e-4):
         complaint = "CalculiX ended early and said nothing"
     if complaint:
-        return Result(f"{complaint}; it reached t = {reached:.4g} of {deck.t_stop:.4g} s", *nothing, increments)
+        said = f"{complaint}; it reached t = {so_far.reached:.4g} of {deck.t_stop:.4g} s"
+        return Result(said, *nothing, so_far.increments, so_far.iterations)
     assert result is not None
     return result
 
@@ -143,5 +145,5 @@ def _read(folder: Path, deck: Deck) -> Result:
     """
     found = Displacements(folder / f"{JOB}.dat", len(deck.mesh.base) + 2, deck.t_static)
     found.read_on()
-    _, increments = time_reached(folder / f"{JOB}.sta", deck.t_static)
-    return Result("", *found.arrays(), increments)
+    done = progress(folder / f"{JOB}.sta", deck.t_static)
+    return Result("", *found.arrays(), done.increments, done.iterations)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,23 +103,33 @@ def _number(word: str, line: str, path: Path) -> float:
         raise Garbage(f"{path.name}: a number is expected in {line.strip()!r}") from None
 
 
-def time_reached(path: Path, start: float) -> tuple[float, int]:
-    """Time reached [s, from the end of the static steps] and increments of the dynamic step, from the .sta file.
+class Progress(NamedTuple):
+    """Of the dynamic step: time reached [s], increments that converged, iterations of all attempts."""
+
+    reached: float = 0.0
+    increments: int = 0
+    iterations: int = 0
+
+
+def progress(path: Path, start: float) -> Progress:
+    """How far CalculiX got after its static steps, which end at `start` [s], from the .sta file.
 
     A line holds step, increment, attempt (U: not converged), iterations, total time, step time, increment.
     What cannot be read is passed over: this is for people.
     """
-    reached, increments = 0.0, 0
+    found = Progress()
     try:
         text = path.read_text(encoding="ascii", errors="replace")
     except OSError:
-        return reached, increments
+        return found
     for line in text.splitlines():
         words = line.split()
         try:
-            done = float(words[4]) - start
+            iterations, done = int(words[3]), float(words[4]) - start
         except (IndexError, ValueError):
             continue
-        if not words[2].endswith("U") and done > 1e-9:
-            reached, increments = max(reached, done), increments + 1
-    return reached, increments
+        if done > 1e-9:
+            new = not words[2].endswith("U")
+            reached = max(found.reached, done) if new else found.reached
+            found = Progress(reached, found.increments + new, found.iterations + iterations)
+    return found

@@ -29,7 +29,7 @@ from rockcli.solvers.calculix.verdict import FELL, OPEN, fallen, judge
 
 Array = NDArray[np.float64]
 
-COUNTS = ("n_impacts", "n_steps")
+COUNTS = ("n_impacts", "n_steps", "n_rhs")
 
 KNOWN = (
     "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn", "t_end",
@@ -71,7 +71,7 @@ def solve(batch: Batch) -> Response:
             continue
         result = solve_deck(prepared.deck, partial(fallen, prepared.body))
         reasons[i] = result.complaint
-        scalars["n_steps"][i] = result.increments
+        scalars["n_steps"][i], scalars["n_rhs"][i] = result.increments, result.iterations
         if not result.complaint:
             motion = motion_of(prepared.deck, result.t, result.u)
             solved[i] = _Solved(prepared, motion, landings(motion.t, motion.theta, prepared.threshold))

@@ -73,6 +73,7 @@ def scalars_of(
         "energy_residual": known(-out[:, k.ENERGY] / barrier, failed | ~undamped),
         "landing_loss": known(out[:, k.LANDING_LOSS] / barrier, failed),
         "n_steps": np.where(refused, 0, np.rint(np.nan_to_num(out[:, k.N_STEPS]))).astype(np.int64),
+        "n_rhs": np.where(refused, 0, np.rint(np.nan_to_num(out[:, k.N_RHS]))).astype(np.int64),
     }
     reasons = list(refusals)
     for i in np.flatnonzero((outcome < 0) & ~refused):

@@ -62,6 +62,7 @@ def scalars_of(batch: Batch, out: Array, par: list[Array]) -> tuple[dict[str, ND
         "n_impacts": impacts,
         "energy_residual": np.where(failed, np.nan, out[:, k.ENERGY] / np.where(barrier > 0.0, barrier, np.nan)),
         "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
+        "n_rhs": np.rint(out[:, k.N_RHS]).astype(np.int64),
     }
     return scalars, [_reason(row, int(outcome[i]), int(impacts[i]), batch, par[i]) for i, row in enumerate(out)]
 

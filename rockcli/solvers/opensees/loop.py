@@ -35,12 +35,15 @@ def rigid_part():
 LOOP = """\
 smallest = DT
 divided = 0  # steps that had to be divided
+iterations = 0  # of Newton, those of divided steps too
 
 
 def advance(dt):
     \"\"\"One step.  Newton may cycle between the two branches of the spring's kink: then ten steps of a tenth.\"\"\"
-    global smallest, divided
-    if ops.analyze(1, dt) == 0:
+    global smallest, divided, iterations
+    failed = ops.analyze(1, dt)
+    iterations += ops.testIter()
+    if failed == 0:
         smallest = min(smallest, dt)
         return
     if dt < DT / 1e6:
@@ -122,6 +125,7 @@ summary = {
     "t_uplift": t_uplift,
     "impacts": impacts,
     "steps": i,
+    "iterations": iterations,
     "divided_steps": divided,
     "smallest_step": smallest,
 }

@@ -43,7 +43,7 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
     n = batch.size
     scalars: dict[str, NDArray[Any]] = {name: np.full(n, np.nan) for name in SCALARS if name != "reason"}
     scalars["outcome"] = np.full(n, FAILED, dtype=np.int8)
-    scalars["n_impacts"], scalars["n_steps"] = np.full(n, -1, dtype=np.int64), np.full(n, -1, dtype=np.int64)
+    scalars |= {name: np.full(n, -1, dtype=np.int64) for name in ("n_impacts", "n_steps", "n_rhs")}
     reasons = [""] * n
     for i, outcome in enumerate(outcomes):
         if isinstance(outcome, str):
@@ -90,6 +90,7 @@ def _scalars(batch: Batch, i: int, case: CaseOfOpenSees, answer: Answer) -> tupl
         "t_end": found["t_end"],
         "n_impacts": impacts,
         "n_steps": found["steps"],
+        "n_rhs": found["iterations"],
     }
     reason = ""
     if outcome == UNRESOLVED:
