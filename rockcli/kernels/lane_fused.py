@@ -8,7 +8,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
-from rockcli.kernels.lane_compiled import DOUBLES, INTEGERS, WIDTH, _doubles, mask, vector
+from rockcli.kernels.lane_compiled import BITS, DOUBLES, INTEGERS, WIDTH, _doubles, mask, vector
 
 operation: Any = intrinsic  # whose calls are not those the checker sees: numba adds the first argument
 
@@ -27,19 +27,34 @@ def fma(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
     return vector(*kinds), codegen
 
 
+ADDRESSES = ir.VectorType(ir.PointerType(), WIDTH)
+INT = ir.IntType(32)
+EVERY, ALIGNMENT = ir.Constant(BITS, [1] * WIDTH), ir.Constant(INT, 8)
+
+
+def _addresses(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+    """Of the elements of an array that a vector of whole numbers names."""
+    first = builder.ptrtoint(context.make_array(array_type)(context, builder, array).data, ir.IntType(64))
+    one = builder.insert_element(ir.Constant(INTEGERS, ir.Undefined), first, ir.Constant(INT, 0))
+    begin = builder.shuffle_vector(one, one, ir.Constant(ir.VectorType(INT, WIDTH), [0] * WIDTH))
+    bytes_on = builder.shl(builder.fptosi(index, INTEGERS), ir.Constant(INTEGERS, [3] * WIDTH))
+    return builder.inttoptr(builder.add(begin, bytes_on), ADDRESSES)
+
+
+def _memory(builder: Any, name: str, result: Any, arguments: list[Any]) -> Any:
+    """Call the masked gather or scatter of LLVM: one instruction where the machine has it."""
+    kind = ir.FunctionType(result, [x.type for x in arguments])
+    name = f"llvm.masked.{name}.v{WIDTH}f64.v{WIDTH}p0"
+    return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), arguments)
+
+
 @operation
 def gather(typingctx: Any, array: Any, index: Any) -> Any:
     """array[index], the index a vector of whole numbers, within the array."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        places = builder.fptosi(args[1], INTEGERS)
-        found = ir.Constant(DOUBLES, ir.Undefined)
-        for lane in range(WIDTH):
-            number = ir.Constant(ir.IntType(32), lane)
-            place = builder.gep(data, [builder.extract_element(places, number)])
-            found = builder.insert_element(found, builder.load(place), number)
-        return found
+        places = _addresses(context, builder, sig.args[0], *args)
+        return _memory(builder, "gather", DOUBLES, [places, ALIGNMENT, EVERY, ir.Constant(DOUBLES, ir.Undefined)])
 
     return vector(array, vector), codegen
 
@@ -49,12 +64,8 @@ def scatter(typingctx: Any, array: Any, index: Any, value: Any) -> Any:
     """array[index] = value, lane by lane; where two lanes share a place the later one stays."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        places = builder.fptosi(args[1], INTEGERS)
-        for lane in range(WIDTH):
-            number = ir.Constant(ir.IntType(32), lane)
-            place = builder.gep(data, [builder.extract_element(places, number)])
-            builder.store(builder.extract_element(args[2], number), place)
+        places = _addresses(context, builder, sig.args[0], args[0], args[1])
+        _memory(builder, "scatter", ir.VoidType(), [args[2], places, ALIGNMENT, EVERY])
         return context.get_dummy_value()
 
     return types.void(array, vector, vector), codegen

@@ -1,9 +1,9 @@
 """Record maps: many bodies under one sampled motion, in lanes (docs/sweeps.md).
 
 The automaton of `march`, cut for speed: LANES bodies in flight, each at its own time, are stepped together
-(`lane_records_step`); a lane that meets an event is looked after by itself (`lane_records_event`), with the guards and
-the closed forms of the single body.  A lane whose body is done takes the next one.  Nothing a body gets depends on
-the others.
+(`lane_records_step`), and so are landings (`lane_records_impact`); a lane that meets another event is looked after by
+itself (`lane_records_event`), with the guards and the closed forms of the single body.  A lane whose body is done takes
+the next one.  Nothing a body gets depends on the others.
 """
 
 from __future__ import annotations
@@ -14,11 +14,12 @@ from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_fused import lowest_bit
 from rockcli.kernels.lane_records_event import arrive, attend
 from rockcli.kernels.lane_records_impact import land
+from rockcli.kernels.lane_records_peak import top
 from rockcli.kernels.lane_records_rest import BLOCK as BLOCK
-from rockcli.kernels.lane_records_rest import FINISHED, STANDING, begin, hand_over, rest
+from rockcli.kernels.lane_records_rest import FINISHED, STANDING, begin, hand_over, park, rest
 from rockcli.kernels.lane_records_rest import HANDED_OVER as HANDED_OVER
-from rockcli.kernels.lane_records_step import LANES, PIECE, STATE, STEPS, STRIDE, advance, advance_linear
-from rockcli.kernels.lane_vector import WIDTH, room
+from rockcli.kernels.lane_records_step import LANES, STATE, STEPS, STRIDE, advance, advance_linear
+from rockcli.kernels.lane_vector import WIDTH, note, room
 from rockcli.kernels.march import MAX_ORDER
 
 ROWS = STATE // STRIDE
@@ -31,9 +32,9 @@ ROUNDS = 1024
 
 
 def work_space():
-    """Work space of `march_lanes`: state, case of each lane, lanes that land, series, the ground."""
+    """Work space of `march_lanes`: state, case of each lane, lanes that land and that turn, series, ground."""
     return (
-        room(STATE), np.zeros(LANES, np.int64), room(LANES + WIDTH),
+        room(STATE), np.zeros(LANES, np.int64), room(LANES + WIDTH), room(LANES + WIDTH),
         *(room(MAX_ORDER + 1) for _ in range(4)), room(2), room(2),
     )  # fmt: skip
 
@@ -45,40 +46,39 @@ def march_lanes(pars, linear, tol, rest_speed, margin, detail, order, values, sl
     values, slopes: of the motion, then two of zeros.  blocks: largest |value| of each block; tail: running bound.
     A row of `out` whose STATUS is HANDED_OVER is for `march_all` to solve.
     """
-    st, case, queue, c, guard, sin_q, cos_q, a, a_v = work
+    st, case, landings, turns, c, guard, sin_q, cos_q, a, a_v = work
     n_case = len(pars)
     following = busy = rounds = 0
+    for lane in range(LANES):
+        park(st, lane)
     patience = STEPS_PER_SAMPLE * len(values) + STEPS_AFTER
     while True:
         # fill the free lanes
         while busy < LANES and following < n_case:
             k = following
             following += 1
-            state = begin(
-                st, busy, pars[k], tol, values, slopes, blocks, tail, dt, out[k],
-            )  # fmt: skip
+            state = begin(st, busy, pars[k], tol, values, slopes, blocks, tail, dt, out[k])
             if state == STANDING:
                 case[busy] = k
                 busy += 1
+            else:
+                park(st, busy)
         if busy == 0:
             return
-        landing = 0
+        landing = turning = 0
+        emptied = False
         for i in range(0, busy, WIDTH):
             if linear:
-                calls, moved, near = advance_linear(st, i, values, slopes)
+                calls, moved, near, tops = advance_linear(st, i, values, slopes)
             else:
-                calls, moved, near = advance(st, i, values, slopes)
+                calls, moved, near, tops = advance(st, i, values, slopes)
+            landing = note(near, 1.0 * i, landings, landing)
+            turning = note(tops, 1.0 * i, turns, turning)
             while calls != 0:
                 place = lowest_bit(calls)
                 calls &= calls - 1
                 lane = i + place
-                if lane >= busy:
-                    break
                 k = case[lane]
-                if (near >> place) & 1:
-                    queue[landing] = lane
-                    landing += 1
-                    continue
                 if (moved >> place) & 1:
                     state = arrive(
                         st, lane, pars[k], linear, tol, margin, detail, order, len(values), dt,
@@ -90,18 +90,21 @@ def march_lanes(pars, linear, tol, rest_speed, margin, detail, order, values, sl
                         tail, dt, c, guard, sin_q, cos_q, a, a_v, out[k],
                     )  # fmt: skip
                 if state == FINISHED:
-                    case[lane] = -1
-        for j in range(landing, min(landing + WIDTH, len(queue))):
-            queue[j] = LANES
+                    case[lane], emptied = -1, True
+        for j in range(turning):
+            lane = int(turns[j])
+            top(st, lane, pars[case[lane]], len(values), dt, out[case[lane]])
+        for j in range(landing, min(landing + WIDTH, len(landings))):
+            landings[j] = LANES
         for j in range(0, landing, WIDTH):
-            over, slow = land(st, queue, j)
+            over, slow = land(st, landings, j)
             calls = over | slow
             while calls != 0:
                 place = lowest_bit(calls)
                 calls &= calls - 1
                 if j + place >= landing:
                     break
-                lane = int(queue[j + place])
+                lane = int(landings[j + place])
                 k = case[lane]
                 if (over >> place) & 1:
                     state = arrive(
@@ -111,15 +114,17 @@ def march_lanes(pars, linear, tol, rest_speed, margin, detail, order, values, sl
                 else:
                     state = rest(st, lane, pars[k], rest_speed, values, slopes, blocks, tail, dt, out[k])
                 if state == FINISHED:
-                    case[lane] = -1
+                    case[lane], emptied = -1, True
         rounds += 1
         if rounds % ROUNDS == 0:
             for lane in range(busy):
                 if case[lane] >= 0 and st[STEPS + lane] > patience:
                     hand_over(out[case[lane]])
-                    case[lane] = -1
+                    case[lane], emptied = -1, True
+        if not emptied:
+            continue
         # close the gaps
-        lane = 0
+        lane, held = 0, busy
         while lane < busy:
             if case[lane] < 0:
                 busy -= 1
@@ -128,5 +133,5 @@ def march_lanes(pars, linear, tol, rest_speed, margin, detail, order, values, sl
                     st[row * STRIDE + lane] = st[row * STRIDE + busy]
             else:
                 lane += 1
-        for lane in range(busy, LANES):  # what is left there goes on unheeded, and must not leave the motion
-            st[PIECE + lane] = 0.0
+        for lane in range(busy, held):
+            park(st, lane)

@@ -101,11 +101,8 @@ def attend(
     c[0] = q
     for k in range(ORDER):
         c[k + 1] = st[COEFFICIENTS + k * STRIDE + i]
-    if not abs(c[ORDER]) <= st[SMALL + i]:
-        if not h > 1e-9 * dt or not q < 10.0:
-            return hand_over(out)
-        st[CAP + i] = 0.5 * h
-        return STANDING
+    if not abs(c[ORDER]) <= st[SMALL + i]:  # halved too often
+        return hand_over(out)
     last = len(values) - 3
     piece = int(st[PIECE + i])
     free = piece > last

@@ -79,6 +79,9 @@ HANDED_OVER = 3
 BLOCK = 64
 """Samples per block of the bounds."""
 
+NEARLY_STEADY = 5e-5
+"""Change of the moment from one impact to the next, relative, below which it is taken to first order."""
+
 BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
 """Impacts slower than this fraction of p alpha bounce under a constant moment, during the motion and after it."""
 
@@ -103,8 +106,9 @@ def begin(st, i, par, tol, values, slopes, blocks, tail, dt, out):
     st[STEPS + i] = st[IMPACTS + i] = st[LANE_ONTO_LEFT + i] = 0.0
     p_alpha = math.sqrt(p2) * par[RIGHT + ALPHA]
     st[LANE_ETA + i], st[FAST + i], st[SLOW + i] = par[RIGHT + ETA], COUNTED * p_alpha, BALLISTIC * p_alpha
-    # the ground presses with less than twice the weight's share, or the guard is open
-    st[SETTLING + i] = 1.0 / ((1.0 - par[RIGHT + ETA]) * p2 * (par[RIGHT + R0] + par[RIGHT + RC]))
+    # the sum of the bounces is least where the ground presses more on the edge of the first
+    eta = par[RIGHT + ETA]
+    st[SETTLING + i] = (1.0 + math.sqrt(eta)) ** 2 / ((1.0 - eta * eta) * p2 * (par[RIGHT + R0] + par[RIGHT + RC]))
     st[PIECE + i], st[X + i], st[LEN + i], st[CAP + i] = 0.0, 0.0, dt, math.inf
     st[END + i] = len(values) - 3.0
     if par[THETA_0] == 0.0 and par[THETA_DOT_0] == 0.0:
@@ -206,6 +210,14 @@ def finish(st, i, verdict, out):
 
 
 @jit_lean
+def park(st, i):
+    """Leave lane i without a body: in a sample without end, where no event comes of it."""
+    st[Q + i], st[V + i], st[X + i], st[PIECE + i], st[END + i] = 1.0, 0.0, 0.0, 0.0, math.inf
+    st[LEN + i], st[CAP + i], st[SMALL + i], st[EQUILIBRIUM + i] = math.inf, 1.0, 0.0, math.inf
+    st[FORCING_C + i] = st[FORCING_S + i] = st[FREE_0 + i] = st[FREE_S + i] = st[FREE_C + i] = 0.0
+
+
+@jit_lean
 def hand_over(out):
     """Leave the body to the single-body kernels."""
     out[STATUS] = HANDED_OVER
@@ -241,7 +253,8 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
         if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > out[PEAK]:
             return ROCKING
         slow = rest_speed * p * math.sin(par[e + ALPHA])
-        while rate > slow:
+        straight = NEARLY_STEADY * lowest * lowest / abs(u1)
+        while rate > slow and rate > straight:
             D, D1 = press + turned * (u0 + u1 * y), turned * u1
             flight = 2.0 * rate / (0.5 * D + math.sqrt(0.25 * D * D + 2.0 / 3.0 * D1 * rate))
             y += flight
@@ -254,11 +267,22 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
                     onto_left += 1.0
             rate *= eta
             turned = -turned
-        if rate > still:
+        if rate > still:  # the rest is a geometric series
             u = turned * (u0 + u1 * y)
-            y += 2.0 * rate * (1.0 / (press + u) + eta / (press - u)) / (1.0 - eta * eta)
+            here, there = press + u, press - u
+            series = 1.0 / (1.0 - eta * eta)
+            y += 2.0 * rate * (1.0 / here + eta / there) * series
             if not (y < left and abs(u0 + u1 * y) < press):
                 return ROCKING
+            if rate > slow:  # they are worth counting
+                drift = turned * u1 * rate * (1.0 / (here * here) - eta / (there * there)) * series
+                rate *= 1.0 + 2.0 / 3.0 * drift
+                while rate > st[FAST + i]:
+                    counted += 1.0
+                    if turned * s > 0.0:
+                        onto_left += 1.0
+                    rate *= eta
+                    turned = -turned
     st[IMPACTS + i] += counted
     st[LANE_ONTO_LEFT + i] += onto_left
     if k > len(values) - 3:

@@ -50,7 +50,8 @@ STRIDE = LANES + 16
 Where a lane is: q, its rate, place in the sample, the sample's length, largest step, sample and the one to stop before,
 sign of theta.  The law (T2) times -p^2, the forcing also times the side and the scale over g.  Last term allowed;
 largest q so far; rotation of the equilibrium; restitution; impacts faster than FAST are counted, slower than SLOW may
-end in rest; least time to rest over the rate.  Impacts, those onto the left edge, steps; the step tried.
+end in rest; least time to rest over the rate.  Impacts, those onto the left edge, steps.  Length of the step tried,
+negative if it was taken.
 """
 
 COEFFICIENTS = 24 * STRIDE
@@ -135,11 +136,11 @@ def advance_linear(st, i, values, slopes):
 @jit_lean
 def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     """Move WIDTH lanes to the end of their steps: (lanes that call for attention, those of them that have moved,
-    those that may touch the base and nothing else).
+    those that may touch the base and nothing else, those that turn where the peak may be).
 
-    A lane stays where it is, its polynomial stored, if it may touch the base, passes a turning point that may be the
-    peak, the equilibrium or the ground, or if its last term is too large.  One that moved and calls all the same has
-    come to the end of its samples.
+    A lane stays where it is if it may touch the base, passes the equilibrium or the ground, or if its last term is too
+    large: then its next step is half as long.  One that moved and calls all the same has come to the end of its
+    samples.  What was tried is stored for every lane, as a branch that is taken often costs more than the stores.
     """
     c1, c2, c3, c4, c5, c6, c7, c8 = d1, I2 * d2, I3 * d3, I4 * d4, I5 * d5, I6 * d6, I7 * d7, I8 * d8
     q_end = q + (c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8)))))
@@ -148,31 +149,38 @@ def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     bend = (abs(c2) + abs(c3)) + ((abs(c4) + abs(c5)) + (abs(c6) + (abs(c7) + error)))
     reach = abs(c1) + bend
     small, star, peak = load(st, SMALL + i), load(st, EQUILIBRIUM + i), load(st, PEAK + i)
+    smooth = error <= small
+    lost = ~smooth & ~(h > 1e-9 * full)
     # one that leaves rest: nothing but its first terms, upward, counts
     launch = (c1 == 0.0) & (q == 0.0) & (c2 >= 0.0) & (c3 > 0.0) & (2.0 * (abs(c2) + abs(c3)) > bend)
-    base = (q <= reach) & (c1 <= bend) & ~launch
-    high = q + reach > select(peak < star, peak, star)
-    rough = ~(error <= small)
-    event = base | rough | high & ((v > 0.0) & (v_end <= 0.0) | (q < star) & (q_end >= star) | (q + reach >= HALF_PI))
+    base = smooth & (q <= reach) & (c1 <= bend) & ~launch
+    upper = q + reach
+    low = smooth & (upper < star)
+    higher = (v > 0.0) & (upper > peak)
+    turns = higher & (v_end <= 0.0)
+    near = low & base & (abs(c1) > 0.0) & ~(higher & (v_end > 0.0))
+    passes = smooth & (upper >= star) & (turns | (q < star) & (q_end >= star) | (upper >= HALF_PI))
     place = x + h
     whole = (h == full - x) | (place >= full)
     piece_end = select(whole, piece + 1.0, piece)
-    over = ~event & (piece_end >= load(st, END + i))
+    ends = piece_end >= load(st, END + i)
+    last = low & turns & ends & ~base
+    event = base | passes | ~smooth | last
+    over = ends & ~event
     store(st, Q + i, select(event, q, q_end))
     store(st, V + i, select(event, v, v_end))
     store(st, X + i, select(event, x, select(whole, 0.0 * x, place)))
     store(st, PIECE + i, select(event, piece, piece_end))
-    store(st, CAP + i, select((h == cap) & (256.0 * error < small), 2.0 * cap, cap))
+    coarse = (h == cap) & (256.0 * error < small)
+    store(st, CAP + i, select(smooth, select(coarse, 2.0 * cap, cap), 0.5 * h))
     store(st, STEPS + i, load(st, STEPS + i) + 1.0)
-    calls = bits(event | over)
-    if calls != 0:
-        store(st, H + i, h)
-        store(st, COEFFICIENTS + i, c1)
-        store(st, COEFFICIENTS + STRIDE + i, c2)
-        store(st, COEFFICIENTS + 2 * STRIDE + i, c3)
-        store(st, COEFFICIENTS + 3 * STRIDE + i, c4)
-        store(st, COEFFICIENTS + 4 * STRIDE + i, c5)
-        store(st, COEFFICIENTS + 5 * STRIDE + i, c6)
-        store(st, COEFFICIENTS + 6 * STRIDE + i, c7)
-        store(st, COEFFICIENTS + 7 * STRIDE + i, c8)
-    return calls, bits(over), bits(base & ~high & ~rough & (abs(c1) > 0.0))
+    store(st, H + i, select(event, h, -h))
+    store(st, COEFFICIENTS + i, c1)
+    store(st, COEFFICIENTS + STRIDE + i, c2)
+    store(st, COEFFICIENTS + 2 * STRIDE + i, c3)
+    store(st, COEFFICIENTS + 3 * STRIDE + i, c4)
+    store(st, COEFFICIENTS + 4 * STRIDE + i, c5)
+    store(st, COEFFICIENTS + 5 * STRIDE + i, c6)
+    store(st, COEFFICIENTS + 6 * STRIDE + i, c7)
+    store(st, COEFFICIENTS + 7 * STRIDE + i, c8)
+    return bits(base & ~near | passes | lost | last | over), bits(over), near, low & turns & ~last
