@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.fold import Values
 from rockcli.scene.response import FAILED
 from rockcli.study.study import Index
 
@@ -26,26 +27,42 @@ UNSAID: dict[str, int] = {"outcome": FAILED, "n_impacts": -1, "n_steps": -1, "n_
 """What stands where there is no answer; NaN among the floats."""
 
 
+class _Travelling:
+    """Whose cases are pickled as runs: most chunks are one, and their numbers would be most of what is sent."""
+
+    cases: Index
+
+    def __getstate__(self) -> dict[str, Any]:
+        spans = spans_of(self.cases)
+        return self.__dict__ | {"cases": spans if len(spans) < 0.01 * len(self.cases) else self.cases}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        if self.cases.ndim == 2:
+            self.cases = cases_of(self.cases)
+
+
 @dataclass(eq=False)
-class Description:
+class Description(_Travelling):
     """What is known of m cases before they are solved.
 
     Attributes:
         cases: flat indices, ascending, of those that could be built.
-        symbols: (m,) by name, or one number where all cases have it; NaN where a case has none.
+        symbols: (m,) by name, or folded along axes on which it does not depend, or one number where all cases have it;
+            NaN where a case has none.
         warnings: sentences about the physics.
         has_mass: whether every case has a mass; symmetric: whether every body is.
     """
 
     cases: Index
-    symbols: dict[str, Array | float]
+    symbols: Values
     warnings: list[str]
     has_mass: bool = True
     symmetric: bool = True
 
 
 @dataclass(eq=False)
-class Answer:
+class Answer(_Travelling):
     """Results of m cases.
 
     Attributes:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from rockcli.engine.agenda import CHUNK, Agenda
 from rockcli.engine.answer import Description
 from rockcli.engine.apart import build_apart
+from rockcli.engine.fold import Values
 from rockcli.engine.measures import peaks
 from rockcli.engine.results import Results
-from rockcli.engine.symbols import Symbols, Values
+from rockcli.engine.symbols import Symbols
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.excitation import Pulses

@@ -17,6 +17,7 @@ from rockcli.engine.choose import choose
 from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
 from rockcli.engine.describe import describe, describe_rest, rows_of, symbols_of
 from rockcli.engine.executors import Team, answers
+from rockcli.engine.fold import Fold
 from rockcli.engine.limits import cases_at_a_time
 from rockcli.engine.parts import Keeper
 from rockcli.engine.results import Results
@@ -58,10 +59,11 @@ class Sweep:
 
 @dataclass(frozen=True, eq=False)
 class Solving:
-    """Solves some cases of a study, wherever it is called (`executors.Work`)."""
+    """Solves some cases of a study, wherever it is called (`executors.Work`); `fold`: how it tells their symbols."""
 
     study: Study
     compiled: bool = False
+    fold: Fold | None = None
 
     def __call__(self, cases: Index) -> Answer:
         """The answer of some cases.
@@ -98,6 +100,8 @@ class Solving:
                         responses.append((some, response))
         answer.sentences = {sentence: np.sort(np.concatenate(where)) for sentence, where in said.items()}
         answer.described = describe(study, built)
+        if self.fold is not None:
+            answer.described.symbols = self.fold(answer.described.cases, answer.described.symbols)
         _join(answer, responses)
         return answer
 
@@ -156,7 +160,7 @@ def work_off(study: Study, sweep: Sweep, results: Results, agenda: Agenda, pace:
     in_all = done + agenda.left
     if sweep.progress is not None and done:
         sweep.progress(done, in_all)
-    for cases, answer in answers(Solving(study, compiled), agenda, pace, sweep.team):
+    for cases, answer in answers(Solving(study, compiled, results.symbols.fold), agenda, pace, sweep.team):
         if answer.described is not None:
             results.describe(answer.described)
             answer.described = None

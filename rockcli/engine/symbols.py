@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.fold import Fold, Folded, Values, places_of, same
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
-Values = dict[str, Array | float]
 
 EDGES = tuple(f"{name}_{side}" for name in ("R", "alpha", "p", "eta") for side in ("left", "right"))
 """Symbols of either edge of an asymmetric body."""
@@ -40,7 +40,7 @@ class Symbols:
                 line = self._line(axis, corner)
                 for name, values in look(line).items():
                     kept = self._kept.setdefault(name, ())
-                    if not isinstance(values, float) and axis not in kept:
+                    if isinstance(values, np.ndarray) and axis not in kept:
                         self._kept[name] = tuple(sorted((*kept, axis)))
 
     def _line(self, axis: int, corner: Index) -> Index:
@@ -49,40 +49,46 @@ class Symbols:
         points[axis] = np.unique(np.linspace(0, n - 1, min(n, LOOKED_AT)).astype(np.int64))
         return np.asarray(np.ravel_multi_index(tuple(points), self.shape), dtype=np.int64)
 
+    @property
+    def fold(self) -> Fold:
+        """Folds the symbols of other cases as far as is known by now."""
+        return Fold(self.shape, dict(self._kept))
+
     def put(self, cases: Index, found: Values) -> None:
         """Take the symbols of some flat cases; one that is not among them has no value there."""
         places: dict[tuple[int, ...], Index] = {}
         for name in dict.fromkeys((*found, *self._values)):
             self._put(name, cases, places, found.get(name, float("nan")))
 
-    def _put(self, name: str, cases: Index, places: dict[tuple[int, ...], Index], values: Array | float) -> None:
+    def _put(
+        self, name: str, cases: Index, places: dict[tuple[int, ...], Index], values: Array | Folded | float
+    ) -> None:
         kept = self._kept.setdefault(name, tuple(range(len(self.shape))))
         if name not in self._values:
             size = [self.shape[axis] for axis in kept]
             self._values[name], self._known[name] = np.full(size, np.nan), np.zeros(size, dtype=bool)
         held = self._values[name].reshape(-1)
-        if len(kept) == len(self.shape):
+        if isinstance(values, Folded) and values.axes != kept:  # by now it is known to depend on more
+            values = values.unfolded(cases, self.shape)
+        said: Array | float
+        if isinstance(values, Folded):
+            at, said = values.places, values.values
+        elif len(kept) == len(self.shape):
             held[cases] = values
             return
-        if kept not in places:
-            places[kept] = self._places(cases, kept)
-        at, known = places[kept], self._known[name].reshape(-1)
-        if (known.all() or known[at].all()) and _same(held[at], values).all():
+        else:
+            if kept not in places:
+                places[kept] = places_of(cases, kept, self.shape)
+            at, said = places[kept], values
+        known = self._known[name].reshape(-1)
+        if (known.all() or known[at].all()) and same(held[at], said).all():
             return  # as most chunks say
-        before = np.where(known[at], held[at], values)
-        held[at], known[at] = values, True
-        if not (_same(before, values).all() and _same(held[at], values).all()):
+        before = np.where(known[at], held[at], said)
+        held[at], known[at] = said, True
+        if not (same(before, said).all() and same(held[at], said).all()):
             held[at] = before  # as it was, but for what this chunk was the first to say
             self._over_all(name, kept)
             self._put(name, cases, places, values)
-
-    def _places(self, cases: Index, kept: tuple[int, ...]) -> Index:
-        """Flat places of cases among the points of some axes."""
-        places = np.zeros(len(cases), dtype=np.int64)
-        for axis in kept:
-            inner = int(np.prod(self.shape[axis + 1 :], dtype=np.int64))
-            places = places * self.shape[axis] + cases // inner % self.shape[axis]
-        return places
 
     def _over_all(self, name: str, kept: tuple[int, ...]) -> None:
         inserted = tuple(slice(None) if axis in kept else None for axis in range(len(self.shape)))
@@ -98,18 +104,13 @@ class Symbols:
         return reduce(values, tuple(axes[axis] for axis in self._kept[name]))
 
 
-def _same(one: Array, other: Array | float) -> NDArray[np.bool_]:
-    equal = np.asarray(one == other)
-    return equal if equal.all() else np.asarray(equal | (np.isnan(one) & np.isnan(other)))
-
-
 def reduce(values: Array, axes: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
     """Drop the axes along which values do not change (NaN equals NaN); the dims left and the values over them."""
     kept: list[str] = []
     for axis in axes:
         at = len(kept)
         first = np.take(values, [0], axis=at)
-        if _same(values, first).all():
+        if same(values, first).all():
             values = first.squeeze(axis=at)
         else:
             kept.append(axis)
