@@ -262,7 +262,7 @@ def mark(ax: Any, row: dict[str, Any], i: int, j: int) -> None:
         text = "0" if abs(error) < LOW else in_words(abs(error)) if abs(error) < 0.01 else f"{abs(error):.1g}"
         if abs(error) > 3.0 * float(row["error_estimate"]) and abs(error) > 1e-11:
             ax.add_patch(Rectangle((i - 0.46, j - 0.46), 0.92, 0.92, fill=False, edgecolor="black", linewidth=1.0))
-    colour = {"x": "#000000", "?": "#CC79A7", "!": "#000000", "o": "#8A8A8A"}.get(text, "#000000")
+    colour = {"?": "#CC79A7", "o": "#8A8A8A"}.get(text, "#000000")
     ax.text(i, j, text, ha="center", va="center", fontsize=7, color=colour)
 
 

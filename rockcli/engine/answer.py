@@ -111,10 +111,9 @@ def blank(names: tuple[str, ...], n: int) -> dict[str, NDArray[Any]]:
 
 def spans_of(cases: Index) -> Index:
     """First and last + 1 of every run of consecutive cases, (k, 2)."""
-    breaks = np.flatnonzero(np.diff(cases) != 1) + 1
-    starts = np.concatenate([[0], breaks]).astype(np.int64)
-    stops = np.concatenate([breaks, [len(cases)]]).astype(np.int64)
-    return np.column_stack([cases[starts], cases[stops - 1] + 1])
+    firsts = np.flatnonzero(np.diff(cases, prepend=cases[:1] - 2) != 1)
+    lasts = np.flatnonzero(np.diff(cases, append=cases[-1:] + 2) != 1)
+    return np.column_stack([cases[firsts], cases[lasts] + 1])
 
 
 def cases_of(spans: Index) -> Index:

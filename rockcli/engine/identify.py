@@ -23,8 +23,6 @@ STAGES = (0.15, 0.3, 0.6, 1.0)
 
 ETA, ALPHA, P, THETA, RATE = "eta", "alpha", "p", "theta_0", "theta_dot_0"
 
-PARAMETERS = (ETA, ALPHA, P, THETA, RATE)
-
 _LEAST = 0.2
 """Smallest alpha and p that are tried, relative to the first guess; the inverse is the largest p."""
 

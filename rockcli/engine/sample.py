@@ -15,7 +15,11 @@ SEED = 20260102
 
 
 class Sample:
-    """The sampled cases: batches, each with the rows it fills; the first alone; the models the study solves."""
+    """The sampled cases: batches, each with the rows it fills; the first alone; the models the study solves.
+
+    Raises:
+        StudyError: the study searches a range, or asks for the scheme fema356, which has no settings to trade.
+    """
 
     def __init__(self, study: Study, sample: int) -> None:
         if study.search is not None:

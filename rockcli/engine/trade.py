@@ -171,8 +171,8 @@ def trade(
     """Measure every setting that can solve the study's models, coarse to fine, while the budget lasts.
 
     References are solved first, whatever they cost; that of the full mesh is the finest setting the budget allows.
-    A setting that is expected to take longer than what is left of the
-    budget is skipped, with all finer ones of its family.
+    A setting that is expected to take longer than what is left of the budget is skipped, with all finer ones of its
+    family.
 
     Args:
         study: a checked study; axes over solver, model and geometry are the trade's own and stay at their first point.

@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 FOUND = "_overturning"
 """End of the name of what a search found, after that of the axis searched."""
 
+WHY_NOT = "the first point overturns already, or one on the way has no answer"
+"""What a threshold that is NaN may mean."""
+
 
 def threshold_words(values: NDArray[np.float64], axes: Mapping[str, NDArray[Any]]) -> str:
     """The lowest and the highest threshold, where they are, and how many cases have none.
 
     Args:
-        values: thresholds over the axes, inf where nothing overturns, NaN where no answer was found.
+        values: thresholds over the axes, inf where nothing overturns, NaN where that cannot be said (WHY_NOT).
         axes: name -> coordinates, outermost first.
     """
 
@@ -35,7 +38,7 @@ def threshold_words(values: NDArray[np.float64], axes: Mapping[str, NDArray[Any]
         low, high = int(found[order[0]]), int(found[order[-1]])
         to = f" to {values.flat[high]:.6g}{at(high)}" if high != low else ""
         said.append(f"from {values.flat[low]:.6g}{at(low)}{to} on")
-    for count, words in ((int(np.isinf(values).sum()), "not at all"), (int(np.isnan(values).sum()), "no answer")):
-        if count:
-            said.append(words if count == values.size else f"{words} in {count} of {values.size} cases")
+    for which, words, why in ((np.isinf(values), "not at all", ""), (np.isnan(values), "not found", f": {WHY_NOT}")):
+        if count := int(which.sum()):
+            said.append((words if count == values.size else f"{words} in {count} of {values.size} cases") + why)
     return "; ".join(said)

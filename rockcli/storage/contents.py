@@ -118,12 +118,6 @@ def text(values: Sequence[str]) -> NDArray[Any]:
     return array
 
 
-def outcome_names(flags: NDArray[np.int8]) -> NDArray[Any]:
-    """Meanings of outcome flags, same shape, as strings."""
-    table = np.array([OUTCOMES[flag] for flag in sorted(OUTCOMES)], dtype=object)
-    return np.asarray(table[np.asarray(flags, dtype=int) - min(OUTCOMES)])
-
-
 def root_attributes(
     *, title: str, source: str, history: str, references: str, more: Mapping[str, str]
 ) -> dict[str, str]:

@@ -153,10 +153,12 @@ def test_what_is_the_users_fault_is_told_by_a_worker_too(by) -> None:
         solved(study(), 2)
 
 
-def test_what_breaks_while_it_is_built_is_a_failed_case(by, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("chunk", [7, 1])  # 1: a chunk in which nothing can be built
+def test_what_breaks_while_it_is_built_is_a_failed_case(by, chunk: int) -> None:
     given = study()
     by(worth=NEVER)
     whole = solved(given)
+    by(chunk=chunk)
 
     class Fading:
         def batches(self, indices):  # type: ignore[no-untyped-def]

@@ -16,7 +16,6 @@ from rockcli.storage.contents import (
     Contents,
     Field,
     axis_field,
-    outcome_names,
     reasons_field,
     root_attributes,
     time_field,
@@ -96,7 +95,6 @@ def test_outcome_is_a_flag_without_fill_value(path: Path) -> None:
         ]
     flags = open_dataset(path)["outcome"]
     assert flags.dtype == np.int8
-    assert outcome_names(flags.values)[2].tolist() == ["failed", "unresolved"]
 
 
 def test_every_number_has_a_unit_and_a_sentence(path: Path) -> None:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from rockcli.solvers.calculix.deck import INCLINATION, Deck
 
 Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
