@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_roots import LOST, NO_ROOT, first_root, turning_point
-from rockcli.kernels.lane_series import slope_of
+from rockcli.kernels.lane_series import look_along
 from rockcli.kernels.lane_state import (
     BRACKET,
+    BREADTH,
     DONE,
     EVENT,
     HANDED,
@@ -32,6 +33,9 @@ from rockcli.kernels.lane_state import (
     stride,
 )
 from rockcli.kernels.lane_vector import WIDTH, gather, load, note, select, some, spread, store
+
+PARTS = 8
+"""Places of a step at which the rate is looked at where more than one turning point is possible."""
 
 
 @jit_lean
@@ -104,8 +108,9 @@ def find_uplifts(state, n, poly, lanes, count):
 
 @jit_lean
 def find_tops(state, n, tol, poly, lanes):
-    """Turning points of the lanes that may have passed a higher one than before: in the step or in half of it.
+    """Turning points of the lanes that may have passed a higher one than before.
 
+    If P'' keeps its sign there is at most one; else the highest of those that show at PARTS places is taken.
     Equal peaks of an undamped body differ by the errors of the steps: a later one must be higher by more than that.
     """
     count = 0
@@ -116,18 +121,32 @@ def find_tops(state, n, tol, poly, lanes):
         may = (load(state, o + MODE * WIDTH) == ROCK) & (event >= NONE) & (event < DONE)
         may = may & (load(state, o + REACH * WIDTH) > load(state, o + TOP * WIDTH))
         if some(may):
-            v_half = slope_of(state, series_of_q(o), n, 0.5 * x)
-            early, late = (v > 0.0) & (v_half <= 0.0), (v_half > 0.0) & (v_new <= 0.0)
-            store(state, o + BRACKET * WIDTH, select(early, 0.0, 0.5))
-            count = note(may & (early | late), 1.0 * o, lanes, count)
+            c = series_of_q(o)
+            second = load(state, c + 2 * WIDTH)
+            rises = (v > 0.0) | ((v == 0.0) & (second > 0.0))
+            _, _, bends, _ = look_along(state, c, n, x)
+            bump = abs(bends) > 4.0 * abs(second)
+            turns = rises & ~bump & (v_new <= 0.0)
+            begin, breadth, best = spread(0.0), spread(1.0), spread(-1.0)
+            if some(may & bump):
+                for j in range(1, PARTS + 1):
+                    P, dP, _, _ = look_along(state, c, n, (j / PARTS) * x)
+                    here = bump & rises & (dP <= 0.0) & (best < P)
+                    begin, breadth = select(here, (j - 1) / PARTS, begin), select(here, 1.0 / PARTS, breadth)
+                    best = select(here, P, best)
+                    rises = dP > 0.0
+            store(state, o + BRACKET * WIDTH, begin)
+            store(state, o + BREADTH * WIDTH, breadth)
+            count = note(may & (turns | (best > -1.0)), 1.0 * o, lanes, count)
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
         lane = padded(lanes, begin, slots, poly)
         x = gather(state, lane + 1.0 * (X * WIDTH))
         share = gather(state, lane + 1.0 * (BRACKET * WIDTH))
+        breadth = gather(state, lane + 1.0 * (BREADTH * WIDTH))
         for k in range(n + 1):
             store(poly, k * WIDTH, gather(state, lane + 1.0 * series_of_q(k * WIDTH)))
-        x, P = turning_point(poly, n, share * x, (share + 0.5) * x)
+        x, P = turning_point(poly, n, share * x, (share + breadth) * x)
         store(poly, 0, x)
         store(poly, WIDTH, P)
         for j in range(slots):

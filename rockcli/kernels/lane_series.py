@@ -124,15 +124,6 @@ def reach_of(state, c, n, small, h):
 
 
 @jit_lean
-def slope_of(state, c, n, x):
-    """The derivative at x of the polynomial at c."""
-    dP = n * load(state, c + n * WIDTH)
-    for k in range(n - 1, 0, -1):
-        dP = dP * x + k * load(state, c + k * WIDTH)
-    return dP
-
-
-@jit_lean
 def look_along(state, c, n, h):
     """(P(h), P'(h), bound of |P''|, bound of |P|) of the polynomial P at c, the bounds on [0, h]."""
     P = load(state, c + n * WIDTH)

@@ -46,14 +46,15 @@ VECTORS = 8
 (
     CASE, MODE, PIECE, T, T_NEXT, H, X, Q, V, S, VERDICT, LAUNCH, N_STEPS, N_IMPACTS, TOP, TOP_SIDE, TOP_T, UP_T,
     L_P, L_ALPHA, L_R0, L_RS, L_RC, L_FC, L_FS, L_ALONG, L_ACROSS, L_GUARD, L_STAR, L_TOP, L_ETA, L_PULL, L_END, L_STOP,
-    L_BOUND, KIND, ORIGIN, C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, EVENT, NEW_Q, NEW_V, REACH, BRACKET, SINE, COSINE,
-    BELL_E, FIELDS,
-) = range(56)  # fmt: skip
+    L_BOUND, KIND, ORIGIN, C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, EVENT, NEW_Q, NEW_V, REACH, BRACKET, BREADTH, SINE,
+    COSINE, BELL_E, FIELDS,
+) = range(57)  # fmt: skip
 """CASE row of the case, -1 idle.  T, T_NEXT now and the next breakpoint; H the step, X how far it goes.  TOP* the
 peak so far; UP_T uplift.  L_*: constants of the case, p^2 and 1/g multiplied in; L_ALONG, L_ACROSS: the restoring
 moment as r0 + along f + across df/dq, f = fc cos q + fs sin q; L_GUARD uplift |a_g|; L_TOP energy of the equilibrium;
 L_PULL p^2 max|f|/g; L_BOUND of |a_g|.  KIND, ORIGIN, C*: the piece of the motion (scene/excitation.py).  EVENT, NEW_*:
-what the step under way comes to; REACH bound of |q| on it, BRACKET where the half of it with a turning point begins.
+what the step under way comes to; REACH bound of |q| on it, BRACKET where the part of it with
+a turning point begins, and BREADTH how long that is, as shares of X.
 SINE, COSINE of q (q, 1 if linear), BELL_E exp(-y^2/2): now.
 After the fields come the coefficients of q, orders 0 to n and four more that stay zero, then those of a_g."""
 

@@ -21,7 +21,7 @@ from rockcli.kernels.layout import (
     T_PEAK,
 )
 from rockcli.kernels.roots import turning_point
-from rockcli.kernels.series import slope, value
+from rockcli.kernels.series import bend, slope, value
 
 
 @jit_lean
@@ -71,14 +71,19 @@ def raise_peak(par, e, s, c, n, x, t, parts, out):
 
     Equal peaks of an undamped body differ by rounding: a later one must be higher by more than that.
     """
-    lo, v_lo = 0.0, c[1]
+    lo, v_lo, b_lo = 0.0, c[1], 2.0 * c[2]
     for j in range(1, parts + 1):
-        hi = x * j / parts
-        v_hi = slope(c, n, hi)
-        if v_lo > 0.0 >= v_hi:
-            y = turning_point(c, n, lo, hi)
-            set_peak(par, e, s, value(c, n, y), t + y, out)
-        lo, v_lo = hi, v_hi
+        end = x * j / parts
+        b_hi = bend(c, n, end)
+        # where the bend changes its sign the rate has an extreme, which the ends do not show
+        middle = lo + (end - lo) * b_lo / (b_lo - b_hi) if b_lo * b_hi < 0.0 else end
+        for hi in (middle, end):
+            v_hi = slope(c, n, hi)
+            if (v_lo > 0.0 or (v_lo == 0.0 and b_lo > 0.0)) and v_hi <= 0.0 and hi > lo:
+                y = turning_point(c, n, lo, hi)
+                set_peak(par, e, s, value(c, n, y), t + y, out)
+            lo, v_lo = hi, v_hi
+        b_lo = b_hi
 
 
 @jit_lean
