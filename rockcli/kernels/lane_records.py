@@ -8,21 +8,17 @@ the next one.  Nothing a body gets depends on the others.
 
 from __future__ import annotations
 
-import numpy as np
-
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.lane_fused import lowest_bit
+from rockcli.kernels.lane_fused import lowest_bit, page_the_stack
 from rockcli.kernels.lane_records_event import arrive, attend
 from rockcli.kernels.lane_records_impact import land
 from rockcli.kernels.lane_records_peak import top
 from rockcli.kernels.lane_records_rest import BLOCK as BLOCK
 from rockcli.kernels.lane_records_rest import FINISHED, STANDING, begin, hand_over, park, rest
 from rockcli.kernels.lane_records_rest import HANDED_OVER as HANDED_OVER
-from rockcli.kernels.lane_records_step import LANES, STATE, STEPS, STRIDE, advance, advance_linear
+from rockcli.kernels.lane_records_step import CASE, LANES, STATE, STEPS, STRIDE, advance, advance_linear, place
 from rockcli.kernels.lane_vector import WIDTH, note, room
 from rockcli.kernels.march import MAX_ORDER
-
-ROWS = STATE // STRIDE
 
 STEPS_PER_SAMPLE, STEPS_AFTER = 16, 20_000
 """Steps a body may take in lanes, a sample on the average and after the motion; one that needs more is handed over."""
@@ -32,106 +28,114 @@ ROUNDS = 1024
 
 
 def work_space():
-    """Work space of `march_lanes`: state, case of each lane, lanes that land and that turn, series, ground."""
+    """Work space of `march_lanes`: state, lanes that land and that turn, series, ground."""
     return (
-        room(STATE), np.zeros(LANES, np.int64), room(LANES + WIDTH), room(LANES + WIDTH),
+        room(STATE), room(LANES + WIDTH), room(LANES + WIDTH),
         *(room(MAX_ORDER + 1) for _ in range(4)), room(2), room(2),
     )  # fmt: skip
 
 
 @jit_lean
-def march_lanes(pars, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, dt, work, out):
+def march_lanes(
+    pars, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, velocity, dt, work, out
+):
     """`march_all` for bodies with two equal edges, no damper, under one sampled motion; no forces, no histories.
 
     values, slopes: of the motion, then two of zeros.  blocks: largest |value| of each block; tail: running bound.
+    velocity: of the ground, as `lost` wants it, or nothing if the path of a fall is asked for.
     A row of `out` whose STATUS is HANDED_OVER is for `march_all` to solve.
     """
-    st, case, landings, turns, c, guard, sin_q, cos_q, a, a_v = work
+    page_the_stack()
+    st, landings, turns, c, guard, sin_q, cos_q, a, a_v = work
     n_case = len(pars)
     following = busy = rounds = 0
     for lane in range(LANES):
-        park(st, lane)
+        park(st, place(lane))
     patience = STEPS_PER_SAMPLE * len(values) + STEPS_AFTER
     while True:
         # fill the free lanes
         while busy < LANES and following < n_case:
             k = following
             following += 1
-            state = begin(st, busy, pars[k], tol, values, slopes, blocks, tail, dt, out[k])
+            i = place(busy)
+            state = begin(st, i, pars[k], tol, values, slopes, blocks, tail, len(velocity) == 0, dt, out[k])
             if state == STANDING:
-                case[busy] = k
+                st[CASE + i] = k
                 busy += 1
             else:
-                park(st, busy)
+                park(st, i)
         if busy == 0:
             return
         landing = turning = 0
         emptied = False
-        for i in range(0, busy, WIDTH):
+        for o in range(0, place(busy - 1) + 1, STRIDE):
             if linear:
-                calls, moved, near, tops = advance_linear(st, i, values, slopes)
+                calls, moved, near, tops = advance_linear(st, o, values, slopes)
             else:
-                calls, moved, near, tops = advance(st, i, values, slopes)
-            landing = note(near, 1.0 * i, landings, landing)
-            turning = note(tops, 1.0 * i, turns, turning)
+                calls, moved, near, tops = advance(st, o, values, slopes)
+            landing = note(near, 1.0 * o, landings, landing)
+            turning = note(tops, 1.0 * o, turns, turning)
             while calls != 0:
-                place = lowest_bit(calls)
+                bit = lowest_bit(calls)
                 calls &= calls - 1
-                lane = i + place
-                k = case[lane]
-                if (moved >> place) & 1:
+                i = o + bit
+                k = int(st[CASE + i])
+                if (moved >> bit) & 1:
                     state = arrive(
-                        st, lane, pars[k], linear, tol, margin, detail, order, len(values), dt,
-                        c, sin_q, cos_q, a, a_v, out[k],
+                        st, i, pars[k], linear, tol, margin, detail, order, len(values), dt,
+                        velocity, c, sin_q, cos_q, a, a_v, out[k],
                     )  # fmt: skip
                 else:
                     state = attend(
-                        st, lane, pars[k], linear, tol, rest_speed, margin, detail, order, values, slopes, blocks,
-                        tail, dt, c, guard, sin_q, cos_q, a, a_v, out[k],
+                        st, i, pars[k], linear, tol, rest_speed, margin, detail, order, values, slopes, blocks,
+                        tail, velocity, dt, c, guard, sin_q, cos_q, a, a_v, out[k],
                     )  # fmt: skip
                 if state == FINISHED:
-                    case[lane], emptied = -1, True
+                    st[CASE + i], emptied = -1.0, True
         for j in range(turning):
-            lane = int(turns[j])
-            top(st, lane, pars[case[lane]], len(values), dt, out[case[lane]])
+            i = int(turns[j])
+            k = int(st[CASE + i])
+            top(st, i, pars[k], len(values), dt, out[k])
         for j in range(landing, min(landing + WIDTH, len(landings))):
-            landings[j] = LANES
+            landings[j] = place(LANES)
         for j in range(0, landing, WIDTH):
             over, slow = land(st, landings, j)
             calls = over | slow
             while calls != 0:
-                place = lowest_bit(calls)
+                bit = lowest_bit(calls)
                 calls &= calls - 1
-                if j + place >= landing:
+                if j + bit >= landing:
                     break
-                lane = int(landings[j + place])
-                k = case[lane]
-                if (over >> place) & 1:
+                i = int(landings[j + bit])
+                k = int(st[CASE + i])
+                if (over >> bit) & 1:
                     state = arrive(
-                        st, lane, pars[k], linear, tol, margin, detail, order, len(values), dt,
-                        c, sin_q, cos_q, a, a_v, out[k],
+                        st, i, pars[k], linear, tol, margin, detail, order, len(values), dt,
+                        velocity, c, sin_q, cos_q, a, a_v, out[k],
                     )  # fmt: skip
                 else:
-                    state = rest(st, lane, pars[k], rest_speed, values, slopes, blocks, tail, dt, out[k])
+                    state = rest(st, i, pars[k], rest_speed, values, slopes, blocks, tail, dt, out[k])
                 if state == FINISHED:
-                    case[lane], emptied = -1, True
+                    st[CASE + i], emptied = -1.0, True
         rounds += 1
         if rounds % ROUNDS == 0:
             for lane in range(busy):
-                if case[lane] >= 0 and st[STEPS + lane] > patience:
-                    hand_over(out[case[lane]])
-                    case[lane], emptied = -1, True
+                i = place(lane)
+                if st[CASE + i] >= 0.0 and st[STEPS + i] > patience:
+                    hand_over(out[int(st[CASE + i])])
+                    st[CASE + i], emptied = -1.0, True
         if not emptied:
             continue
         # close the gaps
         lane, held = 0, busy
         while lane < busy:
-            if case[lane] < 0:
+            i = place(lane)
+            if st[CASE + i] < 0.0:
                 busy -= 1
-                case[lane] = case[busy]
-                for row in range(ROWS):
-                    st[row * STRIDE + lane] = st[row * STRIDE + busy]
+                last = place(busy)
+                for field in range(0, STRIDE, WIDTH):
+                    st[i + field] = st[last + field]
             else:
                 lane += 1
         for lane in range(busy, held):
-            park(st, lane)
+            park(st, place(lane))

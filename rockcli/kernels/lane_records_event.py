@@ -9,6 +9,7 @@ from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_records_rest import (
     BALLISTIC,
     BALLISTIC_AFTER,
+    FARTHER,
     ROCKING,
     STANDING,
     finish,
@@ -21,15 +22,19 @@ from rockcli.kernels.lane_records_step import (
     COEFFICIENTS,
     END,
     FAST,
+    FORCING_C,
+    FORCING_S,
+    FREE_0,
+    FREE_S,
     HALF_PI,
     IMPACTS,
     LEN,
+    LOOK,
     ORDER,
     PIECE,
     SIDE,
     SLOW,
     SMALL,
-    STRIDE,
     H,
     Q,
     V,
@@ -37,6 +42,7 @@ from rockcli.kernels.lane_records_step import (
 )
 from rockcli.kernels.lane_records_step import ONTO_LEFT as LANE_ONTO_LEFT
 from rockcli.kernels.lane_records_step import PEAK as LANE_PEAK
+from rockcli.kernels.lane_vector import WIDTH
 from rockcli.kernels.layout import (
     ALPHA,
     ETA,
@@ -62,7 +68,7 @@ from rockcli.kernels.watch import set_peak
 
 
 @jit_lean
-def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, c, sin_q, cos_q, a, a_v, out):
+def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, velocity, c, sin_q, cos_q, a, a_v, out):
     """A rocking lane at the end of its samples: the motion's, or the report's.
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
@@ -74,6 +80,9 @@ def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, c, sin_
         out[FELL] = verdict
         if detail == OUTCOME:
             out[T_END] = par[T_MOTION]
+            return finish(st, i, verdict, out)
+        if verdict == FALLS and v > 0.0 and len(velocity) > 0:
+            out[T_END], out[PEAK_SIDE] = par[T_MOTION], s
             return finish(st, i, verdict, out)
         st[PIECE + i], st[END + i], st[X + i] = n_values - 2, n_values - 1, 0.0
         st[LEN + i] = par[T_STOP] - par[T_MOTION]
@@ -93,14 +102,14 @@ def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, c, sin_
 
 @jit_lean
 def attend(
-    st, i, par, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, dt,
+    st, i, par, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, velocity, dt,
     c, guard, sin_q, cos_q, a, a_v, out,
 ):  # fmt: skip
     """Look at the step lane i tried, go as far as its first event, and see to that."""
     q, h, x0 = st[Q + i], st[H + i], st[X + i]
     c[0] = q
     for k in range(ORDER):
-        c[k + 1] = st[COEFFICIENTS + k * STRIDE + i]
+        c[k + 1] = st[COEFFICIENTS + k * WIDTH + i]
     if not abs(c[ORDER]) <= st[SMALL + i]:  # halved too often
         return hand_over(out)
     last = len(values) - 3
@@ -109,6 +118,12 @@ def attend(
     t0 = (par[T_MOTION] if free else piece * dt) + x0
     s = st[SIDE + i]
     e, other = (RIGHT, LEFT) if s > 0.0 else (LEFT, RIGHT)
+    path = len(velocity) == 0
+    if not (path or free or q < par[e + Q_STAR] or c[1] <= 0.0):
+        if lost(st, i, values, slopes, velocity, linear):
+            out[T_END], out[PEAK_SIDE] = t0, s
+            return finish(st, i, FALLS, out)
+        st[LOOK + i] = min(FARTHER * max(q, st[LOOK + i]), HALF_PI)
     skip = 0
     if q == 0.0:
         if c[1] == 0.0:
@@ -154,7 +169,7 @@ def attend(
         y = turning_point(c, ORDER, 0.0, x)
         set_peak(par, e, s, value(c, ORDER, y), t0 + y * h, out)
         st[LANE_PEAK + i] = out[PEAK]
-    if reach >= star:
+    if path and reach >= star:
         passed = last_passage(c, ORDER, star, x, 1)
         if passed != NO_ROOT:
             out[T_OVERTURN] = t0 + passed * h
@@ -207,5 +222,27 @@ def attend(
             if state != ROCKING:
                 return state
     if at_end:
-        return arrive(st, i, par, linear, tol, margin, detail, order, len(values), dt, c, sin_q, cos_q, a, a_v, out)
+        return arrive(
+            st, i, par, linear, tol, margin, detail, order, len(values), dt, velocity, c, sin_q, cos_q, a, a_v, out
+        )
     return STANDING
+
+
+@jit_lean
+def lost(st, i, values, slopes, velocity, linear):
+    """Whether lane i, beyond the equilibrium and going on, falls whatever the ground still does.
+
+    Out there gravity only helps and the part of the forcing that counts, f = fc cos q + fs sin q, falls as q grows; by
+    the mean value theorem the ground takes at most f times its largest later change of velocity (docs/sweeps.md, L6).
+    velocity: at each sample, its largest and its least from there on.
+    """
+    q, v, k, x = st[Q + i], st[V + i], int(st[PIECE + i]), st[X + i]
+    force, change = st[FORCING_C + i], 0.0
+    if not linear:
+        sine, cosine = math.sin(q), math.cos(q)
+        force, change = force * cosine + st[FORCING_S + i] * sine, st[FORCING_S + i] * cosine - force * sine
+        if st[FREE_0 + i] + st[FREE_S + i] < 0.0 or force * change > 0.0:
+            return False
+    now = velocity[k, 0] + x * (values[k] + 0.5 * x * slopes[k])
+    pull = velocity[k, 1] - now if force < 0.0 else now - velocity[k, 2]
+    return v > abs(force) * pull + st[FAST + i]

@@ -18,13 +18,12 @@ from rockcli.kernels.lane_records_step import (
     SETTLING,
     SIDE,
     SLOW,
-    STRIDE,
     H,
     Q,
     V,
     X,
 )
-from rockcli.kernels.lane_vector import load, select, some, sqrt
+from rockcli.kernels.lane_vector import WIDTH, load, select, some, sqrt
 
 
 @jit_lean
@@ -35,10 +34,10 @@ def land(st, queue, j):
     """
     lanes = load(queue, j)
     q, h = gather(st, lanes + Q), gather(st, lanes + H)
-    c1, c2 = gather(st, lanes + COEFFICIENTS), gather(st, lanes + (COEFFICIENTS + STRIDE))
-    c3, c4 = gather(st, lanes + (COEFFICIENTS + 2 * STRIDE)), gather(st, lanes + (COEFFICIENTS + 3 * STRIDE))
-    c5, c6 = gather(st, lanes + (COEFFICIENTS + 4 * STRIDE)), gather(st, lanes + (COEFFICIENTS + 5 * STRIDE))
-    c7, c8 = gather(st, lanes + (COEFFICIENTS + 6 * STRIDE)), gather(st, lanes + (COEFFICIENTS + 7 * STRIDE))
+    c1, c2 = gather(st, lanes + COEFFICIENTS), gather(st, lanes + (COEFFICIENTS + WIDTH))
+    c3, c4 = gather(st, lanes + (COEFFICIENTS + 2 * WIDTH)), gather(st, lanes + (COEFFICIENTS + 3 * WIDTH))
+    c5, c6 = gather(st, lanes + (COEFFICIENTS + 4 * WIDTH)), gather(st, lanes + (COEFFICIENTS + 5 * WIDTH))
+    c7, c8 = gather(st, lanes + (COEFFICIENTS + 6 * WIDTH)), gather(st, lanes + (COEFFICIENTS + 7 * WIDTH))
 
     # first root by (T4); the zero at the start of a flight is divided out
     off = q == 0.0

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.lane_records_step import COEFFICIENTS, PEAK, PIECE, SIDE, STRIDE, H, Q, X
+from rockcli.kernels.lane_records_step import COEFFICIENTS, PEAK, PIECE, SIDE, H, Q, X
+from rockcli.kernels.lane_vector import WIDTH
 from rockcli.kernels.layout import PEAK as HIGHEST
 from rockcli.kernels.layout import RIGHT, T_MOTION
 from rockcli.kernels.watch import set_peak
@@ -19,8 +20,8 @@ def top(st, i, par, n_values, dt, out):
     Newton's method kept inside the bracket, from where a parabola turns.
     """
     j = COEFFICIENTS + i
-    c1, c2, c3, c4 = st[j], st[j + STRIDE], st[j + 2 * STRIDE], st[j + 3 * STRIDE]
-    c5, c6, c7, c8 = st[j + 4 * STRIDE], st[j + 5 * STRIDE], st[j + 6 * STRIDE], st[j + 7 * STRIDE]
+    c1, c2, c3, c4 = st[j], st[j + WIDTH], st[j + 2 * WIDTH], st[j + 3 * WIDTH]
+    c5, c6, c7, c8 = st[j + 4 * WIDTH], st[j + 5 * WIDTH], st[j + 6 * WIDTH], st[j + 7 * WIDTH]
     d2, d3, d4, d5, d6, d7, d8 = 2.0 * c2, 3.0 * c3, 4.0 * c4, 5.0 * c5, 6.0 * c6, 7.0 * c7, 8.0 * c8
     low, high = 0.0, 1.0
     x = -c1 / d2 if d2 < -c1 else 0.5

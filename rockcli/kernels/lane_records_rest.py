@@ -8,15 +8,16 @@ from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_records_step import (
     CAP,
     END,
-    EQUILIBRIUM,
     FAST,
     FORCING_C,
     FORCING_S,
     FREE_0,
     FREE_C,
     FREE_S,
+    HALF_PI,
     IMPACTS,
     LEN,
+    LOOK,
     PIECE,
     SETTLING,
     SIDE,
@@ -76,6 +77,9 @@ FINISHED, STANDING, ROCKING = 0, 1, 2
 HANDED_OVER = 3
 """STATUS of a body that needs the single-body kernels."""
 
+FARTHER = 1.25
+"""Rotations at which a body beyond the equilibrium is looked at, each over the one before."""
+
 BLOCK = 64
 """Samples per block of the bounds."""
 
@@ -87,7 +91,7 @@ BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
 
 
 @jit_lean
-def begin(st, i, par, tol, values, slopes, blocks, tail, dt, out):
+def begin(st, i, par, tol, values, slopes, blocks, tail, path, dt, out):
     """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED."""
     for k in range(N_OUT):
         out[k] = 0.0
@@ -101,8 +105,10 @@ def begin(st, i, par, tol, values, slopes, blocks, tail, dt, out):
     # the first term left out is at most an eighth of the last one kept: a hundredth of what the level allows, as an
     # error may grow with every impact, and it costs a tenth more steps
     st[SMALL + i] = 0.08 * tol * par[RIGHT + ALPHA]
-    st[EQUILIBRIUM + i] = par[RIGHT + Q_STAR]
     st[LANE_PEAK + i] = 0.0
+    # who does not ask when it passes the equilibrium looks where it is farther from there, and mostly lost
+    star = par[RIGHT + Q_STAR]
+    st[LOOK + i] = star if path else min(FARTHER * star, max(star, HALF_PI))
     st[STEPS + i] = st[IMPACTS + i] = st[LANE_ONTO_LEFT + i] = 0.0
     p_alpha = math.sqrt(p2) * par[RIGHT + ALPHA]
     st[LANE_ETA + i], st[FAST + i], st[SLOW + i] = par[RIGHT + ETA], COUNTED * p_alpha, BALLISTIC * p_alpha
@@ -213,7 +219,7 @@ def finish(st, i, verdict, out):
 def park(st, i):
     """Leave lane i without a body: in a sample without end, where no event comes of it."""
     st[Q + i], st[V + i], st[X + i], st[PIECE + i], st[END + i] = 1.0, 0.0, 0.0, 0.0, math.inf
-    st[LEN + i], st[CAP + i], st[SMALL + i], st[EQUILIBRIUM + i] = math.inf, 1.0, 0.0, math.inf
+    st[LEN + i], st[CAP + i], st[SMALL + i], st[LOOK + i] = math.inf, 1.0, 0.0, math.inf
     st[FORCING_C + i] = st[FORCING_S + i] = st[FREE_0 + i] = st[FREE_S + i] = st[FREE_C + i] = 0.0
 
 

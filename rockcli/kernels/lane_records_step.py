@@ -30,7 +30,7 @@ from rockcli.kernels.lane_math import (
     S19,
     S21,
 )
-from rockcli.kernels.lane_vector import load, select, store
+from rockcli.kernels.lane_vector import WIDTH, load, select, store
 
 LANES = 256
 """Lanes in flight."""
@@ -38,31 +38,37 @@ LANES = 256
 ORDER = 8
 """Of the polynomials."""
 
-STRIDE = LANES + 16
-"""Of a row: the last lanes are there to be written to by vectors that are not full."""
-
 (
-    Q, V, X, LEN, CAP, PIECE, END, SIDE, FORCING_C, FORCING_S, FREE_0, FREE_S, FREE_C, SMALL, PEAK, EQUILIBRIUM, ETA,
-    FAST, SLOW, SETTLING, IMPACTS, ONTO_LEFT, STEPS, H,
-) = (row * STRIDE for row in range(24))  # fmt: skip
-"""Rows of the lanes' state.
+    LEN, END, FREE_0, FREE_S, FREE_C, FORCING_C, FORCING_S, SMALL, PEAK, LOOK,
+    Q, V, X, PIECE, CAP, STEPS, H, COEFFICIENTS,
+) = (field * WIDTH for field in range(18))  # fmt: skip
+SIDE, ETA, FAST, SLOW, SETTLING, IMPACTS, ONTO_LEFT, CASE, STRIDE = (
+    COEFFICIENTS + (ORDER + field) * WIDTH for field in range(9)
+)
+"""Numbers of a lane: state[i + f], i = `place(lane)`.  Those of a vector lie together, so that it comes from the cache
+in one piece: first what a step reads, then what it reads and writes or writes alone, then what only events need.
 
-Where a lane is: q, its rate, place in the sample, the sample's length, largest step, sample and the one to stop before,
-sign of theta.  The law (T2) times -p^2, the forcing also times the side and the scale over g.  Last term allowed;
-largest q so far; rotation of the equilibrium; restitution; impacts faster than FAST are counted, slower than SLOW may
-end in rest; least time to rest over the rate.  Impacts, those onto the left edge, steps.  Length of the step tried,
-negative if it was taken.
+The sample's length, the sample to stop before.  The law (T2) times -p^2, the forcing also times the side and the scale
+over g.  Last term allowed; largest q so far; rotation at which to look at the lane: of the equilibrium or beyond it.
+Where it is: q, its rate, place in the sample, sample, largest step; steps so far.  Length of the step tried, negative
+if it was taken, and its ORDER coefficients c_1, c_2, ...
+
+Sign of theta; restitution; impacts faster than FAST are counted, slower than SLOW may end in rest; least time to rest
+over the rate.  Impacts, those onto the left edge; row of the case, -1 if the lane is free.
 """
 
-COEFFICIENTS = 24 * STRIDE
-"""First of the ORDER rows of c_1, c_2, ..."""
-
-STATE = COEFFICIENTS + ORDER * STRIDE
-"""Numbers in a state."""
+STATE = (LANES // WIDTH + 1) * STRIDE
+"""Numbers in a state; the last vector is there to be written to by those that are not full."""
 
 HALF_PI = 1.5707963267948966
 
 I2, I3, I4, I5, I6, I7, I8 = (1.0 / k for k in range(2, 9))
+
+
+@jit_lean
+def place(lane):
+    """Where the numbers of a lane begin."""
+    return lane // WIDTH * STRIDE + lane % WIDTH
 
 
 @jit_lean
@@ -138,7 +144,7 @@ def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     """Move WIDTH lanes to the end of their steps: (lanes that call for attention, those of them that have moved,
     those that may touch the base and nothing else, those that turn where the peak may be).
 
-    A lane stays where it is if it may touch the base, passes the equilibrium or the ground, or if its last term is too
+    A lane stays where it is if it may touch the base, passes LOOK or the ground, or if its last term is too
     large: then its next step is half as long.  One that moved and calls all the same has come to the end of its
     samples.  What was tried is stored for every lane, as a branch that is taken often costs more than the stores.
     """
@@ -148,18 +154,18 @@ def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     error = abs(c8)
     bend = (abs(c2) + abs(c3)) + ((abs(c4) + abs(c5)) + (abs(c6) + (abs(c7) + error)))
     reach = abs(c1) + bend
-    small, star, peak = load(st, SMALL + i), load(st, EQUILIBRIUM + i), load(st, PEAK + i)
+    small, look, peak = load(st, SMALL + i), load(st, LOOK + i), load(st, PEAK + i)
     smooth = error <= small
     lost = ~smooth & ~(h > 1e-9 * full)
     # one that leaves rest: nothing but its first terms, upward, counts
     launch = (c1 == 0.0) & (q == 0.0) & (c2 >= 0.0) & (c3 > 0.0) & (2.0 * (abs(c2) + abs(c3)) > bend)
     base = smooth & (q <= reach) & (c1 <= bend) & ~launch
     upper = q + reach
-    low = smooth & (upper < star)
+    low = smooth & (upper < look)
     higher = (v > 0.0) & (upper > peak)
     turns = higher & (v_end <= 0.0)
     near = low & base & (abs(c1) > 0.0) & ~(higher & (v_end > 0.0))
-    passes = smooth & (upper >= star) & (turns | (q < star) & (q_end >= star) | (upper >= HALF_PI))
+    passes = smooth & (upper >= look) & (turns | (q < look) & (q_end >= look) | (upper >= HALF_PI))
     place = x + h
     whole = (h == full - x) | (place >= full)
     piece_end = select(whole, piece + 1.0, piece)
@@ -176,11 +182,11 @@ def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     store(st, STEPS + i, load(st, STEPS + i) + 1.0)
     store(st, H + i, select(event, h, -h))
     store(st, COEFFICIENTS + i, c1)
-    store(st, COEFFICIENTS + STRIDE + i, c2)
-    store(st, COEFFICIENTS + 2 * STRIDE + i, c3)
-    store(st, COEFFICIENTS + 3 * STRIDE + i, c4)
-    store(st, COEFFICIENTS + 4 * STRIDE + i, c5)
-    store(st, COEFFICIENTS + 5 * STRIDE + i, c6)
-    store(st, COEFFICIENTS + 6 * STRIDE + i, c7)
-    store(st, COEFFICIENTS + 7 * STRIDE + i, c8)
+    store(st, COEFFICIENTS + WIDTH + i, c2)
+    store(st, COEFFICIENTS + 2 * WIDTH + i, c3)
+    store(st, COEFFICIENTS + 3 * WIDTH + i, c4)
+    store(st, COEFFICIENTS + 4 * WIDTH + i, c5)
+    store(st, COEFFICIENTS + 5 * WIDTH + i, c6)
+    store(st, COEFFICIENTS + 6 * WIDTH + i, c7)
+    store(st, COEFFICIENTS + 7 * WIDTH + i, c8)
     return bits(base & ~near | passes | lost | last | over), bits(over), near, low & turns & ~last

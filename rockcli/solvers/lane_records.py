@@ -23,6 +23,9 @@ FINEST = 1e-13
 BEYOND = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual", "error_estimate"})
 """Scalars that need a look inside every step, or a second run."""
 
+PATH = frozenset({"t_overturn", "t_end"})
+"""Scalars that need the path of a fall to its end."""
+
 
 def asked(batch: Batch) -> bool:
     """Whether what is asked can be found in lanes, whatever the number of cases."""
@@ -49,9 +52,27 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: in
     size = np.abs(channel.values)
     tail = np.ascontiguousarray(np.maximum.accumulate(size[::-1])[::-1])
     blocks = np.maximum.reduceat(size, np.arange(0, len(size), lanes.BLOCK))
+    path = bool(batch.save.scalars & PATH)
+    velocity = np.empty((0, 3)) if path else velocity_of(channel.values, channel.dt)
     found = np.zeros((len(rows), k.N_OUT))
     linear = MODELS[batch.model, batch.geometry].linear
     how = (linear, level.rtol, level.rest_speed, margin, detail, order)
-    lanes.march_lanes(rows, *how, values, slopes, blocks, tail, channel.dt, lanes.work_space(), found)
+    lanes.march_lanes(rows, *how, values, slopes, blocks, tail, velocity, channel.dt, lanes.work_space(), found)
     found[found[:, k.STATUS] == lanes.HANDED_OVER, k.STATUS] = np.nan
     return found
+
+
+def velocity_of(values: Array, dt: float) -> Array:
+    """The ground's velocity at each sample, and its largest and least from that sample on, (n, 3) [m/s].
+
+    values (n,): a_g [m/s^2], linear between samples, so that a velocity may be extreme inside one.  The bounds are
+    widened by far more than rounding.
+    """
+    now = np.concatenate([[0.0], np.cumsum(0.5 * dt * (values[1:] + values[:-1]))])
+    turns = np.append(values[1:] * values[:-1] < 0.0, False)
+    slope = np.append(np.diff(values) / dt, 0.0)
+    between = now - np.divide(0.5 * values**2, slope, out=np.zeros(len(values)), where=turns)
+    slack = 1e-9 * np.ptp(between)
+    most = np.maximum.accumulate(np.maximum(now, between)[::-1])[::-1] + slack
+    least = np.minimum.accumulate(np.minimum(now, between)[::-1])[::-1] - slack
+    return np.column_stack([now, most, least])

@@ -19,6 +19,7 @@ from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
 from rockcli.solvers.event import solve
+from rockcli.solvers.lane_records import velocity_of
 
 OWN = Path(__file__).resolve().parents[2] / "records"
 SCALARS = ("outcome", "theta_peak_over_alpha", "n_impacts", "theta_peak", "t_peak", "t_uplift", "t_overturn", "t_end")
@@ -132,6 +133,35 @@ def test_every_restitution(eta):
     assert not wrong.any()
     # without loss an error grows with every impact
     assert np.median(error) <= (1e-6 if eta == 1.0 else 1e-10)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=str)
+def test_a_fall_is_known_before_it_ends(law):
+    """Without `t_overturn` and `t_end` no fall is followed to the ground: same answers, by the full fall and `reference`."""
+    values, dt = own()
+    batch = suite(values, dt, np.linspace(1.5, 6.0, 19), [0.5, 3.0], [0.1, 0.25], model=law[0], geometry=law[1])
+    asked = ("outcome", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "t_uplift", "n_impacts", "mu_impact")
+    path = replace(batch, save=Save(False, 0.01, frozenset({*asked, "t_end"})))
+    early, full = solve(replace(batch, save=Save(False, 0.01, frozenset(asked)))).scalars, solve(path).scalars
+    fell = full["outcome"] >= OVERTURNED_WITHOUT_IMPACT
+    assert fell.sum() >= 5
+    for name in asked:
+        np.testing.assert_array_equal(early[name], full[name], err_msg=name)
+    np.testing.assert_array_equal(early["outcome"], reference(batch)["outcome"])
+    assert early["n_steps"][fell].sum() < 0.97 * full["n_steps"][fell].sum()
+
+
+def test_bounds_of_the_velocity_to_come():
+    values, dt = np.random.default_rng(5).normal(size=60), 0.02
+    velocity = velocity_of(values, dt)
+    t = np.linspace(0.0, 59 * dt, 59 * 400 + 1)
+    a = np.interp(t, np.arange(60) * dt, values)
+    dense = np.concatenate([[0.0], np.cumsum(0.5 * (a[1:] + a[:-1]) * np.diff(t))])
+    for k in range(60):
+        later = dense[400 * k :]
+        assert velocity[k, 0] == pytest.approx(later[0], abs=1e-12)
+        assert later.max() <= velocity[k, 1] <= later.max() + 1e-6
+        assert later.min() - 1e-6 <= velocity[k, 2] <= later.min()
 
 
 def test_at_the_threshold():
