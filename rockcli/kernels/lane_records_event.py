@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.decide import free_rocking, lost_for_good
+from rockcli.kernels.decide import free_rocking, lost_for_good, separatrix
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lane_records_rest import (
     BALLISTIC,
@@ -79,6 +79,8 @@ def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, velocit
     if st[END + i] < n_values - 1.0:
         out[FELL] = verdict
         if detail == OUTCOME:
+            if verdict == FALLS and separatrix(par, e, q, v, linear) < 0.0:  # an impact comes first
+                st[IMPACTS + i] += 1.0
             out[T_END] = par[T_MOTION]
             return finish(st, i, verdict, out)
         if verdict == FALLS and v > 0.0 and len(velocity) > 0:

@@ -136,8 +136,11 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     run = Raw(batch.size, 0, 0)
     left_edge, right_edge = (rows[:, side : side + k.EDGE] for side in (k.LEFT, k.RIGHT))
     fit = np.all(left_edge == right_edge, axis=1) & (rows[:, k.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
+    pulses = lane_pulses.asked(batch)
+    if not pulses:
+        fit &= lane_records.fit(batch, rows)
     cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
-    if lane_pulses.asked(batch):
+    if pulses:
         lanes = kernels.load("lane_pulses", compile_them=compiled)
         found = lane_pulses.run(lanes, batch, rows[cases], level, margin, detail, cases)
     else:

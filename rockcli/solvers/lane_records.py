@@ -40,6 +40,25 @@ def asked(batch: Batch) -> bool:
     )
 
 
+GRAZING = 1e-9
+"""A sample this near the uplift threshold, relative to it, may be part of a plateau on which rounding decides."""
+
+
+def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
+    """Which rows (n, N_PAR) of symmetric bodies the lanes take, (n,).
+
+    Not those that a sample grazes, nor those whose moment never vanishes: without an equilibrium there is no verdict.
+    """
+    channel = batch.excitation.horizontal
+    assert isinstance(channel, Samples)
+    with np.errstate(divide="ignore"):
+        guard = rows[:, k.G] * rows[:, k.RIGHT + k.THRESHOLD] / np.abs(rows[:, k.FACTOR_H])
+    sizes = np.append(np.unique(np.abs(channel.values)), np.inf)
+    above = np.searchsorted(sizes[:-1], guard)
+    near = np.minimum(sizes[above] - guard, guard - sizes[np.maximum(above - 1, 0)])
+    return np.asarray(np.isfinite(rows[:, k.RIGHT + k.Q_STAR]) & ~(np.abs(near) <= GRAZING * guard))
+
+
 def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: int, margin: float, detail: int) -> Array:
     """Raw results (n, N_OUT) of `kernels.layout` for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
 
