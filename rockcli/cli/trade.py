@@ -9,16 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from rockcli.engine.trade import Point, Trade
+    from rockcli.engine.points import Point, Trade
     from rockcli.study.study import Study
 
 _UNITS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
-
-_SHOWN = 6
-"""Reasons for skipped settings that are told."""
 
 
 def trade(
@@ -36,6 +30,7 @@ def trade(
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
     plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table; errors only.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
 ) -> None:
     """Measure what accuracy costs on the scenes of a study.
 
@@ -47,7 +42,7 @@ def trade(
     from rockcli.cli.sources import open_all
     from rockcli.engine.draw import FORMATS
     from rockcli.engine.trade import trade as measure
-    from rockcli.engine.traded import trade_path, write_trade
+    from rockcli.engine.traded import as_dict, trade_path, write_trade
     from rockcli.errors import StudyError
     from rockcli.storage.places import check_file
 
@@ -69,9 +64,15 @@ def trade(
     finally:
         kernels.announce = None
         line.close()
+    if not found.points:
+        raise StudyError(f"no setting was measured: {'; '.join(_families(found.skipped))}", file=given.file)
     path = write_trade(given, found, out)
     drawn = () if no_plots else _draw(path, plot_format)
-    if not quiet:
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(as_dict(found, path, drawn), indent=2))
+    elif not quiet:
         typer.echo(_text(given, found, path, drawn, every=every))
 
 
@@ -98,10 +99,11 @@ def _draw(path: Path, plot_format: str) -> tuple[Path, ...]:
 
 def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, every: bool) -> str:
     from rockcli.engine.ladder import DATA, MODEL, NUMERICS
-    from rockcli.engine.traded import best_of_others, on_front
+    from rockcli.engine.points import best_of_others, on_front
 
     lines = [f"{study.name}: {len(found.cases)} of {found.size} cases, {len(found.points)} settings"]
     lines += [f"  reference {name}: {words}" for name, words in found.references.items()]
+    lines += [f"  note      {note}" for note in found.notes]
     heads = {
         MODEL: "error of the model, against a better one",
         DATA: "error of the data, against the record as it is",
@@ -115,14 +117,20 @@ def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, ev
             lines += [f"  {head}", *_table(points)]
         if part == NUMERICS and not every and (others := best_of_others(found, part)):
             lines += ["  the most accurate of every other family", *_table(others)]
-    for name, why in found.skipped[:_SHOWN]:
-        lines.append(f"  skipped   {name}: {why}")
-    if len(found.skipped) > _SHOWN:
-        lines.append(f"            and {len(found.skipped) - _SHOWN} more")
+    lines += [f"  skipped   {words}" for words in _families(found.skipped)]
     lines.append(f"  file      {path}")
     if drawn:
         lines.append(f"  plots     {' '.join(file.name for file in drawn)}")
     return "\n".join(lines)
+
+
+def _families(skipped: list[tuple[str, str]]) -> list[str]:
+    """Settings that were not measured, those of a family that share a reason together."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for label, why in skipped:
+        family, _, setting = label.rpartition(", ")
+        groups.setdefault((family, why), []).append(setting)
+    return [": ".join(filter(None, (family, ", ".join(names), why))) for (family, why), names in groups.items()]
 
 
 def _table(points: Iterable[Point]) -> list[str]:
@@ -130,21 +138,22 @@ def _table(points: Iterable[Point]) -> list[str]:
 
     Cost is the time per case, and the median numbers of steps and of evaluations of the right-hand side.
     """
-    from rockcli.engine.ladder import MODEL, model_word
+    from rockcli.engine.ladder import MODEL
+    from rockcli.engine.points import middle
 
     rows = [("model", "setting", "median", "90 %", "wrong", "per case", "steps", "rhs")]
     for p in points:
         setting = f"against {p.rung.against}" if p.rung.part == MODEL else f"{p.rung.family}, {p.rung.setting}"
         rows.append(
             (
-                model_word((p.rung.model, p.rung.geometry)),
+                p.rung.model_word,
                 setting,
                 _error(p.quantile(0.5)),
                 _error(p.quantile(0.9)),
                 f"{p.wrong} of {p.compared}",
                 f"{p.cost * 1e3:.3g} ms" if p.cost < 1.0 else f"{p.cost:.3g} s",
-                _middle(p.answers.steps),
-                _middle(p.answers.rhs),
+                _count(middle(p.answers.steps)),
+                _count(middle(p.answers.rhs)),
             )
         )
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
@@ -155,12 +164,8 @@ def _table(points: Iterable[Point]) -> list[str]:
     return lines
 
 
-def _middle(counts: NDArray[np.float64]) -> str:
-    """The median of those that are known."""
-    import numpy as np
-
-    known = counts[np.isfinite(counts)]
-    return f"{np.median(known):.0f}" if known.size else "-"
+def _count(value: float) -> str:
+    return "-" if value != value else f"{value:.0f}"
 
 
 def _error(value: float) -> str:

@@ -45,6 +45,7 @@ class Rung:
         factor: of the time step (see `STEPPING`, `MODAL`).
         elements, across: of the column, None = the study's.
         sampling: of records, "" = as they are.
+        rigid_base: whether the base is taken as rigid, whatever the study's.
         against: label of the reference.
     """
 
@@ -58,12 +59,18 @@ class Rung:
     elements: int | None = None
     across: int | None = None
     sampling: str = ""
+    rigid_base: bool = False
     against: str = ""
 
     @property
     def label(self) -> str:
         """The coordinate of the dataset."""
-        return f"{self.part}: {model_word((self.model, self.geometry))}: {self.family}, {self.setting}"
+        return f"{self.part}: {self.model_word}: {self.family}, {self.setting}"
+
+    @property
+    def model_word(self) -> str:
+        """What is solved, in words."""
+        return model_word((self.model, self.geometry)) + (" on a rigid base" if self.rigid_base else "")
 
     def of(self, batch: Batch) -> Batch:
         """The cases of a batch with this setting."""
@@ -75,11 +82,12 @@ class Rung:
         damping = batch.damping
         if self.model == CONTINUUM and damping.scheme == "restitution":
             damping = Damping("none", np.ones_like(damping.eta))  # an impact costs what the mesh makes of it
+        carried = self.model in (batch.model, *DEFORMABLE) and not self.rigid_base
         excitation = resampled(batch.excitation, self.sampling) if self.sampling else batch.excitation
         numerics = self.numerics
         given = replace(
             batch, model=self.model, geometry=self.geometry, column=column, excitation=excitation, damping=damping,
-            base=batch.base if self.model in (batch.model, *DEFORMABLE) else None,
+            base=batch.base if carried else None,
             save=Save(False, batch.save.dt_out, frozenset({"outcome", "theta_peak_over_alpha", "n_steps", "n_rhs"})),
         )  # fmt: skip
         if self.factor is not None:
@@ -166,9 +174,8 @@ def _elements(batch: Batch, pair: Pair) -> list[Rung]:
     assert best is not None
     how = Numerics("event", "reference")
     against = f"{best.family}, {best.setting}"
-    return [
-        Rung(NUMERICS, "event, elements", f"{n} elements", *pair, how, elements=n, against=against) for n in ELEMENTS
-    ]
+    words = {n: f"{n} element" + ("s" if n > 1 else "") for n in ELEMENTS}
+    return [Rung(NUMERICS, "event, elements", words[n], *pair, how, elements=n, against=against) for n in ELEMENTS]
 
 
 def _level(rtol: float) -> str:
@@ -183,14 +190,15 @@ def _rtol(rtol: float) -> str:
 def models(batch: Batch, own: Pair) -> Iterator[tuple[Rung, Pair]]:
     """(rung, the better model): simpler models of the same body, at accuracy standard."""
     rigid: Pair = ("rigid", None)
+    how = Numerics("event")
+    if own[0] == FLEXIBLE and batch.base is not None:
+        yield Rung(MODEL, "event", "standard", *own, how, rigid_base=True, against=model_word(own)), own
     pairs: list[tuple[Pair, Pair]] = [(pair, rigid) for pair in MODELS if pair != rigid]
     if own[0] == FLEXIBLE:
         pairs.insert(0, (rigid, own))
     for pair, better in pairs:
-        asked = replace(batch, model=pair[0], geometry=pair[1], numerics=Numerics("event"))
-        if BACKENDS["event"].supports(asked):
-            against = model_word(better)
-            yield Rung(MODEL, "event", "standard", *pair, Numerics("event"), against=against), better
+        if BACKENDS["event"].supports(replace(batch, model=pair[0], geometry=pair[1], numerics=how)):
+            yield Rung(MODEL, "event", "standard", *pair, how, against=model_word(better)), better
 
 
 def data(batch: Batch, own: Pair) -> Iterator[Rung]:

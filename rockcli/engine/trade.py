@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.engine import meshes
@@ -26,14 +25,13 @@ from rockcli.engine.ladder import (
     numerical,
     reference,
 )
+from rockcli.engine.points import Answers, Point, Trade, mark_fronts, point_of
 from rockcli.engine.sample import Sample
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import DEFORMABLE
-from rockcli.scene.response import FAILED, NO_UPLIFT, Response
+from rockcli.scene.response import FAILED, Response
 from rockcli.study.study import Index, Study
-
-Array = NDArray[np.float64]
 
 AT_ONCE, REPEATS = 0.05, 3
 """Time below which a setting is timed again, and how often [s]."""
@@ -48,85 +46,6 @@ NO_CCX = "there is no `ccx` in PATH"
 
 COSTLIER = {"dt": 2.0, "rtol": 2.5}
 """How much dearer the next rung of a ladder is expected to be."""
-
-
-@dataclass(eq=False)
-class Answers:
-    """Outcome, peak, steps and right-hand sides over the sampled cases, (n,) each."""
-
-    outcome: NDArray[np.int8]
-    peak: Array
-    steps: Array
-    rhs: Array
-    seconds: float = 0.0
-    cases: int = 0
-
-    @classmethod
-    def none(cls, n: int) -> Answers:
-        """Nothing yet."""
-        return cls(np.full(n, FAILED, dtype=np.int8), np.full(n, np.nan), np.full(n, np.nan), np.full(n, np.nan))
-
-    def put(self, rows: Index, response: Response) -> None:
-        """Take the answers of some cases."""
-        self.outcome[rows] = response.scalars["outcome"]
-        self.peak[rows] = response.scalars["theta_peak_over_alpha"]
-        for values, name in ((self.steps, "n_steps"), (self.rhs, "n_rhs")):
-            if name in response.scalars:
-                counted = response.scalars[name].astype(np.float64)
-                values[rows] = np.where(counted < 0.0, np.nan, counted)
-
-
-@dataclass(eq=False)
-class Point:
-    """A setting measured over the sample.
-
-    Attributes:
-        error: peak minus the reference's, (n,), NaN unless both are finite; same: 1, 0, or -1 where either has none.
-        on_front: whether no other setting of its part and model is both cheaper and more accurate.
-    """
-
-    rung: Rung
-    answers: Answers
-    error: Array
-    same: NDArray[np.int8]
-    on_front: bool = False
-
-    @property
-    def cost(self) -> float:
-        """Time per case [s]."""
-        return self.answers.seconds / max(self.answers.cases, 1)
-
-    def quantile(self, share: float) -> float:
-        """Of |error|; NaN where no peak can be compared."""
-        finite = np.abs(self.error[np.isfinite(self.error)])
-        return float(np.quantile(finite, share)) if finite.size else np.nan
-
-    @property
-    def wrong(self) -> int:
-        """Outcomes that differ."""
-        return int(np.sum(self.same == 0))
-
-    @property
-    def compared(self) -> int:
-        """Outcomes that both have."""
-        return int(np.sum(self.same >= 0))
-
-
-@dataclass(eq=False)
-class Trade:
-    """What was measured.
-
-    Attributes:
-        points: in the order of the ladders; cases: flat indices of the sample; size: cases the study has.
-        references: model -> how its reference was found.
-        skipped: (setting, why), not measured.
-    """
-
-    cases: Index
-    size: int
-    points: list[Point] = field(default_factory=list)
-    references: dict[str, str] = field(default_factory=dict)
-    skipped: list[tuple[str, str]] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +107,7 @@ def trade(
         kernels.load(compile_them=True)
         scene = Sample(study, sample)
         known = peers() if backends is None else backends
-        found = Trade(scene.cases, study.size)
+        found = Trade(scene.cases, study.size, notes=list(scene.notes))
         ladders = _ladders(scene, known, found)
         if not ladders:
             why = "no backend solves its model with its damping"
@@ -200,7 +119,7 @@ def trade(
         if "calculix" not in known and backends is None and any(pair[0] in DEFORMABLE for pair in scene.own):
             found.skipped.append(("calculix", NO_CCX))
         _climb(scene, ladders, found, budget, progress)
-    _mark_fronts(found.points)
+    mark_fronts(found.points)
     return found
 
 
@@ -280,7 +199,8 @@ def _points(ladder: Ladder, answers: dict[str, Answers], found: Trade) -> list[P
     """The rungs of a ladder that were measured, with their errors."""
     rungs = [rung for rung in ladder.rungs if rung.label in answers]
     if ladder.best is not None:
-        return [_point(rung, answers[rung.label], ladder.best) for rung in rungs]
+        _tell(found, ladder.rungs[0], ladder.best)
+        return [point_of(rung, answers[rung.label], ladder.best) for rung in rungs]
     candidates = [r for r in ladder.meshes or ladder.rungs if r.label in answers and (r.across or 0) >= ladder.least]
     if not candidates:
         found.skipped[:0] = [(rung.label, "no mesh as fine as the study's was measured") for rung in rungs]
@@ -288,10 +208,18 @@ def _points(ladder: Ladder, answers: dict[str, Answers], found: Trade) -> list[P
     finest = max(reversed(candidates), key=lambda rung: int(np.sum(answers[rung.label].outcome != FAILED)))
     best = answers[finest.label]
     if ladder.meshes is None:
+        _tell(found, finest, best)
         words = f"{finest.family}, {finest.setting}"
         found.references[finest.family.replace("calculix", model_word(meshes.MESH))] = f"{words}: the finest measured"
-        return [_point(replace(r, against=words), answers[r.label], best if r != finest else None) for r in rungs]
-    return [_point(rung, answers[rung.label], best) for rung in rungs]
+        return [point_of(replace(r, against=words), answers[r.label], best if r != finest else None) for r in rungs]
+    return [point_of(rung, answers[rung.label], best) for rung in rungs]
+
+
+def _tell(found: Trade, rung: Rung, best: Answers) -> None:
+    """Note what all cases of the sample do under a model of the study, if peaks tell nothing then."""
+    note = f"model {model_word((rung.model, rung.geometry))}: {best.fate}"
+    if rung.part == NUMERICS and best.fate and note not in found.notes:
+        found.notes.append(note)
 
 
 def _order(ladders: list[Ladder]) -> Iterator[tuple[int, Rung]]:
@@ -313,8 +241,11 @@ def _expected(scene: Sample, rung: Rung, before: tuple[Rung, float] | None, left
     if rung.numerics.backend == "event":
         return 0.0
 
+    first = scene.first((rung.model, rung.geometry))
+    cases = sum(batch.size for _, batch in _parts(scene, rung))
+
     def guessed(rung: Rung) -> float:
-        return seconds_per_case(rung.of(scene.first), rung.numerics.backend) * len(scene.cases)
+        return seconds_per_case(rung.of(first), rung.numerics.backend) * cases
 
     guess = guessed(rung)
     if rung.numerics.backend == "calculix":  # the cost goes with elements and increments
@@ -326,11 +257,11 @@ def _expected(scene: Sample, rung: Rung, before: tuple[Rung, float] | None, left
     seconds = 0.0
     for _ in range(2):  # the first also imports and compiles
         began = perf_counter()
-        _solver(rung)(rung.of(scene.first))
+        _solver(rung)(rung.of(first))
         seconds = perf_counter() - began
-        if seconds * len(scene.cases) < left:
+        if seconds * cases < left:
             break
-    return seconds * len(scene.cases)
+    return seconds * cases
 
 
 def _parts(scene: Sample, rung: Rung) -> list[tuple[Index, Batch]]:
@@ -358,33 +289,3 @@ def _measured(scene: Sample, rung: Rung, answers: Answers) -> Answers:
         if spent > AT_ONCE and (run or rung.numerics.backend != "event"):
             break  # the event-driven solvers load kernels the first time
     return answers
-
-
-def _point(rung: Rung, found: Answers, best: Answers | None) -> Point:
-    """A setting with its error; `best` None: it is the reference itself, with nothing to be held against."""
-    if best is None:
-        best = Answers.none(len(found.peak))
-    error = found.peak - best.peak
-    decided = (found.outcome >= NO_UPLIFT) & (best.outcome >= NO_UPLIFT)
-    same = np.where(decided, found.outcome == best.outcome, -1).astype(np.int8)
-    return Point(rung, found, np.where(np.isfinite(error), error, np.nan), same)
-
-
-def _mark_fronts(points: list[Point]) -> None:
-    """Pareto front of cost and median error, for each model of each part, among settings with no failed case.
-
-    Errors against different references, as those of steps and of elements, are not compared.
-    """
-    groups: dict[tuple[str, Pair | None, str], list[Point]] = {}
-    for point in points:
-        if np.isfinite(point.quantile(0.5)) and not np.isin(point.answers.outcome, (FAILED,)).any():
-            pair = (point.rung.model, point.rung.geometry) if point.rung.part == NUMERICS else None
-            groups.setdefault((point.rung.part, pair, point.rung.against), []).append(point)
-    for group in groups.values():
-        for point, kept in zip(group, front([(p.cost, p.quantile(0.5)) for p in group]), strict=True):
-            point.on_front = kept
-
-
-def front(points: list[tuple[float, float]]) -> list[bool]:
-    """Whether no other point is at least as good in both numbers and better in one."""
-    return [not any(o[0] <= p[0] and o[1] <= p[1] and o != p for o in points) for p in points]

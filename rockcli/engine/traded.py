@@ -11,10 +11,9 @@ import numpy as np
 
 from rockcli import __version__
 from rockcli.engine.expect import coordinate_word
-from rockcli.engine.ladder import Pair, model_word
 from rockcli.engine.lock import locked
+from rockcli.engine.points import Point, Trade, middle
 from rockcli.engine.provenance import as_json, versions
-from rockcli.engine.trade import Point, Trade
 from rockcli.storage import netcdf
 from rockcli.storage.contents import Contents, Field, root_attributes, text, variable_field
 from rockcli.study.study import Study
@@ -47,7 +46,7 @@ def contents_of(study: Study, found: Trade) -> Contents:
         fields[name] = Field(("setting",), text(values), {"long_name": sentence}, True)
 
     words("part", [p.rung.part for p in points], "kind of error: of numerics, of the model, of the data")
-    words("model", [model_word((p.rung.model, p.rung.geometry)) for p in points], "model and geometry")
+    words("model", [p.rung.model_word for p in points], "model and geometry")
     words("family", [p.rung.family for p in points], "backend, and its method")
     words("step", [p.rung.setting for p in points], "setting within its family")
     words("against", [p.rung.against for p in points], "reference of the error")
@@ -66,7 +65,7 @@ def contents_of(study: Study, found: Trade) -> Contents:
         "cost": np.array([p.cost for p in points]),
         "error_median": np.array([p.quantile(0.5) for p in points]),
         "error_p90": np.array([p.quantile(0.9) for p in points]),
-        "wrong_outcomes": np.array([p.wrong / p.compared if p.compared else np.nan for p in points]),
+        "wrong_outcomes": np.array([p.wrong_share for p in points]),
         "on_front": np.array([p.on_front for p in points], dtype=np.int8),
     }.items():
         fields[name] = variable_field(name, ("setting",), numbers)
@@ -93,6 +92,7 @@ def _attributes(study: Study, found: Trade) -> dict[str, str]:
         "inputs": as_json(study.inputs),
         "sample": f"{len(found.cases)} of {found.size} cases",
         "trade_references": json.dumps(found.references),
+        "trade_notes": "; ".join(found.notes),
         "skipped": json.dumps(found.skipped, ensure_ascii=False),
         "versions": as_json(versions()),
         "date_created": now,
@@ -106,18 +106,36 @@ def _attributes(study: Study, found: Trade) -> dict[str, str]:
     )
 
 
-def best_of_others(found: Trade, part: str) -> list[Point]:
-    """The most accurate point of every family, of each model, that has none on the front."""
-    families: dict[tuple[Pair, str], list[Point]] = {}
-    for p in found.points:
-        if p.rung.part == part and np.isfinite(p.quantile(0.5)):
-            families.setdefault(((p.rung.model, p.rung.geometry), p.rung.family), []).append(p)
-    others = [points for points in families.values() if not any(p.on_front for p in points)]
-    return [min(points, key=lambda p: p.quantile(0.5)) for points in others]
+def as_dict(found: Trade, path: Path, drawn: tuple[Path, ...]) -> dict[str, Any]:
+    """The summary for `--json`; None where there is no number."""
+    return {
+        "file": str(path),
+        "plots": [str(file) for file in drawn],
+        "sample": {"cases": len(found.cases), "of": found.size},
+        "references": found.references,
+        "notes": found.notes,
+        "points": [_point_as_dict(p) for p in found.points],
+        "skipped": [{"setting": setting, "why": why} for setting, why in found.skipped],
+    }
 
 
-def on_front(found: Trade, part: str) -> list[Point]:
-    """Points of a part on their fronts, cheapest first within each model."""
-    chosen = [p for p in found.points if p.rung.part == part and p.on_front]
-    names = list(dict.fromkeys((p.rung.model, p.rung.geometry) for p in found.points))
-    return sorted(chosen, key=lambda p: (names.index((p.rung.model, p.rung.geometry)), p.cost))
+def _point_as_dict(point: Point) -> dict[str, Any]:
+    rung, answers = point.rung, point.answers
+    numbers = {
+        "median": point.quantile(0.5),
+        "p90": point.quantile(0.9),
+        "wrong": point.wrong,
+        "compared": point.compared,
+        "seconds": point.cost,
+        "n_steps": middle(answers.steps),
+        "n_rhs": middle(answers.rhs),
+    }
+    return {
+        "part": rung.part,
+        "model": rung.model_word,
+        "family": rung.family,
+        "setting": rung.setting,
+        "against": rung.against,
+        **{name: value if np.isfinite(value) else None for name, value in numbers.items()},
+        "on_front": point.on_front,
+    }

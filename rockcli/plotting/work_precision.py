@@ -40,7 +40,11 @@ def without_trade(dataset: xarray.Dataset) -> str:
     needed = ("part", "family", "cost", "error_median", "on_front")
     if any(name not in dataset.variables for name in needed):
         return "work and precision are measured by `rock trade`, and drawn from its dataset"
-    return "" if np.isfinite(dataset["error_median"].values).any() else "no setting has an error that could be drawn"
+    rows = _drawable(dataset)
+    if rows.any() and dataset["error_median"].values[rows].any():
+        return ""
+    why = "every error is 0" if rows.any() else "no setting has an error of its peaks"
+    return ": ".join(filter(None, [f"nothing to draw, {why}", str(dataset.attrs.get("trade_notes", ""))]))
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
@@ -52,7 +56,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     models = list(dict.fromkeys(dataset["model"].values[parts == "numerics"]))
     shown = [("numerics", model) for model in models[:MOST_MODELS]]
     shown += [(part, "") for part in ("model", "data") if (parts == part).any()]
-    drawable = np.isfinite(dataset["error_median"].values)
+    drawable = _drawable(dataset)
     shown = [(part, model) for part, model in shown if (drawable & _rows(dataset, part, model)).any()]
     width = DOUBLE if len(shown) > 1 else DOUBLE * 0.6
     efforts = {"cost": np.asarray(dataset["cost"].values, dtype=float), "n_rhs": _evaluations(dataset)}
@@ -82,8 +86,14 @@ def draw(dataset: xarray.Dataset) -> Figure:
             axes.set_ylabel(r"median error of $|\theta|_{\mathrm{max}}/\alpha$")
     handles, labels = _legend(figure.axes)
     figure.legend(handles, labels, loc="outside lower center", ncols=4 if width == DOUBLE else 2, columnspacing=1.2)
-    headline(figure, f"{title_of(dataset)}: error against cost", _note(dataset))
+    absent = int((drawable & (parts == "numerics") & ~known).sum()) if again else 0
+    headline(figure, f"{title_of(dataset)}: error against cost", _note(dataset, absent))
     return figure
+
+
+def _drawable(dataset: xarray.Dataset) -> NDArray[np.bool_]:
+    """Settings with a median error and a time that a logarithmic axis has a place for."""
+    return np.asarray(np.isfinite(dataset["error_median"].values) & (dataset["cost"].values > 0.0))
 
 
 def _rows(dataset: xarray.Dataset, part: str, model: str) -> NDArray[np.bool_]:
@@ -108,12 +118,13 @@ def _errors(dataset: xarray.Dataset, rows: NDArray[np.bool_]) -> NDArray[np.floa
 
 
 def _evaluations(dataset: xarray.Dataset) -> NDArray[np.float64]:
-    """Median evaluations of the right-hand side per setting; NaN where they are not known."""
+    """Median evaluations of the right-hand side per setting; NaN where they are not known, or 0: no logarithm."""
     if "n_rhs" not in dataset:
         return np.full(dataset.sizes["setting"], np.nan)
     values = np.asarray(dataset["n_rhs"].transpose("setting", "case").values, dtype=float)
     known = np.isfinite(values).any(axis=1)
-    return np.array([np.nanmedian(row) if any_ else np.nan for row, any_ in zip(values, known, strict=True)])
+    middle = np.array([np.nanmedian(row) if any_ else np.nan for row, any_ in zip(values, known, strict=True)])
+    return np.where(middle > 0.0, middle, np.nan)
 
 
 def _numerics(
@@ -187,11 +198,14 @@ def _legend(grid: list[Axes]) -> tuple[list[Any], list[str]]:
     return list(found.values()), list(found)
 
 
-def _note(dataset: xarray.Dataset) -> str:
+def _note(dataset: xarray.Dataset, absent: int) -> str:
+    """The sample, the references, and how many settings have no place over right-hand sides."""
     said = [str(dataset.attrs.get("sample", ""))]
     against = dict.fromkeys(str(a) for a in dataset["against"].values[dataset["part"].values == "numerics"])
     said.append("numerics against " + "; ".join(against))
     if "model" in dataset["part"].values:
         better = dict.fromkeys(str(a) for a in dataset["against"].values[dataset["part"].values == "model"])
         said.append("models against " + "; ".join(better))
+    if absent:
+        said.append(f"{absent} without a number of right-hand sides above 0 are in the upper row only")
     return ". ".join(filter(None, said))

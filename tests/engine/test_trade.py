@@ -13,7 +13,8 @@ from typer.testing import CliRunner
 
 from rockcli.cli.main import app
 from rockcli.engine import ladder, sampling
-from rockcli.engine.trade import front, trade
+from rockcli.engine.points import front
+from rockcli.engine.trade import trade
 from rockcli.engine.traded import contents_of
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import default_kinds, figure, why_not
