@@ -17,7 +17,7 @@ from rockcli.kernels import layout
 def plain(monkeypatch):
     """The kernels as plain Python, so that they can be spoilt; loaded afresh afterwards."""
     monkeypatch.setenv("ROCK_KERNELS", "interpreted")
-    monkeypatch.setattr(kernels, "compiled", None)
+    kernels.compiled = None  # not by monkeypatch, which would put back what no longer is so
     march = kernels.load(compile_them=False)
     yield march
     for name in [name for name in sys.modules if name.startswith("rockcli.kernels.") and name[16:] != "layout"]:

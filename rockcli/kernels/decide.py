@@ -17,9 +17,7 @@ from rockcli.kernels.layout import (
     Q_STAR,
     R0,
     RADIUS,
-    RC,
     RETURNS,
-    RS,
     SLOPE,
     UNDECIDED,
 )
@@ -28,15 +26,11 @@ from rockcli.kernels.motion import NOTHING, bound_from
 
 @jit_lean
 def barrier(par, e, q, linear):
-    """Potential energy still missing to the unstable equilibrium, or to pi/2 if there is none, over I_O p^2.
+    """Potential energy still missing to the unstable equilibrium, over I_O p^2.
 
     With y = q_star - q the restoring law is r0 (1 - cos y) + SLOPE sin y, so the energy is
     r0 (y - sin y) + 2 SLOPE sin^2(y/2): no cancellation near the top.  Linear: SLOPE y^2/2.
     """
-    if par[e + Q_STAR] == math.inf:
-        rs, half_0, half_1 = par[e + RS], math.sin(0.25 * math.pi), math.sin(0.5 * q)
-        bend = 2.0 * (half_0 * half_0 - half_1 * half_1)
-        return par[e + R0] * (0.5 * math.pi - q) + rs * bend + par[e + RC] * (1.0 - math.sin(q))
     y = par[e + Q_STAR] - q
     if linear:
         return 0.5 * par[e + SLOPE] * y * y
@@ -62,7 +56,7 @@ def free_rocking(par, e, other, q, v, linear, margin):
     Each impact multiplies the rate by eta of the edge landed on; on the other edge the barrier may be lower.
     `margin` is the distance from a separatrix, in units of rotation, below which rounding decides.
     """
-    if linear and par[e + Q_STAR] == math.inf:
+    if par[e + Q_STAR] == math.inf:
         return RETURNS
     if par[e + DAMPER] > 0.0:
         return damped_rocking(par, e, other, q, v, linear, margin)

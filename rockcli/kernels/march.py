@@ -240,7 +240,7 @@ def march(
         reach = 0.0
         for k in range(n, -1, -1):
             reach = reach * x + abs(c[k])
-        if reach >= 0.5 * math.pi:
+        if reach >= 0.5 * math.pi and par[e + Q_STAR] < math.inf:
             for k in range(n + 1):
                 guard[k] = -c[k]
             guard[0] = 0.5 * math.pi - q
@@ -287,8 +287,6 @@ def march(
 
         if event == 2:
             out[FELL] = 1.0
-            if par[e + Q_STAR] == math.inf:  # no equilibrium is passed on the way
-                out[T_OVERTURN] = t
             break
         if event == 1:
             # reset: the body turns over to its other edge
@@ -341,7 +339,7 @@ def march(
 def afterwards(par, e, s, g, q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out):
     """Beyond the report: the swing under way still has its peak, or its last passage of the equilibrium."""
     a[0] = a_v[0] = 0.0
-    star = min(par[e + Q_STAR], 0.5 * math.pi)
+    star = par[e + Q_STAR]
     p = math.sqrt(par[e + P2])
     for _ in range(400):
         if v <= 0.0 or verdict == UNDECIDED or (verdict == FALLS and q >= star):

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 class Law:
     """Coefficients of a model for given alpha; all of alpha's shape (module docstring).
 
-    `q_star` is infinite where the restoring moment never vanishes: it overturns only where it is driven to pi/2.
+    `q_star` is infinite where the restoring moment never vanishes: such a body cannot overturn.
     """
 
     r0: Array

@@ -47,7 +47,7 @@ GRAZING = 1e-9
 def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
     """Which rows (n, N_PAR) of symmetric bodies the lanes take, (n,).
 
-    Not those that a sample grazes, nor those whose moment never vanishes: without an equilibrium there is no verdict.
+    Not those that a sample grazes, nor those that cannot overturn: they turn farther than the sines of the lanes reach.
     """
     channel = batch.excitation.horizontal
     assert isinstance(channel, Samples)

@@ -167,8 +167,7 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
     said = []
     if geometry == "corotational" and model in ("2", "3"):
         if (block.tan_alpha > 1.0).any():
-            how = "its moment holds it up at any rotation, so it overturns only where it is driven to pi/2 (2.10)"
-            said.append(f"model {model} (corotational) for tan alpha > 1: {how}")
+            said.append(f"model {model} (corotational) never overturns for tan alpha > 1, as the block does (2.10)")
         if (block.tan_alpha <= 1.0).any():
             said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
     with np.errstate(invalid="ignore"):

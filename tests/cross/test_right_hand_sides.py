@@ -43,16 +43,15 @@ def column(*, zeta=0.0, **how):
 def interpreted(monkeypatch):
     """The kernels as plain Python, loaded afresh afterwards."""
     monkeypatch.setenv("ROCK_KERNELS", "interpreted")
-    monkeypatch.setattr(kernels, "compiled", None)
 
     def forget() -> None:
         for name in [name for name in sys.modules if name.startswith("rockcli.kernels.") and "layout" not in name]:
             sys.modules.pop(name)
+        kernels.compiled = None  # not by monkeypatch, which would put back what no longer is so
 
     forget()
     yield
     forget()
-    kernels.compiled = None
 
 
 def test_a_step_of_the_event_solver_is_one_expansion(interpreted, monkeypatch):

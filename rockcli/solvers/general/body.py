@@ -83,9 +83,7 @@ class Body:
         return -edge.sign * a_g - (self.g + a_v) * edge.threshold
 
     def barrier(self, edge: Edge, q: float) -> float:
-        """Energy missing at q to the unstable equilibrium, over I_O p^2 (T7); to the side if there is none."""
-        if not math.isfinite(edge.q_star):
-            return self._potential(edge, SIDE) - self._potential(edge, q)
+        """Energy missing at q to the unstable equilibrium, over I_O p^2 (T7)."""
         y = edge.q_star - q
         if self.linear:
             return 0.5 * edge.slope * y * y
@@ -106,6 +104,8 @@ class Body:
         Closed form without a dashpot; with one, None as long as it cannot be told from the energy.
         `margin` [rad]: nearer than this to a separatrix is `UNDECIDED`.
         """
+        if not math.isfinite(edge.q_star):  # (2.10) above 45 degrees: the moment never vanishes
+            return RETURNS
         if self.damped:
             return self._damped_alone(edge, q, v)
         u = self.beyond(edge, q, v)

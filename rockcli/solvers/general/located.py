@@ -188,7 +188,7 @@ class Located:
                 found = 1.0
             if found is not None:
                 event, x = "impact", found
-        if q.max() > 0.9 * SIDE or q_end >= SIDE:
+        if math.isfinite(self._edge.q_star) and (q.max() > 0.9 * SIDE or q_end >= SIDE):
             if self.body.linear:
                 if q_end >= SIDE and event == "" and self._lost(step.t, q_end, v_end):
                     passage = roots.first_below(roots.coefficients(SIDE - q)) if start < SIDE else 1.0
