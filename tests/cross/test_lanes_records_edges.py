@@ -70,4 +70,6 @@ def test_a_body_that_cannot_overturn_turns_far(tmp_path, scalars):
     theirs = found(motion, tmp_path, exact, amplitude, LANES[:2])
     assert ours.outcome == theirs.outcome == 1
     assert theirs.theta_peak_over_alpha > 2.0  # beyond pi/2
-    assert float(ours.theta_peak_over_alpha) == pytest.approx(float(theirs.theta_peak_over_alpha), rel=1e-6)  # driven hard for 3 s
+    assert float(ours.theta_peak_over_alpha) == pytest.approx(
+        float(theirs.theta_peak_over_alpha), rel=1e-6
+    )  # driven hard for 3 s

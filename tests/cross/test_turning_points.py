@@ -16,7 +16,11 @@ PEAK = "theta_peak_over_alpha"
 
 
 def peak(case: dict[str, Any], solver: dict[str, Any], scalars: list[str]) -> float:
-    study = {"name": "x", "case": {**case, "solver": solver}, "save": {"histories": False, "scalars": [*scalars, "reason"]}}
+    study = {
+        "name": "x",
+        "case": {**case, "solver": solver},
+        "save": {"histories": False, "scalars": [*scalars, "reason"]},
+    }
     found = rockcli.run(study)
     assert found.outcome >= 0, found.reasons.values
     return float(found[PEAK])
