@@ -104,5 +104,5 @@ def test_what_is_wrong_is_said(damping, motion, message):
 
 
 def test_other_models_are_not_solved():
-    with pytest.raises(StudyError, match="solves model '3' .* with damping 'fema356'"):
+    with pytest.raises(StudyError, match=r"solves model '3' .* with damping 'fema356'"):
         rockcli.run(study("fema356", model=3))
