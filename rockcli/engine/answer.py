@@ -110,7 +110,9 @@ def blank(names: tuple[str, ...], n: int) -> dict[str, NDArray[Any]]:
 
 
 def spans_of(cases: Index) -> Index:
-    """First and last + 1 of every run of consecutive cases, (k, 2)."""
+    """First and last + 1 of every run of consecutive cases, (k, 2); cases: ascending."""
+    if len(cases) and cases[-1] - cases[0] == len(cases) - 1:  # one run, as most chunks are
+        return np.array([[cases[0], cases[-1] + 1]])
     firsts = np.flatnonzero(np.diff(cases, prepend=cases[:1] - 2) != 1)
     lasts = np.flatnonzero(np.diff(cases, append=cases[-1:] + 2) != 1)
     return np.column_stack([cases[firsts], cases[lasts] + 1])

@@ -19,6 +19,7 @@ from rockcli.engine.describe import describe, describe_rest, rows_of, symbols_of
 from rockcli.engine.executors import Team, answers
 from rockcli.engine.fold import Fold
 from rockcli.engine.limits import cases_at_a_time
+from rockcli.engine.memory import keep_freed
 from rockcli.engine.parts import Keeper
 from rockcli.engine.results import Results
 from rockcli.errors import SolverError
@@ -120,6 +121,7 @@ def solve_cases(study: Study, progress: Progress | None = None, sweep: Sweep | N
 
 
 def _solve_cases(study: Study, sweep: Sweep) -> Results:
+    keep_freed()
     results = Results.of(study, symbols_of(study))
     todo = take_known(sweep, results)
     known = results.answered
