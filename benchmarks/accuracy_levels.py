@@ -216,6 +216,7 @@ def main() -> None:
         "synthetic records": (list(scenes.records(own, np.linspace(1.1, 3.0, 200))), 0),
         "beside a boundary": (list(scenes.near_boundary(overturns)), 90),
         "chatter": (list(scenes.chatter()), 60),
+        "chaotic trains": (list(scenes.chaotic_trains()), 0),
         "flexible columns": (list(scenes.columns()), 0),
     }
     kept = read_rows()[0] if CSV.exists() else []

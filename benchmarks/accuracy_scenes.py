@@ -120,6 +120,13 @@ def chatter() -> Iterator[Batch]:
             yield batch_of(2.0, 0.2, pulse(shape, a_p, omega_p, 10.0), eta=eta)
 
 
+def chaotic_trains() -> Iterator[Batch]:
+    """Ten cycles just above what uplifts a slender body that keeps its energy: here most motions forget their start."""
+    a_p = G * 0.1 * np.linspace(1.02, 1.10, 1500)
+    for shape in ("cosine", "sine"):
+        yield batch_of(2.0, 0.1, pulse(shape, a_p, 2.0 * np.sqrt(3.0 * G / 8.0), 10.0), eta=0.9)
+
+
 def columns() -> Iterator[Batch]:
     """Flexible columns of 50 x 5 m, two stiffnesses with and without damping."""
     for E, zeta in ((5e9, 0.0), (5e9, 0.02), (30e9, 0.02)):

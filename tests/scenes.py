@@ -25,10 +25,10 @@ def array(x) -> np.ndarray:
     return np.atleast_1d(np.asarray(x, dtype=float))
 
 
-def block(R: float, tan_alpha: float) -> Block:
-    """A rectangular block of size R and slenderness tan(alpha)."""
+def block(R: float, tan_alpha: float, n: int = 1) -> Block:
+    """Rectangular blocks of size R and slenderness tan(alpha), n of them."""
     alpha = np.arctan(tan_alpha)
-    return make_block(h=R * np.cos(alpha), b=R * np.sin(alpha), R=R, alpha=alpha, tan_alpha=tan_alpha)
+    return make_block(h=R * np.cos(alpha), b=R * np.sin(alpha), R=R, alpha=alpha, tan_alpha=tan_alpha, n=n)
 
 
 def unit_block(alpha: float = 0.1, p: float = 1.0) -> Block:

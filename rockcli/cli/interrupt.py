@@ -1,4 +1,4 @@
-"""Ctrl-C answered at once, also while compiled code runs, which lets no signal handler in."""
+"""Ctrl-C and SIGTERM answered at once, also while compiled code runs, which lets no signal handler in."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from contextlib import contextmanager
 from types import FrameType
 
 INTERRUPTED = 130
+
+ASKING = (signal.SIGINT, signal.SIGTERM)
+"""Signals that are answered; both mean the same: stop, and keep what is finished."""
 
 PATIENCE = 0.3
 """Time the interpreter is given to hear of it [s]."""
@@ -34,7 +37,7 @@ def tell() -> None:
 
 @contextmanager
 def answered() -> Iterator[None]:
-    """Turn SIGINT into `KeyboardInterrupt`; where nobody hears it, or on the second one, tidy up and end the process.
+    """Turn the signals of ASKING into `KeyboardInterrupt`; unheard, or asked twice, tidy up and end the process.
 
     A thread is woken by the signal itself.  It ends the process only if the interpreter does not come to its own
     handler within `PATIENCE`, so that whoever is tidying up is not cut short.
@@ -55,20 +58,21 @@ def answered() -> Iterator[None]:
     woken, wake = os.pipe()
     os.set_blocking(wake, False)
     threading.Thread(target=_watch, args=(woken, heard), daemon=True).start()
-    before = signal.signal(signal.SIGINT, handler)
+    before = {number: signal.signal(number, handler) for number in ASKING}
     other = signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
     try:
         yield
     finally:
         signal.set_wakeup_fd(other)
-        signal.signal(signal.SIGINT, before)
+        for number, old in before.items():
+            signal.signal(number, old)
         os.close(wake)  # the thread reads the end of it and is done
 
 
 def _watch(woken: int, heard: threading.Event) -> None:
     interrupts = 0
     while numbers := os.read(woken, 64):
-        for _ in range(numbers.count(signal.SIGINT)):
+        for _ in range(sum(numbers.count(number) for number in ASKING)):
             interrupts += 1
             if interrupts > 1 or not heard.wait(PATIENCE):
                 _end()

@@ -24,7 +24,9 @@ EVERY = 5.0
 
 
 class Keeper(Protocol):
-    """Where finished answers are kept."""
+    """Where finished answers are kept; `damaged`: parts met that cannot be read."""
+
+    damaged: int
 
     def kept(self) -> Iterator[Answer]:
         """Answers of earlier runs."""
@@ -45,6 +47,7 @@ class Parts:
         self.all = results / FOLDER
         self.folder = self.all / study.identity[:16]
         self.identity = study.identity
+        self.damaged = 0
         self._waiting: list[Answer] = []
         self._since = monotonic()
 
@@ -52,9 +55,10 @@ class Parts:
         """Answers of earlier runs and of other shares; what is damaged or of another study is passed over."""
         for path in sorted(self.folder.glob("[!.]*.npz")):
             found = read_part(path)
-            if found is None or found[1].get("identity") != self.identity:
-                continue
-            yield from _unpacked(*found)
+            if found is None:
+                self.damaged += 1
+            elif found[1].get("identity") == self.identity:
+                yield from _unpacked(*found)
 
     def keep(self, answer: Answer) -> None:
         """Keep an answer; it is written with others every few seconds."""

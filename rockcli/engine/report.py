@@ -169,7 +169,8 @@ def _reasons(contents: Contents) -> dict[str, int]:
     kinds: dict[str, tuple[str, int]] = {}
     for code, count in zip(codes, counts, strict=True):
         if sentence := str(sentences[code]):
-            kind = _NUMBER.sub("#", sentence)
+            # what `model: auto` expects are numbers that belong to the sentence; others tell one case from the next
+            kind = sentence if sentence.startswith("auto: ") else _NUMBER.sub("#", sentence)
             example, before = kinds.get(kind, (sentence, 0))
             kinds[kind] = (example, before + int(count))
     return dict(sorted(kinds.values(), key=lambda item: -item[1]))

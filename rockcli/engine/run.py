@@ -30,7 +30,7 @@ from rockcli.engine.rules import check_rules, with_rules
 from rockcli.engine.search import find_overturning
 from rockcli.engine.sweep import Progress, Sweep, solve_cases
 from rockcli.engine.takeover import taken_over
-from rockcli.errors import StudyError
+from rockcli.errors import OutputError, StudyError
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import sweep_leftovers
 from rockcli.storage.contents import Contents
@@ -164,8 +164,12 @@ def run_study(
             parts.remove()
         if share is not None:
             return _of_share(study, sweep, started)
-        contents = _solve_and_keep(study, sweep)
-        netcdf.write(contents, path)
+        try:
+            contents = _solve_and_keep(study, sweep)
+            netcdf.write(contents, path)
+        except OutputError as error:
+            advice = "run again when that is mended: what was kept by then is not solved twice"
+            raise OutputError(f"{error.message}; {advice}", error.file) from error
         parts.remove()
         report = _told(study, contents, SOLVED, path, started, plot_format if plots else None)
     return replace(report, taken_over=known, resumed=sweep.resumed, warnings=(*report.warnings, *team.notes))

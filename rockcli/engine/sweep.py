@@ -148,6 +148,8 @@ def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:
         todo[fresh.cases] = False
         results.put(fresh)
         sweep.resumed += len(fresh.cases)
+    if sweep.keeper and sweep.keeper.damaged:
+        sweep.team.note("what earlier runs had kept was damaged in part; that was solved again")
     return todo
 
 

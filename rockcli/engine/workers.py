@@ -166,6 +166,7 @@ def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent:
     """What a worker does: answer one chunk after the other until it is ended."""
     os.setpgid(0, 0)  # Ctrl-C in a terminal is for the parent, who ends this group
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # not the parent's handler
     signal.set_wakeup_fd(-1)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     for other in foreign:

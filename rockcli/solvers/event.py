@@ -21,7 +21,7 @@ from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED, NO_UPLIFT, Response
 from rockcli.solvers import lane_pulses, lane_records
-from rockcli.solvers.agreement import compare_accuracies, disagreement, horizon_of
+from rockcli.solvers.agreement import compare_accuracies, disagreement, horizon_of, parted_later
 from rockcli.solvers.pack import channel_of, parameters_of
 from rockcli.solvers.sliding import with_sliding
 from rockcli.solvers.unpack import Raw, histories_of, scalars_of
@@ -97,6 +97,7 @@ def _compare(
     again = _march(march, batch, parameters, coarse, histories=False)
     other, _ = scalars_of(batch, again)
     sure = disagreement(batch, scalars, other, horizon) < horizon  # not where the other run has no answer
+    sure &= ~parted_later(scalars, other)
     doubted = np.flatnonzero(~sure & (scalars["outcome"] >= NO_UPLIFT))
     if len(doubted) and level.rtol > FINEST:
         finer = Accuracy(max(level.rtol / COARSER, FINEST), level.rest_speed / 10.0)
@@ -107,7 +108,7 @@ def _compare(
         again.out[doubted[answered]] = alone.out[answered]
         horizon[doubted[answered]] *= CONFIRMED
         other, _ = scalars_of(batch, again)
-    compare_accuracies(batch, scalars, other, reasons, horizon)
+    compare_accuracies(batch, scalars, other, reasons, horizon, to_the_end=True)
 
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:

@@ -1,4 +1,4 @@
-"""Ctrl-C: answered within a second, whatever the process is at."""
+"""Ctrl-C and SIGTERM: answered within a second, whatever the process is at."""
 
 from __future__ import annotations
 
@@ -37,7 +37,9 @@ main()
 ROCK = "import sys; from rockcli.cli.main import main; main()"
 
 
-def interrupted(folder: Path, script: str, kernels: str, wait: float) -> tuple[int, str, float]:
+def interrupted(
+    folder: Path, script: str, kernels: str, wait: float, by: int = signal.SIGINT
+) -> tuple[int, str, float]:
     """Exit code, stderr and seconds that `rock run` takes to end, interrupted once the folder is locked."""
     (folder / "long.yaml").write_text(STUDY)
     process = subprocess.Popen(
@@ -56,7 +58,7 @@ def interrupted(folder: Path, script: str, kernels: str, wait: float) -> tuple[i
         time.sleep(0.01)
     time.sleep(wait)
     began = time.monotonic()
-    process.send_signal(signal.SIGINT)
+    process.send_signal(by)
     try:
         _, told = process.communicate(timeout=20.0)
     finally:
@@ -65,12 +67,17 @@ def interrupted(folder: Path, script: str, kernels: str, wait: float) -> tuple[i
 
 
 @pytest.mark.parametrize(
-    ("script", "kernels", "wait"),
-    [(ROCK, "interpreted", 0.5), (ROCK, "compiled", 3.0), (STUCK, "interpreted", 0.5)],
-    ids=["interpreted", "compiling", "stuck"],
+    ("script", "kernels", "wait", "by"),
+    [
+        (ROCK, "interpreted", 0.5, signal.SIGINT),
+        (ROCK, "compiled", 3.0, signal.SIGINT),
+        (STUCK, "interpreted", 0.5, signal.SIGINT),
+        (ROCK, "interpreted", 0.5, signal.SIGTERM),
+    ],
+    ids=["interpreted", "compiling", "stuck", "asked to end"],
 )
-def test_an_interrupt_is_answered(script: str, kernels: str, wait: float, tmp_path: Path) -> None:
-    code, told, seconds = interrupted(tmp_path, script, kernels, wait)
+def test_an_interrupt_is_answered(script: str, kernels: str, wait: float, by: int, tmp_path: Path) -> None:
+    code, told, seconds = interrupted(tmp_path, script, kernels, wait, by)
     assert code == 130
     assert told.startswith("rock: interrupted; run again to go on")
     assert told.count("\n") == 1

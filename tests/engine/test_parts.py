@@ -108,6 +108,7 @@ def test_damaged_parts_are_solved_again(tmp_path: Path, counted: list[int], monk
     three.write_bytes(bytes(turned))
     report = run_study(study(), tmp_path, plots=False)
     assert 6 <= report.resumed <= 9  # the turned bit may stand where nobody reads
+    assert any("damaged in part" in warning for warning in report.warnings)
     assert_same(whole, netcdf.read(tmp_path / "swept" / "swept.nc"))
 
 
@@ -132,7 +133,7 @@ def test_a_full_disk_keeps_what_was_finished(
 
     with monkeypatch.context() as once:
         once.setattr(Parts, "keep", kept)
-        with pytest.raises(OutputError, match="no space left on the device"):
+        with pytest.raises(OutputError, match="no space left on the device; run again when that is mended"):
             run_study(study(), tmp_path, plots=False)
     monkeypatch.undo()
     assert len(hidden(tmp_path)) == 5
@@ -200,6 +201,8 @@ def test_overlapping_shares_double_nothing(tmp_path: Path, counted: list[int]) -
 
 class _Deaf:
     """Keeps, and does not look at what others have kept."""
+
+    damaged = 0
 
     def __init__(self, keeper: Parts) -> None:
         self.keeper = keeper
