@@ -99,29 +99,31 @@ def _draw(path: Path, plot_format: str) -> tuple[Path, ...]:
 
 def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, every: bool) -> str:
     from rockcli.engine.ladder import DATA, MODEL, NUMERICS
-    from rockcli.engine.points import best_of_others, on_front
+    from rockcli.engine.points import best_of_others, by_reference, on_front
 
     lines = [f"{study.name}: {len(found.cases)} of {found.size} cases, {len(found.points)} settings"]
     lines += [f"  reference {name}: {words}" for name, words in found.references.items()]
     lines += [f"  note      {note}" for note in found.notes]
-    heads = {
-        MODEL: "error of the model, against a better one",
-        DATA: "error of the data, against the record as it is",
-        NUMERICS: "error of the numerics, against the reference" + ("" if every else ": Pareto front"),
-    }
-    for part, head in heads.items():
-        points = [p for p in found.points if p.rung.part == part]
-        if part == NUMERICS and not every:
-            points = on_front(found, part)
-        if points:
-            lines += [f"  {head}", *_table(points)]
-        if part == NUMERICS and not every and (others := best_of_others(found, part)):
-            lines += ["  the most accurate of every other family", *_table(others)]
+    parts = {part: [p for p in found.points if p.rung.part == part] for part in (MODEL, DATA, NUMERICS)}
+    lines += _headed("error of the model, against a better one", parts[MODEL])
+    lines += _headed("error of the data, against the record as it is", parts[DATA])
+    for against, points in by_reference(parts[NUMERICS]).items():
+        head = f"error of the numerics, against {against}"
+        if every:
+            lines += _headed(head, points)
+        else:
+            lines += _headed(f"{head}: Pareto front", on_front(points))
+            lines += _headed("the most accurate of every other family", best_of_others(points))
     lines += [f"  skipped   {words}" for words in _families(found.skipped)]
     lines.append(f"  file      {path}")
     if drawn:
         lines.append(f"  plots     {' '.join(file.name for file in drawn)}")
     return "\n".join(lines)
+
+
+def _headed(head: str, points: list[Point]) -> list[str]:
+    """A table below its head; nothing for no points."""
+    return [f"  {head}", *_table(points)] if points else []
 
 
 def _families(skipped: list[tuple[str, str]]) -> list[str]:

@@ -101,7 +101,7 @@ class Trade:
     Attributes:
         points: in the order of the ladders; cases: flat indices of the sample; size: cases the study has.
         references: model -> how its reference was found.
-        skipped: (setting, why), not measured.
+        skipped: (setting, backend or kind of error, why there is no error of it).
         notes: sentences about the sample: what model auto was taken as, why no peak tells anything.
     """
 
@@ -156,18 +156,25 @@ def front(points: list[tuple[float, float]]) -> list[bool]:
     return [not any(o[0] <= p[0] and o[1] <= p[1] and o != p for o in points) for p in points]
 
 
-def on_front(found: Trade, part: str) -> list[Point]:
-    """Points of a part on their fronts, cheapest first within each model."""
-    chosen = [p for p in found.points if p.rung.part == part and p.on_front]
-    names = list(dict.fromkeys((p.rung.model, p.rung.geometry) for p in found.points))
+def by_reference(points: list[Point]) -> dict[str, list[Point]]:
+    """Reference -> points whose errors are against it."""
+    groups: dict[str, list[Point]] = {}
+    for point in points:
+        groups.setdefault(point.rung.against, []).append(point)
+    return groups
+
+
+def on_front(points: list[Point]) -> list[Point]:
+    """Points on their fronts, cheapest first within each model."""
+    chosen = [p for p in points if p.on_front]
+    names = list(dict.fromkeys((p.rung.model, p.rung.geometry) for p in points))
     return sorted(chosen, key=lambda p: (names.index((p.rung.model, p.rung.geometry)), p.cost))
 
 
-def best_of_others(found: Trade, part: str) -> list[Point]:
+def best_of_others(points: list[Point]) -> list[Point]:
     """The most accurate point of every family, of each model, that has none on the front."""
     families: dict[tuple[Pair, str], list[Point]] = {}
-    for p in found.points:
-        if p.rung.part == part:
-            families.setdefault(((p.rung.model, p.rung.geometry), p.rung.family), []).append(p)
-    others = [_known(points) for points in families.values() if not any(p.on_front for p in points)]
+    for p in points:
+        families.setdefault(((p.rung.model, p.rung.geometry), p.rung.family), []).append(p)
+    others = [_known(own) for own in families.values() if not any(p.on_front for p in own)]
     return [min(known, key=lambda one: (one[1], one[0].cost))[0] for known in others if known]

@@ -15,6 +15,7 @@ from rockcli.engine import meshes
 from rockcli.engine.choose import BACKENDS
 from rockcli.engine.cost import seconds_per_case
 from rockcli.engine.ladder import (
+    DATA,
     ELEMENTS_REFERENCE,
     NUMERICS,
     Pair,
@@ -27,10 +28,12 @@ from rockcli.engine.ladder import (
 )
 from rockcli.engine.points import Answers, Point, Trade, mark_fronts, point_of
 from rockcli.engine.sample import Sample
+from rockcli.engine.sampling import has_samples
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import DEFORMABLE
-from rockcli.scene.response import FAILED, Response
+from rockcli.scene.numerics import Numerics
+from rockcli.scene.response import FAILED, NO_UPLIFT, Response
 from rockcli.study.study import Index, Study
 
 AT_ONCE, REPEATS = 0.05, 3
@@ -40,7 +43,10 @@ UNSURE = 0.05
 """Share of what is left of the budget above which a rough guess is not enough."""
 
 LAST = "calculix"
-"""The backend whose ladders are climbed when all others are: it would eat up any budget."""
+"""The backend whose ladders are climbed, but for their first rungs, when all others are: it would eat up any budget."""
+
+TRADED = frozenset({"event", "scipy", "frame", "opensees", LAST})
+"""Backends that have ladders."""
 
 NO_CCX = "there is no `ccx` in PATH"
 
@@ -114,13 +120,36 @@ def trade(
             if meshes.MESH in scene.own and "calculix" not in known:
                 why = f"the full mesh needs CalculiX: {NO_CCX}"
             raise StudyError(f"trade: {why}", file=study.file)
-        if "opensees" not in known and backends is None:
+        traded = TRADED if backends is None else known
+        unable = {name: why for name in BACKENDS if name in traded and (why := _unable(scene, name))}
+        found.skipped += unable.items()
+        if not any(has_samples(batch.excitation) for _, batch in scene.batches):
+            found.skipped.append((DATA, "no record, so no error of the data"))
+        if "opensees" not in known and backends is None and "opensees" not in unable:
             found.skipped.append(("opensees", "OpenSeesPy is not installed"))
         if "calculix" not in known and backends is None and any(pair[0] in DEFORMABLE for pair in scene.own):
             found.skipped.append(("calculix", NO_CCX))
         _climb(scene, ladders, found, budget, progress)
     mark_fronts(found.points)
     return found
+
+
+def _unable(scene: Sample, name: str) -> str:
+    """Which of the study's models a backend does not solve, by the table of backends; "" if it solves each."""
+    if name == LAST and scene.solvable(meshes.MESH):
+        return ""  # it has ladders of its own beside the study's model
+    row = BACKENDS[name]
+    whys, foreign = [], []
+    for pair in scene.own:
+        for _, batch in scene.solvable(pair)[:1]:
+            if pair not in row.support.models:
+                foreign.append(model_word(pair))
+            elif not row.supports(replace(batch, model=pair[0], geometry=pair[1], numerics=Numerics(name))):
+                whys.append(f"not for model {model_word(pair)} with damping {batch.damping.scheme}")
+    if foreign:
+        solved = sorted({model for model, _ in row.support.models})
+        whys.append(f"not for model {', '.join(foreign)}, only for {', '.join(solved)}")
+    return "; ".join(whys)
 
 
 def _ladders(scene: Sample, known: frozenset[str], found: Trade) -> list[Ladder]:
@@ -170,7 +199,7 @@ def _climb(
     budget: float,
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    """Rung by rung: first what costs next to nothing, then all other ladders side by side, coarse ends first."""
+    """Rung by rung: first what costs next to nothing, then all other ladders side by side (see `_order`)."""
     total = sum(len(ladder.rungs) for ladder in ladders)
     began = perf_counter()
     last: dict[int, tuple[Rung, float]] = {}
@@ -187,6 +216,8 @@ def _climb(
                 measured = _measured(scene, rung, Answers.none(len(scene.cases)))
                 last[number] = rung, measured.seconds
                 answers[rung.label] = measured
+                if (measured.outcome < NO_UPLIFT).all():  # it has no error, so no table shows it
+                    found.skipped.append((rung.label, "no sampled case has an outcome"))
         except SolverError as refused:
             found.skipped.append((rung.label, str(refused)))
         if progress is not None:
@@ -223,17 +254,20 @@ def _tell(found: Trade, rung: Rung, best: Answers) -> None:
 
 
 def _order(ladders: list[Ladder]) -> Iterator[tuple[int, Rung]]:
-    """(number of the ladder, rung) in the order they are climbed."""
+    """(number of the ladder, rung) in the order they are climbed.
+
+    `event`, which costs next to nothing; of every other family its first rung before any has a second one.
+    """
     numbered = list(enumerate(ladders))
     for number, ladder in numbered:
         if ladder.backend == "event":
             yield from ((number, rung) for rung in ladder.rungs)
+    others = [(number, ladder) for number, ladder in numbered if ladder.backend != "event"]
+    yield from ((number, ladder.rungs[0]) for number, ladder in others)
     for late in (False, True):
-        others = [
-            (number, it.rungs) for number, it in numbered if it.backend != "event" and (it.backend == LAST) == late
-        ]
-        for step in zip_longest(*(rungs for _, rungs in others)):
-            yield from ((number, rung) for (number, _), rung in zip(others, step, strict=True) if rung is not None)
+        own = [(number, ladder.rungs[1:]) for number, ladder in others if (ladder.backend == LAST) == late]
+        for step in zip_longest(*(rungs for _, rungs in own)):
+            yield from ((number, rung) for (number, _), rung in zip(own, step, strict=True) if rung is not None)
 
 
 def _expected(scene: Sample, rung: Rung, before: tuple[Rung, float] | None, left: float) -> float:

@@ -28,7 +28,31 @@ MOST_MODELS = 3
 LINE = 0.048
 """Height of a line of names over that of a panel."""
 
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "*", "h")
+COLUMN = 0.3
+"""Share of the width of a panel that points with names beside them take."""
+
+FRONT = "Pareto front"
+
+LOOKS: dict[str, tuple[str, str, str]] = {
+    "event": (COLOURS[0], "-", "o"),
+    "event, elements": (COLOURS[0], "--", "s"),
+    "frame": (COLOURS[1], "--", "^"),
+    "opensees": (COLOURS[2], "--", "D"),
+    "calculix": (COLOURS[3], "--", "h"),
+    "calculix, elements": (COLOURS[4], "--", "p"),
+    "scipy RK23": (COLOURS[1], "-", "s"),
+    "scipy RK45": (COLOURS[2], "-", "^"),
+    "scipy DOP853": (COLOURS[3], "-", "D"),
+    "scipy Radau": (COLOURS[4], "-", "v"),
+    "scipy BDF": (COLOURS[5], "-", "P"),
+    "scipy LSODA": (COLOURS[6], "-", "X"),
+    "scipy ode23s": (COLOURS[7], "-", "<"),
+    "scipy RK45, impacts not located": (COLOURS[5], "--", ">"),
+}
+"""Colour, line and marker of a family, the same in every study: general methods solid, other backends dashed."""
+
+UNKNOWN = (QUIET, ":", "*")
+"""Look of a family that is not in the table."""
 
 _OVER = {"cost": "cost per case [s]", "n_rhs": "right-hand sides per case"}
 
@@ -63,7 +87,6 @@ def draw(dataset: xarray.Dataset) -> Figure:
     known = drawable & np.isfinite(efforts["n_rhs"])
     again = [one for one in shown if one[0] == "numerics" and (known & _rows(dataset, *one)).any()]
     figure = new_figure(width, 7.0 if again else 4.3)
-    families = list(dict.fromkeys(dataset["family"].values[parts == "numerics"]))
     errors = _errors(dataset, drawable)
     for axes, (part, model), over in _panels(figure, shown, again):
         rows = drawable & _rows(dataset, part, model) & np.isfinite(efforts[over])
@@ -71,7 +94,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         axes.set_yscale("log")
         axes.set_ylim(errors.min() / 10.0, errors.max() * 10.0)
         if part == "numerics":
-            _numerics(axes, dataset, rows, efforts[over], families)
+            _numerics(axes, dataset, rows, efforts[over])
             if over == "cost":
                 _front(axes, dataset, rows)
         else:
@@ -127,67 +150,93 @@ def _evaluations(dataset: xarray.Dataset) -> NDArray[np.float64]:
     return np.where(middle > 0.0, middle, np.nan)
 
 
-def _numerics(
-    axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], over: NDArray[np.float64], families: list[str]
-) -> None:
+def _numerics(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], over: NDArray[np.float64]) -> None:
     """A line per family from coarse to fine, over what it costs."""
-    for number, family in enumerate(families):
+    for family in dict.fromkeys(dataset["family"].values[rows]):
         own = rows & (dataset["family"].values == family)
-        if own.any():
-            again = number >= len(COLOURS)  # no colour of its own is left
-            look: Any = {"color": COLOURS[number % len(COLOURS)], "linestyle": "--" if again else "-"}
-            look["marker"] = _MARKERS[number % len(_MARKERS)]
-            axes.plot(over[own], _errors(dataset, own), label=str(family), markersize=3.6, markeredgewidth=0.0, **look)
+        colour, line, marker = LOOKS.get(str(family), UNKNOWN)
+        axes.plot(
+            over[own], _errors(dataset, own), label=str(family), markersize=3.6, markeredgewidth=0.0,
+            color=colour, linestyle=line, marker=marker,
+        )  # fmt: skip
     low, high = np.log10(over[rows].min()), np.log10(over[rows].max())
     middle, half = 0.5 * (low + high), max(0.58 * (high - low), 1.05)  # two powers of ten at least
     axes.set_xlim(10.0 ** (middle - half), 10.0 ** (middle + half))
 
 
 def _front(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_]) -> None:
-    """The Pareto front below the lines, but that of elements."""
-    spatial = np.array([str(family).endswith(", elements") for family in dataset["family"].values])
-    best = rows & (dataset["on_front"].values == 1) & ~spatial
-    cost, error = np.asarray(dataset["cost"].values[best], dtype=float), _errors(dataset, best)
-    order = np.argsort(cost)
-    axes.plot(
-        cost[order], error[order], drawstyle="steps-post", color=QUIET, linewidth=4.0, alpha=0.35, zorder=1,
-        label="Pareto front", solid_capstyle="round",
-    )  # fmt: skip
+    """The Pareto front below the lines, one for each reference: errors against different ones are not compared."""
+    best = rows & (dataset["on_front"].values == 1)
+    against = dataset["against"].values
+    for reference in dict.fromkeys(against[best]):
+        own = best & (against == reference)
+        cost, error = np.asarray(dataset["cost"].values[own], dtype=float), _errors(dataset, own)
+        order = np.argsort(cost)
+        axes.plot(
+            cost[order], error[order], drawstyle="steps-post", color=QUIET, linewidth=4.0, alpha=0.35, zorder=1,
+            label=FRONT, solid_capstyle="round",
+        )  # fmt: skip
 
 
 def _named(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], part: str) -> None:
-    """Points with their names beside them, moved apart where they would lie on one another."""
+    """Points at the left, their names in a column at the right, and a thin line from each point to its name."""
     cost, error = np.asarray(dataset["cost"].values[rows], dtype=float), _errors(dataset, rows)
-    names = [str(name) for name in dataset["step" if part == "data" else "model"].values[rows]]
-    groups: dict[float, list[int]] = {}
+    names = [str(model) for model in dataset["model"].values[rows]]
+    if part == "data":
+        of = [f", {model}" if len(set(names)) > 1 else "" for model in names]
+        names = [f"{how}{whose}" for how, whose in zip(dataset["step"].values[rows], of, strict=True)]
     bottom, top = np.log10(axes.get_ylim())
-    for i in np.argsort(error):
-        near = next((e for e in groups if abs(np.log10(error[i] / e)) < 0.4 * LINE * (top - bottom)), None)
-        groups.setdefault(float(error[i]) if near is None else near, []).append(int(i))
+    gap = LINE * (top - bottom)
+    labels = _labels(names, np.log10(error), 0.2 * gap)
+    low, high = np.log10(cost.min()) - 0.15, max(np.log10(cost.max()), np.log10(cost.min()) + 0.5) + 0.15
+    right = low + (high - low) / COLUMN
+    axes.set_xlim(10.0**low, 10.0**right)
     axes.plot(cost, error, linestyle="", marker="o", markersize=3.6, color="#000000", markeredgewidth=0.0)
-    low, high = float(cost.min()), float(cost.max())
-    axes.set_xlim(10.0 ** np.floor(np.log10(low)), max(high, low * 2.0) * 30.0)
-    lowest = -np.inf
-    for at, members in groups.items():
-        words = _together([names[i] for i in sorted(members)])
-        right = max(float(cost[i]) for i in members)
-        right = float(cost[cost < 3.0 * right].max())  # names of a cluster stand in line
-        place = max(np.log10(at), lowest + LINE * (top - bottom))
-        lowest = place
-        axes.annotate(words, (right, 10.0**place), xytext=(5, 0), textcoords="offset points", va="center", fontsize=7.0)
+    beside = 10.0 ** (low + (COLUMN + 0.09) * (right - low))
+    wanted = np.array([np.log10(error[members]).mean() for _, members in labels])
+    for (words, members), place in zip(labels, _apart(wanted, gap, bottom, top), strict=True):
+        for i in members:
+            axes.plot([cost[i], beside], [error[i], 10.0**place], color=QUIET, linewidth=0.4, zorder=1)
+        axes.annotate(
+            words, (beside, 10.0**place), xytext=(2, 0), textcoords="offset points", va="center", fontsize=7.0
+        )
 
 
-def _together(names: list[str]) -> str:
-    """`1, 2 n.s.; 2 cor.` for `1 negative_stiffness`, `2 negative_stiffness`, `2 corotational`."""
-    short = {"negative_stiffness": " n.s.", "corotational": " cor."}
-    groups: dict[str, list[str]] = {}
-    for name in dict.fromkeys(names):
-        first, _, geometry = name.partition(" ")
-        if geometry in short:
-            groups.setdefault(short[geometry], []).append(first)
+def _labels(names: list[str], heights: NDArray[np.float64], near: float) -> list[tuple[str, list[int]]]:
+    """(words, points they name) from low to high: `1, 2 corotational` for models of a geometry within `near`."""
+    found: list[tuple[str, list[int]]] = []
+    for i in np.argsort(heights, kind="stable"):
+        geometry = names[i].partition(" ")[2] if names[i][0].isdigit() else ""
+        same = (own for kind, own in found if geometry and kind == geometry and heights[i] - heights[own[0]] <= near)
+        own = next(same, None)
+        if own is None:
+            found.append((geometry, [int(i)]))
         else:
-            groups.setdefault("", []).append(name)
-    return "; ".join(", ".join(members) + geometry for geometry, members in groups.items())
+            own.append(int(i))
+    return [(_words([names[i] for i in sorted(own)], geometry), own) for geometry, own in found]
+
+
+def _words(names: list[str], geometry: str) -> str:
+    if not geometry:
+        return names[0]
+    return f"{', '.join(name.partition(' ')[0] for name in names)} {geometry.replace('_', ' ')}"
+
+
+def _apart(wanted: NDArray[np.float64], gap: float, low: float, high: float) -> NDArray[np.float64]:
+    """Places between `low` and `high`, `gap` apart at least, the nearest to ascending ones (least squares).
+
+    Less `gap` times their number the places only have to ascend: neighbours that do not share their mean.
+    """
+    blocks: list[tuple[float, int]] = []
+    for i, place in enumerate(wanted):
+        mean, size = float(place) - i * gap, 1
+        while blocks and blocks[-1][0] > mean:
+            before, members = blocks.pop()
+            mean, size = (mean * size + before * members) / (size + members), size + members
+        blocks.append((mean, size))
+    steps = gap * np.arange(len(wanted))
+    means = np.repeat([mean for mean, _ in blocks], [size for _, size in blocks])
+    return np.asarray(np.clip(means, low + 0.5 * gap, high - 0.5 * gap - steps[-1]) + steps)
 
 
 def _legend(grid: list[Axes]) -> tuple[list[Any], list[str]]:

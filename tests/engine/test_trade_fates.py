@@ -20,9 +20,11 @@ from rockcli.engine.trade import trade
 from rockcli.engine.traded import contents_of
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import figure, why_not
-from rockcli.scene.response import NO_UPLIFT, ROCKING
+from rockcli.plotting.work_precision import FRONT
+from rockcli.scene.numerics import Numerics
+from rockcli.scene.response import FAILED, NO_UPLIFT, ROCKING, Response
 from rockcli.solvers.general import methods
-from rockcli.storage.read import to_xarray
+from rockcli.storage.read import open_dataset, to_xarray
 from rockcli.study.open import open_study
 
 EVENT = frozenset({"event"})
@@ -173,7 +175,7 @@ def test_a_column_in_some_cases_only(names, monkeypatch):
     (judged,) = [p for p in found.points if p.rung.part == "model" and p.rung.model == "rigid"]
     assert judged.compared == 1
     assert np.isfinite(judged.error).tolist() == [False, True]
-    assert {p.rung.model for p in on_front(found, "numerics")} == {"flexible", "rigid"}
+    assert {p.rung.model for p in on_front(found.points) if p.rung.part == "numerics"} == {"flexible", "rigid"}
     expected = ["model auto: traded as flexible or rigid, the highest model that its data allow"]
     assert found.notes == (expected if "auto" in names else [])
 
@@ -200,10 +202,73 @@ def test_skipped_settings_of_a_family_share_a_line(command, monkeypatch):
     printed, _ = command(under(1.5), "--no-plots")
     skipped = [line.split(maxsplit=1)[1] for line in printed.splitlines() if line.startswith("  skipped")]
     assert skipped == [
-        "opensees: OpenSeesPy is not installed",
+        "frame, opensees: not for model rigid, only for 1, 2, 3, 4, flexible",
+        "calculix: not for model rigid, only for continuum",
+        "data: no record, so no error of the data",
         "numerics: rigid: scipy RK45: rtol 0.001, rtol 1e-06: the budget is used up",
         "numerics: rigid: scipy DOP853: rtol 0.001, rtol 1e-06: the budget is used up",
     ]
+
+
+def test_a_backend_is_missed_only_where_it_would_solve_the_model(monkeypatch):
+    monkeypatch.setattr("rockcli.engine.trade.peers", lambda: EVENT)
+    case = {key: value for key, value in COLUMN.items() if key != "column"}
+    skipped = dict(trade(of(case | {"model": 1, "geometry": "corotational"})).skipped)
+    assert skipped["opensees"] == "OpenSeesPy is not installed"
+    assert "frame" not in skipped
+    assert skipped["calculix"] == "not for model 1 corotational, only for continuum"
+    assert dict(trade(of(case)).skipped)["opensees"] == "not for model rigid, only for 1, 2, 3, 4, flexible"
+
+
+def test_a_damping_that_a_backend_does_not_know_is_said():
+    scene = Sample(of(COLUMN | {"model": "flexible", "damping": "dashpot"}), 1)
+    assert measuring._unable(scene, "event") == "not for model flexible with damping dashpot"
+    assert measuring._unable(scene, "frame") == ""
+
+
+def test_a_setting_that_solves_no_case_is_said(monkeypatch):
+    def fails(batch):
+        return Response(
+            {
+                "outcome": np.full(batch.size, FAILED, dtype=np.int8),
+                "theta_peak_over_alpha": np.full(batch.size, np.nan),
+            },
+            ["no"] * batch.size,
+        )
+
+    right = measuring._solver
+    monkeypatch.setattr(measuring, "_solver", lambda rung: fails if rung.numerics.rtol == 1e-4 else right(rung))
+    label = "numerics: rigid: event, rtol 0.0001"
+    assert [left for left in trade(open_study(under(1.5)), backends=EVENT).skipped if "numerics" in left[0]] == [
+        (label, "no sampled case has an outcome")
+    ]
+
+
+def test_every_family_has_its_first_setting_before_any_has_a_second():
+    def made(backend, family, size):
+        how = Numerics(backend)
+        return measuring.Ladder([ladder.Rung("numerics", family, str(i), "1", None, how) for i in range(size)])
+
+    ladders = [made("calculix", "mesh", 2), made("frame", "frame", 3), made("event", "event", 2), made("scipy", "a", 2)]
+    order = [f"{rung.family} {rung.setting}" for _, rung in measuring._order(ladders)]
+    first = ["event 0", "event 1", "mesh 0", "frame 0", "a 0"]
+    assert order == [*first, "frame 1", "a 1", "frame 2", "mesh 1"]
+    assert all(ladders[number].rungs[int(rung.setting)] is rung for number, rung in measuring._order(ladders))
+
+
+def test_errors_against_different_references_have_tables_and_fronts_of_their_own(command, tmp_path):
+    printed, _ = command({"name": "column", "case": COLUMN | {"model": "flexible"}, "save": {"histories": False}})
+    heads = [line.strip() for line in printed.splitlines() if "error of the numerics" in line]
+    best = "error of the numerics, against event, dt/16 of draft"
+    assert heads == [f"{best}: Pareto front", f"{best}, 20 elements: Pareto front"]
+    steps, elements = (rows_below(printed, head) for head in heads)
+    assert steps
+    assert elements
+    assert all("event, dt x" in row for row in steps)
+    assert all("event, elements, " in row for row in elements)
+    dataset = open_dataset(tmp_path / "column-trade" / "column-trade.nc")
+    drawn = [line for line in figure("work_precision", dataset).axes[0].get_lines() if line.get_label() == FRONT]
+    assert sorted(len(line.get_xdata()) for line in drawn) == sorted([len(steps), len(elements)])
 
 
 def test_a_budget_for_nothing_at_all_is_refused(command, monkeypatch):
@@ -219,7 +284,8 @@ def test_the_summary_as_json(command, tmp_path):
     assert told["sample"] == {"cases": 1, "of": 1}
     assert told["references"] == {"rigid": "event, rtol 1e-16"}
     assert (told["plots"], told["notes"]) == ([], [])
-    assert told["skipped"] == [{"setting": "opensees", "why": "OpenSeesPy is not installed"}]
+    assert [left["setting"] for left in told["skipped"]] == ["frame", "opensees", "calculix", "data"]
+    assert told["skipped"][-1]["why"] == "no record, so no error of the data"
     (coarse,) = [p for p in told["points"] if (p["family"], p["setting"]) == ("scipy RK45", "rtol 0.001")]
     (fine,) = [p for p in told["points"] if (p["family"], p["setting"]) == ("scipy RK45", "rtol 1e-06")]
     assert coarse["median"] == coarse["p90"] > fine["median"] > 0.0
