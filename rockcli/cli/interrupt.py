@@ -15,6 +15,9 @@ INTERRUPTED = 130
 ASKING = (signal.SIGINT, signal.SIGTERM)
 """Signals that are answered; both mean the same: stop, and keep what is finished."""
 
+DEFAULT = (signal.default_int_handler, signal.SIG_DFL)
+"""Their handlers, if nobody else answers or ignores them."""
+
 PATIENCE = 0.3
 """Time the interpreter is given to hear of it [s]."""
 
@@ -58,7 +61,7 @@ def answered() -> Iterator[None]:
     woken, wake = os.pipe()
     os.set_blocking(wake, False)
     threading.Thread(target=_watch, args=(woken, heard), daemon=True).start()
-    before = {number: signal.signal(number, handler) for number in ASKING}
+    before = {number: signal.signal(number, handler) for number in ASKING if signal.getsignal(number) in DEFAULT}
     other = signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
     try:
         yield

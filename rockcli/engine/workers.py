@@ -41,6 +41,9 @@ LIVES = 2
 DEATHS = 64
 """Dead workers after which what kills one more is not looked into."""
 
+OURS = {signal.SIGINT, signal.SIGTERM}
+"""Signals that the parent answers for all."""
+
 LOOK_EVERY = 0.5
 """Time between two looks whether the parent is alive [s]."""
 
@@ -141,7 +144,7 @@ def _start(work: Work[Any], others: list[Connection]) -> Worker:
     process = context.Process(
         target=_serve, args=(theirs, [mine, *others] if sys.platform == "linux" else [], work, os.getpid()), daemon=True
     )
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # until it no longer listens to Ctrl-C
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, OURS)  # until it no longer has our handlers
     try:
         with warnings.catch_warnings():
             # the only other thread sleeps in a read, and holds no lock
@@ -166,9 +169,9 @@ def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent:
     """What a worker does: answer one chunk after the other until it is ended."""
     os.setpgid(0, 0)  # Ctrl-C in a terminal is for the parent, who ends this group
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # not the parent's handler
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.set_wakeup_fd(-1)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, OURS)
     for other in foreign:
         other.close()
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()

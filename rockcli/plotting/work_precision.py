@@ -223,20 +223,10 @@ def _words(names: list[str], geometry: str) -> str:
 
 
 def _apart(wanted: NDArray[np.float64], gap: float, low: float, high: float) -> NDArray[np.float64]:
-    """Places between `low` and `high`, `gap` apart at least, the nearest to ascending ones (least squares).
-
-    Less `gap` times their number the places only have to ascend: neighbours that do not share their mean.
-    """
-    blocks: list[tuple[float, int]] = []
-    for i, place in enumerate(wanted):
-        mean, size = float(place) - i * gap, 1
-        while blocks and blocks[-1][0] > mean:
-            before, members = blocks.pop()
-            mean, size = (mean * size + before * members) / (size + members), size + members
-        blocks.append((mean, size))
+    """Places for ascending ones, `gap` apart at least: moved up, and down again where they would leave at `high`."""
     steps = gap * np.arange(len(wanted))
-    means = np.repeat([mean for mean, _ in blocks], [size for _, size in blocks])
-    return np.asarray(np.clip(means, low + 0.5 * gap, high - 0.5 * gap - steps[-1]) + steps)
+    places = np.maximum.accumulate(np.maximum(wanted, low + 0.5 * gap) - steps) + steps
+    return np.asarray(np.minimum(places, high - 0.5 * gap - steps[::-1]))
 
 
 def _legend(grid: list[Axes]) -> tuple[list[Any], list[str]]:

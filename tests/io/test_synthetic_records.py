@@ -9,6 +9,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+import yaml
 
 from rockcli.motion.measures import displacement, measures, velocity
 from rockcli.motion.reading import read_record
@@ -76,7 +77,6 @@ def test_the_source_spectrum_has_its_corner(script: ModuleType) -> None:
 
 
 def test_catalog() -> None:
-    yaml = pytest.importorskip("yaml")
     catalog = yaml.safe_load((RECORDS / "catalog.yaml").read_text(encoding="utf-8"))
     keys = ["id", "event", "date", "station", "component", "pga_g", "nga", "file_names", "how_to_obtain", "note"]
     assert len(catalog) == 10

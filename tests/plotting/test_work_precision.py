@@ -78,14 +78,14 @@ def test_names_do_not_lie_on_one_another():
 @pytest.mark.parametrize(
     ("wanted", "found"),
     [
-        ([0.0, 0.0, 0.0], [-1.0, 0.0, 1.0]),
-        ([0.0, 0.5, 4.0], [-0.25, 0.75, 4.0]),
+        ([0.0, 0.0, 0.0], [0.0, 1.0, 2.0]),
+        ([0.0, 0.5, 4.0], [0.0, 1.0, 4.0]),
         ([-3.0, 0.0, 3.0], [-3.0, 0.0, 3.0]),
         ([4.4, 4.4], [3.5, 4.5]),
         ([-5.0, -5.0], [-4.5, -3.5]),
     ],
 )
-def test_places_are_the_nearest_that_are_apart(wanted, found):
+def test_places_are_apart_and_inside(wanted, found):
     np.testing.assert_allclose(work_precision._apart(np.array(wanted), 1.0, -5.0, 5.0), found, atol=1e-12)
 
 
