@@ -49,7 +49,8 @@ def answered() -> Iterator[None]:
     if _told.locked():
         _told.release()
     ours = threading.current_thread() is threading.main_thread()
-    if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+    free = [number for number in ASKING if signal.getsignal(number) in DEFAULT]  # in the background SIGINT is ignored
+    if not ours or not free:
         yield
         return
     heard = threading.Event()
@@ -61,7 +62,7 @@ def answered() -> Iterator[None]:
     woken, wake = os.pipe()
     os.set_blocking(wake, False)
     threading.Thread(target=_watch, args=(woken, heard), daemon=True).start()
-    before = {number: signal.signal(number, handler) for number in ASKING if signal.getsignal(number) in DEFAULT}
+    before = {number: signal.signal(number, handler) for number in free}
     other = signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
     try:
         yield

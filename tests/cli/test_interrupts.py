@@ -48,8 +48,8 @@ def interrupted(
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        # a process that is started in the background may be born deaf to the signal
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        # a process that is started in the background may be born deaf to Ctrl-C, and has to hear SIGTERM all the same
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL if by == signal.SIGINT else signal.SIG_IGN),
         env=os.environ | {"ROCK_KERNELS": kernels, "ROCK_CACHE_DIR": str(folder / "cache")},
     )
     lock = folder / "results" / "long" / ".lock"
