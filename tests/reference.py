@@ -41,6 +41,7 @@ def body_of(block, eta, g: float = 9.81, case: int = 0) -> Body:
 class History:
     peak: float = 0.0
     peak_over_alpha: float = 0.0
+    peaks: dict = field(default_factory=lambda: {-1: 0.0, 1: 0.0})
     overturned: bool = False
     t_impact: list = field(default_factory=list)
     w_before: list = field(default_factory=list)
@@ -143,6 +144,7 @@ def _watch(sol, s, alpha, h):
         if s * sol.y[1, i] > 0.0 >= s * sol.y[1, i + 1]:
             x = brentq(lambda x: sol.sol(x)[1], sol.t[i], sol.t[i + 1], xtol=1e-15)
             q = s * float(sol.sol(x)[0])
+            h.peaks[s] = max(h.peaks[s], q)
             if q / alpha > h.peak_over_alpha:
                 h.peak, h.peak_over_alpha = s * q, q / alpha
 

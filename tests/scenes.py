@@ -12,7 +12,7 @@ from rockcli.scene.damping import Damping
 from rockcli.scene.excitation import Excitation, Samples
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.pulses import make_pulses
-from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT, Response
+from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, Response
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.event import solve
 
@@ -89,7 +89,7 @@ def rock(body: Block, excitation: Excitation, **how) -> Response:
 def overturns(response: Response) -> bool:
     outcome = int(response.scalars["outcome"][0])
     assert outcome >= 0, response.reasons
-    return outcome >= OVERTURNED_WITHOUT_IMPACT
+    return outcome in (OVERTURNED_WITHOUT_IMPACT, OVERTURNED_AFTER_IMPACT)
 
 
 def theta_at(response: Response, t, case: int = 0) -> np.ndarray:

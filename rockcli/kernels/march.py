@@ -39,6 +39,8 @@ from rockcli.kernels.layout import (
     P2,
     PEAK,
     PEAK_ALPHA,
+    PEAK_LEFT,
+    PEAK_RIGHT,
     PEAK_SIDE,
     Q_STAR,
     RATE_PEAK,
@@ -95,6 +97,7 @@ def march(
     g = par[G]
     t_motion, t_stop = par[T_MOTION], par[T_STOP]
     p_min = math.sqrt(min(par[LEFT + P2], par[RIGHT + P2]))
+    two_sided = par[LEFT + ALPHA] != par[RIGHT + ALPHA]
     for i in range(N_OUT):
         out[i] = 0.0
     out[T_PEAK] = out[T_UPLIFT] = out[T_OVERTURN] = math.nan
@@ -261,7 +264,10 @@ def march(
         # what happened on the way
         reported = t < t_stop
         parts = 1 if (hk == SAMPLES and t < t_motion) else 8
-        if detail > OUTCOME and reach > out[PEAK]:
+        top = out[PEAK]
+        if two_sided:
+            top = out[PEAK_RIGHT] if s > 0.0 else out[PEAK_LEFT]
+        if detail > OUTCOME and reach > top:
             raise_peak(par, e, s, c, n, x, t, parts, out)
         star = par[e + Q_STAR]
         if reach >= star:

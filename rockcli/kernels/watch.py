@@ -13,6 +13,8 @@ from rockcli.kernels.layout import (
     P2,
     PEAK,
     PEAK_ALPHA,
+    PEAK_LEFT,
+    PEAK_RIGHT,
     PEAK_SIDE,
     R0,
     RADIUS,
@@ -88,6 +90,8 @@ def raise_peak(par, e, s, c, n, x, t, parts, out):
 
 @jit_lean
 def set_peak(par, e, s, q, t, out):
-    """Note |theta| = q at t if it is the largest so far."""
+    """Note |theta| = q at t if it is the largest so far, of all or of its side."""
+    side = PEAK_RIGHT if s > 0.0 else PEAK_LEFT
+    out[side] = max(out[side], q)
     if q > out[PEAK] * (1.0 + 1e-12):
         out[PEAK], out[PEAK_SIDE], out[PEAK_ALPHA], out[T_PEAK] = q, s, par[e + ALPHA], t

@@ -8,23 +8,30 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-FAILED, UNRESOLVED, NO_UPLIFT, ROCKING, OVERTURNED_WITHOUT_IMPACT, OVERTURNED_AFTER_IMPACT = -2, -1, 0, 1, 2, 3
+FAILED, UNRESOLVED, NO_UPLIFT, ROCKING, OVERTURNED_WITHOUT_IMPACT, OVERTURNED_AFTER_IMPACT, SLIDING = range(-2, 5)
 
 OUTCOMES: dict[int, str] = {
     FAILED: "failed",
     UNRESOLVED: "unresolved",
     NO_UPLIFT: "no_uplift",
+    SLIDING: "sliding",
     ROCKING: "rocking",
     OVERTURNED_WITHOUT_IMPACT: "overturned_without_impact",
     OVERTURNED_AFTER_IMPACT: "overturned_after_impact",
 }
+"""Names of the flags, in the order for people.  SLIDING: moved along the ground and never lifted."""
 
 MAX_IMPACTS_STORED = 1000
 """Impacts kept per case; more are counted, not stored, and said."""
+
+
+def overturned(outcome: ArrayLike) -> NDArray[np.bool_]:
+    """Where outcomes mean that the body overturned."""
+    return np.isin(outcome, (OVERTURNED_WITHOUT_IMPACT, OVERTURNED_AFTER_IMPACT))
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,7 +40,7 @@ _ROWS: tuple[Variable, ...] = (
         r"$|\theta|_{\mathrm{max}}/\alpha$",
         CASE,
         "1",
-        "largest |theta| over alpha of that side; inf overturned",
+        "largest |theta|/alpha, each side by its own alpha; inf overturned",
     ),
     Variable(
         "theta_dot_peak",
@@ -72,7 +72,8 @@ _ROWS: tuple[Variable, ...] = (
         r"$\mu_{\mathrm{req}}$",
         CASE,
         "1",
-        "largest |T/N| at the base between impacts, mu of a body that slides; inf where N <= 0",
+        "largest |T/N| at the base between impacts, of a body that overturns up to its last outward passage of the "
+        "equilibrium; mu of a body that slides; inf where N <= 0",
     ),
     Variable("mu_impact", r"$\mu_{\mathrm{impact}}$", CASE, "1", "largest ratio of impulses at an impact"),
     Variable(
@@ -80,7 +81,8 @@ _ROWS: tuple[Variable, ...] = (
         r"$N_{\mathrm{min}}/mg$",
         CASE,
         "1",
-        "smallest normal force over the weight; <= 0: the body leaves the ground",
+        "smallest normal force over the weight, of a body that overturns up to its last outward passage of the "
+        "equilibrium; <= 0: the body leaves the ground",
     ),
     Variable(
         "energy_residual",
@@ -149,6 +151,7 @@ _ROWS: tuple[Variable, ...] = (
             ("alpha", r"$\alpha$", "rad", "slenderness angle of"),
             ("p", r"$p$", "rad s-1", "frequency parameter about"),
             ("eta", r"$\eta$", "1", "angular velocity after / before an impact on"),
+            ("theta_peak", r"$|\theta|_{\mathrm{max}}$", "rad", "largest |theta| (inf overturned) about"),
         )
         for side in ("left", "right")
     ),
@@ -368,6 +371,9 @@ AUDIT: tuple[str, ...] = ("audit_same_outcome", "audit_error", "audit_disagreeme
 SCALARS_FLEXIBLE: tuple[str, ...] = ("landing_loss",)
 """Scalars of the flexible model alone."""
 
+SCALARS_ASYMMETRIC: tuple[str, ...] = ("theta_peak_left", "theta_peak_right")
+"""What only bodies of two different edges have."""
+
 SCALARS_SLIDING: tuple[str, ...] = ("slide_peak", "slide_residual")
 """What only cases with a coefficient of friction have."""
 
@@ -380,7 +386,7 @@ SCALARS_AUTO: tuple[str, ...] = ("model_used", "model_error")
 SCALARS: tuple[str, ...] = (
     "outcome", "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn",
     "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual", "error_estimate", "wall_time",
-    "n_steps", "n_rhs", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_AUTO,
+    "n_steps", "n_rhs", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO,
 )  # fmt: skip
 """Scalars a study can save, in the order of the contract."""
 

@@ -91,5 +91,7 @@ def compare_accuracies(
 def withdraw(scalars: Scalars, which: NDArray[np.bool_]) -> None:
     """Make cases `unresolved`: what they came to is not known."""
     scalars["outcome"][which] = UNRESOLVED
-    for name in ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_overturn"):
-        scalars[name][which] = np.nan
+    peaks = ("theta_peak", "theta_peak_left", "theta_peak_right", "theta_peak_over_alpha", "theta_dot_peak")
+    for name in (*peaks, "u_top_peak", "t_peak", "t_overturn"):
+        if name in scalars:
+            scalars[name][which] = np.nan

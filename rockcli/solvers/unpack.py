@@ -59,6 +59,8 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
     def known(values: Array, missing: NDArray[np.bool_] = failed) -> Array:
         return np.where(missing, np.nan, values)
 
+    left, right, ratio = _by_side(batch, out, peak)
+    mu_required, N_min = _standing_extremes(out, fell)
     unseen = failed | ~np.isfinite(out[:, k.N_MIN])  # forces and rates were not asked for
     asked, nothing = batch.save.scalars, np.full(batch.size, np.nan)
     friction = "mu_impact" in asked or bool(np.isfinite(batch.block.mu).any())
@@ -67,7 +69,9 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
     scalars: dict[str, NDArray[Any]] = {
         "outcome": outcome.astype(np.int8),
         "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, side)),
-        "theta_peak_over_alpha": peak / out[:, k.PEAK_ALPHA],
+        "theta_peak_left": left,
+        "theta_peak_right": right,
+        "theta_peak_over_alpha": ratio,
         "theta_dot_peak": known(np.where(fell, np.inf, out[:, k.RATE_PEAK]), unknown | unseen),
         "u_top_peak": known(np.where(fell, np.inf, top), unknown),
         "t_peak": stands,
@@ -75,9 +79,9 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "t_overturn": np.where(fell & ~failed, out[:, k.T_OVERTURN], np.nan),
         "t_end": known(out[:, k.T_END]),
         "n_impacts": impacts,
-        "mu_required": known(out[:, k.MU], unseen),
+        "mu_required": known(mu_required, unseen),
         "mu_impact": known(_impact_friction(batch, *onto)) if friction else nothing,
-        "N_min_over_mg": known(out[:, k.N_MIN], unseen),
+        "N_min_over_mg": known(N_min, unseen),
         "energy_residual": known(_over(out[:, k.ENERGY], _barrier(batch)), unseen)
         if "energy_residual" in asked
         else nothing,
@@ -85,6 +89,37 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "n_rhs": np.rint(out[:, k.N_STEPS]).astype(np.int64),  # a step is one expansion
     }
     return scalars, _reasons(batch, scalars, out)
+
+
+def _by_side(batch: Batch, out: Array, peak: Array) -> tuple[Array, Array, Array]:
+    """Largest |theta| to the left and to the right, NaN for symmetric bodies, and the larger |theta|/alpha, (n,) each.
+
+    `peak`: the largest |theta|, inf overturned, NaN unknown.
+    """
+    symmetric, alpha, side = batch.block.symmetric, batch.block.alpha, out[:, k.PEAK_SIDE]
+    ratio, nothing = peak / out[:, k.PEAK_ALPHA], np.full(batch.size, np.nan)
+    if symmetric.all():
+        return nothing, nothing, ratio
+    left, right = (
+        np.where(symmetric | np.isnan(peak), np.nan, np.where(np.isinf(peak) & (side == sign), np.inf, out[:, column]))
+        for sign, column in ((-1.0, k.PEAK_LEFT), (1.0, k.PEAK_RIGHT))
+    )
+    larger = np.maximum(left / alpha[:, LEFT], right / alpha[:, RIGHT])
+    return left, right, np.where(symmetric, ratio, larger)
+
+
+def _standing_extremes(out: Array, fell: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Largest friction and smallest normal force of the report, (n,).
+
+    Of a body that falls they end at its last outward passage of the equilibrium.
+    What it needs on its way to the ground says nothing about how it got there.  NaN for one that falls from beyond the
+    equilibrium at once: it never stood.
+    """
+    passed = fell & (out[:, k.T_OVERTURN] <= out[:, k.T_END])
+    never = passed & (out[:, k.T_OVERTURN] == 0.0)
+    both = ((k.MU, k.MU_STANDING), (k.N_MIN, k.N_STANDING))
+    mu, normal = (np.where(never, np.nan, np.where(passed, out[:, up_to], out[:, all_])) for all_, up_to in both)
+    return mu, normal
 
 
 def _over(energy: Array, barrier: Array) -> Array:
@@ -116,13 +151,10 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
     status = out[:, k.STATUS]
     reasons = [""] * batch.size
     outcome, mu = scalars["outcome"], batch.block.mu
-    # while it stands: what a body needs on its way to the ground says nothing about how it got there
-    fell = outcome >= OVERTURNED_WITHOUT_IMPACT
-    needs = np.fmax(np.where(fell, out[:, k.MU_STANDING], scalars["mu_required"]), scalars["mu_impact"])
-    normal = np.where(fell, out[:, k.N_STANDING], scalars["N_min_over_mg"])
+    needs = np.fmax(scalars["mu_required"], scalars["mu_impact"])
     with np.errstate(invalid="ignore"):
         slides = needs > mu  # False where no mu is given
-        lifts = normal <= 0.0
+        lifts = scalars["N_min_over_mg"] <= 0.0
     # with a mu the question is what the body does; without, it cannot slide, and lifting is a remark
     refused = (slides | (lifts & np.isfinite(mu))) & (outcome >= NO_UPLIFT)
     withdraw(scalars, refused)

@@ -32,7 +32,7 @@ class Found:
     """What the cases of a study show: finest output spacing needed, files read and what was done to them.
 
     `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
-    `friction`: some case has a mu.
+    `friction`: some case has a mu; `asymmetric`: some body has two different edges.
     """
 
     dt_out: float = DT_OUT
@@ -42,6 +42,7 @@ class Found:
     models: dict[tuple[str, str | None], None] = field(default_factory=dict)
     schemes: set[str] = field(default_factory=set)
     friction: bool = False
+    asymmetric: bool = False
     doubted: dict[str, None] = field(default_factory=dict)
 
     def look(self, numbers: Numbers, batch: Batch) -> None:
@@ -50,6 +51,7 @@ class Found:
         self.schemes.add(batch.damping.scheme)
         self.inputs |= numbers.inputs
         self.friction |= bool(np.isfinite(batch.block.mu).any())
+        self.asymmetric |= not batch.block.symmetric.all()
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
         self.doubted |= dict.fromkeys(doubts_about(numbers, batch))
         self._channel(numbers, batch, batch.excitation.horizontal, MOTION)

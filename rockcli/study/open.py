@@ -18,6 +18,7 @@ from rockcli.scene.batch import Save
 from rockcli.scene.variables import (
     LARGE,
     SCALARS,
+    SCALARS_ASYMMETRIC,
     SCALARS_AUTO,
     SCALARS_FEMA,
     SCALARS_FLEXIBLE,
@@ -187,9 +188,11 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
     wanted = save.get("scalars")
     if wanted is None:
         wanted = () if curves_only else SCALARS if size <= LARGE and not tree.get("refine") else SCALARS_LARGE
-    special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE, *SCALARS_SLIDING, *SCALARS_AUTO}
+    special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO}
     if found.friction:
         special -= set(SCALARS_SLIDING)
+    if found.asymmetric:
+        special -= set(SCALARS_ASYMMETRIC)
     if "fema356" in found.schemes:
         special -= set(SCALARS_FEMA)
     if any(model == AUTO for model, _ in found.models):

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from scenes import G, block, make_batch, pulse, record, rock
+from scenes import G, block, make_batch, pulse, record, rock, still
+from scipy.optimize import brentq
 
 from rockcli.scene.block import make_block
 from rockcli.solvers.event import solve
@@ -79,3 +83,68 @@ def test_a_given_friction_that_is_exceeded_flags_the_case():
         given = type(body)(**{**{f: getattr(body, f) for f in body.__dataclass_fields__}, "mu": np.array([mu])})
         response = solve(make_batch(given, motion))
         assert ("slide" in response.reasons[0]) is flagged
+
+
+def onset(tan_alpha: float, a: float) -> float:
+    """|T|/N of a rectangle as a sudden ground acceleration a [g] begins to turn it, from T and N written out."""
+    psi = (a - tan_alpha) / (4.0 / 3.0 * (1.0 + tan_alpha**2))  # angular acceleration times h/g
+    return (a - psi) / (1.0 + tan_alpha * psi)
+
+
+def test_friction_that_overturning_takes_ends_at_the_last_passage_of_the_equilibrium():
+    """Zhang and Makris (2001): p 2.14, alpha .25, one cosine; about 2 tan(alpha) at 6 alpha g.  It is largest at uplift."""
+    p, alpha = 2.14, 0.25
+    t = np.tan(alpha)
+    body = block(0.75 * G / p**2, t)
+    a_of_2_5 = brentq(lambda a: onset(t, a) - 2.5 * t, 2.0 * t, 20.0 * t)
+    for a, omega in ((4.0 * alpha, 3.0), (6.0 * alpha, 3.0), (a_of_2_5, 2.5)):
+        found = rock(body, pulse("cosine", a * G, omega * p), eta=0.9).scalars
+        assert found["outcome"][0] >= 2
+        assert found["mu_required"][0] == pytest.approx(onset(t, a), rel=1e-9)
+    assert onset(t, 6.0 * alpha) == pytest.approx(2.0 * t, rel=3e-3)
+    assert found["mu_required"][0] == pytest.approx(2.5 * t, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("motion", "edges"),
+    [
+        (pulse("ricker", 6.0, 3.0), 0.2),  # overturns after an impact
+        (pulse("half_sine", 5.0, 4.0), 0.2),  # without one
+        (record(3.5 * np.sin(5.0 * np.arange(0.0, 6.0, 0.02)), 0.02), [0.2, 0.3]),
+    ],
+)
+def test_forces_of_a_body_that_overturns_end_at_the_last_passage(motion, edges):
+    """Finite differences of the centre of mass up to t_overturn; on the way to the ground it needs more."""
+    body, dt = make_block(h=1.2, b=edges), 1e-4
+    response = rock(body, motion, histories=True, dt_out=dt)
+    found = response.scalars
+    assert found["outcome"][0] >= 2
+    passed = float(found["t_overturn"][0])
+    until = {name: values[:, response.time <= passed] for name, values in response.histories.items()}
+    mu, N = forces_by_finite_differences(SimpleNamespace(histories=until), body, dt)
+    assert found["mu_required"][0] == pytest.approx(mu.max(), rel=5e-3)
+    assert found["N_min_over_mg"][0] == pytest.approx(N.min(), rel=5e-3)
+    later = {name: values[:, response.time > passed] for name, values in response.histories.items()}
+    mu_later, N_later = forces_by_finite_differences(SimpleNamespace(histories=later), body, dt)
+    assert N_later.min() < N.min()
+    assert mu_later.max() > mu.max()
+
+
+def test_a_body_that_passes_the_equilibrium_after_the_report_counts_the_whole_report():
+    """A short duration: the fall is decided beyond it, and nothing of the fall is in the forces."""
+    body = block(2.0, 0.2)
+    whole = rock(body, pulse("half_sine", 5.0, 4.0)).scalars
+    passed = float(whole["t_overturn"][0])
+    cut = rock(body, pulse("half_sine", 5.0, 4.0, duration=0.9 * passed)).scalars
+    assert cut["outcome"][0] >= 2
+    assert cut["t_overturn"][0] > cut["t_end"][0]
+    assert cut["mu_required"][0] == pytest.approx(whole["mu_required"][0], rel=1e-12)
+    smooth = dataclasses.replace(body, mu=0.9 * cut["mu_required"])
+    assert "slide" in rock(smooth, pulse("half_sine", 5.0, 4.0, duration=0.9 * passed)).reasons[0]
+
+
+def test_a_body_let_go_beyond_the_equilibrium_never_stood():
+    found = rock(block(2.0, 0.2), still(), theta_0=0.25).scalars
+    assert found["outcome"][0] == 2
+    assert np.isnan(found["mu_required"][0])
+    assert np.isnan(found["N_min_over_mg"][0])

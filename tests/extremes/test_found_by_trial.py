@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scenes import G, block, pulse, rock, still, unit_block
@@ -9,20 +11,23 @@ from scenes import G, block, pulse, rock, still, unit_block
 LEVELS = ["draft", "standard", "reference"]
 
 
-@pytest.mark.parametrize("accuracy", LEVELS)
-def test_smallest_normal_force_of_a_fall(accuracy):
-    """Let go at 1.01 alpha, alpha = 0.2: N from the energy, N/m g = 1 + 3/4 [sin b (-q''/p2) - ...] over the fall."""
-    alpha = 0.2
-    body = unit_block(alpha)
-    response = rock(body, still(), theta_0=1.01 * alpha, accuracy=accuracy)
-    q = np.linspace(1.01 * alpha, 0.5 * np.pi, 2_000_001)
+def extremes(alpha: float, q: np.ndarray, rate2: np.ndarray) -> tuple[float, float]:
+    """Largest |T|/N and smallest N/(m g) of a rectangle of p = 1 (R = 3 g/4), q'' = -sin(alpha - q), with q'^2 given."""
     beta = alpha - q
-    # with p = 1: q'' = -sin(beta), q'^2 = 2 (cos(beta_0) - cos(beta)); R = 3 g/4
-    rate2 = 2.0 * (np.cos(0.01 * alpha) - np.cos(beta))
     N = 1.0 + 0.75 * (-(np.sin(beta) ** 2) - np.cos(beta) * rate2)
     T = np.abs(0.75 * (-np.cos(beta) * np.sin(beta) + np.sin(beta) * rate2))
-    assert response.scalars["N_min_over_mg"][0] == pytest.approx(N.min(), rel=1e-4, abs=1e-9)
-    assert response.scalars["mu_required"][0] == pytest.approx((T / N).max(), rel=1e-3)
+    return float((T / N).max()), float(N.min())
+
+
+@pytest.mark.parametrize("accuracy", LEVELS)
+@pytest.mark.parametrize("alpha", [0.9, 1.3])
+def test_extremes_of_the_forces_inside_a_swing(alpha, accuracy):
+    """A stocky body let go at 0.7 alpha, at rest after its impact: forces from the energy, extremes between the ends."""
+    response = rock(unit_block(alpha), still(), theta_0=0.7 * alpha, eta=0.0, accuracy=accuracy)
+    q = np.linspace(0.0, 0.7 * alpha, 2_000_001)
+    mu, N = extremes(alpha, q, 2.0 * (np.cos(0.3 * alpha) - np.cos(alpha - q)))
+    assert response.scalars["N_min_over_mg"][0] == pytest.approx(N, rel=1e-4, abs=1e-9)
+    assert response.scalars["mu_required"][0] == pytest.approx(mu, rel=1e-3)
 
 
 @pytest.mark.parametrize("accuracy", LEVELS)
@@ -45,12 +50,21 @@ def test_last_outward_passage(A, Omega, passages, accuracy):
 
 
 def test_friction_on_the_way_to_the_ground_does_not_flag_a_body():
-    body = block(2.0, 0.15)
-    given = type(body)(**{**{f: getattr(body, f) for f in body.__dataclass_fields__}, "mu": np.array([0.95])})
-    response = rock(given, still(), theta_dot_0=1.0)
+    """Thrown over: what it needs up to alpha from the energy; beyond, N goes to zero."""
+    alpha, rate = 0.15, 0.6
+    body = unit_block(alpha)
+    q = np.linspace(0.0, alpha, 200_001)
+    mu, N = extremes(alpha, q, rate**2 - 2.0 * (np.cos(alpha - q) - np.cos(alpha)))
+    fall = np.linspace(alpha, 0.5 * np.pi, 200_001)
+    assert extremes(alpha, fall, rate**2 - 2.0 * (np.cos(alpha - fall) - np.cos(alpha)))[1] < 0.0
+    given = dataclasses.replace(body, mu=np.array([1.01 * mu]))
+    response = rock(given, still(), theta_dot_0=rate)
     assert response.scalars["outcome"][0] == 2
-    assert response.scalars["mu_required"][0] > 0.95  # over the fall, as reported
+    assert response.scalars["mu_required"][0] == pytest.approx(mu, rel=1e-9)
+    assert response.scalars["N_min_over_mg"][0] == pytest.approx(N, rel=1e-9)
     assert response.reasons[0] == ""
+    short = dataclasses.replace(body, mu=np.array([0.99 * mu]))
+    assert rock(short, still(), theta_dot_0=rate).scalars["outcome"][0] == -1
 
 
 def test_draft_counts_impacts_down_to_the_same_speed():

@@ -84,7 +84,7 @@ def test_outcome_is_a_flag_without_fill_value(path: Path) -> None:
         assert outcome.dtype == np.int8
         assert "_FillValue" not in outcome.ncattrs()
         assert outcome.flag_values.dtype == np.int8
-        assert list(outcome.flag_values) == [-2, -1, 0, 1, 2, 3]
+        assert list(outcome.flag_values) == [-2, -1, 0, 1, 2, 3, 4]
         assert outcome.flag_meanings.split() == [
             "failed",
             "unresolved",
@@ -92,6 +92,7 @@ def test_outcome_is_a_flag_without_fill_value(path: Path) -> None:
             "rocking",
             "overturned_without_impact",
             "overturned_after_impact",
+            "sliding",
         ]
     flags = open_dataset(path)["outcome"]
     assert flags.dtype == np.int8

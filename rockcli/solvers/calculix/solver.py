@@ -102,6 +102,8 @@ def _report(batch: Batch, i: int, case: _Solved | None, scalars: dict[str, NDArr
     fell, unknown = verdict == FELL, outcome == UNRESOLVED
     size = np.inf if fell else float(abs(motion.theta[peak])) if moved else 0.0
     side = float(np.sign(motion.theta[peak]))
+    t_overturn = _last_passage(motion, alpha) if fell else np.nan
+    standing = motion.t <= (t_overturn if np.isfinite(t_overturn) else np.inf)
     values = {
         "theta_peak": np.nan if unknown else side * size if size else 0.0,
         "theta_peak_over_alpha": np.nan if unknown else size / alpha,
@@ -109,9 +111,9 @@ def _report(batch: Batch, i: int, case: _Solved | None, scalars: dict[str, NDArr
         "u_top_peak": np.nan if unknown else np.inf if fell else float(np.max(np.abs(motion.u_top))),
         "t_peak": np.nan if fell or unknown or not moved else float(motion.t[peak]),
         "t_uplift": found.opened,
-        "t_overturn": _last_passage(motion, alpha) if fell else np.nan,
+        "t_overturn": t_overturn,
         "t_end": float(motion.t[-1]),
-        "N_min_over_mg": float(motion.N.min()) / (prepared.deck.mass * prepared.deck.g),
+        "N_min_over_mg": float(motion.N[standing].min()) / (prepared.deck.mass * prepared.deck.g),
     }
     for name, value in values.items():
         scalars[name][i] = value

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.response import MAX_IMPACTS_STORED
 from rockcli.solvers.general import roots
 from rockcli.solvers.general.body import RETURNS, Body
@@ -29,7 +30,7 @@ class Diary:
 
     Attributes:
         dt_out: output spacing [s]; theta, rate: histories (k,), NaN where nothing was noted, k = 0 without.
-        peak: largest |theta| so far [rad], on the side of sign `side`, at t_peak.
+        peak: largest |theta| so far [rad], on the side of sign `side`, at t_peak; peaks: to the left, to the right.
         rate_peak: largest |rate| [rad/s].
         impacts: (t, rate before, rate after) of the first MAX_IMPACTS_STORED; n_impacts: how many there were.
         verdict: what becomes of the body, see `body`.
@@ -43,6 +44,7 @@ class Diary:
     written: int = 0
     peak: float = 0.0
     side: float = 1.0
+    peaks: list[float] = field(default_factory=lambda: [0.0, 0.0])
     t_peak: float = math.nan
     rate_peak: float = 0.0
     t_uplift: float = math.nan
@@ -90,9 +92,10 @@ class Diary:
 
     def _peaks(self, step: Step, sign: float, x: float) -> None:
         c_v = roots.coefficients(step.nodes[1])
-        if np.abs(step.nodes[0]).max() * 1.1 + 1e-300 > self.peak:
+        least = min(self.peaks) if self.body.left.alpha != self.body.right.alpha else self.peak
+        if np.abs(step.nodes[0]).max() * 1.1 + 1e-300 > least:
             for r in roots.roots(c_v):
-                if r <= x and abs(float(step.dense(step.t_old + r * (step.t - step.t_old))[0])) > 0.999 * self.peak:
+                if r <= x and abs(float(step.dense(step.t_old + r * (step.t - step.t_old))[0])) > 0.999 * least:
                     t, rotation, _ = step.at(r)
                     self._higher(sign * rotation, t)
         self.rate_peak = max(self.rate_peak, abs(float(step.y_old[1])))
@@ -101,6 +104,8 @@ class Diary:
             self.rate_peak = max([self.rate_peak, *(abs(roots.value(c_v, r)) for r in inside)])
 
     def _higher(self, theta: float, t: float) -> None:
+        side = RIGHT if theta > 0.0 else LEFT
+        self.peaks[side] = max(self.peaks[side], abs(theta))
         if abs(theta) > self.peak * (1.0 + SAME_PEAK):
             self.peak, self.side, self.t_peak = abs(theta), math.copysign(1.0, theta), t
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.response import (
     FAILED,
     MAX_IMPACTS_STORED,
@@ -21,6 +22,7 @@ from rockcli.scene.response import (
     ROCKING,
     UNRESOLVED,
     Response,
+    overturned,
 )
 from rockcli.solvers.agreement import compare_accuracies, horizon_of
 from rockcli.solvers.general import naive
@@ -173,10 +175,9 @@ def _outcome(diary: Diary) -> int:
 def _scalars(batch: Batch, diaries: list[Diary]) -> dict[str, NDArray[Any]]:
     """Scalars by name but for those of the run itself."""
     outcome = np.array([_outcome(d) for d in diaries], dtype=np.int8)
-    failed, unknown, fell = outcome == FAILED, outcome < 0, outcome >= OVERTURNED_WITHOUT_IMPACT
+    failed, unknown, fell = outcome == FAILED, outcome < 0, overturned(outcome)
     peak, rate = np.array([d.peak for d in diaries]), np.array([d.rate_peak for d in diaries])
     side = np.array([d.side for d in diaries])
-    alpha = np.array([d.body.edge(d.side).alpha for d in diaries])
     top = batch.block.top * np.sin(np.minimum(peak, 0.5 * np.pi))
 
     def largest(values: Array) -> Array:
@@ -186,10 +187,17 @@ def _scalars(batch: Batch, diaries: list[Diary]) -> dict[str, NDArray[Any]]:
         return np.where(missing, np.nan, np.array([getattr(d, name) for d in diaries]))
 
     peaks = largest(peak)
+    sides = np.array([d.peaks for d in diaries]).reshape(-1, 2)
+    sides = np.where(unknown[:, None], np.nan, np.where(fell[:, None] & (side[:, None] == (-1.0, 1.0)), np.inf, sides))
+    sided = np.where(batch.block.symmetric[:, None], np.nan, sides)
     scalars: dict[str, NDArray[Any]] = {
         "outcome": outcome,
         "theta_peak": np.where(peaks == 0.0, 0.0, np.copysign(peaks, side)),
-        "theta_peak_over_alpha": peaks / alpha,
+        "theta_peak_left": sided[:, LEFT],
+        "theta_peak_right": sided[:, RIGHT],
+        "theta_peak_over_alpha": np.where(
+            batch.block.symmetric, peaks / batch.block.alpha[:, LEFT], np.max(sides / batch.block.alpha, axis=1)
+        ),
         "theta_dot_peak": largest(rate),
         "u_top_peak": largest(top),
         "t_peak": unless(unknown | fell | (outcome == NO_UPLIFT), "t_peak"),
