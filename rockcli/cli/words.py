@@ -35,7 +35,10 @@ def report_text(report: RunReport) -> str:
     if report.peak is not None:
         where = f" at {report.peak_at}" if report.peak_at else ""
         lines.append(_row("peak", f"|theta|/alpha = {report.peak:.6g}{where}" + _survivors(report)))
-    lines += [_row("overturns", f"{axis} {words}") for axis, words in report.overturns.items()]
+    if report.slide is not None:
+        where = f" at {report.slide_at}" if report.slide_at else ""
+        lines.append(_row("slide", f"|displacement| = {report.slide:.6g} m{where}"))
+    lines += [_row("overturns", f"lowest overturning {axis}: {words}") for axis, words in report.overturns.items()]
     for number, (sentence, count) in enumerate(list(report.reasons.items())[:_MOST_REASONS]):
         often = f" ({counted(count, 'case')})" if report.cases > 1 else ""
         lines.append(_row("notes" if number == 0 else "", sentence + often))

@@ -11,7 +11,9 @@ from rockcli.engine.compare import with_comparison
 from rockcli.engine.direction import with_worst_direction
 from rockcli.engine.provenance import attributes
 from rockcli.engine.results import Results
+from rockcli.engine.search import threshold_fields
 from rockcli.engine.symbols import EDGES
+from rockcli.scene.thresholds import Thresholds
 from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
 from rockcli.storage.contents import (
     COORDINATES,
@@ -27,7 +29,7 @@ from rockcli.storage.contents import (
 from rockcli.study.study import Study
 
 
-def assemble(study: Study, results: Results, thresholds: NDArray[np.float64] | None = None) -> Contents:
+def assemble(study: Study, results: Results, thresholds: Thresholds | None = None) -> Contents:
     """Contents of the dataset of a solved study, comparison included; `thresholds` (n,) are what a search found."""
     axes = tuple(axis.name for axis in study.axes)
     fields = {
@@ -48,11 +50,8 @@ def assemble(study: Study, results: Results, thresholds: NDArray[np.float64] | N
         fields["reasons"] = reasons_field(results.reasons)
     if thresholds is not None:
         assert study.search is not None
-        sought = study.search.axis
-        words = f"lowest {sought.path} of the range searched at which the case overturns; inf: nowhere, NaN: no answer"
-        attrs = {"long_name": words, "units": sought.unit}
-        fields[study.search.name] = Field(axes, thresholds.reshape(study.shape), attrs)
-        for name in {"a_p", "omega_p"} & fields.keys() if sought.path.startswith("motion") else ():
+        fields |= threshold_fields(study.search, thresholds.reshaped(study.shape), axes)
+        for name in {"a_p", "omega_p"} & fields.keys() if study.search.axis.path.startswith("motion") else ():
             del fields[name]  # they change along the range
     fields |= _beside_axes(results.histories, HISTORIES, axes, study.shape, DIM_TIME)
     fields |= _beside_axes(results.impacts, IMPACTS, axes, study.shape, DIM_IMPACT)

@@ -6,7 +6,9 @@ Failed and unresolved members are left out and counted; overturned ones count as
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,9 +16,11 @@ from numpy.typing import NDArray
 
 from rockcli.engine.demand import correlations, with_measures
 from rockcli.engine.fragility import STATUS, fit
+from rockcli.engine.search import found_by, threshold_fields
 from rockcli.engine.suite_words import sentences, warnings
-from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT, UNRESOLVED
+from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
+from rockcli.scene.thresholds import BRACKETED
 from rockcli.scene.variables import LIMIT, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import Over, Study
@@ -33,6 +37,8 @@ SCALARS: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak")
 """Scalars whose fractiles are taken."""
 
 _FRACTILES: dict[str, float] = {"p16": 0.16, "p50": 0.5, "p84": 0.84}
+
+_WORDS = {"p16": "16th percentile", "p50": "median", "p84": "84th percentile", "mean": "mean"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +97,7 @@ def members(contents: Contents) -> Members:
     """What became of every case, by its outcome, or by its peak where no outcome is saved."""
     if "outcome" in contents.fields:
         flags = contents.values("outcome")
-        return Members(flags > UNRESOLVED, flags >= OVERTURNED_WITHOUT_IMPACT)
+        return Members(flags > UNRESOLVED, overturned(flags))
     peak = contents.values(PEAK)
     return Members(~np.isnan(peak), np.isposinf(peak))
 
@@ -110,8 +116,8 @@ def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field
     for name in SCALARS:
         if name in contents.fields:
             values = np.where(became.answered, contents.values(name), np.nan)
-            for end, reduced in _reduced(values, at, over).items():
-                added[f"{name}_{end}"] = variable_field(f"{name}_{end}", rest, reduced)
+            for end, reduce in _reductions(at, over).items():
+                added[f"{name}_{end}"] = variable_field(f"{name}_{end}", rest, reduce(values))
     if over.along is not None:
         added |= _islands(contents, became, over, rest) | _fragility(contents, became, over, rest)
     measured = with_measures(contents.fields, contents, study)
@@ -122,28 +128,32 @@ def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field
     return added | measured
 
 
-def _reduced(values: Array, at: int, over: Over) -> dict[str, Array]:
-    """Fractiles along an axis by the ends of their names, and the mean where it is asked for."""
-    found = {end: fractile(values, q, at) for end, q in _FRACTILES.items()}
-    if over.mean:
-        known = ~np.isnan(values)
-        found["mean"] = np.where(known, values, 0.0).sum(axis=at) / known.sum(axis=at)
-    return found
+def _reductions(at: int, over: Over) -> dict[str, Callable[[Array], Array]]:
+    """What takes fractiles along an axis by the ends of their names, and the mean where it is asked for."""
+    found: dict[str, Callable[[Array], Array]] = {end: partial(fractile, q=q, axis=at) for end, q in _FRACTILES.items()}
+    return found | ({"mean": partial(_mean, axis=at)} if over.mean else {})
+
+
+def _mean(values: Array, axis: int) -> Array:
+    known = ~np.isnan(values)
+    return np.asarray(np.where(known, values, 0.0).sum(axis=axis) / known.sum(axis=axis))
 
 
 def _thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
-    """Fractiles of what a search found: nowhere in its range counts as inf."""
+    """Fractiles of what a search found, of all its members: what lies outside the range has its rank all the same."""
     assert study.search is not None
+    sought = study.search
     at = contents.axes.index(over.axis)
     rest = tuple(axis for axis in contents.axes if axis != over.axis)
-    answered = ~np.isnan(contents.values(study.search.name))
-    added = {"n_answered": variable_field("n_answered", rest, answered.sum(axis=at))}
-    words = {"p16": "16 % fractile", "p50": "median", "p84": "84 % fractile", "mean": "mean"}
-    for name in (study.search.name, *study.search.prescreens):
-        found = contents.fields[name]
-        for end, reduced in _reduced(found.values, at, over).items():
-            attrs = found.attrs | {"long_name": f"{words[end]} over the suite of: {found.attrs['long_name']}"}
-            added[f"{name}_{end}"] = Field(rest, reduced, attrs)
+    found = found_by(contents, sought.name)
+    added = {"n_answered": variable_field("n_answered", rest, (found.state != BRACKETED).sum(axis=at))}
+    for end, reduce in _reductions(at, over).items():
+        words = f"{_WORDS[end]} over the suite of: "
+        added |= threshold_fields(sought, found.reduced(reduce), rest, end=end, before=words)
+        for name in sought.prescreens:
+            one = contents.fields[name]
+            attrs = one.attrs | {"long_name": words + one.attrs["long_name"]}
+            added[f"{name}_{end}"] = Field(rest, reduce(one.values), attrs)
     return added
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
-from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
+from rockcli.scene.response import overturned
 from rockcli.solvers.fit import Fit, least_squares_fit
 from rockcli.study.open import open_study
 
@@ -268,7 +268,7 @@ def _rotations(source: Path | dict[str, Any], values: list[dict[str, float]], ti
     out = np.empty((len(values), len(time)))
     for row, history, outcome in zip(out, contents.values("theta"), contents.values("outcome"), strict=True):
         missing = np.isnan(history)
-        fallen = outcome >= OVERTURNED_WITHOUT_IMPACT and not missing.all()
+        fallen = bool(overturned(outcome)) and not missing.all()
         lies = np.copysign(0.5 * np.pi, history[~missing][-1]) if fallen else 0.0
         row[:] = np.interp(time, contents.values("time"), np.where(missing, lies, history))
     return out

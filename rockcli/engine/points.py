@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.ladder import NUMERICS, Pair, Rung
-from rockcli.scene.response import FAILED, NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, Response
+from rockcli.scene.response import FAILED, NO_UPLIFT, SLIDING, Response, overturned
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
@@ -48,9 +48,9 @@ class Answers:
     def fate(self) -> str:
         """What all cases do, if it leaves peaks with nothing to tell; "" otherwise."""
         solved = self.outcome[self.outcome != FAILED]
-        if self.complete and (solved >= OVERTURNED_WITHOUT_IMPACT).all():
+        if self.complete and overturned(solved).all():
             return "every sampled case overturns, so no peak can be compared, only outcomes"
-        return "no sampled case uplifts" if self.complete and (solved == NO_UPLIFT).all() else ""
+        return "no sampled case uplifts" if self.complete and np.isin(solved, (NO_UPLIFT, SLIDING)).all() else ""
 
 
 @dataclass(eq=False)

@@ -12,6 +12,7 @@ import numpy as np
 
 from rockcli.engine.expect import Verdict, coordinate_word, expected_failures, judge
 from rockcli.engine.rules import Misled, misled
+from rockcli.engine.search import found_by
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.storage.contents import Contents
@@ -31,10 +32,11 @@ class RunReport:
         cases: number of cases; outcomes: cases by outcome, without those that have none.
         failed: cases that failed although no clause expected it.
         peak: largest finite theta_peak_over_alpha (None without one); peak_at: its place on the axes.
+        slide: largest slide_peak [m] (None where nothing slides); slide_at: its place on the axes.
         verdicts: of the `expect` clauses, in order.
         reasons: sentence -> number of cases, most first; sentences that differ in numbers only count as the first.
         suite: what the ensemble statistics come to, in sentences; audit: what an audit found.
-        overturns: searched axis -> from where on the cases overturn, in words.
+        overturns: searched axis -> its lowest overturning values, in words.
         rules: what the rules of thumb would have said of the same cases.
         warnings: about the physics and the study.
         plots: files drawn; seconds: wall time of the run.
@@ -52,6 +54,8 @@ class RunReport:
     failed: int = 0
     peak: float | None = None
     peak_at: str = ""
+    slide: float | None = None
+    slide_at: str = ""
     verdicts: tuple[Verdict, ...] = ()
     reasons: dict[str, int] = field(default_factory=dict)
     overturns: dict[str, str] = field(default_factory=dict)
@@ -101,14 +105,17 @@ class RunReport:
 
 def report_on(study: Study, contents: Contents, **more: Any) -> RunReport:
     """Report on a dataset of a study, whether just solved or read back."""
-    peak, where = _largest_peak(contents)
+    peak, peak_at = _largest(contents, "theta_peak_over_alpha")
+    slide, slide_at = _largest(contents, "slide_peak")
     return RunReport(
         name=study.name,
         cases=study.size,
         outcomes=_outcomes(contents),
         failed=_failed(study, contents),
         peak=peak,
-        peak_at=where,
+        peak_at=peak_at,
+        slide=slide or None,
+        slide_at=slide_at if slide else "",
         refined=int(contents.values("solved").sum()) if "solved" in contents.fields else None,
         verdicts=tuple(judge(contents, study.expect)),
         reasons=_reasons(contents),
@@ -129,8 +136,8 @@ def exit_code(reports: list[RunReport]) -> int:
 def _outcomes(contents: Contents) -> dict[str, int]:
     if "outcome" not in contents.fields:
         return {}
-    flags, counts = np.unique(contents.values("outcome"), return_counts=True)
-    return {OUTCOMES[int(flag)]: int(count) for flag, count in zip(flags, counts, strict=True)}
+    flags = contents.values("outcome")
+    return {name: count for flag, name in OUTCOMES.items() if (count := int((flags == flag).sum()))}
 
 
 def _failed(study: Study, contents: Contents) -> int:
@@ -140,10 +147,11 @@ def _failed(study: Study, contents: Contents) -> int:
     return int(np.sum(failed & ~expected_failures(contents, study.expect)))
 
 
-def _largest_peak(contents: Contents) -> tuple[float | None, str]:
-    if "theta_peak_over_alpha" not in contents.fields:
+def _largest(contents: Contents, name: str) -> tuple[float | None, str]:
+    """The largest finite value of a scalar, None without one, and its place on the axes."""
+    if name not in contents.fields:
         return None, ""
-    values = contents.values("theta_peak_over_alpha")
+    values = contents.values(name)
     finite = np.where(np.isfinite(values), values, -1.0)
     if not finite.size or finite.max() < 0.0:
         return None, ""
@@ -155,7 +163,7 @@ def _largest_peak(contents: Contents) -> tuple[float | None, str]:
 def _overturns(contents: Contents) -> dict[str, str]:
     axes = {name: contents.values(name) for name in contents.axes}
     return {
-        name.removesuffix(FOUND): threshold_words(item.values, axes)
+        name.removesuffix(FOUND): threshold_words(found_by(contents, name), axes, item.attrs.get("units", "1"))
         for name, item in contents.fields.items()
         if name.endswith(FOUND) and item.dims == contents.axes
     }

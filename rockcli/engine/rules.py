@@ -14,7 +14,7 @@ from rockcli.scene import rules
 from rockcli.scene.batch import Batch
 from rockcli.scene.damping import Fema356
 from rockcli.scene.excitation import Channel, Samples
-from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT
+from rockcli.scene.response import NO_UPLIFT, overturned
 from rockcli.scene.rules import RULES
 from rockcli.solvers import fema356
 from rockcli.storage.contents import Contents, variable_field
@@ -84,7 +84,7 @@ def misled(contents: Contents) -> tuple[Misled, ...]:
             continue
         values = contents.values(rule.variable)
         both = (flags >= NO_UPLIFT) & ~np.isnan(values)
-        falls = flags >= OVERTURNED_WITHOUT_IMPACT
+        falls = overturned(flags)
         predicted = np.isinf(values) | (values > rule.limit)
         unsafe, wary = int((both & falls & ~predicted).sum()), int((both & ~falls & predicted).sum())
         found.append(Misled(rule.name, int(both.sum()), unsafe, wary))

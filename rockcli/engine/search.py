@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,33 +15,39 @@ from rockcli.engine.apart import build_apart, solve_apart
 from rockcli.engine.executors import Team, answers
 from rockcli.engine.sweep import Progress, outlook
 from rockcli.scene.batch import Batch
-from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT
-from rockcli.study.study import Index, Study
+from rockcli.scene.response import NO_UPLIFT, ROCKING, overturned
+from rockcli.scene.thresholds import BELOW, BESIDE, BRACKETED, IN_RANGE, NONE, PARTS, SENTENCES, STATES, Thresholds
+from rockcli.storage.contents import Contents, Field
+from rockcli.study.study import Index, Searched, Study
 
 Array = NDArray[np.float64]
+Verdicts = NDArray[np.int8]
 
 RESOLUTION = 1e-6
 """Width of the final bracket, relative to its upper end."""
 
-STANDS, FALLS, UNKNOWN = 0, 1, -1
+AT_REST, ROCKS, FALLS, UNKNOWN = 0, 1, 2, -1
+"""What a trial comes to; AT_REST: no uplift, or sliding."""
 
 
-def find_overturning(study: Study, progress: Progress | None = None, team: Team | None = None) -> Array:
-    """Value of the searched range at the lowest change from standing to overturned, over the flat cases, (n,).
+def find_overturning(study: Study, progress: Progress | None = None, team: Team | None = None) -> Thresholds:
+    """The lowest value of the searched range at which each of the flat cases overturns, (n,).
 
-    The range is scanned at its points and the lowest change bisected until the bracket is narrower than RESOLUTION;
-    the upper end is reported, where the case overturns.  inf: it overturns at no scanned point; NaN: it overturns at
-    the first one already, or a solution failed or was unresolved on the way.
+    The range is scanned at its points, from the lowest up whichever way it is written.  Where the case remains stable
+    up to a point and overturns at the next, the two are bisected until they are closer than RESOLUTION.  A point
+    without an answer, be it of the scan or of the bisection, ends the search: the value lies between the last stable
+    point before it and the lowest one known to overturn.
     """
     assert study.search is not None
-    points = np.asarray(study.search.axis.values, dtype=float)
+    points = np.sort(np.asarray(study.search.axis.values, dtype=float))
     n, m = study.size, len(points)
-    steps = m + int(np.ceil(np.log2(max(np.max(np.abs(np.diff(points))), 1e-300) / (RESOLUTION * _scale(points))))) + 1
+    widest = float(np.max(np.diff(points), initial=0.0)) or 1.0
+    steps = m + max(int(np.ceil(np.log2(widest / (RESOLUTION * _scale(points))))), 0) + 1
     estimate, compiled = outlook(study, n * m)
     pace = Pace(estimate)
     done = 0.0
 
-    def outcomes(trials: Trials) -> NDArray[np.int8]:
+    def verdicts_of(trials: Trials) -> Verdicts:
         nonlocal done
         found = np.full(trials.size, UNKNOWN, dtype=np.int8)
         for rows, verdicts in answers(trials, Agenda(trials.size), pace, team or Team()):
@@ -50,35 +57,89 @@ def find_overturning(study: Study, progress: Progress | None = None, team: Team 
                 progress(min(int(done), steps), steps)
         return found
 
-    everyone = np.arange(n)
-    scanned = outcomes(Trials(study, everyone, np.broadcast_to(points[:, None], (m, n)), compiled)).reshape(m, n).T
-    change = (scanned[:, :-1] == STANDS) & (scanned[:, 1:] == FALLS)
-    has = change.any(axis=1)
-    first = np.argmax(change, axis=1)
-    found = np.where((scanned == STANDS).all(axis=1), np.inf, np.nan)
-    lo, hi = points[first], points[first + 1]
-    active = np.flatnonzero(has)
-    while len(active):
-        active = active[np.abs(hi[active] - lo[active]) > RESOLUTION * np.abs(hi[active])]
-        if not len(active):
-            break
-        middle = 0.5 * (lo[active] + hi[active])
-        outcome = outcomes(Trials(study, active, middle[None], compiled))
-        hi[active[outcome == FALLS]] = middle[outcome == FALLS]
-        lo[active[outcome == STANDS]] = middle[outcome == STANDS]
-        lost = active[outcome == UNKNOWN]
-        has[lost] = False
-        found[lost] = np.nan
-        active = active[outcome != UNKNOWN]
-    found[has] = hi[has]
-    return found
+    scan = Trials(study, np.arange(n), np.broadcast_to(points[:, None], (m, n)), compiled)
+    found = thresholds_of(points, verdicts_of(scan).reshape(m, n).T)
+    return _bisected(found, lambda cases, values: verdicts_of(Trials(study, cases, values[None], compiled)))
+
+
+def thresholds_of(points: Array, scanned: Verdicts) -> Thresholds:
+    """What a scan of ascending points (m,) shows of cases, (n, m)."""
+    m = len(points)
+    edges = np.concatenate([[-np.inf], points, [np.inf]])
+    fall, unknown = _first(scanned == FALLS), _first(scanned == UNKNOWN)
+    state = np.select([unknown < fall, fall == m, fall == 0], [BRACKETED, NONE, BELOW], IN_RANGE)
+    above = np.arange(m) > fall[:, None]
+    stable = _stands(scanned) & above
+    begins = stable & ~np.pad(stable, ((0, 0), (1, 0)))[:, :-1]
+    some = stable.any(axis=1)
+    first, last = np.argmax(stable, axis=1), m - 1 - np.argmax(stable[:, ::-1], axis=1)
+    return Thresholds(
+        state.astype(np.int8),
+        low=edges[np.minimum(fall, unknown)],
+        high=edges[fall + 1],
+        islands=begins.sum(axis=1),
+        island_low=np.where(some, points[first], np.nan),
+        island_high=np.where(some, points[last], np.nan),
+        rocks_at_lowest=(scanned[:, 0] == ROCKS).astype(np.int8),
+    )
+
+
+def _stands(verdicts: Verdicts) -> NDArray[np.bool_]:
+    return np.asarray((verdicts == AT_REST) | (verdicts == ROCKS))
+
+
+def _first(where: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Place of the first True of every row, (n,); the length of the row without one."""
+    return np.asarray(np.where(where.any(axis=1), np.argmax(where, axis=1), where.shape[1]))
+
+
+def _bisected(found: Thresholds, verdicts_of: Callable[[Index, Array], Verdicts]) -> Thresholds:
+    """The brackets of what lies in the range closed; `verdicts_of(cases, values)` tries a value for each case."""
+    state, low, high = found.state.copy(), found.low.copy(), found.high.copy()
+    active = np.flatnonzero(state == IN_RANGE)
+    while len(active := active[high[active] - low[active] > RESOLUTION * np.abs(high[active])]):
+        middle = 0.5 * (low[active] + high[active])
+        verdicts = verdicts_of(active, middle)
+        high[active[verdicts == FALLS]] = middle[verdicts == FALLS]
+        low[active[_stands(verdicts)]] = middle[_stands(verdicts)]
+        state[active[verdicts == UNKNOWN]] = BRACKETED
+        active = active[verdicts != UNKNOWN]
+    return replace(found, state=state, low=low, high=high)
+
+
+def threshold_fields(
+    search: Searched, found: Thresholds, dims: tuple[str, ...], *, end: str = "", before: str = ""
+) -> dict[str, Field]:
+    """What a search found, or a statistic of it, as variables over `dims`.
+
+    Args:
+        search: what was searched.
+        found: arrays over `dims`.
+        dims: names of the axes.
+        end: end of the names of a statistic, such as `p50`; before: the words for it.
+    """
+    fields = {}
+    for part in ("", *PARTS, *(() if found.islands is None else BESIDE)):
+        attrs: dict[str, Any] = {"long_name": before + SENTENCES[part].format(search.axis.path)}
+        if part == "state":
+            attrs |= {"flag_values": np.array(list(STATES), dtype=np.int8), "flag_meanings": " ".join(STATES.values())}
+        else:
+            attrs["units"] = "1" if part in ("islands", "rocks_at_lowest") else search.axis.unit
+        name = "_".join(filter(None, (search.name, part, end)))
+        fields[name] = Field(dims, getattr(found, part or "value"), attrs)
+    return fields
+
+
+def found_by(contents: Contents, name: str, end: str = "") -> Thresholds:
+    """What a search found for every case, or a statistic of it, from the variable of that name and those beside it."""
+    return Thresholds.read(name, lambda one: contents.values(one) if one in contents.fields else None, end)
 
 
 @dataclass(frozen=True, eq=False)
 class Trials:
     """Cases (k,) of a study, each at m values of the searched range, (m, k): row r is case r % k at its value r // k.
 
-    `executors.Work`: the answer of some rows is STANDS, FALLS or UNKNOWN for each.
+    `executors.Work`: the answer of some rows is AT_REST, ROCKS, FALLS or UNKNOWN for each.
     """
 
     study: Study
@@ -91,7 +152,7 @@ class Trials:
         """Number of rows."""
         return self.values.size
 
-    def __call__(self, cases: Index) -> NDArray[np.int8]:
+    def __call__(self, cases: Index) -> Verdicts:
         """What becomes of some rows.
 
         Raises:
@@ -108,7 +169,7 @@ class Trials:
                             found[np.searchsorted(cases, part)] = _verdict(response.scalars["outcome"])
         return found
 
-    def lost(self, cases: Index, why: str) -> NDArray[np.int8]:
+    def lost(self, cases: Index, why: str) -> Verdicts:
         """UNKNOWN."""
         return np.full(len(cases), UNKNOWN, dtype=np.int8)
 
@@ -124,7 +185,7 @@ def _scale(points: Array) -> float:
     return largest if largest > 0.0 else 1.0
 
 
-def _verdict(outcome: NDArray[np.generic]) -> NDArray[np.int8]:
+def _verdict(outcome: NDArray[np.generic]) -> Verdicts:
     flags = np.asarray(outcome, dtype=np.int8)
-    falls = flags >= OVERTURNED_WITHOUT_IMPACT
-    return np.where(falls, FALLS, np.where(flags >= NO_UPLIFT, STANDS, UNKNOWN)).astype(np.int8)
+    verdicts = np.select([flags < NO_UPLIFT, overturned(flags), flags == ROCKING], [UNKNOWN, FALLS, ROCKS], AT_REST)
+    return verdicts.astype(np.int8)

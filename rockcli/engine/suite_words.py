@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.fragility import FITTED, WHY_NOT
+from rockcli.engine.search import found_by
+from rockcli.scene.thresholds import FOUND, threshold_words, unit_words
 from rockcli.scene.variables import LIMIT, MEASURE
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Over, Study
-
-_UNITS = {"1": "", "m s-2": " m/s2", "m s-1": " m/s"}
 
 
 def sentences(contents: Contents, study: Study) -> list[str]:
@@ -29,6 +29,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
     assert study.over is not None
     return [
         *_left_out(contents, study, study.over),
+        *_below(contents, study),
         *_islands(contents, study.over),
         *_refused(contents, study.over),
     ]
@@ -38,11 +39,25 @@ def _left_out(contents: Contents, study: Study, over: Over) -> Iterator[str]:
     answered = contents.values("n_answered")
     total = len(contents.values(over.axis)) * answered.size
     missing = total - int(answered.sum())
-    if missing:
+    if missing and study.search is not None:
+        yield (
+            f"{missing} of {total} searches met a point without an answer (failed or unresolved); they enter the "
+            f"statistics as the bracket that is known; see {study.search.name}_state"
+        )
+    elif missing:
         why = "failed or unresolved"
-        if study.search is not None:
-            why = "failed, unresolved, or overturned at the first point of the range already"
         yield f"{missing} of {total} cases have no answer ({why}) and are left out of the statistics; see n_answered"
+
+
+def _below(contents: Contents, study: Study) -> Iterator[str]:
+    if study.search is None:
+        return
+    rocks = found_by(contents, study.search.name).rocks_at_lowest
+    if rocks is not None and rocks.any():
+        yield (
+            f"{int(rocks.sum())} of {rocks.size} cases rock at the lowest point of the range already and may overturn "
+            "below it: begin it where nothing uplifts, or the statistics are those of the range alone"
+        )
 
 
 def _islands(contents: Contents, over: Over) -> Iterator[str]:
@@ -76,7 +91,7 @@ def _refused(contents: Contents, over: Over) -> Iterator[str]:
 def _of_fragility(contents: Contents, over: Over) -> Iterator[str]:
     if "fragility_median" not in contents.fields:
         return
-    unit = _UNITS.get(str(contents.fields["fragility_median"].attrs["units"]), "")
+    unit = unit_words(str(contents.fields["fragility_median"].attrs["units"]))
     n = len(contents.values(over.axis))
     for i, label in enumerate(contents.values(LIMIT)):
         fitted = contents.values("fragility_status")[..., i] == FITTED
@@ -107,11 +122,11 @@ def _of_demand(contents: Contents, over: Over) -> Iterator[str]:
 
 def _of_thresholds(contents: Contents, study: Study, over: Over) -> Iterator[str]:
     assert study.search is not None
-    unit = _UNITS.get(study.search.axis.unit, "")
-    values = [np.ravel(contents.values(f"{study.search.name}_{end}")) for end in ("p16", "p50", "p84")]
-    words = ", ".join(f"{name} {_span(v)}" for name, v in zip(("16 %", "median", "84 %"), values, strict=True))
-    n = len(contents.values(over.axis))
-    yield f"{study.search.name}{unit and f' [{unit.strip()}]'}: {words} ({n} {_members(over)})"
+    sought, n = study.search, len(contents.values(over.axis))
+    axes = {name: contents.values(name) for name in contents.axes if name != over.axis}
+    what = f"lowest overturning {sought.name.removesuffix(FOUND)} of {n} {_members(over)}"
+    for end, words in (("p16", "16th percentile"), ("p50", "median"), ("p84", "84th percentile")):
+        yield f"{what}, {words}: {threshold_words(found_by(contents, sought.name, f'_{end}'), axes, sought.axis.unit)}"
 
 
 def limit_words(label: Any) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.plotting.labels import coordinate_label
 from rockcli.scene.response import OUTCOMES
+from rockcli.scene.thresholds import Thresholds
 
 if TYPE_CHECKING:
     import xarray
@@ -48,6 +49,11 @@ def values_at(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> 
 def number_at(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> float:
     """A number of one case; NaN if the dataset has no such variable."""
     return float(values_at(dataset, name, position)) if name in dataset.variables else np.nan
+
+
+def thresholds_in(dataset: xarray.Dataset, name: str) -> Thresholds:
+    """What a search found for every case: the variable of that name and those beside it."""
+    return Thresholds.read(name, lambda one: dataset[one].values if one in dataset.variables else None)
 
 
 def outcome_at(dataset: xarray.Dataset, position: tuple[int, ...]) -> str:
@@ -102,7 +108,7 @@ def _alike(
 
 def same_key(dataset: xarray.Dataset, position: tuple[int, ...]) -> tuple[bytes, ...]:
     """What is equal for two cases whose body, motion and response are."""
-    names = ("theta", "theta_dot", "a_g", "a_v", "alpha", "p", "alpha_left", "alpha_right")
+    names = ("theta", "theta_dot", "slide", "a_g", "a_v", "alpha", "p", "alpha_left", "alpha_right")
     return tuple(values_at(dataset, name, position).tobytes() for name in names if name in dataset.variables)
 
 

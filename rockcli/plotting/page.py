@@ -13,7 +13,7 @@ import matplotlib as mpl
 import numpy as np
 
 from rockcli.plotting import style
-from rockcli.plotting.cases import axes_of
+from rockcli.plotting.cases import axes_of, thresholds_in
 from rockcli.plotting.figures import KINDS, default_kinds, figure, why_not
 from rockcli.plotting.page_style import CSS
 from rockcli.plotting.style import OUTCOME_COLOURS
@@ -64,27 +64,27 @@ def _outcomes(dataset: xarray.Dataset) -> str:
     """How many cases ended how, as a bar with its numbers."""
     if "outcome" not in dataset.variables:
         return ""
-    flags, counts = np.unique(dataset["outcome"].values, return_counts=True)
-    total = int(counts.sum())
+    flags = dataset["outcome"].values
+    total = flags.size
     bar, words = [], []
-    for flag, count in zip(flags, counts, strict=True):
-        name = OUTCOMES[int(flag)]
-        colour = OUTCOME_COLOURS[name]
-        bar.append(f'<span style="flex:{int(count)};background:{colour}"></span>')
-        words.append(f'<li><i style="background:{colour}"></i>{int(count)} {escape(name.replace("_", " "))}</li>')
+    for flag, name in OUTCOMES.items():
+        if count := int((flags == flag).sum()):
+            colour = OUTCOME_COLOURS[name]
+            bar.append(f'<span style="flex:{count};background:{colour}"></span>')
+            words.append(f'<li><i style="background:{colour}"></i>{count} {escape(name.replace("_", " "))}</li>')
     many = "case" if total == 1 else "cases"
     return f'<p>{total} {many}</p><div class="bar">{"".join(bar)}</div><ul class="key">{"".join(words)}</ul>\n'
 
 
 def _thresholds(dataset: xarray.Dataset) -> str:
-    """From where on the cases of a search overturn."""
+    """The lowest overturning values that a search found."""
     axes = axes_of(dataset)
-    said = [
-        f"<p>Overturns: {escape(str(name).removesuffix(FOUND))} "
-        f"{escape(threshold_words(item.values, {axis: dataset[axis].values for axis in axes}))}.</p>\n"
-        for name, item in dataset.data_vars.items()
-        if str(name).endswith(FOUND) and item.dims == axes
-    ]
+    coordinates = {axis: dataset[axis].values for axis in axes}
+    said = []
+    for name, item in dataset.data_vars.items():
+        if str(name).endswith(FOUND) and item.dims == axes:
+            words = threshold_words(thresholds_in(dataset, str(name)), coordinates, item.attrs.get("units", "1"))
+            said.append(f"<p>Lowest overturning {escape(f'{str(name).removesuffix(FOUND)}: {words}')}.</p>\n")
     return "".join(said)
 
 

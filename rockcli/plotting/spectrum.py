@@ -12,13 +12,13 @@ import numpy as np
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note
+from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note, thresholds_in
 from rockcli.plotting.ida import BOLD, FRACTILES, MEMBER
 from rockcli.plotting.labels import title_of, unit_g, unit_in_brackets, variable_label
 from rockcli.plotting.map import is_log, scale_axes
 from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, legend_beside, new_figure, panel_title
 from rockcli.plotting.suite import members_word, suite_of
-from rockcli.scene.thresholds import FOUND
+from rockcli.scene.thresholds import BELOW, BRACKETED, FOUND
 from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -92,10 +92,10 @@ def _rows(dataset: xarray.Dataset) -> list[Row]:
 
 
 def found_label(name: str, unit: str) -> str:
-    """Label of the value of a range from which a case overturns."""
+    """Label of the lowest value of a range at which a case overturns."""
     words = name.removesuffix(FOUND).rsplit("motion_record_", 1)[-1].rsplit("motion_pulse_", 1)[-1]
     symbol = VARIABLES[words].symbol if words in VARIABLES else words.replace("_", " ")
-    return f"overturning {symbol}{unit_in_brackets(unit)}"
+    return f"lowest overturning {symbol}{unit_in_brackets(unit)}"
 
 
 def _of_cases(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -> Figure:
@@ -116,7 +116,7 @@ def _of_cases(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
         _finish(axes, row, top)
         axes.set_ylabel(row.label)
     _periods(grid[-1], period[order])
-    note = "; ".join(filter(None, [selection_note(len(shown), total, "curves"), _leaving(rows)]))
+    note = "; ".join(filter(None, [selection_note(len(shown), total, "curves"), _leaving(dataset, rows)]))
     headline(figure, title_of(dataset), note)
     if len(shown) > 1:
         longest = max(len(case.label) for case in shown)
@@ -161,14 +161,21 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
         if dashes:
             words[-1].set_dashes(dashes)
     figure.legend(handles=words, loc="outside lower center", ncols=4, columnspacing=1.4)
-    note = "; ".join(filter(None, [selection_note(columns, total, "columns"), _leaving(rows)]))
+    note = "; ".join(filter(None, [selection_note(columns, total, "columns"), _leaving(dataset, rows)]))
     headline(figure, title_of(dataset), note)
     return figure
 
 
-def _leaving(rows: list[Row]) -> str:
-    found = rows[0].name.endswith(FOUND)
-    return "what nothing in the range overturns leaves at the top" if found else "overturned cases leave at the top"
+def _leaving(dataset: xarray.Dataset, rows: list[Row]) -> str:
+    """What is not drawn as a value: cases that overturn, or of a search what lies outside its range."""
+    if not rows[0].name.endswith(FOUND):
+        return "overturned cases leave at the top"
+    state = thresholds_in(dataset, rows[0].name).state
+    words = ["what nothing in the range overturns leaves at the top"]
+    for flag, why in ((BELOW, "below the range"), (BRACKETED, "without an answer")):
+        if count := int((state == flag).sum()):
+            words.append(f"{count} of {state.size} {why}, not drawn")
+    return "; ".join(words)
 
 
 def _values(part: xarray.Dataset, row: Row, name: str) -> Array:

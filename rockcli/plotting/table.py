@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockcli.plotting.cases import axes_of, is_numeric, number_at, outcome_at
+from rockcli.plotting.cases import axes_of, is_numeric, number_at, outcome_at, thresholds_in
 from rockcli.plotting.labels import unit_in_brackets
-from rockcli.scene.thresholds import FOUND
+from rockcli.scene.thresholds import BESIDE, BRACKETED, FOUND, IN_RANGE, STATES
 from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -19,9 +19,11 @@ MOST = 60
 
 _SYMBOLS = ("R", "alpha", "p", "eta")
 _COLUMNS = (
-    "theta_peak_over_alpha", "t_peak", "t_overturn", "n_impacts", "mu_required", "error_estimate",
+    "theta_peak_over_alpha", "t_peak", "t_overturn", "n_impacts", "slide_peak", "mu_required", "error_estimate",
 )  # fmt: skip
-_SUMMED_UP = ("theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "n_impacts", "t_end", "error_estimate")
+_SUMMED_UP = (
+    "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "slide_peak", "n_impacts", "t_end", "error_estimate",
+)  # fmt: skip
 
 Table = tuple[list[str], list[list[str]], str]
 """Header, rows and a note below."""
@@ -39,7 +41,7 @@ def case_table(dataset: xarray.Dataset) -> Table:
     rows = []
     for position in np.ndindex(*shape):
         at = [_coordinate(dataset, axis, i) for axis, i in zip(axes, position, strict=True)]
-        numbers = [_word(number_at(dataset, name, position)) for name in (*symbols, *columns)]
+        numbers = [_shown(dataset, name, position) for name in (*symbols, *columns)]
         outcome = outcome_at(dataset, position).replace("_", " ")
         rows.append([*at, *numbers[: len(symbols)], outcome, *numbers[len(symbols) :]])
     told = [j for j in range(len(header)) if any(row[j] for row in rows)]
@@ -49,7 +51,8 @@ def case_table(dataset: xarray.Dataset) -> Table:
 def _summary(dataset: xarray.Dataset) -> Table:
     header = ["", "smallest", "16 %", "median", "84 %", "largest", "no finite value"]
     rows = []
-    for name in (*_thresholds(dataset), *(name for name in _SUMMED_UP if name in dataset.variables)):
+    found = [name for name in _thresholds(dataset) if name.endswith(FOUND) or "prescreen" in name]
+    for name in (*found, *(name for name in _SUMMED_UP if name in dataset.variables)):
         values = np.asarray(dataset[name].values, dtype=float).ravel()
         finite = values[np.isfinite(values)]
         if finite.size:
@@ -59,10 +62,22 @@ def _summary(dataset: xarray.Dataset) -> Table:
 
 
 def _thresholds(dataset: xarray.Dataset) -> list[str]:
-    """What a search found for every case: the lowest overturning values, and their pre-screens."""
+    """What a search found for every case: the lowest overturning values, and what stands beside them."""
     axes = set(axes_of(dataset))
-    found = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == axes]
-    return [name for name in found if name.endswith(FOUND) or f"{FOUND}_prescreen" in name]
+    named = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == axes]
+    columns = []
+    for name in (name for name in named if name.endswith(FOUND)):
+        found = thresholds_in(dataset, name)
+        parts = ["state"] if (found.state != IN_RANGE).any() else []
+        parts += ["low", "high"] if (found.state == BRACKETED).any() else []
+        parts += BESIDE[:3] if found.islands is not None and found.islands.any() else ()
+        columns += [name, *(f"{name}_{part}" for part in parts), *(n for n in named if n.startswith(f"{name}_prescr"))]
+    return columns
+
+
+def _shown(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> str:
+    value = number_at(dataset, name, position)
+    return STATES[int(value)].replace("_", " ") if name.endswith(f"{FOUND}_state") else _word(value)
 
 
 def _coordinate(dataset: xarray.Dataset, axis: str, i: int) -> str:

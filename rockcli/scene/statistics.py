@@ -21,7 +21,8 @@ _erfc = np.vectorize(erfc, otypes=[float])
 def fractile(values: Array, q: float, axis: int) -> Array:
     """The fractile q in [0, 1] along an axis: linear between the order statistics around rank 1 + (n - 1) q.
 
-    n counts what is not NaN; inf where the upper of the two is inf and counts; NaN where n = 0.
+    n counts what is not NaN; inf where the upper of the two is inf and counts, -inf where the lower one is -inf and
+    counts; NaN where n = 0.
     """
     ordered = np.sort(np.moveaxis(values, axis, 0), axis=0)  # NaN last
     n = np.sum(~np.isnan(ordered), axis=0)
@@ -31,7 +32,8 @@ def fractile(values: Array, q: float, axis: int) -> Array:
     above = np.take_along_axis(ordered, np.ceil(rank).astype(int)[None], axis=0)[0]
     with np.errstate(invalid="ignore"):
         between = below + (rank - low) * (above - below)
-    return np.asarray(np.where(rank == low, below, np.where(np.isinf(above), above, between)))
+    between = np.where(np.isposinf(above), above, np.where(np.isneginf(below), below, between))
+    return np.asarray(np.where(rank == low, below, between))
 
 
 def ranks(values: Array) -> Array:

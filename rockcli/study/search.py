@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
+from rockcli.scene.thresholds import BESIDE, FOUND, PARTS
 from rockcli.study.axes import Variation
 from rockcli.study.cases import Cases
 from rockcli.study.over import AMPLITUDES
@@ -39,9 +40,10 @@ class Search:
         return (f"{self.name}_prescreen", f"{self.name}_prescreen_worst") if of_motion else ()
 
     def results(self, over: Over | None) -> tuple[str, ...]:
-        """Names of what the search gives: the value found, its pre-screens, and the statistics over a suite."""
-        names = (self.name, *self.prescreens)
-        return (*names, *(f"{name}_{end}" for name in names for end in (over.ends if over else ())))
+        """Names of what the search gives: the value found, what stands beside it, and its statistics."""
+        names = (self.name, *(f"{self.name}_{part}" for part in PARTS), *self.prescreens)
+        beside = tuple(f"{self.name}_{part}" for part in BESIDE)
+        return (*names, *beside, *(f"{name}_{end}" for name in names for end in (over.ends if over else ())))
 
     def at(self, indices: Index, values: Array) -> Iterator[tuple[Index, Batch]]:
         """Yield (positions, batch) for the study's flat case indices (k,), each with its own value (k,)."""
@@ -80,4 +82,4 @@ def searched(source: Source, study: Map, variations: Sequence[Variation]) -> Var
 def make_search(cases: Cases, variation: Variation) -> Search:
     """The search along the last axis of `cases`; all it asks of a solver is the outcome."""
     asked = replace(cases, save=Save(False, cases.save.dt_out, frozenset({"outcome"})), histories_at={})
-    return Search(variation.axis, f"{variation.axis.name}_overturning", asked)
+    return Search(variation.axis, f"{variation.axis.name}{FOUND}", asked)

@@ -131,7 +131,7 @@ class Searched(CaseSource, Protocol):
         ...
 
     def results(self, over: Over | None) -> tuple[str, ...]:
-        """Names of what the search gives: the value found, its pre-screens, and the statistics over a suite."""
+        """Names of what the search gives: the value found, what stands beside it, and its statistics."""
         ...
 
     def at(self, indices: Index, values: NDArray[np.float64]) -> Iterator[tuple[Index, Batch]]:

@@ -126,7 +126,7 @@ def test_spectrum_of_overturning_amplitudes():
     dataset = rockcli.run(suite(vary=vary))
     assert figures.default_kinds(dataset) == ("spectrum",)
     (axes,) = figures.figure("spectrum", dataset).axes
-    assert axes.get_ylabel() == "overturning $a_p$ [g]"
+    assert axes.get_ylabel() == "lowest overturning $a_p$ [g]"
     np.testing.assert_allclose(axes.lines[0].get_ydata(), dataset["motion_pulse_a_p_overturning"].values[0] / G)
 
 
