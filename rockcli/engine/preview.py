@@ -17,6 +17,7 @@ from rockcli.errors import SolverError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT, Block
+from rockcli.scene.contact import slides_first
 from rockcli.scene.excitation import Channel, Pulses, Samples
 from rockcli.scene.models import MODELS
 from rockcli.study.study import Study
@@ -151,8 +152,8 @@ def _body(batch: Batch) -> list[Row]:
     r_g = float(np.sqrt((block.inertia[0, LEFT] - 1.0) * block.R[0, LEFT] ** 2))
     rows.append(Row("r_g", "r_g, radius of gyration [m]", r_g))
     if np.isfinite(mu := float(block.mu[0])):
-        slides = mu < block.tan_alpha[0]
-        begins = "slide (mu < tan alpha)" if slides.all() else "rock (mu >= tan alpha)"
+        slides = slides_first(mu, block.tan_alpha[0])
+        begins = "slide (mu <= tan alpha)" if slides.all() else "rock (mu > tan alpha)"
         begins = "slide or rock, by direction" if slides.any() and not slides.all() else begins
         rows += [Row("mu", "friction mu", mu), Row("begins", "from rest it begins to", begins)]
     return [row for row in rows if isinstance(row.value, str) or not np.isnan(row.value)]

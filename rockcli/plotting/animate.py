@@ -129,7 +129,11 @@ class _Stage:
         self.times = shown.times
         theta = np.interp(shown.times, motion.time, motion.theta)
         bending = np.interp(shown.times, motion.time, motion.w_top) * shown.magnify
-        self.outlines = [outline(body, float(q), float(w)) for q, w in zip(theta, bending, strict=True)]
+        slide = np.interp(shown.times, motion.time, motion.slide)
+        self.outlines = [
+            outline(body, float(q), float(w)) + np.array([u, 0.0])
+            for q, w, u in zip(theta, bending, slide, strict=True)
+        ]
         self.ratio = over_alpha(dataset, position, theta)
         fell = outcome_at(dataset, position).startswith("overturned")
         self.fall = number_at(dataset, "t_overturn", position) if fell else np.inf

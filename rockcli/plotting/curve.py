@@ -11,7 +11,7 @@ from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_n
 from rockcli.plotting.labels import axis_label, axis_values, title_of, variable_label
 from rockcli.plotting.map import is_log, scale_axes
 from rockcli.plotting.style import COLOURS, QUIET, SINGLE, headline, legend_beside, new_figure
-from rockcli.scene.response import FAILED, UNRESOLVED
+from rockcli.scene.response import FAILED, SLIDING, UNRESOLVED
 
 if TYPE_CHECKING:
     import xarray
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 MOST_CURVES = 8
 
-_STRIP: dict[str, str] = {"failed": "+", "unresolved": "d", "no answer": "+", "overturned": "x"}
-"""What has no value, from the bottom of the strip upwards, and its mark."""
+_STRIP: dict[str, str] = {"failed": "+", "unresolved": "d", "no answer": "+", "sliding": "s", "overturned": "x"}
+"""What has no value, or slides and has none but 0, from the bottom of the strip upwards, and its mark."""
 
 
 def along(dataset: xarray.Dataset) -> str | None:
@@ -31,7 +31,7 @@ def along(dataset: xarray.Dataset) -> str | None:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """Curves of theta_peak_over_alpha; what has no value is marked in a strip above them."""
+    """Curves of theta_peak_over_alpha; what has no value, or slides, is marked in a strip above them."""
     axis = along(dataset)
     if axis is None:
         raise ValueError("a curve needs a numeric axis")
@@ -72,11 +72,11 @@ def draw(dataset: xarray.Dataset) -> Figure:
 
 
 def _missing(dataset: xarray.Dataset, place: dict[str, int], peaks: Array) -> dict[str, NDArray[np.bool_]]:
-    """Where a curve has no value, by the reason."""
+    """Where a curve has no value, or the body slides, by the reason."""
     found = {"overturned": np.isposinf(peaks), "no answer": np.isnan(peaks)}
     if "outcome" in dataset.variables:
         flags = dataset["outcome"].isel(place).values
-        found |= {"failed": flags == FAILED, "unresolved": flags == UNRESOLVED}
+        found |= {"failed": flags == FAILED, "unresolved": flags == UNRESOLVED, "sliding": flags == SLIDING}
         found["no answer"] &= ~found["failed"] & ~found["unresolved"]
     return {name: where for name, where in found.items() if where.any()}
 

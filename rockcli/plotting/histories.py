@@ -1,22 +1,26 @@
-"""Rotation, its rate and the ground acceleration against time."""
+"""Rotation, its rate, sliding and the ground acceleration against time."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockcli.plotting.cases import Array, Shown, number_at, outcome_at, pick, selection_note
+from rockcli.plotting.cases import Array, Shown, number_at, outcome_at, pick, selection_note, values_at
 from rockcli.plotting.ground import draw_ground, height_of, motions, panels_of
-from rockcli.plotting.labels import title_of, unit_in_brackets
-from rockcli.plotting.response import SHOWN_UP_TO, Window, impacts_of, response_of, window
+from rockcli.plotting.labels import title_of, unit_in_brackets, variable_label
+from rockcli.plotting.response import SHOWN_UP_TO, Position, Window, impacts_of, response_of, sliding_speed, window
 from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, headline, legend_beside, new_figure
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+Fill = Callable[..., None]
+"""Draws cases into a panel: (axes, dataset, cases shown, window)."""
 
 MOST_CURVES = 8
 
@@ -34,14 +38,17 @@ _SLOW = 0.1
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """Panels over a common time axis: ground acceleration, theta/alpha, theta_dot."""
+    """Panels over a common time axis: ground acceleration, theta/alpha, sliding, theta_dot.
+
+    Sliding has a panel where something slides; where nothing else moves it is the only response.
+    """
     shown, total = pick(dataset, MOST_CURVES)
     positions = [case.position for case in shown]
     found = motions(dataset, positions)
     grounds = panels_of(found)
-    crowded = len(shown) > _RATES_UP_TO
+    panels = _panels(dataset, positions)
     heights = [(0.55 if len(grounds) < 2 else 0.42) * height_of(panel) for panel in grounds]
-    heights += [1.6] if crowded else [1.0, 0.75]
+    heights += [height for height, _ in panels]
     figure = new_figure(DOUBLE, 0.6 + 1.75 * sum(heights))
     grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     time = dataset["time"].values
@@ -49,10 +56,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     for axes, panel in zip(grid, grounds, strict=False):
         draw_ground(axes, time, panel, coloured=len(shown) > 1 and len(found) > 1, named=len(grounds) > 1)
     _alike([grid[number] for number in range(len(grounds))])
-    theta = grid[len(grounds)]
-    _rotation(theta, dataset, shown, seen)
-    if not crowded:
-        _rate(grid[-1], dataset, shown)
+    for axes, (_, fill) in zip(grid[len(grounds) :], panels, strict=True):
+        fill(axes, dataset, shown, seen)
     grid[-1].set_xlabel("time [s]")
     grid[-1].set_xlim(seen.start, seen.end)
     figure.align_ylabels()
@@ -62,8 +67,20 @@ def draw(dataset: xarray.Dataset) -> Figure:
     notes.append(seen.note)
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
     if len(shown) > 1:
-        legend_beside(figure, theta, columns=_columns(shown))
+        legend_beside(figure, grid[len(grounds)], columns=_columns(shown))
     return figure
+
+
+def _panels(dataset: xarray.Dataset, positions: list[Position]) -> list[tuple[float, Fill]]:
+    """Heights of the panels of the response, and what draws them."""
+    crowded = len(positions) > _RATES_UP_TO
+    slides = any(sliding_speed(dataset, position).any() for position in positions)
+    turns = any(np.nan_to_num(values_at(dataset, "theta", position)).any() for position in positions)
+    if not slides:
+        return [(1.6, _rotation)] if crowded else [(1.0, _rotation), (0.75, _rate)]
+    if not turns:
+        return [(1.6 if crowded else 1.2, _slide)]
+    return [(1.3, _rotation), (1.1, _slide)] if crowded else [(1.0, _rotation), (0.85, _slide), (0.75, _rate)]
 
 
 def _alike(panels: list[Axes]) -> None:
@@ -88,10 +105,8 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Win
     for number, case in enumerate(shown):
         colour = COLOURS[number]
         response = response_of(dataset, case.position)
-        fate = outcome_at(dataset, case.position)
-        ended = fate.startswith("overturned")
-        label = case.label + (" (overturns)" if ended else f" ({fate})" if fate in ("failed", "unresolved") else "")
-        axes.plot(response.time, response.ratio, color=colour, label=label or "response", zorder=3)
+        ended = outcome_at(dataset, case.position).startswith("overturned")
+        axes.plot(response.time, response.ratio, color=colour, label=_label(dataset, case), zorder=3)
         if marked:
             impacts = marks[number]
             axes.plot(impacts, np.zeros_like(impacts), "o", color=colour, markersize=2.6, markeredgewidth=0.0, zorder=4)
@@ -106,13 +121,33 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Win
     axes.set_ylabel(r"$\theta/\alpha$")
 
 
+def _label(dataset: xarray.Dataset, case: Shown) -> str:
+    """A case in the legend, with what became of it unless it rocks or stays at rest."""
+    fate = outcome_at(dataset, case.position)
+    if fate.startswith("overturned"):
+        return f"{case.label} (overturns)"
+    return f"{case.label} ({fate})" if fate in ("failed", "unresolved", "sliding") else case.label or "response"
+
+
+def _slide(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:
+    low, high = 0.0, 0.0
+    time = dataset["time"].values
+    for number, case in enumerate(shown):
+        u = values_at(dataset, "slide", case.position)
+        axes.plot(time, u, color=COLOURS[number], label=_label(dataset, case), zorder=3)
+        low, high = min(low, float(np.nanmin(u, initial=0.0))), max(high, float(np.nanmax(u, initial=0.0)))
+    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    _limits(axes, low, high)
+    axes.set_ylabel("sliding " + variable_label("slide"))
+
+
 def _marked_impacts(dataset: xarray.Dataset, case: Shown, seen: Window) -> Array:
     t, before, _ = impacts_of(dataset, case.position)
     speed = np.abs(before)
     return t[(speed >= _SLOW * float(np.max(speed, initial=0.0))) & (t >= seen.start) & (t <= seen.end)]
 
 
-def _rate(axes: Axes, dataset: xarray.Dataset, shown: list[Shown]) -> None:
+def _rate(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:
     low, high = 0.0, 0.0
     for number, case in enumerate(shown):
         response = response_of(dataset, case.position)
@@ -135,6 +170,9 @@ def _limits(axes: Axes, low: float, high: float) -> float:
 
 def _summary(dataset: xarray.Dataset, case: Shown) -> str:
     fate = outcome_at(dataset, case.position)
+    if fate == "sliding":
+        peak, end = (number_at(dataset, name, case.position) for name in ("slide_peak", "slide_residual"))
+        return f"slides at most {peak:.3g} m, {abs(end):.3g} m in the end"
     if fate != "rocking":
         return fate.replace("_", " ")
     peak = number_at(dataset, "theta_peak_over_alpha", case.position)

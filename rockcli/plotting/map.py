@@ -154,7 +154,7 @@ def _edges(values: Array, *, log: bool) -> Array:
 
 def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, columns: int) -> None:
     flags = [flag for flag in OUTCOMES if flag in present and not (shaded and flag == ROCKING)]
-    flags.sort(key=lambda flag: (flag < NO_UPLIFT, flag))
+    flags.sort(key=lambda flag: flag < NO_UPLIFT)
     patches = [
         Patch(facecolor=OUTCOME_COLOURS[OUTCOMES[f]], edgecolor="#666666", linewidth=0.4, label=_words(f))
         for f in flags

@@ -124,6 +124,13 @@ def _rotation_at(t: Array, time: Array, theta: Array) -> Array:
     return np.where(passes, 0.0, np.interp(t, time, theta))
 
 
+def sliding_speed(dataset: xarray.Dataset, position: Position) -> Array:
+    """|Rate of sliding| of a case along the ground (time,) [m/s], 0 where it is not known."""
+    if "slide_dot" not in dataset.variables:
+        return np.zeros(dataset.sizes["time"])
+    return np.asarray(np.abs(np.nan_to_num(values_at(dataset, "slide_dot", position))))
+
+
 def window(dataset: xarray.Dataset, positions: list[Position]) -> Window:
     """From a little before the first of the cases moves to a little after the last of them has moved or fallen.
 
@@ -132,12 +139,13 @@ def window(dataset: xarray.Dataset, positions: list[Position]) -> Window:
     time = np.asarray(dataset["time"].values, dtype=float)
     ratios = [np.abs(over_alpha(dataset, position, values_at(dataset, "theta", position))) for position in positions]
     fell = [outcome_at(dataset, position).startswith("overturned") for position in positions]
+    speeds = [sliding_speed(dataset, position) for position in positions]
     alive = np.any([np.isfinite(ratio) for ratio in ratios], axis=0)
     whole = float(time[alive][-1]) if alive.any() else float(time[-1])
     seen = _SEEN * max(float(np.nanmax(np.minimum(ratio, SHOWN_UP_TO), initial=0.0)) for ratio in ratios)
     first, last, falls = np.inf, 0.0, True
-    for ratio, lost in zip(ratios, fell, strict=True):
-        moving = np.flatnonzero(ratio > seen)  # NaN compares false
+    for ratio, speed, lost in zip(ratios, speeds, fell, strict=True):
+        moving = np.flatnonzero((ratio > seen) | (speed > _SEEN * speed.max()))  # NaN compares false
         if not len(moving):
             falls = False
             continue

@@ -34,12 +34,14 @@ class Body:
 
 @dataclass(frozen=True)
 class Motion:
-    """A history of (time,) arrays: rotation, |theta| <= pi/2; displacement of the top across the axis [m]; a_g."""
+    """A history of (time,) arrays: rotation, |theta| <= pi/2; displacement of the top across the axis [m]; a_g; sliding
+    along the ground [m]."""
 
     time: Array
     theta: Array
     w_top: Array
     a_g: Array
+    slide: Array
 
     @property
     def bends(self) -> bool:
@@ -62,12 +64,16 @@ def motion_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Motion:
     theta = theta[:last]
     if last and outcome_at(dataset, position).startswith("overturned") and abs(theta[-1]) > _LIES:
         theta = np.append(theta[:-1], np.copysign(0.5 * np.pi, theta[-1]))
-    a_g = values_at(dataset, "a_g", position)[:last] if "a_g" in dataset.variables else np.zeros(last)
+    a_g, slide = (
+        values_at(dataset, name, position)[:last] if name in dataset.variables else np.zeros(last)
+        for name in ("a_g", "slide")
+    )
     return Motion(
         np.asarray(dataset["time"].values, dtype=float)[:last],
         np.clip(theta, -0.5 * np.pi, 0.5 * np.pi),
         _bending(dataset, position, theta),
         np.nan_to_num(a_g),
+        np.nan_to_num(slide),
     )
 
 

@@ -27,6 +27,7 @@ OUTCOME_COLOURS: dict[str, str] = {
     "failed": "#000000",
     "unresolved": "#CC79A7",
     "no_uplift": "#DADADA",
+    "sliding": "#EBDD6E",
     "rocking": "#9CC9E6",
     "overturned_without_impact": "#A33B00",
     "overturned_after_impact": "#F0A23C",

@@ -25,19 +25,27 @@ MODES: dict[int, str] = {
 """Flags of the history `contact_mode`."""
 
 
-def slides_only(batch: Batch) -> NDArray[np.bool_]:
-    """Which cases can slide and never rock, (n,): mu is given and below tan(alpha) of both edges, from rest.
+_EQUAL = 4.0 * np.finfo(float).eps
+"""Relative difference up to which mu and tan(alpha) are the same number, computed in two ways."""
+
+
+def slides_first(mu: ArrayLike, tan_alpha: ArrayLike) -> NDArray[np.bool_]:
+    """Where friction lets a body slide before it can rock: mu <= tan(alpha); False where no mu is given (NaN).
 
     While a body slides, friction is mu N whatever the ground does, and its moment mu N h about the centre of mass
-    needs the normal force no farther out than mu h from the middle: that is within the base.
+    needs the normal force no farther out than mu h from the middle: within the base, at mu = tan(alpha) at its edge.
     """
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.asarray(mu) <= np.asarray(tan_alpha) * (1.0 + _EQUAL))
+
+
+def slides_only(batch: Batch) -> NDArray[np.bool_]:
+    """Which cases can slide and never rock, (n,): mu is given and at most tan(alpha) of both edges, from rest."""
     block, pair = batch.block, (batch.model, batch.geometry)
     if pair not in MODELS:
         return np.zeros(batch.size, dtype=bool)
     threshold = MODELS[pair].law(block.alpha, block.tan_alpha).threshold.min(axis=1)
-    with np.errstate(invalid="ignore"):
-        low = block.mu < threshold
-    return np.asarray(low & (batch.theta_0 == 0.0) & (batch.theta_dot_0 == 0.0))
+    return np.asarray(slides_first(block.mu, threshold) & (batch.theta_0 == 0.0) & (batch.theta_dot_0 == 0.0))
 
 
 def mode_from_rest(
@@ -57,5 +65,5 @@ def mode_from_rest(
         mu_rock = (a - psi) / (weight + tan_alpha * psi)
     begins = np.where(mu_rock > mu, SLIDE_ROCK, ROCK)
     mode = np.where(a > weight * tan_alpha, begins, REST)
-    mode = np.where(mu < tan_alpha, np.where(a > weight * mu, SLIDE, REST), mode)
+    mode = np.where(slides_first(mu, tan_alpha), np.where(a > weight * mu, SLIDE, REST), mode)
     return np.where(weight <= 0.0, FREE_FLIGHT, mode)

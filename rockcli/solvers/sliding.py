@@ -15,12 +15,13 @@ from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest, slides_only
 from rockcli.scene.excitation import Channel, acceleration
 from rockcli.scene.models import MODELS
-from rockcli.scene.response import FAILED, NO_UPLIFT, UNRESOLVED, Response
+from rockcli.scene.response import FAILED, NO_UPLIFT, SLIDING, UNRESOLVED, Response
+from rockcli.scene.variables import SCALARS_ASYMMETRIC
 from rockcli.solvers.pack import channel_of, parameters_of
 
 Array = NDArray[np.float64]
 
-SLIDES = "slides and does not rock: mu is below tan(alpha)"
+SLIDES = "slides and does not rock: mu is not above tan(alpha)"
 
 ABSENT = ("t_peak", "t_uplift", "t_overturn", "energy_residual")
 NOTHING = ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "mu_impact", "error_estimate")
@@ -131,12 +132,14 @@ def _scalars(batch: Batch, slid: Slid) -> dict[str, Any]:
         return np.where(missing, np.nan, values)
 
     peak = known(np.abs(out[:, k.SLIDE_PEAK]))
+    outcome = np.where(peak > 0.0, SLIDING, np.where(flew, UNRESOLVED, NO_UPLIFT))
     needed = np.minimum(out[:, k.MU], batch.block.mu[slid.rows])  # a slide never needs more than there is
     return {
         **dict.fromkeys(ABSENT, np.nan),
         **{name: known(0.0) for name in NOTHING},
+        **dict.fromkeys(SCALARS_ASYMMETRIC, np.where(batch.block.symmetric[slid.rows], np.nan, known(0.0))),
         "n_impacts": 0,
-        "outcome": np.where(failed, FAILED, np.where(flew, UNRESOLVED, NO_UPLIFT)).astype(np.int8),
+        "outcome": np.where(failed, FAILED, outcome).astype(np.int8),
         "u_top_peak": peak,
         "slide_peak": peak,
         "slide_residual": known(out[:, k.SLIDE_END]),

@@ -9,6 +9,7 @@ from rockcli.scene.auto import AUTO, TOLERANCE
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import RECTANGLE_INERTIA, Block, housner_eta
 from rockcli.scene.column import Base, Column
+from rockcli.scene.contact import slides_first
 from rockcli.scene.damping import DASHPOT, Damping, Fema356, dashpot_rate
 from rockcli.scene.excitation import Excitation
 from rockcli.scene.models import CONTINUUM, DEFORMABLE
@@ -170,10 +171,9 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
             said.append(f"model {model} (corotational) never overturns for tan alpha > 1, as the block does (2.10)")
         if (block.tan_alpha <= 1.0).any():
             said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
-    with np.errstate(invalid="ignore"):
-        if (block.tan_alpha > block.mu[:, None]).any():
-            who = f"is not in model {model}" if model in DEFORMABLE else "from rest in backend event only"
-            said.append(f"mu < tan alpha: the body slides before it rocks [1.8]; simulated {who}")
+    if slides_first(block.mu[:, None], block.tan_alpha).any():
+        who = f"is not in model {model}" if model in DEFORMABLE else "from rest in backend event only"
+        said.append(f"mu <= tan alpha: the body slides before it rocks [1.8]; simulated {who}")
     return said
 
 

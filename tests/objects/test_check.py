@@ -47,6 +47,6 @@ def test_the_quantities_of_the_equations(tmp_path):
         assert body[name] == pytest.approx(value, rel=1e-12), name
 
 
-@pytest.mark.parametrize(("mu", "words"), [(0.2, "slide (mu < tan"), (0.85, "by direction"), (0.95, "rock (mu >= tan")])
+@pytest.mark.parametrize(("mu", "words"), [(0.2, "slide (mu <= tan"), (0.85, "by direction"), (0.95, "rock (mu > tan")])
 def test_how_it_begins_to_move(tmp_path, mu, words):
     assert words in checked(tmp_path, mu)

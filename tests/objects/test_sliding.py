@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 import rockcli
 from rockcli.scene.block import make_block
 from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest
-from rockcli.scene.response import NO_UPLIFT, ROCKING, UNRESOLVED
+from rockcli.scene.response import NO_UPLIFT, ROCKING, SLIDING, UNRESOLVED
 from rockcli.solvers.event import solve
 
 
@@ -65,12 +65,12 @@ def test_one_cycle_of_a_sine(a_p, mu):
     omega = 7.0
     peak, end, stops = closed_form(a_p, omega, mu)
     ours = slid(pulse("sine", a_p, omega), mu)
-    assert ours.scalars["outcome"][0] == NO_UPLIFT
+    assert ours.scalars["outcome"][0] == SLIDING
     assert ours.scalars["slide_peak"][0] == pytest.approx(peak, abs=1e-12)
     assert ours.scalars["slide_residual"][0] == pytest.approx(end, abs=1e-12)
     assert ours.scalars["t_end"][0] == pytest.approx(max(stops[-1], 2 * np.pi / omega), abs=1e-12)
     assert ours.scalars["mu_required"][0] == mu
-    assert ours.reasons == ["slides and does not rock: mu is below tan(alpha)"]
+    assert ours.reasons == ["slides and does not rock: mu is not above tan(alpha)"]
 
 
 def test_a_rectangular_pulse_is_newmark_s_block():
@@ -168,7 +168,7 @@ def test_sliding_and_rocking_side_by_side():
     both = slid(motion, [0.1, 0.25, 0.9], n=3, tan_alpha=0.3, histories=True)
     alone = slid(pulse("half_sine", 0.45 * G, 6.0), 0.25, tan_alpha=0.3, histories=True)
     free = slid(pulse("half_sine", 0.45 * G, 6.0), np.nan, tan_alpha=0.3, histories=True)
-    np.testing.assert_array_equal(both.scalars["outcome"], [NO_UPLIFT, NO_UPLIFT, ROCKING])
+    np.testing.assert_array_equal(both.scalars["outcome"], [SLIDING, SLIDING, ROCKING])
     assert both.scalars["slide_peak"][1] == alone.scalars["slide_peak"][0] > 0.0
     assert both.scalars["slide_peak"][2] == 0.0
     assert both.scalars["theta_peak"][2] == free.scalars["theta_peak"][0]
@@ -226,7 +226,8 @@ class TestShenton:
                 outcome = ours.scalars["outcome"][0]
                 assert ours.histories["contact_mode"][0, 2] == expected
                 assert (outcome == UNRESOLVED) == (expected == SLIDE_ROCK)
-                assert (outcome == NO_UPLIFT) == (expected in (REST, SLIDE))
+                assert (outcome == NO_UPLIFT) == (expected == REST)
+                assert (outcome == SLIDING) == (expected == SLIDE)
                 if outcome >= NO_UPLIFT:
                     assert (ours.scalars["slide_peak"][0] > 0.0) == (expected == SLIDE)
 
@@ -294,3 +295,138 @@ def test_in_a_study(tmp_path):
         assert float(found.slide_peak.sel(mu=mu)) == pytest.approx(peak, abs=1e-12)
         assert float(found.slide_residual.sel(mu=mu)) == pytest.approx(end, abs=1e-12)
     assert found.contact_mode.attrs["flag_meanings"].split() == ["rest", "slide", "rock", "slide_rock", "free_flight"]
+
+
+class TestFrictionOfTanAlpha:
+    """mu = tan(alpha) to rounding: the body slides with the normal force at its edge."""
+
+    @pytest.mark.parametrize(("h", "b", "mu"), [(1.0, 0.3, 0.3), (0.9, 0.27, 0.3), (1.1, 0.77, 0.7), (0.3, 0.03, 0.1)])
+    def test_it_slides_as_the_closed_form_says(self, h, b, mu):
+        a_p, omega = 2.0 * mu * G, 7.0
+        body = dataclasses.replace(make_block(h=h, b=b), mu=np.array([mu]))
+        found = solve(make_batch(body, pulse("sine", a_p, omega))).scalars
+        peak, end, _ = closed_form(a_p, omega, mu)
+        assert found["outcome"][0] == SLIDING
+        assert found["slide_peak"][0] == pytest.approx(peak, abs=1e-12)
+        assert found["slide_residual"][0] == pytest.approx(end, abs=1e-12)
+
+    def test_rocking_begins_just_above(self):
+        """Shenton's plane: from a mu above tan(alpha) by a millionth on, the edge needs more friction than there is."""
+        body = make_block(h=1.0, b=0.3)
+        for mu, outcome in ((0.3 * (1.0 - 1e-6), SLIDING), (0.3, SLIDING), (0.3 * (1.0 + 1e-6), UNRESOLVED)):
+            given = dataclasses.replace(body, mu=np.array([mu]))
+            assert solve(make_batch(given, pulse("sine", 0.6 * G, 7.0))).scalars["outcome"][0] == outcome
+        assert mode_from_rest(0.3, 4 / 3, 0.3, 0.31) == SLIDE
+        assert mode_from_rest(0.3, 4 / 3, 0.3, 0.29) == REST
+
+    def test_below_the_threshold_it_stays(self):
+        body = dataclasses.replace(make_block(h=1.0, b=0.3), mu=np.array([0.3]))
+        found = solve(make_batch(body, pulse("sine", 0.3 * G, 7.0))).scalars
+        assert found["outcome"][0] == NO_UPLIFT
+        assert found["slide_peak"][0] == 0.0
+
+    def test_an_asymmetric_body_slides_if_mu_is_tan_alpha_of_its_weak_edge(self):
+        body = dataclasses.replace(make_block(h=1.0, b=[0.3, 0.5]), mu=np.array([0.3]))
+        found = solve(make_batch(body, pulse("sine", 0.6 * G, 7.0))).scalars
+        assert found["outcome"][0] == SLIDING
+        assert found["theta_peak_left"][0] == 0.0 == found["theta_peak_right"][0] == found["theta_peak_over_alpha"][0]
+
+
+STUDY = {
+    "name": "cabinets",
+    "case": {
+        "block": {"height": 1.0, "width": 0.5, "mu": 0.2},
+        "motion": {"pulse": {"shape": "sine", "a_p": 6.0, "omega_p": 7.0}},
+    },
+    "vary": {"block.mu": [0.05, 0.2, 0.8]},
+    "save": {"histories": True, "dt_out": 0.01},
+}
+
+
+class TestSeen:
+    """Whoever slides is seen to: in the summary, the expectations, the search, the table and the figures."""
+
+    def test_summary_and_report(self, tmp_path):
+        from rockcli.cli.words import report_text
+        from rockcli.engine.run import run_study
+        from rockcli.study.open import open_study
+
+        expect = [{"quantity": "outcome", "at": {"mu": 0.05}, "is": "sliding"}]
+        report = run_study(open_study(STUDY | {"expect": expect}), tmp_path, plots=False)
+        assert report.outcomes == {"sliding": 2, "rocking": 1}
+        assert report.unmet == 0
+        peak, _, _ = closed_form(6.0, 7.0, 0.05)
+        assert report.slide == pytest.approx(peak, abs=1e-12)
+        assert report.slide_at == "mu=0.05"
+        assert f"slide     |displacement| = {peak:.6g} m at mu=0.05" in report_text(report)
+        data = rockcli.run(STUDY)
+        assert data["outcome"].attrs["flag_meanings"].split()[-1] == "sliding"
+
+    def test_it_stands_in_a_search_and_in_a_suite(self):
+        vary = {"block.mu": [0.2, 0.9], "motion.pulse.a_p": {"from": 6.0, "to": 30.0, "n": 9, "find": "overturning"}}
+        data = rockcli.run({"name": "s", "case": STUDY["case"], "vary": vary})
+        assert data["motion_pulse_a_p_overturning_state"].values[0] == 1  # none in the range
+        assert np.isinf(data["motion_pulse_a_p_overturning"].values[0])
+        del vary["motion.pulse.a_p"]
+        suite = rockcli.run({"name": "s", "case": STUDY["case"], "vary": vary, "over": "block.mu"})
+        assert float(suite["p_overturned"]) == 0.0
+        assert int(suite["n_answered"]) == 2
+
+    def test_table_and_page(self):
+        from rockcli.plotting.page import page
+        from rockcli.plotting.table import case_table
+
+        data = rockcli.run(STUDY)
+        header, rows, _ = case_table(data)
+        assert [row[header.index("outcome")] for row in rows] == ["sliding", "sliding", "rocking"]
+        slides = [float(row[header.index("slide_peak [m]")]) for row in rows]
+        np.testing.assert_allclose(slides, data["slide_peak"].values, rtol=1e-5)
+        assert "2 sliding" in page(data, ())
+
+    def test_histories_have_a_panel_of_the_slide(self):
+        from rockcli.plotting import figures
+
+        data = rockcli.run(STUDY)
+        figure = figures.figure("histories", data)
+        (panel,) = (axes for axes in figure.axes if axes.get_ylabel() == "sliding $u$ [m]")
+        drawn = [line.get_ydata() for line in panel.lines if len(line.get_xdata()) == data.sizes["time"]]
+        for line, expected in zip(drawn, data["slide"].values, strict=True):
+            np.testing.assert_array_equal(line, expected)
+        labels = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert sum("(sliding)" in label for label in labels) == 2
+        # where nothing turns there is no panel of rotations; where nothing slides none of slides
+        for mu, present in (([0.05, 0.2], "sliding"), ([0.8, 0.9], "theta")):
+            only = figures.figure("histories", rockcli.run(STUDY | {"vary": {"block.mu": mu}}))
+            named = [axes.get_ylabel() for axes in only.axes]
+            assert any("sliding" in name for name in named) == (present == "sliding")
+            assert any("theta" in name for name in named) == (present == "theta")
+
+    def test_maps_and_curves_tell_it_from_rest(self):
+        from matplotlib.colors import to_rgb
+
+        from rockcli.plotting import figures
+        from rockcli.plotting.style import OUTCOME_COLOURS
+
+        assert len(set(OUTCOME_COLOURS.values())) == len(OUTCOME_COLOURS) == 7
+        vary = {"block.mu": np.linspace(0.1, 0.4, 5).tolist(), "motion.pulse.a_p": np.linspace(0.5, 6.0, 5).tolist()}
+        data = rockcli.run({"name": "map", "case": STUDY["case"], "vary": vary, "save": {"histories": False}})
+        expected = data["motion_pulse_a_p"].values[None, :] > data["mu"].values[:, None] * G
+        np.testing.assert_array_equal(data["outcome"].values == SLIDING, expected)
+        figure = figures.figure("map", data)
+        mesh = figure.axes[0].collections[0]
+        colours = np.asarray(mesh.get_array()).reshape(5, 5, 3)
+        turned = expected.T if figure.axes[0].get_ylabel().startswith("$a_p$") else expected
+        np.testing.assert_allclose(colours[turned], np.tile(to_rgb(OUTCOME_COLOURS["sliding"]), (turned.sum(), 1)))
+        assert "sliding" in [text.get_text() for text in figure.legends[0].get_texts()]
+        curve = figures.figure("map", rockcli.run(STUDY | {"save": {"histories": False}}))
+        assert [label.get_text() for label in curve.axes[0].get_yticklabels()] == ["sliding"]
+
+    def test_a_film_moves_the_body_along_the_ground(self):
+        from rockcli.plotting.animate import _Stage, scenes
+
+        data = rockcli.run(STUDY)
+        shown = scenes(data, (0,), step=0.1)
+        stage = _Stage(data, (0,), shown, "")
+        moved = [outline[:, 0].mean() - stage.outlines[0][:, 0].mean() for outline in stage.outlines]
+        slide = np.interp(shown.times, data["time"].values, np.nan_to_num(data["slide"].values[0]))
+        np.testing.assert_allclose(np.array(moved) + slide[0], slide, atol=1e-12)
