@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rockcli.errors import RecordError
+from rockcli.motion.file import record_bytes
 from rockcli.motion.numbers import Numbers, read_numbers
 from rockcli.motion.options import OptionError
 from rockcli.motion.units import same_unit, unit_named
@@ -183,12 +184,7 @@ def write_at2(
 
 
 def _bytes(filename: Any) -> bytes:
-    if hasattr(filename, "read"):
-        return bytes(filename.read())
-    try:
-        return Path(filename).read_bytes()
-    except OSError as error:
-        raise RecordError(f"cannot be read: {error.strerror or error}", filename) from error
+    return bytes(filename.read()) if hasattr(filename, "read") else record_bytes(Path(filename))
 
 
 def _lines(data: bytes) -> list[str]:

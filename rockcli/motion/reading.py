@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
 from rockcli.motion.at2 import looks_like_at2, parse_at2
+from rockcli.motion.file import record_bytes
 from rockcli.motion.motion import Motion
 from rockcli.motion.options import OptionError
 from rockcli.motion.text import is_numeric_text, parse_text
@@ -115,16 +116,7 @@ def _known_unit(units: str | None, path: Path) -> str | None:
 
 
 def _bytes(path: Path) -> bytes:
-    try:
-        if path.exists() and not (path.is_file() or path.is_dir()):
-            raise RecordError("is a device or a pipe, not a record", path)
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise RecordError("there is no such file", path) from None
-    except IsADirectoryError:
-        raise RecordError("this is a folder, not a record; name a file in it", path) from None
-    except OSError as error:
-        raise RecordError(f"cannot be read: {error.strerror or error}", path) from error
+    data = record_bytes(path)
     if not data.strip():
         raise RecordError("the file is empty; get it anew", path)
     return data

@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import hashlib
 import pickle
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rockcli.errors import RecordError
+from rockcli.motion.at2 import read_at2
 from rockcli.motion.reading import read_record
 from rockcli.motion.writing import write_two_columns
 
@@ -80,6 +82,20 @@ def test_what_no_format_can_be_read_from(write, tmp_path: Path) -> None:
     refused(write("Corrected acceleration    (Format v01.20)\n 1 2 3\n"), "COSMOS files are not read")
     refused(write("some words\n1 2\n"), "format is not known")
     refused(write(bytes(range(256)) * 40), "ObsPy")
+
+
+@pytest.mark.parametrize("name", ["q.AT2", "q.txt", "q.mseed"])
+def test_what_is_too_large_is_refused_by_its_size(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    with path.open("wb") as file:
+        file.write(AT2.encode())
+        file.truncate(30 * 10**9)  # takes no space: nothing is written there
+    began = time.monotonic()
+    refused(path, r"has 28,610 MiB, and a record has at most 256 MiB")
+    if name == "q.AT2":
+        with pytest.raises(RecordError, match="at most 256 MiB"):
+            read_at2(str(path))
+    assert time.monotonic() - began < 1.0
 
 
 def test_a_pickle_is_not_run(write, tmp_path: Path) -> None:

@@ -1,0 +1,34 @@
+"""The bytes of the file of a record, whatever its format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rockcli.errors import RecordError
+
+LARGEST = 1 << 28
+"""Size of a file above which it is no record [bytes]: ten million samples as text, a day of shaking."""
+
+
+def record_bytes(path: Path) -> bytes:
+    """The bytes of a file.
+
+    Raises:
+        RecordError: there is none, it is something else than a file, too large, or cannot be read.
+    """
+    try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise RecordError("is a device or a pipe, not a record", path)
+        with path.open("rb") as file:
+            size = file.seek(0, 2)
+            if size > LARGEST:
+                most = f"a record has at most {LARGEST / 2**20:g} MiB"
+                raise RecordError(f"has {size / 2**20:,.0f} MiB, and {most}; cut out what is to be used", path)
+            file.seek(0)
+            return file.read(LARGEST)
+    except FileNotFoundError:
+        raise RecordError("there is no such file", path) from None
+    except IsADirectoryError:
+        raise RecordError("this is a folder, not a record; name a file in it", path) from None
+    except OSError as error:
+        raise RecordError(f"cannot be read: {error.strerror or error}", path) from error
