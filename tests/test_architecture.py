@@ -93,6 +93,15 @@ def test_files_are_short(path):
     assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
 
 
+def test_a_study_opens_files_through_one_door():
+    """What is read elsewhere is on no list, and results would not know that they depend on it."""
+    for path in (PACKAGE / "study").glob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        called = {getattr(n.func, "attr", getattr(n.func, "id", "")) for n in ast.walk(tree) if isinstance(n, ast.Call)}
+        opened = called & {"open", "read_text", "read_bytes", "loadtxt", "genfromtxt", "fromfile", "load"}
+        assert path.name in ("inputs.py", "loader.py") or not opened, f"{path}: {opened}"
+
+
 def test_kernels_know_no_object():
     for path in (PACKAGE / "kernels").glob("*.py"):
         for module, line in imports(path):

@@ -40,8 +40,7 @@ class Samples:
         processing: what was done to the record, one sentence each, in order.
         measures: of the motion as processed, before `factor`: pga [m/s^2], pgv [m/s], and whatever else
             is known of it; `pga_raw`, `pgv_raw` before any processing.
-        sha256: of the bytes the motion was read from.
-        files: name and SHA-256 of each, where it was made from several.
+        files: those it was made from, one or two, as the study names them.
     """
 
     values: Array
@@ -50,8 +49,7 @@ class Samples:
     name: str = ""
     processing: tuple[str, ...] = ()
     measures: dict[str, float] = field(default_factory=dict)
-    sha256: str = ""
-    files: tuple[tuple[str, str], ...] = ()
+    files: tuple[str, ...] = ()
 
     @property
     def end(self) -> float:

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.study.expressions import CONSTANTS, ExpressionError, constant, parse
+from rockcli.study.matching import WILDCARDS
 from rockcli.study.numbers import in_words
 from rockcli.study.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
-from rockcli.study.records import WILDCARDS, Records
+from rockcli.study.records import Records
 from rockcli.study.study import MATCH, Axis
 from rockcli.study.table import Table, read_table
 from rockcli.study.tree import List, Map, Places, Source, Where, nearest, place, same_twice
@@ -53,7 +54,7 @@ class Variation:
         columns: path -> number of every point, for an axis whose points differ only in numbers that may differ
             within a batch; None for others.
         where: place of every point in the study file.
-        inputs: name -> SHA-256 of the file the axis was read from.
+        table: name of the file the axis was read from; None = none.
         find: `overturning` for a range that is searched and makes no dimension, else None.
     """
 
@@ -62,7 +63,7 @@ class Variation:
     settings: tuple[tuple[Setting, ...], ...]
     columns: dict[Path, NDArray[np.float64]] | None
     where: Callable[[int], Where]
-    inputs: dict[str, str]
+    table: str | None = None
     find: str | None = None
 
     @property
@@ -166,7 +167,9 @@ class _Reader:
             return self.table(entry)
         if isinstance(entry, str) and self.is_file:
             return self.matched(entry)
-        expected = "a list, a range {from, to, n, spacing}, named settings {label: value}, a file glob or a CSV file"
+        expected = (
+            "a list, a range {from, to, n, spacing}, named settings {label: value}, a CSV file or a glob of records"
+        )
         raise self.fail(f"is {describe(entry)}; expected {expected}")
 
     @property
@@ -182,8 +185,14 @@ class _Reader:
         numbers = self.numbers(values)
         if numbers is not None:
             return self.numeric(numbers, where)
-        labels = self.labels(values)
-        return self.labelled(labels, [self.put(v, where(i), i) for i, v in enumerate(values)], where)
+        settings = [self.put(v, where(i), i) for i, v in enumerate(values)]
+        texts = [v if isinstance(v, str) else json.dumps(v, default=str) for v in values]
+        if self.is_file and all(isinstance(v, str | list) for v in values):
+            both = [[v] if isinstance(v, str) else [str(name) for name in v] for v in values]
+            names = [" + ".join(PurePosixPath(name).name for name in pair) for pair in both]
+            if len(set(names)) == len(names):
+                return self.labelled(names, settings, where, files=tuple(texts))
+        return self.labelled(texts, settings, where)
 
     def numbers(self, values: List) -> NDArray[np.float64] | None:
         """The values as numbers; None if they are not all numbers or constant expressions."""
@@ -238,31 +247,24 @@ class _Reader:
             raise self.fail(f"has two values that cannot be told apart, {a} and {b} (they are matched to {MATCH:g})")
         in_batch = varies_in_batch(self.path)
         settings = () if in_batch else tuple(self.put(v, where(i), i) for i, v in enumerate(axis.values))
-        return Variation(axis, self.path, settings, {self.path: values} if in_batch else None, where, {})
-
-    def labels(self, values: List) -> list[str]:
-        texts = [v if isinstance(v, str) else json.dumps(v, default=str) for v in values]
-        if self.is_file and all(isinstance(v, str | list) for v in values):
-            both = [[v] if isinstance(v, str) else [str(name) for name in v] for v in values]
-            names = [" + ".join(PurePosixPath(name).name for name in pair) for pair in both]
-            return names if len(set(names)) == len(names) else texts
-        return texts
+        return Variation(axis, self.path, settings, {self.path: values} if in_batch else None, where)
 
     def labelled(
         self,
         labels: list[str],
         settings: list[tuple[Setting, ...]],
         where: Callable[[int], Where],
-        inputs: dict[str, str] | None = None,
+        table: str | None = None,
+        files: tuple[str, ...] = (),
     ) -> Variation:
         if not labels:
             raise self.fail("has no values")
         if len(set(labels)) < len(labels):
             twice = next(label for label in labels if labels.count(label) > 1)
             raise self.fail(f"repeats {twice!r}")
-        axis = Axis(self.text, self.text, tuple(labels), False)
+        axis = Axis(self.text, self.text, tuple(labels), False, files=files)
         columns = self.columns(settings)
-        return Variation(axis, self.path, () if columns else tuple(settings), columns, where, inputs or {})
+        return Variation(axis, self.path, () if columns else tuple(settings), columns, where, table)
 
     def columns(self, settings: list[tuple[Setting, ...]]) -> dict[Path, NDArray[np.float64]] | None:
         """The settings as columns of numbers, if every point sets the same numbers that may differ in a batch."""
@@ -358,15 +360,13 @@ class _Reader:
         return value
 
     def matched(self, pattern: str) -> Variation:
-        names = self.records.match(pattern)
-        if not names:
-            raise self.records.no_match(f"vary.{self.text}", pattern, place(self.study, ("vary", self.text)))
         line = place(self.study, ("vary", self.text))
+        names = self.records.match(f"vary.{self.text}", pattern, line)
         return self.listed(List(names, [line] * len(names)))
 
     def table(self, name: str) -> Variation:
         line = place(self.study, ("vary", self.text))
-        table = read_table(self.source.folder / name, self.source, line)
+        table = read_table(name, self.source, line)
         self.labels_first(table, self.source.folder / name)
         paths = [self.below(column) for column in table.columns]
         self.once(table.columns, paths)
@@ -374,7 +374,7 @@ class _Reader:
             tuple((path, self.as_number(path, value), line) for path, value in zip(paths, row, strict=True))
             for row in table.rows
         ]
-        return self.labelled(table.labels, settings, Places(beyond=line), {name: table.sha256})
+        return self.labelled(table.labels, settings, Places(beyond=line), name)
 
     def labels_first(self, table: Table, file: FilePath) -> None:
         """Refuse a table whose first column is no labels, but a path like the others."""

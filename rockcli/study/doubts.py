@@ -57,7 +57,7 @@ def _too_weak(batch: Batch) -> str:
     pair = (batch.model, batch.geometry)
     if motion is None or pair not in MODELS or batch.damping.scheme == "fema356":
         return ""
-    if isinstance(motion, Samples) and motion.files:  # in some directions a motion is weak
+    if isinstance(motion, Samples) and len(motion.files) > 1:  # in some directions a motion is weak
         return ""
     block = batch.block
     alpha, tan_alpha = block.of_weak_edge(block.alpha), block.of_weak_edge(block.tan_alpha)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from pathlib import PurePosixPath
 from typing import Any
 
 from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
@@ -152,8 +151,7 @@ def _coordinate(axis: Axis, value: Any, evaluate: Evaluate) -> Any:
     text = {True: "true", False: "false"}.get(value, str(value)) if isinstance(value, bool) else str(value)
     if text in axis.values:
         return text
-    by_name = [v for v in axis.values if PurePosixPath(v).name == PurePosixPath(text).name]
-    return by_name[0] if len(by_name) == 1 else None
+    return axis.values[axis.files.index(text)] if text in axis.files else None
 
 
 def _is_expression(text: str) -> bool:

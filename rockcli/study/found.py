@@ -1,4 +1,4 @@
-"""What building the cases of a study shows: spacing, files, what was done to records, and what is hardly meant."""
+"""What building the cases of a study shows: spacing, what was done to records, and what is hardly meant."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ DT_OUT = 0.005
 
 @dataclass(eq=False)
 class Use:
-    """A record used in one way: the steps of its processing, and how it is scaled."""
+    """A record used in one way: its files, the steps of its processing, and how it is scaled."""
 
+    files: tuple[str, ...]
     steps: tuple[str, ...]
     scaling: Scaling
 
 
 @dataclass(eq=False)
 class Found:
-    """What the cases of a study show: finest output spacing needed, files read and what was done to them.
+    """What the cases of a study show: finest output spacing needed, what was done to records.
 
     `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
     `friction`: some case has a mu; `asymmetric`: some body has two different edges.
     """
 
     dt_out: float = DT_OUT
-    inputs: dict[str, str] = field(default_factory=dict)
     uses: dict[str, Use] = field(default_factory=dict)
     still: bool = True
     models: dict[tuple[str, str | None], None] = field(default_factory=dict)
@@ -49,7 +49,6 @@ class Found:
         """Take note of a batch and of the numbers it was built from."""
         self.models[batch.model, batch.geometry] = None
         self.schemes.add(batch.damping.scheme)
-        self.inputs |= numbers.inputs
         self.friction |= bool(np.isfinite(batch.block.mu).any())
         self.asymmetric |= not batch.block.symmetric.all()
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
@@ -66,23 +65,21 @@ class Found:
             self._note(channel, Scaling.of(channel, batch, scaling_key(numbers.tree, keys)))
 
     def _note(self, samples: Samples, scaling: Scaling) -> None:
-        self.inputs |= dict(samples.files)
-        name, k = samples.name, 1
-        while not samples.files and self.inputs.get(name, samples.sha256) != samples.sha256:  # two files of one name
-            k += 1
-            name = f"{samples.name} #{k}"
-        if not samples.files:
-            self.inputs[name] = samples.sha256
+        name = samples.name
+        if name in self.uses and self.uses[name].files != samples.files:  # two files of one name
+            name = " + ".join(samples.files)
         label, k = name, 1
         while label in self.uses and not self._same_use(self.uses[label], samples, scaling):  # used in two ways
             k += 1
             label = f"{name} ({k})"
         known = self.uses.get(label)
-        self.uses[label] = Use(samples.processing, scaling if known is None else known.scaling.with_(scaling))
+        self.uses[label] = Use(
+            samples.files, samples.processing, scaling if known is None else known.scaling.with_(scaling)
+        )
 
     @staticmethod
     def _same_use(use: Use, samples: Samples, scaling: Scaling) -> bool:
-        return use.steps == samples.processing and use.scaling.key == scaling.key
+        return use.files == samples.files and use.steps == samples.processing and use.scaling.key == scaling.key
 
     def processing(self) -> dict[str, tuple[str, ...]]:
         """What was done to each record, sentences in order, that about its scaling last."""

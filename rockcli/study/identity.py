@@ -13,6 +13,8 @@ import yaml
 import rockcli
 from rockcli.study.axes import Variation
 from rockcli.study.loader import scalar
+from rockcli.study.shorthands import expanded
+from rockcli.study.tree import Map, alternatives, replaced
 
 
 def identity(
@@ -41,19 +43,22 @@ def kinship(
     let: dict[str, Any],
     variations: Sequence[Variation],
     save: dict[str, Any],
-    files: dict[str, str],
+    inputs: dict[str, str],
 ) -> str:
     """What tells whether the results of one study are among those of another, as JSON; not for refined maps.
 
-    `base` is the hash of all but the axes; an axis has the hash of what each of its points puts into a case, or None
-    where the coordinate says it.  `files`: name -> SHA-256 of every record, which counts where its name stands.
+    `base` is the hash of all but the axes and what they displace; an axis has the hash of what each of its points puts
+    into a case, or None where the coordinate says it.  A file counts where its name stands, one that is named nowhere
+    in the base, and a table in its rows.
     """
 
     def content(value: Any) -> str:
-        told = [_canonical(value), sorted({text: files[text] for text in _texts(value) if text in files}.items())]
+        named = inputs.keys() & set(_texts(value))
+        told = [_canonical(value), sorted((name, inputs[name]) for name in named)]
         return hashlib.sha256(json.dumps(told, sort_keys=True, allow_nan=True).encode()).hexdigest()[:32]
 
     said = {key: value for key, value in save.items() if key != "dt_out" or save["histories"] is not False}
+    base: dict[str, Any] = {"case": case, "let": let}
     axes = []
     for variation in variations:
         axis, points = variation.axis, None
@@ -63,7 +68,38 @@ def kinship(
         elif not axis.numeric:
             points = [content([[".".join(path), value] for path, value, _ in point]) for point in variation.settings]
         axes.append([axis.name, axis.path, points, variation.find])
-    return json.dumps({"base": content([case, let, said, rockcli.__version__]), "axes": axes})
+        for path in _displaced(variation):
+            others = alternatives(path[-1]) if path[0] == "case" else frozenset()  # symbols of `let` have none
+            base = _without(base, path, others)
+    put = [value for variation in variations for point in variation.settings for _, value, _ in point]
+    placed = {*_texts([base, put]), *(variation.table for variation in variations)}
+    rest = sorted((name, sha256) for name, sha256 in inputs.items() if name not in placed)
+    return json.dumps({"base": content([base["case"], base["let"], said, rockcli.__version__, rest]), "axes": axes})
+
+
+def _displaced(variation: Variation) -> set[tuple[str, ...]]:
+    """Where every point of an axis puts a number or a word, so that what the study says there is in no case."""
+    if variation.columns is not None:
+        return set(variation.columns)
+    trees = [[expanded(replaced(Map(), *setting)) for setting in point] for point in variation.settings]
+    return set.intersection(*({leaf for tree in point for leaf in _leaves(tree)} for point in trees))
+
+
+def _leaves(tree: Any, at: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Paths of all that a tree says: neither mappings nor nothing."""
+    if isinstance(tree, dict):
+        for key, item in tree.items():
+            yield from _leaves(item, (*at, key))
+    elif tree is not None:
+        yield at
+
+
+def _without(tree: dict[str, Any], path: tuple[str, ...], others: frozenset[str]) -> dict[str, Any]:
+    """A tree without the value at a path, and without those of other keys beside it."""
+    head, *rest = path
+    if rest and isinstance(tree.get(head, {}), dict):
+        return tree | {head: _without(tree.get(head, {}), tuple(rest), others)}
+    return {key: value for key, value in tree.items() if key != head and key not in others}
 
 
 def _texts(value: Any) -> Iterator[str]:
@@ -80,12 +116,13 @@ def as_yaml(resolved: dict[str, Any]) -> str:
     return str(yaml.dump(resolved, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120))
 
 
-def plain(value: Any) -> Any:
-    """A tree of ordinary dicts and lists."""
+def plain(value: Any, *, nothing: bool = False) -> Any:
+    """A tree of ordinary dicts and lists; `nothing`: also with the keys that say so, as a setting `motion: null`."""
     if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items() if item is not None}
+        said = value.items() if nothing else ((key, item) for key, item in value.items() if item is not None)
+        return {str(key): plain(item, nothing=nothing) for key, item in said}
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [plain(item, nothing=nothing) for item in value]
     return value
 
 

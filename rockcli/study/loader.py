@@ -14,11 +14,11 @@ import numpy as np
 import yaml
 
 from rockcli.errors import StudyError
+from rockcli.study.inputs import MAX_BYTES, read_bytes
 from rockcli.study.tree import List, Map, Source, Where
 
-__all__ = ["load_any", "load_file", "load_mapping", "load_value", "read_bytes", "scalar"]
+__all__ = ["load_any", "load_file", "load_mapping", "load_value", "scalar"]
 
-MAX_BYTES = 1_000_000
 MAX_DEPTH = 40
 MAX_VALUES = 200_000
 
@@ -66,23 +66,6 @@ def load_any(path: Path) -> Any:
         line = data.count(b"\n", 0, error.start) + 1
         raise StudyError(f"is no UTF-8 text (byte {error.start})", file=path, line=line) from None
     return _parse(text, Source(path), None)
-
-
-def read_bytes(path: Path) -> bytes:
-    """The bytes of a file of a study, at most MAX_BYTES; raises StudyError."""
-    try:
-        if path.is_dir():
-            raise StudyError("is a folder, not a study file", file=path)
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise StudyError("there is no such file", file=path) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise StudyError(f"cannot be read: {reason}", file=path) from None
-    if len(data) > MAX_BYTES:
-        raise StudyError(f"is larger than {MAX_BYTES} bytes", file=path)
-    return data
 
 
 def load_value(text: str, label: str) -> Any:

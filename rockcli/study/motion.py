@@ -69,8 +69,9 @@ def _samples(
     # where g differs from case to case it goes into the factor, so that a case does not depend on its neighbours
     g_varies = isinstance(numbers.g, np.ndarray)
     g = STANDARD_G if g_varies else float(numbers.g)
-    prepared, files = _prepared(numbers, keys, records, g)
+    prepared = _prepared(numbers, keys, records, g)
     motion, raw = prepared.motion, prepared.raw
+    files = (record["file"],) if isinstance(record["file"], str) else tuple(record["file"])
     values, raw_values = motion.acceleration(g), raw.acceleration(g)
     measures = {
         "pga": pga(values),
@@ -83,16 +84,16 @@ def _samples(
     polarity = numbers.value((*keys, "polarity"))
     if polarity is not None:
         numbers.require((*keys, "polarity"), np.abs(polarity) == 1.0, "must be 1 or -1")
-    warnings.extend(sentence if files else f"{motion.name}: {sentence}" for sentence in motion.warnings)
+    warnings.extend(sentence if len(files) > 1 else f"{motion.name}: {sentence}" for sentence in motion.warnings)
     scaling = next((key for key in SCALING if record.get(key) is not None), "file")
     in_range(numbers, (*keys, scaling), amplitude * of_g * max(measures["pga"], measures["pgv"]))
     factor = numbers.array(amplitude * of_g * (1.0 if polarity is None else polarity))
-    samples = Samples(values, motion.dt, factor, motion.name, motion.processing, measures, motion.sha256, files)
+    samples = Samples(values, motion.dt, factor, motion.name, motion.processing, measures, files)
     return samples, amplitude
 
 
-def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> tuple[Prepared, tuple[tuple[str, str], ...]]:
-    """The processed record, and name and SHA-256 of the files of two components.
+def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> Prepared:
+    """The processed record, of two components in the direction asked for.
 
     Raises:
         RecordError: a file is missing or cannot be read, or two components do not fit together.
@@ -109,7 +110,7 @@ def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> tuple
             if isinstance(components, list):
                 numbers.fail((*keys, "component"), "is a list: two components need two files, file: [H1, H2]")
             where = place(numbers.tree, (*keys, "file"))
-            return records.prepare(names, where, reading={**reading, "component": components}, steps=steps, g=g), ()
+            return records.prepare(names, where, reading={**reading, "component": components}, steps=steps, g=g)
         if keys[:-1] != MOTION:
             numbers.fail((*keys, "file"), "the vertical motion is one component, one file")
         if len(names) != 2:
@@ -121,8 +122,7 @@ def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> tuple
             component = components[i] if isinstance(components, list) else components
             where = place(numbers.tree, (*keys, "file", i))
             pair.append(records.prepare(name, where, reading={**reading, "component": component}, steps=steps, g=g))
-        files = tuple((name, one.motion.sha256) for name, one in zip(names, pair, strict=True))
-        return _in_direction(pair, angle), files
+        return _in_direction(pair, angle)
     except MissingRecordError:
         raise
     except RecordError as error:

@@ -59,7 +59,6 @@ class Numbers:
         spot: (axis, i) -> place of the axis' value in case i, and the values of all axes there, as text.
 
     Attributes:
-        inputs: files read for these numbers -> SHA-256 of their bytes.
         remarks: sentences about what was made of them.
     """
 
@@ -73,7 +72,6 @@ class Numbers:
     ) -> None:
         self.source, self.tree, self.n = source, tree, n
         self._column, self._spot = column, spot
-        self.inputs: dict[str, str] = {}
         self.remarks: list[str] = []
         self._symbols: dict[str, Value] = {}
         self._busy: list[str] = []

@@ -80,7 +80,6 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         variations = [*(v for v in variations if v is not sought), sought]
     cases = Cases(where, base, variations, records, provisional)
     found = Found()
-    found.inputs.update({name: sha for v in variations for name, sha in v.inputs.items()})
     _probe(cases, found)
     axes = tuple(v.axis for v in variations if v is not sought)
     check_curves(where, tree, found.models)
@@ -113,9 +112,9 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         scalars=scalars,
         resolved=resolved,
         resolved_yaml=as_yaml(resolved),
-        identity=identity(*content, found.inputs, refine=bool(refine)),
-        kinship="" if refine else kinship(*content, records.hashes()),
-        inputs=found.inputs,
+        identity=identity(*content, where.inputs.hashes, refine=bool(refine)),
+        kinship="" if refine else kinship(*content, where.inputs.hashes),
+        inputs=dict(sorted(where.inputs.hashes.items())),
         processing=found.processing(),
         warnings=(
             *warnings,
@@ -202,7 +201,8 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
     every = [name for name in SCALARS if name not in special]
     if wanted == "all" or wanted is SCALARS:
         wanted = every
-    scalars = [name for name in SCALARS if name in wanted]
+    always = {"outcome"} if wanted else set()  # a case that failed is told, whatever else is saved
+    scalars = [name for name in SCALARS if name in {*wanted, *always}]
     dt_out: Any = save.get("dt_out")
     if dt_out is None:
         dt_out = found.dt_out
@@ -227,10 +227,10 @@ def _resolved(part: StudyPart, base: Map, variations: Sequence[Variation], saved
     model = dumped["case"].get("model")
     if isinstance(model, dict) and model.keys() == {"name"}:  # as everybody writes it
         dumped["case"]["model"] = int(model["name"]) if model["name"].isdigit() else model["name"]
-    vary = dumped.get("vary", {})
+    vary = dumped["vary"] = plain(part.vary, nothing=True)
     for variation in variations:
         path = variation.axis.path
-        if isinstance(vary[path], str) and not variation.inputs:
+        if isinstance(vary[path], str) and variation.table is None:
             vary[path] = [point[0][1] for point in variation.settings]
     dumped["save"] = {key: value for key, value in saved.items() if value != []}
     return {key: value for key, value in dumped.items() if value not in ("", [], {}, None, False)}

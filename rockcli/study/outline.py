@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +10,6 @@ from numpy.typing import NDArray
 from rockcli.errors import StudyError
 from rockcli.scene.outline import OutlineError, Solid, solid
 from rockcli.study.expressions import Value
-from rockcli.study.loader import read_bytes
 from rockcli.study.tree import Keys, dotted, place, value_at
 
 if TYPE_CHECKING:
@@ -96,8 +94,7 @@ def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:
     path = numbers.source.folder / name
     if not path.is_file():
         raise numbers.source.placed(where, f"{dotted(keys)}: the outline {str(path)[:300]} does not exist")
-    data = read_bytes(path)
-    numbers.inputs[name] = hashlib.sha256(data).hexdigest()
+    data = numbers.source.inputs.read(name, path)
     try:
         lines = data.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:

@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from rockcli.errors import RecordError
 from rockcli.study.catalog import how_to_obtain
+from rockcli.study.matching import MOST, WILDCARDS, TooManyFiles, matched
 from rockcli.study.tree import Source, Where
 
 if TYPE_CHECKING:
     from rockcli.motion.motion import Motion
-
-WILDCARDS = frozenset("*?[")
 
 
 class MissingRecordError(RecordError):
@@ -67,24 +66,25 @@ class Records:
                 raise self.source.record_error(where, self._missing(name), MissingRecordError)
         return self.found[name]
 
-    def hashes(self) -> dict[str, str]:
-        """SHA-256 of the bytes of every record read, by its name in the study."""
-        read = {prepared.path: prepared.motion.sha256 for prepared in self.prepared.values()}
-        return {name: read[path] for name, path in self.found.items() if path in read}
+    def match(self, key: str, pattern: str, where: Where) -> list[str]:
+        """Names of the records that a glob at a key matches, sorted, in the first folder that has any.
 
-    def match(self, pattern: str) -> list[str]:
-        """Names of the records a glob matches, sorted, in the first folder that has any."""
-        import glob
-
-        for folder in self.folders():
+        Raises:
+            MissingRecordError: none; says where they were sought and how to get them.
+            RecordError: it would take too long to look.
+        """
+        for folder in [Path()] if os.path.isabs(pattern) else self.folders():
             try:
-                names = glob.glob(pattern, root_dir=folder, recursive=True)
+                names = [name for name in matched(pattern, folder) if _is_file(folder / name)]
             except (OSError, ValueError, RecursionError):
                 continue
-            names = sorted(name.replace(os.sep, "/") for name in names if _is_file(folder / name))
+            except TooManyFiles:
+                why = f"looks through more than {MOST} files; begin with the folder in which the records are"
+                raise self.source.record_error(where, f"{key} is {pattern[:200]!r}, which {why}") from None
             if names:
                 return names
-        return []
+        lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Sought in {', '.join(self._searched())}"]
+        raise self.source.record_error(where, "\n  ".join(lines + how_to_obtain(pattern)), MissingRecordError)
 
     def prepare(self, name: str, where: Where, *, reading: dict[str, Any], steps: dict[str, Any], g: float) -> Prepared:
         """Read and process a record, or take what was prepared before.
@@ -106,12 +106,8 @@ class Records:
 
                 motion = process(raw, **steps, g=g)
             self.prepared[key] = Prepared(motion, raw, path)
+        self.source.inputs.note(name, path, self.prepared[key].raw.sha256)  # one file may have several names
         return self.prepared[key]
-
-    def no_match(self, key: str, pattern: str, where: Where) -> RecordError:
-        """The error of a pattern that matches no file: what it may be, where it was sought and how to get it."""
-        lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Sought in {', '.join(self._searched())}"]
-        return self.source.record_error(where, "\n  ".join(lines + how_to_obtain(pattern)), MissingRecordError)
 
     def _missing(self, name: str) -> str:
         """What is missing, where it was sought and how to get it: a line each."""

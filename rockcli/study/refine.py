@@ -33,7 +33,7 @@ def read_refine(
         (searches, "`find` does not make a map; leave out one of the two"),
         (over is not None, "`over` takes statistics of cases, of which `refine` leaves most out; drop one of the two"),
         ((study.get("save") or {}).get("histories"), "no histories are saved of a refined map; drop save.histories"),
-        ("outcome" not in scalars, "needs outcome among the saved scalars (`save`)"),
+        ("outcome" not in scalars, "needs outcomes, and this study is one of static curves"),
     ):
         if asked:
             raise source.error(study, ("refine",), f": {why}")

@@ -24,5 +24,15 @@ def clauses_of(
         found: names the dataset has beside those of the variables' table.
     """
     study = load_value(resolved, "the study in the dataset")
-    known = [Axis(name, path, tuple(v.tolist()), v.dtype.kind == "f") for name, path, v in axes]
+    points = study.get("vary", {})
+    known = [
+        Axis(
+            name,
+            path,
+            tuple(v.tolist()),
+            v.dtype.kind == "f",
+            files=tuple(points[path]) if isinstance(points.get(path), list) else (),
+        )
+        for name, path, v in axes
+    ]
     return read_expect(Source(file=None), study, known, found=found)

@@ -30,6 +30,7 @@ class Axis:
         values: the coordinate: floats (numeric axis) or strings (labels, models, record file names).
         numeric: whether the coordinate is numeric.
         unit: unit of a numeric coordinate, "1" if dimensionless or unknown.
+        files: the points as the study names them, where labels are names of files without their folders.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Axis:
     values: tuple[Any, ...]
     numeric: bool
     unit: str = "1"
+    files: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -161,9 +163,9 @@ class Study:
         audit: share of the cases that are solved again more accurately; True = all up to a limit, False = none.
         resolved: the resolved study as a plain mapping (re-runnable when dumped as YAML).
         resolved_yaml: the same as YAML text.
-        identity: SHA-256 hex of what changes numbers (case, let, vary, save, record bytes, program version).
+        identity: SHA-256 hex of what changes numbers (case, let, vary, save, bytes of files, program version).
         kinship: what tells whether results of another study are among these (see `identity.kinship`), JSON.
-        inputs: record file name -> SHA-256 of its bytes.
+        inputs: name of every file read, as in the study -> SHA-256 of its bytes.
         processing: record name -> what was done to it, sentences in order, with the effect on PGA and PGV.
         warnings: sentences about the study as a whole.
     """

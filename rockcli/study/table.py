@@ -3,39 +3,37 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import io
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from rockcli.errors import StudyError
-from rockcli.study.loader import read_bytes, scalar
+from rockcli.study.loader import scalar
 from rockcli.study.tree import Source, Where
 
 
 @dataclass(frozen=True)
 class Table:
-    """The head of the first column and its line, labels, paths of the columns, values row by row, SHA-256."""
+    """The head of the first column and its line, labels, paths of the columns, values row by row."""
 
     head: str
     line: int
     labels: list[str]
     columns: list[str]
     rows: list[list[Any]]
-    sha256: str
 
 
-def read_table(path: Path, source: Source, where: Where) -> Table:
-    """Read a CSV file.
+def read_table(name: str, source: Source, where: Where) -> Table:
+    """Read a CSV file beside the study.
 
     Raises:
         StudyError: it cannot be read, has no rows or columns, or a row of another length or with an empty cell.
     """
+    path = source.folder / name
     if not path.is_file():
         raise source.placed(where, f"the table {path} does not exist")
-    data = read_bytes(path)
+    data = source.inputs.read(name, path)
     try:
         lines = list(csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""), skipinitialspace=True))
     except (UnicodeDecodeError, csv.Error) as error:
@@ -56,9 +54,8 @@ def read_table(path: Path, source: Source, where: Where) -> Table:
             if _is_no_finite_number(cell):
                 raise StudyError(f"the cell below {column!r} is {cell}: a finite number is expected", file=path, line=i)
     body = [row for _, row in rows[1:]]
-    digest = hashlib.sha256(data).hexdigest()
     values = [[scalar(cell) for cell in row[1:]] for row in body]
-    return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, digest)
+    return Table(header[0], rows[0][0], [row[0] for row in body], columns, values)
 
 
 def _is_no_finite_number(cell: str) -> bool:

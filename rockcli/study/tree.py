@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from rockcli.errors import RecordError, StudyError
+from rockcli.study.inputs import Inputs
 
 Where = int | str | None
 """A line of the study file, the `--set` that put the value there, or None for a study given as a mapping."""
@@ -58,9 +59,10 @@ class Places:
 
 @dataclass(frozen=True)
 class Source:
-    """Where a study came from; makes the errors that name file, line and key."""
+    """Where a study came from, and the files it reads; makes the errors that name file, line and key."""
 
     file: Path | None
+    inputs: Inputs = field(default_factory=Inputs, compare=False)
 
     @property
     def folder(self) -> Path:

@@ -94,7 +94,6 @@ FREE = {"case": {"motion": None, "initial": {"theta": 0.01}}}
     [
         ("error_history", {"save": {"histories": False}}),
         ("error_theta_peak_over_alpha", {"save": {"scalars": ["outcome"]}}),
-        ("same_outcome", {"save": {"scalars": ["t_peak"]}}),
         ("u_top_bending at 1 s", {}),
         ("a_p", FREE),
         ("pga", FREE),

@@ -18,6 +18,7 @@ from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.open import open_study
 
 ALPHA = 0.1
+CURVES = {"vary": {"block.R": [1, 2]}, "over": "block.R", "save": {}}
 SINES = [1.0, 1.5, 2.0, 3.0, 4.0]
 
 
@@ -232,4 +233,4 @@ def test_two_intensities_need_a_word():
     with pytest.raises(StudyError, match="along"):
         open_study(data)
     with pytest.raises(StudyError, match="outcome or theta_peak_over_alpha"):
-        open_study(study(save={"scalars": ["n_impacts"]}))
+        open_study(study(case={"block": {"R": 1, "alpha": 0.2}}, curves=["pushover"], **CURVES))

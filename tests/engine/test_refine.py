@@ -225,6 +225,14 @@ def test_ricker_pulses_on_a_fine_map() -> None:
     assert wrong <= 2e-4
 
 
+CURVES = {
+    "case": {"block": {"R": 1, "tan_alpha": 0.2}},
+    "vary": {"block.R": [1, 2], "block.tan_alpha": [0.1, 0.2]},
+    "curves": ["moment_rotation"],
+    "save": {},
+}
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -232,7 +240,7 @@ def test_ricker_pulses_on_a_fine_map() -> None:
         ({"vary": {"block.R": [1, 3, 2], "initial.theta": [0.01, 0.02]}}, "block.R is not ascending or descending"),
         ({"over": "block.R"}, "`over` takes statistics"),
         ({"save": {"histories": True}}, "no histories are saved"),
-        ({"save": {"scalars": ["n_impacts"]}}, "needs outcome among the saved scalars"),
+        (CURVES, "needs outcomes, and this study is one of static curves"),
     ],
 )
 def test_what_cannot_be_refined_is_said(changes: dict[str, Any], words: str) -> None:

@@ -1,9 +1,12 @@
 """What a study says of its results is matched to its axes before anything is solved."""
 
+import numpy as np
 import pytest
+import yaml
 
 from rockcli.errors import StudyError
 from rockcli.study.open import open_study
+from rockcli.study.reread import clauses_of
 
 
 def expect_of(*clauses, **more):
@@ -24,8 +27,7 @@ def expect_of(*clauses, **more):
         ({"tan_alpha": "0.1*3"}, {"tan_alpha": 0.3}),
         ({"case.block.tan_alpha": 0.3 * (1 + 5e-10)}, {"tan_alpha": 0.3}),
         ({"model": "rigid"}, {"model": "rigid"}),
-        ({"damping": "one.AT2"}, {"damping": "a/one.AT2"}),
-        ({"damping": "somewhere/else/one.AT2", "model": "linearized"}, {"damping": "a/one.AT2", "model": "linearized"}),
+        ({"damping": "a/one.AT2", "model": "linearized"}, {"damping": "a/one.AT2", "model": "linearized"}),
     ],
 )
 def test_points_are_matched_to_coordinates(at, matched):
@@ -44,11 +46,36 @@ def test_points_are_matched_to_coordinates(at, matched):
         ({"model": 0.3}, "no point of that axis; it has rigid, linearized"),
         ({"R": 5}, "is on no axis"),
         ({"modell": "rigid"}, "did you mean 'model'"),
+        ({"damping": "one.AT2"}, "no point of that axis; it has a/one.AT2, two"),
+        ({"damping": "b/one.AT2"}, "no point of that axis"),
+        ({"damping": "b/two"}, "no point of that axis"),
     ],
 )
 def test_no_match_is_an_error(at, words):
     with pytest.raises(StudyError, match=words):
         expect_of({"quantity": "theta_peak", "at": at, "value": 0.1})
+
+
+@pytest.mark.parametrize("said", ["q.txt", "a/q.txt"])
+def test_a_record_is_named_by_its_label_or_as_in_the_study(said, tmp_path):
+    for name in ("a/q.txt", "a/r.txt"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("0 0\n0.01 3\n0.02 0\n")
+    given = {
+        "name": "s",
+        "case": {"block": {"R": 5.0, "tan_alpha": 0.2}, "motion": {"record": {"units": "m/s2"}}},
+        "vary": {"motion.record.file": "a/*.txt"},
+        "expect": [{"quantity": "outcome", "is": "rocking", "at": {"record": said}}],
+    }
+    (tmp_path / "s.yaml").write_text(yaml.safe_dump(given))
+    study = open_study(tmp_path / "s.yaml")
+    axes = [(axis.name, axis.path, np.array(axis.values, dtype=object)) for axis in study.axes]
+    for (clause,) in (study.expect, clauses_of(study.resolved_yaml, axes, ())):  # as opened, and from the dataset
+        assert clause.at == {"record": "q.txt"}
+    given["expect"][0]["at"]["record"] = f"b/{said}"
+    (tmp_path / "s.yaml").write_text(yaml.safe_dump(given))
+    with pytest.raises(StudyError, match=r"no point of that axis; it has q\.txt, r\.txt"):
+        open_study(tmp_path / "s.yaml")
 
 
 @pytest.mark.parametrize(

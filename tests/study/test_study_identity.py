@@ -127,6 +127,22 @@ def test_the_resolved_study_runs_again(tmp_path):
     assert load_value(study.resolved_yaml, "x") == study.resolved
 
 
+@pytest.mark.parametrize(
+    "vary",
+    [
+        {"case": {"still": {"motion": None}, "moved": {"block.mu": 0.5}}},
+        {"motion": {"still": None, "moved": {"pulse": {"shape": "sine", "a_p": 3, "T_p": 1}}}},
+    ],
+    ids=["settings", "named"],
+)
+def test_a_setting_of_nothing_runs_again(vary, tmp_path):
+    study = open_study(copy.deepcopy(BASE) | {"vary": vary})
+    (tmp_path / "again.yaml").write_text(study.resolved_yaml)
+    again = open_study(tmp_path / "again.yaml")
+    assert (again.identity, again.axes) == (study.identity, study.axes)
+    assert [batch.excitation.horizontal is None for _, batch in again.batches()] == [True, False]
+
+
 def test_defaults_and_short_forms_are_written_out():
     case = open_study(
         {"name": "a", "case": {"block": {"R": 1, "alpha": 0.2}, "damping": "none", "model": "rigid"}}

@@ -1,0 +1,65 @@
+"""The files a study reads: through one door, and all on one list, by which results know what they depend on."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rockcli.errors import StudyError
+
+MAX_BYTES = 1_000_000
+"""Largest study, table or outline."""
+
+
+@dataclass(eq=False)
+class Inputs:
+    """What has been read for one study.
+
+    A name means one file throughout a study, and is as the study has it, with its folder; so two files of one base name
+    are two, and a study means the same wherever its folder is put.
+
+    Attributes:
+        hashes: name -> SHA-256 of the bytes.
+    """
+
+    hashes: dict[str, str] = field(default_factory=dict)
+    _kept: dict[str, bytes] = field(default_factory=dict)
+
+    def read(self, name: str, path: Path) -> bytes:
+        """The bytes of a small file, read once however many cases need it.
+
+        Raises:
+            StudyError: it cannot be read.
+        """
+        if name not in self._kept:
+            data = read_bytes(path)
+            self.note(name, path, hashlib.sha256(data).hexdigest())
+            self._kept[name] = data
+        return self._kept[name]
+
+    def note(self, name: str, path: Path, sha256: str) -> None:
+        """Put a file that was read on the list.
+
+        Raises:
+            StudyError: it is there with other bytes.
+        """
+        if self.hashes.setdefault(name, sha256) != sha256:
+            raise StudyError("was changed while the study was at work; run again", file=path)
+
+
+def read_bytes(path: Path) -> bytes:
+    """The bytes of a file, at most MAX_BYTES; raises StudyError."""
+    try:
+        if path.is_dir():
+            raise StudyError("is a folder, not a study file", file=path)
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise StudyError("there is no such file", file=path) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise StudyError(f"cannot be read: {reason}", file=path) from None
+    if len(data) > MAX_BYTES:
+        raise StudyError(f"is larger than {MAX_BYTES} bytes", file=path)
+    return data
