@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-__all__ = ["OutputError", "RecordError", "RockError", "SolverError", "StudyError"]
+__all__ = ["MACHINE", "MachineError", "OutputError", "RecordError", "RockError", "SolverError", "StudyError"]
 
 
 class RockError(Exception):
@@ -56,3 +56,13 @@ class OutputError(RockError):
     """A result cannot be written: no space, no permission, something in the way."""
 
     exit_code = 4
+
+
+class MachineError(RockError):
+    """The machine refuses what a solution needs, such as memory: no answer of the case, which is solved again."""
+
+    exit_code = 4
+
+
+MACHINE = (MachineError, MemoryError, OSError, ImportError)
+"""What is raised where the machine refuses: it says nothing about the case."""

@@ -128,7 +128,7 @@ def _run_one(study: Study, out: Path, *, progress: bool, **options: Any) -> RunR
 
     line = Progress(study.name, shown=progress)
     line.listen()
-    kernels.announce = lambda: line.note("compiling the kernels, once: about 15 s")
+    kernels.announce = line.note
     try:
         return run_study(study, out, progress=line, **options)
     finally:

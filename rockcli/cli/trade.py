@@ -58,7 +58,7 @@ def trade(
     line = Progress(given.name, shown=not quiet, what="settings")
     from rockcli import kernels
 
-    kernels.announce = lambda: line.note("compiling the kernels, once: about 15 s")
+    kernels.announce = line.note
     try:
         found = measure(given, sample=sample, budget=seconds, progress=line)
     finally:

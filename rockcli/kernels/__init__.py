@@ -21,8 +21,11 @@ _KERNELS = (
 compiled: bool | None = None
 """How the kernels in use were loaded; None before the first `load`."""
 
-announce: Callable[[], None] | None = None
-"""Called when kernels are about to be compiled of which nothing is in the cache."""
+announce: Callable[[str], None] | None = None
+"""Told when kernels are about to be compiled of which nothing is in the cache."""
+
+COMPILING = "compiling the kernels, once: about 15 s"
+COMPILING_ALWAYS = "compiling the kernels: about 15 s in every run, as there is no place to keep them (ROCK_CACHE_DIR)"
 
 
 def load(name: str = "march", *, compile_them: bool) -> ModuleType:
@@ -39,5 +42,5 @@ def load(name: str = "march", *, compile_them: bool) -> ModuleType:
         jit = importlib.import_module(f"{__name__}.jit")
         jit.decide(wish)
         if wish and announce is not None and jit.is_cold():
-            announce()
+            announce(COMPILING if jit.cache_takes_files() else COMPILING_ALWAYS)
     return importlib.import_module(f"{__name__}.{name}")

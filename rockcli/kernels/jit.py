@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -11,21 +13,38 @@ from typing import Any, TypeVar, cast
 F = TypeVar("F", bound=Callable[..., Any])
 
 _compiled = False
+_cached = False
 
 
 def decide(compile_them: bool) -> None:
-    """Say, before a kernel module is imported, whether its functions are to be compiled."""
-    global _compiled
+    """Say, before a kernel module is imported, whether its functions are to be compiled.
+
+    What is compiled is kept in the cache, if there is a place for it.  Without one numba would keep it beside the
+    sources, where it does not notice that a callee in another file has changed.
+    """
+    global _compiled, _cached
     _compiled = compile_them
     if compile_them:
         from numba import config
 
+        _cached = cache_takes_files()
         setattr(config, "CACHE_DIR", str(_cache_dir()))  # noqa: B010 - the checker does not know it
 
 
 def compiling() -> bool:
     """What was decided."""
     return _compiled
+
+
+def cache_takes_files() -> bool:
+    """Whether compiled kernels can be kept."""
+    try:
+        _cache_dir().mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=_cache_dir()) as file:
+            file.write(bytes(4096))
+    except OSError:
+        return False
+    return True
 
 
 def is_cold() -> bool:
@@ -52,7 +71,21 @@ def _compile(function: F, **options: Any) -> F:
         return function
     from numba import njit
 
-    return cast(F, njit(cache=True, error_model="numpy", nogil=True, **options)(function))
+    compiled = njit(cache=_cached, error_model="numpy", nogil=True, **options)(function)
+    if _cached:
+        _forgive(compiled._cache)
+    return cast(F, compiled)
+
+
+def _forgive(cache: Any) -> None:
+    """Let a kernel that cannot be kept, as the disk is full by now, be used all the same."""
+    save = cache.save_overload
+
+    def save_if_possible(signature: Any, kernel: Any) -> None:
+        with contextlib.suppress(OSError):
+            save(signature, kernel)
+
+    cache.save_overload = save_if_possible
 
 
 def zeros(n: int) -> Any:

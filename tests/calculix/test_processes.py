@@ -15,7 +15,7 @@ import pytest
 from mesh_cases import fig60
 
 from rockcli.engine.choose import BACKENDS, choose
-from rockcli.errors import SolverError
+from rockcli.errors import MachineError, SolverError
 from rockcli.scene.response import FAILED
 from rockcli.solvers.calculix import folder, run, solve
 
@@ -87,6 +87,21 @@ def test_misbehaviour_is_a_failed_case(pretend, temp, kind):
     said = failure()
     assert sentence in said
     assert "it reached t = 0 of 0.5 s" in said
+    assert list(temp.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "kill -KILL $$",
+        "echo '*ERROR in u_calloc: error allocating memory'; exit 16",
+        "echo 'Fortran runtime error: No space left on device'; exit 2",
+    ],
+)
+def test_what_the_machine_refuses_is_no_answer(pretend, temp, script):
+    pretend(script)
+    with pytest.raises(MachineError, match=r"CalculiX (was killed by the system|ended with)"):
+        failure()
     assert list(temp.iterdir()) == []
 
 

@@ -102,7 +102,7 @@ def test_a_note_in_a_terminal_only(monkeypatch: pytest.MonkeyPatch, capsys: pyte
 def test_compiling_is_announced_once(tmp_path: Path) -> None:
     """Nothing in the cache: before; something there, or nothing to compile: not at all."""
     script = (
-        "import sys\nfrom rockcli import kernels\nkernels.announce = lambda: print('compiling')\n"
+        "import sys\nfrom rockcli import kernels\nkernels.announce = lambda words: print('compiling')\n"
         "kernels.load(compile_them=False)\nkernels.load(compile_them=sys.argv[1] == 'compiled')\n"
         "kernels.load(compile_them=True)\n"
     )

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from columns import rigid
 
-from rockcli.errors import SolverError
+from rockcli.errors import MachineError, SolverError
 from rockcli.scene.response import FAILED
 from rockcli.solvers.opensees import run, solver
 from rockcli.solvers.opensees.script import Script, script_of
@@ -55,6 +55,19 @@ def peer(text: str) -> Script:
 )
 def test_what_goes_wrong_is_a_sentence(text, sentence):
     with pytest.raises(run.PeerError, match=sentence):
+        run.run_script(peer(text))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("import os, signal\nos.kill(os.getpid(), signal.SIGKILL)", "killed by the system"),
+        ("raise OSError(28, 'No space left on device')", "No space left on device"),
+        ("raise MemoryError('Unable to allocate 9 GiB')", "MemoryError"),
+    ],
+)
+def test_what_the_machine_refuses_is_no_answer(text, words):
+    with pytest.raises(MachineError, match=words):
         run.run_script(peer(text))
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rockcli.errors import SolverError
+from rockcli.solvers.processes import check_machine
 
 PROGRAM = "ccx"
 
@@ -77,6 +78,7 @@ def run(folder: Path, *, limit: float, enough: Callable[[], bool]) -> Ending:
 
     Raises:
         SolverError: the program is not installed.
+        MachineError: it got no memory, or no space for its files.
     """
     command = ["/bin/sh", "-c", WITH_ITS_PARENT, "rock-calculix", program(), "-i", JOB]
     alone = {**os.environ, "OMP_NUM_THREADS": "1", "CCX_NPROC_EQUATION_SOLVER": "1"}
@@ -121,6 +123,7 @@ def _end_group(process: subprocess.Popen[bytes]) -> None:
 def _complaint(code: int | None, folder: Path) -> str:
     """What the program complained of: its own *ERROR, a signal, an exit code; "" if it ended as it should."""
     log = (folder / f"{JOB}.log").read_text(encoding="utf-8", errors="replace")
+    check_machine("CalculiX", code, log)
     lines = [line.strip() for line in log.splitlines()]
     for i, line in enumerate(lines):
         if line.startswith("*ERROR"):

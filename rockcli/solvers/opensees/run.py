@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
 from rockcli.solvers.opensees.script import Script
+from rockcli.solvers.processes import check_machine
 
 Array = NDArray[np.float64]
 
@@ -87,6 +88,7 @@ def run_script(script: Script, *, seconds: float | None = None) -> Answer:
 
     Raises:
         PeerError: it crashed, took too long, or wrote what is no result; with its last words.
+        MachineError: it got no memory, or no space for its files.
     """
     if seconds is None:
         seconds = LEAST_SECONDS + SECONDS_PER_STEP * script.case.number("STEPS")
@@ -97,6 +99,7 @@ def run_script(script: Script, *, seconds: float | None = None) -> Answer:
         code, words = _run(folder / f"{script.name}.py", folder, seconds)
         if code is None:
             raise PeerError(f"OpenSees did not finish within {seconds:.0f} s and was stopped{_quoted(words)}")
+        check_machine("OpenSees", code, words)
         if code < 0:
             raise PeerError(f"OpenSees was ended by signal {_signal(-code)}{_quoted(words)}")
         if code > 0:
