@@ -94,6 +94,10 @@ def _run() -> None:
         typer.echo(f"rock: {where}: {reason(error)}", err=True)
         _trace(error)
         sys.exit(BROKE)
+    except MemoryError as error:
+        typer.echo(f"rock: out of memory {error}".rstrip(), err=True)
+        _trace(error)
+        sys.exit(BROKE)
     except Exception as error:  # a bug: say so, and show the way to its trace
         if not _trace(error):
             typer.echo(f"rock: this is a bug in rock: {type(error).__name__}: {error}", err=True)

@@ -22,7 +22,8 @@ def report_text(report: RunReport) -> str:
     lines = [f"{report.name}: {counted(report.cases, 'case')}, {report.status}{time}"]
     for count, source in ((report.taken_over, "the results that were there"), (report.resumed, "earlier runs")):
         if count:
-            lines.append(_row("kept", f"{counted(count, 'case')} of {source}"))
+            what = "trial" if report.overturns else "case"
+            lines.append(_row("kept", f"{counted(count, what)} of {source}"))
     if report.refined is not None:
         share = 100.0 * report.refined / max(report.cases, 1)
         lines.append(

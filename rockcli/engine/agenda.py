@@ -80,11 +80,14 @@ class Pace:
         self.seconds_per_case = estimate
         self.most = most
         self.measured = 0
+        self.refused = 0
+        """Chunks in a row that the machine refused to solve."""
 
     def learn(self, cases: int, seconds: float) -> None:
         """What some cases took in one process."""
         self.seconds_per_case = max(seconds, 1e-9) / max(cases, 1)
         self.measured += 1
+        self.refused = 0
 
     def step(self, left: int, workers: int = 1) -> int:
         """Cases of the next chunk."""

@@ -72,6 +72,7 @@ class Answer(_Travelling):
         used: settings of solvers, each with the lowest case they were used for.
         time: (k,) [s]; histories: (m, k) by name; impacts: (m, j) by name, NaN-padded.
         described: of the same cases, None where that has still to be found.
+        unsolved: what the machine refused -> cases asked for that are not among these, and have no answer.
     """
 
     cases: Index
@@ -82,6 +83,7 @@ class Answer(_Travelling):
     histories: dict[str, Array] = field(default_factory=dict)
     impacts: dict[str, Array] = field(default_factory=dict)
     described: Description | None = None
+    unsolved: dict[str, Index] = field(default_factory=dict)
 
     def among(self, wanted: NDArray[np.bool_]) -> Answer:
         """Those of the cases that are wanted, (m,)."""

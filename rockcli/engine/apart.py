@@ -1,4 +1,8 @@
-"""Builds and solves cases so that one bad case never loses the others: what breaks is halved to find the culprits."""
+"""Builds and solves cases so that one bad case never loses the others: what breaks is halved to find the culprits.
+
+A case that breaks is failed, with a sentence.  A machine that refuses what a case needs has said nothing about it: that
+case is `Unsolved`, and solved again by the next run.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ import numpy as np
 
 from rockcli.engine.auto import settled
 from rockcli.engine.choose import choose
-from rockcli.errors import RecordError, RockError, SolverError, StudyError
+from rockcli.errors import MACHINE, MachineError, RecordError, RockError, SolverError, StudyError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response
@@ -17,7 +21,20 @@ from rockcli.study.study import Index
 Rebuild = Callable[[Index], Iterator[tuple[Index, Batch]]]
 
 ATTEMPTS = 64
-"""Batches that may break before what is left of a chunk is no longer taken apart to find the culprits."""
+"""Batches that may break in a row, none that works between them, before what breaks is not taken apart any more."""
+
+
+class Unsolved(str):
+    """Why there is no answer: what the machine refused."""
+
+    __slots__ = ()
+
+
+def reason_of(error: BaseException, what: str) -> str:
+    """The sentence of an error: `Unsolved` for what is the machine's; `what` happened, for what nobody foresaw."""
+    if isinstance(error, MACHINE):
+        return Unsolved(str(error) if isinstance(error, RockError) else f"{type(error).__name__}: {error}")
+    return str(error) if isinstance(error, RockError) else f"{what}: {type(error).__name__}: {error}"
 
 
 def build_apart(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch | str]]:
@@ -31,13 +48,27 @@ def build_apart(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch | s
             for part, batch in build(some):
                 yield part, batch
                 done.append(part)
+                broken = 0
         except Exception as error:  # a record that is gone, a number that cannot be: the case's, not the study's
             broken += 1
             rest = np.setdiff1d(some, np.concatenate(done)) if done else some
             if len(rest) == 1 or broken > ATTEMPTS:
-                yield rest, str(error) if isinstance(error, RockError) else _broke("the case cannot be built", error)
+                yield rest, reason_of(error, "the case cannot be built")
             else:
                 pending.extend(np.array_split(rest, 2))
+
+
+def buildable(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch]]:
+    """Yield the batches of those cases that can be built.
+
+    Raises:
+        MachineError: the machine refused what a case needs.
+    """
+    for part, batch in build_apart(build, cases):
+        if isinstance(batch, Unsolved):
+            raise MachineError(batch)
+        if not isinstance(batch, str):
+            yield part, batch
 
 
 def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tuple[Index, Response | str]]:
@@ -61,11 +92,12 @@ def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tupl
         except Exception as error:  # a solver that breaks is a failed case, not a lost study
             broken += 1
             if len(part) == 1 or broken > ATTEMPTS:
-                yield part, _broke("the solver broke", error)
+                yield part, reason_of(error, "the solver broke")
                 continue
             for half in np.array_split(part, 2):
                 pending.extend(build_apart(rebuild, half))
         else:
+            broken = 0
             yield from answers
 
 
@@ -75,7 +107,3 @@ def _solved(indices: Index, batch: Batch) -> Iterator[tuple[Index, Response]]:
         yield from ((indices[rows], response) for rows, response in settled(batch))
     else:
         yield indices, choose(batch).load()(batch)
-
-
-def _broke(what: str, error: Exception) -> str:
-    return f"{what}: {type(error).__name__}: {error}"

@@ -39,14 +39,15 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
     fields |= _symbols(results, axes) | _edges(results, axes)
     if results.histories:
         fields["time"] = time_field(results.time)
-    for name in study.scalars:
+    told = ("reason",) if len(results.reason) and not results.reason_asked else ()
+    for name in (*study.scalars, *told):
         values = results.reason if name == "reason" else results.scalars[name]
         fields[name] = variable_field(name, axes, values.reshape(study.shape))
         if name in ("n_impacts", "n_steps", "n_rhs"):
             fields[name].attrs["comment"] = "-1: no answer"
     if results.solved is not None:
         fields["solved"] = variable_field("solved", axes, results.solved.reshape(study.shape))
-    if "reason" in study.scalars:
+    if "reason" in fields:
         fields["reasons"] = reasons_field(results.reasons)
     if thresholds is not None:
         assert study.search is not None

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from rockcli.engine.agenda import CHUNK, Agenda, Pace
 from rockcli.engine.answer import Answer
-from rockcli.engine.apart import build_apart
+from rockcli.engine.apart import buildable
 from rockcli.engine.choose import choose
 from rockcli.engine.executors import Team, answers
 from rockcli.engine.expect import coordinate_word
-from rockcli.engine.sweep import Solving, outlook
+from rockcli.engine.sweep import Solving, check_solved, note_unsolved, outlook
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.models import FLEXIBLE
@@ -96,7 +96,7 @@ def check_audit(study: Study) -> None:
     if study.search is not None:
         raise StudyError("audit: compares cases, and `find` keeps none; audit a study of cases", file=study.file)
     if "outcome" not in study.scalars:
-        raise StudyError("audit: compares outcomes, which `save.scalars` leaves out", file=study.file)
+        raise StudyError("audit: compares outcomes, and this study is one of static curves", file=study.file)
 
 
 def with_audit(
@@ -138,12 +138,11 @@ def _chosen(study: Study) -> tuple[Index, list[str], int]:
         cases = np.sort(np.random.default_rng(SEED).choice(study.size, n, replace=False)).astype(np.int64)
     parts: list[Index] = []
     levels: dict[str, None] = {}
-    for part, batch in build_apart(study.batches, cases):
-        numerics = None if isinstance(batch, str) else tighter(batch)
-        if isinstance(batch, str) or numerics is None:
-            continue
-        parts.append(part)
-        levels[_step(batch.numerics, numerics)] = None
+    for part, batch in buildable(study.batches, cases):
+        numerics = tighter(batch)
+        if numerics is not None:
+            parts.append(part)
+            levels[_step(batch.numerics, numerics)] = None
     chosen = np.sort(np.concatenate(parts)) if parts else np.empty(0, dtype=np.int64)
     return chosen, list(levels), n - len(chosen)
 
@@ -172,12 +171,15 @@ def _solved_again(
         return found
     seconds, compiled = outlook(again, len(chosen))
     done = 0
-    work: Solving = Solving(again, compiled)
+    refused: dict[str, int] = {}
+    work = Solving(again, compiled, described=False)
     for cases, answer in answers(work, Agenda(study.size, todo), Pace(seconds, CHUNK), team):
         _put(found, chosen, answer)
+        note_unsolved(refused, answer)
         done += len(cases)
         if progress is not None:
             progress(done, len(chosen))
+    check_solved(refused, len(chosen))
     return found
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import pickle
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, Future
 from time import perf_counter
 from typing import Any, TypeVar
 
@@ -12,14 +14,18 @@ import numpy as np
 
 import rockcli
 from rockcli.engine.agenda import Agenda, Pace
-from rockcli.engine.executors import Team, Work
-from rockcli.errors import StudyError
+from rockcli.engine.apart import Unsolved
+from rockcli.engine.executors import Team, Work, in_halves
+from rockcli.errors import MACHINE, MachineError, StudyError
 from rockcli.study.study import Index
 
 T = TypeVar("T")
 
-ANSWERS_WITHIN = 10.0
-"""Time that the scheduler has to answer [s]."""
+ANSWERS_WITHIN = 8.0
+"""Time that the scheduler has to answer [s]; with what it takes to load Dask, the ten seconds that are promised."""
+
+LONGEST = 200
+"""Characters passed on of what somebody else answers."""
 
 AHEAD = 2
 """Chunks at the scheduler for every thread of a worker."""
@@ -67,10 +73,14 @@ def on_cluster(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
             except KilledWorker:
                 team.note("worker processes of the cluster died; what they were at was solved again")
                 if len(cases) == 1:
-                    yield cases, work.lost(cases, "the solver's process died, on several workers")
+                    yield cases, work.lost(cases, Unsolved("the solver's process died, on several workers"))
                 else:
                     for half in np.array_split(cases, 2):
                         agenda.give_back(half)
+            except MACHINE as error:
+                yield from in_halves(work, cases, error, agenda, pace)
+            except CancelledError:
+                raise MachineError(f"--dask {team.dask}: the scheduler has gone") from None
             else:
                 pace.learn(len(cases), seconds)
                 yield cases, answer
@@ -107,18 +117,24 @@ def _version() -> str:
 
 
 def _client(address: str) -> Any:
+    """A client of a cluster that answers, and whose workers run this version.
+
+    Raises:
+        StudyError: see `check_cluster`.
+    """
     try:
         import distributed
     except ImportError:
         raise StudyError("--dask needs the packages dask and distributed: pip install 'rockcli[distributed]'") from None
     start: Any = distributed.Client
     try:
-        client = start(address, timeout=ANSWERS_WITHIN, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
-        said = str(error) or type(error).__name__
-        raise StudyError(f"--dask {address}: no Dask scheduler answers there ({said})") from None
+        asyncio.run(asyncio.wait_for(_greet(address), ANSWERS_WITHIN))  # a client would wait for ever
+        client = _within(lambda: start(address, timeout=ANSWERS_WITHIN, set_as_default=False))
+    except Exception as error:  # whatever somebody there may answer
+        said = str(error) or f"nothing within {ANSWERS_WITHIN:g} s"
+        raise StudyError(f"--dask {address}: no Dask scheduler answers there ({said[:LONGEST]})") from None
     try:
-        found = client.run(_version)
+        found = _within(lambda: client.run(_version))
     except Exception as error:
         client.close()
         why = f"rockcli has to be installed on the workers as it is here ({type(error).__name__}: {error})"
@@ -129,3 +145,33 @@ def _client(address: str) -> Any:
         why = f"workers run rockcli {', '.join(others)}, not {rockcli.__version__}" if others else "it has no workers"
         raise StudyError(f"--dask {address}: {why}")
     return client
+
+
+async def _greet(address: str) -> None:
+    """Ask a scheduler who it is."""
+    from distributed.core import rpc
+
+    ask: Any = rpc
+    async with ask(address) as scheduler:
+        await scheduler.identity()
+
+
+def _within(call: Callable[[], T]) -> T:
+    """What a call gives within the time allowed; it is left alone if it takes longer.
+
+    Raises:
+        TimeoutError: it takes longer; and what the call raises.
+    """
+    answer: Future[T] = Future()
+
+    def work() -> None:
+        try:
+            answer.set_result(call())
+        except BaseException as error:
+            answer.set_exception(error)
+
+    threading.Thread(target=work, daemon=True).start()
+    try:
+        return answer.result(ANSWERS_WITHIN)
+    except TimeoutError:
+        raise TimeoutError(f"no answer within {ANSWERS_WITHIN:g} s") from None

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.apart import buildable
 from rockcli.scene.curves import CRITICAL, ENERGY, KINDS, POINTS, critical_ratio, curves_of, errors_of, variables_of
 from rockcli.scene.energy import energy_ratio, energy_ratio_of_impacts
 from rockcli.scene.models import MODELS
@@ -49,7 +50,7 @@ def _evaluate(study: Study, ratio: Array) -> tuple[dict[str, Array], list[str], 
     values: dict[str, Array] = {}
     models: list[str] = []
     schemes: list[str] = []
-    for indices, batch in study.batches():
+    for indices, batch in buildable(study.batches, np.arange(study.size)):
         model = MODELS[(batch.model, batch.geometry)]
         found: dict[str, Array] = {}
         for kind in study.curves:

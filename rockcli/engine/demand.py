@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.apart import buildable
 from rockcli.engine.symbols import reduce
 from rockcli.motion.measures import measures
 from rockcli.scene.excitation import Samples
@@ -57,7 +58,7 @@ def _of_records(study: Study) -> tuple[dict[str, Array], Array]:
     values = {name: np.full(study.size, np.nan) for name in OF_RECORDS}
     g = np.full(study.size, np.nan)
     known: dict[tuple[bytes, float, int], dict[str, float]] = {}
-    for indices, batch in study.batches():
+    for indices, batch in buildable(study.batches, np.arange(study.size)):
         g[indices] = batch.g
         motion = batch.excitation.horizontal
         if not isinstance(motion, Samples):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rockcli.engine.agenda import CHUNK, Agenda
 from rockcli.engine.answer import Description
-from rockcli.engine.apart import build_apart
+from rockcli.engine.apart import buildable
 from rockcli.engine.fold import Values
 from rockcli.engine.measures import peaks
 from rockcli.engine.results import Results
@@ -36,7 +36,7 @@ def describe_rest(study: Study, results: Results, which: NDArray[np.bool_] | Non
     agenda = Agenda(study.size, which)
     while agenda.left:
         cases = agenda.take(CHUNK)
-        built = [(part, batch) for part, batch in build_apart(study.batches, cases) if not isinstance(batch, str)]
+        built = list(buildable(study.batches, cases))
         results.describe(describe(study, built))
 
 
@@ -81,7 +81,7 @@ def symbols_of(study: Study) -> Symbols:
     """Where the symbols of a study are collected."""
 
     def look(cases: Index) -> Values:
-        built = [(part, batch) for part, batch in build_apart(study.batches, cases) if not isinstance(batch, str)]
+        built = list(buildable(study.batches, cases))
         return describe(study, built).symbols
 
     return Symbols(study.shape, look)

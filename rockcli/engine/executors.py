@@ -8,7 +8,11 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Protocol, TypeVar
 
+import numpy as np
+
 from rockcli.engine.agenda import Agenda, Pace
+from rockcli.engine.apart import ATTEMPTS, Unsolved, reason_of
+from rockcli.errors import MACHINE
 from rockcli.study.study import Index
 
 T_co = TypeVar("T_co", covariant=True)
@@ -32,7 +36,7 @@ class Work(Protocol[T_co]):
         ...
 
     def lost(self, cases: Index, why: str) -> T_co:
-        """The answer of cases that no process survives."""
+        """The answer of cases that no process survives; `why` is `Unsolved` where that is the machine's fault."""
         ...
 
 
@@ -77,12 +81,36 @@ def answers(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterator[t
             from rockcli.engine.workers import on_workers
 
             yield from on_workers(work, agenda, pace, team)
-            return
+            continue  # with what is left if no process could be started
         cases = agenda.take(pace.step(agenda.left))
         began = perf_counter()
-        answer = work(cases)
+        try:
+            answer = work(cases)
+        except MACHINE as error:
+            yield from in_halves(work, cases, error, agenda, pace)
+            continue
         pace.learn(len(cases), perf_counter() - began)
         yield cases, answer
+
+
+def in_halves(
+    work: Work[T], cases: Index, error: BaseException, agenda: Agenda, pace: Pace
+) -> Iterator[tuple[Index, T]]:
+    """Give back what the machine refused to solve at once, for smaller chunks.
+
+    A case alone is yielded as unsolved, and so is all that is left when nothing but refusals has come for a while.
+    """
+    pace.refused += 1
+    why = Unsolved(reason_of(error, ""))
+    if len(cases) > 1:
+        pace.most = max(len(cases) // 2, 1)
+        for half in np.array_split(cases, 2):
+            agenda.give_back(half)
+    else:
+        yield cases, work.lost(cases, why)
+    while pace.refused > ATTEMPTS and agenda.left:
+        rest = agenda.take(agenda.left)
+        yield rest, work.lost(rest, why)
 
 
 def _worth(agenda: Agenda, pace: Pace) -> bool:

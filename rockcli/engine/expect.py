@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.apart import buildable
 from rockcli.engine.compare import NEEDED_BY, locate
 from rockcli.engine.direction import WORST, angle_axis
 from rockcli.engine.ensemble import variables
@@ -82,7 +83,7 @@ def _of_cases(study: Study, asked: set[str]) -> set[str]:
     """Those of some quantities that the motion and the model of some case give."""
     found: set[str] = set()
     if asked:
-        for _, batch in study.batches():
+        for _, batch in buildable(study.batches, np.arange(study.size)):
             motion = batch.excitation.horizontal
             found |= _OF_PULSES if isinstance(motion, Pulses) else set()
             found |= _OF_MOTIONS if motion is not None and study.size <= LARGE else set()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rockcli.engine.apart import buildable
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
@@ -39,16 +40,13 @@ class Size:
 
 
 def histories_size(study: Study, enough: float = np.inf) -> Size:
-    """Size of the histories of all cases, which share the output times of the longest; no farther than `enough` bytes.
-
-    Raises:
-        StudyError, RecordError: a case cannot be built.
-    """
+    """Size of the histories of all cases, which share the times of the longest; no farther than `enough` bytes."""
     size = Size(0.0, 0.0, 7, 0.0)
     if not study.histories:
         return size
     for start in range(0, study.size, _LOOKED_AT):
-        for _, batch in study.batches(np.arange(start, min(start + _LOOKED_AT, study.size))):
+        cases = np.arange(start, min(start + _LOOKED_AT, study.size))
+        for _, batch in buildable(study.batches, cases):
             if batch.save.histories:
                 longest = max(size.longest, _longest(batch))
                 sliding = 3 if np.isfinite(batch.block.mu).any() else 0

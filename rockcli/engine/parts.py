@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import shutil
 from collections.abc import Iterator
@@ -77,7 +78,11 @@ class Parts:
             spans = np.concatenate([arrays[f"{i}.spans"].ravel() for i in range(len(self._waiting))])
             name = f"{spans[0]:012d}-{hashlib.sha256(spans.tobytes()).hexdigest()[:16]}"
             self.folder.mkdir(parents=True, exist_ok=True)
-            write_part(self.folder / f"{name}.npz", arrays, words | {"identity": self.identity})
+            try:
+                write_part(self.folder / f"{name}.npz", arrays, words | {"identity": self.identity})
+            except BaseException:
+                self._tidy()
+                raise
             self._waiting = []
         self._since = monotonic()
 
@@ -86,10 +91,18 @@ class Parts:
         if self.folder.is_dir():
             sweep_leftovers(self.folder)
 
-    def remove(self) -> None:
-        """Remove all parts, of whatever study; only for who holds the folder alone."""
-        shutil.rmtree(self.all, ignore_errors=True)
+    def remove(self, *, of_others: bool = False) -> None:
+        """Remove the parts of this study, or of whatever study; only for who holds the folder alone."""
+        shutil.rmtree(self.all if of_others else self.folder, ignore_errors=True)
+        self._tidy()
         self._waiting = []
+
+    def _tidy(self) -> None:
+        """Remove folders in which nothing is left."""
+        with contextlib.suppress(OSError):
+            self.folder.rmdir()
+        with contextlib.suppress(OSError):
+            self.all.rmdir()
 
 
 def _packed(answers: list[Answer]) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:

@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.apart import buildable
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import LINEAR, Pulses, Samples, acceleration
 from rockcli.storage.contents import Contents, Field
@@ -59,8 +60,11 @@ def with_prescreen(contents: Contents, study: Study) -> Contents:
         return contents
     reference = float(np.max(np.abs(search.axis.values)))
     found = {name: np.full(study.size, np.nan) for name in search.prescreens}
-    every = np.arange(study.size)
-    for cases, batch in search.at(every, np.full(study.size, reference)):
+
+    def at_reference(cases: Index) -> Iterator[tuple[Index, Batch]]:
+        return ((cases[rows], batch) for rows, batch in search.at(cases, np.full(len(cases), reference)))
+
+    for cases, batch in buildable(at_reference, np.arange(study.size)):
         alpha, p = batch.block.of_weak_edge(batch.block.alpha), batch.block.of_weak_edge(batch.p)
         for rows, line, factor in _lines(batch):
             for values, first in zip(found.values(), (True, False), strict=True):

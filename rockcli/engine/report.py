@@ -40,8 +40,8 @@ class RunReport:
         rules: what the rules of thumb would have said of the same cases.
         warnings: about the physics and the study.
         plots: files drawn; seconds: wall time of the run.
-        taken_over: cases that the results of a study of fewer points had; resumed: cases from parts of earlier runs,
-            after a share: cases that all shares have by now.
+        taken_over: cases that the results of a study of fewer points had; resumed: cases from parts of earlier runs
+            (of a search, trials), after a share: cases that all shares have by now.
         share: (K, N) of a share.
         refined: cases of a refined map that were solved; None where every case is.
     """
@@ -141,8 +141,8 @@ def _outcomes(contents: Contents) -> dict[str, int]:
 
 
 def _failed(study: Study, contents: Contents) -> int:
-    if "outcome" not in contents.fields:
-        return 0
+    if "outcome" not in contents.fields:  # of a search: a trial of the case failed
+        return int(np.sum(contents.values("reason") > 0)) if study.search and "reason" in contents.fields else 0
     failed = contents.values("outcome") == FAILED
     return int(np.sum(failed & ~expected_failures(contents, study.expect)))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,8 +12,8 @@ from numpy.typing import NDArray
 
 from rockcli.engine.answer import Answer, Array, Description, blank
 from rockcli.engine.symbols import Symbols
-from rockcli.scene.response import MAX_IMPACTS_STORED
-from rockcli.study.study import Study
+from rockcli.scene.response import FAILED, MAX_IMPACTS_STORED
+from rockcli.study.study import Index, Study
 
 _BLOCK = 1 << 20
 """Cases renumbered at a time."""
@@ -34,7 +35,8 @@ class Results:
     Attributes:
         scalars: (n,) by name; floats NaN and counts -1 where there is no answer.
         symbols: R alpha p eta a_p omega_p pga pgv, over the axes they depend on.
-        reason: (n,) code of the sentence of each case, 0 for none; empty where the study does not save it.
+        reason: (n,) code of the sentence of each case, 0 for none; where the study does not save it, of those alone
+            that failed, and empty if none did.
         said: by sentence; `reasons` lists them in the order of their final codes.
         time: output times (k,) [s].
         histories: (n, k) by name, NaN after a case's t_end; impacts: (n, j), NaN-padded.
@@ -48,6 +50,7 @@ class Results:
     scalars: dict[str, NDArray[Any]]
     symbols: Symbols
     reason: NDArray[np.int32]
+    reason_asked: bool = True
     said: dict[str, Said] = field(default_factory=dict)
     reasons: list[str] = field(default_factory=list)
     time: Array = field(default_factory=lambda: np.empty(0))
@@ -65,8 +68,8 @@ class Results:
     def of(cls, study: Study, symbols: Symbols, *, solved: bool = True) -> Results:
         """Nothing yet; `solved`: whether there will be answers."""
         scalars = blank(study.scalars, study.size) if solved else {}
-        reason = np.zeros(study.size if "reason" in study.scalars else 0, dtype=np.int32)
-        return cls(study.size, scalars, symbols, reason)
+        asked = "reason" in study.scalars
+        return cls(study.size, scalars, symbols, np.zeros(study.size if asked else 0, dtype=np.int32), asked)
 
     @property
     def warnings(self) -> list[str]:
@@ -94,17 +97,22 @@ class Results:
         at: Any = slice(int(cases[0]), int(cases[-1]) + 1) if contiguous else cases
         for name, values in answer.scalars.items():
             self.scalars[name][at] = values
-        for sentence, where in answer.sentences.items():
-            said = self.said.setdefault(sentence, Said(len(self.said) + 1, int(where.min()), 0))
-            said.first = min(said.first, int(where.min()))
-            said.count += len(where)
-            if len(self.reason):
-                self.reason[where] = said.code
+        for sentence, where in answer.sentences.items() if self.reason_asked else of_failed(answer):
+            self.explain(sentence, where)
         for first, one in answer.used:
             key = json.dumps(one, sort_keys=True)
             self._used[key] = min(self._used.get(key, (first, one)), (first, one), key=lambda item: item[0])
         if answer.histories or answer.impacts:
             self._pending.append(answer)
+
+    def explain(self, sentence: str, where: Index) -> None:
+        """Give cases a sentence."""
+        if not len(self.reason):
+            self.reason = np.zeros(self.size, dtype=np.int32)
+        said = self.said.setdefault(sentence, Said(len(self.said) + 1, int(where.min()), 0))
+        said.first = min(said.first, int(where.min()))
+        said.count += len(where)
+        self.reason[where] = said.code
 
     def finish(self) -> None:
         """Number the sentences by the first case that has them and join the histories, whatever the order was."""
@@ -137,3 +145,11 @@ class Results:
                     values[answer.cases] = rows
         for values in (*self.histories.values(), *self.impacts.values()):
             values[missing] = np.nan
+
+
+def of_failed(answer: Answer) -> Iterator[tuple[str, Index]]:
+    """The sentences of the cases that failed."""
+    failed = answer.cases[answer.scalars["outcome"] == FAILED] if "outcome" in answer.scalars else answer.cases[:0]
+    for sentence, where in answer.sentences.items() if len(failed) else ():
+        if len(both := np.intersect1d(where, failed)):
+            yield sentence, both

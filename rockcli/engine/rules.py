@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.apart import buildable
 from rockcli.engine.measures import peaks
 from rockcli.errors import StudyError
 from rockcli.motion.spectrum import displacement_spectrum, forcing
@@ -62,7 +63,7 @@ def with_rules(contents: Contents, study: Study) -> Contents:
     if study.rules:
         values = {name: np.full(study.size, np.nan) for name in study.rules}
         with np.errstate(all="ignore"):
-            for indices, batch in study.batches():
+            for indices, batch in buildable(study.batches, np.arange(study.size)):
                 for name in study.rules:
                     values[name][indices] = _evaluate(name, batch)
         for name, flat in values.items():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import traceback
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -30,7 +32,7 @@ from rockcli.engine.rules import check_rules, with_rules
 from rockcli.engine.search import find_overturning
 from rockcli.engine.sweep import Progress, Sweep, solve_cases
 from rockcli.engine.takeover import taken_over
-from rockcli.errors import OutputError, StudyError
+from rockcli.errors import MachineError, OutputError, RockError, StudyError
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import sweep_leftovers
 from rockcli.storage.contents import Contents
@@ -59,8 +61,14 @@ def solve_study(source: dict[str, Any] | str | Path) -> xarray.Dataset:
 def solve(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Contents:
     """Solve a checked study in memory, by itself or as `sweep` says."""
     if study.search is not None:
-        thresholds = find_overturning(study, progress, sweep.team if sweep else None)
-        found = with_rules(with_curves(assemble(study, describe_cases(study), thresholds), study), study)
+        sweep = sweep or Sweep(Team())
+        sweep.progress = progress or sweep.progress
+        thresholds, failed = find_overturning(study, sweep)
+        results = describe_cases(study)
+        for sentence, cases in failed.items():
+            results.explain(sentence, cases)
+        results.finish()
+        found = with_rules(with_curves(assemble(study, results, thresholds), study), study)
         return with_ensembles(with_prescreen(found, study), study)
     with np.errstate(all="ignore"):  # what is not finite is a result
         answered = (solve_refined if study.refine else solve_cases)(study, progress, sweep)
@@ -141,6 +149,7 @@ def run_study(
     Raises:
         StudyError: as `check_study`, or another process works in the folder.
         OutputError: the results cannot be written.
+        MachineError: the machine refused to solve some cases; the others are kept for the next run.
     """
     started = perf_counter()
     path = dataset_path(study, out_dir)
@@ -161,28 +170,32 @@ def run_study(
             assert old is not None
             known, sweep.known = len(old.cases), (old,)
         if fresh:
-            parts.remove()
-        if share is not None:
-            return _of_share(study, sweep, started)
+            parts.remove(of_others=True)
         try:
-            contents = _solve_and_keep(study, sweep)
+            if share is not None:
+                return _of_share(study, sweep, started)
+            contents = solve(study, sweep=sweep)
             netcdf.write(contents, path)
-        except OutputError as error:
-            advice = "run again when that is mended: what was kept by then is not solved twice"
-            raise OutputError(f"{error.message}; {advice}", error.file) from error
+        except BaseException as error:
+            traceback.clear_frames(error.__traceback__)  # gives back what is held where memory may have run out
+            with contextlib.suppress(OutputError, MemoryError):  # whatever ends a run, what is finished is kept
+                parts.flush()
+            if (advised := _advised(error, path)) is not None:
+                raise advised from error
+            raise
         parts.remove()
         report = _told(study, contents, SOLVED, path, started, plot_format if plots else None)
     return replace(report, taken_over=known, resumed=sweep.resumed, warnings=(*report.warnings, *team.notes))
 
 
-def _solve_and_keep(study: Study, sweep: Sweep) -> Contents:
-    """Solve; when interrupted, write what is finished first."""
-    try:
-        return solve(study, sweep=sweep)
-    except KeyboardInterrupt:
-        assert isinstance(sweep.keeper, Parts)
-        sweep.keeper.flush()
-        raise
+def _advised(error: BaseException, path: Path) -> RockError | None:
+    """An error of the machine that ends a run, with what to do then; None for others."""
+    advice = "run again when that is mended: what was kept by then is not solved twice"
+    if isinstance(error, MemoryError):
+        return MachineError("; ".join(filter(None, ("out of memory", str(error), advice))), path)
+    if isinstance(error, OutputError | MachineError):
+        return type(error)(f"{error.message}; {advice}", error.file or path)
+    return None
 
 
 def _of_share(study: Study, sweep: Sweep, started: float) -> RunReport:
@@ -193,10 +206,8 @@ def _of_share(study: Study, sweep: Sweep, started: float) -> RunReport:
         raise StudyError("--part does not share out a search (`find`); --workers and --dask do", file=study.file)
     if study.refine:
         raise StudyError("--part does not share out a refined map (`refine`); --workers and --dask do", file=study.file)
-    try:
-        cases = solve_cases(study, sweep=sweep).answered
-    finally:
-        sweep.keeper.flush()
+    cases = solve_cases(study, sweep=sweep).answered
+    sweep.keeper.flush()
     return RunReport(
         name=study.name,
         status=SHARE,

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli import kernels
 from rockcli.engine.agenda import Agenda, Pace
-from rockcli.engine.apart import build_apart, solve_apart
-from rockcli.engine.executors import Team, answers
-from rockcli.engine.sweep import Progress, outlook
-from rockcli.scene.batch import Batch
+from rockcli.engine.executors import answers
+from rockcli.engine.sweep import Sweep, outlook
+from rockcli.engine.trials import Trials, Tried
 from rockcli.scene.response import NO_UPLIFT, ROCKING, overturned
 from rockcli.scene.thresholds import BELOW, BESIDE, BRACKETED, IN_RANGE, NONE, PARTS, SENTENCES, STATES, Thresholds
 from rockcli.storage.contents import Contents, Field
@@ -30,13 +28,20 @@ AT_REST, ROCKS, FALLS, UNKNOWN = 0, 1, 2, -1
 """What a trial comes to; AT_REST: no uplift, or sliding."""
 
 
-def find_overturning(study: Study, progress: Progress | None = None, team: Team | None = None) -> Thresholds:
+def find_overturning(study: Study, sweep: Sweep) -> tuple[Thresholds, dict[str, Index]]:
     """The lowest value of the searched range at which each of the flat cases overturns, (n,).
 
     The range is scanned at its points, from the lowest up whichever way it is written.  Where the case remains stable
     up to a point and overturns at the next, the two are bisected until they are closer than RESOLUTION.  A point
     without an answer, be it of the scan or of the bisection, ends the search: the value lies between the last stable
     point before it and the lowest one known to overturn.
+
+    Beside that, sentence -> cases of which a trial failed.
+
+    Raises:
+        StudyError: a solver cannot do what the study asks for.
+        OutputError: what is finished cannot be kept.
+        MachineError: the machine refused what a trial needs.
     """
     assert study.search is not None
     points = np.sort(np.asarray(study.search.axis.values, dtype=float))
@@ -46,20 +51,24 @@ def find_overturning(study: Study, progress: Progress | None = None, team: Team 
     estimate, compiled = outlook(study, n * m)
     pace = Pace(estimate)
     done = 0.0
+    tried = Tried(n, sweep)
 
     def verdicts_of(trials: Trials) -> Verdicts:
         nonlocal done
-        found = np.full(trials.size, UNKNOWN, dtype=np.int8)
-        for rows, verdicts in answers(trials, Agenda(trials.size), pace, team or Team()):
-            found[rows] = verdicts
+        outcomes, known = tried.before(trials)
+        done += known.sum() / n
+        for rows, answer in answers(trials.work(compiled), Agenda(trials.size, ~known), pace, sweep.team):
+            outcomes[answer.cases] = answer.scalars["outcome"]
+            tried.keep(trials, answer)
             done += len(rows) / n
-            if progress is not None:
-                progress(min(int(done), steps), steps)
-        return found
+            if sweep.progress is not None:
+                sweep.progress(min(int(done), steps), steps)
+        tried.close(trials)
+        return _verdict(outcomes)
 
-    scan = Trials(study, np.arange(n), np.broadcast_to(points[:, None], (m, n)), compiled)
+    scan = Trials(study, np.arange(n), np.broadcast_to(points[:, None], (m, n)))
     found = thresholds_of(points, verdicts_of(scan).reshape(m, n).T)
-    return _bisected(found, lambda cases, values: verdicts_of(Trials(study, cases, values[None], compiled)))
+    return _bisected(found, lambda cases, values: verdicts_of(Trials(study, cases, values[None]))), tried.failed
 
 
 def thresholds_of(points: Array, scanned: Verdicts) -> Thresholds:
@@ -135,57 +144,12 @@ def found_by(contents: Contents, name: str, end: str = "") -> Thresholds:
     return Thresholds.read(name, lambda one: contents.values(one) if one in contents.fields else None, end)
 
 
-@dataclass(frozen=True, eq=False)
-class Trials:
-    """Cases (k,) of a study, each at m values of the searched range, (m, k): row r is case r % k at its value r // k.
-
-    `executors.Work`: the answer of some rows is AT_REST, ROCKS, FALLS or UNKNOWN for each.
-    """
-
-    study: Study
-    cases: Index
-    values: Array
-    compiled: bool
-
-    @property
-    def size(self) -> int:
-        """Number of rows."""
-        return self.values.size
-
-    def __call__(self, cases: Index) -> Verdicts:
-        """What becomes of some rows.
-
-        Raises:
-            StudyError: a solver cannot do what the study asks for.
-        """
-        if self.compiled:
-            kernels.load(compile_them=True)
-        found = self.lost(cases, "")
-        with np.errstate(all="ignore"):
-            for rows, batch in build_apart(self._built, cases):
-                if not isinstance(batch, str):
-                    for part, response in solve_apart(self._built, rows, batch):
-                        if not isinstance(response, str):
-                            found[np.searchsorted(cases, part)] = _verdict(response.scalars["outcome"])
-        return found
-
-    def lost(self, cases: Index, why: str) -> Verdicts:
-        """UNKNOWN."""
-        return np.full(len(cases), UNKNOWN, dtype=np.int8)
-
-    def _built(self, rows: Index) -> Iterator[tuple[Index, Batch]]:
-        assert self.study.search is not None
-        k = len(self.cases)
-        for local, batch in self.study.search.at(self.cases[rows % k], self.values[rows // k, rows % k]):
-            yield rows[local], batch
-
-
 def _scale(points: Array) -> float:
     largest = float(np.max(np.abs(points)))
     return largest if largest > 0.0 else 1.0
 
 
-def _verdict(outcome: NDArray[np.generic]) -> Verdicts:
-    flags = np.asarray(outcome, dtype=np.int8)
+def _verdict(flags: NDArray[np.int8]) -> Verdicts:
+    """What outcomes mean for the search."""
     verdicts = np.select([flags < NO_UPLIFT, overturned(flags), flags == ROCKING], [UNKNOWN, FALLS, ROCKS], AT_REST)
     return verdicts.astype(np.int8)

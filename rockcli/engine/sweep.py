@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rockcli import kernels
 from rockcli.engine.agenda import CHUNK, Agenda, Pace
 from rockcli.engine.answer import Answer, blank
-from rockcli.engine.apart import build_apart, solve_apart
+from rockcli.engine.apart import Unsolved, build_apart, buildable, solve_apart
 from rockcli.engine.choose import choose
 from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
 from rockcli.engine.describe import describe, describe_rest, rows_of, symbols_of
@@ -22,7 +22,7 @@ from rockcli.engine.limits import cases_at_a_time
 from rockcli.engine.memory import keep_freed
 from rockcli.engine.parts import Keeper
 from rockcli.engine.results import Results
-from rockcli.errors import SolverError
+from rockcli.errors import MachineError, SolverError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import DEFORMABLE
@@ -60,11 +60,16 @@ class Sweep:
 
 @dataclass(frozen=True, eq=False)
 class Solving:
-    """Solves some cases of a study, wherever it is called (`executors.Work`); `fold`: how it tells their symbols."""
+    """Solves some cases of a study, wherever it is called (`executors.Work`).
+
+    Attributes:
+        described: whether it also tells their symbols and warnings; `fold`: how.
+    """
 
     study: Study
     compiled: bool = False
     fold: Fold | None = None
+    described: bool = True
 
     def __call__(self, cases: Index) -> Answer:
         """The answer of some cases.
@@ -76,8 +81,9 @@ class Solving:
             return self._solved(cases)
 
     def lost(self, cases: Index, why: str) -> Answer:
-        """The answer of cases that failed with a sentence."""
-        return Answer(cases, blank(self.study.scalars, len(cases)), {why: cases})
+        """The answer of cases that failed with a sentence, or are unsolved."""
+        answer = Answer(cases, blank(self.study.scalars, len(cases)), {why: cases})
+        return _left_out(answer) if isinstance(why, Unsolved) else answer
 
     def _solved(self, cases: Index) -> Answer:
         if self.compiled:
@@ -100,11 +106,12 @@ class Solving:
                     if response.histories or response.impacts:
                         responses.append((some, response))
         answer.sentences = {sentence: np.sort(np.concatenate(where)) for sentence, where in said.items()}
-        answer.described = describe(study, built)
-        if self.fold is not None:
+        if self.described:
+            answer.described = describe(study, built)
+        if self.fold is not None and answer.described is not None:
             answer.described.symbols = self.fold(answer.described.cases, answer.described.symbols)
         _join(answer, responses)
-        return answer
+        return _left_out(answer)
 
 
 def solve_cases(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Results:
@@ -159,21 +166,40 @@ def work_off(study: Study, sweep: Sweep, results: Results, agenda: Agenda, pace:
     Raises:
         StudyError: a solver cannot do what the study asks for.
         OutputError: what is finished cannot be kept.
+        MachineError: all that could be solved is; the machine refused what the rest needs.
     """
     done = results.answered
     in_all = done + agenda.left
+    refused: dict[str, int] = {}
     if sweep.progress is not None and done:
         sweep.progress(done, in_all)
     for cases, answer in answers(Solving(study, compiled, results.symbols.fold), agenda, pace, sweep.team):
         if answer.described is not None:
             results.describe(answer.described)
             answer.described = None
-        if sweep.keeper is not None:
+        if sweep.keeper is not None and len(answer.cases):
             sweep.keeper.keep(answer)
         results.put(answer)
+        note_unsolved(refused, answer)
         done += len(cases)
         if sweep.progress is not None:
             sweep.progress(done, in_all)
+    check_solved(refused, in_all)
+
+
+def note_unsolved(refused: dict[str, int], answer: Answer) -> None:
+    """Add the cases that an answer lacks to those refused, by what the machine said."""
+    for sentence, where in answer.unsolved.items():
+        refused[sentence] = refused.get(sentence, 0) + len(where)
+
+
+def check_solved(refused: dict[str, int], cases: int) -> None:
+    """`MachineError` if the machine refused cases."""
+    if refused:
+        most = max(refused, key=lambda sentence: refused[sentence])
+        more = f", and {len(refused) - 1} other complaints" if len(refused) > 1 else ""
+        message = f"{sum(refused.values())} of {cases} cases are not solved, for the machine refused: {most}{more}"
+        raise MachineError(message)
 
 
 def _of_share(n: int, k: int, shares: int) -> Any:
@@ -187,9 +213,7 @@ def _of_share(n: int, k: int, shares: int) -> Any:
 
 def outlook(study: Study, size: int) -> tuple[float, bool]:
     """Seconds per case, estimated from the first, and whether kernels are to be compiled for so many of them."""
-    for _, batch in build_apart(study.batches, np.zeros(1, dtype=np.int64)):
-        if isinstance(batch, str):
-            break
+    for _, batch in buildable(study.batches, np.zeros(1, dtype=np.int64)):
         try:
             backend = choose(batch).name
         except SolverError:
@@ -215,6 +239,15 @@ def _gather(answer: Answer, part: Index, response: Response, said: dict[str, lis
     if response.used not in [one for _, one in answer.used]:
         answer.used.append((int(part.min()), response.used))
     answer.used = [(min(first, int(part.min())) if one == response.used else first, one) for first, one in answer.used]
+
+
+def _left_out(answer: Answer) -> Answer:
+    """An answer without the cases that are unsolved."""
+    unsolved = {str(said): where for said, where in answer.sentences.items() if isinstance(said, Unsolved)}
+    if not unsolved:
+        return answer
+    rest = answer.among(~np.isin(answer.cases, np.concatenate(list(unsolved.values()))))
+    return replace(rest, described=answer.described, unsolved=unsolved)
 
 
 def _join(answer: Answer, responses: list[tuple[Index, Response]]) -> None:

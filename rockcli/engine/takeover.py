@@ -31,7 +31,7 @@ def taken_over(study: Study, old: Contents) -> Answer | None:
         return values.reshape(len(order), *values.shape[len(places) :])[order]
 
     answer = Answer(cases, {name: rows(name) for name in study.scalars if name != "reason"})
-    if "reason" in study.scalars:
+    if "reason" in old.fields:
         codes, sentences = rows("reason"), old.values("reasons")
         answer.sentences = {str(sentences[code]): cases[codes == code] for code in np.unique(codes) if code}
     answer.used = [(int(cases[0]), one) for one in json.loads(old.attrs.get("solver_settings", "[]"))]

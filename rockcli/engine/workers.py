@@ -23,7 +23,9 @@ import numpy as np
 
 from rockcli.engine.agenda import Agenda, Pace
 from rockcli.engine.answer import cases_of, spans_of
-from rockcli.engine.executors import Team, Work
+from rockcli.engine.apart import Unsolved
+from rockcli.engine.executors import Team, Work, in_halves
+from rockcli.errors import MACHINE
 from rockcli.study.study import Index
 
 T = TypeVar("T")
@@ -43,6 +45,9 @@ DEATHS = 64
 
 OURS = {signal.SIGINT, signal.SIGTERM}
 """Signals that the parent answers for all."""
+
+OWN_FAULT = {signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGABRT, signal.SIGSYS, signal.SIGTRAP}
+"""Signals that a process brings upon itself; others come from outside, as SIGKILL where memory has run out."""
 
 LOOK_EVERY = 0.5
 """Time between two looks whether the parent is alive [s]."""
@@ -69,7 +74,14 @@ def on_workers(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
     try:
         while agenda.left or any(worker.given for worker in crew):
             while agenda.left and len(crew) < min(team.workers, agenda.left + len(crew)):
-                crew.append(_start(work, [worker.pipe for worker in crew]))
+                try:
+                    crew.append(_start(work, [worker.pipe for worker in crew]))
+                except (OSError, MemoryError) as error:
+                    team.note(f"{len(crew)} processes at work, as no more can be started: {error}")
+                    team.workers = max(len(crew), 1)
+                    if not crew:
+                        return
+                    break
                 _feed(crew[-1], agenda, pace, team)
             ready = wait([worker.pipe for worker in crew], timeout=60.0)
             for worker in [worker for worker in crew if worker.pipe in ready]:
@@ -80,12 +92,16 @@ def on_workers(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
                     crew.remove(worker)
                     yield from _bury(worker, work, agenda, killed, deaths, team)
                     continue
-                if kind == "raised":
+                if kind == "raised" and not isinstance(value, MACHINE):
                     raise value
                 cases = worker.given.popleft()
-                pace.learn(len(cases), seconds)
+                if kind == "raised":
+                    told = list(in_halves(work, cases, value, agenda, pace))
+                else:
+                    pace.learn(len(cases), seconds)
+                    told = [(cases, value)]
                 _feed(worker, agenda, pace, team)
-                yield cases, value
+                yield from told
     finally:
         for worker in crew:
             _end(worker)
@@ -124,7 +140,8 @@ def _bury(
     if killed[key] < LIVES:
         agenda.give_back(cases)
     elif len(cases) == 1 or deaths > DEATHS:
-        yield cases, work.lost(cases, f"the solver's process {how}")
+        told = f"the solver's process {how}"
+        yield cases, work.lost(cases, told if _own_fault(worker.process.exitcode) else Unsolved(told))
     else:
         for half in np.array_split(cases, 2):
             killed[int(half[0])] = LIVES - 1
@@ -135,6 +152,11 @@ def _death(code: int | None) -> str:
     if code is not None and code < 0:
         return f"died of signal {signal.Signals(-code).name}"
     return f"ended with code {code}"
+
+
+def _own_fault(code: int | None) -> bool:
+    """Whether a process ended by what it did itself; nobody else was asked to kill it, but the system may have to."""
+    return code is None or -code in OWN_FAULT or code >= 0
 
 
 def _start(work: Work[Any], others: list[Connection]) -> Worker:
@@ -188,9 +210,17 @@ def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent:
         except Exception as error:
             said = ("raised", _portable(error), 0.0)
         try:
-            pipe.send(said)
+            _send(pipe, said)
         except OSError:  # the parent is gone
             os._exit(0)
+
+
+def _send(pipe: Connection, said: tuple[str, Any, float]) -> None:
+    """Send an answer, or that there is no memory to send it."""
+    try:
+        pipe.send(said)
+    except MemoryError as error:
+        pipe.send(("raised", error, 0.0))
 
 
 def _portable(error: Exception) -> Exception:

@@ -18,10 +18,11 @@ from rockcli.errors import StudyError
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT
 from rockcli.study.open import open_study
 
+BLOCK = {"R": 2.0, "tan_alpha": 0.2}
 STUDY = {
     "name": "audited",
     "case": {
-        "block": {"R": 2.0, "tan_alpha": 0.2},
+        "block": BLOCK,
         "motion": {"pulse": {"shape": "ricker", "a_p": "g*tan_alpha", "omega_p": "3*pi"}},
     },
     "vary": {"motion.pulse.a_p_over_g_tan_alpha": [1.2, 2.0, 2.8, 3.6]},
@@ -145,8 +146,8 @@ def test_nothing_is_tighter_than_reference_and_that_is_said():
 
 
 def test_what_cannot_be_audited_is_refused_before_solving():
-    with pytest.raises(StudyError, match=r"audit: compares outcomes, which `save\.scalars` leaves out"):
-        check_audit(study(save={"scalars": ["theta_peak_over_alpha"]}))
+    with pytest.raises(StudyError, match=r"audit: compares outcomes, and this study is one of static curves"):
+        check_audit(study(case={"block": BLOCK}, vary={}, save={}, curves=["moment_rotation"]))
     searched = {"motion.pulse.a_p_over_g_tan_alpha": {"from": 1, "to": 9, "n": 5, "find": "overturning"}}
     with pytest.raises(StudyError, match="audit: compares cases"):
         check_answers(open_study({k: v for k, v in STUDY.items() if k != "save"} | {"vary": searched}))

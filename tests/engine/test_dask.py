@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from swept import STUDY, assert_same, study
+from swept import STUDY, assert_same, study, write_study
 
 from rockcli.engine import sweep
 from rockcli.engine.cluster import check_cluster
 from rockcli.engine.executors import Team
 from rockcli.engine.run import run_study, solve
 from rockcli.engine.sweep import Sweep
-from rockcli.errors import StudyError
+from rockcli.errors import MachineError, StudyError
 from rockcli.storage import netcdf
 from rockcli.study.study import Study
 
@@ -32,6 +34,60 @@ def test_nobody_answers(monkeypatch: pytest.MonkeyPatch) -> None:
         address = f"tcp://127.0.0.1:{closed.getsockname()[1]}"
         with pytest.raises(StudyError, match="no Dask scheduler answers there"):
             check_cluster(address)
+
+
+ANSWERS = {
+    "silence": b"",
+    "garbage": bytes(range(256)) * 64,
+    "another protocol": b"HTTP/1.1 400 Bad Request\r\n\r\n",
+    "a huge message": (1 << 40).to_bytes(8, "little") + (1).to_bytes(8, "little") + bytes(64),  # one frame of 1 TiB
+}
+
+
+@contextlib.contextmanager
+def answering(kind: str) -> Iterator[str]:
+    """The address of something that listens, answers so, and is no scheduler."""
+    callers: list[socket.socket] = []
+
+    def serve() -> None:
+        with contextlib.suppress(OSError):
+            while True:
+                callers.append(listening.accept()[0])
+                callers[-1].sendall(ANSWERS[kind])
+
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        thread = threading.Thread(target=serve)
+        thread.start()
+        try:
+            yield f"tcp://127.0.0.1:{listening.getsockname()[1]}"
+        finally:
+            listening.shutdown(socket.SHUT_RDWR)
+            thread.join()
+            for caller in callers:
+                caller.close()
+
+
+@pytest.mark.parametrize("kind", ANSWERS)
+def test_what_answers_is_no_scheduler(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("rockcli.engine.cluster.ANSWERS_WITHIN", 0.5)
+    began = time.monotonic()
+    with answering(kind) as address, pytest.raises(StudyError, match=f"--dask {address}: no Dask scheduler answers"):
+        check_cluster(address)
+    assert time.monotonic() - began < 5.0
+
+
+@pytest.mark.slow
+def test_the_command_keeps_to_the_ten_seconds(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    write_study(tmp_path)
+    began = time.monotonic()
+    with answering("silence") as address:
+        command = [sys.executable, "-m", "rockcli.cli.main", "run", "swept.yaml", "--dask", address]
+        found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60.0, check=False)
+    assert found.returncode == 2
+    assert "no Dask scheduler answers there (nothing within 8 s)" in found.stderr
+    assert time.monotonic() - began < 12.0  # of which the start of a process on a busy machine
 
 
 def test_dask_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -53,7 +109,7 @@ def start(*command: str, folder: Path) -> subprocess.Popen[bytes]:
 
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """Address, and the two workers."""
+    """Address, and the processes: two workers and the scheduler."""
     pytest.importorskip("distributed")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -74,7 +130,7 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]
 
         with distributed.Client(address, timeout=60.0, set_as_default=False) as client:
             client.wait_for_workers(2, timeout=60.0)
-        yield address, workers
+        yield address, [*workers, scheduler]
     finally:
         for process in (*workers, scheduler):
             process.send_signal(signal.SIGKILL)
@@ -111,6 +167,25 @@ def test_a_killed_worker_changes_nothing(
     assert done == list(range(1, 10))
     assert (report.cases, report.failed) == (9, 0)
     assert_same(solve(real()), netcdf.read(tmp_path / "out" / "swept" / "swept.nc"))
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_goes_leaves_what_is_finished(
+    cluster: tuple[str, list[subprocess.Popen[bytes]]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROCK_KERNELS", "interpreted")
+    monkeypatch.setattr(sweep, "CHUNK", 1)
+    address, workers = cluster
+
+    def shoot(finished: int, _: int) -> None:
+        if finished == 2:
+            workers[-1].send_signal(signal.SIGKILL)
+
+    with pytest.raises(MachineError, match="the scheduler has gone; run again"):
+        run_study(real(), tmp_path / "out", plots=False, team=Team(dask=address), progress=shoot)
+    report = run_study(real(), tmp_path / "out", plots=False)
+    assert (report.cases, report.failed) == (9, 0)
+    assert report.resumed >= 2
 
 
 @pytest.mark.slow

@@ -97,6 +97,17 @@ def test_parts_of_another_study_never_mix(tmp_path: Path, counted: list[int], mo
     assert run_study(other, tmp_path, plots=False).resumed == 0
 
 
+def test_another_study_leaves_parts_alone(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A wrong turn, as a mistyped `--set`, costs nothing of what a long run has finished."""
+    break_off(tmp_path, monkeypatch)
+    other = study(case={"block": {"R": 2.0, "tan_alpha": 0.3}, "initial": {"theta": 0.01}})
+    run_study(other, tmp_path, plots=False)
+    assert len(hidden(tmp_path)) == 5
+    (tmp_path / "swept" / "swept.nc").unlink()
+    assert run_study(study(), tmp_path, plots=False).resumed == 15
+    assert hidden(tmp_path) == []
+
+
 def test_damaged_parts_are_solved_again(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
     whole = solved(study())
     break_off(tmp_path, monkeypatch)
