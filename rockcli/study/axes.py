@@ -17,11 +17,12 @@ from rockcli.errors import StudyError
 from rockcli.study.expressions import CONSTANTS, ExpressionError, constant, parse
 from rockcli.study.matching import WILDCARDS
 from rockcli.study.numbers import in_words
+from rockcli.study.overlay import Setting, leaves, same_twice
 from rockcli.study.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
 from rockcli.study.records import Records
 from rockcli.study.study import MATCH, Axis
 from rockcli.study.table import Table, read_table
-from rockcli.study.tree import List, Map, Places, Source, Where, nearest, place, same_twice
+from rockcli.study.tree import List, Map, Places, Source, Where, nearest, place
 from rockcli.study.values import describe, is_finite
 
 MAX_POINTS = 10_000_000
@@ -38,9 +39,6 @@ IN_OTHER_WORDS = {
     **dict.fromkeys(("scale", "step", "space"), "spacing"),
 }
 """What other programs call the keys of a range."""
-
-Setting = tuple[Path, Any, Where]
-"""A value to put at a path of a study, and where it comes from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +68,12 @@ class Variation:
     def size(self) -> int:
         """Number of points."""
         return self.axis.size
+
+    def points(self) -> tuple[tuple[Setting, ...], ...]:
+        """What each point puts into a case; of points that differ only in numbers, the first."""
+        if self.columns is None:
+            return self.settings
+        return (tuple((path, values[0], self.where(0)) for path, values in self.columns.items()),)
 
 
 _SYMBOL_PATHS = (("case", "block"), ("case", "g"))
@@ -280,12 +284,15 @@ class _Reader:
 
     def put(self, value: Any, where: Where, *more: str | int) -> tuple[Setting, ...]:
         """What one point puts into a case."""
-        if self.path != ("case",):
+        if self.path != ("case",) and not (isinstance(value, Map) and any("." in key for key in value)):
             return ((self.path, value, where),)
         if not isinstance(value, Map) or not value:
             raise self.fail(f"is {describe(value)}; expected a mapping of keys of the case", *more)
         point = tuple((self.below(key, *more), item, value.where.get(key, where)) for key, item in value.items())
-        self.once(list(value), [path for path, _, _ in point], *more)
+        said = [
+            (key, leaf, path) for key, (path, item, _) in zip(value, point, strict=True) for leaf, _ in leaves(item)
+        ]
+        self.once([".".join((key, *leaf)) for key, leaf, _ in said], [(*path, *leaf) for _, leaf, path in said], *more)
         return point
 
     def once(self, names: list[str], paths: list[Path], *more: str | int) -> None:
@@ -296,7 +303,7 @@ class _Reader:
 
     def below(self, key: str, *more: str | int) -> Path:
         """The path of a key written below the axis' own."""
-        text = key if self.path == ("case",) else ".".join((*self.path, key))
+        text = key if self.path == ("case",) else ".".join((*self.path[1:], key))
         try:
             return resolve(text)
         except StudyError as error:

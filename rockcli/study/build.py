@@ -15,7 +15,7 @@ from rockcli.scene.excitation import Excitation
 from rockcli.scene.models import CONTINUUM, DEFORMABLE
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.spectra import SPECTRA, DesignSpectrum
-from rockcli.study.features import BACKENDS, DAMPING, available, model_and_geometry
+from rockcli.study.features import BACKENDS, DAMPING, SCHEME_KEYS, available, model_and_geometry
 from rockcli.study.motion import build_excitation
 from rockcli.study.numbers import Numbers
 from rockcli.study.records import Records
@@ -23,14 +23,6 @@ from rockcli.study.tree import Keys, value_at
 from rockcli.study.unused import unused_solver_keys
 
 Array = NDArray[np.float64]
-
-SCHEME_KEYS: dict[str, tuple[str, ...]] = {
-    "restitution": ("eta", "r_energy"),
-    "dashpot": ("coefficient",),
-    "hht": ("alpha_d",),
-    "fema356": ("W_over_Mg", "fixed_base_period", "spectrum"),
-}
-"""Keys of a damping scheme beside its name."""
 
 FEMA356_IS_POOR = (
     "damping fema356 is an equivalent linear method known to be poor (on the source's pulses its peaks are off by "
@@ -190,7 +182,7 @@ def _damping(numbers: Numbers, warnings: list[str]) -> Damping:
     given = {key: value for key, value in (numbers.tree["case"].get("damping") or {}).items() if value is not None}
     scheme = available(numbers.source, numbers.tree, keys, given.get("scheme", "restitution"), DAMPING, "damping")
     for key in given:
-        if key != "scheme" and key not in SCHEME_KEYS.get(scheme, ()):
+        if key != "scheme" and key not in SCHEME_KEYS[scheme]:
             numbers.fail((*keys, key), f"is no key of the damping scheme {scheme}")
     if scheme == "none":
         return Damping(scheme, np.ones((numbers.n, 2)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
@@ -16,10 +16,10 @@ from rockcli.study.build import build_batch
 from rockcli.study.check import check_case
 from rockcli.study.expressions import ExpressionError, parse
 from rockcli.study.numbers import Numbers, Varied
+from rockcli.study.overlay import Setting, overlaid
 from rockcli.study.records import Records
-from rockcli.study.shorthands import expanded
 from rockcli.study.study import Index
-from rockcli.study.tree import Map, Source, Where, replaced
+from rockcli.study.tree import Map, Source, Where
 
 Array = NDArray[np.float64]
 Points = dict[int, NDArray[np.int64]]
@@ -126,16 +126,15 @@ class Cases:
         return self._trees[combination]
 
     def _overlaid(self, chosen: dict[int, int]) -> Map:
-        study = self.study
-        settings: list[tuple[tuple[str, ...], Any, Where]] = []
+        points: list[Sequence[Setting]] = []
         for axis, variation in enumerate(self.variations):
             if variation.columns is None:
-                settings += variation.settings[chosen[axis]]
+                points.append(variation.settings[chosen[axis]])
             else:
-                for which, (path, values) in enumerate(variation.columns.items()):
-                    settings.append((path, Varied.of(axis, which, values[0]), variation.where(0)))
-        for path, value, where in sorted(settings, key=lambda s: len(s[0])):
-            study = expanded(replaced(study, path, value, where))
+                where = variation.where(0)
+                columns = enumerate(variation.columns.items())
+                points.append([(path, Varied.of(axis, which, of[0]), where) for which, (path, of) in columns])
+        study = overlaid(self.study, *points)
         check_case(self.source, study)
         return study
 

@@ -9,7 +9,16 @@ from rockcli.scene.auto import AUTO
 from rockcli.scene.models import DEFORMABLE, MODELS
 from rockcli.study.tree import Keys, Map, Source
 
-DAMPING: tuple[str, ...] = ("none", "restitution", "dashpot", "fema356", "hht")
+SCHEME_KEYS: dict[str, tuple[str, ...]] = {
+    "none": (),
+    "restitution": ("eta", "r_energy"),
+    "dashpot": ("coefficient",),
+    "fema356": ("W_over_Mg", "fixed_base_period", "spectrum"),
+    "hht": ("alpha_d",),
+}
+"""Keys of a damping scheme beside its name."""
+
+DAMPING: tuple[str, ...] = tuple(SCHEME_KEYS)
 BACKENDS: tuple[str, ...] = ("auto", "event", "scipy", "frame", "calculix", "opensees")
 
 DEFAULT_GEOMETRY = "negative_stiffness"

@@ -13,8 +13,9 @@ import yaml
 import rockcli
 from rockcli.study.axes import Variation
 from rockcli.study.loader import scalar
-from rockcli.study.shorthands import expanded
-from rockcli.study.tree import Map, alternatives, replaced
+from rockcli.study.overlay import Path, overlaid, remaining
+from rockcli.study.schema import CasePart
+from rockcli.study.tree import Map, value_at
 
 
 def identity(
@@ -25,8 +26,13 @@ def identity(
     inputs: dict[str, str],
     *,
     refine: bool = False,
+    laid: bool = False,
 ) -> str:
-    """SHA-256 of what changes numbers: case, let, axes, save, refine, the bytes of all files, the program's version."""
+    """SHA-256 of what changes numbers: case, let, axes, save, refine, the bytes of all files, the program's version.
+
+    `laid` (see `lays_over`) tells such a study from what it meant in builds in which a setting replaced the whole
+    mapping at its path.
+    """
     content = {
         "case": _canonical(case),
         "let": _canonical(let),
@@ -34,7 +40,7 @@ def identity(
         "save": _canonical(save),
         "inputs": dict(sorted(inputs.items())),
         "version": rockcli.__version__,
-    } | ({"refine": True} if refine else {})
+    } | {word: True for word, said in (("refine", refine), ("laid", laid)) if said}
     return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=True).encode()).hexdigest()
 
 
@@ -47,9 +53,9 @@ def kinship(
 ) -> str:
     """What tells whether the results of one study are among those of another, as JSON; not for refined maps.
 
-    `base` is the hash of all but the axes and what they displace; an axis has the hash of what each of its points puts
-    into a case, or None where the coordinate says it.  A file counts where its name stands, one that is named nowhere
-    in the base, and a table in its rows.
+    `base` is the hash of all but the axes and what none of their points leaves; an axis has the hash of what each of
+    its points puts into a case, or None where the coordinate says it.  A file counts where its name stands, one that
+    is named nowhere in the base, and a table in its rows.
     """
 
     def content(value: Any) -> str:
@@ -68,38 +74,22 @@ def kinship(
         elif not axis.numeric:
             points = [content([[".".join(path), value] for path, value, _ in point]) for point in variation.settings]
         axes.append([axis.name, axis.path, points, variation.find])
-        for path in _displaced(variation):
-            others = alternatives(path[-1]) if path[0] == "case" else frozenset()  # symbols of `let` have none
-            base = _without(base, path, others)
+        base = _only(base, remaining(base, variation.points()))
     put = [value for variation in variations for point in variation.settings for _, value, _ in point]
     placed = {*_texts([base, put]), *(variation.table for variation in variations)}
     rest = sorted((name, sha256) for name, sha256 in inputs.items() if name not in placed)
-    return json.dumps({"base": content([base["case"], base["let"], said, rockcli.__version__, rest]), "axes": axes})
+    base_hash = content([base.get("case"), base.get("let"), said, rockcli.__version__, rest])
+    return json.dumps({"base": base_hash, "axes": axes})
 
 
-def _displaced(variation: Variation) -> set[tuple[str, ...]]:
-    """Where every point of an axis puts a number or a word, so that what the study says there is in no case."""
-    if variation.columns is not None:
-        return set(variation.columns)
-    trees = [[expanded(replaced(Map(), *setting)) for setting in point] for point in variation.settings]
-    return set.intersection(*({leaf for tree in point for leaf in _leaves(tree)} for point in trees))
-
-
-def _leaves(tree: Any, at: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """Paths of all that a tree says: neither mappings nor nothing."""
-    if isinstance(tree, dict):
-        for key, item in tree.items():
-            yield from _leaves(item, (*at, key))
-    elif tree is not None:
-        yield at
-
-
-def _without(tree: dict[str, Any], path: tuple[str, ...], others: frozenset[str]) -> dict[str, Any]:
-    """A tree without the value at a path, and without those of other keys beside it."""
-    head, *rest = path
-    if rest and isinstance(tree.get(head, {}), dict):
-        return tree | {head: _without(tree.get(head, {}), tuple(rest), others)}
-    return {key: value for key, value in tree.items() if key != head and key not in others}
+def _only(tree: dict[str, Any], paths: set[Path], at: Path = ()) -> dict[str, Any]:
+    """What a tree says at some paths."""
+    kept = {
+        key: _only(item, paths, (*at, key)) if isinstance(item, dict) else item
+        for key, item in tree.items()
+        if isinstance(item, dict) or (*at, key) in paths
+    }
+    return {key: item for key, item in kept.items() if item != {}}
 
 
 def _texts(value: Any) -> Iterator[str]:
@@ -124,6 +114,22 @@ def plain(value: Any, *, nothing: bool = False) -> Any:
     if isinstance(value, list | tuple):
         return [plain(item, nothing=nothing) for item in value]
     return value
+
+
+def lays_over(study: dict[str, Any], variations: Sequence[Variation]) -> bool:
+    """Whether a setting that is a mapping leaves something of the mapping of the base case that it is laid over.
+
+    What it leaves of a resolved study that is the default anyway does not count.
+    """
+    defaults = {"case": CasePart.model_validate({"block": {}, "column": {}, "base": {}}).model_dump()}
+    for variation in variations:
+        for point in variation.points():
+            for path, value, where in point:
+                if isinstance(value, Map):
+                    alone, over = (value_at(overlaid(s, [(path, value, where)]), path) for s in (defaults, study))
+                    if _canonical(alone) != _canonical(over):
+                        return True
+    return False
 
 
 def _axis(variation: Variation) -> list[Any]:

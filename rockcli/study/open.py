@@ -33,10 +33,10 @@ from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.features import check_curves
 from rockcli.study.found import DT_OUT, Found
-from rockcli.study.identity import as_yaml, identity, kinship, plain
+from rockcli.study.identity import as_yaml, identity, kinship, lays_over, plain
 from rockcli.study.loader import load_file, load_mapping
 from rockcli.study.over import read_over
-from rockcli.study.overrides import apply_overrides
+from rockcli.study.overrides import apply_overrides, without_effect
 from rockcli.study.records import Records
 from rockcli.study.refine import RECORDS, read_refine
 from rockcli.study.schema import CasePart, StudyPart
@@ -65,7 +65,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         raise StudyError(f"a study is a file or a mapping, not {_kind(source)}")
     where = Source(None if isinstance(source, dict) else Path(source))
     tree = load_mapping(source) if isinstance(source, dict) else load_file(Path(source))
-    tree, warnings = apply_overrides(expanded(tree), overrides)
+    tree = apply_overrides(expanded(tree), overrides)
     part = _check_top(where, tree)
     base = Map({"case": tree["case"], "let": tree.get("let") or Map()}, tree.where)
     records = Records(where)
@@ -112,14 +112,14 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         scalars=scalars,
         resolved=resolved,
         resolved_yaml=as_yaml(resolved),
-        identity=identity(*content, where.inputs.hashes, refine=bool(refine)),
+        identity=identity(*content, where.inputs.hashes, refine=bool(refine), laid=lays_over(resolved, variations)),
         kinship="" if refine else kinship(*content, where.inputs.hashes),
         inputs=dict(sorted(where.inputs.hashes.items())),
         processing=found.processing(),
         warnings=(
-            *warnings,
+            *without_effect(base, variations, overrides),
             *unused_symbols(tree, variations),
-            *replaced_records(tree),
+            *replaced_records(base, variations),
             *found.doubts(tree),
             *((RECORDS,) if refine and found.uses else ()),
         ),

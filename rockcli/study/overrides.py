@@ -2,33 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from rockcli.errors import StudyError
+from rockcli.study.axes import Variation
 from rockcli.study.check import fields_at
 from rockcli.study.loader import load_value
+from rockcli.study.overlay import leaves, overlaid, remaining
 from rockcli.study.paths import resolve
 from rockcli.study.schema import StudyPart
-from rockcli.study.shorthands import expanded
-from rockcli.study.tree import Map, nearest, replaced, value_at
+from rockcli.study.tree import Map, nearest, value_at
 
 
-def apply_overrides(study: Map, overrides: Sequence[tuple[str, str]]) -> tuple[Map, list[str]]:
-    """The study with every (path, text of a YAML value) laid over it in order, and warnings.
+def apply_overrides(study: Map, overrides: Sequence[tuple[str, str]]) -> Map:
+    """The study with every (path, text of a YAML value) laid over it in order.
 
     Raises:
         StudyError: a path that a study does not have, or a value that is no YAML.
     """
-    warnings = []
     for path, text in overrides:
-        label = f"--set {path}={text if len(text) <= 40 else text[:37] + '...'}"
+        label = _label(path, text)
+        keys, value = _keys(path, label), load_value(text, label)
+        if isinstance(value, Map):
+            value.whole = keys[0] != "case"  # axes, symbols and what is saved are set as a whole
+        study = overlaid(study, [(keys, value, label)])
+    return study
+
+
+def without_effect(study: Map, variations: Iterable[Variation], overrides: Sequence[tuple[str, str]]) -> list[str]:
+    """A sentence per override of the case of which nothing is left under the axes of the study."""
+    said = []
+    for path, text in overrides:
+        if path.split(".")[0] not in ("case", "let"):
+            continue
+        label = _label(path, text)
         keys = _keys(path, label)
-        study = expanded(replaced(study, keys, load_value(text, label), label))
-        vary = study.get("vary")
-        inside = path.removeprefix("case.")
-        if isinstance(vary, Map) and any(axis.removeprefix("case.") == inside for axis in vary):
-            warnings.append(f"{label} has no effect: the study varies {inside}")
-    return study, warnings
+        below = {(*keys, *leaf) for leaf, _ in leaves(value_at(study, keys))}
+        for variation in variations:
+            if below and not below & remaining(study, variation.points()):
+                said.append(f"{label} has no effect: the study varies {variation.axis.path}")
+                break
+    return said
+
+
+def _label(path: str, text: str) -> str:
+    return f"--set {path}={text if len(text) <= 40 else text[:37] + '...'}"
 
 
 def _keys(path: str, label: str) -> tuple[str, ...]:

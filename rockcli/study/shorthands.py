@@ -21,7 +21,7 @@ def expanded_case(case: Any) -> Any:
     case = _put(case, "damping", _named("scheme"))
     case = _put(case, "model", _named("name"))
     case = _within(case, "model", lambda model: _put(model, "tolerance", _percent))
-    case = _put(case, "motion", lambda value, where: Map() if value in (None, "none") else value)
+    case = _put(case, "motion", lambda value, where: Map(whole=True) if value in (None, "none") else value)
     return _within(case, "motion", _motion)
 
 
@@ -43,7 +43,7 @@ def _vertical(value: Any, where: Where) -> Any:
 
 def _record(value: Any, where: Where) -> Any:
     if isinstance(value, str):
-        return Map({"file": value}, {"file": where})
+        return Map({"file": value}, {"file": where}, whole=True)
     if not isinstance(value, Map):
         return value
     for name, inner in (("taper", "fraction"), ("highpass", "freq"), ("lowpass", "freq")):
@@ -57,7 +57,7 @@ def _named(inner: str) -> Callable[[Any, Where], Any]:
             value = str(value)
         if isinstance(value, Map) and inner in value:
             return _put(value, inner, lambda v, w: str(v) if type(v) is int else v)
-        return Map({inner: value}, {inner: where}) if isinstance(value, str) else value
+        return Map({inner: value}, {inner: where}, whole=True) if isinstance(value, str) else value
 
     return named
 
@@ -75,7 +75,7 @@ def _percent(value: Any, where: Where) -> Any:
 def _wrapped(inner: str) -> Callable[[Any, Where], Any]:
     def wrapped(value: Any, where: Where) -> Any:
         if isinstance(value, int | float | str) and not isinstance(value, bool):
-            return Map({inner: value}, {inner: where})
+            return Map({inner: value}, {inner: where}, whole=True)
         return value
 
     return wrapped
@@ -83,7 +83,8 @@ def _wrapped(inner: str) -> Callable[[Any, Where], Any]:
 
 def _band(value: Any, where: Where) -> Any:
     if isinstance(value, List) and len(value) == 2:
-        return Map(dict(zip(("freqmin", "freqmax"), value, strict=True)), {"freqmin": where, "freqmax": where})
+        ends = dict(zip(("freqmin", "freqmax"), value, strict=True))
+        return Map(ends, dict.fromkeys(ends, where), whole=True)
     return value
 
 
@@ -94,7 +95,7 @@ def _put(mapping: Map, name: str, change: Callable[[Any, Where], Any]) -> Map:
     new = change(old, where)
     if new is old:
         return mapping
-    copy = Map(mapping, mapping.where)
+    copy = Map(mapping, mapping.where, whole=mapping.whole)
     copy[name] = new
     return copy
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
@@ -26,13 +26,19 @@ MOST_NAMES = 30
 
 
 class Map(dict[str, Any]):
-    """A mapping that knows where its keys stand."""
+    """A mapping that knows where its keys stand.
 
-    __slots__ = ("where",)
+    `whole` where it is written out from a word (`damping: none`, `motion: null`), which stands for all of it.
+    """
 
-    def __init__(self, items: dict[str, Any] | None = None, where: dict[str, Where] | None = None) -> None:
+    __slots__ = ("where", "whole")
+
+    def __init__(
+        self, items: dict[str, Any] | None = None, where: dict[str, Where] | None = None, *, whole: bool = False
+    ) -> None:
         super().__init__(items or {})
         self.where: dict[str, Where] = dict(where or {})
+        self.whole = whole
 
 
 class List(list[Any]):
@@ -123,57 +129,11 @@ def value_at(tree: Any, keys: Keys) -> Any:
     return tree
 
 
-def replaced(tree: Any, keys: Sequence[str], value: Any, where: Where) -> Map:
-    """A copy of `tree` with `value` at `keys`, alternatives of the last key dropped; the rest is shared."""
-    head, rest = keys[0], keys[1:]
-    copy = Map(tree, tree.where) if isinstance(tree, Map) else Map()
-    if head == "let" and len(rest) == 1:  # own symbols stand for nothing but themselves
-        let = copy["let"] = Map(copy.get("let"), getattr(copy.get("let"), "where", None))
-        let[rest[0]], let.where[rest[0]] = value, where
-        return copy
-    copy[head] = replaced(copy.get(head), rest, value, where) if rest else value
-    if not rest or copy.where.get(head) is None:
-        copy.where[head] = where
-    if not rest:
-        for other in alternatives(head):
-            copy.pop(other, None)
-    return copy
-
-
-ALTERNATIVES: tuple[frozenset[str], ...] = (
-    frozenset({"pulse", "record"}),
-    frozenset({"a_p", "a_p_over_g_tan_alpha", "A"}),
-    frozenset({"omega_p", "T_p", "f_p", "omega_p_over_p"}),
-    frozenset({"scale", "pga", "pgv", "pga_over_g_tan_alpha"}),
-    frozenset({"eta", "r_energy"}),
-    frozenset({"alpha", "tan_alpha", "slenderness"}),
-    frozenset({"h", "height"}),
-    frozenset({"b", "width"}),
-    frozenset({"inertia", "r_g"}),
-    frozenset({"outline", "parts"}),
-)
-"""Keys of one mapping that say the same thing in different ways: a varied or `--set` key displaces the others."""
-
-
-def alternatives(key: str) -> frozenset[str]:
-    """The other keys of the same mapping that a key stands for."""
-    return next((group - {key} for group in ALTERNATIVES if key in group), frozenset())
-
-
 def meant(key: str, known: Iterable[str], cutoff: float = 0.55) -> str | None:
     """The known key that is nearest to what is written; None if none is near."""
     lowered = {name.lower(): name for name in reversed(list(known))}
     close = get_close_matches(key[:80].lower(), lowered, n=1, cutoff=cutoff)
     return lowered[close[0]] if close else None
-
-
-def same_twice(paths: Sequence[tuple[str, ...]]) -> tuple[int, int] | None:
-    """Places of the first two paths that are equal or say the same thing in two ways; None if there are none."""
-    for j, path in enumerate(paths):
-        for i, other in enumerate(paths[:j]):
-            if path == other or (path[:-1] == other[:-1] and other[-1] in alternatives(path[-1]) and path[0] != "let"):
-                return i, j
-    return None
 
 
 def nearest(key: str, known: Iterable[str]) -> str:

@@ -8,7 +8,8 @@ from typing import Any
 from rockcli.scene.models import FLEXIBLE
 from rockcli.study.axes import Variation
 from rockcli.study.expressions import ExpressionError, parse
-from rockcli.study.tree import Map
+from rockcli.study.overlay import overlaid
+from rockcli.study.tree import Map, value_at
 
 FINITE_ELEMENTS = ("accuracy", "rtol", "method", "dt", "yield_rotation")
 
@@ -64,18 +65,18 @@ def unused_symbols(study: Map, variations: Iterable[Variation]) -> list[str]:
     return [f"let.{name} is used nowhere" for name in varied if name not in used]
 
 
-def replaced_records(study: Map) -> list[str]:
+def replaced_records(study: Map, variations: Iterable[Variation]) -> list[str]:
     """A sentence where an axis over whole records drops what the base case says of its record."""
-    base = ((study.get("case") or {}).get("motion") or {}).get("record") or {}
-    values = (study.get("vary") or {}).get("motion.record")
-    lost = [key for key, value in base.items() if key != "file" and value is not None]
-    listed = values if isinstance(values, list) else [values]
-    if not lost or not all(isinstance(value, str) for value in listed):
-        return []
-    keys = " and ".join(f"`{key}`" for key in lost)
-    return [
-        f"the axis motion.record replaces the whole record, {keys} with it; motion.record.file changes the file only"
-    ]
+    said = []
+    for at in (("case", "motion", "record"), ("case", "motion", "vertical", "record")):
+        base = value_at(study, at) or {}
+        lost = " and ".join(f"`{key}`" for key, value in base.items() if key != "file" and value is not None)
+        for variation in variations:
+            records = (value_at(overlaid({}, point), at) for point in variation.points())
+            if lost and any(isinstance(record, Map) and record.whole for record in records):
+                path, key = variation.axis.path, ".".join((*at[1:], "file"))
+                said.append(f"the axis {path} replaces the whole record, {lost} with it; {key} changes the file only")
+    return said
 
 
 def _names(value: Any) -> Iterator[str]:
