@@ -91,3 +91,11 @@ def test_a_figures_study_says_what_it_reproduces_and_what_it_expects(path):
     assert re.search(rf"^references: .*dissertation, Fig\. {int(path.stem[3:])}\b", text, re.M)
     for clause in yaml.safe_load(text)["expect"]:
         assert "references" in clause or clause["quantity"] in ("outcome", "same_outcome"), clause
+
+
+@pytest.mark.parametrize("path", sorted((STUDIES / "literature").glob("*.yaml")), ids=lambda path: path.stem)
+def test_a_study_of_a_paper_names_it_and_says_where_each_number_is_from(path):
+    study = yaml.safe_load(path.read_text(encoding="utf-8"))
+    assert re.search(r"\((19|20)\d\d\)", study["references"])
+    assert study["expect"]
+    assert all(clause.get("references") for clause in study["expect"])
