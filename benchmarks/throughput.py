@@ -114,7 +114,7 @@ class Clock:
 def in_the_kernel() -> Iterator[Clock]:
     """Measure what the lanes of a map take, without what is packed for them and unpacked after them."""
     clock, kept = Clock(), []
-    for name, function in (("lane_pulses", "sweep"), ("lane_records", "march_lanes")):
+    for name, function in (("lanes.pulses.march", "sweep"), ("lanes.records.march", "march_lanes")):
         lanes = kernels.load(name, compile_them=True)
         work = getattr(lanes, function)
 

@@ -103,6 +103,6 @@ def test_a_study_opens_files_through_one_door():
 
 
 def test_kernels_know_no_object():
-    for path in (PACKAGE / "kernels").glob("*.py"):
+    for path in (PACKAGE / "kernels").rglob("*.py"):
         for module, line in imports(path):
             assert not module.startswith("rockcli.") or module.startswith("rockcli.kernels"), f"{path}:{line}"

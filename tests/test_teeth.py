@@ -10,7 +10,7 @@ from scenes import G, block, pulse, rock
 from tables import SOURCE_PULSES
 
 from rockcli import kernels
-from rockcli.kernels import layout
+from rockcli.kernels.rigid import layout
 
 
 @pytest.fixture

@@ -12,12 +12,6 @@ import sys
 from collections.abc import Callable
 from types import ModuleType
 
-_KERNELS = (
-    "motion", "series", "roots", "decide", "rest", "watch", "contact", "march", "slide",
-    "lane_math", "lane_vector", "lane_bounces", "lane_state", "lane_ground", "lane_series", "lane_roots", "lane_events",
-    "lane_wakes", "lane_decide", "lane_pulses",
-)  # fmt: skip
-
 compiled: bool | None = None
 """How the kernels in use were loaded; None before the first `load`."""
 
@@ -28,18 +22,18 @@ COMPILING = "compiling the kernels, once: about 15 s"
 COMPILING_ALWAYS = "compiling the kernels: about 15 s in every run, as there is no place to keep them (ROCK_CACHE_DIR)"
 
 
-def load(name: str = "march", *, compile_them: bool) -> ModuleType:
-    """A module of kernels, compiled if asked.  Kernels once compiled stay so for the life of the process.
+def load(name: str = "rigid.march", *, compile_them: bool) -> ModuleType:
+    """A module of kernels by its name below this package, compiled if asked; once compiled, so for the process's life.
 
     The environment variable ROCK_KERNELS = compiled | interpreted overrules the caller.
     """
     global compiled
     wish = {"compiled": True, "interpreted": False}.get(os.environ.get("ROCK_KERNELS", ""), compile_them)
     if compiled is None or (wish and not compiled):
-        for kernel in _KERNELS:
-            sys.modules.pop(f"{__name__}.{kernel}", None)
-        compiled = wish
         jit = importlib.import_module(f"{__name__}.jit")
+        for module in [m for m in sys.modules if m.startswith(f"{__name__}.") and m != jit.__name__]:
+            del sys.modules[module]  # imported anew, as jit decides at import
+        compiled = wish
         jit.decide(wish)
         if wish and announce is not None and jit.is_cold():
             announce(COMPILING if jit.cache_takes_files() else COMPILING_ALWAYS)

@@ -110,7 +110,7 @@ def zeros_maker() -> Any:
 def _cache_dir() -> Path:
     """A folder named by all kernel sources: numba does not notice an edit in a callee of another file."""
     digest = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(source.read_bytes())
     base = os.environ.get("ROCK_CACHE_DIR") or os.path.join(
         os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache"), "rockcli"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.kernels import layout as k
+from rockcli.kernels.rigid import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
@@ -142,10 +142,10 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
         fit &= lane_records.fit(batch, rows)
     cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
     if pulses:
-        lanes = kernels.load("lane_pulses", compile_them=compiled)
+        lanes = kernels.load("lanes.pulses.march", compile_them=compiled)
         found = lane_pulses.run(lanes, batch, rows[cases], level, margin, detail, cases)
     else:
-        lanes = kernels.load("lane_records", compile_them=compiled)
+        lanes = kernels.load("lanes.records.march", compile_them=compiled)
         found = lane_records.run(lanes, batch, rows[cases], level, _order(level.rtol), margin, detail)
     run.out[:, k.STATUS] = np.nan
     run.out[cases] = found

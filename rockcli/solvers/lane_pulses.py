@@ -1,4 +1,4 @@
-"""Pulse maps in lanes: which bodies `kernels.lane_pulses` takes, and what it is given (docs/sweeps.md)."""
+"""Pulse maps in lanes: which bodies `kernels.lanes.pulses.march` takes, and what it is given (docs/sweeps.md)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels import layout as k
+from rockcli.kernels.rigid import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import PIECE_WIDTH, Pulses
 from rockcli.scene.models import MODELS
@@ -50,7 +50,7 @@ def asked(batch: Batch) -> bool:
 
 
 def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, margin: float, detail: int, cases: Any) -> Array:
-    """Raw results (n, N_OUT) of `kernels.layout` for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
+    """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
 
     NaN in STATUS for a body that is left to the single-body kernels.
     """

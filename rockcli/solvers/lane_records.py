@@ -1,4 +1,4 @@
-"""Record maps in lanes: which bodies `kernels.lane_records` takes, and what it is given (docs/sweeps.md)."""
+"""Record maps in lanes: which bodies `kernels.lanes.records.march` takes, and what it is given (docs/sweeps.md)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels import layout as k
+from rockcli.kernels.rigid import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
@@ -60,7 +60,7 @@ def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
 
 
 def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: int, margin: float, detail: int) -> Array:
-    """Raw results (n, N_OUT) of `kernels.layout` for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
+    """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
 
     NaN in STATUS for a body that is left to the single-body kernels; `order`: of their series.
     """

@@ -1,4 +1,4 @@
-"""From a batch to the parameter vectors of the kernels (`kernels.layout`)."""
+"""From a batch to the parameter vectors of the kernels (`kernels.rigid.layout`)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ BLOCK = 2048
 
 
 def parameters_of(batch: Batch) -> Array:
-    """One row per case in the layout of `kernels.layout`."""
+    """One row per case in the layout of `kernels.rigid.layout`."""
     model = MODELS[batch.model, batch.geometry]
     block, p = batch.block, batch.p
     law = model.law(block.alpha, block.tan_alpha)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.kernels import layout as k
+from rockcli.kernels.rigid import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest, slides_only
@@ -93,7 +93,7 @@ def _padded(values: Array, n_time: int) -> Array:
 
 def _solved(batch: Batch, rows: NDArray[np.intp], max_steps: int, *, histories: bool) -> Slid:
     """Run the kernel, compiled or not as those of rocking were."""
-    kernel = kernels.load("slide", compile_them=bool(kernels.compiled))
+    kernel = kernels.load("rigid.sliding", compile_them=bool(kernels.compiled))
     every = parameters_of(batch)
     columns = [k.T_MOTION, k.T_STOP, k.HAS_DURATION, k.FACTOR_H, k.FACTOR_V]
     pars: Any = np.column_stack([batch.block.mu, batch.g, every[:, columns]])[rows]

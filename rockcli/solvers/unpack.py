@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels import layout as k
+from rockcli.kernels.rigid import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.excitation import acceleration
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 class Raw:
-    """Raw output of the kernels for a batch: `out` (n, N_OUT), columns as in `kernels.layout`."""
+    """Raw output of the kernels for a batch: `out` (n, N_OUT), columns as in `kernels.rigid.layout`."""
 
     def __init__(self, n: int, n_time: int, n_impacts: int) -> None:
         self.out = np.zeros((n, k.N_OUT))

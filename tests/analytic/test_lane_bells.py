@@ -34,7 +34,7 @@ def derivative(m: int, y: np.ndarray) -> np.ndarray:
 
 def plain(program: str) -> object:
     """What a program that uses the lanes as plain Python prints."""
-    head = "import json, numpy as np; from rockcli.kernels import lane_ground as ground, lane_state as s;"
+    head = "import json, numpy as np; from rockcli.kernels.lanes.pulses import ground, state as s;"
     env = os.environ | {"ROCK_KERNELS": "interpreted"}
     ran = subprocess.run([sys.executable, "-c", head + program], env=env, capture_output=True, text=True, check=True)
     return json.loads(ran.stdout)

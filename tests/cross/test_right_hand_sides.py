@@ -111,7 +111,7 @@ def test_the_flexible_column_counts_evaluations_of_its_loads(interpreted, monkey
     from rockcli.solvers.flexible import solve
 
     kernels.load(compile_them=False)
-    state = importlib.import_module("rockcli.kernels.column").step.__globals__
+    state = importlib.import_module("rockcli.kernels.column.automaton").step.__globals__
     calls = 0
     right = state["loads"]
 

@@ -7,7 +7,7 @@ import pytest
 from frames import column, framed, peak, ricker
 
 from rockcli.errors import SolverError
-from rockcli.kernels import frame_layout as k
+from rockcli.kernels.frame import layout as k
 from rockcli.solvers.frame.base import fibres
 from rockcli.solvers.frame.case import case_of
 from rockcli.solvers.frame.solver import load, solve

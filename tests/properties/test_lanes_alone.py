@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scenes import G, make_batch, pulse
 
-from rockcli.kernels import lane_math
+from rockcli.kernels.lanes.vector import elementary
 from rockcli.scene.block import make_block
 from rockcli.solvers import lane_pulses
 from rockcli.solvers.event import solve
@@ -80,8 +80,8 @@ def test_compiled_and_interpreted():
 
 def test_polynomials_of_sines_and_exponentials():
     for x in np.linspace(-0.5 * np.pi, 0.5 * np.pi, 501):
-        assert lane_math.sin_cos(x) == pytest.approx((math.sin(x), math.cos(x)), rel=0, abs=3e-16)
+        assert elementary.sin_cos(x) == pytest.approx((math.sin(x), math.cos(x)), rel=0, abs=3e-16)
     for x in np.linspace(-1e3, 1e3, 1001):
-        assert lane_math.sin_cos_of_any(x) == pytest.approx((math.sin(x), math.cos(x)), rel=0, abs=4e-16)
+        assert elementary.sin_cos_of_any(x) == pytest.approx((math.sin(x), math.cos(x)), rel=0, abs=4e-16)
     for x in np.linspace(-50.0, 0.0, 501):
-        assert lane_math.exp_of_negative(x) == pytest.approx(math.exp(x), rel=0, abs=4e-16)
+        assert elementary.exp_of_negative(x) == pytest.approx(math.exp(x), rel=0, abs=4e-16)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from rockcli.kernels import column_state as k
+from rockcli.kernels.column import law as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
 from rockcli.solvers.flexible.beam import unit_beam

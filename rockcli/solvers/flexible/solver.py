@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
 import time
 from types import ModuleType
 from typing import Any
@@ -12,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.kernels import column_state as k
+from rockcli.kernels.column import law as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
@@ -68,22 +66,7 @@ def solve(batch: Batch) -> Response:
 
 def _kernel() -> ModuleType:
     """The kernel module, compiled unless the environment forbids: a column is too much for plain Python."""
-    name = "rockcli.kernels.column"
-    before = kernels.compiled
-    kernels.load(compile_them=True)
-    loaded = sys.modules.get(name)
-    if loaded is not None and (kernels.compiled != before or not _fits(loaded)):
-        for module in ("column", "column_search", "column_state", "oscillator"):
-            sys.modules.pop(f"rockcli.kernels.{module}", None)
-    elif loaded is None:
-        for module in ("column_search", "column_state", "oscillator"):
-            sys.modules.pop(f"rockcli.kernels.{module}", None)
-    return importlib.import_module(name)
-
-
-def _fits(module: ModuleType) -> bool:
-    """Whether a kernel module was imported as the kernels are loaded now."""
-    return hasattr(module.march, "py_func") == bool(kernels.compiled)
+    return kernels.load("column.automaton", compile_them=True)
 
 
 def _prepare(batch: Batch) -> tuple[list[Prepared | None], list[str]]:
@@ -105,7 +88,7 @@ def _prepare(batch: Batch) -> tuple[list[Prepared | None], list[str]]:
 
 
 def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved: bool) -> Array:
-    """Parameters of case i in the layout of `kernels.column_state`; `halved`: sampled motions in half steps."""
+    """Parameters of case i in the layout of `kernels.column.law`; `halved`: sampled motions in half steps."""
     block, excitation = batch.block, batch.excitation
     channels = (excitation.horizontal, excitation.vertical)
     p = float(batch.p[i, 0])
@@ -210,8 +193,8 @@ def _of_case(channel: tuple[int, Any, Any, float, Any, int], i: int) -> tuple[in
 
 def _work_space(N: int) -> dict[str, Array]:
     """Arrays the kernel works in, in the order of its arguments."""
-    from rockcli.kernels.column_search import PACE_SHAPE
-    from rockcli.kernels.oscillator import INFLUENCES, TABLE_ROWS
+    from rockcli.kernels.column.events import PACE_SHAPE
+    from rockcli.kernels.column.oscillator import INFLUENCES, TABLE_ROWS
 
     slots = 8
     return {

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels import column as k
+from rockcli.kernels.column import automaton as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import acceleration
 from rockcli.scene.response import (

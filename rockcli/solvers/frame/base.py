@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
-from rockcli.kernels import frame_layout as k
+from rockcli.kernels.frame import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
 
@@ -17,7 +17,7 @@ FIBRES = 21
 
 
 def kind_of_base(batch: Batch) -> float:
-    """Kind of base of a batch (frame_layout); `SolverError` where model, base and damping do not go together."""
+    """Kind of base of a batch; `SolverError` where model, base and damping do not go together."""
     base, hht = batch.base, batch.damping.scheme == "hht"
     if base is None or base.law == "rigid":
         if hht:

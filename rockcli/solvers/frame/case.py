@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
-from rockcli.kernels import frame_layout as k
+from rockcli.kernels.frame import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.damping import dashpot_rate
@@ -48,7 +48,7 @@ STEP = {"draft": 4.0, "standard": 1.0, "reference": 0.25}
 
 @dataclass(frozen=True, eq=False)
 class CaseOfFrame:
-    """What the kernel `run` takes of one case; par as in frame_layout, u and v the state to begin with."""
+    """What the kernel `run` takes of one case; par as in `kernels.frame.layout`, u and v the state to begin with."""
 
     par: Array
     structure: Structure

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import time
 from dataclasses import dataclass, field
 
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.errors import SolverError
-from rockcli.kernels import frame_layout as k
+from rockcli.kernels.frame import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.agreement import compare_accuracies
@@ -29,7 +28,7 @@ COARSER = 2.0
 
 @dataclass
 class Runs:
-    """Raw results of a batch: `out` (n, N_OUT) as in frame_layout, and per case its par, history and impacts."""
+    """Raw results of a batch: `out` (n, N_OUT) of `kernels.frame.layout`; per case its par, history and impacts."""
 
     out: Array
     par: list[Array] = field(default_factory=list)
@@ -69,9 +68,7 @@ def solve(batch: Batch) -> Response:
 
 def load() -> Kernels:
     """The kernels, compiled unless ROCK_KERNELS says otherwise."""
-    kernels.load(compile_them=True)
-    names = ("frame", "frame_steps", "frame_elements")
-    return Kernels(*(importlib.import_module(f"rockcli.kernels.{name}") for name in names))
+    return Kernels(*(kernels.load(f"frame.{name}", compile_them=True) for name in ("march", "newmark", "elements")))
 
 
 def run(batch: Batch, *, histories: bool, coarser: float = 1.0) -> Runs:

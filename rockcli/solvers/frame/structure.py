@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.frame_layout import BAND
+from rockcli.kernels.frame.layout import BAND
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
 

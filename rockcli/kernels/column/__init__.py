@@ -1,0 +1,1 @@
+"""The flexible column on its base: modal steps exact in time, events located (docs/flexible.md)."""

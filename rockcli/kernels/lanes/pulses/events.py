@@ -1,0 +1,157 @@
+"""Events of the lanes that have one, WIDTH of them at a time whichever lanes they are in (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.pulses.series import look_along
+from rockcli.kernels.lanes.pulses.state import (
+    BRACKET,
+    BREADTH,
+    DONE,
+    EVENT,
+    HANDED,
+    L_GUARD,
+    MODE,
+    NEW_Q,
+    NEW_V,
+    NONE,
+    REACH,
+    ROCK,
+    TOP,
+    TOP_SIDE,
+    TOP_T,
+    VECTORS,
+    H,
+    Q,
+    S,
+    T,
+    V,
+    X,
+    series_of_a,
+    series_of_q,
+    stride,
+)
+from rockcli.kernels.lanes.vector.plain import WIDTH, gather, load, note, select, some, spread, store
+from rockcli.kernels.lanes.vector.roots import LOST, NO_ROOT, first_root, turning_point
+
+PARTS = 8
+"""Places of a step at which the rate is looked at where more than one turning point is possible."""
+
+
+@jit_lean
+def find_impacts(state, n, poly, lanes, count):
+    """First roots of q of the lanes that asked, WIDTH of them at a time."""
+    for begin in range(0, count, WIDTH):
+        slots = min(WIDTH, count - begin)
+        for j in range(slots):
+            i = int(lanes[begin + j])
+            skip = 0  # a root at once is divided out
+            if state[i + Q * WIDTH] == 0.0:
+                skip = 1
+                while skip < 4 and state[series_of_q(i) + skip * WIDTH] == 0.0:
+                    skip += 1
+            poly[j], poly[WIDTH + j] = 1.0 * i, 1.0 * skip
+        for j in range(slots, WIDTH):
+            poly[j], poly[WIDTH + j] = poly[0], poly[WIDTH]
+        lane, skips = load(poly, 0), load(poly, WIDTH)
+        where = lane + skips * (1.0 * WIDTH)
+        for k in range(n + 1):
+            store(poly, k * WIDTH, gather(state, where + 1.0 * series_of_q(k * WIDTH)))
+        sinks = (load(poly, 0) <= 0.0) & (skips > 0.0)  # would enter the ground at once
+        x, slope = first_root(poly, n, gather(state, lane + 1.0 * (H * WIDTH)))
+        for power in range(4):
+            slope = select(skips > power, slope * x, slope)
+        x = select(sinks, LOST, x)
+        store(poly, 0, x)
+        store(poly, WIDTH, slope)
+        for j in range(slots):
+            i, root = int(lanes[begin + j]), poly[j]
+            if root >= 0.0:
+                state[i + X * WIDTH], state[i + NEW_Q * WIDTH], state[i + NEW_V * WIDTH] = root, 0.0, poly[WIDTH + j]
+            else:
+                state[i + EVENT * WIDTH] = NONE if root == NO_ROOT else HANDED
+
+
+@jit_lean
+def padded(lanes, begin, slots, space):
+    """The next lanes of a list as a vector, the last repeated to fill it."""
+    for j in range(WIDTH):
+        space[j] = lanes[begin + min(j, slots - 1)]
+    return load(space, 0)
+
+
+@jit_lean
+def find_uplifts(state, n, poly, lanes, count):
+    """First time the ground lifts the resting lanes that asked, on either side."""
+    for begin in range(0, count, WIDTH):
+        slots = min(WIDTH, count - begin)
+        lane = padded(lanes, begin, slots, poly)
+        h, guard = gather(state, lane + 1.0 * (H * WIDTH)), gather(state, lane + 1.0 * (L_GUARD * WIDTH))
+        side, first = spread(0.0), spread(NO_ROOT)
+        for sign in (-1.0, 1.0):
+            for k in range(n + 1):
+                store(poly, k * WIDTH, sign * gather(state, lane + 1.0 * series_of_a(k * WIDTH, n)))
+            store(poly, 0, load(poly, 0) + guard)
+            x, _ = first_root(poly, n, h)
+            sooner = (x >= 0.0) & ((x < first) | (first == NO_ROOT)) & ~(first == LOST)
+            first = select(sooner | (x == LOST), x, first)
+            side = select(sooner, sign, side)
+        store(poly, 0, first)
+        store(poly, WIDTH, side)
+        for j in range(slots):
+            i, root = int(lanes[begin + j]), poly[j]
+            if root >= 0.0:
+                state[i + X * WIDTH], state[i + S * WIDTH] = root, poly[WIDTH + j]
+            else:
+                state[i + EVENT * WIDTH] = NONE if root == NO_ROOT else HANDED
+
+
+@jit_lean
+def find_tops(state, n, tol, poly, lanes):
+    """Turning points of the lanes that may have passed a higher one than before.
+
+    If P'' keeps its sign there is at most one; else the highest of those that show at PARTS places is taken.
+    Equal peaks of an undamped body differ by the errors of the steps: a later one must be higher by more than that.
+    """
+    count = 0
+    size = stride(n)
+    for o in range(0, VECTORS * size, size):
+        x, v, v_new = load(state, o + X * WIDTH), load(state, o + V * WIDTH), load(state, o + NEW_V * WIDTH)
+        event = load(state, o + EVENT * WIDTH)
+        may = (load(state, o + MODE * WIDTH) == ROCK) & (event >= NONE) & (event < DONE)
+        may = may & (load(state, o + REACH * WIDTH) > load(state, o + TOP * WIDTH))
+        if some(may):
+            c = series_of_q(o)
+            second = load(state, c + 2 * WIDTH)
+            rises = (v > 0.0) | ((v == 0.0) & (second > 0.0))
+            _, _, bends, _ = look_along(state, c, n, x)
+            bump = abs(bends) > 4.0 * abs(second)
+            turns = rises & ~bump & (v_new <= 0.0)
+            begin, breadth, best = spread(0.0), spread(1.0), spread(-1.0)
+            if some(may & bump):
+                for j in range(1, PARTS + 1):
+                    P, dP, _, _ = look_along(state, c, n, (j / PARTS) * x)
+                    here = bump & rises & (dP <= 0.0) & (best < P)
+                    begin, breadth = select(here, (j - 1) / PARTS, begin), select(here, 1.0 / PARTS, breadth)
+                    best = select(here, P, best)
+                    rises = dP > 0.0
+            store(state, o + BRACKET * WIDTH, begin)
+            store(state, o + BREADTH * WIDTH, breadth)
+            count = note(may & (turns | (best > -1.0)), 1.0 * o, lanes, count)
+    for begin in range(0, count, WIDTH):
+        slots = min(WIDTH, count - begin)
+        lane = padded(lanes, begin, slots, poly)
+        x = gather(state, lane + 1.0 * (X * WIDTH))
+        share = gather(state, lane + 1.0 * (BRACKET * WIDTH))
+        breadth = gather(state, lane + 1.0 * (BREADTH * WIDTH))
+        for k in range(n + 1):
+            store(poly, k * WIDTH, gather(state, lane + 1.0 * series_of_q(k * WIDTH)))
+        x, P = turning_point(poly, n, share * x, (share + breadth) * x)
+        store(poly, 0, x)
+        store(poly, WIDTH, P)
+        for j in range(slots):
+            i = int(lanes[begin + j])
+            if poly[WIDTH + j] > state[i + TOP * WIDTH] * (1.0 + 1e-12 + 100.0 * tol):
+                state[i + TOP * WIDTH] = poly[WIDTH + j]
+                state[i + TOP_T * WIDTH] = state[i + T * WIDTH] + poly[j]
+                state[i + TOP_SIDE * WIDTH] = state[i + S * WIDTH]

@@ -1,0 +1,92 @@
+"""Free rocking after the motion, without steps: each swing is as long as an integral says (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.vector.elementary import sin_cos
+from rockcli.kernels.lanes.vector.plain import WIDTH, load, select, some, spread, sqrt, store
+from rockcli.kernels.rigid.layout import N_IMPACTS, STATUS
+
+NODES, WEIGHTS = (np.polynomial.legendre.leggauss(10)[0] + 1.0) / 2.0, np.polynomial.legendre.leggauss(10)[1] / 2.0
+"""Of Gauss and Legendre on [0, 1]."""
+
+LOW = 0.7
+"""Rate at take-off over that which reaches the equilibrium, up to which the quadrature is good to 1e-11."""
+
+MOST = 100000
+"""Impacts counted."""
+
+BACKLOG = 9
+"""Numbers of a case that waits to be counted: case, end of the report, time, rate, eta, slowest, r0, rs, rc."""
+
+LEFT_TO_MARCH = 3.0
+"""STATUS of a case that `march` has to solve."""
+
+
+@jit_lean
+def swing(v, r0, rs, rc, linear):
+    """Time from take-off at rate v to the next impact.
+
+    With the rate w as the variable, dt = dw/M(q(w)) with U(q) = (v^2 - w^2)/2: nothing is singular.  Of the moment
+    M = r0 + rs sin q + rc cos q (linear: r0 + rs q) and U its integral, M^2 = (r0 + rc)^2 + 2 rs U - U^2 if r0 = 0,
+    without U^2 if linear; else q is sought.
+    """
+    total = spread(0.0)
+    m0 = r0 + rc
+    sought = False
+    if not linear:
+        sought = some(abs(r0) > 0.0)
+    for i in range(10):
+        u = 0.5 * v * v * (1.0 - NODES[i] * NODES[i])
+        square = m0 * m0 + 2.0 * rs * u
+        if not linear:
+            square = square - u * u
+        moment = sqrt(abs(square))
+        if sought:
+            q = 2.0 * u / (m0 + moment)
+            for _ in range(4):
+                sine, cosine = sin_cos(q)
+                moment = r0 + rs * sine + rc * cosine
+                q = q - (r0 * q + rs * (1.0 - cosine) + rc * sine - u) / moment
+            sine, cosine = sin_cos(q)
+            moment = r0 + rs * sine + rc * cosine
+        total = total + WEIGHTS[i] / moment
+    return 2.0 * v * total
+
+
+@jit_lean
+def impacts_until(stop, t, v, eta, slowest, r0, rs, rc, linear, going):
+    """Impacts faster than `slowest` of bodies that take off at t with rate v, up to the time `stop`; -1: too many."""
+    count = spread(0.0)
+    going = going & (v > slowest)
+    for _ in range(MOST):
+        if not some(going):
+            break
+        t = t + swing(v, r0, rs, rc, linear)
+        going = going & (t <= stop)
+        count = select(going, count + 1.0, count)
+        v = eta * v
+        going = going & (v > slowest)
+    return select(going, -1.0, count)
+
+
+@jit_lean
+def settle(backlog, count, linear, out):
+    """Add to the results of the cases in the backlog the impacts they still have."""
+    for j in range(count, WIDTH):
+        for field in range(BACKLOG):
+            backlog[field * WIDTH + j] = backlog[field * WIDTH]
+    more = impacts_until(
+        load(backlog, WIDTH), load(backlog, 2 * WIDTH), load(backlog, 3 * WIDTH), load(backlog, 4 * WIDTH),
+        load(backlog, 5 * WIDTH), load(backlog, 6 * WIDTH), load(backlog, 7 * WIDTH), load(backlog, 8 * WIDTH),
+        linear, load(backlog, 0) >= 0.0,
+    )  # fmt: skip
+    store(backlog, WIDTH, more)
+    for j in range(count):
+        case = int(backlog[j])
+        if backlog[WIDTH + j] >= 0.0:
+            out[case][N_IMPACTS] += backlog[WIDTH + j]
+        else:
+            out[case][STATUS] = LEFT_TO_MARCH

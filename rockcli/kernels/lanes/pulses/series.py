@@ -1,0 +1,144 @@
+"""The flow of a vector of lanes: Taylor coefficients of q(t) = |theta(t)| to a fixed order (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.pulses.state import (
+    COSINE,
+    L_ACROSS,
+    L_ALONG,
+    L_FC,
+    L_FS,
+    L_R0,
+    L_RC,
+    L_RS,
+    LAUNCH,
+    SINE,
+    Q,
+    S,
+    V,
+    series_of_a,
+    series_of_q,
+)
+from rockcli.kernels.lanes.vector.plain import WIDTH, bits_of, from_bits, load, select, spread, store
+
+ONE = 4607182418800017408.0
+"""The bits of 1.0 read as an integer."""
+
+
+@jit_lean
+def flow(state, o, n, forced, work):
+    """Coefficients of q of the vector at o; SINE and COSINE must be of now.  work: 3 (n + 1) vectors.
+
+    q'' = -(r0 + along f + across g) - s a f,  f = fc cos q + fs sin q,  g = df/dq.
+    `forced`: whether any lane is shaken.
+    """
+    c, a = series_of_q(o), series_of_a(o, n)
+    rate, f, g = 0, (n + 1) * WIDTH, 2 * (n + 1) * WIDTH
+    s = load(state, o + S * WIDTH)
+    fc, fs = s * load(state, o + L_FC * WIDTH), s * load(state, o + L_FS * WIDTH)
+    along, across = s * load(state, o + L_ALONG * WIDTH), s * load(state, o + L_ACROSS * WIDTH)
+    sine, cosine = load(state, o + SINE * WIDTH), load(state, o + COSINE * WIDTH)
+    force, turned = fc * cosine + fs * sine, fs * cosine - fc * sine
+    along = along + load(state, a)
+    moment = load(state, o + L_R0 * WIDTH) + (along * force + across * turned)
+    store(work, f, force)
+    store(work, g, turned)
+    begin(state, o, c, moment, work)
+    for k in range(1, n - 1):
+        up, down, pull = spread(0.0), spread(0.0), spread(0.0)
+        if forced:
+            for j in range(k, 0, -1):  # what was stored last is needed last
+                r, back = load(work, rate + j * WIDTH), load(work, f + (k - j) * WIDTH)
+                up = up + r * load(work, g + (k - j) * WIDTH)
+                down = down + r * back
+                pull = pull + load(state, a + j * WIDTH) * back
+        else:
+            for j in range(k, 0, -1):
+                r = load(work, rate + j * WIDTH)
+                up = up + r * load(work, g + (k - j) * WIDTH)
+                down = down + r * load(work, f + (k - j) * WIDTH)
+        force, turned = up * (1.0 / k), down * (-1.0 / k)
+        store(work, f + k * WIDTH, force)
+        store(work, g + k * WIDTH, turned)
+        add(state, c, k, along * force + across * turned + pull, work)
+
+
+@jit_lean
+def flow_linear(state, o, n, forced, work):
+    """`flow` with sin q -> q, cos q -> 1."""
+    c, a = series_of_q(o), series_of_a(o, n)
+    s = load(state, o + S * WIDTH)
+    fc, fs = s * load(state, o + L_FC * WIDTH), s * load(state, o + L_FS * WIDTH)
+    rs, q = load(state, o + L_RS * WIDTH), load(state, o + Q * WIDTH)
+    force = fc + fs * q
+    store(work, (n + 1) * WIDTH, force)
+    moment = load(state, o + L_R0 * WIDTH) + rs * q + load(state, o + L_RC * WIDTH)
+    begin(state, o, c, moment + load(state, a) * force, work)
+    for k in range(1, n - 1):
+        now = load(state, c + k * WIDTH)
+        store(work, (n + 1 + k) * WIDTH, fs * now)
+        moment = rs * now
+        if forced:
+            for j in range(k + 1):
+                moment = moment + load(state, a + j * WIDTH) * load(work, (n + 1 + k - j) * WIDTH)
+        add(state, c, k, moment, work)
+
+
+@jit_lean
+def begin(state, o, c, moment, work):
+    """The first three coefficients; a body about to be lifted is not pressed down by rounding."""
+    v = load(state, o + V * WIDTH)
+    launch = load(state, o + LAUNCH * WIDTH) > 0.0
+    second = select(launch & (moment > 0.0), 0.0, -0.5 * moment)
+    store(state, c, load(state, o + Q * WIDTH))
+    store(state, c + WIDTH, v)
+    store(state, c + 2 * WIDTH, second)
+    store(work, WIDTH, v)
+    store(work, 2 * WIDTH, 2.0 * second)
+
+
+@jit_lean
+def add(state, c, k, moment, work):
+    """The coefficient of order k + 2 from that of the moment of order k; and of order k + 1 of the rate."""
+    rate = moment * (-1.0 / (k + 1))
+    store(work, (k + 2) * WIDTH, rate)
+    store(state, c + (k + 2) * WIDTH, rate * (1.0 / (k + 2)))
+
+
+@jit_lean
+def rough_power(x, e):
+    """x^e of x > 0 for |e| < 1, to a few per cent: the bits of a float are nearly its logarithm."""
+    return from_bits(ONE + e * (bits_of(x) - ONE))
+
+
+@jit_lean
+def reach_of(state, c, n, small, h):
+    """Step, at most h, at which the last two terms of the series at c are below `small`."""
+    for k in range(n - 1, n + 1):
+        size = abs(load(state, c + k * WIDTH))
+        size = select(size > 1e-280, size, 1e-280)
+        step = rough_power(small / size, 1.0 / k)
+        h = select(step < h, step, h)
+    return h
+
+
+@jit_lean
+def look_along(state, c, n, h):
+    """(P(h), P'(h), bound of |P''|, bound of |P|) of the polynomial P at c, the bounds on [0, h]."""
+    P = load(state, c + n * WIDTH)
+    dP, reach = spread(0.0), abs(P)
+    M = (n * (n - 1)) * reach
+    for k in range(n - 1, 1, -1):
+        term = load(state, c + k * WIDTH)
+        size = abs(term)
+        dP = dP * h + P
+        P = P * h + term
+        M = M * h + (k * (k - 1)) * size
+        reach = reach * h + size
+    for k in range(1, -1, -1):
+        term = load(state, c + k * WIDTH)
+        dP = dP * h + P
+        P = P * h + term
+        reach = reach * h + abs(term)
+    return P, dP, M, reach

@@ -1,0 +1,222 @@
+"""What a lane carries: where its numbers stand, how a case gets into a lane and out of it.
+
+The lanes of a vector lie together, number by number, and with them the series they are expanded in: number `f` of the
+lane that begins at i is state[i + f * WIDTH].  A vector is named by the place of its first lane's first number.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.vector.elementary import sin_cos
+from rockcli.kernels.lanes.vector.plain import WIDTH
+from rockcli.kernels.rigid.ground import WIDTH as PIECE_WIDTH
+from rockcli.kernels.rigid.layout import (
+    ALPHA,
+    ETA,
+    FC,
+    FS,
+    P2,
+    PEAK,
+    PEAK_ALPHA,
+    PEAK_SIDE,
+    Q_STAR,
+    R0,
+    RC,
+    RIGHT,
+    RS,
+    T_END,
+    T_MOTION,
+    T_PEAK,
+    T_STOP,
+    T_UPLIFT,
+    THETA_0,
+    THETA_DOT_0,
+    THRESHOLD,
+    G,
+)
+from rockcli.kernels.rigid.layout import FELL as OUT_FELL
+from rockcli.kernels.rigid.layout import N_IMPACTS as OUT_N_IMPACTS
+from rockcli.kernels.rigid.layout import N_STEPS as OUT_N_STEPS
+
+VECTORS = 8
+"""Vectors that run at a time: enough lanes to fill a vector with those that have an event."""
+
+(
+    CASE, MODE, PIECE, T, T_NEXT, H, X, Q, V, S, VERDICT, LAUNCH, N_STEPS, N_IMPACTS, TOP, TOP_SIDE, TOP_T, UP_T,
+    L_P, L_ALPHA, L_R0, L_RS, L_RC, L_FC, L_FS, L_ALONG, L_ACROSS, L_GUARD, L_STAR, L_TOP, L_ETA, L_PULL, L_END, L_STOP,
+    L_BOUND, KIND, ORIGIN, C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, EVENT, NEW_Q, NEW_V, REACH, BRACKET, BREADTH, SINE,
+    COSINE, BELL_E, FIELDS,
+) = range(57)  # fmt: skip
+"""CASE row of the case, -1 idle.  T, T_NEXT now and the next breakpoint; H the step, X how far it goes.  TOP* the
+peak so far; UP_T uplift.  L_*: constants of the case, p^2 and 1/g multiplied in; L_ALONG, L_ACROSS: the restoring
+moment as r0 + along f + across df/dq, f = fc cos q + fs sin q; L_GUARD uplift |a_g|; L_TOP energy of the equilibrium;
+L_PULL p^2 max|f|/g; L_BOUND of |a_g|.  KIND, ORIGIN, C*: the piece of the motion (scene/excitation.py).  EVENT, NEW_*:
+what the step under way comes to; REACH bound of |q| on it, BRACKET where the part of it with
+a turning point begins, and BREADTH how long that is, as shares of X.
+SINE, COSINE of q (q, 1 if linear), BELL_E exp(-y^2/2): now.
+After the fields come the coefficients of q, orders 0 to n and four more that stay zero, then those of a_g."""
+
+NONE, IMPACT, UPLIFT, DONE, HANDED = 0.0, 1.0, 2.0, 3.0, 4.0
+"""EVENT; DONE: the case leaves with its verdict; HANDED: it is left to `march`."""
+
+IDLE, REST, ROCK = -1.0, 0.0, 1.0
+"""MODE."""
+
+FREE, BELL = -1.0, 2.0
+"""KIND after the motion's end, and that of a bell."""
+
+
+@jit_lean
+def stride(n):
+    """Numbers of a vector with its series of order n."""
+    return (FIELDS + 2 * n + 6) * WIDTH
+
+
+@jit_lean
+def series_of_q(o):
+    """Where the coefficients of q of the vector or lane at o begin."""
+    return o + FIELDS * WIDTH
+
+
+@jit_lean
+def series_of_a(o, n):
+    """Where the coefficients of a_g of the vector or lane at o begin."""
+    return o + (FIELDS + n + 5) * WIDTH
+
+
+@jit_lean
+def put(state, i, field, value):
+    """Write one number of lane i."""
+    state[i + field * WIDTH] = value
+
+
+@jit_lean
+def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_e):
+    """Put a case into lane i; False if it is not for lanes.
+
+    `energy` of the equilibrium; `wakes`: when a bell first lifts the body that stands, NaN if that is to be found on
+    the way, with the side it rocks to and exp(-y^2/2) then (`lane_wakes`).
+    A body that cannot overturn, one that starts far out, one that moves before a bell comes (far from it the series of
+    the bell knows nothing of it) and a motion that grazes the threshold are left to `march`.
+    """
+    star, guard, g, p2 = par[RIGHT + Q_STAR], par[G] * par[RIGHT + THRESHOLD], par[G], par[RIGHT + P2]
+    bound = table[13] if pieces > 0 else 0.0
+    q, rate = abs(par[THETA_0]), par[THETA_DOT_0]
+    if not star < 1.5 or not q < 1.5 or not p2 > 0.0 or abs(bound - guard) <= 1e-9 * guard:
+        return False
+    woken = wakes >= 0.0
+    if not woken and (bound >= guard or q != 0.0 or rate != 0.0):
+        for j in range(pieces):
+            if table[j * PIECE_WIDTH + 2] == BELL:
+                return False
+    fc, fs = p2 * par[RIGHT + FC] / g, p2 * par[RIGHT + FS] / g
+    r0, rs, rc = p2 * par[RIGHT + R0], p2 * par[RIGHT + RS], p2 * par[RIGHT + RC]
+    force = fc * fc + fs * fs
+    if not force > 0.0:
+        return False
+    put(state, i, CASE, case)
+    put(state, i, T, 0.0)
+    put(state, i, T_NEXT, 0.0)
+    put(state, i, Q, q)
+    put(state, i, V, 0.0)
+    put(state, i, S, 1.0)
+    put(state, i, MODE, REST)
+    put(state, i, EVENT, NONE)
+    put(state, i, LAUNCH, 0.0)
+    put(state, i, VERDICT, -1.0)
+    put(state, i, N_STEPS, 0.0)
+    put(state, i, N_IMPACTS, 0.0)
+    put(state, i, TOP, 0.0)
+    put(state, i, TOP_SIDE, 0.0)
+    put(state, i, TOP_T, math.nan)
+    put(state, i, UP_T, math.nan)
+    put(state, i, PIECE, -1.0)
+    put(state, i, KIND, FREE)
+    put(state, i, L_P, math.sqrt(p2))
+    put(state, i, L_ALPHA, par[RIGHT + ALPHA])
+    put(state, i, L_R0, r0)
+    put(state, i, L_RS, rs)
+    put(state, i, L_RC, rc)
+    put(state, i, L_FC, fc)
+    put(state, i, L_FS, fs)
+    put(state, i, L_ALONG, (rc * fc + rs * fs) / force)
+    put(state, i, L_ACROSS, (rc * fs - rs * fc) / force)
+    put(state, i, L_PULL, math.sqrt(force))
+    put(state, i, L_GUARD, guard)
+    put(state, i, L_STAR, star)
+    put(state, i, L_ETA, par[RIGHT + ETA])
+    put(state, i, L_END, par[T_MOTION])
+    put(state, i, L_STOP, par[T_STOP])
+    put(state, i, L_BOUND, bound)
+    put(state, i, SINE, 0.0)
+    put(state, i, COSINE, 1.0)
+    put(state, i, L_TOP, energy)
+    if par[THETA_0] != 0.0 or rate != 0.0:
+        lead = par[THETA_0] if par[THETA_0] != 0.0 else rate
+        s = 1.0 if lead > 0.0 else -1.0
+        put(state, i, S, s)
+        put(state, i, V, s * rate)
+        put(state, i, MODE, ROCK)
+        put(state, i, UP_T, 0.0)
+        put(state, i, TOP_SIDE, s)
+        if s * rate <= 0.0:
+            put(state, i, TOP, q)
+            put(state, i, TOP_T, 0.0)
+        sine, cosine = sin_cos(q)
+        if linear:
+            sine, cosine = q, 1.0
+        put(state, i, SINE, sine)
+        put(state, i, COSINE, cosine)
+    elif woken:
+        put(state, i, T, wakes)
+        put(state, i, S, side)
+        put(state, i, MODE, ROCK)
+        put(state, i, LAUNCH, 1.0)
+        put(state, i, UP_T, wakes)
+        put(state, i, BELL_E, bell_e)
+    elif bound < guard:  # nothing moves
+        put(state, i, T, par[T_MOTION])
+    return True
+
+
+@jit_lean
+def next_piece(state, i, table, pieces):
+    """The piece of the motion that lane i is in now, and its end."""
+    t = state[i + T * WIDTH]
+    end, stop = state[i + L_END * WIDTH], state[i + L_STOP * WIDTH]
+    if t >= end:
+        put(state, i, KIND, FREE)
+        put(state, i, T_NEXT, stop if t < stop else math.inf)
+        return
+    j = int(state[i + PIECE * WIDTH])
+    while j < 0 or (j < pieces and table[j * PIECE_WIDTH + 1] <= t):
+        j += 1
+    put(state, i, PIECE, j)
+    row = j * PIECE_WIDTH
+    if j >= pieces:  # silence before the motion's end
+        put(state, i, KIND, FREE)
+        put(state, i, T_NEXT, end)
+        return
+    put(state, i, T_NEXT, min(table[row + 1], end))
+    put(state, i, KIND, table[row + 2])
+    put(state, i, ORIGIN, table[row])
+    for k in range(10):
+        put(state, i, C0 + k, table[row + 3 + k])
+
+
+@jit_lean
+def leave(state, i, verdict, out):
+    """Take the case out of lane i: its results in the layout of `march`."""
+    out[OUT_FELL] = verdict
+    out[OUT_N_IMPACTS] += state[i + N_IMPACTS * WIDTH]
+    out[OUT_N_STEPS] = state[i + N_STEPS * WIDTH]
+    top = state[i + TOP * WIDTH]
+    out[PEAK], out[PEAK_SIDE] = top, state[i + TOP_SIDE * WIDTH]
+    out[PEAK_ALPHA] = state[i + L_ALPHA * WIDTH] if top > 0.0 else 1.0
+    out[T_PEAK], out[T_UPLIFT] = state[i + TOP_T * WIDTH], state[i + UP_T * WIDTH]
+    out[T_END] = state[i + T * WIDTH]
+    if verdict == 1.0:
+        out[PEAK_SIDE] = state[i + S * WIDTH]
+    put(state, i, MODE, IDLE)

@@ -1,0 +1,107 @@
+"""Steps that may touch the base, many at a time: the guard q = 0 and the reset (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.records.step import (
+    COEFFICIENTS,
+    END,
+    ETA,
+    FAST,
+    FORCING_C,
+    FORCING_S,
+    IMPACTS,
+    LEN,
+    ONTO_LEFT,
+    PIECE,
+    SETTLING,
+    SIDE,
+    SLOW,
+    H,
+    Q,
+    V,
+    X,
+)
+from rockcli.kernels.lanes.vector.fused import bits, fma, gather, scatter
+from rockcli.kernels.lanes.vector.plain import WIDTH, load, select, some, sqrt
+
+
+@jit_lean
+def land(st, queue, j):
+    """Take the lanes queue[j: j + WIDTH] to the first zero of their polynomials, turned over, or to their steps' ends.
+
+    Returns (lanes at the end of their samples, lanes that may come to rest in the sample they are in).
+    """
+    lanes = load(queue, j)
+    q, h = gather(st, lanes + Q), gather(st, lanes + H)
+    c1, c2 = gather(st, lanes + COEFFICIENTS), gather(st, lanes + (COEFFICIENTS + WIDTH))
+    c3, c4 = gather(st, lanes + (COEFFICIENTS + 2 * WIDTH)), gather(st, lanes + (COEFFICIENTS + 3 * WIDTH))
+    c5, c6 = gather(st, lanes + (COEFFICIENTS + 4 * WIDTH)), gather(st, lanes + (COEFFICIENTS + 5 * WIDTH))
+    c7, c8 = gather(st, lanes + (COEFFICIENTS + 6 * WIDTH)), gather(st, lanes + (COEFFICIENTS + 7 * WIDTH))
+
+    # first root by (T4); the zero at the start of a flight is divided out
+    off = q == 0.0
+    b0, b1, b2, b3 = select(off, c1, q), select(off, c2, c1), select(off, c3, c2), select(off, c4, c3)
+    b4, b5, b6, b7 = select(off, c5, c4), select(off, c6, c5), select(off, c7, c6), select(off, c8, c7)
+    b8 = select(off, 0.0 * c8, c8)
+    M = 2.0 * abs(b2) + 6.0 * abs(b3) + 12.0 * abs(b4) + 20.0 * abs(b5)
+    M = M + (30.0 * abs(b6) + 42.0 * abs(b7) + 56.0 * abs(b8))
+    x = 0.0 * q
+    going = x == 0.0
+    hit = x > 0.0
+    for _ in range(400):
+        P, dP = fma(b8, x, b7), b8
+        dP = fma(dP, x, P)
+        P = fma(P, x, b6)
+        dP = fma(dP, x, P)
+        P = fma(P, x, b5)
+        dP = fma(dP, x, P)
+        P = fma(P, x, b4)
+        dP = fma(dP, x, P)
+        P = fma(P, x, b3)
+        dP = fma(dP, x, P)
+        P = fma(P, x, b2)
+        dP = fma(dP, x, P)
+        P = fma(P, x, b1)
+        dP = fma(dP, x, P)
+        P = fma(P, x, b0)
+        there = P <= 0.0
+        root = sqrt(fma(dP, dP, 2.0 * M * select(there, 0.0 * P, P)))
+        up = dP > 0.0
+        step = select(up, dP + root, 2.0 * P) / select(up, M, root - dP)
+        beyond = ~(step <= 1.0 - x)
+        moved = going & ~there & ~beyond
+        x = select(moved, x + step, x)
+        there = there | (step <= 4e-16 * x) | (M * step * step <= 4e-16 * x * abs(dP))
+        hit = hit | going & there
+        going = going & ~there & ~beyond
+        if not some(going):
+            break
+    x = select(hit, select(x < 1.0, x, 1.0), 1.0)
+
+    rate = fma(x, 8.0 * c8, 7.0 * c7)
+    rate = fma(x, fma(x, fma(x, fma(x, rate, 6.0 * c6), 5.0 * c5), 4.0 * c4), 3.0 * c3)
+    rate = fma(x, fma(x, rate, 2.0 * c2), c1) / h
+    inward = select(rate < 0.0, -rate, 0.0 * rate)
+    end = q + (c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8)))))
+    place, full, piece = gather(st, lanes + X), gather(st, lanes + LEN), gather(st, lanes + PIECE)
+    side, count = gather(st, lanes + SIDE), select(hit & (inward > gather(st, lanes + FAST)), 0.0 * q + 1.0, 0.0)
+    turned = select(hit, 0.0 * q - 1.0, 1.0)
+    v = select(hit, gather(st, lanes + ETA) * inward, rate)
+    now = fma(x, h, place)
+    whole = (now >= full) | (x == 1.0) & (h == full - place)
+    piece = select(whole, piece + 1.0, piece)
+    now = select(whole, 0.0 * now, now)
+    scatter(st, lanes + Q, select(hit, 0.0 * q, end))
+    scatter(st, lanes + V, v)
+    scatter(st, lanes + X, now)
+    scatter(st, lanes + PIECE, piece)
+    scatter(st, lanes + SIDE, side * turned)
+    scatter(st, lanes + FORCING_C, gather(st, lanes + FORCING_C) * turned)
+    scatter(st, lanes + FORCING_S, gather(st, lanes + FORCING_S) * turned)
+    scatter(st, lanes + IMPACTS, gather(st, lanes + IMPACTS) + count)
+    scatter(st, lanes + ONTO_LEFT, gather(st, lanes + ONTO_LEFT) + select(side > 0.0, count, 0.0 * count))
+    over = piece >= gather(st, lanes + END)
+    late = v * gather(st, lanes + SETTLING) > full - now
+    slow = hit & ~over & ~late & (v <= gather(st, lanes + SLOW))
+    return bits(over), bits(slow)

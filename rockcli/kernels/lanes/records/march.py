@@ -1,0 +1,141 @@
+"""Record maps: many bodies under one sampled motion, in lanes (docs/sweeps.md).
+
+The automaton of `march`, cut for speed: LANES bodies in flight, each at its own time, are stepped together
+(`lane_records_step`), and so are landings (`lane_records_impact`); a lane that meets another event is looked after by
+itself (`lane_records_event`), with the guards and the closed forms of the single body.  A lane whose body is done takes
+the next one.  Nothing a body gets depends on the others.
+"""
+
+from __future__ import annotations
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.records.events import arrive, attend
+from rockcli.kernels.lanes.records.impacts import land
+from rockcli.kernels.lanes.records.peaks import top
+from rockcli.kernels.lanes.records.rest import BLOCK as BLOCK
+from rockcli.kernels.lanes.records.rest import FINISHED, STANDING, begin, hand_over, park, rest
+from rockcli.kernels.lanes.records.rest import HANDED_OVER as HANDED_OVER
+from rockcli.kernels.lanes.records.step import CASE, LANES, STATE, STEPS, STRIDE, advance, advance_linear, place
+from rockcli.kernels.lanes.vector.fused import lowest_bit, page_the_stack
+from rockcli.kernels.lanes.vector.plain import WIDTH, note, room
+from rockcli.kernels.rigid.march import MAX_ORDER
+
+STEPS_PER_SAMPLE, STEPS_AFTER = 16, 20_000
+"""Steps a body may take in lanes, a sample on the average and after the motion; one that needs more is handed over."""
+
+ROUNDS = 1024
+"""Rounds between two looks at who has taken too many."""
+
+
+def work_space():
+    """Work space of `march_lanes`: state, lanes that land and that turn, series, ground."""
+    return (
+        room(STATE), room(LANES + WIDTH), room(LANES + WIDTH),
+        *(room(MAX_ORDER + 1) for _ in range(4)), room(2), room(2),
+    )  # fmt: skip
+
+
+@jit_lean
+def march_lanes(
+    pars, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, velocity, dt, work, out
+):
+    """`march_all` for bodies with two equal edges, no damper, under one sampled motion; no forces, no histories.
+
+    values, slopes: of the motion, then two of zeros.  blocks: largest |value| of each block; tail: running bound.
+    velocity: of the ground, as `lost` wants it, or nothing if the path of a fall is asked for.
+    A row of `out` whose STATUS is HANDED_OVER is for `march_all` to solve.
+    """
+    page_the_stack()
+    st, landings, turns, c, guard, sin_q, cos_q, a, a_v = work
+    n_case = len(pars)
+    following = busy = rounds = 0
+    for lane in range(LANES):
+        park(st, place(lane))
+    patience = STEPS_PER_SAMPLE * len(values) + STEPS_AFTER
+    while True:
+        # fill the free lanes
+        while busy < LANES and following < n_case:
+            k = following
+            following += 1
+            i = place(busy)
+            state = begin(st, i, pars[k], tol, values, slopes, blocks, tail, len(velocity) == 0, dt, out[k])
+            if state == STANDING:
+                st[CASE + i] = k
+                busy += 1
+            else:
+                park(st, i)
+        if busy == 0:
+            return
+        landing = turning = 0
+        emptied = False
+        for o in range(0, place(busy - 1) + 1, STRIDE):
+            if linear:
+                calls, moved, near, tops = advance_linear(st, o, values, slopes)
+            else:
+                calls, moved, near, tops = advance(st, o, values, slopes)
+            landing = note(near, 1.0 * o, landings, landing)
+            turning = note(tops, 1.0 * o, turns, turning)
+            while calls != 0:
+                bit = lowest_bit(calls)
+                calls &= calls - 1
+                i = o + bit
+                k = int(st[CASE + i])
+                if (moved >> bit) & 1:
+                    state = arrive(
+                        st, i, pars[k], linear, tol, margin, detail, order, len(values), dt,
+                        velocity, c, sin_q, cos_q, a, a_v, out[k],
+                    )  # fmt: skip
+                else:
+                    state = attend(
+                        st, i, pars[k], linear, tol, rest_speed, margin, detail, order, values, slopes, blocks,
+                        tail, velocity, dt, c, guard, sin_q, cos_q, a, a_v, out[k],
+                    )  # fmt: skip
+                if state == FINISHED:
+                    st[CASE + i], emptied = -1.0, True
+        for j in range(turning):
+            i = int(turns[j])
+            k = int(st[CASE + i])
+            top(st, i, pars[k], len(values), dt, out[k])
+        for j in range(landing, min(landing + WIDTH, len(landings))):
+            landings[j] = place(LANES)
+        for j in range(0, landing, WIDTH):
+            over, slow = land(st, landings, j)
+            calls = over | slow
+            while calls != 0:
+                bit = lowest_bit(calls)
+                calls &= calls - 1
+                if j + bit >= landing:
+                    break
+                i = int(landings[j + bit])
+                k = int(st[CASE + i])
+                if (over >> bit) & 1:
+                    state = arrive(
+                        st, i, pars[k], linear, tol, margin, detail, order, len(values), dt,
+                        velocity, c, sin_q, cos_q, a, a_v, out[k],
+                    )  # fmt: skip
+                else:
+                    state = rest(st, i, pars[k], rest_speed, values, slopes, blocks, tail, dt, out[k])
+                if state == FINISHED:
+                    st[CASE + i], emptied = -1.0, True
+        rounds += 1
+        if rounds % ROUNDS == 0:
+            for lane in range(busy):
+                i = place(lane)
+                if st[CASE + i] >= 0.0 and st[STEPS + i] > patience:
+                    hand_over(out[int(st[CASE + i])])
+                    st[CASE + i], emptied = -1.0, True
+        if not emptied:
+            continue
+        # close the gaps
+        lane, held = 0, busy
+        while lane < busy:
+            i = place(lane)
+            if st[CASE + i] < 0.0:
+                busy -= 1
+                last = place(busy)
+                for field in range(0, STRIDE, WIDTH):
+                    st[i + field] = st[last + field]
+            else:
+                lane += 1
+        for lane in range(busy, held):
+            park(st, place(lane))

@@ -1,0 +1,192 @@
+"""One step of every lane: the Taylor polynomial of q over the rest of the sample, and what calls for attention.
+
+The polynomial is in the fraction of the step gone by, c_k = q^(k) h^k / k!, so that its value at the end is a sum.
+"""
+
+from __future__ import annotations
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.vector.elementary import (
+    C2,
+    C4,
+    C6,
+    C8,
+    C10,
+    C12,
+    C14,
+    C16,
+    C18,
+    C20,
+    C22,
+    S3,
+    S5,
+    S7,
+    S9,
+    S11,
+    S13,
+    S15,
+    S17,
+    S19,
+    S21,
+)
+from rockcli.kernels.lanes.vector.fused import bits, fma, gather
+from rockcli.kernels.lanes.vector.plain import WIDTH, load, select, store
+
+LANES = 256
+"""Lanes in flight."""
+
+ORDER = 8
+"""Of the polynomials."""
+
+(
+    LEN, END, FREE_0, FREE_S, FREE_C, FORCING_C, FORCING_S, SMALL, PEAK, LOOK,
+    Q, V, X, PIECE, CAP, STEPS, H, COEFFICIENTS,
+) = (field * WIDTH for field in range(18))  # fmt: skip
+SIDE, ETA, FAST, SLOW, SETTLING, IMPACTS, ONTO_LEFT, CASE, STRIDE = (
+    COEFFICIENTS + (ORDER + field) * WIDTH for field in range(9)
+)
+"""Numbers of a lane: state[i + f], i = `place(lane)`.  Those of a vector lie together, so that it comes from the cache
+in one piece: first what a step reads, then what it reads and writes or writes alone, then what only events need.
+
+The sample's length, the sample to stop before.  The law (T2) times -p^2, the forcing also times the side and the scale
+over g.  Last term allowed; largest q so far; rotation at which to look at the lane: of the equilibrium or beyond it.
+Where it is: q, its rate, place in the sample, sample, largest step; steps so far.  Length of the step tried, negative
+if it was taken, and its ORDER coefficients c_1, c_2, ...
+
+Sign of theta; restitution; impacts faster than FAST are counted, slower than SLOW may end in rest; least time to rest
+over the rate.  Impacts, those onto the left edge; row of the case, -1 if the lane is free.
+"""
+
+STATE = (LANES // WIDTH + 1) * STRIDE
+"""Numbers in a state; the last vector is there to be written to by those that are not full."""
+
+HALF_PI = 1.5707963267948966
+
+I2, I3, I4, I5, I6, I7, I8 = (1.0 / k for k in range(2, 9))
+
+
+@jit_lean
+def place(lane):
+    """Where the numbers of a lane begin."""
+    return lane // WIDTH * STRIDE + lane % WIDTH
+
+
+@jit_lean
+def sin_cos(x):
+    """`elementary.sin_cos` with fused multiply-adds."""
+    z = x * x
+    y = z * z
+    # even and odd powers of z apart: half the latency
+    s = fma(
+        z, fma(y, fma(y, fma(y, fma(y, S21, S17), S13), S9), S5), fma(y, fma(y, fma(y, fma(y, S19, S15), S11), S7), S3)
+    )
+    c = fma(y, fma(y, fma(y, fma(y, fma(y, C22, C18), C14), C10), C6), C2)
+    c = fma(z, fma(y, fma(y, fma(y, fma(y, C20, C16), C12), C8), C4), c)
+    return fma(x * z, s, x), fma(z, c, 1.0)
+
+
+@jit_lean
+def advance(st, i, values, slopes):
+    """Step WIDTH lanes from lane i on; what comes back is said in `settle`."""
+    q, v, x, piece = load(st, Q + i), load(st, V + i), load(st, X + i), load(st, PIECE + i)
+    full, cap = load(st, LEN + i), load(st, CAP + i)
+    h = select(full - x < cap, full - x, cap)
+    a1 = gather(slopes, piece)
+    a = fma(a1, x, gather(values, piece))
+    a1 = a1 * h
+    h2 = h * h
+    s0, k0 = sin_cos(q)
+    fc, fs = load(st, FORCING_C + i) * h2, load(st, FORCING_S + i) * h2
+    X0, Y0 = fma(fs, a, load(st, FREE_S + i) * h2), fma(fc, a, load(st, FREE_C + i) * h2)
+    X1, Y1 = fs * a1, fc * a1
+    # d_k = k c_k by (T3); the newest term outermost, to shorten the chain from one coefficient to the next
+    d1 = v * h
+    d2 = fma(Y0, k0, fma(X0, s0, load(st, FREE_0 + i) * h2))
+    s1, k1 = d1 * k0, -d1 * s0
+    d3 = I2 * fma(X0, s1, fma(Y0, k1, fma(X1, s0, Y1 * k0)))
+    s2, k2 = I2 * fma(d2, k0, d1 * k1), -I2 * fma(d2, s0, d1 * s1)
+    d4 = I3 * fma(X0, s2, fma(Y0, k2, fma(X1, s1, Y1 * k1)))
+    s3, k3 = I3 * fma(d3, k0, fma(d2, k1, d1 * k2)), -I3 * fma(d3, s0, fma(d2, s1, d1 * s2))
+    d5 = I4 * fma(X0, s3, fma(Y0, k3, fma(X1, s2, Y1 * k2)))
+    s4 = I4 * fma(d4, k0, fma(d3, k1, fma(d2, k2, d1 * k3)))
+    k4 = -I4 * fma(d4, s0, fma(d3, s1, fma(d2, s2, d1 * s3)))
+    d6 = I5 * fma(X0, s4, fma(Y0, k4, fma(X1, s3, Y1 * k3)))
+    s5 = I5 * fma(d5, k0, fma(d4, k1, fma(d3, k2, fma(d2, k3, d1 * k4))))
+    k5 = -I5 * fma(d5, s0, fma(d4, s1, fma(d3, s2, fma(d2, s3, d1 * s4))))
+    d7 = I6 * fma(X0, s5, fma(Y0, k5, fma(X1, s4, Y1 * k4)))
+    s6 = I6 * fma(d6, k0, fma(d5, k1, fma(d4, k2, fma(d3, k3, fma(d2, k4, d1 * k5)))))
+    k6 = -I6 * fma(d6, s0, fma(d5, s1, fma(d4, s2, fma(d3, s3, fma(d2, s4, d1 * s5)))))
+    d8 = I7 * fma(X0, s6, fma(Y0, k6, fma(X1, s5, Y1 * k5)))
+    return settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8)
+
+
+@jit_lean
+def advance_linear(st, i, values, slopes):
+    """`advance` for the linear law: sin q is q, cos q is 1."""
+    q, v, x, piece = load(st, Q + i), load(st, V + i), load(st, X + i), load(st, PIECE + i)
+    full, cap = load(st, LEN + i), load(st, CAP + i)
+    h = select(full - x < cap, full - x, cap)
+    a1 = gather(slopes, piece)
+    a = fma(a1, x, gather(values, piece))
+    h2 = h * h
+    fc, rate2 = load(st, FORCING_C + i) * h2, load(st, FREE_S + i) * h2
+    d1 = v * h
+    d2 = fma(rate2, q, fma(fc, a, (load(st, FREE_0 + i) + load(st, FREE_C + i)) * h2))
+    d3 = I2 * fma(rate2, d1, fc * (a1 * h))
+    d4, d5 = I3 * I2 * rate2 * d2, I4 * I3 * rate2 * d3
+    d6, d7 = I5 * I4 * rate2 * d4, I6 * I5 * rate2 * d5
+    d8 = I7 * I6 * rate2 * d6
+    return settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8)
+
+
+@jit_lean
+def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
+    """Move WIDTH lanes to the end of their steps: (lanes that call for attention, those of them that have moved,
+    those that may touch the base and nothing else, those that turn where the peak may be).
+
+    A lane stays where it is if it may touch the base, passes LOOK or the ground, or if its last term is too
+    large: then its next step is half as long.  One that moved and calls all the same has come to the end of its
+    samples.  What was tried is stored for every lane, as a branch that is taken often costs more than the stores.
+    """
+    c1, c2, c3, c4, c5, c6, c7, c8 = d1, I2 * d2, I3 * d3, I4 * d4, I5 * d5, I6 * d6, I7 * d7, I8 * d8
+    q_end = q + (c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8)))))
+    v_end = (d1 + (d2 + ((d3 + d4) + ((d5 + d6) + (d7 + d8))))) / h
+    error = abs(c8)
+    bend = (abs(c2) + abs(c3)) + ((abs(c4) + abs(c5)) + (abs(c6) + (abs(c7) + error)))
+    reach = abs(c1) + bend
+    small, look, peak = load(st, SMALL + i), load(st, LOOK + i), load(st, PEAK + i)
+    smooth = error <= small
+    lost = ~smooth & ~(h > 1e-9 * full)
+    # one that leaves rest: nothing but its first terms, upward, counts
+    launch = (c1 == 0.0) & (q == 0.0) & (c2 >= 0.0) & (c3 > 0.0) & (2.0 * (abs(c2) + abs(c3)) > bend)
+    base = smooth & (q <= reach) & (c1 <= bend) & ~launch
+    upper = q + reach
+    low = smooth & (upper < look)
+    higher = (v > 0.0) & (upper > peak)
+    turns = higher & (v_end <= 0.0)
+    near = low & base & (abs(c1) > 0.0) & ~(higher & (v_end > 0.0))
+    passes = smooth & (upper >= look) & (turns | (q < look) & (q_end >= look) | (upper >= HALF_PI))
+    place = x + h
+    whole = (h == full - x) | (place >= full)
+    piece_end = select(whole, piece + 1.0, piece)
+    ends = piece_end >= load(st, END + i)
+    last = low & turns & ends & ~base
+    event = base | passes | ~smooth | last
+    over = ends & ~event
+    store(st, Q + i, select(event, q, q_end))
+    store(st, V + i, select(event, v, v_end))
+    store(st, X + i, select(event, x, select(whole, 0.0 * x, place)))
+    store(st, PIECE + i, select(event, piece, piece_end))
+    coarse = (h == cap) & (256.0 * error < small)
+    store(st, CAP + i, select(smooth, select(coarse, 2.0 * cap, cap), 0.5 * h))
+    store(st, STEPS + i, load(st, STEPS + i) + 1.0)
+    store(st, H + i, select(event, h, -h))
+    store(st, COEFFICIENTS + i, c1)
+    store(st, COEFFICIENTS + WIDTH + i, c2)
+    store(st, COEFFICIENTS + 2 * WIDTH + i, c3)
+    store(st, COEFFICIENTS + 3 * WIDTH + i, c4)
+    store(st, COEFFICIENTS + 4 * WIDTH + i, c5)
+    store(st, COEFFICIENTS + 5 * WIDTH + i, c6)
+    store(st, COEFFICIENTS + 6 * WIDTH + i, c7)
+    store(st, COEFFICIENTS + 7 * WIDTH + i, c8)
+    return bits(base & ~near | passes | lost | last | over), bits(over), near, low & turns & ~last

@@ -1,0 +1,1 @@
+"""Arithmetic of lanes: vectors compiled or plain, elementary functions, roots of polynomials."""

@@ -1,0 +1,83 @@
+"""A vector of WIDTH doubles as one value: lane code reads like scalar code and runs on whole vector registers.
+
+Compiled, a vector is one of LLVM (`compiled`); as plain Python it is a numpy array of WIDTH numbers, with the
+same operators and the same bits.  No operation mixes lanes but `some` and `note`, so that what a lane gets does not
+depend on its neighbours.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rockcli.kernels import jit as door
+
+WIDTH = 16
+"""Lanes of a vector: two registers of AVX-512 or four of AVX2, whose latencies overlap."""
+
+
+def room(n: int) -> Any:
+    """Work space of n numbers that begins where a register's worth of memory does: no load straddles two lines."""
+    memory = np.zeros(n + 8)
+    begin = (-memory.ctypes.data // 8) % 8
+    return memory[begin : begin + n]
+
+
+def load(array: Any, i: int) -> Any:
+    """Elements i ... i + WIDTH - 1 of a contiguous array of floats."""
+    return array[i : i + WIDTH].copy()
+
+
+def store(array: Any, i: int, value: Any) -> None:
+    """Write a vector to elements i ... i + WIDTH - 1 of a contiguous array."""
+    array[i : i + WIDTH] = value
+
+
+def spread(x: float) -> Any:
+    """A number in every lane."""
+    return np.full(WIDTH, x)
+
+
+def select(where: Any, a: Any, b: Any) -> Any:
+    """a where it is so, else b; either may be a number."""
+    return np.where(where, a, b)
+
+
+def some(where: Any) -> bool:
+    """Whether it is so in any lane."""
+    return bool(where.any())
+
+
+def sqrt(x: Any) -> Any:
+    """Square root, rounded correctly."""
+    return np.sqrt(x)
+
+
+def bits_of(x: Any) -> Any:
+    """The bits of each number read as an integer, as a float."""
+    return x.view(np.int64).astype(np.float64)
+
+
+def from_bits(x: Any) -> Any:
+    """The number whose bits, read as an integer, are x cut to an integer."""
+    return x.astype(np.int64).view(np.float64)
+
+
+def gather(array: Any, index: Any) -> Any:
+    """The elements of a contiguous array that a vector of whole numbers names."""
+    return array[index.astype(np.int64)]
+
+
+def note(where: Any, first: float, array: Any, n: int) -> int:
+    """Append first + lane to array[n], array[n + 1], ... for the lanes where it is so; the new n."""
+    lanes = np.flatnonzero(where)
+    array[n : n + len(lanes)] = first + lanes
+    return n + len(lanes)
+
+
+if door.compiling():
+    from rockcli.kernels.lanes.vector import compiled
+
+    for _name in ("load", "store", "spread", "select", "some", "sqrt", "bits_of", "from_bits", "gather", "note"):
+        globals()[_name] = getattr(compiled, _name)

@@ -1,0 +1,103 @@
+"""Friction and normal force at the edge, and their extremes on a step (docs/theory.md, T9)."""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.rigid.layout import ALPHA, MU, N_MIN, RADIUS, RATE_PEAK
+from rockcli.kernels.rigid.series import bend, slope, third, value
+
+RATE, NORMAL, FRICTION = 0, 1, 2
+"""What is watched: |q'|, N and |T|/N; its values stand in slots 0-2, its derivatives (to their sign) in slots 3-5."""
+
+
+@jit_lean
+def contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force):
+    """Rate, N/g and |T|/N at y, and what has the sign of their derivatives, into force[0:6]; per unit mass.
+
+    T = a_g + s R (cos b q'' + sin b q'^2), N = g + a_v + R (sin b q'' - cos b q'^2), b = alpha - q.
+    """
+    q, v, acc, jerk = value(c, n, y), slope(c, n, y), bend(c, n, y), third(c, n, y)
+    beta, R = par[e + ALPHA] - q, par[e + RADIUS]
+    sin_b, cos_b = math.sin(beta), math.cos(beta)
+    T = value(a, deg_a, y) + s * R * (cos_b * acc + sin_b * v * v)
+    N = g + value(a_v, deg_v, y) + R * (sin_b * acc - cos_b * v * v)
+    dT = slope(a, deg_a, y) + s * R * (cos_b * jerk + 3.0 * sin_b * v * acc - cos_b * v * v * v)
+    dN = slope(a_v, deg_v, y) + R * (sin_b * jerk - 3.0 * cos_b * v * acc - sin_b * v * v * v)
+    force[0], force[1] = abs(v), N / g
+    force[2] = abs(T) / N if N > 0.0 else math.inf
+    force[3], force[4] = v * acc, -dN
+    force[5] = T * (dT * N - T * dN)
+
+
+@jit_lean
+def note(force, out):
+    """Raise the largest rate and friction, lower the smallest normal force."""
+    out[RATE_PEAK] = max(out[RATE_PEAK], force[RATE])
+    out[N_MIN] = min(out[N_MIN], force[NORMAL])
+    out[MU] = max(out[MU], force[FRICTION])
+
+
+@jit_lean
+def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out):
+    """Largest rate and friction and smallest normal force on [0, x].
+
+    Each of `parts` parts is looked at at its ends, and where a derivative says that an extreme lies inside, there.
+    """
+    contact(par, e, s, g, c, n, 0.0, a, deg_a, a_v, deg_v, force)
+    note(force, out)
+    d0, d1, d2 = force[3], force[4], force[5]
+    width = x / parts
+    for j in range(1, parts + 1):
+        y = width * j if j < parts else x
+        contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force)
+        note(force, out)
+        e0, e1, e2 = force[3], force[4], force[5]
+        for what in range(3):
+            f_lo, f_hi = (d0, e0) if what == 0 else ((d1, e1) if what == 1 else (d2, e2))
+            if f_lo > 0.0 > f_hi:
+                extreme(par, e, s, g, c, n, y - width, y, f_lo, f_hi, what, a, deg_a, a_v, deg_v, force, out)
+        d0, d1, d2 = e0, e1, e2
+
+
+@jit_lean
+def extreme(par, e, s, g, c, n, lo, hi, f_lo, f_hi, what, a, deg_a, a_v, deg_v, force, out):
+    """Locate a maximum of `what` (of -N for NORMAL) in [lo, hi] by its derivative (Illinois method) and note it."""
+    kept = 0
+    z = lo
+    for _ in range(40):
+        last, z = z, (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
+        contact(par, e, s, g, c, n, z, a, deg_a, a_v, deg_v, force)
+        f = force[3 + what]
+        if f == 0.0 or abs(z - last) <= 1e-9 * hi:  # flat here: the error is of second order
+            break
+        if f < 0.0:
+            hi, f_hi = z, f
+            if kept == 1:
+                f_lo *= 0.5
+            kept = 1
+        else:
+            lo, f_lo = z, f
+            if kept == -1:
+                f_hi *= 0.5
+            kept = -1
+    note(force, out)
+
+
+@jit_lean
+def watch_rest(a, deg_a, a_v, deg_v, g, x, out):
+    """Friction |a_g|/(g + a_v) and normal force of a body at rest on [0, x]."""
+    parts = 1 if max(deg_a, deg_v) <= 1 else 32
+    width = x / parts
+    mu_0 = mu_1 = 0.0
+    for j in range(parts + 1):
+        N = g + value(a_v, deg_v, width * j)
+        out[N_MIN] = min(out[N_MIN], N / g)
+        mu = abs(value(a, deg_a, width * j)) / N if N > 0.0 else math.inf
+        out[MU] = max(out[MU], mu)
+        if j >= 2 and mu_1 > mu_0 and mu_1 >= mu and mu_1 < math.inf:
+            # vertex of the parabola through three points
+            z = width * (j - 1) + 0.5 * width * (mu_0 - mu) / (mu_0 - 2.0 * mu_1 + mu)
+            out[MU] = max(out[MU], abs(value(a, deg_a, z)) / (g + value(a_v, deg_v, z)))
+        mu_0, mu_1 = mu_1, mu

@@ -1,0 +1,191 @@
+"""The sliding body as a hybrid automaton: modes STICK and SLIDE, Coulomb friction, no rotation (docs/theory.md).
+
+Relative to the ground the body moves with `u'' = -a_g - mu (g + a_v) sgn(u')`; it sticks until
+`|a_g| > mu (g + a_v)`.  The velocity is the integral of the ground acceleration and of a constant, so its Taylor
+series is that of the motion: exact on a straight line between samples, to rounding on a pulse.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.jit import jit, zeros_maker
+from rockcli.kernels.rigid.edge_forces import watch_rest
+from rockcli.kernels.rigid.ground import NOTHING, SAMPLES, expand, piece_end
+from rockcli.kernels.rigid.layout import (
+    DONE,
+    FRICTION,
+    GRAVITY,
+    LASTS,
+    MOTION_ENDS,
+    N_MIN,
+    N_STEPS,
+    OUT_OF_STEPS,
+    REPORT_ENDS,
+    SCALE_H,
+    SCALE_V,
+    SLIDE_END,
+    SLIDE_OUT,
+    SLIDE_PEAK,
+    STATUS,
+    T_END,
+    T_FLIGHT,
+)
+from rockcli.kernels.rigid.roots import NO_ROOT, first_root, uplift
+from rockcli.kernels.rigid.series import value
+
+zeros = zeros_maker()
+
+STICK, SLIDE = 0, 1
+
+MAX_ORDER = 30
+"""Highest order of a Taylor step."""
+
+
+@jit
+def slide(
+    par, max_steps, hk, h_values, h_dt, h_table, h_n, vk, v_values, v_dt, v_table, v_n,
+    dt_out, u_out, rate_out, way_out, out,
+):  # fmt: skip
+    """Solve one case; channels as those of `march`.
+
+    Displacement and velocity relative to the ground at i dt_out go to u_out, rate_out; to way_out the direction of
+    sliding, 0 while the body sticks.
+    """
+    n_hist = len(u_out)
+    mu, g, t_motion = par[FRICTION], par[GRAVITY], par[MOTION_ENDS]
+    for i in range(SLIDE_OUT):
+        out[i] = 0.0
+    out[STATUS] = DONE
+    out[N_MIN], out[T_FLIGHT] = math.inf, math.nan
+    c, a, a_v, guard = zeros(MAX_ORDER + 2), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1)
+    t = u = w = 0.0
+    d = 1.0
+    mode, launch = STICK, False
+    ih = iv = i_hist = stalled = 0
+
+    while t < t_motion or mode == SLIDE:
+        if out[N_STEPS] >= max_steps:
+            out[STATUS] = OUT_OF_STEPS
+            break
+        out[N_STEPS] += 1
+        t_next = t_motion if t < t_motion else math.inf
+        if par[LASTS] == 1.0 and t < par[REPORT_ENDS]:
+            t_next = min(t_next, par[REPORT_ENDS])
+        deg_a = deg_v = 0
+        a[0] = a_v[0] = 0.0
+        if t < t_motion:
+            if hk != NOTHING:
+                while ih < h_n and piece_end(hk, h_table, h_dt, ih) <= t:
+                    ih += 1
+                if ih < h_n:
+                    t_next = min(t_next, piece_end(hk, h_table, h_dt, ih))
+                    deg_a = expand(hk, h_values, h_dt, par[SCALE_H], h_table, ih, t, MAX_ORDER, a)
+            if vk != NOTHING:
+                while iv < v_n and piece_end(vk, v_table, v_dt, iv) <= t:
+                    iv += 1
+                if iv < v_n:
+                    t_next = min(t_next, piece_end(vk, v_table, v_dt, iv))
+                    deg_v = expand(vk, v_values, v_dt, par[SCALE_V], v_table, iv, t, MAX_ORDER, a_v)
+        h = t_next - t
+        deg = max(deg_a, deg_v)
+        for k in range(deg_a + 1, deg + 1):
+            a[k] = 0.0
+        for k in range(deg_v + 1, deg + 1):
+            a_v[k] = 0.0
+        if deg > 1:  # keep to where the series of the motion has converged
+            for k in range(deg - 1, deg + 1):
+                big = max(abs(a[k]), abs(a_v[k]))
+                if big > 0.0:
+                    h = min(h, (1e-17 * mu * g / big) ** (1.0 / k))
+        elif t_next == math.inf:
+            h = 2.0 * w / (mu * g)  # the ground is still: the body stops half-way
+
+        # free flight: the normal force vanishes
+        for k in range(deg + 1):
+            guard[k] = a_v[k]
+        guard[0] += g
+        flight = 0.0 if guard[0] <= 0.0 else first_root(guard, deg, h, 0)
+
+        event = NO_ROOT
+        if mode == STICK:
+            for side in range(2):
+                sign = 1.0 if side == 0 else -1.0
+                for k in range(deg + 1):
+                    guard[k] = mu * a_v[k] + sign * a[k]
+                guard[0] += mu * g
+                root = uplift(guard, deg, h, mu * g)
+                if root != NO_ROOT and (event == NO_ROOT or root < event):
+                    event, d = root, sign
+            if stalled > 100:  # slips and sticks again and again at one instant
+                event, stalled, h = NO_ROOT, 0, min(h, max(1e-12 * h, 4e-16 * t))
+        else:
+            c[0] = w
+            for k in range(deg + 1):
+                c[k + 1] = -(mu * a_v[k] + d * a[k]) / (k + 1)
+            c[1] -= mu * g
+            if launch:
+                c[1] = max(c[1], 0.0)  # what has just broken loose is not slowed down by rounding
+            skip = 0
+            while skip < min(deg + 1, 4) and c[skip] == 0.0:
+                skip += 1
+            event = 0.0 if c[skip] <= 0.0 else first_root(c, deg + 1, h, skip)
+        x = h if event == NO_ROOT else event
+        if flight != NO_ROOT and flight <= x:
+            x, event = flight, NO_ROOT
+            out[T_FLIGHT] = t + flight
+        watch_rest(a, deg_a, a_v, deg_v, g, x, out)
+
+        t_new = t_next if x == t_next - t else t + x
+        while i_hist < n_hist and i_hist * dt_out <= t_new:
+            y = i_hist * dt_out - t
+            u_out[i_hist], rate_out[i_hist], way_out[i_hist] = u, 0.0, 0.0
+            if mode == SLIDE:
+                u_out[i_hist] = u + d * _distance(c, deg + 1, y)
+                rate_out[i_hist], way_out[i_hist] = d * value(c, deg + 1, y), d
+            i_hist += 1
+        stalled = stalled + 1 if t_new == t else 0
+        if mode == SLIDE:
+            u += d * _distance(c, deg + 1, x)
+            w = max(value(c, deg + 1, x), 0.0)
+            if abs(u) > abs(out[SLIDE_PEAK]) and (par[LASTS] == 0.0 or t_new <= par[REPORT_ENDS]):
+                out[SLIDE_PEAK] = u
+        launch = False
+        t = t_new
+        if not math.isnan(out[T_FLIGHT]):
+            break
+        if event != NO_ROOT:
+            launch = mode == STICK
+            mode = SLIDE if mode == STICK else STICK
+            w = 0.0
+        if t >= t_motion and mode == SLIDE and w == 0.0:
+            mode = STICK
+
+    out[SLIDE_END] = u
+    out[T_END] = par[REPORT_ENDS] if par[LASTS] == 1.0 else min(t, par[REPORT_ENDS])
+    while i_hist < n_hist and i_hist * dt_out <= out[T_END] and math.isnan(out[T_FLIGHT]):
+        u_out[i_hist], rate_out[i_hist], way_out[i_hist] = u, 0.0, 0.0
+        i_hist += 1
+
+
+@jit
+def _distance(c, n, x):
+    """Integral of the polynomial c[0] + ... + c[n] x^n from 0 to x."""
+    y = c[n] / (n + 1)
+    for k in range(n - 1, -1, -1):
+        y = y * x + c[k] / (k + 1)
+    return y * x
+
+
+@jit
+def slide_all(
+    pars, max_steps, hk, h_values, h_dt, h_tables, h_n, vk, v_values, v_dt, v_tables, v_n,
+    dt_out, u_out, rate_out, way_out, out,
+):  # fmt: skip
+    """`slide` for every row of `pars`; tables of pulses, histories and results row by row too."""
+    for i in range(len(pars)):
+        slide(
+            pars[i], max_steps, hk, h_values, h_dt, h_tables[i if hk > SAMPLES else 0], h_n,
+            vk, v_values, v_dt, v_tables[i if vk > SAMPLES else 0], v_n,
+            dt_out, u_out[i], rate_out[i], way_out[i], out[i],
+        )  # fmt: skip
