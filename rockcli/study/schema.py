@@ -345,6 +345,8 @@ _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
 
 def json_schema() -> dict[str, Any]:
     """JSON Schema of a study file, short forms included."""
+    for each in Part.__subclasses__():
+        each.model_rebuild()  # before 2.14 pydantic describes no default that is a part whose building is deferred
     schema = StudyPart.model_json_schema(by_alias=True)
     for (part, name), short in _SHORTHANDS.items():
         properties = (schema if part == "StudyPart" else schema["$defs"][part])["properties"]

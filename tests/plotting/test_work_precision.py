@@ -67,8 +67,8 @@ def test_samplings_of_several_models_say_whose_they_are():
 
 
 def test_names_do_not_lie_on_one_another():
-    axes = figure("work_precision", traded(["event"])).axes[1]
-    whole = axes.get_figure(root=True)
+    whole = figure("work_precision", traded(["event"]))
+    axes = whole.axes[1]
     whole.draw_without_rendering()
     boxes = sorted((text.get_window_extent() for text in axes.texts), key=lambda box: box.y0)
     assert all(low.y1 <= high.y0 for low, high in pairwise(boxes))
