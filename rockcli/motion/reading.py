@@ -49,6 +49,9 @@ FOREIGN = {
 }
 """Formats that are not read, by words at the beginning of their files: to name them to the user."""
 
+SLOW = 0.5
+"""Time step from which the units of time are doubted aloud [s]: strong motion is sampled ten times as often."""
+
 OFFSET = 0.05
 """Mean value over PGA above which it is mentioned: the raw output of an instrument, not a motion."""
 
@@ -140,19 +143,21 @@ def _motion(found: Found, path: Path, sha256: str) -> Motion:
         name=path.name,
         sha256=sha256,
         processing=(*found.processing, *converted),
-        warnings=(*found.warnings, *_remarks(values, in_g)),
+        warnings=(*found.warnings, *_remarks(values, found.dt, in_g)),
         format=found.format,
         component=found.component,
         header=found.header,
     )
 
 
-def _remarks(values: NDArray[np.float64], in_g: bool) -> tuple[str, ...]:
+def _remarks(values: NDArray[np.float64], dt: float, in_g: bool) -> tuple[str, ...]:
     peak, mean = float(np.abs(values).max()), float(values.mean())
     unit = "g" if in_g else "m/s2"
     remarks = []
     if peak > (LARGE if in_g else LARGE * 9.81):
         remarks.append(f"the peak is {peak:.4g} {unit}: are the units right?")
+    if dt >= SLOW:
+        remarks.append(f"the time step is {dt:g} s: is the time in seconds, and not in ms?")
     if abs(mean) > OFFSET * peak > 0.0:
         remarks.append(
             f"the mean value is {mean:.3g} {unit}, {abs(mean) / peak:.0%} of the peak, as an instrument's offset "

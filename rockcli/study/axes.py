@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Any
+from unicodedata import category
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +24,14 @@ from rockcli.study.records import Records
 from rockcli.study.study import MATCH, Axis
 from rockcli.study.table import Table, read_table
 from rockcli.study.tree import List, Map, Places, Source, Where, nearest, place
-from rockcli.study.values import describe, is_finite
+from rockcli.study.values import describe, is_finite, number_or_expression
+from rockcli.study.variation import Variation
 
 MAX_POINTS = 10_000_000
 MAX_CASES = 2**40
+
+UNFIT = ("Cc", "Cs", "Zl", "Zp")
+"""Categories of characters that no label may hold: control characters, lone surrogates, ends of lines."""
 
 RANGE = ("from", "to", "n", "spacing", "find")
 
@@ -39,41 +44,6 @@ IN_OTHER_WORDS = {
     **dict.fromkeys(("scale", "step", "space"), "spacing"),
 }
 """What other programs call the keys of a range."""
-
-
-@dataclass(frozen=True, eq=False)
-class Variation:
-    """An axis and what its points put into a case.
-
-    Attributes:
-        axis: as the dataset has it.
-        path: of the axis from the top of a study.
-        settings: per point, what is put where (several settings for `case` and for a table).
-        columns: path -> number of every point, for an axis whose points differ only in numbers that may differ
-            within a batch; None for others.
-        where: place of every point in the study file.
-        table: name of the file the axis was read from; None = none.
-        find: `overturning` for a range that is searched and makes no dimension, else None.
-    """
-
-    axis: Axis
-    path: Path
-    settings: tuple[tuple[Setting, ...], ...]
-    columns: dict[Path, NDArray[np.float64]] | None
-    where: Callable[[int], Where]
-    table: str | None = None
-    find: str | None = None
-
-    @property
-    def size(self) -> int:
-        """Number of points."""
-        return self.axis.size
-
-    def points(self) -> tuple[tuple[Setting, ...], ...]:
-        """What each point puts into a case; of points that differ only in numbers, the first."""
-        if self.columns is None:
-            return self.settings
-        return (tuple((path, values[0], self.where(0)) for path, values in self.columns.items()),)
 
 
 _SYMBOL_PATHS = (("case", "block"), ("case", "g"))
@@ -266,6 +236,11 @@ class _Reader:
         if len(set(labels)) < len(labels):
             twice = next(label for label in labels if labels.count(label) > 1)
             raise self.fail(f"repeats {twice!r}")
+        for label in labels:
+            if odd := [character for character in label if category(character) in UNFIT]:
+                raise self.fail(
+                    f"has the label {label[:100]!a}: {odd[0]!a} is no character of a label, which is a line"
+                )
         axis = Axis(self.text, self.text, tuple(labels), False, files=files)
         columns = self.columns(settings)
         return Variation(axis, self.path, () if columns else tuple(settings), columns, where, table)
@@ -285,15 +260,28 @@ class _Reader:
     def put(self, value: Any, where: Where, *more: str | int) -> tuple[Setting, ...]:
         """What one point puts into a case."""
         if self.path != ("case",) and not (isinstance(value, Map) and any("." in key for key in value)):
-            return ((self.path, value, where),)
+            return ((self.path, self.checked(self.path, value, *more), where),)
         if not isinstance(value, Map) or not value:
             raise self.fail(f"is {describe(value)}; expected a mapping of keys of the case", *more)
-        point = tuple((self.below(key, *more), item, value.where.get(key, where)) for key, item in value.items())
+        paths = [self.below(key, *more) for key in value]
+        point = tuple(
+            (path, self.checked(path, item, *more, key), value.where.get(key, where))
+            for path, (key, item) in zip(paths, value.items(), strict=True)
+        )
         said = [
             (key, leaf, path) for key, (path, item, _) in zip(value, point, strict=True) for leaf, _ in leaves(item)
         ]
         self.once([".".join((key, *leaf)) for key, leaf, _ in said], [(*path, *leaf) for _, leaf, path in said], *more)
         return point
+
+    def checked(self, path: Path, value: Any, *more: str | int) -> Any:
+        """A value, if it is none of a symbol of `let`, or one that a symbol can have."""
+        if path[0] == "let":
+            try:
+                number_or_expression(value)
+            except ValueError as error:
+                raise self.fail(f": {error}", *more) from None
+        return value
 
     def once(self, names: list[str], paths: list[Path], *more: str | int) -> None:
         """Refuse keys of one point that say the same thing twice."""
@@ -378,7 +366,10 @@ class _Reader:
         paths = [self.below(column) for column in table.columns]
         self.once(table.columns, paths)
         settings = [
-            tuple((path, self.as_number(path, value), line) for path, value in zip(paths, row, strict=True))
+            tuple(
+                (path, self.as_number(path, self.checked(path, value)), line)
+                for path, value in zip(paths, row, strict=True)
+            )
             for row in table.rows
         ]
         return self.labelled(table.labels, settings, Places(beyond=line), name)

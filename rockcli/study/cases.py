@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
-from rockcli.study.axes import Variation
 from rockcli.study.build import build_batch
 from rockcli.study.check import check_case
 from rockcli.study.expressions import ExpressionError, parse
@@ -20,6 +19,7 @@ from rockcli.study.overlay import Setting, overlaid
 from rockcli.study.records import Records
 from rockcli.study.study import Index
 from rockcli.study.tree import Map, Source, Where
+from rockcli.study.variation import Variation
 
 Array = NDArray[np.float64]
 Points = dict[int, NDArray[np.int64]]

@@ -10,7 +10,7 @@ from rockcli.scene.excitation import Channel, Samples
 from rockcli.scene.models import MODELS
 from rockcli.study.motion import MOTION
 from rockcli.study.numbers import Numbers
-from rockcli.study.tree import Keys, value_at
+from rockcli.study.tree import Keys, dotted, value_at
 
 Array = NDArray[np.float64]
 
@@ -22,6 +22,13 @@ TALL = 200.0
 
 STILL = "nothing moves: there is no motion and no initial state"
 
+_ANGLES: tuple[Keys, ...] = (
+    (*MOTION, "record", "angle"),
+    (*MOTION, "pulse", "nu"),
+    (*MOTION, "vertical", "pulse", "nu"),
+)
+"""Directions and phases [rad]."""
+
 _RELATIVE = ("a_p_over_g_tan_alpha", "pga_over_g_tan_alpha", "scale", "pgv")
 """Amplitudes that no wrong unit of acceleration can make too large."""
 
@@ -31,7 +38,17 @@ def doubts_about(numbers: Numbers, batch: Batch) -> list[str]:
     with np.errstate(all="ignore"):
         said = [_too_weak(batch), _too_tall(batch), _too_strong(numbers, batch, MOTION, batch.excitation.horizontal)]
         said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), batch.excitation.vertical))
+        said += [_in_degrees(numbers, keys) for keys in _ANGLES]
     return [sentence for sentence in said if sentence]
+
+
+def _in_degrees(numbers: Numbers, keys: Keys) -> str:
+    """Where a direction or a phase goes round more than once."""
+    value = numbers.value(keys)
+    largest = 0.0 if value is None else float(np.abs(value).max())
+    if largest <= 2.0 * np.pi * (1.0 + 1e-9):
+        return ""
+    return f"{dotted(keys[1:])} is {largest:.4g} rad: if degrees are meant, write {largest:.4g}*deg"
 
 
 def _too_tall(batch: Batch) -> str:

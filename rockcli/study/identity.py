@@ -11,11 +11,11 @@ import numpy as np
 import yaml
 
 import rockcli
-from rockcli.study.axes import Variation
 from rockcli.study.loader import scalar
 from rockcli.study.overlay import Path, overlaid, remaining
 from rockcli.study.schema import CasePart
 from rockcli.study.tree import Map, value_at
+from rockcli.study.variation import Variation
 
 
 def identity(

@@ -19,6 +19,9 @@ from rockcli.study.tree import List, Map, Source, Where
 
 __all__ = ["load_any", "load_file", "load_mapping", "load_value", "scalar"]
 
+NAMES = ("name", "title", "references")
+"""Keys of a study that are text, also where it reads as a number: `name: 007`."""
+
 MAX_DEPTH = 40
 MAX_VALUES = 200_000
 
@@ -68,11 +71,12 @@ def load_any(path: Path) -> Any:
     return _parse(text, Source(path), None)
 
 
-def load_value(text: str, label: str) -> Any:
-    """Read the value of a `--set`; its place is `label`."""
+def load_value(text: str, label: str, *, named: bool = False) -> Any:
+    """Read the value of a `--set`; its place is `label`.  `named`: of a key of NAMES."""
     if len(text) > MAX_BYTES:
         raise StudyError("the value is too long", file=label)
-    return _parse(text, Source(None), label)
+    value = _parse(text, Source(None), label)
+    return text.strip() if named and type(value) in (int, float) else value
 
 
 def load_mapping(value: Any) -> Map:
@@ -132,6 +136,8 @@ class _Builder:
             raise self.source.placed(self.place(node), f"the tag {node.tag!r} is not allowed here")
         if isinstance(node, yaml.MappingNode):
             return self.mapping(node, depth)
+        if isinstance(node, yaml.ScalarNode) and (why := _unfit(node.value)):
+            raise self.source.placed(self.place(node), why)
         if isinstance(node, yaml.SequenceNode):
             return List([self.value(n, depth + 1) for n in node.value], [self.place(n) for n in node.value])
         return scalar(str(node.value)) if node.tag == PLAIN else str(node.value)
@@ -142,10 +148,14 @@ class _Builder:
             if not isinstance(key_node, yaml.ScalarNode):
                 raise self.source.placed(self.place(key_node), "a key is a word, not a list or a mapping")
             key = key_node.value
+            if why := _unfit(key):
+                raise self.source.placed(self.place(key_node), why)
             if key in result:
                 first = result.where[key]
                 raise self.source.placed(self.place(key_node), f"duplicate key {key!r} (first on line {first})")
             result[key] = self.value(value_node, depth + 1)
+            if depth == 0 and key in NAMES and type(result[key]) in (int, float):
+                result[key] = str(value_node.value)
             result.where[key] = self.place(key_node)
         return result
 
@@ -163,12 +173,21 @@ def scalar(text: str) -> Any:
     return _SPECIAL.get(text.lower(), text)
 
 
+def _unfit(text: str) -> str:
+    """What no text may hold, also where it is written as an escape: what YAML refuses as it is; "" if all is well."""
+    found = yaml.reader.Reader.NON_PRINTABLE.search(text)
+    return f"the character {found[0]!a} is not allowed" if found else ""
+
+
 def _plain(value: Any, depth: int, count: list[int]) -> Any:
     count[0] += 1
     if depth > MAX_DEPTH:
         raise StudyError(f"nested too deeply (at most {MAX_DEPTH} levels)")
     if count[0] > MAX_VALUES:
         raise StudyError(f"more than {MAX_VALUES} values")
+    for text in value if isinstance(value, dict) else (value,):
+        if isinstance(text, str) and (why := _unfit(text)):
+            raise StudyError(f"{text[:100]!a}: {why}")
     if isinstance(value, dict):
         return Map({str(key): _plain(item, depth + 1, count) for key, item in value.items()})
     if isinstance(value, np.ndarray):

@@ -25,7 +25,7 @@ from rockcli.scene.variables import (
     SCALARS_LARGE,
     SCALARS_SLIDING,
 )
-from rockcli.study.axes import Evaluate, Variation, read_axes
+from rockcli.study.axes import Evaluate, read_axes
 from rockcli.study.build import build_batch
 from rockcli.study.cases import Cases
 from rockcli.study.check import check_case, check_study
@@ -45,6 +45,7 @@ from rockcli.study.shorthands import expanded
 from rockcli.study.study import Study
 from rockcli.study.tree import Map, Source
 from rockcli.study.unused import replaced_records, unused_symbols
+from rockcli.study.variation import Variation
 
 HISTORIES_UP_TO = 100
 """Cases up to which histories are saved unless the study says otherwise."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from rockcli.errors import StudyError
-from rockcli.study.axes import Variation
 from rockcli.study.check import fields_at
-from rockcli.study.loader import load_value
+from rockcli.study.loader import NAMES, load_value
 from rockcli.study.overlay import leaves, overlaid, remaining
 from rockcli.study.paths import resolve
 from rockcli.study.schema import StudyPart
 from rockcli.study.tree import Map, nearest, value_at
+from rockcli.study.variation import Variation
 
 
 def apply_overrides(study: Map, overrides: Sequence[tuple[str, str]]) -> Map:
@@ -22,7 +22,8 @@ def apply_overrides(study: Map, overrides: Sequence[tuple[str, str]]) -> Map:
     """
     for path, text in overrides:
         label = _label(path, text)
-        keys, value = _keys(path, label), load_value(text, label)
+        keys = _keys(path, label)
+        value = load_value(text, label, named=keys[0] in NAMES)
         if isinstance(value, Map):
             value.whole = keys[0] != "case"  # axes, symbols and what is saved are set as a whole
         study = overlaid(study, [(keys, value, label)])

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.thresholds import BESIDE, FOUND, PARTS
-from rockcli.study.axes import Variation
 from rockcli.study.cases import Cases
 from rockcli.study.over import AMPLITUDES
 from rockcli.study.study import Axis, Index, Over
 from rockcli.study.tree import Map, Source
+from rockcli.study.variation import Variation
 
 Array = NDArray[np.float64]
 

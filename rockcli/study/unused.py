@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from rockcli.scene.models import FLEXIBLE
-from rockcli.study.axes import Variation
 from rockcli.study.expressions import ExpressionError, parse
 from rockcli.study.overlay import overlaid
 from rockcli.study.tree import Map, value_at
+from rockcli.study.variation import Variation
 
 FINITE_ELEMENTS = ("accuracy", "rtol", "method", "dt", "yield_rotation")
 

@@ -12,7 +12,7 @@ from rockcli.study.expressions import ExpressionError, parse
 from rockcli.study.tree import nearest
 
 
-def _number(value: Any) -> Any:
+def number_or_expression(value: Any) -> Any:
     """A finite number or the text of an expression."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"a number or an expression is expected, not {describe(value)}")
@@ -50,19 +50,19 @@ def _edges(value: Any) -> Any:
     if isinstance(value, list):
         if len(value) != 2:
             raise ValueError("a number, or the two distances [left, right], is expected")
-        return [_number(item) for item in value]
-    return _number(value)
+        return [number_or_expression(item) for item in value]
+    return number_or_expression(value)
 
 
 def _eta(value: Any) -> Any:
-    return value if value == "housner" else _number(value)
+    return value if value == "housner" else number_or_expression(value)
 
 
 def _pair(value: Any) -> Any:
     if not isinstance(value, list) or len(value) != 2:
         shown = repr(list(value)) if isinstance(value, list) and len(repr(value)) < 60 else describe(value)
         raise ValueError(f"two numbers, [from, to], are expected, not {shown}")
-    return [_number(item) for item in value]
+    return [number_or_expression(item) for item in value]
 
 
 def _files(value: Any) -> Any:
@@ -85,7 +85,7 @@ def _outline(value: Any) -> Any:
             shown = list(point) if isinstance(point, list) else point
             raise ValueError(f"point {i + 1} is {describe(repr(shown))}; two numbers, [x, z], are expected")
         for number in point:
-            _number(number)
+            number_or_expression(number)
     return value
 
 
@@ -124,7 +124,7 @@ def _audit(value: Any) -> Any:
 
 NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
 PAIR_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
-Number = Annotated[Any, BeforeValidator(_number), WithJsonSchema(NUMBER_SCHEMA)]
+Number = Annotated[Any, BeforeValidator(number_or_expression), WithJsonSchema(NUMBER_SCHEMA)]
 Pair = Annotated[Any, BeforeValidator(_pair), WithJsonSchema(PAIR_SCHEMA)]
 Edges = Annotated[Any, BeforeValidator(_edges), WithJsonSchema({"anyOf": [NUMBER_SCHEMA, PAIR_SCHEMA]})]
 Outline = Annotated[
@@ -134,7 +134,11 @@ Outline = Annotated[
 ]
 Series = Annotated[
     Any,
-    BeforeValidator(lambda value: [_number(v) for v in value] if isinstance(value, list) else _number(value)),
+    BeforeValidator(
+        lambda value: (
+            [number_or_expression(v) for v in value] if isinstance(value, list) else number_or_expression(value)
+        )
+    ),
     WithJsonSchema({"anyOf": [NUMBER_SCHEMA, {"type": "array", "items": NUMBER_SCHEMA, "minItems": 1}]}),
 ]
 Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": "housner"}, NUMBER_SCHEMA]})]

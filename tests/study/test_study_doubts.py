@@ -116,3 +116,30 @@ class TestScaling:
 
         study = {"case": {"block": BLOCK, "motion": {"record": {**record, "pga": "0.4*g"}}}}
         assert "to pga 0.4 g" in rockcli.run(study).attrs["processing"]
+
+
+def all_warnings(case):
+    """Of the study, and of its batches."""
+    study = open_study({"name": "x", "case": case})
+    return [*study.warnings, *(sentence for _, batch in study.batches() for sentence in batch.warnings)]
+
+
+class TestTimeAndAngles:
+    @pytest.mark.parametrize(("step", "doubted"), [(5, True), (20, True), (0.005, False), (0.1, False)])
+    def test_a_column_of_time_in_milliseconds(self, tmp_path, step, doubted):
+        (tmp_path / "q.txt").write_text("".join(f"{i * step:g} {(-1) ** i}\n" for i in range(20)))
+        record = {"file": str(tmp_path / "q.txt"), "units": "m/s2"}
+        said = " ".join(all_warnings({"block": {"R": 2, "tan_alpha": 0.2}, "motion": {"record": record}}))
+        assert (f"the time step is {step:g} s: is the time in seconds, and not in ms?" in said) == doubted
+
+    @pytest.mark.parametrize(
+        ("angle", "doubted"), [(30, True), (-45, True), ("30*deg", False), (0.5, False), ("2*pi", False)]
+    )
+    def test_a_direction_in_degrees(self, tmp_path, angle, doubted):
+        for name in ("q.txt", "r.txt"):
+            (tmp_path / name).write_text("0 0\n0.01 3\n0.02 0\n")
+        files = [str(tmp_path / name) for name in ("q.txt", "r.txt")]
+        record = {"file": files, "units": "m/s2", "angle": angle}
+        said = " ".join(all_warnings({"block": {"R": 2, "tan_alpha": 0.2}, "motion": {"record": record}}))
+        assert ("if degrees are meant" in said) == doubted
+        assert ("write 30*deg" in said) == (angle == 30)
