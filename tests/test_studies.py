@@ -1,6 +1,6 @@
-"""Every study of the repository runs and meets what it expects; those whose record is absent are listed as such.
+"""Every study of the repository runs, meets what it expects and has a page; those whose record is absent are listed as such.
 
-By default only those that take less than a second or two; the rest with `-m slow`.  Records are sought in ROCK_RECORDS,
+By default only those that take less than a second or two, and few pages; the rest with `-m slow`.  Records are sought in ROCK_RECORDS,
 or in a folder of real records beside the checkout.
 """
 
@@ -15,7 +15,9 @@ import pytest
 import yaml
 from scenes import SHARED
 
+from rockcli.engine.page import verdicts, write_page
 from rockcli.engine.run import check_study, run_study
+from rockcli.storage import netcdf
 from rockcli.study.open import open_study
 from rockcli.study.records import MissingRecordError
 
@@ -39,6 +41,15 @@ SLOW = (
 )
 """Patterns of the studies that take longer."""
 
+PAGES = (
+    "examples/(first_rock|sweep).yaml",
+    "literature/makris_roussos_2000.yaml",  # searched
+    "objects/(direction|statue).yaml",
+    "seed/fig2[16].yaml",  # static curves
+    "suites/(rocking_spectrum|rules).yaml",
+)
+"""Patterns of the studies whose page is made by default."""
+
 WITHOUT_RESULT = {1, 2, 6, 9, 13, 17, 35, 40, 59}
 """Figures of the source that show a photograph, a sketch of a model or of a procedure."""
 
@@ -47,8 +58,11 @@ def _name(path: Path) -> str:
     return path.relative_to(STUDIES).as_posix()
 
 
-def _marked(path: Path):
-    slow = any(re.match(pattern, _name(path)) for pattern in SLOW)
+def _is_one_of(patterns: tuple[str, ...], path: Path) -> bool:
+    return any(re.match(pattern, _name(path)) for pattern in patterns)
+
+
+def _marked(path: Path, *, slow: bool):
     return pytest.param(path, id=_name(path), marks=[pytest.mark.slow] if slow else [])
 
 
@@ -59,19 +73,43 @@ def _records_beside_the_checkout(monkeypatch):
         monkeypatch.setenv("ROCK_RECORDS", os.pathsep.join(map(str, folders)))
 
 
-@pytest.mark.parametrize("path", [_marked(path) for path in FILES])
-def test_study_meets_its_expectations(path, tmp_path):
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """A folder in which what one test has solved is up to date for another."""
+    return tmp_path_factory.mktemp("results")
+
+
+def _run(path: Path, results: Path):
     if _name(path).startswith("seed/mesh/") and shutil.which("ccx") is None:
         pytest.skip("CalculiX (ccx) is not installed")
     try:
         study = open_study(path)
     except MissingRecordError as missing:
         pytest.skip(f"its record is not here: {missing.message.splitlines()[0]}")
-    check_study(study, tmp_path)
-    report = run_study(study, tmp_path, plots=False)
+    check_study(study, results)
+    return run_study(study, results, plots=False)
+
+
+@pytest.mark.parametrize("path", [_marked(path, slow=_is_one_of(SLOW, path)) for path in FILES])
+def test_study_meets_its_expectations(path, results):
+    report = _run(path, results)
     assert not report.failed
     missed = [verdict for verdict in report.verdicts if not verdict.passed]
     assert not missed, missed
+    # the dataset alone says the same
+    read_again = verdicts(netcdf.read(report.file))
+    assert [(v.text, v.points, v.worst, v.where) for v in read_again] == [
+        (v.text, v.points, v.worst, v.where) for v in report.verdicts
+    ]
+
+
+@pytest.mark.parametrize("path", [_marked(path, slow=not _is_one_of(PAGES, path)) for path in FILES])
+def test_study_has_a_page(path, results):
+    report = _run(path, results)
+    page = write_page(report.file).read_text(encoding="utf-8")
+    assert page.endswith("</html>\n")
+    assert f"Expected: {len(report.verdicts)} of {len(report.verdicts)} met" in page or not report.verdicts
+    assert "<h2>Cases</h2>" in page or "base64," in page
 
 
 def test_examples_cover_what_a_newcomer_needs():

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rockcli.engine.expect import judge
+from rockcli.engine.expect import Verdict, judge
 from rockcli.errors import StudyError
+from rockcli.scene.variables import LIMIT, MEASURE
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import replacing
 from rockcli.storage.contents import Contents
@@ -26,26 +27,20 @@ def write_page(path: Path, out: Path | None = None) -> Path:
     if target.suffix.lower() not in (".html", ".htm"):
         raise StudyError("a report is an HTML page: expected a name that ends in .html", file=target)
     dataset = open_dataset(path)
-    text = page(dataset, _verdicts(netcdf.read(path)))
+    text = page(dataset, [(verdict.passed, _words(verdict)) for verdict in verdicts(netcdf.read(path))])
     with replacing(target) as scratch:
         scratch.write_text(text, encoding="utf-8")
     return target
 
 
-def _verdicts(contents: Contents) -> list[tuple[bool, str]]:
-    """The clauses of `expect` in the study the file holds, judged again on what it holds."""
-    axes = [
-        (name, str(contents.fields[name].attrs.get("long_name", name)), contents.values(name)) for name in contents.axes
-    ]
-    found = tuple(name for name in contents.fields if name not in contents.axes)
-    clauses = clauses_of(contents.attrs.get("study", ""), axes, found)
-    words = []
-    for verdict in judge(contents, clauses):
-        many = (
-            f"{verdict.failing} of {verdict.points} points not, worst "
-            if verdict.failing and verdict.points > 1
-            else ""
-        )
-        where = f" at {verdict.where}" if verdict.where else ""
-        words.append((verdict.passed, f"{verdict.text}: {many}{verdict.worst}{where}"))
-    return words
+def verdicts(contents: Contents) -> list[Verdict]:
+    """The clauses of `expect` in the study that a dataset holds, judged again on what it holds."""
+    named = (*contents.axes, *(name for name in (LIMIT, MEASURE) if name in contents.fields))
+    axes = [(name, str(contents.fields[name].attrs.get("long_name", name)), contents.values(name)) for name in named]
+    return judge(contents, clauses_of(contents.attrs.get("study", ""), axes, tuple(contents.fields)))
+
+
+def _words(verdict: Verdict) -> str:
+    many = f"{verdict.failing} of {verdict.points} points not, worst " if verdict.failing and verdict.points > 1 else ""
+    where = f" at {verdict.where}" if verdict.where else ""
+    return f"{verdict.text}: {many}{verdict.worst}{where}"

@@ -42,7 +42,7 @@ from rockcli.study.refine import RECORDS, read_refine
 from rockcli.study.schema import CasePart, StudyPart
 from rockcli.study.search import make_search, searched
 from rockcli.study.shorthands import expanded
-from rockcli.study.study import Study
+from rockcli.study.study import Expect, Study
 from rockcli.study.tree import Map, Source
 from rockcli.study.unused import replaced_records, unused_symbols
 from rockcli.study.variation import Variation
@@ -96,7 +96,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
     compare_to = tree.get("compare_to")
-    resolved = _resolved(part, base, variations, saved)
+    resolved = _resolved(part, base, variations, saved, expect)
     content = resolved["case"], resolved.get("let", {}), variations, saved
     return Study(
         name=part.name,
@@ -218,9 +218,17 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
     return {"histories": plain(histories), "dt_out": dt_out, "scalars": scalars}, at
 
 
-def _resolved(part: StudyPart, base: Map, variations: Sequence[Variation], saved: dict[str, Any]) -> dict[str, Any]:
-    """The study with short forms written out and defaults filled in; globs as the files they matched."""
+def _resolved(
+    part: StudyPart, base: Map, variations: Sequence[Variation], saved: dict[str, Any], expect: Sequence[Expect]
+) -> dict[str, Any]:
+    """The study with short forms written out and defaults filled in; globs as the files they matched.
+
+    Points of `expect` are given by their coordinates, which need no case to be understood.
+    """
     dumped: dict[str, Any] = plain(part.model_dump(by_alias=True))
+    for written, clause in zip(dumped["expect"], expect, strict=True):
+        if clause.at:
+            written["at"] = dict(clause.at)
     try:
         dumped["case"] = plain(CasePart.model_validate(base["case"]).model_dump(by_alias=True))
     except ValidationError:  # a case that is complete only with the values of the axes

@@ -7,6 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from rockcli.scene.variables import VARIABLES
 from rockcli.study.expect import read_expect
 from rockcli.study.loader import load_value
 from rockcli.study.study import Axis, Expect
@@ -20,8 +21,8 @@ def clauses_of(
 
     Args:
         resolved: the study as YAML, as datasets carry it.
-        axes: (name, path, coordinate values) of the dataset.
-        found: names the dataset has beside those of the variables' table.
+        axes: (name, path, coordinate values) of the dimensions a clause may name.
+        found: names of the fields of the dataset.
     """
     study = load_value(resolved, "the study in the dataset")
     points = study.get("vary", {})
@@ -35,4 +36,5 @@ def clauses_of(
         )
         for name, path, v in axes
     ]
-    return read_expect(Source(file=None), study, known, found=found)
+    named_by_the_study = tuple(name for name in found if name not in VARIABLES)
+    return read_expect(Source(file=None), study, known, found=named_by_the_study)
