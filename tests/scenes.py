@@ -64,7 +64,7 @@ def make_batch(
     accuracy: str = "reference",
     histories: bool = False,
     dt_out: float = 0.005,
-    scalars=tuple(s for s in SCALARS if s != "error_estimate"),
+    scalars=tuple(s for s in SCALARS if s not in ("error_estimate", "overturn_share")),
 ) -> Batch:
     n = body.size
     ratio = np.clip(housner_eta(body), 0.0, 1.0) if isinstance(eta, str) else np.broadcast_to(array(eta), (n, 2))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.engine.choose import choose
-from rockcli.engine.measures import peaks, scaled
+from rockcli.engine.measures import peaks
 from rockcli.scene.auto import (
     COLUMN,
     FREE_OVER_CLAMPED,
@@ -37,6 +37,7 @@ from rockcli.scene.auto import (
 )
 from rockcli.scene.auto import prospect as words_of_prospect
 from rockcli.scene.batch import Batch, Save
+from rockcli.scene.excitation import scaled
 from rockcli.scene.response import NO_UPLIFT, Response
 from rockcli.study.study import Index
 

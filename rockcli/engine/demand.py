@@ -17,7 +17,8 @@ from rockcli.engine.symbols import reduce
 from rockcli.motion.measures import measures
 from rockcli.scene.excitation import Samples
 from rockcli.scene.statistics import pearson, spearman
-from rockcli.scene.variables import MEASURE, MEASURES
+from rockcli.scene.suite_variables import MEASURES
+from rockcli.scene.variable import MEASURE
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import Study
 

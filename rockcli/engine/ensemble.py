@@ -21,7 +21,8 @@ from rockcli.engine.suite_words import sentences, warnings
 from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
-from rockcli.scene.variables import LIMIT, VARIABLES
+from rockcli.scene.variable import LIMIT
+from rockcli.scene.variables import VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import Over, Study
 

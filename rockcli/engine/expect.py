@@ -19,7 +19,8 @@ from rockcli.scene.excitation import Pulses
 from rockcli.scene.models import FLEXIBLE
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.rules import RULES
-from rockcli.scene.variables import AUDIT, HISTORIES, IMPACTS, LARGE, ROTATION, VARIABLES
+from rockcli.scene.variable import ROTATION
+from rockcli.scene.variables import AUDIT, HISTORIES, IMPACTS, LARGE, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
 from rockcli.study.study import Expect, Study
 

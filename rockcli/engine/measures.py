@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.pulses import extremes
 from rockcli.motion.measures import velocity
-from rockcli.scene.excitation import BELL, LINEAR, PIECE_WIDTH, WAVES, Channel, Pulses, Samples
+from rockcli.scene.excitation import AMPLITUDES, BELL, LINEAR, PIECE_WIDTH, WAVES, Channel, Pulses, Samples
 
 Array = NDArray[np.float64]
-
-_AMPLITUDES = {LINEAR: (3, 4), WAVES: (4, 7, 10), BELL: (5, 6, 7, 8)}
-"""Columns of a piece that are proportional to the amplitude of the pulse."""
 
 _RATES = {LINEAR: (4,), WAVES: (5, 8, 11), BELL: (4,)}
 """Columns that are proportional to its frequency."""
@@ -33,18 +28,6 @@ def peaks(channel: Channel | None, n: int, duration: Array | None = None) -> tup
     until = np.full(n, np.inf) if duration is None else np.where(np.isnan(duration), np.inf, duration)
     with np.errstate(all="ignore"):
         return _of_samples(channel, until) if isinstance(channel, Samples) else _of_pulses(channel, until)
-
-
-def scaled(channel: Channel, factor: float) -> Channel:
-    """The same motion, a factor larger."""
-    if isinstance(channel, Samples):
-        return replace(channel, factor=channel.factor * factor)
-    table = channel.table.copy()
-    table[:, :, PIECE_WIDTH - 1] *= abs(factor)
-    for kind, columns in _AMPLITUDES.items():
-        for column in columns:
-            table[:, :, column] *= np.where(table[:, :, 2] == kind, factor, 1.0)
-    return replace(channel, table=table, a_p=channel.a_p * factor)
 
 
 def _of_samples(samples: Samples, until: Array) -> tuple[Array, Array]:
@@ -85,7 +68,7 @@ def _of_pulses(pulses: Pulses, until: Array) -> tuple[Array, Array]:
     table = pulses.table.copy()
     table[:, :, PIECE_WIDTH - 1] = 0.0
     kinds = pulses.table[:, :, 2]
-    for columns, scale in ((_AMPLITUDES, 1.0 / a_p), (_RATES, 1.0 / pulses.omega_p), (_TIMES, pulses.omega_p)):
+    for columns, scale in ((AMPLITUDES, 1.0 / a_p), (_RATES, 1.0 / pulses.omega_p), (_TIMES, pulses.omega_p)):
         for kind, of_kind in columns.items():
             for column in of_kind:
                 table[:, :, column] *= np.where(kinds == kind, scale[:, None], 1.0)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rockcli.engine.expect import Verdict, judge
 from rockcli.errors import StudyError
-from rockcli.scene.variables import LIMIT, MEASURE
+from rockcli.scene.variable import LIMIT, MEASURE
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import replacing
 from rockcli.storage.contents import Contents

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rockcli.engine.fragility import FITTED, WHY_NOT
 from rockcli.engine.search import found_by
 from rockcli.scene.thresholds import FOUND, threshold_words, unit_words
-from rockcli.scene.variables import LIMIT, MEASURE
+from rockcli.scene.variable import LIMIT, MEASURE
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Over, Study
 

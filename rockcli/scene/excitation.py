@@ -9,7 +9,7 @@ first piece and after its last; inside a piece it is smooth, so that steps land 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,9 @@ BELL    (d0 + d1 y + d2 y^2 + d3 y^3) exp(-y^2/2), y = c1 (t - c0), d = c[2:6]
 
 PIECE_WIDTH = 14
 """Columns of a row: t_a, t_b, kind, c0 ... c9, and a bound of |a| over this piece and all later ones."""
+
+AMPLITUDES = {LINEAR: (3, 4), WAVES: (4, 7, 10), BELL: (5, 6, 7, 8)}
+"""Columns of a piece of each kind that are proportional to the amplitude of the pulse."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +95,18 @@ class Excitation:
     horizontal: Channel | None
     vertical: Channel | None
     duration: Array
+
+
+def scaled(channel: Channel, factor: float | Array) -> Channel:
+    """The same motion, a factor larger; the factor one number or one a case, (n,)."""
+    if isinstance(channel, Samples):
+        return replace(channel, factor=channel.factor * factor)
+    table, each = channel.table.copy(), np.broadcast_to(factor, len(channel.table))[:, None]
+    table[:, :, PIECE_WIDTH - 1] *= np.abs(each)
+    for kind, columns in AMPLITUDES.items():
+        for column in columns:
+            table[:, :, column] *= np.where(table[:, :, 2] == kind, each, 1.0)
+    return replace(channel, table=table, a_p=channel.a_p * factor)
 
 
 def acceleration(channel: Channel | None, t: Array, case: int = 0) -> Array:

@@ -5,26 +5,8 @@ The dataset's attributes, `rock show variables`, axis labels and the documentati
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-CASE, TIME, IMPACT, ROTATION = "case", "time", "impact", "rotation"
-SUITE, LIMIT, MEASURE = "suite", "limit_state", "measure"
-SETTING = "setting"
-
-
-@dataclass(frozen=True)
-class Variable:
-    """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact),
-    ROTATION (axes, rotation: static curves), SUITE (the axes but that of `over`), LIMIT (the same, limit_state),
-    MEASURE (the same, measure) or SETTING (setting: `rock trade`); unit "1" = dimensionless.
-    """
-
-    name: str
-    symbol: str
-    over: str
-    unit: str
-    sentence: str
-
+from rockcli.scene.suite_variables import SUITE_ROWS
+from rockcli.scene.variable import CASE, IMPACT, ROTATION, SETTING, TIME, Variable
 
 _ROWS: tuple[Variable, ...] = (
     Variable("outcome", "outcome", CASE, "1", "what became of the body"),
@@ -105,6 +87,13 @@ _ROWS: tuple[Variable, ...] = (
         "slide_residual", r"$u_{\mathrm{res}}$", CASE, "m", "displacement along the ground in the end; NaN without mu"
     ),
     Variable("error_estimate", r"$\epsilon$", CASE, "1", "estimated numerical error of theta_peak_over_alpha"),
+    Variable(
+        "overturn_share",
+        "share overturned",
+        CASE,
+        "1",
+        "0 or 1 where the outcome is certain; else the share of runs, perturbed within the tolerance, that overturn",
+    ),
     Variable("wall_time", "wall time", CASE, "s", "time the solver took, shared evenly over a batch"),
     Variable("model_used", "model", CASE, "1", "model auto: the model that solved the case"),
     Variable(
@@ -320,50 +309,7 @@ _ROWS: tuple[Variable, ...] = (
     ),
 )
 
-_FRACTILES = (("p16", "16 % fractile"), ("p50", "median"), ("p84", "84 % fractile"), ("mean", "mean"))
-
-_SUITE_ROWS: tuple[Variable, ...] = (
-    Variable("n_answered", r"$n$", SUITE, "1", "members of the suite with an answer: neither failed nor unresolved"),
-    Variable("p_overturned", r"$P_{\mathrm{overturned}}$", SUITE, "1", "share that overturned of those with an answer"),
-    *(
-        Variable(f"{name}_{end}", f"{symbol}, {words}", SUITE, unit, f"{words} of {name} over the suite; {inf}")
-        for name, symbol, unit in (
-            ("theta_peak_over_alpha", r"$|\theta|_{\mathrm{max}}/\alpha$", "1"),
-            ("theta_dot_peak", r"$|\dot\theta|_{\mathrm{max}}$", "rad s-1"),
-            ("u_top_peak", r"$|u_{\mathrm{top}}|_{\mathrm{max}}$", "m"),
-        )
-        for end, words in _FRACTILES
-        for inf in ("inf where any overturned" if end == "mean" else "overturned counts as inf",)
-    ),
-    Variable("safe_island", "safe island", CASE, "1", "1 where a case stands although a lower intensity overturned it"),
-    Variable("n_safe_islands", r"$n_{\mathrm{islands}}$", SUITE, "1", "members that stand above an overturning one"),
-    Variable("limit_state", "limit state", LIMIT, "1", "theta_peak_over_alpha exceeded, or overturned"),
-    Variable("p_exceeded", r"$P$", LIMIT, "1", "share that exceeds the limit state of those with an answer"),
-    Variable("fragility_median", r"$\hat\theta$", LIMIT, "1", "intensity exceeded with probability 1/2; NaN: no curve"),
-    Variable("fragility_beta", r"$\beta$", LIMIT, "1", "standard deviation of the logarithm of the fragility curve"),
-    Variable(
-        "fragility_se_ln_median", r"$s$", LIMIT, "1", "standard error of ln(fragility_median), clustered by member"
-    ),
-    Variable("fragility_se_beta", r"$s_\beta$", LIMIT, "1", "standard error of fragility_beta, clustered by member"),
-    Variable("fragility_correlation", r"$\rho$", LIMIT, "1", "correlation of the estimates of ln(median) and beta"),
-    Variable("fragility_status", "status", LIMIT, "1", "whether there is a fragility curve, or why not"),
-    Variable("measure", "measure", MEASURE, "1", "measure of the ground motion"),
-    Variable("demand_spearman", r"$\rho_S$", MEASURE, "1", "rank correlation of theta_peak_over_alpha and the measure"),
-    Variable(
-        "demand_pearson", r"$\rho_P$", MEASURE, "1", "correlation of the logarithms, of members that rock and stand"
-    ),
-    Variable("n_moving", r"$n_{\mathrm{rock}}$", SUITE, "1", "members that rock and stand"),
-    Variable("p_pgv_over_g_tan_alpha", r"$p\,\mathrm{PGV}/(g\,\tan\alpha)$", CASE, "1", "dimensionless peak velocity"),
-    Variable("arias", r"$I_A$", CASE, "m s-1", "Arias intensity of the record used"),
-    Variable("cav", "CAV", CASE, "m s-1", "cumulative absolute velocity of the record used"),
-    Variable("t_mean", r"$T_m$", CASE, "s", "mean period of the record used (Rathje et al. 1998)"),
-    Variable("d5_95", r"$D_{5-95}$", CASE, "s", "significant duration of the record used, 5-95 % of Arias intensity"),
-)
-
-MEASURES: tuple[str, ...] = ("pga", "pgv", "p_pgv_over_g_tan_alpha", "arias", "cav", "t_mean", "d5_95")
-"""Measures of the ground motion that a suite's response is compared with."""
-
-VARIABLES: dict[str, Variable] = {row.name: row for row in (*_ROWS, *_SUITE_ROWS)}
+VARIABLES: dict[str, Variable] = {row.name: row for row in (*_ROWS, *SUITE_ROWS)}
 
 AUDIT: tuple[str, ...] = ("audit_same_outcome", "audit_error", "audit_disagreements")
 """What an audit adds to a dataset."""
@@ -385,8 +331,8 @@ SCALARS_AUTO: tuple[str, ...] = ("model_used", "model_error")
 
 SCALARS: tuple[str, ...] = (
     "outcome", "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn",
-    "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual", "error_estimate", "wall_time",
-    "n_steps", "n_rhs", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO,
+    "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual", "error_estimate", "overturn_share",
+    "wall_time", "n_steps", "n_rhs", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO,
 )  # fmt: skip
 """Scalars a study can save, in the order of the contract."""
 

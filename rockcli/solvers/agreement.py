@@ -1,94 +1,253 @@
-"""Two runs of one batch at different accuracies: the error they show, and where it leaves the outcome unknown."""
+"""How sure an outcome is: a second run whose motion differs by less than the solver promises to see, and, where the two
+part, an ensemble of such runs.
+
+Runs are compared by where their trajectories go, never by how often they bounce before they rest.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, ROCKING, UNRESOLVED
+from rockcli.scene.excitation import Channel, Excitation, scaled
+from rockcli.scene.response import NO_UPLIFT, UNRESOLVED, overturned
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Index = NDArray[np.int64]
 Scalars = dict[str, NDArray[Any]]
 
-HORIZON, GROWTH = 1e-2, 1e3
-"""Two runs have parted where their peaks theta/alpha are this far apart, and so many times the tolerance of the coarser
-one: a motion that multiplies its errors so has forgotten its start."""
+CERTAINTY = frozenset({"error_estimate", "overturn_share"})
+"""Scalars that take a second run."""
 
-FALLS_APART = 10.0
-"""Falls of one body are the same one if they are no more than this many horizons apart, in units of 1/p: near a
-boundary the time of a fall is known less well than a peak."""
+STANDS, FALLS, UNDECIDED, NO_ANSWER = 0, 1, 2, -1
+"""Verdict of a run; UNDECIDED: on a separatrix within rounding."""
+
+HORIZON = 1e-2
+"""Two runs have parted where their peaks theta/alpha, or what their impacts carry, are this far apart: a motion that
+multiplies a difference so has forgotten its start."""
+
+LATER = 0.1
+"""Falls, and impacts on the average, are the same ones if they are no more than this far apart, in units of 1/p: near a
+boundary a time is known less well than a peak."""
+
+MEMBERS = 20
+"""Runs of an ensemble, beside the one that is reported."""
+
+SPREAD = 1.5
+"""The error of a peak is taken as this many times the largest distance to a member of the ensemble."""
 
 
-FEW, SHARE = 2, 0.02
-"""Runs whose impacts differ by more than this many and by more than this share have parted after the peak."""
+@dataclass(frozen=True)
+class Nudge:
+    """How a second run differs, and what it tells.
 
-
-def horizon_of(rtol: float) -> float:
-    """Difference of peaks theta/alpha from which runs have parted, the coarser one of tolerance rtol."""
-    return max(HORIZON, GROWTH * rtol)
-
-
-def disagreement(batch: Batch, scalars: Scalars, other: Scalars, horizon: float | Array) -> Array:
-    """How far the peaks theta/alpha of two runs are apart, (n,).
-
-    Where both overturn 0, if it is the same fall, else inf; inf where one alone overturns; NaN where either has no
-    answer.
+    Attributes:
+        size: the motion is less by this share of it, more than the errors of the solver and far less than anybody knows
+            a motion.
+        weight, floor: the error of theta_peak/alpha is estimated as the difference of the two times `weight`, and
+            `floor` more where it is not 0 by itself.
     """
-    fell, fell_too = (run["outcome"] >= OVERTURNED_WITHOUT_IMPACT for run in (scalars, other))
-    answered = (scalars["outcome"] >= NO_UPLIFT) & (other["outcome"] >= NO_UPLIFT)
-    with np.errstate(invalid="ignore"):
-        peaks = np.abs(scalars["theta_peak_over_alpha"] - other["theta_peak_over_alpha"])
-        between = np.abs(scalars["t_overturn"] - other["t_overturn"]) * batch.p.min(axis=1)
-        falls = np.where(between > FALLS_APART * horizon, np.inf, 0.0)
-    apart = np.where(fell & fell_too, falls, np.where(fell | fell_too, np.inf, peaks))
-    return np.where(answered, apart, np.nan)
+
+    size: float
+    weight: float
+    floor: float = 0.0
 
 
-def parted_later(scalars: Scalars, other: Scalars) -> NDArray[np.bool_]:
-    """Where two runs that both rock count other impacts, (n,): after the peak they have gone different ways."""
-    rock = (scalars["outcome"] == ROCKING) & (other["outcome"] == ROCKING)
-    one, two = scalars["n_impacts"], other["n_impacts"]
-    return np.asarray(rock & (np.abs(one - two) > np.maximum(FEW, SHARE * np.maximum(one, two))))
+@dataclass(frozen=True, eq=False)
+class Traces:
+    """What is compared of the runs of n cases, (n,) each.
 
-
-def compare_accuracies(
-    batch: Batch,
-    scalars: Scalars,
-    other: Scalars,
-    reasons: list[str],
-    horizon: float | Array = np.inf,
-    *,
-    to_the_end: bool = False,
-) -> None:
-    """Set `error_estimate` from another run; make a case `unresolved` if the two leave its outcome unknown.
-
-    That is so where one run overturns and the other does not, and where they have parted: peaks farther apart than
-    `horizon`, falls in different swings, or, `to_the_end`, other impacts.  That both came to one outcome is then
-    chance.  A backend whose errors are those of its steps, and no sign of chaos, has no horizon: inf.
+    Attributes:
+        verdict: STANDS, FALLS, UNDECIDED or NO_ANSWER.
+        fall: time of the last outward passage of the equilibrium, in units of 1/p.
+        peak: largest |theta|/alpha.
+        swings, when: what the impacts carry, the sum of (v/p alpha)^2, and their mean time so weighted in units of 1/p;
+            0 where a solver does not tell.
     """
-    apart = disagreement(batch, scalars, other, horizon)
-    later = parted_later(scalars, other) if to_the_end else np.zeros(batch.size, dtype=bool)
-    unknown = (apart >= horizon) | later
-    scalars["error_estimate"] = np.where(later, np.inf, apart)
-    for i in np.flatnonzero(unknown):
-        times = scalars["t_overturn"][i], other["t_overturn"][i]
-        if later[i]:
-            counts = scalars["n_impacts"][i], other["n_impacts"][i]
-            said = "two accuracies count {} and {} impacts: chaotic, its outcome would be chance".format(*counts)
-        elif np.isfinite(apart[i]):
-            said = f"two accuracies differ by {apart[i]:.2g} in peak theta/alpha: chaotic, its outcome would be chance"
-        elif np.isfinite(times).all():
-            said = "two accuracies overturn at {:.5g} and {:.5g} s: chaotic, its outcome would be chance".format(*times)
+
+    verdict: NDArray[np.int8]
+    fall: Array
+    peak: Array
+    swings: Array
+    when: Array
+
+    @classmethod
+    def of(cls, batch: Batch, scalars: Scalars) -> Traces:
+        """From scalars of a solver that does not add up impacts."""
+        outcome, nothing = scalars["outcome"], np.zeros(batch.size)
+        verdict = np.select([overturned(outcome), outcome >= NO_UPLIFT], [FALLS, STANDS], NO_ANSWER)
+        fall = scalars["t_overturn"] * batch.p.min(axis=1)
+        return cls(verdict.astype(np.int8), fall, scalars["theta_peak_over_alpha"], nothing, nothing)
+
+    def rows(self, at: Index | Mask) -> Traces:
+        """Those of some of the cases."""
+        return Traces(self.verdict[at], self.fall[at], self.peak[at], self.swings[at], self.when[at])
+
+    @property
+    def share(self) -> Array:
+        """Of one run: 1 falls, 0 stands, 1/2 undecided, NaN no answer, (n,)."""
+        return np.select(
+            [self.verdict == FALLS, self.verdict == STANDS, self.verdict == UNDECIDED], [1.0, 0.0, 0.5], np.nan
+        )
+
+    def apart(self, other: Traces) -> Array:
+        """|difference of the peaks|, (n,): 0 where both fall, inf where one does, NaN where either has no answer."""
+        one, two = (np.where(run.verdict == FALLS, np.inf, run.peak) for run in (self, other))
+        with np.errstate(invalid="ignore"):
+            apart = np.where(one == two, 0.0, np.abs(one - two))
+        return np.where((self.verdict == NO_ANSWER) | (other.verdict == NO_ANSWER), np.nan, apart)
+
+    def parted(self, other: Traces) -> Mask:
+        """Where two runs have gone different ways, (n,); False where either has no answer."""
+        answered = (self.verdict != NO_ANSWER) & (other.verdict != NO_ANSWER)
+        undecided = (self.verdict == UNDECIDED) | (other.verdict == UNDECIDED)
+        fell = self.verdict == FALLS
+        swings = np.maximum(self.swings, other.swings)
+        swung = HORIZON * np.minimum(swings, 1.0)
+        with np.errstate(invalid="ignore"):
+            later = np.abs(self.fall - other.fall) > LATER
+            elsewhere = (
+                (self.apart(other) > HORIZON)
+                | (np.abs(self.swings - other.swings) > swung)
+                | (swings * np.abs(self.when - other.when) > LATER * np.minimum(swings, 1.0))
+            )
+        return np.asarray(answered & (undecided | np.where(fell & (other.verdict == FALLS), later, elsewhere)))
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What further runs show of n cases.
+
+    Attributes:
+        share: of the runs that fall, (n,), NaN without an answer.
+        error: estimate of that of theta_peak/alpha, (n,).
+        when_unknown: where all runs fall, but not at one time, (n,).
+        said: a sentence for each, "" where there is nothing to say.
+    """
+
+    share: Array
+    error: Array
+    when_unknown: Mask
+    said: list[str]
+
+    def enter(self, scalars: Scalars, reasons: list[str]) -> None:
+        """Put it into the scalars; make cases `unresolved` of which some runs fall and some do not."""
+        refused = scalars["outcome"] < UNRESOLVED
+        refused |= (scalars["outcome"] == UNRESOLVED) & ~_between(self.share)  # for another reason
+        scalars["overturn_share"] = np.where(refused, np.nan, self.share)
+        scalars["error_estimate"] = np.where(refused, np.nan, self.error)
+        scalars["t_overturn"] = np.where(self.when_unknown, np.nan, scalars["t_overturn"])
+        for i, said in enumerate(self.said):
+            if said:
+                reasons[i] = "; ".join(filter(None, [reasons[i], said]))
+        withdraw(scalars, _between(self.share) & ~refused)
+
+
+Again = Callable[[Index, Array, bool], Traces]
+"""Runs of some cases, (k,), their motion multiplied by factors, (k,); True: of those that are compared last, or of an
+ensemble, with what accuracy there is."""
+
+
+def judge(
+    first: Traces, again: Again, nudge: Nudge, refine: Callable[[Index], Traces], finer: Nudge | None, reach: float
+) -> Judgement:
+    """Judge runs of n cases by further ones.
+
+    Where a second run parts from the first one, `refine` has the answers replaced by those of a more accurate run;
+    where that parts from a nudged run too, an ensemble decides.
+
+    Args:
+        first: the runs as they are.
+        again, refine: what runs them again; nudge, finer: how; None: there is nothing more accurate.
+        reach: largest relative difference of the motions of an ensemble.
+    """
+    n = len(first.verdict)
+    found = Judgement(first.share, np.full(n, np.nan), np.zeros(n, dtype=bool), [""] * n)
+    rows = np.flatnonzero(first.verdict != NO_ANSWER)
+    runs = first.rows(rows)
+    if not len(rows):
+        return found
+    parted = _compared(found, rows, runs, again, nudge, fine=False)
+    rows, runs = rows[parted], runs.rows(parted)
+    if len(rows) and finer is not None:
+        runs = refine(rows)
+        found.share[rows] = runs.share
+        parted = _compared(found, rows, runs, again, finer, fine=True)
+        rows, runs = rows[parted], runs.rows(parted)
+    if len(rows):
+        _ensemble(found, rows, runs, again, reach)
+    return found
+
+
+def _compared(found: Judgement, rows: Index, runs: Traces, again: Again, nudge: Nudge, *, fine: bool) -> Mask:
+    """Error estimates of some cases from a nudged run; in which of them the two part."""
+    other = again(rows, np.full(len(rows), 1.0 - nudge.size), fine)
+    found.error[rows] = runs.apart(other) * nudge.weight + np.where(runs.peak > 0.0, nudge.floor, 0.0)
+    return runs.parted(other)
+
+
+def _ensemble(found: Judgement, rows: Index, runs: Traces, again: Again, reach: float) -> None:
+    """Share and error of some cases from runs whose motions differ by no more than `reach`."""
+    steps = np.delete(np.linspace(-1.0, 1.0, MEMBERS + 1), MEMBERS // 2)
+    members = again(np.repeat(rows, MEMBERS), np.tile(1.0 + reach * steps, len(rows)), True)
+    shares = np.column_stack([members.share.reshape(-1, MEMBERS), runs.share])
+    peaks, falls = (x.reshape(-1, MEMBERS) for x in (members.peak, members.fall))
+    for i, row in enumerate(rows):
+        share = found.share[row] = float(np.nanmean(shares[i]))
+        what = f"{MEMBERS + 1} runs whose motions differ by {reach:.0e}"
+        if 0.0 < share < 1.0:
+            found.error[row] = np.inf
+            found.said[row] = f"{share:.0%} of {what} overturn: chaotic or on a boundary, its outcome would be chance"
+        elif share == 1.0:
+            found.error[row], found.when_unknown[row] = 0.0, True
+            early, late = (float(f(np.append(falls[i], runs.fall[i]))) for f in (np.nanmin, np.nanmax))
+            found.said[row] = f"all of {what} overturn, p t from {early:.4g} to {late:.4g}: when it does is chance"
         else:
-            said = "two accuracies disagree on the outcome: it is too close to a boundary, chaotic, or too coarse"
-        reasons[i] = "; ".join(filter(None, [reasons[i], said]))
-    withdraw(scalars, unknown)
+            apart = float(np.nanmax(np.abs(peaks[i] - runs.peak[i])))
+            found.error[row] = max(float(found.error[row]), SPREAD * apart)
+            found.said[row] = f"none of {what} overturns, but they part: peaks theta/alpha up to {apart:.2g} away"
 
 
-def withdraw(scalars: Scalars, which: NDArray[np.bool_]) -> None:
+def nudged(batch: Batch, rows: Index, factors: Array) -> Batch:
+    """Cases of a batch with their motion, and their initial state, multiplied by factors, (k,) each."""
+    some = batch.rows(rows)
+
+    def times(channel: Channel | None) -> Channel | None:
+        return None if channel is None else scaled(channel, factors)
+
+    motion = some.excitation
+    return replace(
+        some,
+        excitation=Excitation(times(motion.horizontal), times(motion.vertical), motion.duration),
+        theta_0=some.theta_0 * factors,
+        theta_dot_0=some.theta_dot_0 * factors,
+    )
+
+
+def compare_steps(batch: Batch, scalars: Scalars, other: Scalars, reasons: list[str]) -> None:
+    """Judge runs by others of another step, of a solver whose errors are those of its steps, with no sign of chaos.
+
+    A case of which one overturns and the other does not is `unresolved`: half of its runs do.
+    """
+    one, two = (Traces.of(batch, run) for run in (scalars, other))
+    apart = one.apart(two)
+    share = np.where(np.isnan(two.share), one.share, 0.5 * (one.share + two.share))
+    said = "two steps disagree on the outcome: it is too close to a boundary, chaotic, or too coarse"
+    sentences = [said if between else "" for between in _between(share)]
+    Judgement(share, apart, np.zeros(batch.size, dtype=bool), sentences).enter(scalars, reasons)
+
+
+def _between(share: Array) -> Mask:
+    return np.asarray((share > 0.0) & (share < 1.0))
+
+
+def withdraw(scalars: Scalars, which: Mask) -> None:
     """Make cases `unresolved`: what they came to is not known."""
     scalars["outcome"][which] = UNRESOLVED
     peaks = ("theta_peak", "theta_peak_left", "theta_peak_right", "theta_peak_over_alpha", "theta_dot_peak")

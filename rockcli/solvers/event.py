@@ -7,6 +7,7 @@ is faster for the amount of work, and names what comes back.
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
@@ -16,17 +17,31 @@ from numpy.typing import NDArray
 from rockcli import kernels
 from rockcli.kernels.rigid import layout as k
 from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Accuracy
-from rockcli.scene.response import MAX_IMPACTS_STORED, NO_UPLIFT, Response
+from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers import lane_pulses, lane_records
-from rockcli.solvers.agreement import compare_accuracies, disagreement, horizon_of, parted_later
+from rockcli.solvers.agreement import (
+    CERTAINTY,
+    FALLS,
+    MEMBERS,
+    NO_ANSWER,
+    STANDS,
+    UNDECIDED,
+    Judgement,
+    Nudge,
+    Traces,
+    judge,
+    nudged,
+)
 from rockcli.solvers.pack import channel_of, parameters_of
 from rockcli.solvers.sliding import with_sliding
 from rockcli.solvers.unpack import Raw, histories_of, scalars_of
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 MAX_STEPS = {True: 20_000_000, False: 30_000}
 """Steps a case may take, compiled or not; a case that needs more uncompiled is solved again compiled."""
@@ -39,20 +54,22 @@ COMPILE_ABOVE = 2.0
 FORCES = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"})
 """Scalars that cost a look along every step; NaN when nothing of the kind is wanted."""
 
-COARSER, FINEST = 1e3, 1e-16
-"""The error estimate is the difference to a run with this many times the tolerance; where that leaves an outcome in
-doubt, to one with so many times less, down to the finest."""
+FINER, FINEST = 1e-3, 1e-16
+"""Where two runs part, they are solved again with this many times the tolerance, down to the finest."""
 
-CONFIRMED = 0.1
-"""The finer run confirms within this part of the horizon: more, and the errors of the coarser one, a thousand times as
-large, have been everything there is, so that these may agree by chance."""
+NUDGE, NUDGE_OF_FINER, LARGEST_NUDGE, LEAST_NUDGE = 1e3, 10.0, 1e-5, 1e-15
+"""The motion of the second run is less by this many times the tolerance, of that beside the more accurate run by so
+many, at most and at least so much."""
+
+SAFETY, FLOOR = 100.0, 5.0
+"""The error is estimated as that of a motion known to this many times the tolerance, and so many tolerances more."""
 
 
 def solve(batch: Batch) -> Response:
     """Solve every case of the batch with the event-driven kernels; see `Response` for what comes back.
 
-    A case that cannot be solved is `failed` with a sentence; an outcome that rounding would decide, or that two
-    accuracies leave unknown, is `unresolved`.
+    A case that cannot be solved is `failed` with a sentence; an outcome that rounding would decide, or that differs
+    within the tolerance, is `unresolved`.
     """
     began = time.perf_counter()
     level = batch.numerics.tolerances
@@ -72,9 +89,10 @@ def solve(batch: Batch) -> Response:
         march = kernels.load(compile_them=True)
         run = attempt()  # by the same kernels, so that no case depends on those it is solved with
 
+    judgement = _judged(march, batch, parameters, level, run) if batch.save.scalars & CERTAINTY else None
     scalars, reasons = scalars_of(batch, run)
-    if "error_estimate" in batch.save.scalars:
-        _compare(march, batch, parameters, level, scalars, reasons)
+    if judgement is not None:
+        judgement.enter(scalars, reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",
@@ -88,27 +106,46 @@ def solve(batch: Batch) -> Response:
     return with_sliding(batch, response, MAX_STEPS[bool(kernels.compiled)])
 
 
-def _compare(
-    march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, scalars: dict[str, Any], reasons: list[str]
-) -> None:
-    """Error estimates from a coarser run; of cases it leaves in doubt from a finer one, which knows better."""
-    coarse = Accuracy(max(level.rtol, FINEST) * COARSER, level.rest_speed * 10.0)
-    horizon = np.full(batch.size, horizon_of(coarse.rtol))
-    again = _march(march, batch, parameters, coarse, histories=False)
-    other, _ = scalars_of(batch, again)
-    sure = disagreement(batch, scalars, other, horizon) < horizon  # not where the other run has no answer
-    sure &= ~parted_later(scalars, other)
-    doubted = np.flatnonzero(~sure & (scalars["outcome"] >= NO_UPLIFT))
-    if len(doubted) and level.rtol > FINEST:
-        finer = Accuracy(max(level.rtol / COARSER, FINEST), level.rest_speed / 10.0)
-        alone = Raw(len(doubted), 0, 0)
-        rows = np.ascontiguousarray(parameters[doubted])
-        _march_rows(march, batch, rows, finer, alone, _detail(march, batch, False), cases=doubted)
-        answered = (alone.out[:, k.STATUS] == k.DONE) & (alone.out[:, k.FELL] != k.UNDECIDED)
-        again.out[doubted[answered]] = alone.out[answered]
-        horizon[doubted[answered]] *= CONFIRMED
-        other, _ = scalars_of(batch, again)
-    compare_accuracies(batch, scalars, other, reasons, horizon, to_the_end=True)
+def _judged(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, run: Raw) -> Judgement:
+    """What further runs show; where two part, the more accurate one takes the place of the first in `run`."""
+    finer = replace(level, rtol=max(level.rtol * FINER, FINEST))
+    peaks = replace(batch, save=replace(batch.save, histories=False, scalars=frozenset({"theta_peak"})))
+    seconds = _estimated_seconds(batch, parameters) / batch.size
+
+    def again(rows: Index, factors: Array, fine: bool) -> Traces:
+        # the same bits compiled or not, so that an ensemble may be compiled where one run was not
+        kernel = kernels.load(compile_them=bool(kernels.compiled) or seconds * len(rows) > COMPILE_ABOVE)
+        others = nudged(peaks, rows, factors)
+        return _traces(others, _march(kernel, others, parameters_of(others), finer if fine else level, histories=False))
+
+    def refine(rows: Index) -> Traces:
+        if finer.rtol < level.rtol:
+            kernel = kernels.load(compile_them=bool(kernels.compiled))
+            alone = Raw(len(rows), run.theta.shape[1], run.t_impact.shape[1])
+            detail = _detail(kernel, batch, batch.save.histories)
+            _march_rows(kernel, batch, np.ascontiguousarray(parameters[rows]), finer, alone, detail, cases=rows)
+            run.put(rows, alone)
+        return _traces(batch, run).rows(rows)
+
+    first, second = _nudge(level.rtol, NUDGE, LARGEST_NUDGE), _nudge(finer.rtol, NUDGE_OF_FINER)
+    return judge(_traces(batch, run), again, first, refine, second, max(second.size, MEMBERS * 2.0**-53))
+
+
+def _nudge(rtol: float, times: float, most: float = np.inf) -> Nudge:
+    known = max(rtol, FINEST)
+    size = max(min(times * known, most), rtol, LEAST_NUDGE)
+    return Nudge(size, SAFETY * known / size, FLOOR * known)
+
+
+def _traces(batch: Batch, run: Raw) -> Traces:
+    out, p = run.out, batch.p.min(axis=1)
+    verdict = np.select([out[:, k.FELL] == k.FALLS, out[:, k.FELL] == k.RETURNS], [FALLS, STANDS], UNDECIDED)
+    verdict = np.where(out[:, k.STATUS] == k.DONE, verdict, NO_ANSWER).astype(np.int8)
+    alpha = batch.block.alpha
+    sides = np.maximum(out[:, k.PEAK_LEFT] / alpha[:, LEFT], out[:, k.PEAK_RIGHT] / alpha[:, RIGHT])
+    swings = out[:, k.SWINGS]
+    when = np.divide(out[:, k.SWINGS_T] * p, swings, out=np.zeros_like(swings), where=swings > 0.0)
+    return Traces(verdict, out[:, k.T_OVERTURN] * p, sides, swings, when)
 
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:
@@ -118,7 +155,7 @@ def _estimated_seconds(batch: Batch, parameters: Array) -> float:
         if isinstance(channel, Samples):
             pieces += len(channel.values)
     swings = float(np.sum(parameters[:, k.T_STOP] * batch.p.max(axis=1)))
-    passes = 2 if "error_estimate" in batch.save.scalars else 1
+    passes = 2 if batch.save.scalars & CERTAINTY else 1
     return passes * (batch.size * (0.01 + 60e-6 * pieces) + 1e-3 * swings)
 
 

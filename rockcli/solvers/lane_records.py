@@ -12,6 +12,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Accuracy
+from rockcli.solvers.agreement import CERTAINTY
 
 Array = NDArray[np.float64]
 
@@ -20,7 +21,7 @@ METHOD = "Taylor series of order 8 from sample to sample, many bodies in lanes, 
 FINEST = 1e-13
 """Smallest tolerance of the lanes; below it polynomials of their order would need many steps per sample."""
 
-BEYOND = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual", "error_estimate"})
+BEYOND = CERTAINTY | {"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"}
 """Scalars that need a look inside every step, or a second run."""
 
 PATH = frozenset({"t_overturn", "t_end"})

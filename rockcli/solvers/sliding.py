@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 SLIDES = "slides and does not rock: mu is not above tan(alpha)"
 
 ABSENT = ("t_peak", "t_uplift", "t_overturn", "energy_residual")
-NOTHING = ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "mu_impact", "error_estimate")
+NOTHING = ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "mu_impact", "error_estimate", "overturn_share")
 """Scalars that a body which slides and never rocks has not, and those that are 0."""
 
 

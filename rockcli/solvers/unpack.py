@@ -35,6 +35,11 @@ class Raw:
         self.rate = np.full((n, n_time), np.nan)
         self.t_impact, self.before, self.after = (np.full((n, n_impacts), np.nan) for _ in range(3))
 
+    def put(self, rows: NDArray[np.int64], other: Raw) -> None:
+        """Take other runs, as large, in place of those of some cases."""
+        for name, values in vars(other).items():
+            getattr(self, name)[rows] = values
+
 
 def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Scalars by name and a sentence per case from the raw output."""

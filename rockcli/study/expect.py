@@ -7,7 +7,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
-from rockcli.scene.variables import CASE, IMPACT, LIMIT, MEASURE, MEASURES, ROTATION, SUITE, TIME, VARIABLES
+from rockcli.scene.suite_variables import MEASURES
+from rockcli.scene.variable import CASE, IMPACT, LIMIT, MEASURE, ROTATION, SUITE, TIME
+from rockcli.scene.variables import VARIABLES
 from rockcli.study.expressions import ExpressionError, constant, parse
 from rockcli.study.study import MATCH, Axis, Expect, Over
 from rockcli.study.tree import Keys, Map, Source, nearest, place

@@ -11,11 +11,10 @@ import pytest
 
 import rockcli
 from rockcli.engine.auto import decide, peak_of
-from rockcli.engine.measures import scaled
 from rockcli.errors import StudyError
 from rockcli.scene import auto
 from rockcli.scene.auto_table import TABLES
-from rockcli.scene.excitation import acceleration
+from rockcli.scene.excitation import acceleration, scaled
 from rockcli.scene.pulses import SHAPES
 from rockcli.study.open import open_study
 

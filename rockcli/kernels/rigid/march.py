@@ -48,6 +48,8 @@ from rockcli.kernels.rigid.layout import (
     RETURNS,
     RIGHT,
     STATUS,
+    SWINGS,
+    SWINGS_T,
     T_END,
     T_MOTION,
     T_OVERTURN,
@@ -80,6 +82,10 @@ OUTCOME, PEAKS, ALL = 0, 1, 2
 
 FAST = 1e-6
 """Impacts faster than this fraction of p alpha are counted."""
+
+MEANINGFUL = 1e-2
+"""Impacts slower than this fraction of p alpha say nothing about where a body goes: an impact carries (v/p alpha)^2
+less this squared, so that one just as slow changes nothing."""
 
 
 @jit
@@ -300,6 +306,10 @@ def march(
             p = math.sqrt(par[e + P2])
             eta = par[other + ETA]
             onto = other
+            carried = (rate / (p * par[e + ALPHA])) ** 2 - MEANINGFUL**2
+            if carried > 0.0:
+                out[SWINGS] += carried
+                out[SWINGS_T] += carried * t
             if abs(rate) > FAST * p * par[e + ALPHA] and reported:
                 out[N_IMPACTS] += 1
                 out[ONTO_RIGHT if onto == RIGHT else ONTO_LEFT] += 1

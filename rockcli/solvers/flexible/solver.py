@@ -14,18 +14,23 @@ from rockcli.kernels.column import law as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
-from rockcli.solvers.agreement import compare_accuracies
+from rockcli.solvers.agreement import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
 from rockcli.solvers.flexible.column import REARM, Prepared, RefusedError, first_state, key_of, prepare
 from rockcli.solvers.flexible.unpack import Raw, histories_of, scalars_of
 from rockcli.solvers.pack import FREE_ROCKING, channel_of
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 FINENESS = {"draft": 1.0, "standard": 0.5, "reference": 0.25}
 """Factor of an accuracy level on the step."""
 
 PULSE_STEPS, ROCKING_STEP = 60.0, 0.03
 """Steps per period of a pulse, and the longest step in units of 1/p, at accuracy `draft`."""
+
+NUDGE, NUDGE_OF_RECORDS = {"draft": 1e-6, "standard": 1e-7, "reference": 1e-8}, 1e-5
+"""The motion of the second run, and of an ensemble, differs by this share: above the errors of the steps
+(docs/accuracy.md, docs/flexible.md), of which those under records are the same at every level."""
 
 MAX_STEPS = 2_000_000
 """Steps a case may take."""
@@ -45,12 +50,8 @@ def solve(batch: Batch) -> Response:
     prepared, refusals = _prepare(batch)
     run = _march(batch, prepared, fineness, histories=batch.save.histories)
     scalars, reasons = scalars_of(batch, run, prepared, refusals)
-    if "error_estimate" in batch.save.scalars:
-        # a record's samples cap the step at every level: there a run with half of it tells
-        sampled = any(isinstance(c, Samples) for c in (batch.excitation.horizontal, batch.excitation.vertical))
-        again = _march(batch, prepared, (0.5 if sampled else 2.0) * fineness, histories=False, halved=sampled)
-        other, _ = scalars_of(batch, again, prepared, refusals)
-        compare_accuracies(batch, scalars, other, reasons)
+    if batch.save.scalars & CERTAINTY:
+        _judged(batch, prepared, refusals, scalars).enter(scalars, reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",
@@ -62,6 +63,27 @@ def solve(batch: Batch) -> Response:
     }
     histories, impacts, t = histories_of(batch, run, prepared) if batch.save.histories else ({}, {}, np.empty(0))
     return Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
+
+
+def _judged(
+    batch: Batch, prepared: list[Prepared | None], refusals: list[str], scalars: dict[str, NDArray[Any]]
+) -> Judgement:
+    """What further runs show: one of another step and another motion, and members of an ensemble of the same step."""
+    level = batch.numerics.accuracy
+    # a record's samples cap the step at every level: there a run with half of it tells
+    sampled = any(isinstance(c, Samples) for c in (batch.excitation.horizontal, batch.excitation.vertical))
+    nudge = NUDGE_OF_RECORDS if sampled else NUDGE[level]
+
+    def again(rows: Index, factors: Array, fine: bool) -> Traces:
+        second = not fine
+        other_step = (0.5 if sampled else 2.0) if second else 1.0
+        others = nudged(batch, rows, factors)
+        columns, said = [prepared[i] for i in rows], [refusals[i] for i in rows]
+        run = _march(others, columns, other_step * FINENESS[level], histories=False, halved=sampled and second)
+        return Traces.of(others, scalars_of(others, run, columns, said)[0])
+
+    first = Traces.of(batch, scalars)
+    return judge(first, again, Nudge(nudge, weight=1.0), first.rows, None, nudge)
 
 
 def _kernel() -> ModuleType:

@@ -13,7 +13,7 @@ from rockcli.errors import SolverError
 from rockcli.kernels.frame import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
-from rockcli.solvers.agreement import compare_accuracies
+from rockcli.solvers.agreement import CERTAINTY, compare_steps
 from rockcli.solvers.frame.case import Kernels, case_of
 from rockcli.solvers.frame.results import histories_of, scalars_of
 
@@ -54,9 +54,9 @@ def solve(batch: Batch) -> Response:
         raise SolverError("model flexible needs a column")
     runs = run(batch, histories=batch.save.histories)
     scalars, reasons = scalars_of(batch, runs.out, runs.par)
-    if "error_estimate" in batch.save.scalars:
+    if batch.save.scalars & CERTAINTY:
         rough = run(batch, histories=False, coarser=COARSER)
-        compare_accuracies(batch, scalars, scalars_of(batch, rough.out, rough.par)[0], reasons)
+        compare_steps(batch, scalars, scalars_of(batch, rough.out, rough.par)[0], reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     histories: dict[str, Array] = {}
     impacts: dict[str, Array] = {}

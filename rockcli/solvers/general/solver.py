@@ -24,11 +24,11 @@ from rockcli.scene.response import (
     Response,
     overturned,
 )
-from rockcli.solvers.agreement import compare_accuracies, horizon_of
+from rockcli.solvers.agreement import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
 from rockcli.solvers.general import naive
 from rockcli.solvers.general.body import FALLS, UNDECIDED, body_of
 from rockcli.solvers.general.diary import Diary
-from rockcli.solvers.general.ground import Ground, ground_of
+from rockcli.solvers.general.ground import ground_of
 from rockcli.solvers.general.histories import histories_of
 from rockcli.solvers.general.located import Located
 from rockcli.solvers.general.methods import (
@@ -43,6 +43,7 @@ from rockcli.solvers.general.methods import (
 )
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 FINER = 0.1
 """The error estimate is the difference to a run with this many times the tolerance."""
@@ -65,39 +66,29 @@ def solve(batch: Batch) -> Response:
     """Solve every case of the batch with a general method.
 
     The scalars about contact forces and energy are NaN.  A case in which the method fails is `failed` with a sentence;
-    one on a separatrix within the tolerance, or whose outcome two tolerances leave unknown, is `unresolved`.
+    one on a separatrix within the tolerance, or whose outcome differs within it, is `unresolved`.
 
     Raises:
         SolverError: the method is unknown, or restitution is asked for without located impacts.
     """
     settings = _settings(batch)
     began = time.perf_counter()
-    grounds = [ground_of(batch, i) for i in range(batch.size)]
     diaries: list[Diary] = []
-    others: list[Diary] = []
     columns: dict[str, list[Any]] = {"wall_time": [], "n_steps": [], "n_rhs": []}
     reasons: list[str] = []
-    for i, ground in enumerate(grounds):
-        diary, walker = _solve_one(batch, i, ground, settings, histories=batch.save.histories)
-        steps, evaluated = walker.taken, walker.evaluated
-        if "error_estimate" in batch.save.scalars:
-            other = diary
-            if not diary.failure:
-                other, more = _solve_one(batch, i, ground, _compared(settings), histories=False)
-                steps, evaluated = steps + more.taken, evaluated + more.evaluated
-            others.append(other)
+    for i in range(batch.size):
+        diary, walker = _solve_one(batch, i, settings, histories=batch.save.histories)
         diaries.append(diary)
         reasons.append(_reason(batch, i, diary))
         now = time.perf_counter()
-        for name, value in (("wall_time", now - began), ("n_steps", steps), ("n_rhs", evaluated)):
+        for name, value in (("wall_time", now - began), ("n_steps", walker.taken), ("n_rhs", walker.evaluated)):
             columns[name].append(value)
         began = now
     scalars = _scalars(batch, diaries)
     scalars["wall_time"] = np.array(columns["wall_time"])
     scalars |= {name: np.array(columns[name], dtype=np.int64) for name in ("n_steps", "n_rhs")}
-    if others:
-        rtol = max(settings.rtol, _compared(settings).rtol)
-        compare_accuracies(batch, scalars, _scalars(batch, others), reasons, horizon_of(rtol))
+    if batch.save.scalars & CERTAINTY:
+        _judged(batch, settings, scalars).enter(scalars, reasons)
     histories, impacts, t = histories_of(batch, diaries) if batch.save.histories else ({}, {}, np.empty(0))
     used = {
         "backend": "scipy",
@@ -125,9 +116,28 @@ def _settings(batch: Batch) -> Settings:
     return Settings(METHODS[name], max(rtol, FLOOR), events, numerics.tolerances.rest_speed)
 
 
-def _solve_one(batch: Batch, i: int, ground: Ground, how: Settings, *, histories: bool) -> tuple[Diary, Walker]:
+def _judged(batch: Batch, settings: Settings, scalars: dict[str, NDArray[Any]]) -> Judgement:
+    """What further runs show, each of another tolerance; the work of all is in the counts of the case."""
+
+    def again(rows: Index, factors: Array, fine: bool) -> Traces:
+        others = nudged(batch, rows, factors)
+        how, diaries = _compared(settings), []
+        for i, row in enumerate(rows):
+            began = time.perf_counter()
+            diary, walker = _solve_one(others, i, how, histories=False)
+            diaries.append(diary)
+            scalars["n_steps"][row] += walker.taken
+            scalars["n_rhs"][row] += walker.evaluated
+            scalars["wall_time"][row] += time.perf_counter() - began
+        return Traces.of(others, _scalars(others, diaries))
+
+    first = Traces.of(batch, scalars)
+    return judge(first, again, Nudge(settings.rtol, weight=1.0), first.rows, None, settings.rtol)
+
+
+def _solve_one(batch: Batch, i: int, how: Settings, *, histories: bool) -> tuple[Diary, Walker]:
     """The diary of one case, and who counted the work."""
-    body = body_of(batch, i)
+    body, ground = body_of(batch, i), ground_of(batch, i)
     n_time = math.floor(ground.t_stop / batch.save.dt_out * (1.0 + 1e-12)) + 1 if histories else 0
     diary = Diary(body, batch.save.dt_out, np.full(n_time, np.nan), np.full(n_time, np.nan))
     margin = max(2e-14, 10.0 * how.rtol)

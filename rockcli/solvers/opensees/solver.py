@@ -10,7 +10,7 @@ from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
 from rockcli.scene.response import Response
-from rockcli.solvers.agreement import compare_accuracies
+from rockcli.solvers.agreement import CERTAINTY, compare_steps
 from rockcli.solvers.opensees.case import law_of
 from rockcli.solvers.opensees.results import Outcome, histories_of, scalars_of
 from rockcli.solvers.opensees.run import PeerError, require_opensees, run_script
@@ -36,8 +36,8 @@ def solve(batch: Batch) -> Response:
     began = time.perf_counter()
     outcomes = run(batch)
     scalars, reasons = scalars_of(batch, outcomes)
-    if "error_estimate" in batch.save.scalars:
-        compare_accuracies(batch, scalars, scalars_of(batch, run(batch, coarser=COARSER))[0], reasons)
+    if batch.save.scalars & CERTAINTY:
+        compare_steps(batch, scalars, scalars_of(batch, run(batch, coarser=COARSER))[0], reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     histories, impacts, t = histories_of(batch, outcomes) if batch.save.histories else ({}, {}, np.empty(0))
     return Response(scalars, reasons, t, histories, impacts, _used(batch, outcomes))
