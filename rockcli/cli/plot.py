@@ -21,7 +21,7 @@ def plot(
     from rockcli.errors import StudyError
 
     for file in files:
-        drawn, complaints = draw(file, tuple(kinds or ()), plot_format)
+        drawn, complaints = draw(file, tuple(kinds) if kinds else None, plot_format)
         if not drawn and not kinds:  # nothing suggests itself: whatever there is
             from rockcli.plotting.figures import KINDS
 

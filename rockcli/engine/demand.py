@@ -7,6 +7,7 @@ not move, which have no logarithm.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,9 @@ from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
+
+LEAST = 8
+"""Members with an answer below which correlations are left out."""
 
 GROUP = "p_pgv_over_g_tan_alpha"
 
@@ -94,9 +98,9 @@ def correlations(response: Array, whole: Contents, axis: str) -> dict[str, Field
             continue
         x = np.where(differs, x, np.nan)
         names.append(name)
-        by_rank.append(spearman(x, y))
+        by_rank.append(_of_enough(spearman, x, y))
         with np.errstate(divide="ignore", invalid="ignore"):
-            by_log.append(pearson(np.log(np.where(x > 0.0, x, np.nan)), np.log(moving)))
+            by_log.append(_of_enough(pearson, np.log(np.where(x > 0.0, x, np.nan)), np.log(moving)))
     if not names:
         return {}
     rest = tuple(name for name in whole.axes if name != axis)
@@ -108,3 +112,8 @@ def correlations(response: Array, whole: Contents, axis: str) -> dict[str, Field
         "demand_pearson": variable_field("demand_pearson", dims, np.stack(by_log, axis=-1)),
         "n_moving": variable_field("n_moving", rest, (~np.isnan(moving)).sum(axis=-1)),
     }
+
+
+def _of_enough(correlation: Callable[[Array, Array], Array], x: Array, y: Array) -> Array:
+    pairs = (~(np.isnan(x) | np.isnan(y))).sum(axis=-1)
+    return np.where(pairs >= LEAST, correlation(x, y), np.nan)

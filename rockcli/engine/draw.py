@@ -11,12 +11,14 @@ from rockcli.storage.read import open_dataset
 FORMATS = ("png", "pdf", "svg")
 
 
-def draw(path: Path, kinds: tuple[str, ...] = (), plot_format: str = "png") -> tuple[tuple[Path, ...], tuple[str, ...]]:
+def draw(
+    path: Path, kinds: tuple[str, ...] | None = None, plot_format: str = "png"
+) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """Draw plots beside a dataset file.
 
     Args:
         path: the dataset; plots appear as <kind>.<format> in its folder.
-        kinds: kinds of plot; () = those its content suggests.
+        kinds: kinds of plot; None = those its content suggests.
         plot_format: png, pdf or svg.
 
     Returns:
@@ -29,9 +31,11 @@ def draw(path: Path, kinds: tuple[str, ...] = (), plot_format: str = "png") -> t
 
     if plot_format not in FORMATS:
         raise StudyError(f"unknown format {plot_format!r}; there are {', '.join(FORMATS)}")
+    if kinds == ():
+        return (), ()
     dataset = open_dataset(path)
     drawn, complaints = [], []
-    for kind in kinds or default_kinds(dataset):
+    for kind in default_kinds(dataset) if kinds is None else kinds:
         complaint = why_not(kind, dataset)
         if complaint:
             complaints.append(f"plot {kind!r}: {complaint}")

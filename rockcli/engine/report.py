@@ -39,7 +39,7 @@ class RunReport:
         overturns: searched axis -> its lowest overturning values, in words.
         rules: what the rules of thumb would have said of the same cases.
         warnings: about the physics and the study.
-        plots: files drawn; seconds: wall time of the run.
+        plots: files drawn; seconds: wall time of solving and writing, without drawing.
         taken_over: cases that the results of a study of fewer points had; resumed: cases from parts of earlier runs
             (of a search, trials), after a share: cases that all shares have by now.
         share: (K, N) of a share.

@@ -222,6 +222,7 @@ def _of_share(study: Study, sweep: Sweep, started: float) -> RunReport:
 def _told(
     study: Study, contents: Contents, status: str, path: Path, started: float, plot_format: str | None
 ) -> RunReport:
+    seconds = perf_counter() - started  # of solving and writing, not of drawing
     drawn, complaints = _draw(study, path, plot_format) if plot_format is not None else ((), ())
     return report_on(
         study,
@@ -230,7 +231,7 @@ def _told(
         file=path,
         plots=drawn,
         warnings=(*_warnings(contents), *complaints),
-        seconds=perf_counter() - started,
+        seconds=seconds,
     )
 
 

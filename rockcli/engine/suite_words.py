@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.demand import LEAST
 from rockcli.engine.fragility import FITTED, WHY_NOT
 from rockcli.engine.search import found_by
 from rockcli.scene.thresholds import FOUND, threshold_words, unit_words
@@ -118,6 +119,11 @@ def _of_demand(contents: Contents, over: Over) -> Iterator[str]:
         words = ", ".join(f"{name} {value:.2f}" for value, name in found)
         points = "" if len(flat) == 1 else f", median of {len(flat)} points"
         yield f"rank correlation of the peak: {words} (Spearman{points})"
+    few = contents.values("n_answered").ravel() < LEAST
+    if few.any():
+        where = "" if few.all() else f" at {int(few.sum())} of {few.size} points"
+        why = f"fewer than {LEAST} {_members(over)} with an answer"
+        yield f"correlations with measures of the motion are left out{where}: {why}"
 
 
 def _of_thresholds(contents: Contents, study: Study, over: Over) -> Iterator[str]:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import chain
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Samples
 from rockcli.scene.models import MODELS
+from rockcli.study.expressions import UNITS, ExpressionError, parse
 from rockcli.study.motion import MOTION
 from rockcli.study.numbers import Numbers
-from rockcli.study.tree import Keys, dotted, value_at
+from rockcli.study.paths import resolve
+from rockcli.study.tree import Keys, Map, dotted, value_at
 
 Array = NDArray[np.float64]
 
@@ -32,12 +38,54 @@ _ANGLES: tuple[Keys, ...] = (
 _RELATIVE = ("a_p_over_g_tan_alpha", "pga_over_g_tan_alpha", "scale", "pgv")
 """Amplitudes that no wrong unit of acceleration can make too large."""
 
+_ABSOLUTE = ("a_p", "pga")
 
-def doubts_about(numbers: Numbers, batch: Batch) -> list[str]:
-    """Sentences about the cases of a batch."""
+
+def surely_meant(study: Map, searched: str | None) -> frozenset[Keys]:
+    """Keys of the case whose numbers say their unit (`4*g`, `3*m/s**2`), or are only the ends of a search.
+
+    Args:
+        study: {case, vary}, short forms written out.
+        searched: path of the searched range, None without one.
+    """
+    found = {keys for keys, value in _leaves(study.get("case"), ("case",)) if _says_its_unit(value)}
+    for text, entry in (study.get("vary") or {}).items():
+        path = resolve(text)
+        points = isinstance(entry, list) or (isinstance(entry, dict) and "from" in entry)
+        settings = [] if points or not isinstance(entry, dict) else [_leaves(value, path) for value in entry.values()]
+        given = [(path, value) for _, value in _leaves(entry, path)] if points else list(chain(*settings))
+        found -= {keys for keys, _ in given}  # what the axis puts there is what counts
+        found |= {keys for keys, value in given if _says_its_unit(value)}
+    if searched is not None:
+        found.add(resolve(searched))
+    return frozenset(found)
+
+
+def _leaves(value: Any, keys: Keys) -> Iterator[tuple[Keys, Any]]:
+    """Every single value below some keys of a study, with its keys; those of a setting may be dotted."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from _leaves(item, (*keys, *str(key).split(".")))
+    elif isinstance(value, list):
+        for item in value:
+            yield from _leaves(item, keys)
+    else:
+        yield keys, value
+
+
+def _says_its_unit(value: Any) -> bool:
+    try:
+        return isinstance(value, str) and bool(parse(value).names & {"g", *UNITS})
+    except ExpressionError:
+        return False
+
+
+def doubts_about(numbers: Numbers, batch: Batch, meant: frozenset[Keys] = frozenset()) -> list[str]:
+    """Sentences about the cases of a batch; `meant`: keys whose numbers are not doubted."""
+    horizontal, vertical = batch.excitation.horizontal, batch.excitation.vertical
     with np.errstate(all="ignore"):
-        said = [_too_weak(batch), _too_tall(batch), _too_strong(numbers, batch, MOTION, batch.excitation.horizontal)]
-        said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), batch.excitation.vertical))
+        said = [_too_weak(batch), _too_tall(batch), _too_strong(numbers, batch, MOTION, horizontal, meant)]
+        said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), vertical, meant))
         said += [_in_degrees(numbers, keys) for keys in _ANGLES]
     return [sentence for sentence in said if sentence]
 
@@ -56,13 +104,15 @@ def _too_tall(batch: Batch) -> str:
     return f"a body is {height:.4g} m high: are its sizes in metres?" if height > TALL else ""
 
 
-def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | None) -> str:
+def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | None, meant: frozenset[Keys]) -> str:
     if channel is None:
         return ""
     kind = "record" if isinstance(channel, Samples) else "pulse"
     given = value_at(numbers.tree, (*keys, kind)) or {}
     largest = float((_pga(channel) / batch.g).max())
     if largest <= STRONG or any(given.get(key) is not None for key in _RELATIVE):
+        return ""
+    if any(given.get(key) is not None and (*keys, kind, key) in meant for key in _ABSOLUTE):
         return ""
     which = "" if keys == MOTION else "vertical "
     return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right (a_p and pga are in m/s^2)?"

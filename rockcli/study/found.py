@@ -33,7 +33,8 @@ class Found:
     """What the cases of a study show: finest output spacing needed, what was done to records.
 
     `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
-    `friction`: some case has a mu; `asymmetric`: some body has two different edges.
+    `friction`: some case has a mu; `asymmetric`: some body has two different edges.  `meant`: keys whose numbers are
+    not doubted.
     """
 
     dt_out: float = DT_OUT
@@ -43,6 +44,7 @@ class Found:
     schemes: set[str] = field(default_factory=set)
     friction: bool = False
     asymmetric: bool = False
+    meant: frozenset[Keys] = frozenset()
     doubted: dict[str, None] = field(default_factory=dict)
 
     def look(self, numbers: Numbers, batch: Batch) -> None:
@@ -52,7 +54,7 @@ class Found:
         self.friction |= bool(np.isfinite(batch.block.mu).any())
         self.asymmetric |= not batch.block.symmetric.all()
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
-        self.doubted |= dict.fromkeys(doubts_about(numbers, batch))
+        self.doubted |= dict.fromkeys(doubts_about(numbers, batch, self.meant))
         self._channel(numbers, batch, batch.excitation.horizontal, MOTION)
         self._channel(numbers, batch, batch.excitation.vertical, (*MOTION, "vertical"))
 

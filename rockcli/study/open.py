@@ -29,6 +29,7 @@ from rockcli.study.axes import Evaluate, read_axes
 from rockcli.study.build import build_batch
 from rockcli.study.cases import Cases
 from rockcli.study.check import check_case, check_study
+from rockcli.study.doubts import surely_meant
 from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.features import check_curves
@@ -39,7 +40,7 @@ from rockcli.study.over import read_over
 from rockcli.study.overrides import apply_overrides, without_effect
 from rockcli.study.records import Records
 from rockcli.study.refine import RECORDS, read_refine
-from rockcli.study.schema import CasePart, StudyPart
+from rockcli.study.schema import NO_PLOTS, CasePart, StudyPart
 from rockcli.study.search import make_search, searched
 from rockcli.study.shorthands import expanded
 from rockcli.study.study import Expect, Study
@@ -80,7 +81,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     if sought is not None:  # innermost, so that every other case has its points side by side
         variations = [*(v for v in variations if v is not sought), sought]
     cases = Cases(where, base, variations, records, provisional)
-    found = Found()
+    found = Found(meant=surely_meant(tree, None if sought is None else sought.axis.path))
     _probe(cases, found)
     axes = tuple(v.axis for v in variations if v is not sought)
     check_curves(where, tree, found.models)
@@ -107,7 +108,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         cases=cases if search is None else search,
         compare_to=match(where, tree, ("compare_to",), compare_to, axes, cases.evaluate) if compare_to else None,
         expect=expect,
-        plots=tuple(dict.fromkeys(part.plots)),
+        plots=None if part.plots is None else tuple(dict.fromkeys(part.plots)),
         histories=histories,
         dt_out=dt_out,
         scalars=scalars,
@@ -241,5 +242,7 @@ def _resolved(
         path = variation.axis.path
         if isinstance(vary[path], str) and variation.table is None:
             vary[path] = [point[0][1] for point in variation.settings]
+    if part.plots == []:
+        dumped["plots"] = NO_PLOTS
     dumped["save"] = {key: value for key, value in saved.items() if value != []}
     return {key: value for key, value in dumped.items() if value not in ("", [], {}, None, False)}

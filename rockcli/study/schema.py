@@ -302,6 +302,10 @@ class OverPart(Part):
 
 Over = Annotated[OverPart | None, BeforeValidator(lambda v: {"axis": v} if isinstance(v, str) else v)]
 
+NO_PLOTS = "none"
+
+Plots = Annotated[list[Literal[PLOTS]] | None, BeforeValidator(lambda v: [] if v == NO_PLOTS else v)]  # type: ignore[valid-type]
+
 
 class StudyPart(Part):
     """A study of rocking bodies."""
@@ -318,7 +322,7 @@ class StudyPart(Part):
     over: Over = key("axis of the ensemble statistics, or {axis, along, limits, mean}")
     refine: bool = key("trace the outcome boundary of a two-axis map instead of solving every pixel", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
-    plots: list[Literal[PLOTS]] = key("kinds of plot", [])  # type: ignore[valid-type]
+    plots: Plots = key("kinds of plot; none or []: draw none")
     expect: list[ExpectPart] = key("statements about the results", [])
     curves: list[Literal[CURVES]] = key("static curves", [])  # type: ignore[valid-type]
     rules: list[Literal[RULES]] = key("rules of thumb and code checks beside the history", [])  # type: ignore[valid-type]
@@ -339,6 +343,7 @@ _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
     ("RecordPart", "lowpass"): NUMBER_SCHEMA,
     ("RecordPart", "bandpass"): PAIR_SCHEMA,
     ("StudyPart", "over"): {"type": "string"},
+    ("StudyPart", "plots"): {"const": NO_PLOTS},
 }
 """Short forms that `shorthands.expanded` writes out before the schema sees them."""
 

@@ -152,7 +152,7 @@ class Study:
         cases: builds batches.
         compare_to: {axis name: coordinate value} of the reference, or None.
         expect: clauses in file order.
-        plots: kinds of plot asked for; () = the defaults.
+        plots: kinds of plot asked for; None = the defaults.
         histories: whether histories are saved; dt_out: output spacing [s]; scalars: names in contract order.
         histories_at: {axis name: coordinate value} of the only cases whose histories are saved; None = all.
         curves: kinds of static curve asked for.
@@ -178,7 +178,7 @@ class Study:
     cases: CaseSource
     compare_to: dict[str, Any] | None
     expect: tuple[Expect, ...]
-    plots: tuple[str, ...]
+    plots: tuple[str, ...] | None
     histories: bool
     dt_out: float
     scalars: tuple[str, ...]

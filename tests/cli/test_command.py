@@ -11,10 +11,12 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+import yaml
 
 from rockcli.cli import main as command
 from rockcli.cli.progress import duration
 from rockcli.storage.read import open_dataset
+from rockcli.study.open import open_study
 
 STUDY = """\
 name: {name}
@@ -67,6 +69,34 @@ def test_a_run_leaves_dataset_and_plots(rock: Rock, tmp_path: Path, capsys: pyte
     assert found["theta"].dims == ("time",)
     assert rock("run", file, "--no-plots") == 0
     assert "up to date" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("none", ["none", "[]"])
+def test_no_plots_where_the_study_asks_for_none(rock: Rock, tmp_path: Path, none: str) -> None:
+    assert rock("run", study(tmp_path, more=f"plots: {none}")) == 0
+    folder = tmp_path / "results" / "ricker"
+    assert [path.name for path in folder.iterdir()] == ["ricker.nc"]
+    again = open_study(yaml.safe_load(open_dataset(folder / "ricker.nc").attrs["study"]))
+    assert again.plots == ()
+    assert rock("plot", folder / "ricker.nc") == 0  # whoever asks for plots has them
+    assert (folder / "histories.png").is_file()
+
+
+def test_the_time_of_solving_is_not_that_of_drawing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rockcli.engine import draw, run
+
+    drawing = 5.0
+    clock = iter(range(1000))
+    monkeypatch.setattr(run, "perf_counter", lambda: float(next(clock)))
+
+    def slow(*_: object) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+        for _ in range(int(drawing)):
+            next(clock)
+        return (), ()
+
+    monkeypatch.setattr(draw, "draw", slow)
+    report = run.run_study(open_study(study(tmp_path)), tmp_path)
+    assert report.seconds < drawing
 
 
 def test_exit_codes(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from scenes import G
+from scipy import stats
 
 import rockcli
 from rockcli.engine.ensemble import with_ensembles
@@ -133,8 +134,8 @@ def test_separable_data_have_no_curve():
     assert "no fragility curve for overturning: it goes from none to all at once" in contents.attrs["warnings"]
 
 
-def test_measures_and_correlations():
-    """Unscaled records: the measures in the dataset are those of the files, the ranks those of three numbers."""
+def test_measures_of_the_motion():
+    """Unscaled records: the measures in the dataset are those of the files."""
     base = {
         "name": "cloud",
         "case": {"block": {"R": 8.0, "tan_alpha": 0.15}, "motion": {"record": {"file": "synthetic_rock_m65.AT2"}}},
@@ -155,10 +156,38 @@ def test_measures_and_correlations():
                 assert float(item[place]) == pytest.approx(expected[name], rel=1e-12), name
     group = data["p"] * data["pgv"] / (G * 0.15)
     np.testing.assert_allclose(data["p_pgv_over_g_tan_alpha"].transpose(*group.dims), group, rtol=1e-12)
-    peak, pgv = data["theta_peak_over_alpha"].values[:, 0], data["pgv"].values[:, 0]
-    rank = [np.argsort(np.argsort(v)) for v in (peak, pgv)]
-    got = data["demand_spearman"].sel(measure="pgv", scale=1.0)
+    # three records tell nothing of which measure is the better one
+    assert np.isnan(data["demand_spearman"]).all()
+    assert np.isnan(data["demand_pearson"]).all()
+    said = json.loads(data.attrs["ensemble"])["says"]
+    assert said[-1] == "correlations with measures of the motion are left out: fewer than 8 records with an answer"
+
+
+@pytest.mark.parametrize("n", [7, 8])
+def test_correlations_need_eight_records(tmp_path, n):
+    """The ranks are those of as many numbers."""
+    noise = np.random.default_rng(5)
+    for i in range(n):
+        values = noise.normal(size=800) * np.sin(np.pi * np.arange(800) / 800.0) * (0.8 + 0.1 * i)
+        (tmp_path / f"noise_{i}.txt").write_text("# units: m/s2\n" + "".join(f"{a:.9e}\n" for a in values))
+    record = {"file": str(tmp_path / "noise_0.txt"), "dt": 0.02}
+    data = rockcli.run(
+        {
+            "name": "cloud",
+            "case": {"block": {"R": 8.0, "tan_alpha": 0.05}, "motion": {"record": record}},
+            "over": "record",
+            "vary": {"motion.record.file": str(tmp_path / "noise_*.txt")},
+            "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]},
+        }
+    )
+    got = data["demand_spearman"].sel(measure="pgv")
+    if n < 8:
+        assert np.isnan(got)
+        return
+    rank = [stats.rankdata(data[name].values) for name in ("theta_peak_over_alpha", "pgv")]
     assert float(got) == pytest.approx(np.corrcoef(*rank)[0, 1], rel=1e-12)
+    assert "rank correlation of the peak" in data.attrs["ensemble"]
+    assert "left out" not in data.attrs["ensemble"]
 
 
 def test_expectations_on_statistics(tmp_path):

@@ -30,6 +30,27 @@ class TestDoubts:
         relative = {"shape": "sine", "a_p_over_g_tan_alpha": 20, "T_p": 1}
         assert warnings_of({"motion": {"pulse": relative}}) == ()
 
+    def test_what_says_its_unit_is_meant(self):
+        for a_p in ("40*g", "400*m/s**2", "g*R/m*20"):
+            assert warnings_of({"motion": {"pulse": {**SINE, "a_p": a_p}}}) == ()
+        motion = {"motion": {"pulse": SINE}}
+        assert warnings_of(motion, vary={"motion.pulse.a_p": ["0.5*g", "40*g"]}) == ()
+        assert warnings_of(motion, vary={"motion.pulse.a_p": {"from": "0.5*g", "to": "40*g", "n": 5}}) == ()
+        settings = {"weak": {"pulse": {**SINE, "a_p": "0.5*g"}}, "strong": {"pulse": {**SINE, "a_p": "40*g"}}}
+        assert warnings_of(motion, vary={"motion": settings}) == ()
+
+    def test_what_an_axis_puts_there_counts(self):
+        motion = {"motion": {"pulse": {**SINE, "a_p": "4*g"}}}
+        (said,) = warnings_of(motion, vary={"motion.pulse.a_p": [4, 400]})
+        assert "is 40.77 g" in said
+        (said,) = warnings_of(motion, vary={"motion": {"strong": {"pulse": {**SINE, "a_p": 400}}}})
+        assert "is 40.77 g" in said
+
+    def test_the_end_of_a_searched_range_is_no_motion(self):
+        for to in (400, "40*g"):
+            searched = {"from": 2, "to": to, "n": 5, "find": "overturning"}
+            assert warnings_of({"motion": {"pulse": SINE}}, vary={"motion.pulse.a_p": searched}) == ()
+
     def test_too_tall(self):
         (said,) = warnings_of({"motion": {"pulse": SINE}, "block": {"height": 2100, "width": 550}})
         assert "2100 m high" in said
