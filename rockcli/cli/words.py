@@ -74,8 +74,8 @@ def _rules(report: RunReport) -> list[str]:
         return [_row("rules", "say nothing here: they need a ground motion and an outcome")]
     lines = []
     for number, rule in enumerate(speaking):
-        unsafe = f"{rule.unsafe} unsafe (stands by the rule, overturned by the history)"
-        words = f"{rule.name}: {unsafe}, {rule.wary} the other way, of {rule.cases}"
+        unsafe = f"{rule.unsafe:.4g} unsafe (stands by the rule, overturned by the history)"
+        words = f"{rule.name}: {unsafe}, {rule.wary:.4g} the other way, of {rule.cases}"
         lines.append(_row("rules" if number == 0 else "", words))
     return lines
 

@@ -1,6 +1,7 @@
 """Ensemble statistics (`over`): what a suite does at every point of the other axes.
 
-Failed and unresolved members are left out and counted; overturned ones count as infinite, never left out.
+Members count by the share of their runs that overturn (`overturn_share`); overturned ones count as infinite.  Those
+without an answer are left out and counted, with what they would make of it if all of them overturned or all stood.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.demand import correlations, with_measures
-from rockcli.engine.fragility import STATUS, fit
+from rockcli.engine.fragility import STATUS, Fit, fit
 from rockcli.engine.search import found_by, threshold_fields
 from rockcli.engine.suite_words import sentences, warnings
 from rockcli.scene.response import UNRESOLVED, overturned
@@ -37,6 +38,8 @@ PEAK = "theta_peak_over_alpha"
 SCALARS: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak")
 """Scalars whose fractiles are taken."""
 
+SHARES: tuple[str, ...] = ("p_overturned", "p_overturned_low", "p_overturned_high")
+
 _FRACTILES: dict[str, float] = {"p16": 0.16, "p50": 0.5, "p84": 0.84}
 
 _WORDS = {"p16": "16th percentile", "p50": "median", "p84": "84th percentile", "mean": "mean"}
@@ -44,10 +47,27 @@ _WORDS = {"p16": "16th percentile", "p50": "median", "p84": "84th percentile", "
 
 @dataclass(frozen=True, eq=False)
 class Members:
-    """What became of every case, over the axes."""
+    """What became of every case, over the axes.
 
-    answered: Mask
-    overturned: Mask
+    Attributes:
+        share: of its runs that overturn, 0 or 1 where that is certain, NaN without an answer.
+    """
+
+    share: Array
+
+    @property
+    def answered(self) -> Mask:
+        """Whether there is an answer."""
+        return ~np.isnan(self.share)
+
+    @property
+    def divided(self) -> Mask:
+        """Whether some runs overturn and some do not."""
+        return (self.share > 0.0) & (self.share < 1.0)
+
+    def values(self, scalar: Array) -> Array:
+        """A scalar of the members, inf where at least half of the runs overturn, NaN where it is not known."""
+        return np.where(self.share >= 0.5, np.inf, np.where(self.answered & ~self.divided, scalar, np.nan))
 
 
 def with_ensembles(contents: Contents, study: Study) -> Contents:
@@ -86,7 +106,7 @@ def variables(study: Study) -> set[str]:
     found = {"n_answered"}
     if study.search is not None:
         return found | set(study.search.results(over))
-    found |= {"p_overturned", *(f"{name}_{end}" for name in SCALARS if name in study.scalars for end in over.ends)}
+    found |= {*SHARES, *(f"{name}_{end}" for name in SCALARS if name in study.scalars for end in over.ends)}
     if PEAK in study.scalars:
         found |= {"demand_spearman", "demand_pearson", "n_moving"}
     if over.along is not None:
@@ -95,28 +115,33 @@ def variables(study: Study) -> set[str]:
 
 
 def members(contents: Contents) -> Members:
-    """What became of every case, by its outcome, or by its peak where no outcome is saved."""
+    """What became of every case, by its share, its outcome, or its peak, whichever is saved."""
     if "outcome" in contents.fields:
         flags = contents.values("outcome")
-        return Members(flags > UNRESOLVED, overturned(flags))
-    peak = contents.values(PEAK)
-    return Members(~np.isnan(peak), np.isposinf(peak))
+        share = np.where(flags > UNRESOLVED, overturned(flags).astype(float), np.nan)
+    elif "overturn_share" in contents.fields:
+        share = np.full(contents.shape, np.nan)
+    else:
+        peak = contents.values(PEAK)
+        share = np.where(np.isnan(peak), np.nan, np.isposinf(peak).astype(float))
+    if "overturn_share" in contents.fields:
+        known = contents.values("overturn_share")
+        share = np.where(np.isnan(known), share, known)
+    return Members(share)
 
 
 def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
     axes, at = contents.axes, contents.axes.index(over.axis)
     rest = tuple(axis for axis in axes if axis != over.axis)
     became = members(contents)
-    n = became.answered.sum(axis=at)
-    added = {
-        "n_answered": variable_field("n_answered", rest, n),
-        "p_overturned": variable_field(
-            "p_overturned", rest, np.where(n > 0, became.overturned.sum(axis=at) / n, np.nan)
-        ),
-    }
+    n, fell = became.answered.sum(axis=at), np.nansum(became.share, axis=at)
+    every = became.share.shape[at]
+    added = {"n_answered": variable_field("n_answered", rest, n)}
+    for name, values in zip(SHARES, (fell / n, fell / every, (fell + every - n) / every), strict=True):
+        added[name] = variable_field(name, rest, values)
     for name in SCALARS:
         if name in contents.fields:
-            values = np.where(became.answered, contents.values(name), np.nan)
+            values = became.values(contents.values(name))
             for end, reduce in _reductions(at, over).items():
                 added[f"{name}_{end}"] = variable_field(f"{name}_{end}", rest, reduce(values))
     if over.along is not None:
@@ -124,7 +149,7 @@ def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field
     measured = with_measures(contents.fields, contents, study)
     if PEAK in contents.fields:
         whole = replace(contents, fields=contents.fields | measured)
-        response = np.where(became.answered, contents.values(PEAK), np.nan)
+        response = became.values(contents.values(PEAK))
         measured |= correlations(response, whole, over.axis)
     return added | measured
 
@@ -159,13 +184,13 @@ def _thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field
 
 
 def _islands(contents: Contents, became: Members, over: Over, rest: tuple[str, ...]) -> dict[str, Field]:
-    """Cases that stand although the same member overturned at a lower intensity."""
+    """Cases that surely stand although the same member surely overturned at a lower intensity."""
     assert over.along is not None
     at = contents.axes.index(over.along)
     order = np.argsort(contents.values(over.along))
-    fell = np.take(became.overturned, order, axis=at)
+    fell = np.take(became.share == 1.0, order, axis=at)
     before = np.logical_or.accumulate(fell, axis=at)
-    stands = np.take(became.answered & ~became.overturned, order, axis=at)
+    stands = np.take(became.share == 0.0, order, axis=at)
     island = np.take(before & stands, np.argsort(order), axis=at)
     count = island.sum(axis=contents.axes.index(over.axis))
     return {
@@ -175,7 +200,8 @@ def _islands(contents: Contents, became: Members, over: Over, rest: tuple[str, .
 
 
 _FITTED: tuple[str, ...] = (
-    "fragility_median", "fragility_beta", "fragility_se_ln_median", "fragility_se_beta", "fragility_correlation"
+    "fragility_median", "fragility_beta", "fragility_se_ln_median", "fragility_se_beta", "fragility_correlation",
+    "fragility_median_low", "fragility_median_high",
 )  # fmt: skip
 
 
@@ -183,19 +209,30 @@ def _fragility(contents: Contents, became: Members, over: Over, rest: tuple[str,
     """Shares that exceed each limit state at every intensity, and the curves through them."""
     assert over.along is not None
     peak = contents.fields.get(PEAK)
-    states = (
-        [became.overturned] if peak is None else [*(peak.values > limit for limit in over.limits), became.overturned]
-    )
+    share = np.nan_to_num(became.share)
+    # of a divided member the peak where it stands is not known: below overturning it counts by the runs that overturn
+    states = [np.where(became.divided, 1.0, peak.values > limit) for limit in over.limits] if peak is not None else []
+    known = np.where(became.divided, share, became.answered)
+    weights = [known] * len(states) + [became.answered.astype(float)]
+    states = [*states, share]
     labels = over.limit_states[-len(states) :]
     order = (*(contents.axes.index(a) for a in rest if a != over.along), contents.axes.index(over.axis))
     order = (*order, contents.axes.index(over.along))
-    answered = became.answered.transpose(order)
-    exceeds = np.stack([(state & became.answered).transpose(order) for state in states], axis=-3)
+    exceeds, weight = (np.stack([one.transpose(order) for one in of], axis=-3) for of in (states, weights))
+    missing = np.broadcast_to(~became.answered.transpose(order)[..., None, :, :], exceeds.shape)
     shape = exceeds.shape[:-2]
     n, k = exceeds.shape[-2:]
-    repeated = np.broadcast_to(answered[..., None, :, :], exceeds.shape)
-    fits = fit(contents.values(over.along), exceeds.reshape(-1, n, k), repeated.reshape(-1, n, k))
-    share = exceeds.sum(axis=-2) / repeated.sum(axis=-2)  # (others, limit, k)
+
+    intensity = contents.values(over.along)
+
+    def curves(exceeds: Array, weight: Array) -> Fit:
+        return fit(intensity, exceeds.reshape(-1, n, k), weight.reshape(-1, n, k))
+
+    fits = curves(exceeds, weight)
+    # NaN where all that is missing leaves no curve
+    low, high = (curves(np.where(missing, all_, exceeds), np.where(missing, 1.0, weight)) for all_ in (1.0, 0.0))
+    fitted = vars(fits) | {"median_low": low.median, "median_high": high.median}
+    share = (exceeds * weight).sum(axis=-2) / weight.sum(axis=-2)  # (others, limit, k)
     dims = (*(axis for axis in rest if axis != over.along), LIMIT)
     place = rest.index(over.along)
     added = {
@@ -204,8 +241,8 @@ def _fragility(contents: Contents, became: Members, over: Over, rest: tuple[str,
     }
     unit = contents.fields[over.along].attrs.get("units", "1")
     for name in _FITTED:
-        values = getattr(fits, name.removeprefix("fragility_")).reshape(shape)
-        more: dict[str, Any] = {"units": unit} if name == "fragility_median" else {}
+        values = fitted[name.removeprefix("fragility_")].reshape(shape)
+        more: dict[str, Any] = {"units": unit} if name.startswith("fragility_median") else {}
         added[name] = variable_field(name, dims, values, **more)
     flags = {"flag_values": np.array(list(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS.values())}
     added["fragility_status"] = variable_field("fragility_status", dims, fits.status.reshape(shape), **flags)

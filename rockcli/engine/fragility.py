@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from rockcli.scene.statistics import inverse_mills, normal_log_cdf
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 FITTED, NONE_EXCEEDS, ALL_EXCEED, SEPARABLE, FALLING = 0, 1, 2, 3, 4
 
@@ -53,19 +52,19 @@ class Fit:
     status: NDArray[np.int8]
 
 
-def fit(intensity: Array, exceeds: Mask, answered: Mask) -> Fit:
+def fit(intensity: Array, exceeds: Array, weight: Array) -> Fit:
     """Fit f curves at once.
 
     Args:
         intensity: (k,); values that are not positive have no logarithm and are left out.
-        exceeds: (f, n, k) whether member n of the suite exceeds the limit state.
-        answered: (f, n, k) or (1, n, k) whether there is an answer; the others are left out.
+        exceeds: (f, n, k) whether member n of the suite exceeds the limit state, or the share of its runs that do.
+        weight: (f, n, k) or (1, n, k) the share of a member that is known: 0 left out, 1 whole.
     """
     positive = intensity > 0.0
     x = np.log(intensity[positive])
-    known = np.broadcast_to(answered, exceeds.shape)[..., positive]
-    over = exceeds[..., positive] & known
-    hits, trials = over.sum(axis=1).astype(float), known.sum(axis=1).astype(float)
+    known = np.broadcast_to(weight, exceeds.shape)[..., positive].astype(float)
+    over = exceeds[..., positive] * known
+    hits, trials = over.sum(axis=1), known.sum(axis=1)
     status = _status(x, hits, trials)
     centre, spread = (x.mean(), x.std() or 1.0) if len(x) else (0.0, 1.0)
     u = (x - centre) / spread
@@ -146,14 +145,15 @@ def _moments(weight: Array, u: Array) -> Array:
     return np.stack([np.stack(sums[:2], axis=-1), np.stack(sums[1:], axis=-1)], axis=-2)
 
 
-def _clustered(u: Array, over: Mask, known: Mask, c: Array) -> Array:
+def _clustered(u: Array, over: Array, known: Array, c: Array) -> Array:
     """Covariance of c (f, 2, 2), the scores of each member of the suite taken together."""
     z = c[:, :1] + c[:, 1:] * u
-    hits, misses = over.sum(axis=1).astype(float), (known & ~over).sum(axis=1).astype(float)
+    missed = known - over
+    hits, misses = over.sum(axis=1), missed.sum(axis=1)
     inverse = np.linalg.inv(_moments(_derivatives(z, hits, misses)[1], u))
     up, down = inverse_mills(z)[:, None], inverse_mills(-z)[:, None]
-    slope = np.where(over, up, np.where(known, -down, 0.0))
+    slope = over * up - missed * down
     score = np.stack([slope.sum(axis=-1), (slope * u).sum(axis=-1)], axis=-1)  # (f, n, 2)
-    n = known.any(axis=-1).sum(axis=-1).astype(float)
+    n = (known > 0.0).any(axis=-1).sum(axis=-1).astype(float)
     meat = np.einsum("fni,fnj->fij", score, score) * (n / np.maximum(n - 1.0, 1.0))[:, None, None]
     return np.asarray(inverse @ meat @ inverse)

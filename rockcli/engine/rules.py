@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.apart import buildable
+from rockcli.engine.ensemble import members
 from rockcli.engine.measures import peaks
 from rockcli.errors import StudyError
 from rockcli.motion.spectrum import displacement_spectrum, forcing
@@ -15,7 +16,6 @@ from rockcli.scene import rules
 from rockcli.scene.batch import Batch
 from rockcli.scene.damping import Fema356
 from rockcli.scene.excitation import Channel, Samples
-from rockcli.scene.response import NO_UPLIFT, overturned
 from rockcli.scene.rules import RULES
 from rockcli.solvers import fema356
 from rockcli.storage.contents import Contents, variable_field
@@ -40,13 +40,14 @@ class Misled:
 
     Attributes:
         name: of the rule; cases: where both have an answer.
-        unsafe: the rule lets stand what the history overturns; wary: the opposite.
+        unsafe: the rule lets stand what the history overturns; wary: the opposite.  A case of which a part of the runs
+            overturns counts by that part.
     """
 
     name: str
     cases: int
-    unsafe: int
-    wary: int
+    unsafe: float
+    wary: float
 
 
 def check_rules(study: Study) -> None:
@@ -78,17 +79,16 @@ def misled(contents: Contents) -> tuple[Misled, ...]:
     """Every rule in a dataset against the outcomes in it."""
     if "outcome" not in contents.fields:
         return ()
-    flags = contents.values("outcome")
+    share = members(contents).share
     found = []
     for rule in RULES.values():
         if rule.variable not in contents.fields:
             continue
         values = contents.values(rule.variable)
-        both = (flags >= NO_UPLIFT) & ~np.isnan(values)
-        falls = overturned(flags)
+        both = ~np.isnan(share) & ~np.isnan(values)
         predicted = np.isinf(values) | (values > rule.limit)
-        unsafe, wary = int((both & falls & ~predicted).sum()), int((both & ~falls & predicted).sum())
-        found.append(Misled(rule.name, int(both.sum()), unsafe, wary))
+        unsafe, wary = share[both & ~predicted].sum(), (1.0 - share)[both & predicted].sum()
+        found.append(Misled(rule.name, int(both.sum()), float(unsafe), float(wary)))
     return tuple(found)
 
 

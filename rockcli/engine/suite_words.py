@@ -26,10 +26,11 @@ def sentences(contents: Contents, study: Study) -> list[str]:
 
 
 def warnings(contents: Contents, study: Study) -> list[str]:
-    """What must not be overlooked: members left out, safe islands, curves refused."""
+    """What must not be overlooked: members left out or divided, safe islands, curves refused."""
     assert study.over is not None
     return [
         *_left_out(contents, study, study.over),
+        *_divided(contents),
         *_below(contents, study),
         *_islands(contents, study.over),
         *_refused(contents, study.over),
@@ -46,8 +47,37 @@ def _left_out(contents: Contents, study: Study, over: Over) -> Iterator[str]:
             f"statistics as the bracket that is known; see {study.search.name}_state"
         )
     elif missing:
-        why = "failed or unresolved"
-        yield f"{missing} of {total} cases have no answer ({why}) and are left out of the statistics; see n_answered"
+        yield (
+            f"{missing} of {total} cases have no answer and are left out of the statistics (n_answered); if all of "
+            f"them stood, or all overturned, {_bracket(contents)}"
+        )
+
+
+def _bracket(contents: Contents) -> str:
+    """What the members without an answer could make of the statistics, where that is most."""
+    low, high = (contents.values(f"p_overturned_{end}").ravel() for end in ("low", "high"))
+    widest = int(np.argmax(high - low))
+    said = f"p_overturned would be {low[widest]:.3g} or {high[widest]:.3g}"
+    if "fragility_median" in contents.fields:
+        least, most = (contents.values(f"fragility_median_{end}")[..., -1].ravel() for end in ("low", "high"))
+        apart = np.abs(np.log(most / least))
+        if np.isfinite(apart).any():
+            worst = int(np.nanargmax(np.where(np.isfinite(apart), apart, np.nan)))
+            unit = unit_words(str(contents.fields["fragility_median"].attrs["units"]))
+            said += f", the median of overturning {most[worst]:.4g} or {least[worst]:.4g}{unit}"
+    return said if low.size == 1 else f"{said} (where most)"
+
+
+def _divided(contents: Contents) -> Iterator[str]:
+    if "overturn_share" not in contents.fields:
+        return
+    share = contents.values("overturn_share")
+    n = int(((share > 0.0) & (share < 1.0)).sum())
+    if n:
+        yield (
+            f"{n} of {share.size} cases overturn in a part of their runs (overturn_share): they count by it, and enter "
+            "fractiles of peaks only where it is at least one half, as overturned"
+        )
 
 
 def _below(contents: Contents, study: Study) -> Iterator[str]:

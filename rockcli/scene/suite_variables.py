@@ -7,8 +7,24 @@ from rockcli.scene.variable import CASE, LIMIT, MEASURE, SUITE, Variable
 _FRACTILES = (("p16", "16 % fractile"), ("p50", "median"), ("p84", "84 % fractile"), ("mean", "mean"))
 
 SUITE_ROWS: tuple[Variable, ...] = (
-    Variable("n_answered", r"$n$", SUITE, "1", "members of the suite with an answer: neither failed nor unresolved"),
-    Variable("p_overturned", r"$P_{\mathrm{overturned}}$", SUITE, "1", "share that overturned of those with an answer"),
+    Variable(
+        "n_answered",
+        r"$n$",
+        SUITE,
+        "1",
+        "members of the suite with an answer, be it that they overturn in a part of their runs",
+    ),
+    Variable(
+        "p_overturned",
+        r"$P_{\mathrm{overturned}}$",
+        SUITE,
+        "1",
+        "share that overturned of those with an answer, each by its share",
+    ),
+    Variable("p_overturned_low", r"$P_{\mathrm{overturned}}$", SUITE, "1", "the same if all without an answer stand"),
+    Variable(
+        "p_overturned_high", r"$P_{\mathrm{overturned}}$", SUITE, "1", "the same if all without an answer overturn"
+    ),
     *(
         Variable(f"{name}_{end}", f"{symbol}, {words}", SUITE, unit, f"{words} of {name} over the suite; {inf}")
         for name, symbol, unit in (
@@ -24,6 +40,8 @@ SUITE_ROWS: tuple[Variable, ...] = (
     Variable("limit_state", "limit state", LIMIT, "1", "theta_peak_over_alpha exceeded, or overturned"),
     Variable("p_exceeded", r"$P$", LIMIT, "1", "share that exceeds the limit state of those with an answer"),
     Variable("fragility_median", r"$\hat\theta$", LIMIT, "1", "intensity exceeded with probability 1/2; NaN: no curve"),
+    Variable("fragility_median_low", r"$\hat\theta$", LIMIT, "1", "the same if all without an answer exceed it"),
+    Variable("fragility_median_high", r"$\hat\theta$", LIMIT, "1", "the same if none without an answer exceeds it"),
     Variable("fragility_beta", r"$\beta$", LIMIT, "1", "standard deviation of the logarithm of the fragility curve"),
     Variable(
         "fragility_se_ln_median", r"$s$", LIMIT, "1", "standard error of ln(fragility_median), clustered by member"

@@ -95,14 +95,16 @@ def test_the_mean_only_where_it_is_asked_for(data):
     np.testing.assert_allclose(asked["theta_peak_over_alpha_mean"].values, peak.mean(axis=0), rtol=1e-12)
 
 
-def handmade(outcome, peak) -> tuple[Contents, rockcli.study.study.Study]:
-    """The study's dataset with outcomes (5, 16) put in by hand."""
+def handmade(outcome, peak, share=None) -> tuple[Contents, rockcli.study.study.Study]:
+    """The study's dataset with outcomes (5, 16) put in by hand, and shares of runs that overturn."""
     checked = open_study(study(save={"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]}))
     whole = solve(checked)
     fields = dict(whole.fields)
     axes = whole.axes
     fields["outcome"] = variable_field("outcome", axes, np.asarray(outcome, dtype=np.int8))
     fields["theta_peak_over_alpha"] = variable_field("theta_peak_over_alpha", axes, np.asarray(peak, dtype=float))
+    if share is not None:
+        fields["overturn_share"] = variable_field("overturn_share", axes, share)
     return with_ensembles(Contents(axes, fields, whole.attrs), checked), checked
 
 
@@ -125,6 +127,69 @@ def test_islands_and_missing_answers():
     again = with_ensembles(contents, checked)  # nothing piles up
     assert again.attrs == contents.attrs
     assert list(again.fields) == list(contents.fields)
+
+
+def test_members_count_by_the_share_of_their_runs():
+    outcome = np.ones((5, 16))
+    outcome[:, 8:] = 3
+    outcome[0, 6:10] = -1
+    peak = np.where(outcome >= 2, np.inf, np.where(outcome < 0, np.nan, 0.3))
+    share = np.where(outcome >= 2, 1.0, 0.0)
+    share[0, 6:10] = 0.25, 0.5, 0.75, np.nan  # the last one has no answer at all
+    contents, _ = handmade(outcome, peak, share)
+    assert contents.values("n_answered")[5:11].tolist() == [5, 5, 5, 5, 4, 5]
+    assert contents.values("p_overturned")[5:11] == pytest.approx([0.0, 0.05, 0.1, 0.95, 1.0, 1.0])
+    assert contents.values("p_overturned_low")[8:11] == pytest.approx([0.95, 0.8, 1.0])
+    assert contents.values("p_overturned_high")[8:11] == pytest.approx([0.95, 1.0, 1.0])
+    overturned, above = contents.values("p_exceeded")[..., -1], contents.values("p_exceeded")[..., 0]
+    assert overturned[5:11] == pytest.approx([0.0, 0.05, 0.1, 0.95, 1.0, 1.0])
+    assert (above >= overturned).all()  # a limit state is exceeded on the way to the next
+    # infinite from one half on, else left out
+    assert contents.values("theta_peak_over_alpha_p50")[6] == pytest.approx(0.3)
+    assert np.isinf(contents.values("theta_peak_over_alpha_p84")[7])
+    assert contents.values("safe_island").sum() == 0
+    said = " ".join(json.loads(contents.attrs["warnings"]))
+    assert "3 of 80 cases overturn in a part of their runs" in said
+    assert "1 of 80 cases have no answer" in said
+    assert "p_overturned would be 0.8 or 1" in said
+
+
+def test_the_bracket_is_that_of_the_two_extremes():
+    rng = np.random.default_rng(8)
+    outcome = np.where(rng.uniform(0.0, 16.0, (5, 1)) < np.arange(16), 3.0, 1.0)
+    unknown = rng.random((5, 16)) < 0.2
+    found = {}
+    for name, value in (("none", -1), ("stood", 1), ("fell", 3)):
+        flags = np.where(unknown, value, outcome)
+        peak = np.where(flags >= 2, np.inf, np.where(flags < 0, np.nan, 0.05))
+        found[name] = handmade(flags, peak)[0]
+    for end, name, median in (("low", "stood", "high"), ("high", "fell", "low")):
+        np.testing.assert_allclose(found["none"].values(f"p_overturned_{end}"), found[name].values("p_overturned"))
+        np.testing.assert_allclose(
+            found["none"].values(f"fragility_median_{median}")[-1], found[name].values("fragility_median")[-1]
+        )
+
+
+def test_an_irregular_body_has_one_fragility_with_an_error_estimate_and_without():
+    """Three records, a body with one edge twice as far as the other, intensities to where all overturn."""
+    values = {}
+    for scalars in (["outcome", "theta_peak_over_alpha"], ["outcome", "theta_peak_over_alpha", "error_estimate"]):
+        asked = {
+            "name": "irregular",
+            "case": {"block": {"h": 0.735, "b": [0.09, 0.18]}},
+            "over": {"axis": "record", "along": "pga"},
+            "vary": {
+                "motion.record.file": [f"synthetic_{name}.AT2" for name in ("pulse_m70", "rock_m65", "soil_m70")],
+                "motion.record.pga": {"from": "0.13*g", "to": "0.9*g", "n": 12},
+            },
+            "save": {"histories": False, "scalars": scalars},
+        }
+        values[len(scalars)] = rockcli.run(asked)
+    few, all_ = values.values()
+    assert 0.2 < float(few["p_overturned"].mean()) < 0.8
+    np.testing.assert_allclose(all_["p_overturned"], few["p_overturned"], atol=0.01)
+    np.testing.assert_allclose(all_["p_exceeded"], few["p_exceeded"], atol=0.01)
+    assert (all_["n_answered"] == 3).all()
 
 
 def test_separable_data_have_no_curve():

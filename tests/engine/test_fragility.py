@@ -64,6 +64,14 @@ def test_the_unit_of_the_intensity_does_not_matter():
         np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-9)
 
 
+def test_a_member_divided_in_halves_is_two_of_half_the_weight():
+    x, exceeds, answered = suite()
+    other = suite(median=4.0)[1]
+    halves = fit(x, 0.5 * (exceeds.astype(float) + other), answered)
+    whole = fit(x, np.concatenate([exceeds, other], axis=1), np.concatenate([answered, answered], axis=1))
+    np.testing.assert_allclose([halves.median[0], halves.beta[0]], [whole.median[0], whole.beta[0]], rtol=1e-9)
+
+
 def test_standard_errors_are_those_of_the_jackknife():
     """The members are left out one by one, each with its whole curve."""
     x, exceeds, answered = suite(n=200, median=1.5, x=np.linspace(0.4, 15.0, 40))  # far from the middle of the range
