@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import select
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+import weakref
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
 
 INTERRUPTED = 130
 
@@ -20,6 +23,14 @@ DEFAULT = (signal.default_int_handler, signal.SIG_DFL)
 
 PATIENCE = 0.3
 """Time the interpreter is given to hear of it [s]."""
+
+AGAIN = 0.2
+"""Time between two looks at whether it was lost [s]."""
+
+
+class Asked(KeyboardInterrupt):
+    """The interrupt that is raised.  As long as somebody handles it, it lives; if nobody told of it, it was lost."""
+
 
 _advice: list[str] = []
 _told = threading.Lock()
@@ -43,7 +54,8 @@ def answered() -> Iterator[None]:
     """Turn the signals of ASKING into `KeyboardInterrupt`; unheard, or asked twice, tidy up and end the process.
 
     A thread is woken by the signal itself.  It ends the process only if the interpreter does not come to its own
-    handler within `PATIENCE`, so that whoever is tidying up is not cut short.
+    handler within `PATIENCE`, so that whoever is tidying up is not cut short.  What is raised in a callback or a
+    finalizer, as the compiler has many, is dropped there: it is then raised again, until it is told.
     """
     _advice.clear()
     if _told.locked():
@@ -54,14 +66,28 @@ def answered() -> Iterator[None]:
         yield
         return
     heard = threading.Event()
+    raised: list[weakref.ref[Asked]] = []
+
+    def asked() -> Asked:
+        error = Asked()
+        raised[:] = [weakref.ref(error)]
+        heard.set()
+        return error
 
     def handler(number: int, frame: FrameType | None) -> None:
-        heard.set()
-        raise KeyboardInterrupt
+        raise asked()  # and no name for it here, by which its own traceback would keep it alive
+
+    def lost() -> bool:
+        return heard.is_set() and raised[0]() is None and not _told.locked()
+
+    def unraisable(what: Any) -> None:
+        if not issubclass(what.exc_type, Asked):
+            hook(what)
 
     woken, wake = os.pipe()
     os.set_blocking(wake, False)
-    threading.Thread(target=_watch, args=(woken, heard), daemon=True).start()
+    threading.Thread(target=_watch, args=(woken, heard, lost), daemon=True).start()
+    hook, sys.unraisablehook = sys.unraisablehook, unraisable
     before = {number: signal.signal(number, handler) for number in free}
     other = signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
     try:
@@ -70,15 +96,32 @@ def answered() -> Iterator[None]:
         signal.set_wakeup_fd(other)
         for number, old in before.items():
             signal.signal(number, old)
+        sys.unraisablehook = hook
         os.close(wake)  # the thread reads the end of it and is done
 
 
-def _watch(woken: int, heard: threading.Event) -> None:
-    interrupts = 0
-    while numbers := os.read(woken, 64):
-        for _ in range(sum(numbers.count(number) for number in ASKING)):
-            interrupts += 1
-            if interrupts > 1 or not heard.wait(PATIENCE):
+def _watch(woken: int, heard: threading.Event, lost: Callable[[], bool]) -> None:
+    main = threading.main_thread().ident
+    assert main is not None
+    asked = repeated = 0
+    latest = signal.SIGINT
+    while True:
+        if not select.select([woken], [], [], AGAIN if asked else None)[0]:
+            if lost():
+                heard.clear()
+                repeated += 1
+                signal.pthread_kill(main, latest)
+            continue
+        numbers = os.read(woken, 64)
+        if not numbers:
+            break
+        for number in (signal.Signals(each) for each in numbers if each in ASKING):
+            latest = number
+            if repeated:
+                repeated -= 1
+            else:
+                asked += 1
+            if asked > 1 or not heard.wait(PATIENCE):
                 _end()
     os.close(woken)
 

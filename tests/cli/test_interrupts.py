@@ -34,6 +34,17 @@ from rockcli.cli.main import main
 main()
 """
 
+DROPPED = """\
+import ctypes, time
+from rockcli.solvers import event
+def solve(batch):
+    ctypes.CFUNCTYPE(None)(lambda: time.sleep(10.0))()  # ctypes drops what a callback raises, as LLVM's are
+    time.sleep(30.0)
+event.solve = solve
+from rockcli.cli.main import main
+main()
+"""
+
 ROCK = "import sys; from rockcli.cli.main import main; main()"
 
 
@@ -72,9 +83,11 @@ def interrupted(
         (ROCK, "interpreted", 0.5, signal.SIGINT),
         (ROCK, "compiled", 3.0, signal.SIGINT),
         (STUCK, "interpreted", 0.5, signal.SIGINT),
+        (DROPPED, "interpreted", 1.0, signal.SIGINT),
+        (DROPPED, "interpreted", 1.0, signal.SIGTERM),
         (ROCK, "interpreted", 0.5, signal.SIGTERM),
     ],
-    ids=["interpreted", "compiling", "stuck", "asked to end"],
+    ids=["interpreted", "compiling", "stuck", "dropped", "dropped, asked to end", "asked to end"],
 )
 def test_an_interrupt_is_answered(script: str, kernels: str, wait: float, by: int, tmp_path: Path) -> None:
     code, told, seconds = interrupted(tmp_path, script, kernels, wait, by)
