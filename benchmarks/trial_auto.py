@@ -24,7 +24,7 @@ from machine import machine
 
 import rockcli
 from rockcli import kernels
-from rockcli.scene.auto import RUNGS
+from rockcli.scene.auto import COLUMN, RIGID, RUNGS, WINKLER
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results" / "trial_auto.csv"
@@ -40,6 +40,9 @@ BODIES: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "no column": (WITHOUT_COLUMN, {"model": "rigid"}),
 }
 """Body: what is left out of its scenes, and its highest model."""
+
+HIGHEST = dict(zip(BODIES, (WINKLER, COLUMN, RIGID), strict=True))
+"""Body: its highest rung."""
 
 
 def solved(scenes: Scenes, without: tuple[str, ...], **case: Any) -> dict[str, Array]:
@@ -81,7 +84,7 @@ def trial(
     rows = []
     for (body, tolerance), pairs in found.items():
         autos, references = ({k: np.concatenate([p[w][k] for p in pairs]) for k in pairs[0][w]} for w in (0, 1))
-        good, cheap = kept(autos, references, tolerance), ~np.isnan(autos["model_error"])
+        good, cheap = kept(autos, references, tolerance), autos["model_used"] < HIGHEST[body]
         rungs = {name: int((autos["model_used"] == flag).sum()) for flag, name in RUNGS.items() if flag >= 0}
         rows.append(
             {

@@ -38,7 +38,7 @@ from rockcli.scene.auto import (
 from rockcli.scene.auto import prospect as words_of_prospect
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.excitation import scaled
-from rockcli.scene.response import NO_UPLIFT, Response
+from rockcli.scene.response import NO_UPLIFT, Response, overturned
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
@@ -74,7 +74,7 @@ def settled(batch: Batch) -> Iterator[tuple[Index, Response]]:
         scalars: dict[str, NDArray[Any]] = {
             **response.scalars,
             "model_used": np.full(len(rows), rung, dtype=np.int8),
-            "model_error": choice.error[rows],
+            "model_error": np.where(overturned(response.scalars["outcome"]), np.nan, choice.error[rows]),
         }
         if "wall_time" in scalars:
             scalars["wall_time"] = scalars["wall_time"] + spent

@@ -273,4 +273,7 @@ def sentence(rung: int, reference: int, error: float, why: str) -> str:
         return f"auto: {name}, the highest model of this body: {why}"
     if rung == NONE and reference == RIGID:
         return f"auto: {name}: {why}"
-    return f"auto: {name}: {why}; error against {top} below {error:.2g} alpha in {100 - EXCEEDED:g} % of such scenes"
+    held = f"in {100 - EXCEEDED:g} % of such scenes"
+    if rung != NONE and error == 0.0:  # it overturns: there the error is none, or infinite
+        return f"auto: {name}: {why}; {top} overturns too {held}"
+    return f"auto: {name}: {why}; error against {top} below {error:.2g} alpha {held}"

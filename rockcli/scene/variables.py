@@ -101,7 +101,8 @@ _ROWS: tuple[Variable, ...] = (
         r"$\epsilon_{\mathrm{model}}$",
         CASE,
         "1",
-        "model auto: error of theta_peak_over_alpha expected against the highest model; NaN where that one was used",
+        "model auto: error of theta_peak_over_alpha expected against the highest model; NaN where that one was used, or "
+        "the body overturns",
     ),
     Variable("n_steps", r"$n_{\mathrm{steps}}$", CASE, "1", "steps of the solver"),
     Variable("n_rhs", r"$n_{\mathrm{rhs}}$", CASE, "1", "evaluations of the right-hand side (docs/study.md)"),

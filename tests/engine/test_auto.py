@@ -79,6 +79,19 @@ def test_a_stiff_column_is_solved_as_a_rigid_block_and_a_monument_as_a_column() 
         assert np.isnan(float(found.model_error)) == (model == "flexible")
 
 
+def test_of_what_overturns_no_model_is_a_number_off() -> None:
+    case = {
+        "block": MONUMENT,
+        "column": STIFF,
+        "motion": {"pulse": {**RICKER, "omega_p_over_p": 2.0, "a_p_over_g_tan_alpha": 4.0}},
+    }
+    found = rockcli.run(study(**case))
+    assert int(found.model_used) == FLAGS["rigid"]
+    assert np.isinf(float(found.theta_peak_over_alpha))
+    assert np.isnan(float(found.model_error))
+    assert said(found).endswith("flexible overturns too in 97 % of such scenes")
+
+
 @pytest.mark.parametrize(
     ("more", "why"),
     [

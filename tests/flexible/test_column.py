@@ -13,6 +13,7 @@ from rockcli.engine.choose import choose
 from rockcli.errors import SolverError
 from rockcli.scene.block import make_block
 from rockcli.scene.damping import Damping
+from rockcli.scene.response import ROCKING, UNRESOLVED, overturned
 from rockcli.solvers.event import solve as solve_rigid
 
 
@@ -201,3 +202,27 @@ def test_damping_schemes_of_the_rigid_body_are_refused():
     assert choose(batch).name == "event"
     with pytest.raises(SolverError, match="flexible"):
         choose(replace(batch, damping=Damping("dashpot", np.ones((1, 2)), np.array([0.02]))))
+
+
+def test_beside_its_threshold_a_column_overturns_in_a_share_of_runs():
+    """The threshold is bisected: .04 of the reach above it, 11 of the 21 motions of an ensemble lie above it."""
+
+    def at(times, scalars=("outcome", "theta_peak_over_alpha", "error_estimate", "overturn_share")):
+        return rock_column(ricker(times, 5.0), n=5, scalars=scalars).scalars
+
+    low, high = 1.05, 2.0
+    assert at(low)["outcome"][0] == ROCKING
+    assert overturned(at(high)["outcome"])[0]
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        if overturned(at(middle, ("outcome",))["outcome"])[0]:
+            high = middle
+        else:
+            low = middle
+    beside = at(high * (1.0 + 0.04e-7))
+    assert beside["outcome"][0] == UNRESOLVED
+    assert beside["overturn_share"][0] == pytest.approx(11 / 21)
+    for side, share in ((-1.0, 0.0), (1.0, 1.0)):
+        found = at(high * (1.0 + side * 1e-5))
+        assert overturned(found["outcome"])[0] == (share == 1.0)
+        assert found["overturn_share"][0] == share

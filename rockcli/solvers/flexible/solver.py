@@ -32,6 +32,9 @@ NUDGE, NUDGE_OF_RECORDS = {"draft": 1e-6, "standard": 1e-7, "reference": 1e-8}, 
 """The motion of the second run, and of an ensemble, differs by this share: above the errors of the steps
 (docs/accuracy.md, docs/flexible.md), of which those under records are the same at every level."""
 
+WEIGHT = 2.0
+"""The error is estimated as this many times the difference that the other step and the other motion make."""
+
 MAX_STEPS = 2_000_000
 """Steps a case may take."""
 
@@ -83,7 +86,7 @@ def _judged(
         return Traces.of(others, scalars_of(others, run, columns, said)[0])
 
     first = Traces.of(batch, scalars)
-    return judge(first, again, Nudge(nudge, weight=1.0), first.rows, None, nudge)
+    return judge(first, again, Nudge(nudge, WEIGHT), first.rows, None, nudge)
 
 
 def _kernel() -> ModuleType:
