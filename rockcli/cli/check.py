@@ -50,6 +50,10 @@ def check(
         typer.echo(f"{counted(len(previews), 'study')}, {counted(sum(found.cases for found in previews), 'case')}")
 
 
+IN_SI = "[m/s2]"
+"""End of the rows that are for programs: accelerations are printed in g."""
+
+
 def _text(found: Preview) -> str:
     from rockcli.cli.progress import duration
 
@@ -57,7 +61,8 @@ def _text(found: Preview) -> str:
     axes = " x ".join(f"{points} {name}" for name, _, points in found.axes)
     lines.append(_row("cases", f"{found.cases}" + (f" = {axes}" if axes else "")))
     first = " (first case)" if found.cases > 1 else ""
-    sections = {"body": found.body, "model": found.model, "motion": found.motion}
+    said = {"body": found.body, "model": found.model, "motion": found.motion}
+    sections = {name: [row for row in rows if not row.words.endswith(IN_SI)] for name, rows in said.items()}
     width = max(len(row.words) for rows in sections.values() for row in rows)
     for name, rows in sections.items():
         lines.append(f"  {name}{first}")

@@ -30,7 +30,7 @@ def compare(
         raise StudyError(f"--rtol {rtol}: expected a number >= 0")
     if most < 0:
         raise StudyError(f"--most {most}: expected a number >= 0")
-    found = difference(netcdf.read(a), netcdf.read(b), rtol=rtol, most=most)
+    found = difference(netcdf.read(a), netcdf.read(b), rtol=rtol, most=most, si=as_json)
     if as_json:
         typer.echo(_as_json(found))
     else:

@@ -163,7 +163,6 @@ LINES = (
     ("duration", "duration", "s"),
     ("units", "units in file", ""),
     ("pga_g", "PGA", "g"),
-    ("pga", "PGA", "m/s2"),
     ("pgv", "PGV", "m/s"),
     ("pgd", "PGD", "m"),
     ("arias", "Arias intensity", "m/s"),

@@ -74,7 +74,7 @@ def run(
     for study in opened.studies:
         team = Team(workers or usable_cores(), dask)
         how: dict[str, Any] = {"plots": not no_plots, "plot_format": plot_format, "team": team, "share": share}
-        report = _run_one(study, out, progress=not quiet, fresh=fresh, **how)
+        report = _run_one(study, out, progress=not quiet, fresh=fresh, si=as_json, **how)
         _tell(report, spoken=spoken, quiet=quiet)
         reports.append(report)
     if spoken and len(reports) > 1:
@@ -83,7 +83,7 @@ def run(
     if as_json:
         import json
 
-        typer.echo(json.dumps({"exit_code": code, "studies": [r.as_dict() for r in reports]}, indent=2))
+        typer.echo(json.dumps({"exit_code": code, "units": "SI", "studies": [r.as_dict() for r in reports]}, indent=2))
     if junit is not None:
         from rockcli.cli.junit import write_junit
 

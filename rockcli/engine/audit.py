@@ -15,7 +15,7 @@ from rockcli.engine.answer import Answer
 from rockcli.engine.apart import buildable
 from rockcli.engine.choose import choose
 from rockcli.engine.executors import Team, answers
-from rockcli.engine.expect import coordinate_word
+from rockcli.engine.places import place, units_of
 from rockcli.engine.sweep import Solving, check_solved, note_unsolved, outlook
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.batch import Batch, Save
@@ -241,9 +241,8 @@ class _Findings:
         worst += [(case, f"peak off by {self.error[case]:.2e}") for case in self.beyond]
         for case, words in worst[:NAMED]:
             at = np.unravel_index(int(case), contents.shape) if contents.axes else ()
-            pairs = zip(contents.axes, at, strict=True)
-            place = ", ".join(f"{axis}={coordinate_word(contents.values(axis)[i])}" for axis, i in pairs)
-            yield f"{place}: {words}" if place else words
+            where = place(contents, contents.axes, at, units_of(contents))
+            yield f"{where}: {words}" if where else words
         if len(worst) > NAMED:
             yield f"and {len(worst) - NAMED} more, in audit_same_outcome and audit_error"
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.expect import coordinate_word
+from rockcli.engine.places import place, units_of
 from rockcli.errors import StudyError
 from rockcli.scene.response import OUTCOMES
+from rockcli.scene.units import SI
 from rockcli.storage.contents import Contents
 from rockcli.study.study import MATCH
 
@@ -47,7 +48,9 @@ class Difference:
         return not self.outcomes and not self.peaks
 
 
-def difference(a: Contents, b: Contents, *, rtol: float, atol: float = FLOOR, most: int = 10) -> Difference:
+def difference(
+    a: Contents, b: Contents, *, rtol: float, atol: float = FLOOR, most: int = 10, si: bool = False
+) -> Difference:
     """Compare b with a at the points of the axes that both have.
 
     Two peaks agree if |b - a| <= atol + rtol max(|a|, |b|), or both are infinite, or neither has an answer.
@@ -94,7 +97,8 @@ def difference(a: Contents, b: Contents, *, rtol: float, atol: float = FLOOR, mo
             words.append(f"{OUTCOMES[int(flags_a[at])]} -> {OUTCOMES[int(flags_b[at])]}")
         if PEAK in both:
             words.append(f"peak {peak_a[at]:.9g} -> {peak_b[at]:.9g}")
-        worst.append((_place(a, at_a, at), ", ".join(words)))
+        rows = [rows[i] for rows, i in zip(at_a, at, strict=True)]
+        worst.append((place(a, a.axes, rows, SI if si else units_of(a)), ", ".join(words)))
     finite = relative[np.isfinite(relative)]
     return Difference(
         points=points,
@@ -144,8 +148,3 @@ def _picked(
     if order is not None:
         values = values.transpose([contents.axes.index(axis) for axis in order])
     return values[np.ix_(*at)] if at else values
-
-
-def _place(contents: Contents, at: list[NDArray[np.int64]], point: tuple[Any, ...]) -> str:
-    pairs = zip(contents.axes, at, point, strict=True)
-    return ", ".join(f"{axis}={coordinate_word(contents.values(axis)[rows[i]])}" for axis, rows, i in pairs)

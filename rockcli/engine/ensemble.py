@@ -22,6 +22,7 @@ from rockcli.engine.suite_words import sentences, warnings
 from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
+from rockcli.scene.units import SI
 from rockcli.scene.variable import LIMIT
 from rockcli.scene.variables import VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
@@ -92,7 +93,7 @@ def with_ensembles(contents: Contents, study: Study) -> Contents:
         "along": study.over.along,
         "limits": list(study.over.limits),
         "fields": list(added),
-        "says": sentences(whole, study),
+        "says": sentences(whole, study, SI),
         "warnings": more,
     }
     return replace(whole, attrs=attrs | {"warnings": _json([*said, *more]), ATTRIBUTE: _json(about)})

@@ -12,6 +12,7 @@ from rockcli.engine.apart import buildable
 from rockcli.engine.compare import NEEDED_BY, locate
 from rockcli.engine.direction import WORST, angle_axis
 from rockcli.engine.ensemble import variables
+from rockcli.engine.places import coordinate, place
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.curves import variables_of
@@ -19,6 +20,7 @@ from rockcli.scene.excitation import Pulses
 from rockcli.scene.models import FLEXIBLE
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.rules import RULES
+from rockcli.scene.units import SI, Units
 from rockcli.scene.variable import ROTATION
 from rockcli.scene.variables import AUDIT, HISTORIES, IMPACTS, LARGE, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
@@ -95,9 +97,9 @@ def _of_cases(study: Study, asked: set[str]) -> set[str]:
     return found
 
 
-def judge(contents: Contents, clauses: tuple[Expect, ...]) -> list[Verdict]:
-    """Judge every clause, in order."""
-    return [_judge(contents, clause) for clause in clauses]
+def judge(contents: Contents, clauses: tuple[Expect, ...], units: Units = SI) -> list[Verdict]:
+    """Judge every clause, in order; `units` are those of the words."""
+    return [_judge(contents, clause, units) for clause in clauses]
 
 
 def expected_failures(contents: Contents, clauses: tuple[Expect, ...]) -> Mask:
@@ -109,8 +111,8 @@ def expected_failures(contents: Contents, clauses: tuple[Expect, ...]) -> Mask:
     return mask
 
 
-def _judge(contents: Contents, clause: Expect) -> Verdict:
-    text = describe(clause)
+def _judge(contents: Contents, clause: Expect, units: Units) -> Verdict:
+    text = describe(contents, clause, units)
     if clause.quantity not in contents.fields:
         return Verdict(clause, text, 0, 0, "not in the dataset", "")
     values = _values(contents, clause)
@@ -122,7 +124,8 @@ def _judge(contents: Contents, clause: Expect) -> Verdict:
         return Verdict(clause, text, 0, 0, "no value", "")
     rank = np.where(speaks, np.where(np.isnan(distance), np.inf, distance), -np.inf)
     at = np.unravel_index(int(np.argmax(rank)), rank.shape)
-    return Verdict(clause, text, points, bad, _word(values[at], clause), _place(contents, clause, at))
+    worst = OUTCOMES[int(values[at])] if clause.quantity == "outcome" else _word(contents, clause, values[at], units)
+    return Verdict(clause, text, points, bad, worst, _place(contents, clause, at, units))
 
 
 def _values(contents: Contents, clause: Expect) -> NDArray[Any]:
@@ -203,32 +206,30 @@ def _flags(clause: Expect) -> tuple[int, ...]:
     return clause.target if isinstance(clause.target, tuple) else (int(clause.target),)
 
 
-def _word(value: Any, clause: Expect) -> str:
-    return OUTCOMES[int(value)] if clause.quantity == "outcome" else f"{float(value):.9g}"
+def _word(contents: Contents, clause: Expect, value: Any, units: Units) -> str:
+    """A value of the quantity."""
+    item = contents.fields.get(clause.quantity)
+    attrs = {} if item is None else item.attrs
+    return units.word(float(value), str(attrs.get("units", "1")), str(attrs.get("long_name", "")), 9)
 
 
-def _place(contents: Contents, clause: Expect, at: tuple[Any, ...]) -> str:
+def _place(contents: Contents, clause: Expect, at: tuple[Any, ...], units: Units) -> str:
     """The axes' coordinates of a point, in words; the axes `at` fixes are in the clause's own words."""
     parts = []
     for number, axis in enumerate(contents.axes):
         if axis not in clause.at and axis in contents.fields[clause.quantity].dims:
-            parts.append(f"{axis}={coordinate_word(contents.values(axis)[at[number]])}")
+            parts.append(place(contents, [axis], [at[number]], units))
     if len(at) > len(contents.axes):
         beside = contents.fields[clause.quantity].dims[-1]
         if beside not in clause.at:
             last = contents.values(beside)[at[-1]] if beside in contents.fields else at[-1]
-            parts.append(f"{beside}={coordinate_word(last)}")
+            parts.append(f"{beside}={coordinate(contents, beside, last)}")
     return ", ".join(parts)
 
 
-def coordinate_word(value: Any) -> str:
-    """A coordinate value for people: at most six digits."""
-    return value if isinstance(value, str) else f"{float(value):.6g}"
-
-
-def describe(clause: Expect) -> str:
+def describe(contents: Contents, clause: Expect, units: Units = SI) -> str:
     """A clause in words: `theta_peak_over_alpha at model=rigid = 0.5537 (rtol 1e-05)`."""
-    where = ", ".join(f"{axis}={coordinate_word(value)}" for axis, value in clause.at.items())
+    where = ", ".join(f"{axis}={coordinate(contents, axis, value, units)}" for axis, value in clause.at.items())
     words = clause.quantity + (f" at {where}" if where else "")
     if clause.time is not None:
         words += f" at t = {clause.time:g} s"
@@ -240,5 +241,6 @@ def describe(clause: Expect) -> str:
     sign = {"min": ">=", "max": "<=", "value": "="}[clause.check]
     allowed = ""
     if clause.check == "value":
-        allowed = f" (rtol {clause.rtol:g}" + (f", atol {clause.atol:g})" if clause.atol else ")")
-    return f"{words} {sign} {float(clause.target):.9g}{allowed}"  # type: ignore[arg-type]
+        atol = _word(contents, clause, clause.atol, units)
+        allowed = f" (rtol {clause.rtol:g}" + (f", atol {atol})" if clause.atol else ")")
+    return f"{words} {sign} {_word(contents, clause, clause.target, units)}{allowed}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rockcli.engine.expect import Verdict, judge
+from rockcli.engine.places import units_of
 from rockcli.errors import StudyError
 from rockcli.scene.variable import LIMIT, MEASURE
 from rockcli.storage import netcdf
@@ -37,7 +38,8 @@ def verdicts(contents: Contents) -> list[Verdict]:
     """The clauses of `expect` in the study that a dataset holds, judged again on what it holds."""
     named = (*contents.axes, *(name for name in (LIMIT, MEASURE) if name in contents.fields))
     axes = [(name, str(contents.fields[name].attrs.get("long_name", name)), contents.values(name)) for name in named]
-    return judge(contents, clauses_of(contents.attrs.get("study", ""), axes, tuple(contents.fields)))
+    clauses = clauses_of(contents.attrs.get("study", ""), axes, tuple(contents.fields))
+    return judge(contents, clauses, units_of(contents))
 
 
 def _words(verdict: Verdict) -> str:

@@ -219,6 +219,7 @@ def _channel(batch: Batch, channel: Channel | None, uplift: float | None, which:
         rows = [
             Row(f"{key}motion", f"{which}motion", f"{channel.shape} pulse"),
             Row(f"{key}a_p", f"{which}a_p [m/s2]", float(channel.a_p[0])),
+            Row(f"{key}a_p_g", f"{which}a_p [g]", float(channel.a_p[0]) / g),
             Row(f"{key}omega_p", f"{which}omega_p [rad/s]", float(channel.omega_p[0])),
         ]
     else:

@@ -10,11 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from rockcli.engine.expect import Verdict, coordinate_word, expected_failures, judge
+from rockcli.engine.expect import Verdict, expected_failures, judge
+from rockcli.engine.places import coordinates, place, units_of
 from rockcli.engine.rules import Misled, misled
 from rockcli.engine.search import found_by
+from rockcli.engine.suite_words import sentences
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.thresholds import FOUND, threshold_words
+from rockcli.scene.units import SI, Units
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Study
 
@@ -103,10 +106,11 @@ class RunReport:
         return plain
 
 
-def report_on(study: Study, contents: Contents, **more: Any) -> RunReport:
-    """Report on a dataset of a study, whether just solved or read back."""
-    peak, peak_at = _largest(contents, "theta_peak_over_alpha")
-    slide, slide_at = _largest(contents, "slide_peak")
+def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any) -> RunReport:
+    """Report on a dataset of a study, whether just solved or read back; `si`: accelerations in m/s^2, not in g."""
+    units = SI if si else units_of(contents)
+    peak, peak_at = _largest(contents, "theta_peak_over_alpha", units)
+    slide, slide_at = _largest(contents, "slide_peak", units)
     return RunReport(
         name=study.name,
         cases=study.size,
@@ -117,11 +121,11 @@ def report_on(study: Study, contents: Contents, **more: Any) -> RunReport:
         slide=slide or None,
         slide_at=slide_at if slide else "",
         refined=int(contents.values("solved").sum()) if "solved" in contents.fields else None,
-        verdicts=tuple(judge(contents, study.expect)),
+        verdicts=tuple(judge(contents, study.expect, units)),
         reasons=_reasons(contents),
-        overturns=_overturns(contents),
+        overturns=_overturns(contents, units),
         rules=misled(contents),
-        suite=tuple(json.loads(contents.attrs.get("ensemble", "{}")).get("says", ())),
+        suite=() if study.over is None else tuple(sentences(contents, study, units)),
         audit=tuple(json.loads(contents.attrs.get("audit", "{}")).get("says", ())),
         **more,
     )
@@ -147,7 +151,7 @@ def _failed(study: Study, contents: Contents) -> int:
     return int(np.sum(failed & ~expected_failures(contents, study.expect)))
 
 
-def _largest(contents: Contents, name: str) -> tuple[float | None, str]:
+def _largest(contents: Contents, name: str, units: Units) -> tuple[float | None, str]:
     """The largest finite value of a scalar, None without one, and its place on the axes."""
     if name not in contents.fields:
         return None, ""
@@ -156,14 +160,13 @@ def _largest(contents: Contents, name: str) -> tuple[float | None, str]:
     if not finite.size or finite.max() < 0.0:
         return None, ""
     at = np.unravel_index(int(np.argmax(finite)), finite.shape)
-    words = [f"{axis}={coordinate_word(contents.values(axis)[i])}" for axis, i in zip(contents.axes, at, strict=True)]
-    return float(finite[at]), ", ".join(words)
+    return float(finite[at]), place(contents, contents.axes, at, units)
 
 
-def _overturns(contents: Contents) -> dict[str, str]:
-    axes = {name: contents.values(name) for name in contents.axes}
+def _overturns(contents: Contents, units: Units) -> dict[str, str]:
+    axes = {name: coordinates(contents, name, units) for name in contents.axes}
     return {
-        name.removesuffix(FOUND): threshold_words(found_by(contents, name), axes, item.attrs.get("units", "1"))
+        name.removesuffix(FOUND): threshold_words(found_by(contents, name), axes, item.attrs.get("units", "1"), units)
         for name, item in contents.fields.items()
         if name.endswith(FOUND) and item.dims == contents.axes
     }

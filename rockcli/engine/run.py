@@ -128,6 +128,7 @@ def run_study(
     fresh: bool = False,
     plots: bool = True,
     plot_format: str = "png",
+    si: bool = False,
     progress: Progress | None = None,
     team: Team | None = None,
     share: tuple[int, int] | None = None,
@@ -142,6 +143,7 @@ def run_study(
         out_dir: DIR.
         fresh: replace whatever stands there.
         plots: draw; plot_format: png, pdf or svg.
+        si: the words of the report are in SI units; else accelerations are in g.
         progress: called with (cases done, cases in all).
         team: who works; None = this process.
         share: (K, N): solve only the K-th of N shares and leave it for a run without a share, which merges them.
@@ -165,7 +167,7 @@ def run_study(
         if path.exists() and not fresh:
             if netcdf.identity(path) == study.identity:
                 contents, status = _renewed(study, path, team, progress), UP_TO_DATE
-                return _told(study, contents, status, path, started, plot_format if plots else None)
+                return _told(study, contents, status, path, started, plot_format if plots else None, si=si)
             old = taken_over(study, netcdf.read(path))
             assert old is not None
             known, sweep.known = len(old.cases), (old,)
@@ -184,7 +186,7 @@ def run_study(
                 raise advised from error
             raise
         parts.remove()
-        report = _told(study, contents, SOLVED, path, started, plot_format if plots else None)
+        report = _told(study, contents, SOLVED, path, started, plot_format if plots else None, si=si)
     return replace(report, taken_over=known, resumed=sweep.resumed, warnings=(*report.warnings, *team.notes))
 
 
@@ -220,13 +222,14 @@ def _of_share(study: Study, sweep: Sweep, started: float) -> RunReport:
 
 
 def _told(
-    study: Study, contents: Contents, status: str, path: Path, started: float, plot_format: str | None
+    study: Study, contents: Contents, status: str, path: Path, started: float, plot_format: str | None, *, si: bool
 ) -> RunReport:
     seconds = perf_counter() - started  # of solving and writing, not of drawing
     drawn, complaints = _draw(study, path, plot_format) if plot_format is not None else ((), ())
     return report_on(
         study,
         contents,
+        si=si,
         status=status,
         file=path,
         plots=drawn,

@@ -10,19 +10,21 @@ from numpy.typing import NDArray
 
 from rockcli.engine.demand import LEAST
 from rockcli.engine.fragility import FITTED, WHY_NOT
+from rockcli.engine.places import coordinates, place, units_of
 from rockcli.engine.search import found_by
-from rockcli.scene.thresholds import FOUND, threshold_words, unit_words
+from rockcli.scene.thresholds import FOUND, threshold_words
+from rockcli.scene.units import Units, unit_words
 from rockcli.scene.variable import LIMIT, MEASURE
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Over, Study
 
 
-def sentences(contents: Contents, study: Study) -> list[str]:
+def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
     """What the statistics come to: capacity by limit state, and the measures that tell the demand best."""
     assert study.over is not None
     if study.search is not None:
-        return list(_of_thresholds(contents, study, study.over))
-    return [*_of_fragility(contents, study.over), *_of_demand(contents, study.over)]
+        return list(_of_thresholds(contents, study, study.over, units))
+    return [*_of_fragility(contents, study.over, units), *_of_demand(contents, study.over)]
 
 
 def warnings(contents: Contents, study: Study) -> list[str]:
@@ -63,8 +65,9 @@ def _bracket(contents: Contents) -> str:
         apart = np.abs(np.log(most / least))
         if np.isfinite(apart).any():
             worst = int(np.nanargmax(np.where(np.isfinite(apart), apart, np.nan)))
-            unit = unit_words(str(contents.fields["fragility_median"].attrs["units"]))
-            said += f", the median of overturning {most[worst]:.4g} or {least[worst]:.4g}{unit}"
+            divisor, unit = units_of(contents).of(str(contents.fields["fragility_median"].attrs["units"]))
+            ends = f"{most[worst] / divisor:.4g} or {least[worst] / divisor:.4g}"
+            said += f", the median of overturning {ends}{unit_words(unit)}"
     return said if low.size == 1 else f"{said} (where most)"
 
 
@@ -97,7 +100,7 @@ def _islands(contents: Contents, over: Over) -> Iterator[str]:
     island = contents.values("safe_island") > 0
     curves = island.any(axis=contents.axes.index(over.along))
     if curves.any():
-        where = _place(contents, contents.axes, np.argwhere(island)[0])
+        where = place(contents, contents.axes, np.argwhere(island)[0], units_of(contents))
         yield (
             f"safe islands: on {int(curves.sum())} of {curves.size} curves along {over.along} a body stands above an "
             f"intensity that overturned it (first: {where}); the share that overturns need not grow along the curve"
@@ -114,22 +117,24 @@ def _refused(contents: Contents, over: Over) -> Iterator[str]:
         for status, why in WHY_NOT.items():
             bad = np.argwhere(of_limit == status)
             if len(bad):
-                where = _place(contents, item.dims[:-1], bad[0])
+                where = place(contents, item.dims[:-1], bad[0], units_of(contents))
                 at = f" at {len(bad)} of {points} points (first: {where})" if points > 1 else ""
                 yield f"no fragility curve for {limit_words(label)}{at}: {why}"
 
 
-def _of_fragility(contents: Contents, over: Over) -> Iterator[str]:
+def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]:
     if "fragility_median" not in contents.fields:
         return
-    unit = unit_words(str(contents.fields["fragility_median"].attrs["units"]))
+    divisor, unit = units.of(str(contents.fields["fragility_median"].attrs["units"]))
     n = len(contents.values(over.axis))
     for i, label in enumerate(contents.values(LIMIT)):
         fitted = contents.values("fragility_status")[..., i] == FITTED
         median, beta = (contents.values(f"fragility_{name}")[..., i][fitted] for name in ("median", "beta"))
         if not len(median):
             continue
-        words = f"{limit_words(label)}: median {over.along} {_span(median)}{unit}, beta {_span(beta)}"
+        words = (
+            f"{limit_words(label)}: median {over.along} {_span(median / divisor)}{unit_words(unit)}, beta {_span(beta)}"
+        )
         points = "" if fitted.size == 1 else f", {len(median)} of {fitted.size} points"
         yield f"{words} ({n} {_members(over)}{points})"
 
@@ -156,13 +161,14 @@ def _of_demand(contents: Contents, over: Over) -> Iterator[str]:
         yield f"correlations with measures of the motion are left out{where}: {why}"
 
 
-def _of_thresholds(contents: Contents, study: Study, over: Over) -> Iterator[str]:
+def _of_thresholds(contents: Contents, study: Study, over: Over, units: Units) -> Iterator[str]:
     assert study.search is not None
     sought, n = study.search, len(contents.values(over.axis))
-    axes = {name: contents.values(name) for name in contents.axes if name != over.axis}
+    axes = {name: coordinates(contents, name, units) for name in contents.axes if name != over.axis}
     what = f"lowest overturning {sought.name.removesuffix(FOUND)} of {n} {_members(over)}"
     for end, words in (("p16", "16th percentile"), ("p50", "median"), ("p84", "84th percentile")):
-        yield f"{what}, {words}: {threshold_words(found_by(contents, sought.name, f'_{end}'), axes, sought.axis.unit)}"
+        found = found_by(contents, sought.name, f"_{end}")
+        yield f"{what}, {words}: {threshold_words(found, axes, sought.axis.unit, units)}"
 
 
 def limit_words(label: Any) -> str:
@@ -177,9 +183,3 @@ def _members(over: Over) -> str:
 def _span(values: NDArray[np.float64]) -> str:
     low, high = f"{np.min(values):.4g}", f"{np.max(values):.4g}"
     return low if low == high else f"{low} to {high}"
-
-
-def _place(contents: Contents, dims: tuple[str, ...], at: NDArray[np.int64]) -> str:
-    values = [contents.values(dim)[i] for dim, i in zip(dims, at, strict=True)]
-    words = [value if isinstance(value, str) else f"{value:.6g}" for value in values]
-    return ", ".join(f"{dim}={word}" for dim, word in zip(dims, words, strict=True))

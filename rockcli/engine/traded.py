@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from rockcli import __version__
-from rockcli.engine.expect import coordinate_word
 from rockcli.engine.lock import locked
 from rockcli.engine.points import Point, Trade, middle
 from rockcli.engine.provenance import as_json, versions
+from rockcli.scene.units import Units, g_of
 from rockcli.storage import netcdf
 from rockcli.storage.contents import Contents, Field, root_attributes, text, variable_field
 from rockcli.study.study import Study
@@ -75,10 +75,15 @@ def contents_of(study: Study, found: Trade) -> Contents:
 def _places(study: Study, found: Trade) -> list[str]:
     """Coordinates of every case in words, over the axes that the trade leaves as they are."""
     at = np.unravel_index(found.cases, study.shape) if study.axes else ()
+    units = Units(g_of(study.resolved_yaml, {axis.path for axis in study.axes}))
     places = []
     for row in range(len(found.cases)):
         pairs = [(axis, axis.values[int(index[row])]) for axis, index in zip(study.axes, at, strict=True)]
-        own = [f"{a.name}={coordinate_word(v)}" for a, v in pairs if a.path.split(".")[0] not in ("model", "solver")]
+        own = [
+            f"{a.name}={units.word(v, a.unit, a.path) if a.numeric else v}"
+            for a, v in pairs
+            if a.path.split(".")[0] not in ("model", "solver")
+        ]
         places.append(", ".join(own) or "the case")
     return places
 

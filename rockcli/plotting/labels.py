@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockcli.scene.units import Units, g_of
 from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
-
-_STANDARD_G = 9.81
-
-_G_OF_CASE = re.compile(r"^case:\n(?:[ -].*\n)*?  g: '?([-+.\deE]+)'?$", re.MULTILINE)
-"""The number `g` of the case in the resolved study."""
 
 _SYMBOLS: dict[str, str] = {
     "tan_alpha": r"$\tan\alpha$",
@@ -71,29 +66,29 @@ def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:
 
 def axis_label(dataset: xarray.Dataset, axis: str) -> str:
     """Symbol and unit of an axis of the study."""
-    unit = "g" if _in_g(dataset, axis) else str(dataset[axis].attrs.get("units", "1"))
-    return axis_symbol(dataset, axis) + unit_in_brackets(unit)
+    return axis_symbol(dataset, axis) + unit_in_brackets(shown_unit(dataset, axis)[1])
 
 
 def unit_g(dataset: xarray.Dataset) -> float:
     """Unit of acceleration in plots [m/s^2]: the g of the study's case; 9.81 where it is not told or is varied."""
-    varied = any(str(item.attrs.get("long_name")) == "g" for item in dataset.coords.values())
-    told = None if varied else _G_OF_CASE.search(str(dataset.attrs.get("study", "")))
-    try:
-        return float(told.group(1)) if told else _STANDARD_G
-    except ValueError:
-        return _STANDARD_G
+    varied = {str(item.attrs.get("long_name")) for item in dataset.coords.values()}
+    return g_of(str(dataset.attrs.get("study", "")), varied)
+
+
+def units_of(dataset: xarray.Dataset) -> Units:
+    """How the numbers of a dataset are shown: accelerations in g of its case."""
+    return Units(unit_g(dataset))
+
+
+def shown_unit(dataset: xarray.Dataset, name: str) -> tuple[float, str]:
+    """What the values of an axis or variable are divided by to be shown, and the unit they have then."""
+    attrs = dataset[name].attrs
+    return units_of(dataset).of(str(attrs.get("units", "1")), str(attrs.get("long_name", name)))
 
 
 def axis_values(dataset: xarray.Dataset, axis: str) -> NDArray[np.float64]:
     """Coordinates of a numeric axis in the unit of its label."""
-    return np.asarray(dataset[axis].values, dtype=float) / (unit_g(dataset) if _in_g(dataset, axis) else 1.0)
-
-
-def _in_g(dataset: xarray.Dataset, axis: str) -> bool:
-    """Whether an axis is an acceleration of the ground: those are shown in g."""
-    attrs = dataset[axis].attrs
-    return attrs.get("units") == "m s-2" and str(attrs.get("long_name", axis)).split(".")[-1] != "g"
+    return np.asarray(dataset[axis].values, dtype=float) / shown_unit(dataset, axis)[0]
 
 
 def coordinate_label(dataset: xarray.Dataset, axis: str, position: int) -> str:
@@ -103,9 +98,18 @@ def coordinate_label(dataset: xarray.Dataset, axis: str, position: int) -> str:
         words = str(value)
         label = escape(words if "." in words else words.replace("_", " "))  # names of files stay as they are
         return f"{axis.replace('_', ' ')} {label}" if label.replace(".", "").isdigit() else label
-    unit = "g" if _in_g(dataset, axis) else str(dataset[axis].attrs.get("units", "1"))
+    unit = shown_unit(dataset, axis)[1]
     shown = _UNITS.get(unit, unit)
     return f"{axis_symbol(dataset, axis)} = {axis_values(dataset, axis)[position]:.4g}" + (f" {shown}" if shown else "")
+
+
+def coordinate_words(dataset: xarray.Dataset, axis: str) -> list[str]:
+    """The coordinates of an axis as plain words, with their unit where that is g."""
+    item, units = dataset[axis], units_of(dataset)
+    if item.dtype.kind != "f":
+        return [str(value) for value in item.values]
+    unit, path = str(item.attrs.get("units", "1")), str(item.attrs.get("long_name", axis))
+    return [units.word(float(value), unit, path) for value in item.values]
 
 
 def escape(words: str) -> str:

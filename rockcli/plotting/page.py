@@ -15,6 +15,7 @@ import numpy as np
 from rockcli.plotting import style
 from rockcli.plotting.cases import axes_of, thresholds_in
 from rockcli.plotting.figures import KINDS, default_kinds, figure, why_not
+from rockcli.plotting.labels import coordinate_words, units_of
 from rockcli.plotting.page_style import CSS
 from rockcli.plotting.style import OUTCOME_COLOURS
 from rockcli.plotting.table import case_table
@@ -79,11 +80,12 @@ def _outcomes(dataset: xarray.Dataset) -> str:
 def _thresholds(dataset: xarray.Dataset) -> str:
     """The lowest overturning values that a search found."""
     axes = axes_of(dataset)
-    coordinates = {axis: dataset[axis].values for axis in axes}
+    units = units_of(dataset)
+    coordinates = {axis: np.array(coordinate_words(dataset, axis), dtype=str) for axis in axes}
     said = []
     for name, item in dataset.data_vars.items():
         if str(name).endswith(FOUND) and item.dims == axes:
-            words = threshold_words(thresholds_in(dataset, str(name)), coordinates, item.attrs.get("units", "1"))
+            words = threshold_words(thresholds_in(dataset, str(name)), coordinates, item.attrs.get("units", "1"), units)
             said.append(f"<p>Lowest overturning {escape(f'{str(name).removesuffix(FOUND)}: {words}')}.</p>\n")
     return "".join(said)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note, thresholds_in
 from rockcli.plotting.ida import BOLD, FRACTILES, MEMBER
-from rockcli.plotting.labels import title_of, unit_g, unit_in_brackets, variable_label
+from rockcli.plotting.labels import shown_unit, title_of, unit_in_brackets, variable_label
 from rockcli.plotting.map import is_log, scale_axes
 from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, legend_beside, new_figure, panel_title
 from rockcli.plotting.suite import members_word, suite_of
@@ -85,9 +85,8 @@ def _rows(dataset: xarray.Dataset) -> list[Row]:
     sought = [str(name) for name in dataset.data_vars if str(name).endswith(FOUND)]
     found = []
     for name in sought:
-        unit = str(dataset[name].attrs.get("units", "1"))
-        of_g = unit == "m s-2"
-        found.append(Row(name, found_label(name, "g" if of_g else unit), unit=unit_g(dataset) if of_g else 1.0))
+        divisor, unit = shown_unit(dataset, name)
+        found.append(Row(name, found_label(name, unit), unit=divisor))
     return [*(row for row in _ROWS if row.name in dataset.variables), *found]
 
 

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockcli.plotting.cases import axes_of, is_numeric, number_at, outcome_at, thresholds_in
-from rockcli.plotting.labels import unit_in_brackets
+from rockcli.plotting.labels import shown_unit, unit_in_brackets
 from rockcli.scene.thresholds import BESIDE, BRACKETED, FOUND, IN_RANGE, STATES
-from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray
@@ -37,7 +36,9 @@ def case_table(dataset: xarray.Dataset) -> Table:
         return _summary(dataset)
     symbols = [name for name in _SYMBOLS if name in dataset.variables and name not in axes]
     columns = [*_thresholds(dataset), *(name for name in _COLUMNS if name in dataset.variables)]
-    header = [*axes, *(_head(n) for n in symbols), "outcome", *(_head(n) for n in columns)]
+    names = (*axes, *symbols, *columns)
+    head = {name: name + unit_in_brackets(shown_unit(dataset, name)[1]) for name in names}
+    header = [*(head[n] for n in axes), *(head[n] for n in symbols), "outcome", *(head[n] for n in columns)]
     rows = []
     for position in np.ndindex(*shape):
         at = [_coordinate(dataset, axis, i) for axis, i in zip(axes, position, strict=True)]
@@ -53,11 +54,14 @@ def _summary(dataset: xarray.Dataset) -> Table:
     rows = []
     found = [name for name in _thresholds(dataset) if name.endswith(FOUND) or "prescreen" in name]
     for name in (*found, *(name for name in _SUMMED_UP if name in dataset.variables)):
-        values = np.asarray(dataset[name].values, dtype=float).ravel()
+        divisor, unit = shown_unit(dataset, name)
+        values = np.asarray(dataset[name].values, dtype=float).ravel() / divisor
         finite = values[np.isfinite(values)]
         if finite.size:
             spread = np.percentile(finite, [0, 16, 50, 84, 100])
-            rows.append([_head(name), *(_word(float(x)) for x in spread), str(values.size - finite.size)])
+            rows.append(
+                [name + unit_in_brackets(unit), *(_word(float(x)) for x in spread), str(values.size - finite.size)]
+            )
     return header, rows, "over the cases with a finite value: overturned cases have no peak"
 
 
@@ -76,17 +80,13 @@ def _thresholds(dataset: xarray.Dataset) -> list[str]:
 
 
 def _shown(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> str:
-    value = number_at(dataset, name, position)
+    value = number_at(dataset, name, position) / shown_unit(dataset, name)[0]
     return STATES[int(value)].replace("_", " ") if name.endswith(f"{FOUND}_state") else _word(value)
 
 
 def _coordinate(dataset: xarray.Dataset, axis: str, i: int) -> str:
     value = dataset[axis].values[i]
-    return _word(float(value)) if is_numeric(dataset, axis) else str(value)
-
-
-def _head(name: str) -> str:
-    return name + (unit_in_brackets(VARIABLES[name].unit) if name in VARIABLES else "")
+    return _word(float(value) / shown_unit(dataset, axis)[0]) if is_numeric(dataset, axis) else str(value)
 
 
 def _word(value: float) -> str:

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.units import SI, Units, unit_words
+
 Array = NDArray[np.float64]
 
 FOUND = "_overturning"
@@ -43,8 +45,6 @@ SENTENCES: dict[str, str] = {
     "rocks_at_lowest": "1 where the case rocks at the lowest {} of the range already: it may overturn below the range",
 }
 """By end of the name: what it is, for the path of the axis searched."""
-
-_UNITS = {"1": "", "m s-2": " m/s2", "m s-1": " m/s"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,23 +110,19 @@ class Thresholds:
         return Thresholds(state.astype(np.int8), least, most)
 
 
-def unit_words(unit: str) -> str:
-    """A unit after a number, for people."""
-    return _UNITS.get(unit, f" {unit}")
-
-
-def threshold_words(found: Thresholds, axes: Mapping[str, NDArray[Any]], unit: str = "1") -> str:
+def threshold_words(found: Thresholds, axes: Mapping[str, NDArray[Any]], unit: str = "1", units: Units = SI) -> str:
     """The lowest overturning values in words: how far they go and where, and what is known of the others.
 
     Args:
         found: over the axes.
-        axes: name -> coordinates, outermost first.
-        unit: of the values, as in a dataset.
+        axes: name -> coordinates, numbers or words, outermost first.
+        unit: of the values, as in a dataset; units: those they are told in.
     """
     size = found.state.size
+    divisor, shown = units.of(unit)
 
     def number(value: float) -> str:
-        return f"{value:.6g}{unit_words(unit)}"
+        return f"{value / divisor:.6g}{unit_words(shown)}"
 
     def at(flat: int) -> str:
         place = np.unravel_index(flat, found.state.shape)

@@ -121,11 +121,12 @@ def test_clauses_about_what_is_not_saved_are_refused() -> None:
 
 
 def test_clauses_in_words() -> None:
+    nothing = contents()
     assert (
-        describe(clause("theta", "value", 0.5, time=2.0, atol=1e-3))
+        describe(nothing, clause("theta", "value", 0.5, time=2.0, atol=1e-3))
         == "theta at t = 2 s = 0.5 (rtol 1e-06, atol 0.001)"
     )
-    assert describe(clause("outcome", "is_not", (2, 3))) == (
+    assert describe(nothing, clause("outcome", "is_not", (2, 3))) == (
         "outcome is not overturned_without_impact or overturned_after_impact"
     )
-    assert describe(clause("t_end", "max", INF, at={"model": "rigid"})) == "t_end at model=rigid <= inf"
+    assert describe(nothing, clause("t_end", "max", INF, at={"model": "rigid"})) == "t_end at model=rigid <= inf"

@@ -1,0 +1,37 @@
+"""Where on the axes of a dataset something is, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.units import SI, Units, g_of
+from rockcli.storage.contents import Contents
+
+
+def units_of(contents: Contents) -> Units:
+    """How the numbers of a dataset are shown to people: accelerations in g of its case."""
+    paths = (str(contents.fields[axis].attrs.get("long_name", axis)) for axis in contents.axes)
+    return Units(g_of(str(contents.attrs.get("study", "")), set(paths)))
+
+
+def coordinate(contents: Contents, dim: str, value: Any, units: Units = SI) -> str:
+    """A coordinate value: a label, or at most six digits and g where it is one of accelerations."""
+    if isinstance(value, str):
+        return value
+    attrs = contents.fields[dim].attrs if dim in contents.fields else {}
+    return units.word(float(value), str(attrs.get("units", "1")), str(attrs.get("long_name", "")))
+
+
+def coordinates(contents: Contents, dim: str, units: Units) -> NDArray[np.str_]:
+    """All coordinate values of a dimension in words."""
+    return np.array([coordinate(contents, dim, value, units) for value in contents.values(dim)], dtype=str)
+
+
+def place(contents: Contents, dims: Iterable[str], at: Iterable[Any], units: Units) -> str:
+    """`model=rigid, motion_record_pga=0.2 g`: the point at some positions on some dimensions."""
+    pairs = zip(dims, at, strict=True)
+    return ", ".join(f"{dim}={coordinate(contents, dim, contents.values(dim)[int(i)], units)}" for dim, i in pairs)

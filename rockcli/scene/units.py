@@ -1,0 +1,57 @@
+"""Numbers as people read them: accelerations in g of the case, all else in SI units.
+
+Datasets and what programs read (`--json`) are in SI units throughout.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+ACCELERATION = "m s-2"
+
+STANDARD_G = 9.81
+
+_G_OF_CASE = re.compile(r"^case:\n(?:[ -].*\n)*?  g: '?([-+.\deE]+)'?$", re.MULTILINE)
+"""The number `g` of the case in the resolved study."""
+
+_WORDS = {"1": "", "m s-2": " m/s2", "m s-1": " m/s"}
+
+
+def g_of(resolved: str, varied: Iterable[str]) -> float:
+    """The unit of acceleration of a study [m/s^2]: g of its case; 9.81 where it is not told or is varied.
+
+    Args:
+        resolved: the study as datasets carry it; varied: paths of its axes.
+    """
+    told = None if "g" in varied else _G_OF_CASE.search(resolved)
+    try:
+        return float(told.group(1)) if told else STANDARD_G
+    except ValueError:
+        return STANDARD_G
+
+
+@dataclass(frozen=True)
+class Units:
+    """In which units numbers are shown: `g` [m/s^2] is that of accelerations, None shows SI units."""
+
+    g: float | None = None
+
+    def of(self, unit: str, path: str = "") -> tuple[float, str]:
+        """What a number in a unit of the dataset is divided by, and the unit it has then; g itself stays in m/s^2."""
+        in_g = self.g is not None and unit == ACCELERATION and path.rsplit(".", 1)[-1] != "g"
+        return (float(self.g or 1.0), "g") if in_g else (1.0, unit)
+
+    def word(self, value: float, unit: str, path: str = "", digits: int = 6) -> str:
+        """A number, with its unit where that is g."""
+        divisor, shown = self.of(unit, path)
+        return f"{value / divisor:.{digits}g}" + (" g" if shown == "g" else "")
+
+
+SI = Units()
+
+
+def unit_words(unit: str) -> str:
+    """A unit after a number, for people."""
+    return _WORDS.get(unit, f" {unit}")
