@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from rockcli.cli.say import say
+
 
 def animate(
     file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="Dataset with histories, written by `rock run`.")],
@@ -43,6 +45,6 @@ def animate(
         )
     finally:
         line.close()
-    typer.echo(str(film.path))
+    say(str(film.path))
     for note in () if quiet else film.notes:
-        typer.echo(f"rock: {note}", err=True)
+        say(f"rock: {note}", err=True)

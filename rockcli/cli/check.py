@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rockcli.cli.say import say
+
 if TYPE_CHECKING:
     from rockcli.engine.preview import Preview
 
@@ -35,19 +37,19 @@ def check(
     opened = open_all(studies, settings or (), skip_missing=skip_missing, also=check_answers)
     previews = [preview(study) for study in opened.studies]
     for file, why in opened.skipped:
-        typer.echo(f"rock: skipped {file.stem}: {why}", err=True)
+        say(f"rock: skipped {file.stem}: {why}", err=True)
     for found in previews:
         if not quiet:
             for warning in found.warnings:
-                typer.echo(f"rock: {found.name}: warning: {warning}", err=True)
+                say(f"rock: {found.name}: warning: {warning}", err=True)
         if not quiet and not as_json:
-            typer.echo(_text(found))
+            say(_text(found))
     if as_json:
         import json
 
-        typer.echo(json.dumps([found.as_dict() for found in previews], indent=2))
+        say(json.dumps([found.as_dict() for found in previews], indent=2))
     elif len(previews) > 1 and not quiet:
-        typer.echo(f"{counted(len(previews), 'study')}, {counted(sum(found.cases for found in previews), 'case')}")
+        say(f"{counted(len(previews), 'study')}, {counted(sum(found.cases for found in previews), 'case')}")
 
 
 IN_SI = "[m/s2]"

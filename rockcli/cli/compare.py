@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rockcli.cli.say import say
+
 if TYPE_CHECKING:
     from rockcli.engine.difference import Difference
 
@@ -32,9 +34,9 @@ def compare(
         raise StudyError(f"--most {most}: expected a number >= 0")
     found = difference(netcdf.read(a), netcdf.read(b), rtol=rtol, most=most, si=as_json)
     if as_json:
-        typer.echo(_as_json(found))
+        say(_as_json(found))
     else:
-        typer.echo(_in_words(found, rtol))
+        say(_in_words(found, rtol))
     raise typer.Exit(0 if found.same else 1)
 
 

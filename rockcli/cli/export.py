@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rockcli.cli.say import say
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -52,10 +54,10 @@ def export(
         try:
             script = _script(batch, i, f"case_{number}", f"Study {study.name}, case {number}{label}.")
         except SolverError as error:
-            typer.echo(f"rock: {study.name}: case {number}{label}: {error}", err=True)
+            say(f"rock: {study.name}: case {number}{label}: {error}", err=True)
             continue
         _write(folder, script)
-        typer.echo(str(folder / f"{script.name}.py"))
+        say(str(folder / f"{script.name}.py"))
         written += 1
     if not written:
         raise StudyError("no case of it can be written for OpenSees", file=study.file)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rockcli.cli.say import say
+
 if TYPE_CHECKING:
     from rockcli.engine.identify import Identified, Measured
 
@@ -66,9 +68,9 @@ def identify(
             guess[ETA] = eta_of_amplitudes(amplitudes_of(measured), guess[ALPHA])
             names += [THETA, RATE]
         found = identify_history(measured, source, guess, names)
-    typer.echo(_as_json(found) if as_json else _in_words(found, measured, file))
+    say(_as_json(found) if as_json else _in_words(found, measured, file))
     for note in found.notes:
-        typer.echo(f"rock: {file}: {note}", err=True)
+        say(f"rock: {file}: {note}", err=True)
 
 
 def _source(study: Path | None, alpha: float | None, p: float | None) -> Path | dict[str, Any]:

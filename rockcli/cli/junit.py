@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,12 +11,37 @@ from xml.etree import ElementTree as ET
 
 from rockcli.cli.progress import counted
 from rockcli.cli.words import verdict_text
-from rockcli.errors import OutputError
+from rockcli.errors import OutputError, StudyError
 from rockcli.storage.atomic import replacing
-from rockcli.storage.places import reason
+from rockcli.storage.places import check_file, reason
 
 if TYPE_CHECKING:
     from rockcli.engine.report import RunReport
+
+
+_ROOT = re.compile(rb"<testsuites?\b")
+
+
+def check_junit(path: Path, datasets: Sequence[Path]) -> None:
+    """Refuse a place for the verdicts before anything is solved.
+
+    Raises:
+        StudyError: it cannot be written, holds what is no JUnit file, or is where a dataset goes.
+    """
+    if path.exists() and not path.is_file() and not path.is_dir():  # a pipe or a device
+        return
+    check_file(path)
+    if os.path.realpath(path) in {os.path.realpath(dataset) for dataset in datasets}:
+        raise StudyError("is where a dataset goes: --junit needs a file of its own", file=path)
+    if path.exists() and not _is_ours(path):
+        raise StudyError("is there and is no JUnit file: --junit does not replace it", file=path)
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether a file is JUnit XML, or empty."""
+    with path.open("rb") as file:
+        head = file.read(4096)
+    return not head or _ROOT.search(head) is not None
 
 
 def write_junit(reports: Sequence[RunReport], path: Path) -> None:
@@ -31,6 +58,8 @@ def write_junit(reports: Sequence[RunReport], path: Path) -> None:
             raise OutputError(f"cannot be written: {reason(error)}", file=path) from error
         return
     path.parent.mkdir(parents=True, exist_ok=True)
+    if path.exists() and not _is_ours(path):  # made since it was checked, as a plot
+        raise OutputError("is there and is no JUnit file: --junit does not replace it", file=path)
     with replacing(path) as scratch:
         tree.write(scratch, encoding="utf-8", xml_declaration=True)
 

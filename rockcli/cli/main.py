@@ -10,6 +10,7 @@ import typer
 
 from rockcli.cli import animate, check, compare, export, identify, plot, report, run, show, trade, verify
 from rockcli.cli.interrupt import INTERRUPTED, answered, tell
+from rockcli.cli.say import forget, say
 from rockcli.errors import RockError
 
 BROKE = 4
@@ -39,7 +40,7 @@ def _version(asked: bool) -> None:
     if asked:
         from rockcli import __version__
 
-        typer.echo(f"rock {__version__}")
+        say(f"rock {__version__}")
         raise typer.Exit
 
 
@@ -81,33 +82,27 @@ def _run() -> None:
         tell()
         sys.exit(INTERRUPTED)
     except RockError as error:
-        typer.echo(f"rock: {error}", err=True)
+        say(f"rock: {error}", err=True)
         sys.exit(error.exit_code)
     except BrokenPipeError:  # the reader of our output went away
-        _silence()
+        forget(sys.stdout)
         sys.exit(0)
     except OSError as error:  # the system refuses: no space, no permission, too many open files
-        _silence()
         from rockcli.storage.places import reason
 
-        where = error.filename if isinstance(error.filename, str) else "standard output"
-        typer.echo(f"rock: {where}: {reason(error)}", err=True)
+        where = f"{error.filename}: " if isinstance(error.filename, str) else ""
+        say(f"rock: {where}{reason(error)}", err=True)
         _trace(error)
         sys.exit(BROKE)
     except MemoryError as error:
-        typer.echo(f"rock: out of memory {error}".rstrip(), err=True)
+        say(f"rock: out of memory {error}".rstrip(), err=True)
         _trace(error)
         sys.exit(BROKE)
     except Exception as error:  # a bug: say so, and show the way to its trace
         if not _trace(error):
-            typer.echo(f"rock: this is a bug in rock: {type(error).__name__}: {error}", err=True)
-            typer.echo("rock: set ROCK_DEBUG=1 for the traceback", err=True)
+            say(f"rock: this is a bug in rock: {type(error).__name__}: {error}", err=True)
+            say("rock: set ROCK_DEBUG=1 for the traceback", err=True)
         sys.exit(BROKE)
-
-
-def _silence() -> None:
-    """Let what is still to be written to a stdout that takes nothing go nowhere."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _trace(error: Exception) -> bool:

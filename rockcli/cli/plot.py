@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from rockcli.cli.say import say
+
 
 def plot(
     files: Annotated[list[Path], typer.Argument(metavar="FILE.nc...", help="Datasets written by `rock run`.")],
@@ -27,7 +29,7 @@ def plot(
 
             drawn, complaints = draw(file, tuple(KINDS), plot_format)
         for path in drawn:
-            typer.echo(str(path))
+            say(str(path))
         if complaints and kinds:
             raise StudyError("; ".join(complaints), file=file)
         if not drawn:

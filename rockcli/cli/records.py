@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rockcli.cli.say import say
+
 if TYPE_CHECKING:
     from rockcli.motion.motion import Motion
 
@@ -58,11 +60,11 @@ def info(
             complaints.append(error)
             continue
         if not json:
-            typer.echo(("\n" if len(rows) > 1 else "") + _table(rows[-1]))
+            say(("\n" if len(rows) > 1 else "") + _table(rows[-1]))
     if json:
-        typer.echo(json_module.dumps(rows, indent=2))
+        say(json_module.dumps(rows, indent=2))
     for complaint in complaints[:-1]:
-        typer.echo(f"rock: {complaint}", err=True)
+        say(f"rock: {complaint}", err=True)
     if complaints:
         raise complaints[-1]
 
@@ -95,8 +97,8 @@ def convert(
         values = motion.values if motion.in_g else motion.values / g
         write_at2(target, values, motion.dt, _titles(motion, g), force=force)
     for remark in motion.warnings:
-        typer.echo(f"{source}: {remark}", err=True)
-    typer.echo(f"{target}: {len(motion.values)} values, dt {motion.dt:g} s", err=True)
+        say(f"{source}: {remark}", err=True)
+    say(f"{target}: {len(motion.values)} values, dt {motion.dt:g} s", err=True)
 
 
 def _read(file: Path, component: str | None, units: str | None, dt: float | None) -> Motion:

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from rockcli.cli.say import say
+
 
 def report(
     files: Annotated[list[Path], typer.Argument(metavar="FILE.nc...", help="Datasets written by `rock run`.")],
@@ -21,4 +23,4 @@ def report(
     if out is not None and len(files) > 1:
         raise StudyError("--out names one page: give one dataset with it")
     for file in files:
-        typer.echo(str(write_page(file, out)))
+        say(str(write_page(file, out)))

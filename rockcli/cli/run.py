@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rockcli.cli.say import say
+
 if TYPE_CHECKING:
     from rockcli.engine.report import RunReport
     from rockcli.study.study import Study
@@ -46,11 +48,12 @@ def run(
     Results go to DIR/<name>/<name>.nc, plots beside it; `expect` clauses decide the exit code.
     """
     from rockcli.cli.interrupt import advise
+    from rockcli.cli.junit import check_junit, write_junit
     from rockcli.cli.sources import open_all
     from rockcli.cli.words import totals_text
     from rockcli.engine.executors import Team, usable_cores
     from rockcli.engine.report import SKIPPED, RunReport, exit_code
-    from rockcli.engine.run import check_study
+    from rockcli.engine.run import check_study, dataset_path
 
     _check_format(plot_format)
     share = _share(part, fresh=fresh)
@@ -58,17 +61,17 @@ def run(
         from rockcli.engine.cluster import check_cluster
 
         check_cluster(dask)
-    if junit is not None:
-        _check_junit(junit)
     opened = open_all(
         studies,
         [*(settings or ()), *(["audit=true"] if audit else [])],
         skip_missing=skip_missing,
         also=lambda study: check_study(study, out, fresh=fresh),
     )
+    if junit is not None:
+        check_junit(junit, [dataset_path(study, out) for study in opened.studies])
     reports = [RunReport(name=file.stem, status=SKIPPED, warnings=(why,)) for file, why in opened.skipped]
     for report in reports:
-        typer.echo(f"rock: skipped {report.name}: {report.warnings[0]}", err=True)
+        say(f"rock: skipped {report.name}: {report.warnings[0]}", err=True)
     spoken = not quiet and not as_json
     advise("run again to go on: what is finished is not solved twice")
     for study in opened.studies:
@@ -78,15 +81,13 @@ def run(
         _tell(report, spoken=spoken, quiet=quiet)
         reports.append(report)
     if spoken and len(reports) > 1:
-        typer.echo(totals_text(reports))
+        say(totals_text(reports))
     code = exit_code(reports)
     if as_json:
         import json
 
-        typer.echo(json.dumps({"exit_code": code, "units": "SI", "studies": [r.as_dict() for r in reports]}, indent=2))
+        say(json.dumps({"exit_code": code, "units": "SI", "studies": [r.as_dict() for r in reports]}, indent=2))
     if junit is not None:
-        from rockcli.cli.junit import write_junit
-
         write_junit(reports, junit)
     raise typer.Exit(code)
 
@@ -96,13 +97,6 @@ def _check_format(plot_format: str) -> None:
 
     if plot_format not in ("png", "pdf", "svg"):
         raise StudyError(f"--format {plot_format}: expected png, pdf or svg")
-
-
-def _check_junit(path: Path) -> None:
-    from rockcli.storage.places import check_file
-
-    if not path.exists() or path.is_file() or path.is_dir():  # anything else is a pipe or a device
-        check_file(path)
 
 
 def _share(part: str | None, *, fresh: bool) -> tuple[int, int] | None:
@@ -141,6 +135,6 @@ def _tell(report: RunReport, *, spoken: bool, quiet: bool) -> None:
 
     if not quiet:
         for warning in report.warnings:
-            typer.echo(f"rock: {report.name}: warning: {warning}", err=True)
+            say(f"rock: {report.name}: warning: {warning}", err=True)
     if spoken:
-        typer.echo(report_text(report))
+        say(report_text(report))

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from rockcli.cli.say import say
+
 
 def show(
     topic: Annotated[
@@ -21,7 +23,7 @@ def show(
 
     if topic not in _TOPICS:
         raise StudyError(f"show {topic}: expected one of {', '.join(_TOPICS)}")
-    typer.echo(_TOPICS[topic]())
+    say(_TOPICS[topic]())
 
 
 def _models() -> str:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
+from rockcli.cli.say import say
 from rockcli.errors import RockError, StudyError
 
 if TYPE_CHECKING:
@@ -91,7 +90,7 @@ def open_all(
             studies.append(study)
     complaints += _same_names(studies)
     for complaint in complaints[:-1]:
-        typer.echo(f"rock: {complaint}", err=True)
+        say(f"rock: {complaint}", err=True)
     if complaints:
         raise complaints[-1]
     return Opened(tuple(studies), tuple(skipped))

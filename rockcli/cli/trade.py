@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rockcli.cli.say import say
+
 if TYPE_CHECKING:
     from rockcli.engine.points import Point, Trade
     from rockcli.study.study import Study
@@ -71,9 +73,9 @@ def trade(
     if as_json:
         import json
 
-        typer.echo(json.dumps(as_dict(found, path, drawn), indent=2))
+        say(json.dumps(as_dict(found, path, drawn), indent=2))
     elif not quiet:
-        typer.echo(_text(given, found, path, drawn, every=every))
+        say(_text(given, found, path, drawn, every=every))
 
 
 def _seconds(budget: str) -> float:
@@ -93,7 +95,7 @@ def _draw(path: Path, plot_format: str) -> tuple[Path, ...]:
 
     drawn, complaints = draw(path, ("work_precision",), plot_format)
     for complaint in complaints:
-        typer.echo(f"rock: {complaint}", err=True)
+        say(f"rock: {complaint}", err=True)
     return drawn
 
 

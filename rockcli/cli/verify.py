@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from rockcli.cli.say import say
+
 
 def verify(
     as_json: Annotated[bool, typer.Option("--json", help="Print the checks as JSON.")] = False,
@@ -19,18 +21,18 @@ def verify(
     rows = []
     failed = 0
     if not as_json:
-        typer.echo(f"     {'':<54} {'expected':>15} {'got':>15} {'difference':>10} {'allowed':>8}")
+        say(f"     {'':<54} {'expected':>15} {'got':>15} {'difference':>10} {'allowed':>8}")
     for check in checks():
         failed += not check.passed
         rows.append(check.as_dict())
         if not as_json:
             word = "OK" if check.passed else "FAIL"
             numbers = f"{check.expected:>15.12g} {check.got:>15.12g} {check.difference:>10.1e} {check.tolerance:>8.0e}"
-            typer.echo(f"{word:<4} {check.name:<54} {numbers}")
+            say(f"{word:<4} {check.name:<54} {numbers}")
     if as_json:
         import json
 
-        typer.echo(json.dumps(rows, indent=2))
+        say(json.dumps(rows, indent=2))
     else:
-        typer.echo(f"{len(rows) - failed} of {len(rows)} agree; differences are relative")
+        say(f"{len(rows) - failed} of {len(rows)} agree; differences are relative")
     raise typer.Exit(1 if failed else 0)

@@ -128,7 +128,13 @@ def _client(address: str) -> Any:
         raise StudyError("--dask needs the packages dask and distributed: pip install 'rockcli[distributed]'") from None
     start: Any = distributed.Client
     try:
-        asyncio.run(asyncio.wait_for(_greet(address), ANSWERS_WITHIN))  # a client would wait for ever
+        secrets = _secrets(address)
+    except StudyError:
+        raise
+    except Exception as error:  # files that are not there, or hold something else
+        raise StudyError(f"--dask {address}: the certificates cannot be used: {error}") from None
+    try:
+        asyncio.run(asyncio.wait_for(_greet(address, secrets), ANSWERS_WITHIN))  # a client would wait for ever
         client = _within(lambda: start(address, timeout=ANSWERS_WITHIN, set_as_default=False))
     except Exception as error:  # whatever somebody there may answer
         said = str(error) or f"nothing within {ANSWERS_WITHIN:g} s"
@@ -147,12 +153,28 @@ def _client(address: str) -> Any:
     return client
 
 
-async def _greet(address: str) -> None:
+def _secrets(address: str) -> dict[str, Any]:
+    """What a connection to a `tls://` address needs, from Dask's own configuration.
+
+    Raises:
+        StudyError: nothing is said there; and whatever a certificate raises that cannot be loaded.
+    """
+    from distributed.security import Security
+
+    load: Any = Security
+    secrets: dict[str, Any] = load().get_connection_args("client")
+    if address.startswith("tls://") and secrets["ssl_context"] is None:
+        keys = "distributed.comm.tls: {ca-file, client: {cert, key}}"
+        raise StudyError(f"--dask {address}: tls needs certificates; name them in Dask's configuration ({keys})")
+    return secrets
+
+
+async def _greet(address: str, secrets: dict[str, Any]) -> None:
     """Ask a scheduler who it is."""
     from distributed.core import rpc
 
     ask: Any = rpc
-    async with ask(address) as scheduler:
+    async with ask(address, connection_args=secrets) as scheduler:
         await scheduler.identity()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,8 @@ from rockcli.errors import OutputError, StudyError
 from rockcli.storage.places import passing, reason
 
 LOCK_NAME = ".lock"
+
+_OF_SHARE = re.compile(rf"{re.escape(LOCK_NAME)}-\d+-of-\d+")
 
 BUSY = "another process is working in this folder"
 
@@ -29,6 +32,9 @@ def locked(folder: Path, share: tuple[int, int] | None = None) -> Iterator[None]
     if share is None:
         with _held(path, fcntl.LOCK_EX, BUSY), passing(path):
             # removed while held: who opened it meanwhile sees in `_acquire` that it is gone
+            for stale in folder.iterdir():  # of shares that were killed; none is at work
+                if _OF_SHARE.fullmatch(stale.name):
+                    stale.unlink(missing_ok=True)
             yield
         return
     k, n = share

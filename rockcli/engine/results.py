@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.engine.answer import Answer, Array, Description, blank
 from rockcli.engine.symbols import Symbols
+from rockcli.engine.used import Used, joined
 from rockcli.scene.response import FAILED, MAX_IMPACTS_STORED
 from rockcli.study.study import Index, Study
 
@@ -61,7 +61,7 @@ class Results:
     answered: int = 0
     solved: NDArray[np.int8] | None = None
     _warnings: set[str] = field(default_factory=set)
-    _used: dict[str, tuple[int, dict[str, str]]] = field(default_factory=dict)
+    _used: list[tuple[int, Used]] = field(default_factory=list)
     _pending: list[Answer] = field(default_factory=list)
 
     @classmethod
@@ -77,9 +77,9 @@ class Results:
         return sorted(self._warnings)
 
     @property
-    def used(self) -> list[dict[str, str]]:
+    def used(self) -> list[Used]:
         """Distinct settings of the solvers, by the first case they were used for."""
-        return [one for _, one in sorted(self._used.values(), key=lambda item: item[0])]
+        return [one for _, one in self._used]
 
     def describe(self, found: Description) -> None:
         """Take what is known of cases before they are solved."""
@@ -99,9 +99,7 @@ class Results:
             self.scalars[name][at] = values
         for sentence, where in answer.sentences.items() if self.reason_asked else of_failed(answer):
             self.explain(sentence, where)
-        for first, one in answer.used:
-            key = json.dumps(one, sort_keys=True)
-            self._used[key] = min(self._used.get(key, (first, one)), (first, one), key=lambda item: item[0])
+        self._used = joined([*self._used, *answer.used])
         if answer.histories or answer.impacts:
             self._pending.append(answer)
 

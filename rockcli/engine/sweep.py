@@ -22,6 +22,7 @@ from rockcli.engine.limits import cases_at_a_time
 from rockcli.engine.memory import keep_freed
 from rockcli.engine.parts import Keeper
 from rockcli.engine.results import Results
+from rockcli.engine.used import joined
 from rockcli.errors import MachineError, SolverError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
@@ -236,9 +237,7 @@ def _gather(answer: Answer, part: Index, response: Response, said: dict[str, lis
                 by_sentence.setdefault(sentence, []).append(case)
         for sentence, where in by_sentence.items():
             said.setdefault(sentence, []).append(np.array(where, dtype=np.int64))
-    if response.used not in [one for _, one in answer.used]:
-        answer.used.append((int(part.min()), response.used))
-    answer.used = [(min(first, int(part.min())) if one == response.used else first, one) for first, one in answer.used]
+    answer.used = joined([*answer.used, (int(part.min()), response.used)])
 
 
 def _left_out(answer: Answer) -> Answer:

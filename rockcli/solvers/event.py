@@ -99,7 +99,6 @@ def solve(batch: Batch) -> Response:
         "method": _method(pulses, in_lanes, level),
         "rtol": repr(level.rtol),
         "rest_speed": repr(level.rest_speed),
-        "kernels": "compiled" if kernels.compiled else "interpreted",
     }
     histories, impacts, t = histories_of(batch, run) if batch.save.histories else ({}, {}, np.empty(0))
     response = Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,9 @@ from rockcli.errors import OutputError
 from rockcli.storage.places import passing, reason
 
 _MARK = ".part"
+
+_SCRATCH = re.compile(rf"\..+\.\d+{re.escape(_MARK)}\.(nc|npz|png|pdf|svg|gif|mp4|html)")
+"""Scratch files of what is written into result folders; other files of such names are somebody's own."""
 
 
 @contextmanager
@@ -34,8 +38,9 @@ def replacing(path: Path) -> Iterator[Path]:
 
 def sweep_leftovers(folder: Path) -> None:
     """Remove scratch files of killed runs; only for who holds the folder's lock."""
-    for scratch in folder.glob(f".*{_MARK}.*"):
-        scratch.unlink(missing_ok=True)
+    for scratch in folder.iterdir():
+        if _SCRATCH.fullmatch(scratch.name):
+            scratch.unlink(missing_ok=True)
 
 
 def _sync_folder(folder: Path) -> None:

@@ -28,7 +28,10 @@ def write(contents: Contents, path: Path) -> None:
     with replacing(path) as scratch:
         try:
             _write(contents, scratch)
-        except RuntimeError as error:  # the library's word for a system that refuses, without saying why
+        except (
+            RuntimeError,
+            OSError,
+        ) as error:  # a system that refuses, in the library's words
             raise OutputError(f"cannot be written: {_why(scratch, error)}", file=path) from error
 
 
@@ -45,7 +48,7 @@ def _write(contents: Contents, scratch: Path) -> None:
         file.setncattr_string(_AXES, " ".join(contents.axes))
 
 
-def _why(scratch: Path, error: RuntimeError) -> str:
+def _why(scratch: Path, error: RuntimeError | OSError) -> str:
     """Ask the system for what the library does not tell."""
     try:
         with scratch.open("ab") as file:
@@ -54,7 +57,7 @@ def _why(scratch: Path, error: RuntimeError) -> str:
             os.fsync(file.fileno())
     except OSError as refused:
         return reason(refused)
-    return f"no space, or the place is gone ({error})"
+    return reason(error) if isinstance(error, OSError) else f"no space, or the place is gone ({error})"
 
 
 def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import resource
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from rockcli.storage.atomic import replacing, sweep_leftovers
 from rockcli.storage.places import check_file, check_folder, passing, remove_passing
 
 Rock = Callable[..., int]
@@ -161,3 +163,75 @@ def test_what_must_not_outlive_its_use(tmp_path: Path) -> None:
     path.write_text("")
     remove_passing()
     assert path.exists()
+
+
+FULL = """\
+mount -t tmpfs -o size=2m tmpfs {folder} && cp x.yaml {folder} && cd {folder} || exit 77
+{rock} run x.yaml --no-plots -q || exit 78
+dd if=/dev/zero of=fill bs=1k count=4000 2>/dev/null
+{rock} run x.yaml --no-plots -q --set title=another
+code=$?
+ls -A results/x >&2
+exit $code
+"""
+
+
+def test_a_disk_that_is_full_on_renewal_is_not_permission_denied(file: Path, tmp_path: Path) -> None:
+    if shutil.which("unshare") is None:
+        pytest.skip("no unshare here, to mount a small disk with")
+    (tmp_path / "disk").mkdir()
+    script = FULL.format(folder="disk", rock=f"{sys.executable} -m rockcli.cli.main")
+    command = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", script]
+    found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    if found.returncode in (1, 77) and "rock:" not in found.stderr:
+        pytest.skip("no file system may be mounted here")
+    assert found.returncode == 4
+    assert found.stderr == "rock: results/x/x.nc: cannot be written: no space left on the device\nx.nc\n"
+
+
+def test_a_place_where_nothing_can_be_made_is(rock: Rock, file: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+    """The library's word stands where the disk takes a file all the same."""
+    import netCDF4
+
+    def denied(*args: object, **options: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(netCDF4, "Dataset", denied)
+    assert rock("run", file, "--no-plots") == 4
+    assert "x.nc: cannot be written: permission denied" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "results" / "x").iterdir()] == [".parts"]
+
+
+MINE = [
+    ".x.part.y",
+    ".x.part.nc",
+    ".notes.12.part.txt",
+    ".12.part.nc",
+    "x.12.part.nc",
+    ".lock-mine",
+    ".lock.txt",
+]
+
+
+def test_a_users_own_files_stay_and_those_of_killed_runs_go(rock: Rock, file: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "results" / "x"
+    folder.mkdir(parents=True)
+    left_behind = [".x.4711.part.nc", ".histories.4711.part.png", ".lock-1-of-3", ".lock-12-of-30", ".lock"]
+    for name in (*MINE, *left_behind):
+        (folder / name).write_text("mine")
+    assert rock("run", file, "--no-plots", "--quiet") == 0
+    assert sorted(path.name for path in folder.iterdir()) == sorted([*MINE, "x.nc"])
+    assert (folder / ".x.part.y").read_text() == "mine"
+
+
+def test_what_is_left_behind_is_called_so(tmp_path: Path) -> None:
+    """The name that a killed writer leaves is one that goes."""
+    with replacing(tmp_path / "a.b.nc") as scratch:
+        scratch.write_text("half")
+        left = scratch.with_name(scratch.name)
+        copy = tmp_path / "elsewhere" / left.name
+        copy.parent.mkdir()
+        copy.write_text("half")
+    sweep_leftovers(copy.parent)
+    assert list(copy.parent.iterdir()) == []
+    assert (tmp_path / "a.b.nc").read_text() == "half"

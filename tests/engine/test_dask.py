@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -75,6 +77,62 @@ def test_what_answers_is_no_scheduler(kind: str, monkeypatch: pytest.MonkeyPatch
     with answering(kind) as address, pytest.raises(StudyError, match=f"--dask {address}: no Dask scheduler answers"):
         check_cluster(address)
     assert time.monotonic() - began < 5.0
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # sockets of broken-off handshakes
+class TestEncrypted:
+    """`tls://` with the certificates of Dask's own configuration."""
+
+    @pytest.fixture(autouse=True)
+    def nothing_left(self) -> Iterator[None]:
+        yield
+        gc.collect()
+
+    @pytest.fixture
+    def certificates(self, tmp_path: Path) -> Iterator[dict[str, str]]:
+        pytest.importorskip("distributed")
+        if shutil.which("openssl") is None:
+            pytest.skip("no openssl here, to make a certificate with")
+        command = "openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=localhost -keyout key.pem -out cert.pem"
+        subprocess.run(command.split(), cwd=tmp_path, check=True, capture_output=True)
+        import dask
+
+        cert, key = str(tmp_path / "cert.pem"), str(tmp_path / "key.pem")
+        both = {"cert": cert, "key": key}
+        tls = {f"{who}.{what}": path for who in ("client", "scheduler", "worker") for what, path in both.items()}
+        with dask.config.set({f"distributed.comm.tls.{name}": path for name, path in {"ca-file": cert, **tls}.items()}):
+            yield both
+
+    def test_without_certificates_says_what_is_missing(self) -> None:
+        pytest.importorskip("distributed")
+        with pytest.raises(StudyError, match=r"tls needs certificates; name them .*distributed\.comm\.tls"):
+            check_cluster("tls://127.0.0.1:1")
+
+    def test_with_one_that_is_none(self, certificates: dict[str, str]) -> None:
+        Path(certificates["cert"]).write_text("no certificate")
+        with pytest.raises(StudyError, match="the certificates cannot be used"):
+            check_cluster("tls://127.0.0.1:1")
+
+    @pytest.mark.parametrize("kind", ANSWERS)
+    def test_what_answers_is_no_scheduler(
+        self, kind: str, certificates: dict[str, str], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("rockcli.engine.cluster.ANSWERS_WITHIN", 0.5)
+        began = time.monotonic()
+        with answering(kind) as address, pytest.raises(StudyError, match="no Dask scheduler answers there"):
+            check_cluster(address.replace("tcp:", "tls:"))
+        assert time.monotonic() - began < 5.0
+
+    @pytest.mark.slow
+    def test_a_cluster(self, certificates: dict[str, str]) -> None:
+        import distributed
+
+        security = distributed.Security()
+        with distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, protocol="tls://", security=security, dashboard_address=None
+        ) as local:
+            assert local.scheduler_address.startswith("tls://")
+            check_cluster(local.scheduler_address)
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import resource
 import signal
 import subprocess
@@ -20,6 +21,7 @@ from rockcli.engine.lock import LOCK_NAME, locked
 from rockcli.engine.parts import FOLDER, Parts
 from rockcli.engine.report import SHARE, SOLVED, UP_TO_DATE
 from rockcli.engine.run import run_study
+from rockcli.engine.used import joined
 from rockcli.errors import OutputError, StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response
@@ -320,3 +322,68 @@ def test_resolved_anew_after_a_longer_study(tmp_path: Path, counted: list[int]) 
     again = run_study(replace(study(), identity="0" * 64), tmp_path, plots=False, fresh=True)
     assert again.resumed == 0
     assert hidden(tmp_path) == []
+
+
+class TestSettings:
+    """Those of the solvers are the same whoever solved which cases together."""
+
+    STUDY = {  # noqa: RUF012
+        "case": {
+            "block": {"R": 2.0, "tan_alpha": 0.2},
+            "motion": {"pulse": {"shape": "sine", "a_p_over_g_tan_alpha": 1.5, "omega_p_over_p": 12}, "duration": 0.4},
+            "model": 3,
+        },
+        "vary": {
+            "case": {
+                "event": {"solver": {"backend": "event"}},
+                "scipy": {"solver": {"backend": "scipy", "rtol": 1e-6}},
+                "frame": {
+                    "model": 4,
+                    "geometry": "corotational",
+                    "damping": {"scheme": "hht", "alpha_d": 0.7},
+                    "base": {"law": "winkler", "kw": 1e8},
+                    "solver": {"backend": "frame", "accuracy": "draft"},
+                },
+            },
+            "block.R": [1.0, 2.0, 3.0],
+        },
+        "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]},
+    }
+
+    @staticmethod
+    def settings(folder: Path) -> list[dict[str, str]]:
+        return json.loads(netcdf.read(folder / "swept" / "swept.nc").attrs["solver_settings"])
+
+    def test_of_shares(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        asked = study(**self.STUDY)
+        run_study(asked, tmp_path / "whole", plots=False)
+        monkeypatch.setattr(sweep, "CHUNK", 2)
+        for k in (3, 1, 2):
+            run_study(asked, tmp_path / "shares", plots=False, share=(k, 3))
+        run_study(asked, tmp_path / "shares", plots=False)
+        whole = self.settings(tmp_path / "whole")
+        assert self.settings(tmp_path / "shares") == whole
+        assert [one["backend"] for one in whole] == ["event", "scipy", "frame"]
+        assert " ... " in whole[2]["dt"]  # of three sizes
+
+    def test_one_after_the_other(self) -> None:
+        entries = [
+            (0, {"backend": "frame", "dt": "0.001", "divided_steps": "2"}),
+            (1, {"backend": "frame", "dt": "0.002 ... 0.004", "divided_steps": "0"}),
+            (2, {"backend": "frame", "dt": "0.0005", "divided_steps": "2"}),
+            (3, {"backend": "event", "dt": "T_p/50, 0.1/p", "rtol": "1e-08"}),
+            (4, {"backend": "event", "dt": "T_p/50, 0.1/p", "rtol": "1e-10"}),
+        ]
+        wanted = [(0, {"backend": "frame", "dt": "0.0005 ... 0.004", "divided_steps": "4"}), *entries[3:]]
+        for order in ([0, 1, 2, 3, 4], [4, 2, 0, 3, 1]):
+            assert joined(entries[i] for i in order) == wanted
+        assert joined(joined(entries[:2]) + joined(entries[2:])) == wanted
+
+
+def test_locks_that_killed_shares_left_go_with_the_merge(tmp_path: Path, counted: list[int]) -> None:
+    folder = tmp_path / "swept"
+    run_study(study(), tmp_path, plots=False, share=(1, 2))
+    for name in (LOCK_NAME, f"{LOCK_NAME}-2-of-2"):
+        (folder / name).touch()
+    run_study(study(), tmp_path, plots=False)
+    assert [file.name for file in folder.iterdir()] == ["swept.nc"]

@@ -62,7 +62,6 @@ def solve(batch: Batch) -> Response:
         "dt": repr(numerics.dt)
         if numerics.dt is not None
         else f"T_p/{PULSE_STEPS / fineness:g}, {ROCKING_STEP * fineness:g}/p",
-        "kernels": "compiled" if kernels.compiled else "interpreted",
     }
     histories, impacts, t = histories_of(batch, run, prepared) if batch.save.histories else ({}, {}, np.empty(0))
     return Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)

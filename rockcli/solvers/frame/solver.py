@@ -97,19 +97,16 @@ def _used(batch: Batch, runs: Runs) -> dict[str, str]:
     par = np.array(runs.par)
 
     def span(column: int) -> str:
-        low, high = par[:, column].min(), par[:, column].max()
-        return f"{low:.6g}" if low == high else f"{low:.6g} ... {high:.6g}"
+        low, high = f"{par[:, column].min():.6g}", f"{par[:, column].max():.6g}"
+        return low if low == high else f"{low} ... {high}"
 
-    steps, iterations = runs.out[:, k.N_STEPS].sum(), runs.out[:, k.ITERATIONS].sum()
     used = {
         "backend": "frame",
         "method": f"{batch.numerics.method or 'corotational'} Euler-Bernoulli elements, "
         + ("HHT, alpha_d " + span(k.ALPHA_D) if batch.damping.scheme == "hht" else "Newmark, average acceleration"),
         "dt": span(k.DT),
         "yield_rotation": span(k.YIELD_ROTATION),
-        "iterations_per_step": f"{iterations / max(steps, 1.0):.3g}",
         "divided_steps": f"{int(runs.out[:, k.CUTS].sum())}",
-        "kernels": "compiled" if kernels.compiled else "interpreted",
     }
     if par[:, k.STIFF_DAMPING].any():
         used["stiffness_damping"] = span(k.STIFF_DAMPING)

@@ -79,8 +79,8 @@ def _used(batch: Batch, outcomes: list[Outcome]) -> dict[str, str]:
         values = [case.number(name) for case, _ in solved]
         if not values:
             return "-"
-        low, high = min(values), max(values)
-        return f"{low:.6g}" if low == high else f"{low:.6g} ... {high:.6g}"
+        low, high = f"{min(values):.6g}", f"{max(values):.6g}"
+        return low if low == high else f"{low} ... {high}"
 
     hht = batch.damping.scheme == "hht"
     divided = sum(int(answer.summary["divided_steps"]) for _, answer in solved)
