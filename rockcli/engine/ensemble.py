@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from rockcli.engine.demand import correlations, with_measures
 from rockcli.engine.fragility import STATUS, Fit, fit
+from rockcli.engine.places import units_of
 from rockcli.engine.search import found_by, threshold_fields
 from rockcli.engine.suite_words import sentences, warnings
 from rockcli.scene.response import UNRESOLVED, overturned
@@ -32,7 +33,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 ATTRIBUTE = "ensemble"
-"""Root attribute, JSON: axis, along, limits, the fields that belong to it, its sentences and its warnings."""
+"""Root attribute, JSON: axis, along, limits, the fields that belong to it, its sentences (`says` in SI units, `shown`
+with accelerations in g) and its warnings."""
 
 PEAK = "theta_peak_over_alpha"
 
@@ -94,6 +96,7 @@ def with_ensembles(contents: Contents, study: Study) -> Contents:
         "limits": list(study.over.limits),
         "fields": list(added),
         "says": sentences(whole, study, SI),
+        "shown": sentences(whole, study, units_of(whole)),
         "warnings": more,
     }
     return replace(whole, attrs=attrs | {"warnings": _json([*said, *more]), ATTRIBUTE: _json(about)})

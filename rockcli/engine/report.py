@@ -14,7 +14,6 @@ from rockcli.engine.expect import Verdict, expected_failures, judge
 from rockcli.engine.places import coordinates, place, units_of
 from rockcli.engine.rules import Misled, misled
 from rockcli.engine.search import found_by
-from rockcli.engine.suite_words import sentences
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import SI, Units
@@ -125,7 +124,7 @@ def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any
         reasons=_reasons(contents),
         overturns=_overturns(contents, units),
         rules=misled(contents),
-        suite=() if study.over is None else tuple(sentences(contents, study, units)),
+        suite=tuple(json.loads(contents.attrs.get("ensemble", "{}")).get("says" if si else "shown", ())),
         audit=tuple(json.loads(contents.attrs.get("audit", "{}")).get("says", ())),
         **more,
     )

@@ -40,7 +40,10 @@ def page(dataset: xarray.Dataset, verdicts: Sequence[tuple[bool, str]] = (), kin
     attrs = dataset.attrs
     name, title = str(attrs.get("study_name", "study")), str(attrs.get("title", ""))
     parts = [
-        _section("Result", _outcomes(dataset) + _thresholds(dataset) + _verdicts(verdicts) + _warnings(dataset)),
+        _section(
+            "Result",
+            _outcomes(dataset) + _thresholds(dataset) + _suite(dataset) + _verdicts(verdicts) + _warnings(dataset),
+        ),
         *_plots(dataset, kinds),
         _section("Cases", _table(*case_table(dataset))),
         _section("Study", f"<pre>{escape(str(attrs.get('study', '')).strip())}</pre>"),
@@ -88,6 +91,12 @@ def _thresholds(dataset: xarray.Dataset) -> str:
             words = threshold_words(thresholds_in(dataset, str(name)), coordinates, item.attrs.get("units", "1"), units)
             said.append(f"<p>Lowest overturning {escape(f'{str(name).removesuffix(FOUND)}: {words}')}.</p>\n")
     return "".join(said)
+
+
+def _suite(dataset: xarray.Dataset) -> str:
+    """What the ensemble statistics come to."""
+    said = json.loads(dataset.attrs.get("ensemble", "{}")).get("shown", ())
+    return "".join(f"<p>{escape(sentence[:1].upper() + sentence[1:])}.</p>\n" for sentence in said)
 
 
 def _verdicts(verdicts: Sequence[tuple[bool, str]]) -> str:
