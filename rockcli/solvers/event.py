@@ -61,7 +61,7 @@ NUDGE, NUDGE_OF_FINER, LARGEST_NUDGE, LEAST_NUDGE = 1e3, 10.0, 1e-5, 1e-15
 """The motion of the second run is less by this many times the tolerance, of that beside the more accurate run by so
 many, at most and at least so much."""
 
-SAFETY, FLOOR = 100.0, 5.0
+SAFETY, FLOOR = 200.0, 5.0
 """The error is estimated as that of a motion known to this many times the tolerance, and so many tolerances more."""
 
 

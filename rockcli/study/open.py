@@ -204,6 +204,8 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
     if wanted == "all" or wanted is SCALARS:
         wanted = every
     always = {"outcome"} if wanted else set()  # a case that failed is told, whatever else is saved
+    if "error_estimate" in wanted:  # an outcome that its runs leave open is told by it
+        always.add("overturn_share")
     scalars = [name for name in SCALARS if name in {*wanted, *always}]
     dt_out: Any = save.get("dt_out")
     if dt_out is None:
