@@ -35,7 +35,12 @@ def write_page(path: Path, out: Path | None = None) -> Path:
 
 
 def verdicts(contents: Contents) -> list[Verdict]:
-    """The clauses of `expect` in the study that a dataset holds, judged again on what it holds."""
+    """The clauses of `expect` in the study that a dataset holds, judged again on what it holds.
+
+    There are none of a trade, whose points are settings and not those of its study.
+    """
+    if "trade_references" in contents.attrs:
+        return []
     named = (*contents.axes, *(name for name in (LIMIT, MEASURE) if name in contents.fields))
     axes = [(name, str(contents.fields[name].attrs.get("long_name", name)), contents.values(name)) for name in named]
     clauses = clauses_of(contents.attrs.get("study", ""), axes, tuple(contents.fields))

@@ -13,9 +13,10 @@ from typer.testing import CliRunner
 
 from rockcli.cli.main import app
 from rockcli.engine import ladder, sampling
+from rockcli.engine.page import write_page
 from rockcli.engine.points import front
 from rockcli.engine.trade import trade
-from rockcli.engine.traded import contents_of
+from rockcli.engine.traded import contents_of, write_trade
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import default_kinds, figure, why_not
 from rockcli.scene.excitation import Samples
@@ -189,6 +190,16 @@ def test_contents_and_picture():
     older = figure("work_precision", dataset.drop_vars("n_rhs"))
     assert len(older.axes) == 2
     assert "measured by `rock trade`" in why_not("work_precision", dataset.drop_vars("on_front"))
+
+
+def test_a_trade_has_a_page_of_its_own(tmp_path, two_methods):
+    """The clauses of its study speak of the study's points, of which it has none."""
+    clause = {"quantity": "outcome", "at": {"motion.pulse.a_p_over_g_tan_alpha": 2}, "is": "rocking"}
+    given = study(vary={"motion.pulse.a_p_over_g_tan_alpha": [2, 2.5]}, expect=[clause])
+    path = write_trade(given, trade(given, sample=2, backends=frozenset({"event"})), tmp_path)
+    page = write_page(path).read_text(encoding="utf-8")
+    assert "Expected:" not in page
+    assert "error against cost" in page
 
 
 def test_the_command(tmp_path, two_methods, monkeypatch):
