@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from rockcli.version import __version__
+
 if TYPE_CHECKING:
     from pathlib import Path
 
     import xarray
 
     from rockcli.errors import RecordError, StudyError
-
-__version__ = "0.1.0"
 
 __all__ = ["RecordError", "StudyError", "__version__", "run"]
 

@@ -1,4 +1,4 @@
-"""The house rules: layers, one door per dependency, file size."""
+"""The house rules: layers, no circles, one door per dependency, one place for a constant."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "rockcli"
 
 LAYERS = {
     "errors": 0,
+    "version": 0,
     "kernels": 1,
     "scene": 2,
     "motion": 3,
@@ -88,9 +89,67 @@ def test_one_door_per_dependency(path):
             assert own == DOORS[top], f"{path}:{line}: {top} is imported in {DOORS[top]} only"
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_files_are_short(path):
-    assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
+def name_of(path: Path) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def test_no_import_circle():
+    """Not at any depth: imports inside functions count, those for the type checker do not."""
+    modules = {name_of(path): path for path in FILES}
+    arrows = {name: imported(path, modules) - {name} for name, path in modules.items()}
+    left = dict(arrows)
+    while ends := [name for name, to in left.items() if not to & left.keys()]:
+        for name in ends:
+            del left[name]
+    assert not left, f"circles among or towards {sorted(left)}"
+
+
+def imported(path: Path, modules: dict[str, Path]) -> set[str]:
+    """Modules of the package that this one needs, a name of a package counted as its package."""
+    found = set()
+    for node in run_time(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                found |= {f"{node.module}.{alias.name}", node.module} & modules.keys()
+                if f"{node.module}.{alias.name}" in modules:
+                    found.discard(node.module)
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names} & modules.keys()
+    return found
+
+
+def run_time(node: ast.AST):
+    """All nodes but those that stand under TYPE_CHECKING."""
+    if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+        children = node.orelse
+    else:
+        yield node
+        children = list(ast.iter_child_nodes(node))
+    for child in children:
+        yield from run_time(child)
+
+
+def test_a_constant_stands_in_one_module():
+    stands: dict[tuple[str, str], list[str]] = {}
+    for path in FILES:
+        for name, value in constants(path):
+            stands.setdefault((name.lstrip("_"), value), []).append(name_of(path))
+    twice = {name: modules for (name, _), modules in stands.items() if len(modules) > 1}
+    assert not twice
+
+
+def constants(path: Path):
+    """(name, value) of the constants of a module; type variables are none."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+            for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+                pairs = [(target, node.value)]
+                if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+                    pairs = list(zip(target.elts, node.value.elts, strict=True))
+                for name, value in pairs:
+                    if isinstance(name, ast.Name) and name.id.isupper() and "TypeVar" not in ast.unparse(value):
+                        yield name.id, ast.unparse(value)
 
 
 def test_a_study_opens_files_through_one_door():

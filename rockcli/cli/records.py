@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rockcli.cli.say import say
+from rockcli.scene.constants import STANDARD_G
 
 if TYPE_CHECKING:
     from rockcli.motion.motion import Motion
@@ -20,9 +21,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-
-STANDARD_G = 9.81
-"""The default g of studies [m/s2]."""
 
 Component = Annotated[
     str | None, typer.Option(metavar="NAME|N", help="Which one of several: its name, or its place from 0.")

@@ -51,9 +51,10 @@ def run(
     from rockcli.cli.junit import check_junit, write_junit
     from rockcli.cli.sources import open_all
     from rockcli.cli.words import totals_text
-    from rockcli.engine.executors import Team, usable_cores
+    from rockcli.engine.executors import usable_cores
     from rockcli.engine.report import SKIPPED, RunReport, exit_code
     from rockcli.engine.run import check_study, dataset_path
+    from rockcli.engine.work import Team
 
     _check_format(plot_format)
     share = _share(part, fresh=fresh)

@@ -14,9 +14,11 @@ from rockcli.engine.agenda import CHUNK, Agenda, Pace
 from rockcli.engine.answer import Answer
 from rockcli.engine.apart import buildable
 from rockcli.engine.choose import choose
-from rockcli.engine.executors import Team, answers
+from rockcli.engine.difference import FLOOR
+from rockcli.engine.executors import answers
 from rockcli.engine.places import place, units_of
 from rockcli.engine.sweep import Solving, check_solved, note_unsolved, outlook
+from rockcli.engine.work import Team
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.models import FLEXIBLE
@@ -41,7 +43,7 @@ SEED = 20260101
 FINER, STEPS_FINER = 1e-2, 0.5
 """A given rtol, and a given or penalty time step with its yield rotation, are audited at this many times themselves."""
 
-TIMES_STATED, UNSTATED, FLOOR = 10.0, 1e-6, 1e-9
+TIMES_STATED, UNSTATED = 10.0, 1e-6
 """A peak disagrees beyond this many times the error its run stated, or beyond 1e-6 in theta/alpha where none is saved;
 never below the floor."""
 
@@ -75,7 +77,7 @@ def tighter(batch: Batch) -> Numerics | None:
     if backend in ("fema356", "calculix"):
         return None  # a closed procedure; minutes per case
     if backend in ("frame", "opensees"):
-        from rockcli.solvers.frame.case import YIELD_ROTATION
+        from rockcli.scene.constants import YIELD_ROTATION
 
         rotation = STEPS_FINER * (given.yield_rotation or YIELD_ROTATION)
         if given.dt is not None:

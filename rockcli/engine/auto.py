@@ -39,11 +39,10 @@ from rockcli.scene.auto import prospect as words_of_prospect
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.excitation import scaled
 from rockcli.scene.response import NO_UPLIFT, Response, overturned
+from rockcli.scene.variable import PEAK
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
-
-PEAK = "theta_peak_over_alpha"
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-import rockcli
+from rockcli import version
 from rockcli.engine.agenda import Agenda, Pace
 from rockcli.engine.apart import Unsolved
-from rockcli.engine.executors import Team, Work, in_halves
+from rockcli.engine.work import Team, Work, in_halves
 from rockcli.errors import MACHINE, MachineError, StudyError
 from rockcli.study.study import Index
 
@@ -113,7 +113,7 @@ def _solve(packed: bytes, cases: Index) -> tuple[Any, float]:
 
 
 def _version() -> str:
-    return rockcli.__version__
+    return version.__version__
 
 
 def _client(address: str) -> Any:
@@ -145,10 +145,10 @@ def _client(address: str) -> Any:
         client.close()
         why = f"rockcli has to be installed on the workers as it is here ({type(error).__name__}: {error})"
         raise StudyError(f"--dask {address}: {why}") from None
-    others = sorted(set(found.values()) - {rockcli.__version__})
+    others = sorted(set(found.values()) - {version.__version__})
     if others or not found:
         client.close()
-        why = f"workers run rockcli {', '.join(others)}, not {rockcli.__version__}" if others else "it has no workers"
+        why = f"workers run rockcli {', '.join(others)}, not {version.__version__}" if others else "it has no workers"
         raise StudyError(f"--dask {address}: {why}")
     return client
 

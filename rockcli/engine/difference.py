@@ -12,10 +12,11 @@ from rockcli.engine.places import place, units_of
 from rockcli.errors import StudyError
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.units import SI
+from rockcli.scene.variable import PEAK
 from rockcli.storage.contents import Contents
 from rockcli.study.study import MATCH
 
-PEAK, OUTCOME = "theta_peak_over_alpha", "outcome"
+OUTCOME = "outcome"
 
 FLOOR = 1e-9
 """Peaks smaller than this differ by no more than it: theta/alpha below which nobody cares."""

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from rockcli.scene.variable import PEAK
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.study import Study
-
-PEAK = "theta_peak_over_alpha"
 
 WORST: tuple[str, ...] = ("angle_worst", "theta_peak_over_alpha_worst")
 """What a study with an axis over the angle has, over its other axes."""

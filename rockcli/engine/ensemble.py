@@ -24,7 +24,7 @@ from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
 from rockcli.scene.units import SI
-from rockcli.scene.variable import LIMIT
+from rockcli.scene.variable import LIMIT, PEAK
 from rockcli.scene.variables import VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import Over, Study
@@ -35,8 +35,6 @@ Mask = NDArray[np.bool_]
 ATTRIBUTE = "ensemble"
 """Root attribute, JSON: axis, along, limits, the fields that belong to it, its sentences (`says` in SI units, `shown`
 with accelerations in g) and its warnings."""
-
-PEAK = "theta_peak_over_alpha"
 
 SCALARS: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak")
 """Scalars whose fractiles are taken."""

@@ -21,7 +21,7 @@ from rockcli.scene.models import FLEXIBLE
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.rules import RULES
 from rockcli.scene.units import SI, Units
-from rockcli.scene.variable import ROTATION
+from rockcli.scene.variable import COUNTS, ROTATION
 from rockcli.scene.variables import AUDIT, HISTORIES, IMPACTS, LARGE, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
 from rockcli.study.study import Expect, Study
@@ -31,8 +31,6 @@ Mask = NDArray[np.bool_]
 _OF_PULSES, _OF_MOTIONS, _OF_FLEXIBLE = {"a_p", "omega_p"}, {"pga", "pgv"}, {"u_top_bending"}
 _OF_FRICTION = {"slide", "slide_dot", "contact_mode"}
 """What only studies with such cases have."""
-
-_COUNTS = ("n_impacts", "n_steps", "n_rhs")
 
 
 @dataclass(frozen=True)
@@ -135,7 +133,7 @@ def _values(contents: Contents, clause: Expect) -> NDArray[Any]:
     values = contents.over_axes(clause.quantity)
     if clause.quantity != "outcome":
         values = values.astype(float)
-        if clause.quantity in _COUNTS:
+        if clause.quantity in COUNTS:
             values = np.where(values < 0, np.nan, values)
     chosen = _selection(contents, clause)
     values = values[

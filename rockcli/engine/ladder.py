@@ -112,7 +112,8 @@ def _stepping(numerics: Numerics, batch: Batch, factor: float) -> Numerics:
 
         plain = replace(batch, numerics=Numerics())
         return replace(numerics, dt=factor * min(largest_step(plain, i) for i in range(batch.size)))
-    from rockcli.solvers.frame.case import YIELD_ROTATION, default_dt
+    from rockcli.scene.constants import YIELD_ROTATION
+    from rockcli.solvers.frame.case import default_dt
 
     plain = replace(batch, numerics=Numerics())
     dt = min(default_dt(plain, i) for i in range(batch.size))

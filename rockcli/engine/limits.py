@@ -10,11 +10,9 @@ from rockcli.engine.apart import buildable
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
+from rockcli.scene.constants import FREE_ROCKING
 from rockcli.scene.models import FLEXIBLE
 from rockcli.study.study import Study
-
-FREE_ROCKING = 20.0
-"""The report goes on this many 1/p after the motion's end."""
 
 HISTORIES_AT_MOST = 2 * 1024**3
 """Bytes that the histories of all cases may take together."""

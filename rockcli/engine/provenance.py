@@ -8,10 +8,10 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from rockcli import __version__
 from rockcli.engine.results import Results
 from rockcli.storage.contents import root_attributes
 from rockcli.study.study import Study
+from rockcli.version import __version__
 
 _LIBRARIES = ("numpy", "scipy", "numba", "obspy", "netCDF4")
 

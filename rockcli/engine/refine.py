@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from rockcli.engine.agenda import Agenda, Pace
 from rockcli.engine.describe import describe_rest, symbols_of
-from rockcli.engine.executors import Team
 from rockcli.engine.results import Results
 from rockcli.engine.sweep import Progress, Sweep, outlook, take_known, work_off
+from rockcli.engine.work import Team
 from rockcli.scene.response import NO_UPLIFT
 from rockcli.study.study import Index, Study
 

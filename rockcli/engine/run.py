@@ -19,7 +19,6 @@ from rockcli.engine.compare import with_comparison
 from rockcli.engine.curves import with_curves
 from rockcli.engine.describe import describe_cases
 from rockcli.engine.ensemble import with_ensembles
-from rockcli.engine.executors import Team
 from rockcli.engine.expect import check_quantities
 from rockcli.engine.limits import check_histories
 from rockcli.engine.lock import locked
@@ -32,6 +31,7 @@ from rockcli.engine.rules import check_rules, with_rules
 from rockcli.engine.search import find_overturning
 from rockcli.engine.sweep import Progress, Sweep, solve_cases
 from rockcli.engine.takeover import taken_over
+from rockcli.engine.work import Team
 from rockcli.errors import MachineError, OutputError, RockError, StudyError
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import sweep_leftovers

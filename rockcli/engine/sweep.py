@@ -16,13 +16,14 @@ from rockcli.engine.apart import Unsolved, build_apart, buildable, solve_apart
 from rockcli.engine.choose import choose
 from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
 from rockcli.engine.describe import describe, describe_rest, rows_of, symbols_of
-from rockcli.engine.executors import Team, answers
+from rockcli.engine.executors import answers
 from rockcli.engine.fold import Fold
 from rockcli.engine.limits import cases_at_a_time
 from rockcli.engine.memory import keep_freed
 from rockcli.engine.parts import Keeper
 from rockcli.engine.results import Results
 from rockcli.engine.used import joined
+from rockcli.engine.work import Team
 from rockcli.errors import MachineError, SolverError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
@@ -61,7 +62,7 @@ class Sweep:
 
 @dataclass(frozen=True, eq=False)
 class Solving:
-    """Solves some cases of a study, wherever it is called (`executors.Work`).
+    """Solves some cases of a study, wherever it is called (`work.Work`).
 
     Attributes:
         described: whether it also tells their symbols and warnings; `fold`: how.

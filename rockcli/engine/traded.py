@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from rockcli import __version__
 from rockcli.engine.lock import locked
 from rockcli.engine.points import Point, Trade, middle
 from rockcli.engine.provenance import as_json, versions
@@ -17,6 +16,7 @@ from rockcli.scene.units import Units, g_of
 from rockcli.storage import netcdf
 from rockcli.storage.contents import Contents, Field, root_attributes, text, variable_field
 from rockcli.study.study import Study
+from rockcli.version import __version__
 
 AXES = ("setting", "case")
 

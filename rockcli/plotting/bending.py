@@ -11,15 +11,13 @@ from rockcli.plotting.cases import Array, Shown, axes_of, outcome_at, pick, sele
 from rockcli.plotting.ground import draw_ground, motions
 from rockcli.plotting.labels import title_of, variable_label
 from rockcli.plotting.response import SHOWN_UP_TO, Window, over_alpha, window
-from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, headline, new_figure
+from rockcli.plotting.style import COLOURS, DOUBLE, MOST_COLUMNS, MOST_LINES, QUIET, headline, new_figure
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
-
-MOST_COLUMNS, MOST_CURVES = 3, 7
 
 BENDING = "u_top_bending"
 
@@ -61,7 +59,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if not any(dataset.sizes[axis] > 1 for axis in lines):  # nothing to compare in a column
         across, lines = (), every
     columns, n_columns = pick(dataset, MOST_COLUMNS, across)
-    curves, n_curves = pick(dataset, MOST_CURVES, lines)
+    curves, n_curves = pick(dataset, MOST_LINES, lines)
     cases = [[_join(column.position, curve.position) for curve in curves] for column in columns]
     grounds = [motions(dataset, positions) for positions in cases]
     heights = [_GROUND] * any(grounds) + [_ROW] * len(_ROWS)

@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note
 from rockcli.plotting.labels import axis_label, axis_values, title_of, variable_label
 from rockcli.plotting.map import is_log, scale_axes
-from rockcli.plotting.style import COLOURS, QUIET, SINGLE, headline, legend_beside, new_figure
+from rockcli.plotting.style import COLOURS, MOST_CURVES, QUIET, SINGLE, headline, legend_beside, new_figure
 from rockcli.scene.response import FAILED, SLIDING, UNRESOLVED
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-MOST_CURVES = 8
 
 _STRIP: dict[str, str] = {"failed": "+", "unresolved": "d", "no answer": "+", "sliding": "s", "overturned": "x"}
 """What has no value, or slides and has none but 0, from the bottom of the strip upwards, and its mark."""

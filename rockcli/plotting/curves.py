@@ -10,7 +10,17 @@ from matplotlib.lines import Line2D
 
 from rockcli.plotting.cases import Array, axes_of, is_numeric, number_at, pick, selection_note, values_at
 from rockcli.plotting.labels import title_of
-from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
+from rockcli.plotting.style import (
+    COLOURS,
+    DOUBLE,
+    MOST_LINES,
+    PANELS_ACROSS,
+    QUIET,
+    SINGLE,
+    headline,
+    new_figure,
+    panel_title,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -18,11 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_COLUMNS = 4
-
-MOST_CURVES = 7
-
-_ACROSS = 3
-"""Panels beside one another where there is only one slenderness."""
 
 _SPRING: dict[str, Any] = {"color": QUIET, "linewidth": 0.9, "dashes": (1, 1.5), "zorder": 1}
 """The springs of all models have the same moment: that at which the block begins to turn."""
@@ -119,9 +124,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     numeric = tuple(a for a in axes_of(dataset) if is_numeric(dataset, a))
     columns, total = pick(dataset, MOST_COLUMNS, numeric)
     found, as_block = _lines(dataset, panels, [case.position for case in columns])
-    lines = found[:MOST_CURVES]
+    lines = found[:MOST_LINES]
     beside = len(columns) > 1
-    across = len(columns) if beside else min(_ACROSS, len(panels))
+    across = len(columns) if beside else min(PANELS_ACROSS, len(panels))
     down = len(panels) if beside else -(-len(panels) // across)
     width = SINGLE * 1.2 if across == 1 else DOUBLE
     figure = new_figure(width, 0.85 + down * max(2.3, 0.95 * width / across))

@@ -12,7 +12,7 @@ from rockcli.plotting.cases import Array, Shown, number_at, outcome_at, pick, se
 from rockcli.plotting.ground import draw_ground, height_of, motions, panels_of
 from rockcli.plotting.labels import title_of, unit_in_brackets, variable_label
 from rockcli.plotting.response import SHOWN_UP_TO, Position, Window, impacts_of, response_of, sliding_speed, window
-from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, headline, legend_beside, new_figure
+from rockcli.plotting.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, legend_beside, new_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 Fill = Callable[..., None]
 """Draws cases into a panel: (axes, dataset, cases shown, window)."""
-
-MOST_CURVES = 8
 
 _RATES_UP_TO = 4
 """Curves up to which the rate is drawn too: more of them are only readable with room for theta."""

@@ -15,13 +15,12 @@ from rockcli.plotting.labels import axis_label, axis_values, title_of, variable_
 from rockcli.plotting.map import is_log, scale_axes
 from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
 from rockcli.plotting.suite import grid_of, members_word, panels, suite_of, without_intensity
+from rockcli.scene.variable import PEAK
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-PEAK = "theta_peak_over_alpha"
 
 FRACTILES: tuple[tuple[str, str, tuple[float, ...]], ...] = (
     ("p16", "16 %", (4, 1.5)),

@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from rockcli.plotting.boundaries import boundary_handles, draw_boundaries
 from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_note
 from rockcli.plotting.labels import axis_label, axis_values, title_of, variable_label
-from rockcli.plotting.style import DOUBLE, OUTCOME_COLOURS, SINGLE, headline, new_figure, panel_title
+from rockcli.plotting.style import DOUBLE, MOST_PANELS, OUTCOME_COLOURS, SINGLE, headline, new_figure, panel_title
 from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-MOST_PANELS = 6
 
 _FEWEST_POINTS = 5
 """Points an axis of a map needs; fewer make better curves."""

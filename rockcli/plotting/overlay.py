@@ -25,17 +25,24 @@ from rockcli.plotting.cases import (
 from rockcli.plotting.ground import draw_ground, motions
 from rockcli.plotting.labels import coordinate_label, title_of
 from rockcli.plotting.response import SHOWN_UP_TO, over_alpha, response_of, window
-from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
+from rockcli.plotting.style import (
+    COLOURS,
+    DOUBLE,
+    MOST_LINES,
+    PANELS_ACROSS,
+    QUIET,
+    SINGLE,
+    headline,
+    new_figure,
+    panel_title,
+)
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_COLUMNS, MOST_CURVES = 6, 7
-
-_ACROSS = 3
-"""Columns beside one another; more go below."""
+MOST_COLUMNS = 6
 
 _HEIGHTS = {"ground": 0.5, "theta": 1.15, "rate": 0.8, "difference": 0.65}
 
@@ -63,10 +70,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     reference = reference_on_axes(dataset)
     every = axes_of(dataset)
     columns, lines = _arranged(dataset, reference)
-    shown, curves = spread(columns, MOST_COLUMNS), spread(lines, MOST_CURVES)
+    shown, curves = spread(columns, MOST_COLUMNS), spread(lines, MOST_LINES)
     cases = [[_position(every, line.place | column.place) for line in curves] for column in shown]
     bases = [_position(every, dict.fromkeys(every, 0) | column.place | reference) for column in shown]
-    across = len(shown) if len(shown) <= _ACROSS else 2 if len(shown) == 4 else _ACROSS
+    across = len(shown) if len(shown) <= PANELS_ACROSS else 2 if len(shown) == 4 else PANELS_ACROSS
     down = -(-len(shown) // across)
     names = [name for name in _HEIGHTS if name != "ground" and (name != "rate" or down == 1)]
     shaken = down == 1 and bool(motions(dataset, [position for column in cases for position in column] + bases))
@@ -119,7 +126,7 @@ def _arranged(dataset: xarray.Dataset, reference: dict[str, int]) -> tuple[list[
         left = [axis for axis in others if axis not in moved]
         columns = _points(dataset, left)
         lines = _distinct(dataset, columns, [axis for axis in every if axis in reference or axis in moved], reference)
-        if len(lines) <= MOST_CURVES:
+        if len(lines) <= MOST_LINES:
             return columns, lines
     lines = [point for point in _points(dataset, list(reference)) if point.place != reference]
     return _points(dataset, others), lines

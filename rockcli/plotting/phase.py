@@ -9,15 +9,14 @@ from numpy.typing import NDArray
 
 from rockcli.plotting.cases import Array, outcome_at, pick, reference_words, selection_note
 from rockcli.plotting.labels import title_of
-from rockcli.plotting.response import LEFT, RIGHT, Response, edges, impacts_of, response_of
-from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
+from rockcli.plotting.response import Response, edges, impacts_of, response_of
+from rockcli.plotting.style import COLOURS, DOUBLE, MOST_PANELS, QUIET, SINGLE, headline, new_figure, panel_title
+from rockcli.scene.block import LEFT, RIGHT
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-MOST_PANELS = 6
 
 _ACROSS, _UP = r"$\theta/\alpha$", r"$\dot\theta/(p\,\alpha)$"
 

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockcli.plotting.cases import Array, number_at, outcome_at, values_at
+from rockcli.scene.block import LEFT, RIGHT
 
 if TYPE_CHECKING:
     import xarray
-
-LEFT, RIGHT = 0, 1
-"""The edge a body turns about: left while theta < 0, right while theta > 0."""
 
 SHOWN_UP_TO = 1.3
 """|theta|/alpha beyond which an overturning body is no longer followed."""

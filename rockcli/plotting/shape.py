@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockcli.plotting.cases import Array, outcome_at, values_at
-from rockcli.plotting.response import LEFT, RIGHT, edges
+from rockcli.plotting.response import edges
+from rockcli.scene.block import LEFT, RIGHT
 
 if TYPE_CHECKING:
     import xarray

@@ -16,7 +16,18 @@ from rockcli.plotting.cases import Array, axes_of, is_numeric, pick, selection_n
 from rockcli.plotting.ida import BOLD, FRACTILES, MEMBER
 from rockcli.plotting.labels import shown_unit, title_of, unit_in_brackets, variable_label
 from rockcli.plotting.map import is_log, scale_axes
-from rockcli.plotting.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, legend_beside, new_figure, panel_title
+from rockcli.plotting.style import (
+    COLOURS,
+    DOUBLE,
+    MOST_COLUMNS,
+    MOST_CURVES,
+    QUIET,
+    SINGLE,
+    headline,
+    legend_beside,
+    new_figure,
+    panel_title,
+)
 from rockcli.plotting.suite import members_word, suite_of
 from rockcli.scene.thresholds import BELOW, BRACKETED, FOUND
 from rockcli.scene.variables import VARIABLES
@@ -27,8 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Order = NDArray[np.intp]
-
-MOST_COLUMNS, MOST_CURVES = 3, 8
 
 _FEWEST_SIZES = 3
 

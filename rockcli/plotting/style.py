@@ -75,6 +75,13 @@ RC: Any = {
 _UNDATED: dict[str, dict[str, None]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
 
 
+MOST_PANELS, MOST_COLUMNS, PANELS_ACROSS = 6, 3, 3
+"""Panels of a figure; columns of a dataset drawn beside one another; panels beside one another, more go below."""
+
+MOST_CURVES, MOST_LINES = 8, 7
+"""Curves told apart by colour in one panel; lines that differ in style too."""
+
+
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure, width x height [in], laid out so that nothing overlaps."""
     figure = Figure(figsize=(width, height), layout="constrained")

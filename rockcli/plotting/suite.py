@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockcli.plotting.cases import Shown, axes_of, pick
+from rockcli.plotting.style import MOST_PANELS
 
 if TYPE_CHECKING:
     import xarray
-
-MOST_PANELS = 6
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-ACCELERATION = "m s-2"
+from rockcli.scene.constants import STANDARD_G
 
-STANDARD_G = 9.81
+ACCELERATION = "m s-2"
 
 _G_OF_CASE = re.compile(r"^case:\n(?:[ -].*\n)*?  g: '?([-+.\deE]+)'?$", re.MULTILINE)
 """The number `g` of the case in the resolved study."""

@@ -9,6 +9,13 @@ SUITE, LIMIT, MEASURE = "suite", "limit_state", "measure"
 SETTING = "setting"
 
 
+PEAK = "theta_peak_over_alpha"
+"""The peak that figures, suites and comparisons speak of."""
+
+COUNTS = ("n_impacts", "n_steps", "n_rhs")
+"""Scalars that are whole numbers."""
+
+
 @dataclass(frozen=True)
 class Variable:
     """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact),

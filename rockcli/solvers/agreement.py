@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Excitation, scaled
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED, overturned
@@ -25,8 +26,8 @@ Scalars = dict[str, NDArray[Any]]
 CERTAINTY = frozenset({"error_estimate", "overturn_share"})
 """Scalars that take a second run."""
 
-STANDS, FALLS, UNDECIDED, NO_ANSWER = 0, 1, 2, -1
-"""Verdict of a run; UNDECIDED: on a separatrix within rounding."""
+NO_ANSWER = -1
+"""In place of the verdict of a run that has none."""
 
 HORIZON = 1e-2
 """Two runs have parted where their peaks theta/alpha, or what their impacts carry, are this far apart: a motion that
@@ -64,7 +65,7 @@ class Traces:
     """What is compared of the runs of n cases, (n,) each.
 
     Attributes:
-        verdict: STANDS, FALLS, UNDECIDED or NO_ANSWER.
+        verdict: RETURNS, FALLS, UNDECIDED or NO_ANSWER.
         fall: time of the last outward passage of the equilibrium, in units of 1/p.
         peak: largest |theta|/alpha.
         swings, when: what the impacts carry, the sum of (v/p alpha)^2, and their mean time so weighted in units of 1/p;
@@ -81,7 +82,7 @@ class Traces:
     def of(cls, batch: Batch, scalars: Scalars) -> Traces:
         """From scalars of a solver that does not add up impacts."""
         outcome, nothing = scalars["outcome"], np.zeros(batch.size)
-        verdict = np.select([overturned(outcome), outcome >= NO_UPLIFT], [FALLS, STANDS], NO_ANSWER)
+        verdict = np.select([overturned(outcome), outcome >= NO_UPLIFT], [FALLS, RETURNS], NO_ANSWER)
         fall = scalars["t_overturn"] * batch.p.min(axis=1)
         return cls(verdict.astype(np.int8), fall, scalars["theta_peak_over_alpha"], nothing, nothing)
 
@@ -93,7 +94,7 @@ class Traces:
     def share(self) -> Array:
         """Of one run: 1 falls, 0 stands, 1/2 undecided, NaN no answer, (n,)."""
         return np.select(
-            [self.verdict == FALLS, self.verdict == STANDS, self.verdict == UNDECIDED], [1.0, 0.0, 0.5], np.nan
+            [self.verdict == FALLS, self.verdict == RETURNS, self.verdict == UNDECIDED], [1.0, 0.0, 0.5], np.nan
         )
 
     def apart(self, other: Traces) -> Array:

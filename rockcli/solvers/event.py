@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
+from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, RETURNS, UNDECIDED
 from rockcli.kernels.rigid import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
@@ -25,11 +26,8 @@ from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers import lane_pulses, lane_records
 from rockcli.solvers.agreement import (
     CERTAINTY,
-    FALLS,
     MEMBERS,
     NO_ANSWER,
-    STANDS,
-    UNDECIDED,
     Judgement,
     Nudge,
     Traces,
@@ -85,7 +83,7 @@ def solve(batch: Batch) -> Response:
         return _march(march, batch, parameters, level, histories=batch.save.histories)
 
     run = attempt()
-    if not kernels.compiled and np.any(run.out[:, k.STATUS] == k.OUT_OF_STEPS):
+    if not kernels.compiled and np.any(run.out[:, k.STATUS] == OUT_OF_STEPS):
         march = kernels.load(compile_them=True)
         run = attempt()  # by the same kernels, so that no case depends on those it is solved with
 
@@ -138,8 +136,8 @@ def _nudge(rtol: float, times: float, most: float = np.inf) -> Nudge:
 
 def _traces(batch: Batch, run: Raw) -> Traces:
     out, p = run.out, batch.p.min(axis=1)
-    verdict = np.select([out[:, k.FELL] == k.FALLS, out[:, k.FELL] == k.RETURNS], [FALLS, STANDS], UNDECIDED)
-    verdict = np.where(out[:, k.STATUS] == k.DONE, verdict, NO_ANSWER).astype(np.int8)
+    verdict = np.select([out[:, k.FELL] == FALLS, out[:, k.FELL] == RETURNS], [FALLS, RETURNS], UNDECIDED)
+    verdict = np.where(out[:, k.STATUS] == DONE, verdict, NO_ANSWER).astype(np.int8)
     alpha = batch.block.alpha
     sides = np.maximum(out[:, k.PEAK_LEFT] / alpha[:, LEFT], out[:, k.PEAK_RIGHT] / alpha[:, RIGHT])
     swings = out[:, k.SWINGS]

@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 METHOD = "Taylor series, many bodies in lanes, events located on the polynomial, outcomes decided early"
 
 FINEST = 1e-13
-"""Smallest tolerance of the lanes: the reference stays with the single-body kernels."""
+"""Smallest tolerance of the lanes: the reference stays with the single-body kernels, as
+polynomials of the lanes' order would need many steps per sample."""
 
 WITHIN = frozenset(
     {

@@ -13,13 +13,11 @@ from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Accuracy
 from rockcli.solvers.agreement import CERTAINTY
+from rockcli.solvers.lane_pulses import FINEST
 
 Array = NDArray[np.float64]
 
 METHOD = "Taylor series of order 8 from sample to sample, many bodies in lanes, events located on the polynomial"
-
-FINEST = 1e-13
-"""Smallest tolerance of the lanes; below it polynomials of their order would need many steps per sample."""
 
 BEYOND = CERTAINTY | {"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"}
 """Scalars that need a look inside every step, or a second run."""

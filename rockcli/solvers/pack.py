@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.constants import FREE_ROCKING
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples
 from rockcli.scene.models import MODELS, Law
 
 Array = NDArray[np.float64]
-
-FREE_ROCKING = 20.0
-"""The report goes on this many 1/p after the motion's end."""
 
 BLOCK = 2048
 """Rows written at a time."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
+from rockcli.kernels.constants import DONE
 from rockcli.kernels.rigid import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
@@ -125,7 +126,7 @@ def _channel(channel: Channel | None, n: int, rows: NDArray[np.intp]) -> list[An
 def _scalars(batch: Batch, slid: Slid) -> dict[str, Any]:
     """Scalars by name of the cases that slide."""
     out = slid.out
-    failed, flew = out[:, k.STATUS] != k.DONE, np.isfinite(out[:, k.T_FLIGHT])
+    failed, flew = out[:, k.STATUS] != DONE, np.isfinite(out[:, k.T_FLIGHT])
     missing = failed | flew
 
     def known(values: Any) -> Array:
@@ -154,7 +155,7 @@ def _scalars(batch: Batch, slid: Slid) -> dict[str, Any]:
 def _reasons(slid: Slid) -> list[str]:
     said = []
     for out in slid.out:
-        if out[k.STATUS] != k.DONE:
+        if out[k.STATUS] != DONE:
             said.append(f"gave up after {out[k.N_STEPS]:.0f} steps at t = {out[k.T_END]:.6g} s")
         elif np.isfinite(out[k.T_FLIGHT]):
             said.append(f"the normal force vanishes at t = {out[k.T_FLIGHT]:.6g} s: free flight is not simulated")

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
 from rockcli.kernels.rigid import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
@@ -46,13 +47,13 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
     out = run.out
     status, verdict = out[:, k.STATUS], out[:, k.FELL]
     moved = np.isfinite(out[:, k.T_UPLIFT])
-    fell = verdict == k.FALLS
+    fell = verdict == FALLS
     impacts = np.rint(out[:, k.N_IMPACTS]).astype(np.int64)
     outcome = np.where(moved, ROCKING, NO_UPLIFT)
     outcome = np.where(fell & (impacts == 0), OVERTURNED_WITHOUT_IMPACT, outcome)
     outcome = np.where(fell & (impacts > 0), OVERTURNED_AFTER_IMPACT, outcome)
-    outcome = np.where(verdict == k.UNDECIDED, UNRESOLVED, outcome)
-    outcome = np.where(status != k.DONE, FAILED, outcome)
+    outcome = np.where(verdict == UNDECIDED, UNRESOLVED, outcome)
+    outcome = np.where(status != DONE, FAILED, outcome)
 
     unknown = outcome < 0
     side = out[:, k.PEAK_SIDE]
@@ -166,9 +167,9 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
     many = scalars["n_impacts"] > MAX_IMPACTS_STORED if batch.save.histories else np.zeros(batch.size, bool)
     for i in np.flatnonzero((outcome < 0) | slides | lifts | many):
         said = []
-        if status[i] == k.OUT_OF_STEPS:
+        if status[i] == OUT_OF_STEPS:
             said.append(f"gave up after {scalars['n_steps'][i]} steps at t = {out[i, k.T_END]:.6g} s")
-        elif status[i] != k.DONE:
+        elif status[i] != DONE:
             said.append("the solution ceased to be finite: check the motion and the block for extreme numbers")
         elif outcome[i] == UNRESOLVED and not refused[i]:
             said.append("on the separatrix within rounding: whether it overturns cannot be told in double precision")

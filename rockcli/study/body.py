@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.block import Block, make_block
-from rockcli.study.outline import build_solid, has_outline
-from rockcli.study.tree import Keys, List
+from rockcli.study.outline import BLOCK, build_solid, has_outline
+from rockcli.study.tree import List
 
 if TYPE_CHECKING:
     from rockcli.study.numbers import Numbers
-
-BLOCK: Keys = ("case", "block")
 
 HEIGHT, WIDTH, ANGLE = ("h", "height"), ("b", "width"), ("alpha", "tan_alpha", "slenderness")
 GROUPS: tuple[tuple[str, ...], ...] = (("R",), HEIGHT, WIDTH, ANGLE)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-import rockcli
+from rockcli import version
 from rockcli.study.loader import scalar
 from rockcli.study.overlay import Path, overlaid, remaining
 from rockcli.study.schema import CasePart
@@ -39,7 +39,7 @@ def identity(
         "vary": [_axis(variation) for variation in variations],
         "save": _canonical(save),
         "inputs": dict(sorted(inputs.items())),
-        "version": rockcli.__version__,
+        "version": version.__version__,
     } | {word: True for word, said in (("refine", refine), ("laid", laid)) if said}
     return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=True).encode()).hexdigest()
 
@@ -78,7 +78,7 @@ def kinship(
     put = [value for variation in variations for point in variation.settings for _, value, _ in point]
     placed = {*_texts([base, put]), *(variation.table for variation in variations)}
     rest = sorted((name, sha256) for name, sha256 in inputs.items() if name not in placed)
-    base_hash = content([base.get("case"), base.get("let"), said, rockcli.__version__, rest])
+    base_hash = content([base.get("case"), base.get("let"), said, version.__version__, rest])
     return json.dumps({"base": base_hash, "axes": axes})
 
 

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
+from rockcli.scene.constants import STANDARD_G
 from rockcli.scene.excitation import Channel, Excitation, Samples
 from rockcli.study.expressions import Value
-from rockcli.study.numbers import STANDARD_G, Numbers, in_range
+from rockcli.study.numbers import Numbers, in_range
 from rockcli.study.pulses import build_pulses
 from rockcli.study.records import MissingRecordError, Prepared, Records
 from rockcli.study.tree import Keys, dotted, place, value_at

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.block import Block
+from rockcli.scene.constants import STANDARD_G
 from rockcli.study.body import make_body, sufficient_pair
 from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, Value, parse
 from rockcli.study.tree import Keys, Map, Source, Where, meant, nearest, place, value_at
 
 Array = NDArray[np.float64]
-
-STANDARD_G = 9.81
 
 LARGEST = 1e60
 """Motions and their times are smaller than this, so that products of a few of them are numbers still."""

@@ -7,10 +7,11 @@ import pytest
 from mesh_cases import mesh_batch
 from scenes import still
 
+from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
 from rockcli.solvers.calculix.body import landings, motion_of, rotation
 from rockcli.solvers.calculix.case import prepare
 from rockcli.solvers.calculix.results import Displacements, Garbage, progress
-from rockcli.solvers.calculix.verdict import FELL, OPEN, STANDS, Body, fallen, judge
+from rockcli.solvers.calculix.verdict import Body, fallen, judge
 
 BLOCK = """
  total internal energy for set SOLID and time  0.1000000E+00
@@ -161,12 +162,12 @@ BODY = Body(alpha=0.1, p=1.0, period=0.2, motion_end=1.0)
 @pytest.mark.parametrize(
     ("theta", "rate", "verdict"),
     [
-        (0.0, 0.0, STANDS),
-        (0.05, -0.02, STANDS),
-        (0.08, 0.1, OPEN),
-        (0.13, 0.1, FELL),
-        (0.11, 0.08, FELL),
-        (0.02, -0.2, OPEN),
+        (0.0, 0.0, RETURNS),
+        (0.05, -0.02, RETURNS),
+        (0.08, 0.1, UNDECIDED),
+        (0.13, 0.1, FALLS),
+        (0.11, 0.08, FALLS),
+        (0.02, -0.2, UNDECIDED),
     ],
 )
 def test_verdict_after_the_motion(theta, rate, verdict):
@@ -177,5 +178,5 @@ def test_verdict_after_the_motion(theta, rate, verdict):
 def test_no_verdict_while_the_motion_lasts():
     t = np.linspace(0.0, 0.9, 91)
     assert not fallen(BODY, t, np.linspace(0.0, 0.3, 91))
-    assert judge(BODY, t, np.zeros(91)) == OPEN
+    assert judge(BODY, t, np.zeros(91)) == UNDECIDED
     assert fallen(BODY, t, np.linspace(0.0, 1.6, 91))

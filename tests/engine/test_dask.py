@@ -20,9 +20,9 @@ from swept import STUDY, assert_same, study, write_study
 
 from rockcli.engine import sweep
 from rockcli.engine.cluster import check_cluster
-from rockcli.engine.executors import Team
 from rockcli.engine.run import run_study, solve
 from rockcli.engine.sweep import Sweep
+from rockcli.engine.work import Team
 from rockcli.errors import MachineError, StudyError
 from rockcli.storage import netcdf
 from rockcli.study.study import Study

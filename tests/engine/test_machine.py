@@ -17,9 +17,9 @@ import pytest
 from swept import CASES, assert_same, made_up, solved, study
 
 from rockcli.engine import executors, sweep
-from rockcli.engine.executors import Team
 from rockcli.engine.report import SOLVED, UP_TO_DATE
 from rockcli.engine.run import run_study
+from rockcli.engine.work import Team
 from rockcli.errors import MachineError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, Response

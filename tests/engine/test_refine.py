@@ -10,11 +10,11 @@ import pytest
 from swept import assert_same
 
 from rockcli.cli.words import report_text
-from rockcli.engine.executors import Team
 from rockcli.engine.refine import coarse_pitch
 from rockcli.engine.report import report_on
 from rockcli.engine.run import run_study, solve
 from rockcli.engine.sweep import Sweep
+from rockcli.engine.work import Team
 from rockcli.errors import StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, ROCKING, Response

@@ -80,7 +80,7 @@ def test_what_is_not_the_same_is_refused(more: dict[str, Any], tmp_path: Path, c
 
 def test_another_version_is_refused(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
     run_study(study(), tmp_path, plots=False)
-    monkeypatch.setattr("rockcli.__version__", "99.0")
+    monkeypatch.setattr("rockcli.version.__version__", "99.0")
     with pytest.raises(StudyError, match="--fresh replaces it"):
         run_study(with_axis("block.R", [1.0, 2.0, 3.0, 4.0]), tmp_path, plots=False)
 

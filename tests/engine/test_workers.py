@@ -16,7 +16,7 @@ from swept import CASES, assert_same, made_up, solved, study, write_study
 
 from rockcli.engine import executors, sweep
 from rockcli.engine.agenda import Agenda, Pace
-from rockcli.engine.executors import Team
+from rockcli.engine.work import Team
 from rockcli.errors import StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, Response
@@ -88,7 +88,7 @@ def test_two_workers_are_at_work_at_once(by, tmp_path: Path) -> None:
 
 def test_a_small_study_is_solved_here(by, monkeypatch: pytest.MonkeyPatch) -> None:
     by(worth=executors._worth)
-    monkeypatch.setattr("rockcli.engine.workers.on_workers", None)
+    monkeypatch.setattr("rockcli.engine.executors.on_workers", None)
     solved(study(), 8)
 
 

@@ -12,22 +12,12 @@ import numpy as np
 import pytest
 from scenes import SHARED, G, array, block, make_batch, pulse, record, rock, still, unit_block
 
+from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
 from rockcli.motion.reading import read_record
 from rockcli.scene.block import make_block
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, ROCKING, UNRESOLVED
-from rockcli.solvers.agreement import (
-    FALLS,
-    MEMBERS,
-    NO_ANSWER,
-    STANDS,
-    UNDECIDED,
-    Judgement,
-    Nudge,
-    Traces,
-    compare_steps,
-    judge,
-)
+from rockcli.solvers.agreement import MEMBERS, NO_ANSWER, Judgement, Nudge, Traces, compare_steps, judge
 from rockcli.solvers.event import solve
 from rockcli.solvers.general.solver import solve as solve_generally
 
@@ -165,30 +155,30 @@ class TestTwoRuns:
     """Where two runs have gone different ways, on answers made up."""
 
     def test_a_difference_that_has_not_grown(self):
-        one = traces(STANDS)
-        assert not one.parted(traces(STANDS, peak=0.505, swings=1.005, when=1.05))[0]
+        one = traces(RETURNS)
+        assert not one.parted(traces(RETURNS, peak=0.505, swings=1.005, when=1.05))[0]
 
     @pytest.mark.parametrize("other", [{"peak": 0.52}, {"swings": 1.02}, {"when": 1.2}])
     def test_one_that_has(self, other):
-        assert traces(STANDS).parted(traces(STANDS, **other))[0]
+        assert traces(RETURNS).parted(traces(RETURNS, **other))[0]
 
     def test_small_swings_part_by_small_differences(self):
-        one = traces(STANDS, peak=0.01, swings=0.02)
-        assert one.parted(traces(STANDS, peak=0.01, swings=0.0215))[0]
-        assert not one.parted(traces(STANDS, peak=0.01, swings=0.0201))[0]
+        one = traces(RETURNS, peak=0.01, swings=0.02)
+        assert one.parted(traces(RETURNS, peak=0.01, swings=0.0215))[0]
+        assert not one.parted(traces(RETURNS, peak=0.01, swings=0.0201))[0]
 
     def test_falls(self):
         assert not traces(FALLS, fall=7.0).parted(traces(FALLS, fall=7.09, swings=9.0))[0]
         assert traces(FALLS, fall=7.0).parted(traces(FALLS, fall=9.5))[0]
-        assert traces(FALLS).parted(traces(STANDS))[0]
-        assert traces(UNDECIDED).parted(traces(STANDS))[0]
+        assert traces(FALLS).parted(traces(RETURNS))[0]
+        assert traces(UNDECIDED).parted(traces(RETURNS))[0]
 
     def test_no_answer_says_nothing(self):
-        assert not traces(NO_ANSWER).parted(traces(STANDS))[0]
-        assert np.isnan(traces(NO_ANSWER).apart(traces(STANDS))[0])
+        assert not traces(NO_ANSWER).parted(traces(RETURNS))[0]
+        assert np.isnan(traces(NO_ANSWER).apart(traces(RETURNS))[0])
 
     def test_distance_of_peaks(self):
-        one, other = traces([STANDS, FALLS, FALLS], peak=0.5), traces([STANDS, FALLS, STANDS], peak=0.25)
+        one, other = traces([RETURNS, FALLS, FALLS], peak=0.5), traces([RETURNS, FALLS, RETURNS], peak=0.25)
         np.testing.assert_array_equal(one.apart(other), [0.25, 0.0, np.inf])
 
 
@@ -197,7 +187,7 @@ class TestJudgement:
 
     def judged(self, threshold, finer=None):
         def runs(rows, factors, fine=True):
-            return traces(np.where(factors > threshold, FALLS, STANDS), peak=factors, swings=0.0, when=0.0)
+            return traces(np.where(factors > threshold, FALLS, RETURNS), peak=factors, swings=0.0, when=0.0)
 
         def refine(rows):
             return runs(rows, np.ones(len(rows)))

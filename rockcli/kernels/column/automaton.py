@@ -48,6 +48,7 @@ from rockcli.kernels.column.law import (
     work_of,
 )
 from rockcli.kernels.column.oscillator import advance, fill, wander
+from rockcli.kernels.constants import FALLS, FAST, NOT_FINITE, OUT_OF_STEPS, RETURNS, UNDECIDED
 from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, piece_end
 from rockcli.kernels.rigid.ground import WIDTH as PIECE
@@ -59,12 +60,6 @@ from rockcli.kernels.rigid.ground import WIDTH as PIECE
 """How it ended; the verdict; largest |theta|, its sign and time; largest rate and top displacement; times; landings
 counted; energy not accounted for, and lost where the base caught a re-crossing (both over m L^2); steps; stored
 landings; such captures; evaluations of the loads."""
-
-DONE, OUT_OF_STEPS, NOT_FINITE = 0, 1, 2
-RETURNS, FALLS, UNDECIDED = 0, 1, 2
-
-FAST = 1e-6
-"""Landings faster than this fraction of p alpha are counted."""
 
 SLOTS = 8
 """Step tables kept per phase."""

@@ -34,9 +34,6 @@ ITERATIONS of Newton in them; CUTS steps that had to be divided; N_RHS residuals
 DONE, NO_CONVERGENCE, NO_STATICS = 0.0, 1.0, 2.0
 """STATUS: solved, a step that no division made converge, no equilibrium to begin with."""
 
-RETURNS, FALLS, UNDECIDED = 0.0, 1.0, 2.0
-"""VERDICT."""
-
 # columns of a history
 TH, RATE, U_TOP, V_TOP, U_BENDING, MOMENT, N_HISTORY = range(7)
 

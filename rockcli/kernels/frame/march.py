@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
 from rockcli.kernels.frame.banded import clear, copy, times
 from rockcli.kernels.frame.elements import base_moment, damping, spring, stored_energy
 from rockcli.kernels.frame.layout import (
@@ -20,7 +21,6 @@ from rockcli.kernels.frame.layout import (
     ENERGY,
     ETA_LEFT,
     ETA_RIGHT,
-    FALLS,
     FAST,
     GRAVITY,
     INERTIA,
@@ -41,7 +41,6 @@ from rockcli.kernels.frame.layout import (
     RATE,
     RATE_PEAK,
     REARM,
-    RETURNS,
     SHUT,
     STATUS,
     STIFF_DAMPING,
@@ -56,7 +55,6 @@ from rockcli.kernels.frame.layout import (
     TOP_PEAK,
     U_BENDING,
     U_TOP,
-    UNDECIDED,
     UPLIFT,
     UPRIGHT,
     V_TOP,

@@ -4,24 +4,10 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import FALLS, NOT_YET, RETURNS, UNDECIDED
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid.ground import NOTHING, bound_from
-from rockcli.kernels.rigid.layout import (
-    ALPHA,
-    DAMPER,
-    ETA,
-    FACTOR_H,
-    FACTOR_V,
-    FALLS,
-    NOT_YET,
-    P2,
-    Q_STAR,
-    R0,
-    RADIUS,
-    RETURNS,
-    SLOPE,
-    UNDECIDED,
-)
+from rockcli.kernels.rigid.layout import ALPHA, DAMPER, ETA, FACTOR_H, FACTOR_V, P2, Q_STAR, R0, RADIUS, SLOPE
 
 
 @jit_lean

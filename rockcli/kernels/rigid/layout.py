@@ -26,12 +26,6 @@ not accounted for, over m g; ONTO_* counted impacts that landed on each edge; IM
 PEAK_RIGHT largest |theta| to each side (of bodies of two equal edges that of the side of PEAK alone); SWINGS what the
 impacts carry, and SWINGS_T the same times their time [s] (`march.MEANINGFUL`; of single-body kernels); the length."""
 
-DONE, OUT_OF_STEPS, NOT_FINITE = 0, 1, 2
-"""STATUS."""
-
-RETURNS, FALLS, UNDECIDED, NOT_YET = 0, 1, 2, -1
-"""Verdicts on free rocking; NOT_YET: only going on can tell."""
-
 # a sliding case, and what it returns beside the above
 FRICTION, GRAVITY, MOTION_ENDS, REPORT_ENDS, LASTS, SCALE_H, SCALE_V = range(7)
 """mu, g, end of the motion, longest report [s], whether that is the duration asked for, factors of sampled motions."""

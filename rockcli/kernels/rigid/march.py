@@ -9,18 +9,28 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import (
+    DONE,
+    FALLS,
+    FAST,
+    MAX_ORDER,
+    NO_ROOT,
+    NOT_FINITE,
+    NOT_YET,
+    OUT_OF_STEPS,
+    RETURNS,
+    UNDECIDED,
+)
 from rockcli.kernels.jit import jit, zeros_maker
 from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
 from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good, separatrix
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_end
 from rockcli.kernels.rigid.layout import (
     ALPHA,
-    DONE,
     ENERGY,
     ETA,
     FACTOR_H,
     FACTOR_V,
-    FALLS,
     FELL,
     HAS_DURATION,
     IMPACTS_STORED,
@@ -32,11 +42,8 @@ from rockcli.kernels.rigid.layout import (
     N_OUT,
     N_STANDING,
     N_STEPS,
-    NOT_FINITE,
-    NOT_YET,
     ONTO_LEFT,
     ONTO_RIGHT,
-    OUT_OF_STEPS,
     P2,
     PEAK,
     PEAK_ALPHA,
@@ -45,7 +52,6 @@ from rockcli.kernels.rigid.layout import (
     PEAK_SIDE,
     Q_STAR,
     RATE_PEAK,
-    RETURNS,
     RIGHT,
     STATUS,
     SWINGS,
@@ -59,29 +65,22 @@ from rockcli.kernels.rigid.layout import (
     THETA_0,
     THETA_DOT_0,
     THRESHOLD,
-    UNDECIDED,
     G,
 )
 from rockcli.kernels.rigid.readings import energy, raise_peak, set_peak, work_done
 from rockcli.kernels.rigid.rest import rest_time
-from rockcli.kernels.rigid.roots import NO_ROOT, first_root, last_passage, passage, uplift
+from rockcli.kernels.rigid.roots import first_root, last_passage, passage, uplift
 from rockcli.kernels.rigid.series import flow, slope, value
 
 zeros = zeros_maker()
 
 REST, ROCK = 0, 1
 
-MAX_ORDER = 30
-"""Highest order of a Taylor step."""
-
 PATIENCE = 60.0
 """A damped body near the separatrix is followed this many 1/p beyond the report."""
 
 OUTCOME, PEAKS, ALL = 0, 1, 2
 """How much is wanted: the outcome; peaks and times too; forces, rates and the energy balance too."""
-
-FAST = 1e-6
-"""Impacts faster than this fraction of p alpha are counted."""
 
 MEANINGFUL = 1e-2
 """Impacts slower than this fraction of p alpha say nothing about where a body goes: an impact carries (v/p alpha)^2

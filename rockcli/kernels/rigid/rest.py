@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import STANDSTILL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid.layout import ALPHA, DAMPER, ETA, FC, P2, R0, RC
 from rockcli.kernels.rigid.series import value
-
-STANDSTILL = 1e-13
-"""Impacts slower than this fraction of p alpha end in rest whatever eta is."""
 
 
 @jit_lean

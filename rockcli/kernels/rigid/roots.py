@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import NO_ROOT
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid.series import bend, slope, value
-
-NO_ROOT = -1.0
 
 SQUARED = 1e-9
 """A step of Newton this small, relative, is the last: the next would be about its square."""

@@ -9,18 +9,17 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import DONE, MAX_ORDER, NO_ROOT, OUT_OF_STEPS
 from rockcli.kernels.jit import jit, zeros_maker
 from rockcli.kernels.rigid.edge_forces import watch_rest
 from rockcli.kernels.rigid.ground import NOTHING, SAMPLES, expand, piece_end
 from rockcli.kernels.rigid.layout import (
-    DONE,
     FRICTION,
     GRAVITY,
     LASTS,
     MOTION_ENDS,
     N_MIN,
     N_STEPS,
-    OUT_OF_STEPS,
     REPORT_ENDS,
     SCALE_H,
     SCALE_V,
@@ -31,15 +30,12 @@ from rockcli.kernels.rigid.layout import (
     T_END,
     T_FLIGHT,
 )
-from rockcli.kernels.rigid.roots import NO_ROOT, first_root, uplift
+from rockcli.kernels.rigid.roots import first_root, uplift
 from rockcli.kernels.rigid.series import value
 
 zeros = zeros_maker()
 
 STICK, SLIDE = 0, 1
-
-MAX_ORDER = 30
-"""Highest order of a Taylor step."""
 
 
 @jit

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
+from rockcli.scene.constants import FREE_ROCKING, REARM
 from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
 from rockcli.solvers.calculix.deck import Deck
 from rockcli.solvers.calculix.mesh import make_mesh
@@ -24,12 +25,6 @@ RIGID_BASE = 100.0
 
 DISSIPATION = -0.05
 """alpha of the integrator without the damping scheme `hht`: CalculiX's own default."""
-
-REARM = 1e-3
-"""Fraction of alpha beyond which the base counts as open."""
-
-FREE_ROCKING = 20.0
-"""The run goes on this many 1/p after the motion's end, unless the study gives a duration."""
 
 STEPS = {"draft": 90.0, "standard": 180.0, "reference": 360.0}
 """Increments per clamped period of the body, by accuracy."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import FALLS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import (
     FAILED,
@@ -21,15 +22,14 @@ from rockcli.scene.response import (
     UNRESOLVED,
     Response,
 )
+from rockcli.scene.variable import COUNTS
 from rockcli.solvers.calculix.body import Landings, Motion, landings, motion_of
 from rockcli.solvers.calculix.case import Prepared, Refused, ground, prepare
 from rockcli.solvers.calculix.folder import solve_deck
 from rockcli.solvers.calculix.run import program
-from rockcli.solvers.calculix.verdict import FELL, OPEN, fallen, judge
+from rockcli.solvers.calculix.verdict import fallen, judge
 
 Array = NDArray[np.float64]
-
-COUNTS = ("n_impacts", "n_steps", "n_rhs")
 
 KNOWN = (
     "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn", "t_end",
@@ -93,13 +93,13 @@ def _report(batch: Batch, i: int, case: _Solved | None, scalars: dict[str, NDArr
     moved = bool(np.isfinite(found.opened))
     count = len(found.t)
     peak = int(np.argmax(np.abs(motion.theta)))
-    if verdict == FELL:
+    if verdict == FALLS:
         outcome = OVERTURNED_AFTER_IMPACT if count else OVERTURNED_WITHOUT_IMPACT
-    elif verdict == OPEN and moved:
+    elif verdict == UNDECIDED and moved:
         outcome = UNRESOLVED
     else:
         outcome = ROCKING if moved else NO_UPLIFT
-    fell, unknown = verdict == FELL, outcome == UNRESOLVED
+    fell, unknown = verdict == FALLS, outcome == UNRESOLVED
     size = np.inf if fell else float(abs(motion.theta[peak])) if moved else 0.0
     side = float(np.sign(motion.theta[peak]))
     t_overturn = _last_passage(motion, alpha) if fell else np.nan

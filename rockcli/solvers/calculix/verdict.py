@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
 
-STANDS, FELL, OPEN = 0, 1, 2
+Array = NDArray[np.float64]
 
 NO_RETURN = 1.25
 """After the motion, moving outward beyond this many alpha: fallen."""
@@ -41,17 +41,17 @@ def fallen(body: Body, t: Array, theta: Array) -> bool:
 
 
 def judge(body: Body, t: Array, theta: Array) -> int:
-    """STANDS, FELL, or OPEN: not to be told from this motion.
+    """RETURNS, FALLS, or UNDECIDED: not to be told from this motion.
 
     After the end of the motion a body that cannot climb to its unstable equilibrium stands.  Its energy is that
     of the rigid block at the rotation and mean rate of the base over windows of the first clamped period,
     (1/2) (theta'/p)^2 + cos(alpha - |theta|) - cos(alpha) against 1 - cos(alpha).
     """
     if np.any(np.abs(theta) >= 0.5 * np.pi) or fallen(body, t, theta):
-        return FELL
+        return FALLS
     after = t >= body.motion_end - 1e-9
     if np.count_nonzero(after) < 3 and t[-1] < body.motion_end - 1e-3:
-        return OPEN
+        return UNDECIDED
     window = t >= t[-1] - body.period
     if np.count_nonzero(window) < 3:
         window = np.arange(len(t)) >= len(t) - 3
@@ -59,7 +59,7 @@ def judge(body: Body, t: Array, theta: Array) -> int:
     barrier = 1.0 - np.cos(body.alpha)
     energy = 0.5 * (slope / body.p) ** 2 + np.cos(body.alpha - abs(middle)) - np.cos(body.alpha)
     if energy < (1.0 - MARGIN) * barrier and abs(middle) < body.alpha:
-        return STANDS
+        return RETURNS
     if energy > (1.0 + MARGIN) * barrier and abs(middle) > body.alpha and slope * middle > 0.0:
-        return FELL
-    return OPEN
+        return FALLS
+    return UNDECIDED

@@ -11,16 +11,11 @@ from scipy.optimize import brentq
 from rockcli.kernels.column import law as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
+from rockcli.scene.constants import GREENHILL
 from rockcli.solvers.flexible.beam import unit_beam
 from rockcli.solvers.flexible.modes import Modes, UnstableError, make_modes
 
 Array = NDArray[np.float64]
-
-GREENHILL = 7.8373474
-"""Weight x L^2/(E I) at which a clamped prismatic column buckles under itself."""
-
-REARM = 1e-3
-"""eta acts again after the base has opened by this fraction of alpha."""
 
 
 class RefusedError(ValueError):

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels.column import automaton as k
+from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import acceleration
 from rockcli.scene.response import (
@@ -42,11 +43,11 @@ def scalars_of(
     refused = np.array([c is None for c in columns])
     landings = np.where(refused, 0, np.rint(np.nan_to_num(out[:, k.N_LANDINGS]))).astype(np.int64)
     moved = np.isfinite(out[:, k.T_UPLIFT])
-    fell = out[:, k.VERDICT] == k.FALLS
+    fell = out[:, k.VERDICT] == FALLS
     outcome = np.where(moved, ROCKING, NO_UPLIFT)
     outcome = np.where(fell, np.where(landings > 0, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT), outcome)
-    outcome = np.where(out[:, k.VERDICT] == k.UNDECIDED, UNRESOLVED, outcome)
-    outcome = np.where(refused | (out[:, k.STATUS] != k.DONE), FAILED, outcome)
+    outcome = np.where(out[:, k.VERDICT] == UNDECIDED, UNRESOLVED, outcome)
+    outcome = np.where(refused | (out[:, k.STATUS] != DONE), FAILED, outcome)
     unknown, failed = outcome < 0, outcome == FAILED
 
     def known(values: Array, missing: NDArray[np.bool_]) -> Array:
@@ -77,9 +78,9 @@ def scalars_of(
     }
     reasons = list(refusals)
     for i in np.flatnonzero((outcome < 0) & ~refused):
-        if out[i, k.STATUS] == k.OUT_OF_STEPS:
+        if out[i, k.STATUS] == OUT_OF_STEPS:
             reasons[i] = f"gave up after {scalars['n_steps'][i]} steps"
-        elif out[i, k.STATUS] != k.DONE:
+        elif out[i, k.STATUS] != DONE:
             reasons[i] = "the solution ceased to be finite: check the motion and the column for extreme numbers"
         else:
             reasons[i] = "vibration keeps its energy above that of overturning: free rocking did not decide"

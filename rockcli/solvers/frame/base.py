@@ -9,11 +9,9 @@ from rockcli.errors import SolverError
 from rockcli.kernels.frame import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
+from rockcli.scene.constants import FIBRES
 
 Array = NDArray[np.float64]
-
-FIBRES = 21
-"""Fibres of a discrete base where the study gives no number."""
 
 
 def kind_of_base(batch: Batch) -> float:

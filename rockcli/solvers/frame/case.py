@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
+from rockcli.kernels.constants import FAST
 from rockcli.kernels.frame import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.constants import ALPHA_D, FREE_ROCKING, REARM, STEP, YIELD_ROTATION
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import Channel, Pulses, acceleration
 from rockcli.scene.models import MODELS
@@ -21,29 +23,14 @@ from rockcli.solvers.stepping import check_step
 
 Array = NDArray[np.float64]
 
-FREE_ROCKING, SEARCH = 20.0, 60.0
-"""The report goes on this many 1/p after the motion's end; the search for the outcome this many after the report."""
-
-YIELD_ROTATION = 1e-6
-"""Rotation [rad] at which the base spring opens: smaller buys nothing at the default step (docs/frame.md)."""
-
-ALPHA_D = 0.7
-"""Parameter of the HHT integrator where the study gives none."""
-
-REARM = 1e-3
-"""A landing counts once |theta| has been beyond this fraction of alpha."""
+SEARCH = 60.0
+"""The search for the outcome goes on this many 1/p after the report."""
 
 TOLERANCE = 1e-11
 """Newton's iterations end when no rotation changes by more [rad]."""
 
-FAST = 1e-6
-"""Impacts faster than this fraction of p alpha are counted."""
-
 SURE = 0.999
 """Fraction of the barrier below which a body left alone is sure to return."""
-
-STEP = {"draft": 4.0, "standard": 1.0, "reference": 0.25}
-"""Time step by accuracy, over that of `default_dt`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import FALLS, UNDECIDED
 from rockcli.kernels.frame import layout as k
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
@@ -28,12 +29,12 @@ Array = NDArray[np.float64]
 def scalars_of(batch: Batch, out: Array, par: list[Array]) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Scalars by name and a sentence per case; forces at the edge are not computed (NaN)."""
     failed = out[:, k.STATUS] != k.DONE
-    fell = ~failed & (out[:, k.VERDICT] == k.FALLS)
+    fell = ~failed & (out[:, k.VERDICT] == FALLS)
     moved = np.isfinite(out[:, k.T_UPLIFT])
     impacts = np.rint(out[:, k.N_IMPACTS]).astype(np.int64)
     outcome = np.where(moved, ROCKING, NO_UPLIFT)
     outcome = np.where(fell, np.where(impacts > 0, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT), outcome)
-    outcome = np.where(out[:, k.VERDICT] == k.UNDECIDED, UNRESOLVED, outcome)
+    outcome = np.where(out[:, k.VERDICT] == UNDECIDED, UNRESOLVED, outcome)
     outcome = np.where(failed, FAILED, outcome)
     unknown = outcome < 0
 

@@ -12,18 +12,13 @@ from rockcli import kernels
 from rockcli.errors import SolverError
 from rockcli.kernels.frame import layout as k
 from rockcli.scene.batch import Batch
+from rockcli.scene.constants import COARSER, METHODS
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.agreement import CERTAINTY, compare_steps
 from rockcli.solvers.frame.case import Kernels, case_of
 from rockcli.solvers.frame.results import histories_of, scalars_of
 
 Array = NDArray[np.float64]
-
-METHODS = (None, "corotational", "linear")
-"""`method` of the study: the transformation of the elements."""
-
-COARSER = 2.0
-"""The error estimate is the difference to a run with this many times the time step and the yield rotation."""
 
 
 @dataclass

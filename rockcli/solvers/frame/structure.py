@@ -10,17 +10,9 @@ from numpy.typing import NDArray
 from rockcli.kernels.frame.layout import BAND
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
+from rockcli.scene.constants import DENSITY, ELEMENTS, RIGID
 
 Array = NDArray[np.float64]
-
-RIGID = 1e-9
-"""Rotation by which its own moment m g b bends a rigid column [rad]: far below any yield rotation that does good."""
-
-ELEMENTS = 5
-"""Elements of model 4 where the study gives no column."""
-
-DENSITY = 2500.0
-"""Density taken where neither mass nor column is given [kg/m^3], per unit depth: it matters to a Winkler base only."""
 
 
 @dataclass(frozen=True, eq=False)

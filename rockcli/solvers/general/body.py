@@ -7,13 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rockcli.kernels.constants import FALLS, NOT_YET, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.models import MODELS
-
-RETURNS, FALLS, UNDECIDED = "returns", "falls", "undecided"
-"""What becomes of a body left alone."""
 
 SIDE = 0.5 * math.pi
 """|theta| of a body that lies on its side."""
@@ -98,10 +96,10 @@ class Body:
         root = math.sqrt(2.0 * max(self.barrier(edge, q), 0.0))
         return v / edge.p - (root if q <= edge.q_star else -root)
 
-    def left_alone(self, edge: Edge, q: float, v: float, margin: float) -> str | None:
+    def left_alone(self, edge: Edge, q: float, v: float, margin: float) -> int:
         """Whether the body, left alone at q >= 0 with rate v about `edge`, ever falls.
 
-        Closed form without a dashpot; with one, None as long as it cannot be told from the energy.
+        Closed form without a dashpot; with one, NOT_YET as long as it cannot be told from the energy.
         `margin` [rad]: nearer than this to a separatrix is `UNDECIDED`.
         """
         if not math.isfinite(edge.q_star):  # (2.10) above 45 degrees: the moment never vanishes
@@ -130,14 +128,14 @@ class Body:
             previous = u
         return UNDECIDED
 
-    def _damped_alone(self, edge: Edge, q: float, v: float) -> str | None:
+    def _damped_alone(self, edge: Edge, q: float, v: float) -> int:
         if q >= edge.q_star:
-            return FALLS if v >= 0.0 else None
+            return FALLS if v >= 0.0 else NOT_YET
         kinetic = 0.5 * (v / edge.p) ** 2
         above = edge.R * (kinetic + self.barrier(edge, 0.0) - self.barrier(edge, q))
         if all(above < side.R * self.barrier(side, 0.0) for side in (self.left, self.right)):
             return RETURNS
-        return None
+        return NOT_YET
 
 
 def body_of(batch: Batch, case: int) -> Body:

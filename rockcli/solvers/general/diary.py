@@ -9,16 +9,14 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import FAST, RETURNS
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.response import MAX_IMPACTS_STORED
 from rockcli.solvers.general import roots
-from rockcli.solvers.general.body import RETURNS, Body
+from rockcli.solvers.general.body import Body
 from rockcli.solvers.general.methods import Step
 
 Array = NDArray[np.float64]
-
-FAST = 1e-6
-"""Impacts faster than this fraction of p alpha are counted."""
 
 SAME_PEAK = 1e-10
 """Peaks of an undamped body are equal but for errors: a later one must be higher by more than this fraction."""
@@ -52,7 +50,7 @@ class Diary:
     t_end: float = math.nan
     n_impacts: int = 0
     impacts: list[tuple[float, float, float]] = field(default_factory=list)
-    verdict: str = RETURNS
+    verdict: int = RETURNS
     failure: str = ""
 
     def begin(self, theta: float, rate: float) -> None:

@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
+from rockcli.scene.constants import FREE_ROCKING
 from rockcli.scene.excitation import LINEAR, WAVES, Channel, Pulses, Samples
 
 Array = NDArray[np.float64]
 Law = Callable[[float], float]
 
-FREE_ROCKING = 20.0
-"""The report goes on this many 1/p after the motion's end."""
+
+AFTERWARDS = 1000.0
+"""How long a swing under way at the end of the report is followed, times 1/p."""
 
 
 @dataclass(frozen=True)

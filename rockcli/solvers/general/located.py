@@ -13,21 +13,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import FALLS, NOT_YET, RETURNS, STANDSTILL, UNDECIDED
 from rockcli.solvers.general import roots
-from rockcli.solvers.general.body import FALLS, RETURNS, SIDE, UNDECIDED, Body, Edge
+from rockcli.solvers.general.body import SIDE, Body, Edge
 from rockcli.solvers.general.diary import Diary
-from rockcli.solvers.general.ground import Ground, Piece
+from rockcli.solvers.general.ground import AFTERWARDS, Ground, Piece
 from rockcli.solvers.general.methods import Step, Walker
 from rockcli.solvers.general.roots import NODES
 from rockcli.solvers.general.uplift import uplift
 
 Array = NDArray[np.float64]
-
-STANDSTILL = 1e-13
-"""Impacts slower than this fraction of p alpha end in rest whatever eta is."""
-
-AFTERWARDS = 1000.0
-"""How long a swing under way at the end of the report is followed, times 1/p."""
 
 
 class Located:
@@ -51,7 +46,7 @@ class Located:
         self.resting = True
         self.fallen = False
         self.reported = True
-        self.verdict: str | None = None
+        self.verdict = NOT_YET
         self.stalled = 0
 
     def run(self, theta: float, rate: float) -> None:
@@ -86,13 +81,13 @@ class Located:
             if self.v > 0.0 and ground.has_duration:
                 diary.cut_off(self.sign * self.q, self.t)
             self._afterwards()
-        diary.verdict = FALLS if self.fallen else (self.verdict or UNDECIDED)
+        diary.verdict = FALLS if self.fallen else (UNDECIDED if self.verdict == NOT_YET else self.verdict)
         if diary.verdict == FALLS:
             diary.side = self.sign
 
     def _decide(self) -> None:
         """What becomes of the body left alone from now on, if that can be told."""
-        if self.verdict is None:
+        if self.verdict == NOT_YET:
             self.verdict = RETURNS if self.resting else self.body.left_alone(
                 self._edge, self.q, self.v, self.margin * self._edge.alpha
             )  # fmt: skip

@@ -14,10 +14,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import FALLS, NOT_YET, RETURNS, UNDECIDED
 from rockcli.solvers.general import roots
-from rockcli.solvers.general.body import FALLS, RETURNS, SIDE, UNDECIDED, Body, Edge
+from rockcli.solvers.general.body import SIDE, Body, Edge
 from rockcli.solvers.general.diary import Diary
-from rockcli.solvers.general.ground import Ground, Law
+from rockcli.solvers.general.ground import AFTERWARDS, Ground, Law
 from rockcli.solvers.general.methods import Flow, Step, Walker
 from rockcli.solvers.general.uplift import uplift
 
@@ -28,9 +29,6 @@ LARGEST_STEP = 0.1
 
 NUDGE = 1e-10
 """The rotation that gives the body its side, over alpha."""
-
-AFTERWARDS = 1000.0
-"""How long a swing under way at the end of the report is followed, times 1/p."""
 
 
 def run(body: Body, ground: Ground, walker: Walker, diary: Diary, theta: float, rate: float, margin: float) -> None:
@@ -57,7 +55,7 @@ def run(body: Body, ground: Ground, walker: Walker, diary: Diary, theta: float, 
             break
     t, theta, rate = state
     diary.t_end = ground.t_stop if ground.has_duration else t
-    diary.verdict = FALLS if fallen else _verdict(body, state, margin) or UNDECIDED
+    diary.verdict = FALLS if fallen else _final(_verdict(body, state, margin))
     if not fallen:
         if theta * rate > 0.0 and ground.has_duration:
             diary.cut_off(theta, t)
@@ -127,11 +125,16 @@ def _beyond_help(body: Body, ground: Ground, t: float, q: float) -> bool:
     return (body.g - a_v) * (q - max(body.left.alpha, body.right.alpha)) > a_g
 
 
-def _verdict(body: Body, state: tuple[float, float, float], margin: float) -> str | None:
-    """What becomes of the body left alone in this state, if that can be told."""
+def _verdict(body: Body, state: tuple[float, float, float], margin: float) -> int:
+    """What becomes of the body left alone in this state, or NOT_YET if that cannot be told."""
     _, theta, rate = state
     edge = _edge(body, theta, rate)
     return body.left_alone(edge, abs(theta), edge.sign * rate, margin * edge.alpha)
+
+
+def _final(verdict: int) -> int:
+    """At the end what cannot be told stays undecided."""
+    return UNDECIDED if verdict == NOT_YET else verdict
 
 
 def _afterwards(
@@ -160,8 +163,8 @@ def _afterwards(
     if not done():
         for step in walker.walk(flow, state[0], state[1:], bound):
             fallen, state = _note(body, ground, diary, step, reported=False)
-            verdict = FALLS if fallen else verdict or _verdict(body, state, margin)
+            verdict = FALLS if fallen else _verdict(body, state, margin) if verdict == NOT_YET else verdict
             if fallen or done():
                 break
-    diary.verdict = verdict or UNDECIDED
+    diary.verdict = _final(verdict)
     return state

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
+from rockcli.kernels.constants import FALLS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.response import (
@@ -26,7 +27,7 @@ from rockcli.scene.response import (
 )
 from rockcli.solvers.agreement import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
 from rockcli.solvers.general import naive
-from rockcli.solvers.general.body import FALLS, UNDECIDED, body_of
+from rockcli.solvers.general.body import body_of
 from rockcli.solvers.general.diary import Diary
 from rockcli.solvers.general.ground import ground_of
 from rockcli.solvers.general.histories import histories_of

@@ -10,50 +10,32 @@ from numpy.typing import NDArray
 from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.constants import (
+    ALPHA_D,
+    DENSITY,
+    ELEMENTS,
+    FIBRES,
+    FREE_ROCKING,
+    GREENHILL,
+    REARM,
+    RIGID,
+    STEP,
+    YIELD_ROTATION,
+)
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import Channel, Samples, acceleration
 from rockcli.solvers.stepping import check_step
 
 Array = NDArray[np.float64]
 
-FREE_ROCKING = 20.0
-"""The report goes on this many 1/p after the motion's end."""
-
 REST = 0.5
 """At rest: not opened beyond `REARM` for this many 1/p after the motion's end."""
-
-YIELD_ROTATION = 1e-6
-"""Rotation [rad] at which the base spring opens."""
-
-GREENHILL = 7.8373474
-"""Weight x L^2/(E I) at which a clamped prismatic column buckles under itself."""
-
-REARM = 1e-3
-"""A landing counts once |theta| has been beyond this fraction of alpha."""
-
-RIGID = 1e-9
-"""Rotation [rad] by which its own moment m g b bends a rigid column."""
-
-ELEMENTS = 5
-"""Elements of model 4 where the study gives no column."""
-
-DENSITY = 2500.0
-"""Density taken where neither mass nor column is given [kg/m^3], per unit depth."""
-
-FIBRES = 21
-"""Fibres of a discrete base where the study gives no number."""
-
-ALPHA_D = 0.7
-"""Parameter of the HHT integrator where the study gives none."""
 
 TOLERANCE = 1e-10
 """Newton's iterations end when the norm of the displacement increment is below this [m, rad]."""
 
 FINE = 20
 """Steps taken in place of one where the base closes."""
-
-STEP = {"draft": 4.0, "standard": 1.0, "reference": 0.25}
-"""Time step by accuracy, over that of `default_dt`."""
 
 Parameter = tuple[str, float | int | str, str]
 """Name, value and comment of a line at the top of the script."""

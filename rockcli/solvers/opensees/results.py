@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import FALLS, FAST, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.excitation import acceleration
@@ -26,13 +27,8 @@ from rockcli.solvers.opensees.run import Answer
 
 Array = NDArray[np.float64]
 
-FAST = 1e-6
-"""Impacts faster than this fraction of p alpha are counted."""
-
 MARGIN = {False: 1e-3, True: 0.05}
 """Fraction of the barrier by which the energy must differ from it for the outcome to be told; True: elastic."""
-
-FALLS, RETURNS, UNDECIDED = "falls", "returns", "undecided"
 
 Outcome = tuple[CaseOfOpenSees, Answer] | str
 """A case with its answer, or the sentence of why there is none."""
@@ -118,7 +114,7 @@ def _law(batch: Batch, i: int) -> tuple[float, Any]:
     return float(law.q_star[0]), potential
 
 
-def fate(batch: Batch, i: int, answer: Answer) -> str:
+def fate(batch: Batch, i: int, answer: Answer) -> int:
     """Does the body, left alone from where the script ended, ever fall?  FALLS, RETURNS or UNDECIDED.
 
     Past pi/2 it has fallen, at rest it has not.  Otherwise the rigid law decides by its energy, impact by impact.

@@ -9,18 +9,13 @@ import numpy as np
 from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
+from rockcli.scene.constants import COARSER, METHODS
 from rockcli.scene.response import Response
 from rockcli.solvers.agreement import CERTAINTY, compare_steps
 from rockcli.solvers.opensees.case import law_of
 from rockcli.solvers.opensees.results import Outcome, histories_of, scalars_of
 from rockcli.solvers.opensees.run import PeerError, require_opensees, run_script
 from rockcli.solvers.opensees.script import script_of
-
-METHODS = (None, "corotational", "linear")
-"""`method` of the study: the transformation of the elements."""
-
-COARSER = 2.0
-"""The error estimate is the difference to a run with this many times the time step and the yield rotation."""
 
 
 def solve(batch: Batch) -> Response:

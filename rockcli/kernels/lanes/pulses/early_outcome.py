@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rockcli.kernels.constants import FALLS, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses.ground import to_come
 from rockcli.kernels.lanes.pulses.state import (
@@ -31,9 +32,9 @@ from rockcli.kernels.lanes.pulses.state import (
     T,
     V,
 )
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
-from rockcli.kernels.lanes.vector.plain import WIDTH, load, select, some, spread, sqrt, store
-from rockcli.kernels.rigid.layout import FALLS, RETURNS
+from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
 from rockcli.kernels.rigid.march import OUTCOME
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rockcli.kernels.constants import NO_ROOT
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses.series import look_along
 from rockcli.kernels.lanes.pulses.state import (
@@ -31,8 +32,9 @@ from rockcli.kernels.lanes.pulses.state import (
     series_of_q,
     stride,
 )
-from rockcli.kernels.lanes.vector.plain import WIDTH, gather, load, note, select, some, spread, store
-from rockcli.kernels.lanes.vector.roots import LOST, NO_ROOT, first_root, turning_point
+from rockcli.kernels.lanes.vector import WIDTH
+from rockcli.kernels.lanes.vector.plain import gather, load, note, select, some, spread, store
+from rockcli.kernels.lanes.vector.roots import LOST, first_root, turning_point
 
 PARTS = 8
 """Places of a step at which the rate is looked at where more than one turning point is possible."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
-from rockcli.kernels.lanes.vector.plain import WIDTH, load, select, some, spread, sqrt, store
+from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
 from rockcli.kernels.rigid.layout import N_IMPACTS, STATUS
 
 NODES, WEIGHTS = (np.polynomial.legendre.leggauss(10)[0] + 1.0) / 2.0, np.polynomial.legendre.leggauss(10)[1] / 2.0

@@ -24,8 +24,9 @@ from rockcli.kernels.lanes.pulses.state import (
     T,
     series_of_a,
 )
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos_of_any
-from rockcli.kernels.lanes.vector.plain import WIDTH, load, select, some, spread, store
+from rockcli.kernels.lanes.vector.plain import load, select, some, spread, store
 
 LINEAR, WAVES = 0.0, 1.0
 
@@ -33,7 +34,7 @@ ROOT = sqrt(3.0)
 AT_ONE, AT_ROOT = exp(-0.5), 2.0 * exp(-1.5)
 """|integral| of the two bells from their outer zeros, +-1 and +-sqrt 3, to infinity."""
 
-ROUNDING = 4e-16
+EXP_ERROR = 4e-16
 """Error of exp(-y^2/2)."""
 
 
@@ -122,7 +123,7 @@ def rest_of_bell(even, odd, y, e):
     first = select(y > select(two, -1.0, -ROOT), rest, AT_ONE * even + AT_ROOT * odd)
     second = select(y > select(two, 1.0, 0.0), rest, -AT_ONE * even - odd)
     third = select(y > select(two, 1.0, ROOT), rest, AT_ROOT * odd - AT_ONE * even)
-    slack = ROUNDING * (abs(even) + abs(odd)) * (1.0 + y * y)
+    slack = EXP_ERROR * (abs(even) + abs(odd)) * (1.0 + y * y)
     up = slack + _positive(rest - first) + _positive(first - second) + _positive(second - third) + _positive(third)
     return up, up - rest + slack
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import FALLS, FAST, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
@@ -64,10 +65,11 @@ from rockcli.kernels.lanes.pulses.state import (
     stride,
 )
 from rockcli.kernels.lanes.pulses.uplift_screen import BELL_E, ENERGY, KNOWN, ROOM, SIDE, WAKES, call_in, turn_away
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
-from rockcli.kernels.lanes.vector.plain import WIDTH, load, note, room, select, some, store
-from rockcli.kernels.rigid.layout import FALLS, LEFT, RETURNS, RIGHT, STATUS, G
-from rockcli.kernels.rigid.march import FAST, OUTCOME
+from rockcli.kernels.lanes.vector.plain import load, note, room, select, some, store
+from rockcli.kernels.rigid.layout import LEFT, RIGHT, STATUS, G
+from rockcli.kernels.rigid.march import OUTCOME
 from rockcli.kernels.rigid.rest import rest_time
 
 LONGEST = 2.0

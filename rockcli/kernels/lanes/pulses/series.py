@@ -20,7 +20,8 @@ from rockcli.kernels.lanes.pulses.state import (
     series_of_a,
     series_of_q,
 )
-from rockcli.kernels.lanes.vector.plain import WIDTH, bits_of, from_bits, load, select, spread, store
+from rockcli.kernels.lanes.vector import WIDTH
+from rockcli.kernels.lanes.vector.plain import bits_of, from_bits, load, select, spread, store
 
 ONE = 4607182418800017408.0
 """The bits of 1.0 read as an integer."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
-from rockcli.kernels.lanes.vector.plain import WIDTH
 from rockcli.kernels.rigid.ground import WIDTH as PIECE_WIDTH
 from rockcli.kernels.rigid.layout import (
     ALPHA,

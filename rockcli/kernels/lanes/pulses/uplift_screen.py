@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses.ground import rest_of_bell
 from rockcli.kernels.lanes.pulses.series import ONE
 from rockcli.kernels.lanes.pulses.state import BELL
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos
-from rockcli.kernels.lanes.vector.plain import WIDTH, bits_of, load, select, some, spread, sqrt, store
+from rockcli.kernels.lanes.vector.plain import bits_of, load, select, some, spread, sqrt, store
 from rockcli.kernels.rigid.layout import (
     FC,
     FS,
@@ -20,7 +22,6 @@ from rockcli.kernels.rigid.layout import (
     Q_STAR,
     R0,
     RC,
-    RETURNS,
     RIGHT,
     RS,
     STATUS,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import FALLS, NO_ROOT, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records.rest import (
     BALLISTIC,
@@ -41,19 +42,17 @@ from rockcli.kernels.lanes.records.step import (
 )
 from rockcli.kernels.lanes.records.step import ONTO_LEFT as LANE_ONTO_LEFT
 from rockcli.kernels.lanes.records.step import PEAK as LANE_PEAK
-from rockcli.kernels.lanes.vector.plain import WIDTH
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good, separatrix
 from rockcli.kernels.rigid.ground import NOTHING, SAMPLES
 from rockcli.kernels.rigid.layout import (
     ALPHA,
     ETA,
-    FALLS,
     FELL,
     LEFT,
     PEAK,
     PEAK_SIDE,
     Q_STAR,
-    RETURNS,
     RIGHT,
     T_END,
     T_MOTION,
@@ -63,7 +62,7 @@ from rockcli.kernels.rigid.layout import (
 )
 from rockcli.kernels.rigid.march import OUTCOME, afterwards
 from rockcli.kernels.rigid.readings import set_peak
-from rockcli.kernels.rigid.roots import NO_ROOT, first_root, last_passage, passage, turning_point
+from rockcli.kernels.rigid.roots import first_root, last_passage, passage, turning_point
 from rockcli.kernels.rigid.series import slope, value
 
 

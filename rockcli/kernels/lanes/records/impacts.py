@@ -22,8 +22,9 @@ from rockcli.kernels.lanes.records.step import (
     V,
     X,
 )
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import bits, fma, gather, scatter
-from rockcli.kernels.lanes.vector.plain import WIDTH, load, select, some, sqrt
+from rockcli.kernels.lanes.vector.plain import load, select, some, sqrt
 
 
 @jit_lean

@@ -8,6 +8,7 @@ the next one.  Nothing a body gets depends on the others.
 
 from __future__ import annotations
 
+from rockcli.kernels.constants import MAX_ORDER
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records.events import arrive, attend
 from rockcli.kernels.lanes.records.impacts import land
@@ -16,9 +17,9 @@ from rockcli.kernels.lanes.records.rest import BLOCK as BLOCK
 from rockcli.kernels.lanes.records.rest import FINISHED, STANDING, begin, hand_over, park, rest
 from rockcli.kernels.lanes.records.rest import HANDED_OVER as HANDED_OVER
 from rockcli.kernels.lanes.records.step import CASE, LANES, STATE, STEPS, STRIDE, advance, advance_linear, place
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import lowest_bit, page_the_stack
-from rockcli.kernels.lanes.vector.plain import WIDTH, note, room
-from rockcli.kernels.rigid.march import MAX_ORDER
+from rockcli.kernels.lanes.vector.plain import note, room
 
 STEPS_PER_SAMPLE, STEPS_AFTER = 16, 20_000
 """Steps a body may take in lanes, a sample on the average and after the motion; one that needs more is handed over."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records.step import COEFFICIENTS, PEAK, PIECE, SIDE, H, Q, X
-from rockcli.kernels.lanes.vector.plain import WIDTH
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.rigid.layout import PEAK as HIGHEST
 from rockcli.kernels.rigid.layout import RIGHT, T_MOTION
 from rockcli.kernels.rigid.readings import set_peak

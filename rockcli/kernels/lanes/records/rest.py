@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import FAST as COUNTED
+from rockcli.kernels.constants import RETURNS, STANDSTILL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records.step import (
     CAP,
@@ -53,7 +55,6 @@ from rockcli.kernels.rigid.layout import (
     Q_STAR,
     R0,
     RC,
-    RETURNS,
     RIGHT,
     RS,
     STATUS,
@@ -67,9 +68,7 @@ from rockcli.kernels.rigid.layout import (
     THRESHOLD,
     G,
 )
-from rockcli.kernels.rigid.march import FAST as COUNTED
 from rockcli.kernels.rigid.readings import set_peak
-from rockcli.kernels.rigid.rest import STANDSTILL
 
 FINISHED, STANDING, ROCKING = 0, 1, 2
 """What becomes of a lane: its body is done, or goes on from where it is; ROCKING: it does not come to rest."""

@@ -6,6 +6,7 @@ The polynomial is in the fraction of the step gone by, c_k = q^(k) h^k / k!, so 
 from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import (
     C2,
     C4,
@@ -30,7 +31,7 @@ from rockcli.kernels.lanes.vector.elementary import (
     S21,
 )
 from rockcli.kernels.lanes.vector.fused import bits, fma, gather
-from rockcli.kernels.lanes.vector.plain import WIDTH, load, select, store
+from rockcli.kernels.lanes.vector.plain import load, select, store
 
 LANES = 256
 """Lanes in flight."""

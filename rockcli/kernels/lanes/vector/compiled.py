@@ -13,7 +13,7 @@ from numba.core import cgutils, types
 from numba.core.typing.templates import AbstractTemplate, ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
 
-WIDTH = 16
+from rockcli.kernels.lanes.vector import WIDTH
 
 DOUBLES = ir.VectorType(ir.DoubleType(), WIDTH)
 INTEGERS = ir.VectorType(ir.IntType(64), WIDTH)

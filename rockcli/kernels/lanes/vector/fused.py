@@ -8,7 +8,8 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
-from rockcli.kernels.lanes.vector.compiled import BITS, DOUBLES, INTEGERS, WIDTH, _doubles, mask, vector
+from rockcli.kernels.lanes.vector import WIDTH
+from rockcli.kernels.lanes.vector.compiled import BITS, DOUBLES, INTEGERS, _doubles, mask, vector
 
 operation: Any = intrinsic  # whose calls are not those the checker sees: numba adds the first argument
 

@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 
 from rockcli.kernels import jit as door
-
-WIDTH = 16
-"""Lanes of a vector: two registers of AVX-512 or four of AVX2, whose latencies overlap."""
+from rockcli.kernels.lanes.vector import WIDTH
 
 
 def room(n: int) -> Any:

@@ -5,10 +5,12 @@ Coefficients of order k stand at [k * WIDTH].  A lane that has found its root st
 
 from __future__ import annotations
 
+from rockcli.kernels.constants import NO_ROOT
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.lanes.vector.plain import WIDTH, load, select, some, spread, sqrt
+from rockcli.kernels.lanes.vector import WIDTH
+from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt
 
-NO_ROOT, LOST = -1.0, -2.0
+LOST = -2.0
 
 
 @jit_lean

@@ -1,0 +1,21 @@
+"""Numbers on which kernels and solvers agree: how a run ended, what becomes of a body, what counts as an impact."""
+
+from __future__ import annotations
+
+DONE, OUT_OF_STEPS, NOT_FINITE = 0, 1, 2
+"""How a run ended."""
+
+RETURNS, FALLS, UNDECIDED, NOT_YET = 0, 1, 2, -1
+"""What becomes of a body left alone; UNDECIDED: rounding decides, NOT_YET: only going on can tell."""
+
+FAST = 1e-6
+"""Impacts faster than this fraction of p alpha are counted."""
+
+STANDSTILL = 1e-13
+"""Impacts slower than this fraction of p alpha end in rest whatever eta is."""
+
+NO_ROOT = -1.0
+"""In place of the root of a guard that has none on the step."""
+
+MAX_ORDER = 30
+"""Highest order of a Taylor step."""
