@@ -10,7 +10,7 @@ from scenes import G, block, pulse, rock
 from tables import SOURCE_PULSES
 
 from rockcli import kernels
-from rockcli.kernels.rigid import layout
+from rockcli.kernels.rigid import parameters as at
 
 
 @pytest.fixture
@@ -60,8 +60,8 @@ def spoil_parameters(monkeypatch, change):
 
 def test_wrong_eta_is_noticed(plain, monkeypatch):
     def change(parameters):
-        for edge in (layout.LEFT, layout.RIGHT):
-            parameters[:, edge + layout.ETA] *= 1.01
+        for edge in (at.LEFT, at.RIGHT):
+            parameters[:, edge + at.ETA] *= 1.01
 
     spoil_parameters(monkeypatch, change)
     assert not agrees_with_the_truth()
@@ -83,8 +83,8 @@ def test_wrong_sign_of_the_ground_motion_is_noticed(plain, monkeypatch):
 
 def test_missing_reset_is_noticed(plain, monkeypatch):
     def change(parameters):
-        for edge in (layout.LEFT, layout.RIGHT):
-            parameters[:, edge + layout.ETA] = 1.0
+        for edge in (at.LEFT, at.RIGHT):
+            parameters[:, edge + at.ETA] = 1.0
 
     spoil_parameters(monkeypatch, change)
     assert not agrees_with_the_truth()
@@ -93,8 +93,8 @@ def test_missing_reset_is_noticed(plain, monkeypatch):
 @pytest.mark.parametrize("coefficient", ["P2", "RS", "RC", "FC", "FS"])
 def test_wrong_coefficient_of_the_law_is_noticed(plain, monkeypatch, coefficient):
     def change(parameters):
-        for edge in (layout.LEFT, layout.RIGHT):
-            parameters[:, edge + getattr(layout, coefficient)] *= 1.0 + 1e-5
+        for edge in (at.LEFT, at.RIGHT):
+            parameters[:, edge + getattr(at, coefficient)] *= 1.0 + 1e-5
 
     spoil_parameters(monkeypatch, change)
     assert not agrees_with_the_truth()

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, RETURNS, UNDECIDED
-from rockcli.kernels.rigid import layout as k
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.excitation import Samples
@@ -83,7 +84,7 @@ def solve(batch: Batch) -> Response:
         return _march(march, batch, parameters, level, histories=batch.save.histories)
 
     run = attempt()
-    if not kernels.compiled and np.any(run.out[:, k.STATUS] == OUT_OF_STEPS):
+    if not kernels.compiled and np.any(run.out[:, to.STATUS] == OUT_OF_STEPS):
         march = kernels.load(compile_them=True)
         run = attempt()  # by the same kernels, so that no case depends on those it is solved with
 
@@ -136,13 +137,13 @@ def _nudge(rtol: float, times: float, most: float = np.inf) -> Nudge:
 
 def _traces(batch: Batch, run: Raw) -> Traces:
     out, p = run.out, batch.p.min(axis=1)
-    verdict = np.select([out[:, k.FELL] == FALLS, out[:, k.FELL] == RETURNS], [FALLS, RETURNS], UNDECIDED)
-    verdict = np.where(out[:, k.STATUS] == DONE, verdict, NO_ANSWER).astype(np.int8)
+    verdict = np.select([out[:, to.FELL] == FALLS, out[:, to.FELL] == RETURNS], [FALLS, RETURNS], UNDECIDED)
+    verdict = np.where(out[:, to.STATUS] == DONE, verdict, NO_ANSWER).astype(np.int8)
     alpha = batch.block.alpha
-    sides = np.maximum(out[:, k.PEAK_LEFT] / alpha[:, LEFT], out[:, k.PEAK_RIGHT] / alpha[:, RIGHT])
-    swings = out[:, k.SWINGS]
-    when = np.divide(out[:, k.SWINGS_T] * p, swings, out=np.zeros_like(swings), where=swings > 0.0)
-    return Traces(verdict, out[:, k.T_OVERTURN] * p, sides, swings, when)
+    sides = np.maximum(out[:, to.PEAK_LEFT] / alpha[:, LEFT], out[:, to.PEAK_RIGHT] / alpha[:, RIGHT])
+    swings = out[:, to.SWINGS]
+    when = np.divide(out[:, to.SWINGS_T] * p, swings, out=np.zeros_like(swings), where=swings > 0.0)
+    return Traces(verdict, out[:, to.T_OVERTURN] * p, sides, swings, when)
 
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:
@@ -151,7 +152,7 @@ def _estimated_seconds(batch: Batch, parameters: Array) -> float:
     for channel in (batch.excitation.horizontal, batch.excitation.vertical):
         if isinstance(channel, Samples):
             pieces += len(channel.values)
-    swings = float(np.sum(parameters[:, k.T_STOP] * batch.p.max(axis=1)))
+    swings = float(np.sum(parameters[:, at.T_STOP] * batch.p.max(axis=1)))
     passes = 2 if batch.save.scalars & CERTAINTY else 1
     return passes * (batch.size * (0.01 + 60e-6 * pieces) + 1e-3 * swings)
 
@@ -169,8 +170,8 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     margin, detail = _margin(level), _detail(march, batch, False)
     compiled = bool(kernels.compiled)
     run = Raw(batch.size, 0, 0)
-    left_edge, right_edge = (rows[:, side : side + k.EDGE] for side in (k.LEFT, k.RIGHT))
-    fit = np.all(left_edge == right_edge, axis=1) & (rows[:, k.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
+    left_edge, right_edge = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
+    fit = np.all(left_edge == right_edge, axis=1) & (rows[:, at.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
     pulses = lane_pulses.asked(batch)
     if not pulses:
         fit &= lane_records.fit(batch, rows)
@@ -181,9 +182,9 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     else:
         lanes = kernels.load("lanes.records.march", compile_them=compiled)
         found = lane_records.run(lanes, batch, rows[cases], level, _order(level.rtol), margin, detail)
-    run.out[:, k.STATUS] = np.nan
+    run.out[:, to.STATUS] = np.nan
     run.out[cases] = found
-    left = np.flatnonzero(np.isnan(run.out[:, k.STATUS]))
+    left = np.flatnonzero(np.isnan(run.out[:, to.STATUS]))
     if len(left):
         alone = Raw(len(left), 0, 0)
         _march_rows(march, batch, rows[left], level, alone, detail, cases=left)
@@ -200,7 +201,7 @@ def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, 
     n = batch.size
     n_time = 0
     if histories:
-        stop = parameters[:, k.T_STOP].max()
+        stop = parameters[:, at.T_STOP].max()
         n_time = int(np.floor(stop / batch.save.dt_out * (1.0 + 1e-12))) + 1
     run = Raw(n, n_time, MAX_IMPACTS_STORED if histories else 0)
     _march_rows(march, batch, np.ascontiguousarray(parameters), level, run, _detail(march, batch, histories))

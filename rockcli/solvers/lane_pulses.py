@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.rigid import layout as k
+from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import PIECE_WIDTH, Pulses
 from rockcli.scene.models import MODELS
@@ -59,16 +59,16 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, margin: f
     assert isinstance(channel, Pulses)
     pieces = channel.table.shape[1]
     tables = channel.table[cases].reshape(len(rows), pieces * PIECE_WIDTH)
-    found = np.zeros((len(rows), k.N_OUT))
+    found = np.zeros((len(rows), to.N_OUT))
     order = _order(level.rtol)
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
         lanes.sweep(
             rows, MODELS[batch.model, batch.geometry].linear, level.rtol, level.rest_speed, margin, MAX_STEPS, order,
             detail, tables, pieces, lanes.work_space(order), found,
         )  # fmt: skip
-    found[found[:, k.STATUS] == lanes.LEFT_TO_MARCH, k.STATUS] = np.nan
-    found[:, k.T_OVERTURN] = found[:, k.T_END] = np.nan  # the lanes stop where the answer is known
-    found[:, k.N_MIN] = found[:, k.N_STANDING] = np.inf  # nobody looked
+    found[found[:, to.STATUS] == lanes.LEFT_TO_MARCH, to.STATUS] = np.nan
+    found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known
+    found[:, to.N_MIN] = found[:, to.N_STANDING] = np.inf  # nobody looked
     return found
 
 

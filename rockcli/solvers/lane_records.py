@@ -7,7 +7,8 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.rigid import layout as k
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
@@ -51,11 +52,11 @@ def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
     channel = batch.excitation.horizontal
     assert isinstance(channel, Samples)
     with np.errstate(divide="ignore"):
-        guard = rows[:, k.G] * rows[:, k.RIGHT + k.THRESHOLD] / np.abs(rows[:, k.FACTOR_H])
+        guard = rows[:, at.G] * rows[:, at.RIGHT + at.THRESHOLD] / np.abs(rows[:, at.FACTOR_H])
     sizes = np.append(np.unique(np.abs(channel.values)), np.inf)
     above = np.searchsorted(sizes[:-1], guard)
     near = np.minimum(sizes[above] - guard, guard - sizes[np.maximum(above - 1, 0)])
-    return np.asarray(np.isfinite(rows[:, k.RIGHT + k.Q_STAR]) & ~(np.abs(near) <= GRAZING * guard))
+    return np.asarray(np.isfinite(rows[:, at.RIGHT + at.Q_STAR]) & ~(np.abs(near) <= GRAZING * guard))
 
 
 def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: int, margin: float, detail: int) -> Array:
@@ -72,11 +73,11 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: in
     blocks = np.maximum.reduceat(size, np.arange(0, len(size), lanes.BLOCK))
     path = bool(batch.save.scalars & PATH)
     velocity = np.empty((0, 3)) if path else velocity_of(channel.values, channel.dt)
-    found = np.zeros((len(rows), k.N_OUT))
+    found = np.zeros((len(rows), to.N_OUT))
     linear = MODELS[batch.model, batch.geometry].linear
     how = (linear, level.rtol, level.rest_speed, margin, detail, order)
     lanes.march_lanes(rows, *how, values, slopes, blocks, tail, velocity, channel.dt, lanes.work_space(), found)
-    found[found[:, k.STATUS] == lanes.HANDED_OVER, k.STATUS] = np.nan
+    found[found[:, to.STATUS] == lanes.HANDED_OVER, to.STATUS] = np.nan
     return found
 
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.kernels.constants import DONE
-from rockcli.kernels.rigid import layout as k
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest, slides_only
@@ -96,10 +97,10 @@ def _solved(batch: Batch, rows: NDArray[np.intp], max_steps: int, *, histories: 
     """Run the kernel, compiled or not as those of rocking were."""
     kernel = kernels.load("rigid.sliding", compile_them=bool(kernels.compiled))
     every = parameters_of(batch)
-    columns = [k.T_MOTION, k.T_STOP, k.HAS_DURATION, k.FACTOR_H, k.FACTOR_V]
+    columns = [at.T_MOTION, at.T_STOP, at.HAS_DURATION, at.FACTOR_H, at.FACTOR_V]
     pars: Any = np.column_stack([batch.block.mu, batch.g, every[:, columns]])[rows]
-    n_time = int(np.floor(every[rows, k.T_STOP].max() / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
-    found = Slid(rows, np.zeros((len(rows), k.SLIDE_OUT)), *(np.full((len(rows), n_time), np.nan) for _ in range(3)))
+    n_time = int(np.floor(every[rows, at.T_STOP].max() / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
+    found = Slid(rows, np.zeros((len(rows), to.SLIDE_OUT)), *(np.full((len(rows), n_time), np.nan) for _ in range(3)))
     arrays = [found.u, found.rate, found.way, found.out]
     outputs: list[Any] = arrays
     horizontal, vertical = (
@@ -126,15 +127,15 @@ def _channel(channel: Channel | None, n: int, rows: NDArray[np.intp]) -> list[An
 def _scalars(batch: Batch, slid: Slid) -> dict[str, Any]:
     """Scalars by name of the cases that slide."""
     out = slid.out
-    failed, flew = out[:, k.STATUS] != DONE, np.isfinite(out[:, k.T_FLIGHT])
+    failed, flew = out[:, to.STATUS] != DONE, np.isfinite(out[:, to.T_FLIGHT])
     missing = failed | flew
 
     def known(values: Any) -> Array:
         return np.where(missing, np.nan, values)
 
-    peak = known(np.abs(out[:, k.SLIDE_PEAK]))
+    peak = known(np.abs(out[:, to.SLIDE_PEAK]))
     outcome = np.where(peak > 0.0, SLIDING, np.where(flew, UNRESOLVED, NO_UPLIFT))
-    needed = np.minimum(out[:, k.MU], batch.block.mu[slid.rows])  # a slide never needs more than there is
+    needed = np.minimum(out[:, to.MU], batch.block.mu[slid.rows])  # a slide never needs more than there is
     return {
         **dict.fromkeys(ABSENT, np.nan),
         **{name: known(0.0) for name in NOTHING},
@@ -143,24 +144,24 @@ def _scalars(batch: Batch, slid: Slid) -> dict[str, Any]:
         "outcome": np.where(failed, FAILED, outcome).astype(np.int8),
         "u_top_peak": peak,
         "slide_peak": peak,
-        "slide_residual": known(out[:, k.SLIDE_END]),
-        "t_end": np.where(failed, np.nan, out[:, k.T_END]),
+        "slide_residual": known(out[:, to.SLIDE_END]),
+        "t_end": np.where(failed, np.nan, out[:, to.T_END]),
         "mu_required": np.where(failed, np.nan, np.where(flew, np.inf, needed)),
-        "N_min_over_mg": np.where(failed, np.nan, np.where(flew, np.minimum(out[:, k.N_MIN], 0.0), out[:, k.N_MIN])),
-        "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
-        "n_rhs": np.rint(out[:, k.N_STEPS]).astype(np.int64),  # a step is one expansion
+        "N_min_over_mg": np.where(failed, np.nan, np.where(flew, np.minimum(out[:, to.N_MIN], 0.0), out[:, to.N_MIN])),
+        "n_steps": np.rint(out[:, to.N_STEPS]).astype(np.int64),
+        "n_rhs": np.rint(out[:, to.N_STEPS]).astype(np.int64),  # a step is one expansion
     }
 
 
 def _reasons(slid: Slid) -> list[str]:
     said = []
     for out in slid.out:
-        if out[k.STATUS] != DONE:
-            said.append(f"gave up after {out[k.N_STEPS]:.0f} steps at t = {out[k.T_END]:.6g} s")
-        elif np.isfinite(out[k.T_FLIGHT]):
-            said.append(f"the normal force vanishes at t = {out[k.T_FLIGHT]:.6g} s: free flight is not simulated")
+        if out[to.STATUS] != DONE:
+            said.append(f"gave up after {out[to.N_STEPS]:.0f} steps at t = {out[to.T_END]:.6g} s")
+        elif np.isfinite(out[to.T_FLIGHT]):
+            said.append(f"the normal force vanishes at t = {out[to.T_FLIGHT]:.6g} s: free flight is not simulated")
         else:
-            said.append(SLIDES if out[k.SLIDE_PEAK] != 0.0 else "")
+            said.append(SLIDES if out[to.SLIDE_PEAK] != 0.0 else "")
     return said
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
-from rockcli.kernels.rigid import layout as k
+from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.excitation import acceleration
@@ -31,7 +31,7 @@ class Raw:
     """Raw output of the kernels for a batch: `out` (n, N_OUT), columns as in `kernels.rigid.layout`."""
 
     def __init__(self, n: int, n_time: int, n_impacts: int) -> None:
-        self.out = np.zeros((n, k.N_OUT))
+        self.out = np.zeros((n, to.N_OUT))
         self.theta = np.full((n, n_time), np.nan)
         self.rate = np.full((n, n_time), np.nan)
         self.t_impact, self.before, self.after = (np.full((n, n_impacts), np.nan) for _ in range(3))
@@ -45,10 +45,10 @@ class Raw:
 def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Scalars by name and a sentence per case from the raw output."""
     out = run.out
-    status, verdict = out[:, k.STATUS], out[:, k.FELL]
-    moved = np.isfinite(out[:, k.T_UPLIFT])
+    status, verdict = out[:, to.STATUS], out[:, to.FELL]
+    moved = np.isfinite(out[:, to.T_UPLIFT])
     fell = verdict == FALLS
-    impacts = np.rint(out[:, k.N_IMPACTS]).astype(np.int64)
+    impacts = np.rint(out[:, to.N_IMPACTS]).astype(np.int64)
     outcome = np.where(moved, ROCKING, NO_UPLIFT)
     outcome = np.where(fell & (impacts == 0), OVERTURNED_WITHOUT_IMPACT, outcome)
     outcome = np.where(fell & (impacts > 0), OVERTURNED_AFTER_IMPACT, outcome)
@@ -56,10 +56,10 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
     outcome = np.where(status != DONE, FAILED, outcome)
 
     unknown = outcome < 0
-    side = out[:, k.PEAK_SIDE]
-    peak = np.where(unknown, np.nan, np.where(fell, np.inf, out[:, k.PEAK]))
-    stands = np.where(fell | ~moved | unknown, np.nan, out[:, k.T_PEAK])
-    top = batch.block.top * np.sin(np.minimum(out[:, k.PEAK], 0.5 * np.pi))
+    side = out[:, to.PEAK_SIDE]
+    peak = np.where(unknown, np.nan, np.where(fell, np.inf, out[:, to.PEAK]))
+    stands = np.where(fell | ~moved | unknown, np.nan, out[:, to.T_PEAK])
+    top = batch.block.top * np.sin(np.minimum(out[:, to.PEAK], 0.5 * np.pi))
     failed = outcome == FAILED
 
     def known(values: Array, missing: NDArray[np.bool_] = failed) -> Array:
@@ -67,10 +67,10 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
 
     left, right, ratio = _by_side(batch, out, peak)
     mu_required, N_min = _standing_extremes(out, fell)
-    unseen = failed | ~np.isfinite(out[:, k.N_MIN])  # forces and rates were not asked for
+    unseen = failed | ~np.isfinite(out[:, to.N_MIN])  # forces and rates were not asked for
     asked, nothing = batch.save.scalars, np.full(batch.size, np.nan)
     friction = "mu_impact" in asked or bool(np.isfinite(batch.block.mu).any())
-    onto = out[:, k.ONTO_LEFT] > 0, out[:, k.ONTO_RIGHT] > 0
+    onto = out[:, to.ONTO_LEFT] > 0, out[:, to.ONTO_RIGHT] > 0
 
     scalars: dict[str, NDArray[Any]] = {
         "outcome": outcome.astype(np.int8),
@@ -78,21 +78,21 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "theta_peak_left": left,
         "theta_peak_right": right,
         "theta_peak_over_alpha": ratio,
-        "theta_dot_peak": known(np.where(fell, np.inf, out[:, k.RATE_PEAK]), unknown | unseen),
+        "theta_dot_peak": known(np.where(fell, np.inf, out[:, to.RATE_PEAK]), unknown | unseen),
         "u_top_peak": known(np.where(fell, np.inf, top), unknown),
         "t_peak": stands,
-        "t_uplift": known(out[:, k.T_UPLIFT]),
-        "t_overturn": np.where(fell & ~failed, out[:, k.T_OVERTURN], np.nan),
-        "t_end": known(out[:, k.T_END]),
+        "t_uplift": known(out[:, to.T_UPLIFT]),
+        "t_overturn": np.where(fell & ~failed, out[:, to.T_OVERTURN], np.nan),
+        "t_end": known(out[:, to.T_END]),
         "n_impacts": impacts,
         "mu_required": known(mu_required, unseen),
         "mu_impact": known(_impact_friction(batch, *onto)) if friction else nothing,
         "N_min_over_mg": known(N_min, unseen),
-        "energy_residual": known(_over(out[:, k.ENERGY], _barrier(batch)), unseen)
+        "energy_residual": known(_over(out[:, to.ENERGY], _barrier(batch)), unseen)
         if "energy_residual" in asked
         else nothing,
-        "n_steps": np.rint(out[:, k.N_STEPS]).astype(np.int64),
-        "n_rhs": np.rint(out[:, k.N_STEPS]).astype(np.int64),  # a step is one expansion
+        "n_steps": np.rint(out[:, to.N_STEPS]).astype(np.int64),
+        "n_rhs": np.rint(out[:, to.N_STEPS]).astype(np.int64),  # a step is one expansion
     }
     return scalars, _reasons(batch, scalars, out)
 
@@ -102,13 +102,13 @@ def _by_side(batch: Batch, out: Array, peak: Array) -> tuple[Array, Array, Array
 
     `peak`: the largest |theta|, inf overturned, NaN unknown.
     """
-    symmetric, alpha, side = batch.block.symmetric, batch.block.alpha, out[:, k.PEAK_SIDE]
-    ratio, nothing = peak / out[:, k.PEAK_ALPHA], np.full(batch.size, np.nan)
+    symmetric, alpha, side = batch.block.symmetric, batch.block.alpha, out[:, to.PEAK_SIDE]
+    ratio, nothing = peak / out[:, to.PEAK_ALPHA], np.full(batch.size, np.nan)
     if symmetric.all():
         return nothing, nothing, ratio
     left, right = (
         np.where(symmetric | np.isnan(peak), np.nan, np.where(np.isinf(peak) & (side == sign), np.inf, out[:, column]))
-        for sign, column in ((-1.0, k.PEAK_LEFT), (1.0, k.PEAK_RIGHT))
+        for sign, column in ((-1.0, to.PEAK_LEFT), (1.0, to.PEAK_RIGHT))
     )
     larger = np.maximum(left / alpha[:, LEFT], right / alpha[:, RIGHT])
     return left, right, np.where(symmetric, ratio, larger)
@@ -121,9 +121,9 @@ def _standing_extremes(out: Array, fell: NDArray[np.bool_]) -> tuple[Array, Arra
     What it needs on its way to the ground says nothing about how it got there.  NaN for one that falls from beyond the
     equilibrium at once: it never stood.
     """
-    passed = fell & (out[:, k.T_OVERTURN] <= out[:, k.T_END])
-    never = passed & (out[:, k.T_OVERTURN] == 0.0)
-    both = ((k.MU, k.MU_STANDING), (k.N_MIN, k.N_STANDING))
+    passed = fell & (out[:, to.T_OVERTURN] <= out[:, to.T_END])
+    never = passed & (out[:, to.T_OVERTURN] == 0.0)
+    both = ((to.MU, to.MU_STANDING), (to.N_MIN, to.N_STANDING))
     mu, normal = (np.where(never, np.nan, np.where(passed, out[:, up_to], out[:, all_])) for all_, up_to in both)
     return mu, normal
 
@@ -154,7 +154,7 @@ def _barrier(batch: Batch) -> Array:
 
 
 def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list[str]:
-    status = out[:, k.STATUS]
+    status = out[:, to.STATUS]
     reasons = [""] * batch.size
     outcome, mu = scalars["outcome"], batch.block.mu
     needs = np.fmax(scalars["mu_required"], scalars["mu_impact"])
@@ -168,7 +168,7 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
     for i in np.flatnonzero((outcome < 0) | slides | lifts | many):
         said = []
         if status[i] == OUT_OF_STEPS:
-            said.append(f"gave up after {scalars['n_steps'][i]} steps at t = {out[i, k.T_END]:.6g} s")
+            said.append(f"gave up after {scalars['n_steps'][i]} steps at t = {out[i, to.T_END]:.6g} s")
         elif status[i] != DONE:
             said.append("the solution ceased to be finite: check the motion and the block for extreme numbers")
         elif outcome[i] == UNRESOLVED and not refused[i]:

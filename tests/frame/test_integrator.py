@@ -7,7 +7,7 @@ import pytest
 from frames import column, framed, peak, ricker
 
 from rockcli.errors import SolverError
-from rockcli.kernels.frame import layout as k
+from rockcli.kernels.frame import layout as at
 from rockcli.solvers.frame.base import fibres
 from rockcli.solvers.frame.case import case_of
 from rockcli.solvers.frame.solver import load, solve
@@ -18,16 +18,16 @@ def spectral_radius(alpha_d: float, omega_dt: float) -> float:
     kernel = load()
     case = case_of(framed(ricker("2", "negative_stiffness"), method="linear"), 0, kernel)
     par, s = case.par.copy(), case.structure
-    par[k.BASE], par[k.YIELD_ROTATION], par[k.ALPHA_D], par[k.TOLERANCE] = k.PLASTIC, 1e3, alpha_d, 1e300
+    par[at.BASE], par[at.YIELD_ROTATION], par[at.ALPHA_D], par[at.TOLERANCE] = at.PLASTIC, 1e3, alpha_d, 1e300
     inertia = s.mass[5, 0]
-    par[k.BENDING] *= 1e-8  # soft enough for the condition of the problem
-    par[k.AXIAL] *= 1e-8
-    bending, L = par[k.BENDING], s.length
+    par[at.BENDING] *= 1e-8  # soft enough for the condition of the problem
+    par[at.AXIAL] *= 1e-8
+    bending, L = par[at.BENDING], s.length
     # the base node has no mass: spring and column in series, seen from the rotation of the top, which nothing holds
-    flexibility = 1.0 / (par[k.YIELD_MOMENT] / 1e3) + L / bending
+    flexibility = 1.0 / (par[at.YIELD_MOMENT] / 1e3) + L / bending
     h = omega_dt * np.sqrt(inertia * flexibility)
     N = 6
-    work, bands, B = np.zeros((k.N_ROWS, N)), np.zeros((k.N_BANDS, N, k.BAND)), np.zeros((3, 6))
+    work, bands, B = np.zeros((at.N_ROWS, N)), np.zeros((at.N_BANDS, N, at.BAND)), np.zeros((3, 6))
     columns = []
     for j in range(3):
         u, v, a = np.zeros(N), np.zeros(N), np.zeros(N)
@@ -35,7 +35,7 @@ def spectral_radius(alpha_d: float, omega_dt: float) -> float:
         state[j] = 1.0
         # amplitudes of the mode: the top turns by 1, its base and its displacement follow statically
         mode = np.zeros(N)
-        base = 1.0 / (par[k.YIELD_MOMENT] / 1e3) / flexibility
+        base = 1.0 / (par[at.YIELD_MOMENT] / 1e3) / flexibility
         mode[2], mode[5] = base, 1.0
         mode[3] = L * 0.5 * (base + 1.0)
         u[:], v[:], a[:] = mode * state[0], mode * state[1] / h, mode * state[2] / h**2

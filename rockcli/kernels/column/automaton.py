@@ -8,58 +8,14 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.column import layout as at
 from rockcli.kernels.column.events import drop, first_event, look, note, note_peaks
-from rockcli.kernels.column.law import (
-    ALPHA,
-    BARRIER,
-    CONTACT,
-    DETAIL,
-    ETA,
-    FACTOR_H,
-    FACTOR_V,
-    FINENESS,
-    GIVE_UP,
-    H_FREE,
-    H_MAX,
-    HAS_DURATION,
-    LENGTH,
-    MOBILITY,
-    OPEN,
-    PHASE_0,
-    R_A,
-    REARM,
-    SIDE_0,
-    T_MOTION,
-    T_STOP,
-    THETA_1,
-    THETA_STAR,
-    WIDTH,
-    G,
-    P,
-    along,
-    base_moment,
-    dot,
-    energy,
-    gap,
-    ground,
-    ground_loads,
-    limit,
-    step,
-    work_of,
-)
+from rockcli.kernels.column.law import along, base_moment, dot, energy, gap, ground, ground_loads, limit, step, work_of
 from rockcli.kernels.column.oscillator import advance, fill, wander
 from rockcli.kernels.constants import FALLS, FAST, NOT_FINITE, OUT_OF_STEPS, RETURNS, UNDECIDED
 from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, piece_end
 from rockcli.kernels.rigid.ground import WIDTH as PIECE
-
-(
-    STATUS, VERDICT, PEAK, PEAK_SIDE, T_PEAK, RATE_PEAK, U_PEAK, T_UPLIFT, T_OVERTURN, T_END, N_LANDINGS, ENERGY,
-    LANDING_LOSS, N_STEPS, N_STORED, CAPTURES, N_RHS, N_OUT,
-) = range(18)  # fmt: skip
-"""How it ended; the verdict; largest |theta|, its sign and time; largest rate and top displacement; times; landings
-counted; energy not accounted for, and lost where the base caught a re-crossing (both over m L^2); steps; stored
-landings; such captures; evaluations of the loads."""
 
 SLOTS = 8
 """Step tables kept per phase."""
@@ -107,12 +63,14 @@ def write(par, phase, s, lam, c, bu, th, top, row, row_v, F, x, t, t_end, dt_out
         theta = dot(th, z_x)
         hist[0, i_hist], hist[1, i_hist] = theta, dot(th, v_x)
         hist[2, i_hist] = dot(top, z_x) - theta
-        if phase == OPEN:
+        if phase == at.OPEN:
             hist[3, i_hist] = base_moment(par, s, theta, along(F, 9, y))
-        elif par[THETA_1] > 0.0:
-            hist[3, i_hist] = par[G] * par[WIDTH] / (par[LENGTH] * par[LENGTH]) * theta / (3.0 * par[THETA_1])
+        elif par[at.THETA_1] > 0.0:
+            hist[3, i_hist] = (
+                par[at.G] * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH]) * theta / (3.0 * par[at.THETA_1])
+            )
         else:
-            hist[3, i_hist] = -(dot(row, z_x) + dot(row_v, v_x) + par[R_A] * along(F, 6, y))
+            hist[3, i_hist] = -(dot(row, z_x) + dot(row_v, v_x) + par[at.R_A] * along(F, 6, y))
         i_hist += 1
     return i_hist
 
@@ -130,24 +88,24 @@ def march(
     Kept for further cases of the same column: tables (2, SLOTS, 14, N), influences (2, SLOTS, 24), keys and used
     (2, SLOTS) of the steps, paces (2, LEVELS, 7, N) and filled (2, LEVELS) of the search.  The rest is work space.
     """
-    for i in range(N_OUT):
+    for i in range(at.N_OUT):
         out[i] = 0.0
-    out[T_PEAK] = out[T_UPLIFT] = out[T_OVERTURN] = math.nan
-    z_1, v_1, z_x, v_x, room, peaks = work[0], work[1], work[2], work[3], work[4:8], out[PEAK : U_PEAK + 1]
-    phase, s, armed = int(par[PHASE_0]), par[SIDE_0], par[PHASE_0] == OPEN
-    winkler = par[THETA_1] > 0.0
-    t, t_motion, t_stop = 0.0, par[T_MOTION], par[T_STOP]
+    out[at.T_PEAK] = out[at.T_UPLIFT] = out[at.T_OVERTURN] = math.nan
+    z_1, v_1, z_x, v_x, room, peaks = work[0], work[1], work[2], work[3], work[4:8], out[at.PEAK : at.U_PEAK + 1]
+    phase, s, armed = int(par[at.PHASE_0]), par[at.SIDE_0], par[at.PHASE_0] == at.OPEN
+    winkler = par[at.THETA_1] > 0.0
+    t, t_motion, t_stop = 0.0, par[at.T_MOTION], par[at.T_STOP]
     ih = iv = i_hist = clock = stuck = 0
     balance = energy(par, phase, lams[phase], bus[phase], ths[phase], z, v)
-    if phase == OPEN:
-        out[T_UPLIFT] = 0.0
-        out[PEAK], out[PEAK_SIDE], out[T_PEAK] = abs(dot(ths[OPEN], z)), s, 0.0
+    if phase == at.OPEN:
+        out[at.T_UPLIFT] = 0.0
+        out[at.PEAK], out[at.PEAK_SIDE], out[at.T_PEAK] = abs(dot(ths[at.OPEN], z)), s, 0.0
     verdict = shown = -1
     reported = False
     while True:
         clock += 1
         if clock > max_steps:
-            out[STATUS] = OUT_OF_STEPS
+            out[at.STATUS] = OUT_OF_STEPS
             break
         while hk != NOTHING and ih < h_n and piece_end(hk, h_table, h_dt, ih) <= t * (1.0 + 1e-14):
             ih += 1
@@ -160,23 +118,23 @@ def march(
             row, row_v, known, full = rows[phase], rows_v[phase], paces[phase], filled[phase]
         if t >= t_stop and not reported:
             reported = True
-            out[T_END] = t_stop
+            out[at.T_END] = t_stop
             balance -= energy(par, phase, lam, bu, th, z, v)
         if after:
             e = energy(par, phase, lam, bu, th, z, v) if t >= t_stop else math.inf
-            if t >= t_stop and e < par[BARRIER] * (1.0 - 1e-9):
+            if t >= t_stop and e < par[at.BARRIER] * (1.0 - 1e-9):
                 verdict = RETURNS
                 break
-            if phase == CONTACT:
+            if phase == at.CONTACT:
                 for k in range(12):
                     F[k] = 0.0
                 wander(lam, c, bu, th, F, 1e9, z, v, row, row_v, math.inf, math.inf, found)
                 if 0.5 * found[0] < 1e-3 * limit(par, phase, s, 0.0):
                     verdict = RETURNS
                     if not reported:
-                        out[T_END] = t_stop if par[HAS_DURATION] > 0.0 else t
+                        out[at.T_END] = t_stop if par[at.HAS_DURATION] > 0.0 else t
                     break
-            if t >= t_stop + par[GIVE_UP]:
+            if t >= t_stop + par[at.GIVE_UP]:
                 verdict = UNDECIDED
                 break
 
@@ -191,12 +149,17 @@ def march(
                 t_next = min(t_next, piece_end(vk, v_table, v_dt, iv))
                 if vk == PULSES and t < v_table[iv * PIECE]:
                     t_next = min(t_next, v_table[iv * PIECE])
-        h = par[H_FREE] if after else par[H_MAX]
-        if winkler and phase == OPEN:
-            q = max(abs(dot(th, z)), par[THETA_1])
-            stiff = par[G] * par[WIDTH] / (par[LENGTH] * par[LENGTH] * 3.0 * par[THETA_1]) * (par[THETA_1] / q) ** 1.5
-            fine, rate = par[FINENESS], abs(dot(th, v))
-            while h * h * stiff * par[MOBILITY] > 0.1 * fine * fine or h * rate > 0.3 * fine * q:
+        h = par[at.H_FREE] if after else par[at.H_MAX]
+        if winkler and phase == at.OPEN:
+            q = max(abs(dot(th, z)), par[at.THETA_1])
+            stiff = (
+                par[at.G]
+                * par[at.WIDTH]
+                / (par[at.LENGTH] * par[at.LENGTH] * 3.0 * par[at.THETA_1])
+                * (par[at.THETA_1] / q) ** 1.5
+            )
+            fine, rate = par[at.FINENESS], abs(dot(th, v))
+            while h * h * stiff * par[at.MOBILITY] > 0.1 * fine * fine or h * rate > 0.3 * fine * q:
                 h *= 0.5
         lands = t_next - t <= h * (1.0 + 1e-9)
         h = rounded(t_next - t if lands else h)
@@ -205,31 +168,33 @@ def march(
         while True:
             for k in range(3):
                 x = t + 0.5 * h * k
-                A[k] = ground(hk, h_values, h_dt, par[FACTOR_H], h_table, ih, h_n, x, t_motion, S) if not after else 0.0
+                A[k] = (
+                    ground(hk, h_values, h_dt, par[at.FACTOR_H], h_table, ih, h_n, x, t_motion, S) if not after else 0.0
+                )
                 A[3 + k] = (
-                    ground(vk, v_values, v_dt, par[FACTOR_V], v_table, iv, v_n, x, t_motion, S) if not after else 0.0
+                    ground(vk, v_values, v_dt, par[at.FACTOR_V], v_table, iv, v_n, x, t_motion, S) if not after else 0.0
                 )
             slot, ready = slot_of(keys[phase], used[phase], clock, h)
             table, influence = tables[phase, slot], influences[phase, slot]
             if not ready:
                 fill(lam, c, bu, th, h, S, table, influence)
             evaluated = step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F)
-            out[N_RHS] += abs(evaluated)
+            out[at.N_RHS] += abs(evaluated)
             converged = evaluated > 0
-            if converged or h < 1e-9 * par[H_MAX]:
+            if converged or h < 1e-9 * par[at.H_MAX]:
                 break
             h *= 0.5
             lands = False
         if not converged:
-            out[STATUS] = NOT_FINITE
+            out[at.STATUS] = NOT_FINITE
             break
 
         # the guard
         # a mode too weak to matter at this accuracy does not set how densely the step is looked at
-        weak = 1e-5 if par[FINENESS] >= 1.0 else (1e-7 if par[FINENESS] >= 0.5 else 1e-9)
-        floor = weak * (limit(par, CONTACT, s, 0.0) if phase == CONTACT else par[ALPHA])
+        weak = 1e-5 if par[at.FINENESS] >= 1.0 else (1e-7 if par[at.FINENESS] >= 0.5 else 1e-9)
+        floor = weak * (limit(par, at.CONTACT, s, 0.0) if phase == at.CONTACT else par[at.ALPHA])
         near, _ = look(par, phase, s, armed, lam, c, bu, th, row, row_v, F, 0.0, z, v)
-        floor_rate = math.sqrt(weak) * par[P] * par[ALPHA]
+        floor_rate = math.sqrt(weak) * par[at.P] * par[at.ALPHA]
         fall = drop(par, phase, lam, c, bu, th, row, row_v, F, h, z, v, floor, floor_rate, found)
         stray, omega, swing, omega_rate = found[0], found[1], found[2], found[3]
         x, event = h, False
@@ -248,17 +213,17 @@ def march(
 
         # what is read off
         theta_0, theta_1, rate_0, rate_1 = dot(th, z), dot(th, z_1), dot(th, v), dot(th, v_1)
-        turning = phase == OPEN or winkler  # whether the base can turn
-        if not reported or par[HAS_DURATION] == 0.0:
+        turning = phase == at.OPEN or winkler  # whether the base can turn
+        if not reported or par[at.HAS_DURATION] == 0.0:
             turns, sways = rate_0 * rate_1 <= 0.0, dot(top, v) * dot(top, v_1) <= 0.0
             long = omega * x > 1.0  # the ends do not tell: may the rates vanish in between?
             turns = turns or (long and abs(rate_0) <= swing)
-            seen = turning and turns and abs(theta_0) + stray > out[PEAK]
-            quick = turning and abs(rate_0) + swing > out[RATE_PEAK]
+            seen = turning and turns and abs(theta_0) + stray > out[at.PEAK]
+            quick = turning and abs(rate_0) + swing > out[at.RATE_PEAK]
             if seen or sways or long:
-                wander(lam, c, bu, th, F, x, z, v, top, rows_v[OPEN], weak * par[ALPHA], math.inf, found)
+                wander(lam, c, bu, th, F, x, z, v, top, rows_v[at.OPEN], weak * par[at.ALPHA], math.inf, found)
                 sways = sways or (long and abs(dot(top, v)) <= found[2])
-                seen = seen or (sways and 1.1 * par[LENGTH] * (abs(dot(top, z)) + found[0]) > out[U_PEAK])
+                seen = seen or (sways and 1.1 * par[at.LENGTH] * (abs(dot(top, z)) + found[0]) > out[at.U_PEAK])
             if seen or quick:
                 fast = max(found[1] if seen else 0.0, omega_rate if quick else 0.0)
                 note_peaks(
@@ -267,8 +232,8 @@ def march(
                 )  # fmt: skip
             else:
                 note(par, th, top, t + x, z_1, v_1, peaks)
-        if not armed and turning and abs(theta_0) + stray > par[REARM]:
-            armed = abs(theta_1) > par[REARM]
+        if not armed and turning and abs(theta_0) + stray > par[at.REARM]:
+            armed = abs(theta_1) > par[at.REARM]
             if not armed:
                 # it may have been beyond and come back
                 highest = about[12:17]
@@ -277,10 +242,10 @@ def march(
                     par, lam, c, bu, th, top, F, x, omega, True, t, z, v, z_1, v_1, known, full, room,
                     about, S, z_x, v_x, highest,
                 )  # fmt: skip
-                armed = highest[0] > par[REARM]
-        if abs(theta_0) < par[THETA_STAR] <= abs(theta_1):
-            out[T_OVERTURN] = t + x
-        if par[DETAIL] > 0.0 and not after and not reported:
+                armed = highest[0] > par[at.REARM]
+        if abs(theta_0) < par[at.THETA_STAR] <= abs(theta_1):
+            out[at.T_OVERTURN] = t + x
+        if par[at.DETAIL] > 0.0 and not after and not reported:
             # work of the ground: its part of the loads, along the quartic of the step
             advance(lam, c, bu, th, F, 0.5 * x, S, z, v, z_x, v_x)
             theta_b = dot(th, z_x)
@@ -292,74 +257,74 @@ def march(
         for m in range(len(z)):
             z[m], v[m] = z_1[m], v_1[m]
         if not math.isfinite(theta_1 + dot(top, z_1)):
-            out[STATUS] = NOT_FINITE
+            out[at.STATUS] = NOT_FINITE
             break
         if abs(theta_1) >= 0.5 * math.pi:
             verdict = FALLS
             if not reported:
-                out[T_END] = t_stop if par[HAS_DURATION] > 0.0 else t
+                out[at.T_END] = t_stop if par[at.HAS_DURATION] > 0.0 else t
             break
         stuck = stuck + 1 if event and x < 1e-13 * (t + h) else 0
         if stuck > 200:
-            out[STATUS] = OUT_OF_STEPS
+            out[at.STATUS] = OUT_OF_STEPS
             break
         if not event:
             continue
 
         # the reset
-        if phase == CONTACT:
-            if winkler and abs(theta_1) < 0.5 * par[THETA_1]:
-                lost = 0.5 * (1.0 - par[ETA] * par[ETA]) * dot(v, v)
+        if phase == at.CONTACT:
+            if winkler and abs(theta_1) < 0.5 * par[at.THETA_1]:
+                lost = 0.5 * (1.0 - par[at.ETA] * par[at.ETA]) * dot(v, v)
                 _land(par, t, rate_1, reported, landings, out)
                 balance -= 0.0 if reported else lost
                 for m in range(len(v)):
-                    v[m] *= par[ETA]
+                    v[m] *= par[at.ETA]
                 armed, s = False, -s
                 continue
-            value = dot(row, z) + dot(row_v, v) + par[R_A] * along(F, 6, x)
+            value = dot(row, z) + dot(row_v, v) + par[at.R_A] * along(F, 6, x)
             s = (1.0 if theta_1 > 0.0 else -1.0) if winkler else (-1.0 if value > 0.0 else 1.0)
             switch(T, False, z, v, z_x, v_x)
-            phase = OPEN
+            phase = at.OPEN
             if not winkler:
                 armed = False
-            if math.isnan(out[T_UPLIFT]):
-                out[T_UPLIFT] = t
+            if math.isnan(out[at.T_UPLIFT]):
+                out[at.T_UPLIFT] = t
         elif winkler:
             switch(T, True, z, v, z_x, v_x)
-            phase = CONTACT
+            phase = at.CONTACT
         else:
             if armed:
-                lost = 0.5 * (1.0 - par[ETA] * par[ETA]) * dot(v, v)
+                lost = 0.5 * (1.0 - par[at.ETA] * par[at.ETA]) * dot(v, v)
                 _land(par, t, rate_1, reported, landings, out)
                 balance -= 0.0 if reported else lost
                 for m in range(len(v)):
-                    v[m] *= par[ETA]
+                    v[m] *= par[at.ETA]
                 armed = False
                 s = -s
-                if par[ETA] > 0.0:
+                if par[at.ETA] > 0.0:
                     continue
             # the base comes back: it sticks if the moment can hold it
             switch(T, True, z, v, z_x, v_x)
-            value = dot(rows[CONTACT], z_x) + dot(rows_v[CONTACT], v_x) + par[R_A] * along(F, 6, x)
-            if gap(par, CONTACT, s, False, value, along(F, 9, x)) <= 0.0:
-                s = s if par[ETA] == 0.0 and dot(v, v) == 0.0 else -s
+            value = dot(rows[at.CONTACT], z_x) + dot(rows_v[at.CONTACT], v_x) + par[at.R_A] * along(F, 6, x)
+            if gap(par, at.CONTACT, s, False, value, along(F, 9, x)) <= 0.0:
+                s = s if par[at.ETA] == 0.0 and dot(v, v) == 0.0 else -s
                 continue
-            lost = energy(par, OPEN, lam, bu, th, z, v)
-            lost -= energy(par, CONTACT, lams[CONTACT], bus[CONTACT], ths[CONTACT], z_x, v_x)
+            lost = energy(par, at.OPEN, lam, bu, th, z, v)
+            lost -= energy(par, at.CONTACT, lams[at.CONTACT], bus[at.CONTACT], ths[at.CONTACT], z_x, v_x)
             if not reported:
-                out[LANDING_LOSS] += lost
-                out[CAPTURES] += 1
+                out[at.LANDING_LOSS] += lost
+                out[at.CAPTURES] += 1
                 balance -= lost
-            phase = CONTACT
+            phase = at.CONTACT
         for m in range(len(z)):
             z[m], v[m] = z_x[m], v_x[m]
 
     if verdict >= 0:
-        out[VERDICT] = verdict
+        out[at.VERDICT] = verdict
     if not reported:
         balance -= energy(par, phase, lams[phase], bus[phase], ths[phase], z, v)
-    out[N_STEPS] = clock
-    out[ENERGY] = balance
+    out[at.N_STEPS] = clock
+    out[at.ENERGY] = balance
 
 
 @jit
@@ -367,9 +332,9 @@ def _land(par, t, rate, reported, landings, out):
     """Count and store a landing."""
     if reported:
         return
-    if abs(rate) > FAST * par[P] * par[ALPHA]:
-        out[N_LANDINGS] += 1
-    k = int(out[N_STORED])
+    if abs(rate) > FAST * par[at.P] * par[at.ALPHA]:
+        out[at.N_LANDINGS] += 1
+    k = int(out[at.N_STORED])
     if k < landings.shape[1]:
-        landings[0, k], landings[1, k], landings[2, k] = t, rate, par[ETA] * rate
-        out[N_STORED] += 1
+        landings[0, k], landings[1, k], landings[2, k] = t, rate, par[at.ETA] * rate
+        out[at.N_STORED] += 1

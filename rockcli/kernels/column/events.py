@@ -9,20 +9,8 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.column.law import (
-    CONTACT,
-    FINENESS,
-    LENGTH,
-    OPEN,
-    R_A,
-    THETA_1,
-    TOL,
-    WIDTH,
-    along,
-    dot,
-    gap,
-    limit,
-)
+from rockcli.kernels.column import layout as at
+from rockcli.kernels.column.law import along, dot, gap, limit
 from rockcli.kernels.column.oscillator import PACE_ROWS, advance, hop, know_pace, wander
 from rockcli.kernels.jit import jit
 
@@ -61,10 +49,10 @@ def drop(par, phase, lam, c, bu, th, row, row_v, F, d, z, v, floor, floor_rate, 
     """Bound of how far `gap` may fall within d; found as from `wander`."""
     wander(lam, c, bu, th, F, d, z, v, row, row_v, floor, floor_rate, found)
     stray = found[0]
-    if phase == CONTACT and par[THETA_1] == 0.0:
+    if phase == at.CONTACT and par[at.THETA_1] == 0.0:
         lighter = max(-F[10], 0.0) + 0.5 * d * max(-F[11], 0.0)
-        stray += d * abs(par[R_A]) * (abs(F[7]) + 0.5 * d * abs(F[8]))
-        stray += d * lighter * par[WIDTH] / (par[LENGTH] * par[LENGTH])
+        stray += d * abs(par[at.R_A]) * (abs(F[7]) + 0.5 * d * abs(F[8]))
+        stray += d * lighter * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
     return stray
 
 
@@ -76,13 +64,13 @@ def look(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, z, v):
     for k in range(len(lam)):
         value += row[k] * z[k] + row_v[k] * v[k]
         rate += row[k] * v[k] + row_v[k] * (bu[k] * f + th[k] * m - c[k] * v[k] - lam[k] * z[k])
-    if phase == OPEN:
+    if phase == at.OPEN:
         return gap(par, phase, s, armed, value, 0.0), s * rate
     edge_rate = 0.0
-    if par[THETA_1] == 0.0:
-        value += par[R_A] * along(F, 6, x)
-        rate += par[R_A] * (F[7] + x * F[8])
-        edge_rate = (F[10] + x * F[11]) * par[WIDTH] / (par[LENGTH] * par[LENGTH])
+    if par[at.THETA_1] == 0.0:
+        value += par[at.R_A] * along(F, 6, x)
+        rate += par[at.R_A] * (F[7] + x * F[8])
+        edge_rate = (F[10] + x * F[11]) * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
     near = gap(par, phase, s, armed, value, along(F, 9, x))
     if near < gap(par, phase, s, False, value, along(F, 9, x)):
         return near, s * rate
@@ -106,7 +94,7 @@ def first_event(
     if g < 0.0:
         return 0.0
     level = level_of(h)
-    count, resolved = 0, RESOLVED if par[FINENESS] < 1.0 else COARSELY
+    count, resolved = 0, RESOLVED if par[at.FINENESS] < 1.0 else COARSELY
     x = 0.0
     while x < h:
         d = math.ldexp(1.0, LONGEST - level)
@@ -153,8 +141,8 @@ def first_event(
 def _refine(par, phase, s, armed, lam, c, bu, th, row, row_v, F, hi, g_lo, g_hi, S, z, v, z_x, v_x):
     """Newton's method, bisecting where it leaves the bracket [0, hi]; ends just beyond the guard."""
     lo, d = 0.0, hi
-    beyond = 0.1 * par[TOL]
-    if phase == CONTACT and par[THETA_1] == 0.0:
+    beyond = 0.1 * par[at.TOL]
+    if phase == at.CONTACT and par[at.THETA_1] == 0.0:
         beyond = 1e-12 * limit(par, phase, s, 0.0)
     y = hi * g_lo / (g_lo - g_hi)
     for _ in range(60):
@@ -182,7 +170,7 @@ def note(par, th, top, t, z, v, peaks):
     if abs(theta) > peaks[0] * (1.0 + 1e-12):
         peaks[0], peaks[1], peaks[2] = abs(theta), math.copysign(1.0, theta), t
     peaks[3] = max(peaks[3], abs(dot(th, v)))
-    u = par[LENGTH] * (math.sin(theta) + (dot(top, z) - theta) * math.cos(theta))
+    u = par[at.LENGTH] * (math.sin(theta) + (dot(top, z) - theta) * math.cos(theta))
     peaks[4] = max(peaks[4], abs(u))
 
 
@@ -208,7 +196,7 @@ def note_peaks(
     for m in range(len(z)):
         z_a[m], v_a[m] = z[m], v[m]
     note(par, th, top, t, z, v, peaks)
-    apart = RESOLVED if turns or par[FINENESS] < 0.5 else COARSELY
+    apart = RESOLVED if turns or par[at.FINENESS] < 0.5 else COARSELY
     level = level_of(max(min(apart / omega, 0.5 * h) if omega > 0.0 else 0.5 * h, h / MOST_PACES))
     know_pace(lam, c, math.ldexp(1.0, LONGEST - level), S, paces, filled, level)
     rate, turning = dot(th, v), bend(lam, c, bu, th, th, F, 0.0, z, v)
@@ -227,7 +215,7 @@ def note_peaks(
             note(par, th, top, t + x + d, z_b, v_b, peaks)
         for part in range(2 if turns else 0):
             row = th if part == 0 else top
-            record = peaks[0] if part == 0 else peaks[4] / par[LENGTH]
+            record = peaks[0] if part == 0 else peaks[4] / par[at.LENGTH]
             r_a, r_b = dot(row, v_a), dot(row, v_b)
             q = max(abs(dot(row, z_a)), abs(dot(row, z_b)))
             if r_a * r_b < 0.0 and q + 0.5 * d * max(abs(r_a), abs(r_b)) > 0.99 * record:

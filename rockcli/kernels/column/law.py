@@ -7,24 +7,11 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.column import layout as at
 from rockcli.kernels.column.oscillator import HALF, PVV, PVZ, PZV, PZZ, WV, WZ
 from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, expand
 from rockcli.kernels.rigid.ground import WIDTH as PIECE
-
-CONTACT, OPEN = 0, 1
-"""Phases: base held (rigid base) or in full contact (Winkler); base rocking on an edge."""
-
-(
-    G, LENGTH, WIDTH, THETA_1, ALPHA, P, ETA, REARM, BARRIER, THETA_STAR, H_MAX, H_FREE, T_MOTION, T_STOP,
-    HAS_DURATION, FACTOR_H, FACTOR_V, R_A, MOBILITY, TOL, GIVE_UP, PHASE_0, SIDE_0, DETAIL, FINENESS,
-    N_PAR,
-) = range(26)  # fmt: skip
-"""g; 2h; b; rotation at which a Winkler base opens (0: rigid base); alpha; p; eta; rotation that re-arms eta;
-energy and rotation of the unstable equilibrium; largest steps with and without ground motion; end of the motion and
-of the report; is the duration given; factors of sampled motions; base moment per a_g of the held column;
-[M^-1]_00; rounding of theta; free rocking after T_STOP; first phase and side; is the work wanted;
-factor of the accuracy level on the steps."""
 
 UNIFORM_TO_ROTATION = 0.5
 """Uniform load times rigid rotation: the first moment of the mass over m L."""
@@ -42,9 +29,9 @@ def dot(a, b):
 @jit
 def base_moment(par, s, theta, a_v):
     """Moment of the base opposing an open column: (g + a_v) b, or the Winkler law (F6); [1/s^2]."""
-    weight = par[G] + a_v
-    full = weight * par[WIDTH] / (par[LENGTH] * par[LENGTH])
-    theta_1 = par[THETA_1] * weight / par[G]
+    weight = par[at.G] + a_v
+    full = weight * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
+    theta_1 = par[at.THETA_1] * weight / par[at.G]
     if theta_1 <= 0.0:
         return s * full
     q = s * theta
@@ -56,10 +43,10 @@ def base_moment(par, s, theta, a_v):
 @jit
 def loads(par, phase, s, theta, y, a, a_v):
     """Loads beside the linear weight (F3): along the column, and the moment on the base rotation; y = b_u.y."""
-    g, sin, cos = par[G], math.sin(theta), math.cos(theta)
-    f = ((g + a_v) * sin - g * theta - a * cos) / par[LENGTH]
-    moment = ((g + a_v) * cos - g + a * sin) * (y - UNIFORM_TO_ROTATION * theta) / par[LENGTH]
-    if phase == OPEN:
+    g, sin, cos = par[at.G], math.sin(theta), math.cos(theta)
+    f = ((g + a_v) * sin - g * theta - a * cos) / par[at.LENGTH]
+    moment = ((g + a_v) * cos - g + a * sin) * (y - UNIFORM_TO_ROTATION * theta) / par[at.LENGTH]
+    if phase == at.OPEN:
         moment -= base_moment(par, s, theta, a_v)
     return f, moment
 
@@ -100,7 +87,7 @@ def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
     rate = 0.5 * h * dot(th, v)
     t_b, t_1, s_b, s_1 = theta + rate, theta + 2.0 * rate, dot(bu, z) + 0.5 * rate, dot(bu, z) + rate
     f_b = f_1 = m_b = m_1 = 0.0
-    close = 1e-7 if par[FINENESS] >= 1.0 else 1e-14
+    close = 1e-7 if par[at.FINENESS] >= 1.0 else 1e-14
     converged = False
     evaluated = 1
     for _ in range(60):
@@ -113,7 +100,7 @@ def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
         s_1 = y_1 + w[18] * f_0 + w[19] * f_b + w[20] * f_1 + w[21] * m_0 + w[22] * m_b + w[23] * m_1
         change = abs(new_b - t_b) + abs(new_1 - t_1)
         t_b, t_1 = new_b, new_1
-        if change <= close * (abs(theta) + abs(t_1)) + 1e-3 * par[TOL]:
+        if change <= close * (abs(theta) + abs(t_1)) + 1e-3 * par[at.TOL]:
             converged = True
             break
         if not change < 1e3:
@@ -132,11 +119,11 @@ def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
 @jit
 def limit(par, phase, s, a_v):
     """What the guard's quantity is held against: see `gap`."""
-    if phase == OPEN:
-        return par[THETA_1] * (1.0 - 1e-9) - par[TOL]
-    if par[THETA_1] > 0.0:
-        return par[THETA_1] * (1.0 + 1e-9)
-    return (par[G] + a_v) * par[WIDTH] / (par[LENGTH] * par[LENGTH]) * (1.0 + 1e-10)
+    if phase == at.OPEN:
+        return par[at.THETA_1] * (1.0 - 1e-9) - par[at.TOL]
+    if par[at.THETA_1] > 0.0:
+        return par[at.THETA_1] * (1.0 + 1e-9)
+    return (par[at.G] + a_v) * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH]) * (1.0 + 1e-10)
 
 
 @jit
@@ -147,11 +134,11 @@ def gap(par, phase, s, armed, value, a_v):
     below theta_1 and, if eta is armed, theta on its side of zero (Winkler).
     """
     edge = limit(par, phase, s, a_v)
-    if phase == OPEN:
+    if phase == at.OPEN:
         return s * value - edge
     room = edge - abs(value)
-    if armed and par[THETA_1] > 0.0:
-        room = min(room, s * value + par[TOL])
+    if armed and par[at.THETA_1] > 0.0:
+        room = min(room, s * value + par[at.TOL])
     return room
 
 
@@ -165,11 +152,11 @@ def energy(par, phase, lam, bu, th, z, v):
     sigma = dot(bu, z) - UNIFORM_TO_ROTATION * theta
     half = math.sin(0.5 * theta)
     falls = 2.0 * half * half - 0.5 * theta * theta
-    pull = par[G] / par[LENGTH]
+    pull = par[at.G] / par[at.LENGTH]
     total -= pull * ((math.sin(theta) - theta) * sigma + UNIFORM_TO_ROTATION * falls)
-    if phase == OPEN:
-        q, theta_1 = abs(theta), par[THETA_1]
-        full = par[G] * par[WIDTH] / (par[LENGTH] * par[LENGTH])
+    if phase == at.OPEN:
+        q, theta_1 = abs(theta), par[at.THETA_1]
+        full = par[at.G] * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
         if q > theta_1:
             total += full * (q - 4.0 / 3.0 * math.sqrt(theta_1 * q) + 0.5 * theta_1)
         elif theta_1 > 0.0:
@@ -204,12 +191,12 @@ def ground_loads(par, phase, s, theta_0, theta_b, theta_1, y_0, y_b, y_1, x, F):
     for k in range(3):
         theta = theta_0 if k == 0 else (theta_b if k == 1 else theta_1)
         y = y_0 if k == 0 else (y_b if k == 1 else y_1)
-        at = 0.5 * x * k
-        a, a_v = along(F, 6, at), along(F, 9, at)
+        where = 0.5 * x * k
+        a, a_v = along(F, 6, where), along(F, 9, where)
         sigma = y - 0.5 * theta
-        F[18 + k] = (a_v * math.sin(theta) - a * math.cos(theta)) / par[LENGTH]
-        F[21 + k] = (a_v * math.cos(theta) + a * math.sin(theta)) * sigma / par[LENGTH]
-        if phase == OPEN:
+        F[18 + k] = (a_v * math.sin(theta) - a * math.cos(theta)) / par[at.LENGTH]
+        F[21 + k] = (a_v * math.cos(theta) + a * math.sin(theta)) * sigma / par[at.LENGTH]
+        if phase == at.OPEN:
             F[21 + k] -= base_moment(par, s, theta, a_v) - base_moment(par, s, theta, 0.0)
     for j in range(2):
         f_0, f_b, f_1 = F[18 + 3 * j], F[19 + 3 * j], F[20 + 3 * j]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rockcli.kernels.frame.layout import BAND
+from rockcli.kernels.frame import layout as at
 from rockcli.kernels.jit import jit
 
 
@@ -17,7 +17,7 @@ def clear(x):
 def clear_band(A):
     """Set a banded matrix to zero."""
     for i in range(len(A)):
-        for k in range(BAND):
+        for k in range(at.BAND):
             A[i, k] = 0.0
 
 
@@ -35,7 +35,7 @@ def times(A, x, y):
     for i in range(n):
         y[i] = A[i, 0] * x[i]
     for i in range(n):
-        for k in range(1, min(i, BAND - 1) + 1):
+        for k in range(1, min(i, at.BAND - 1) + 1):
             y[i] += A[i, k] * x[i - k]
             y[i - k] += A[i, k] * x[i]
 
@@ -45,10 +45,10 @@ def solve(A, x):
     """Overwrite A by its factors L D L^T and x by A^-1 x; True unless a pivot is zero or not a number."""
     n = len(x)
     for i in range(n):
-        low = max(0, i - BAND + 1)
+        low = max(0, i - at.BAND + 1)
         for j in range(low, i):
             total = A[i, i - j]
-            for k in range(max(low, j - BAND + 1), j):
+            for k in range(max(low, j - at.BAND + 1), j):
                 total -= A[i, i - k] * A[j, j - k]
             A[i, i - j] = total  # L[i, j] D[j] so far
         pivot = A[i, 0]
@@ -64,7 +64,7 @@ def solve(A, x):
     for i in range(n):
         x[i] /= A[i, 0]
     for i in range(n - 1, -1, -1):
-        for j in range(max(0, i - BAND + 1), i):
+        for j in range(max(0, i - at.BAND + 1), i):
             x[j] -= A[i, i - j] * x[i]
     return True
 
@@ -72,7 +72,7 @@ def solve(A, x):
 @jit
 def hold(A, x, i):
     """Keep freedom i where it is: its row and column become those of the unit matrix, x[i] zero."""
-    for k in range(1, BAND):
+    for k in range(1, at.BAND):
         if i - k >= 0:
             A[i, k] = 0.0
         if i + k < len(x):

@@ -7,37 +7,17 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.frame import layout as at
 from rockcli.kernels.frame.banded import clear_band
-from rockcli.kernels.frame.layout import (
-    ALPHA,
-    AXIAL,
-    BASE,
-    BENDING,
-    COROTATIONAL,
-    DASHPOT,
-    FIBRES,
-    GRAVITY,
-    HALF_WIDTH,
-    KW,
-    LENGTH,
-    PLASTIC,
-    SOFTENING,
-    STIFF_DAMPING,
-    WEIGHT,
-    WINKLER,
-    YIELD_MOMENT,
-    YIELD_ROTATION,
-    G,
-)  # fmt: skip
 from rockcli.kernels.jit import jit
 
 
 @jit
 def pose(par, u, i, B):
     """Strain-displacement rows B (3, 6) of element i; return length, extension and both end rotations (E1, E2)."""
-    L, j = par[LENGTH], 3 * i
+    L, j = par[at.LENGTH], 3 * i
     du, dv = u[j + 3] - u[j], u[j + 4] - u[j + 1]
-    if par[COROTATIONAL] > 0.0:
+    if par[at.COROTATIONAL] > 0.0:
         length = math.sqrt(du * du + (L + dv) * (L + dv))
         s, c = du / length, (L + dv) / length
         extension = (du * du + (2.0 * L + dv) * dv) / (length + L)
@@ -54,8 +34,8 @@ def pose(par, u, i, B):
 @jit
 def add_elements(par, u, n, f, K, B):
     """Add the nodal forces of n elements to f and their tangent stiffness to K (E3, E4)."""
-    axial, bending = par[AXIAL] / par[LENGTH], par[BENDING] / par[LENGTH]
-    geometric = par[COROTATIONAL] > 0.0
+    axial, bending = par[at.AXIAL] / par[at.LENGTH], par[at.BENDING] / par[at.LENGTH]
+    geometric = par[at.COROTATIONAL] > 0.0
     for i in range(n):
         length, extension, lower, upper = pose(par, u, i, B)
         N = axial * extension
@@ -83,8 +63,8 @@ def damping(par, u, n, C, B):
     The material stiffness alone, so that a rigid rotation is not damped.
     """
     clear_band(C)
-    axial = par[STIFF_DAMPING] * par[AXIAL] / par[LENGTH]
-    bending = par[STIFF_DAMPING] * par[BENDING] / par[LENGTH]
+    axial = par[at.STIFF_DAMPING] * par[at.AXIAL] / par[at.LENGTH]
+    bending = par[at.STIFF_DAMPING] * par[at.BENDING] / par[at.LENGTH]
     for i in range(n):
         pose(par, u, i, B)
         for a in range(6):
@@ -92,22 +72,22 @@ def damping(par, u, n, C, B):
                 k = axial * B[0, a] * B[0, b]
                 k += bending * (B[1, a] * (4.0 * B[1, b] + 2.0 * B[2, b]) + B[2, a] * (2.0 * B[1, b] + 4.0 * B[2, b]))
                 C[3 * i + a, a - b] += k
-    C[2, 0] += par[DASHPOT]
+    C[2, 0] += par[at.DASHPOT]
 
 
 @jit
 def spring(par, theta):
     """Moment and tangent of a rotational base spring at theta (E5)."""
     q, s = abs(theta), 1.0 if theta >= 0.0 else -1.0
-    if par[BASE] == SOFTENING or par[BASE] == PLASTIC:
-        if q <= par[YIELD_ROTATION]:
-            k = par[YIELD_MOMENT] / par[YIELD_ROTATION]
+    if par[at.BASE] == at.SOFTENING or par[at.BASE] == at.PLASTIC:
+        if q <= par[at.YIELD_ROTATION]:
+            k = par[at.YIELD_MOMENT] / par[at.YIELD_ROTATION]
             return k * theta, k
-        if par[BASE] == PLASTIC:
-            return s * par[YIELD_MOMENT], 0.0
-        strength = par[YIELD_MOMENT] / math.sin(par[ALPHA] - par[YIELD_ROTATION])
-        return s * strength * math.sin(par[ALPHA] - q), -strength * math.cos(par[ALPHA] - q)
-    b, kw, W = par[HALF_WIDTH], par[KW], par[WEIGHT]
+        if par[at.BASE] == at.PLASTIC:
+            return s * par[at.YIELD_MOMENT], 0.0
+        strength = par[at.YIELD_MOMENT] / math.sin(par[at.ALPHA] - par[at.YIELD_ROTATION])
+        return s * strength * math.sin(par[at.ALPHA] - q), -strength * math.cos(par[at.ALPHA] - q)
+    b, kw, W = par[at.HALF_WIDTH], par[at.KW], par[at.WEIGHT]
     k = 2.0 / 3.0 * kw * b**3
     if q <= W / (2.0 * kw * b * b):
         return k * theta, k
@@ -118,7 +98,7 @@ def spring(par, theta):
 @jit
 def add_base(par, u, factor, fibres, f, K):
     """Add the base: a spring, times `factor` = 1 + a_v/g, or fibres (k, 2) of place and stiffness (E5, E6)."""
-    if par[BASE] != FIBRES:
+    if par[at.BASE] != at.FIBRES:
         M, k = spring(par, u[2])
         f[2] += factor * M
         K[2, 0] += factor * k
@@ -137,7 +117,7 @@ def add_base(par, u, factor, fibres, f, K):
 @jit
 def base_moment(par, u, factor, fibres):
     """Moment of the base opposing theta [N m]."""
-    if par[BASE] != FIBRES:
+    if par[at.BASE] != at.FIBRES:
         M, _ = spring(par, u[2])
         return factor * M
     M = 0.0
@@ -152,20 +132,20 @@ def base_moment(par, u, factor, fibres):
 def spring_energy(par, theta):
     """Energy stored in a rotational base spring [J]."""
     q = abs(theta)
-    if par[BASE] == WINKLER:
-        b, kw, W = par[HALF_WIDTH], par[KW], par[WEIGHT]
+    if par[at.BASE] == at.WINKLER:
+        b, kw, W = par[at.HALF_WIDTH], par[at.KW], par[at.WEIGHT]
         q_1 = W / (2.0 * kw * b * b)
         stored = kw * b**3 / 3.0 * min(q, q_1) ** 2
         if q > q_1:
             stored += W * (b * (q - q_1) - 2.0 / 3.0 * math.sqrt(2.0 * W / kw) * (math.sqrt(q) - math.sqrt(q_1)))
         return stored
-    q_y, M_y = par[YIELD_ROTATION], par[YIELD_MOMENT]
+    q_y, M_y = par[at.YIELD_ROTATION], par[at.YIELD_MOMENT]
     stored = 0.5 * M_y / q_y * min(q, q_y) ** 2
     if q > q_y:
-        if par[BASE] == PLASTIC:
+        if par[at.BASE] == at.PLASTIC:
             stored += M_y * (q - q_y)
         else:
-            alpha = par[ALPHA]
+            alpha = par[at.ALPHA]
             stored += M_y / math.sin(alpha - q_y) * (math.cos(alpha - q) - math.cos(alpha - q_y))
     return stored
 
@@ -174,19 +154,19 @@ def spring_energy(par, theta):
 def stored_energy(par, u, n, weights, fibres, B):
     """Strain energy of elements and base, and potential of the weights where they are loads [J] (E8)."""
     total = 0.0
-    axial, bending = par[AXIAL] / par[LENGTH], par[BENDING] / par[LENGTH]
+    axial, bending = par[at.AXIAL] / par[at.LENGTH], par[at.BENDING] / par[at.LENGTH]
     for i in range(n):
         _, extension, lower, upper = pose(par, u, i, B)
         total += 0.5 * axial * extension * extension
         total += 2.0 * bending * (lower * lower + lower * upper + upper * upper)
-    if par[BASE] == FIBRES:
+    if par[at.BASE] == at.FIBRES:
         for j in range(len(fibres)):
             gap = u[1] - fibres[j, 0] * u[2]
             if gap < 0.0:
                 total += 0.5 * fibres[j, 1] * gap * gap
     else:
         total += spring_energy(par, u[2])
-    if par[GRAVITY] > 0.0:
+    if par[at.GRAVITY] > 0.0:
         for i in range(1, len(u), 3):
-            total += par[G] * weights[i] * u[i]
+            total += par[at.G] * weights[i] * u[i]
     return total

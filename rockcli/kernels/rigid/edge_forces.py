@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.rigid.layout import ALPHA, MU, N_MIN, RADIUS, RATE_PEAK
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.series import bend, slope, third, value
 
 RATE, NORMAL, FRICTION = 0, 1, 2
@@ -19,7 +20,7 @@ def contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force):
     T = a_g + s R (cos b q'' + sin b q'^2), N = g + a_v + R (sin b q'' - cos b q'^2), b = alpha - q.
     """
     q, v, acc, jerk = value(c, n, y), slope(c, n, y), bend(c, n, y), third(c, n, y)
-    beta, R = par[e + ALPHA] - q, par[e + RADIUS]
+    beta, R = par[e + at.ALPHA] - q, par[e + at.RADIUS]
     sin_b, cos_b = math.sin(beta), math.cos(beta)
     T = value(a, deg_a, y) + s * R * (cos_b * acc + sin_b * v * v)
     N = g + value(a_v, deg_v, y) + R * (sin_b * acc - cos_b * v * v)
@@ -34,9 +35,9 @@ def contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force):
 @jit_lean
 def note(force, out):
     """Raise the largest rate and friction, lower the smallest normal force."""
-    out[RATE_PEAK] = max(out[RATE_PEAK], force[RATE])
-    out[N_MIN] = min(out[N_MIN], force[NORMAL])
-    out[MU] = max(out[MU], force[FRICTION])
+    out[to.RATE_PEAK] = max(out[to.RATE_PEAK], force[RATE])
+    out[to.N_MIN] = min(out[to.N_MIN], force[NORMAL])
+    out[to.MU] = max(out[to.MU], force[FRICTION])
 
 
 @jit_lean
@@ -93,11 +94,11 @@ def watch_rest(a, deg_a, a_v, deg_v, g, x, out):
     mu_0 = mu_1 = 0.0
     for j in range(parts + 1):
         N = g + value(a_v, deg_v, width * j)
-        out[N_MIN] = min(out[N_MIN], N / g)
+        out[to.N_MIN] = min(out[to.N_MIN], N / g)
         mu = abs(value(a, deg_a, width * j)) / N if N > 0.0 else math.inf
-        out[MU] = max(out[MU], mu)
+        out[to.MU] = max(out[to.MU], mu)
         if j >= 2 and mu_1 > mu_0 and mu_1 >= mu and mu_1 < math.inf:
             # vertex of the parabola through three points
             z = width * (j - 1) + 0.5 * width * (mu_0 - mu) / (mu_0 - 2.0 * mu_1 + mu)
-            out[MU] = max(out[MU], abs(value(a, deg_a, z)) / (g + value(a_v, deg_v, z)))
+            out[to.MU] = max(out[to.MU], abs(value(a, deg_a, z)) / (g + value(a_v, deg_v, z)))
         mu_0, mu_1 = mu_1, mu

@@ -6,8 +6,8 @@ import math
 
 from rockcli.kernels.constants import FALLS, NOT_YET, RETURNS, UNDECIDED
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid.ground import NOTHING, bound_from
-from rockcli.kernels.rigid.layout import ALPHA, DAMPER, ETA, FACTOR_H, FACTOR_V, P2, Q_STAR, R0, RADIUS, SLOPE
 
 
 @jit_lean
@@ -17,11 +17,11 @@ def barrier(par, e, q, linear):
     With y = q_star - q the restoring law is r0 (1 - cos y) + SLOPE sin y, so the energy is
     r0 (y - sin y) + 2 SLOPE sin^2(y/2): no cancellation near the top.  Linear: SLOPE y^2/2.
     """
-    y = par[e + Q_STAR] - q
+    y = par[e + at.Q_STAR] - q
     if linear:
-        return 0.5 * par[e + SLOPE] * y * y
+        return 0.5 * par[e + at.SLOPE] * y * y
     half = math.sin(0.5 * y)
-    return par[e + R0] * (y - math.sin(y)) + 2.0 * par[e + SLOPE] * half * half
+    return par[e + at.R0] * (y - math.sin(y)) + 2.0 * par[e + at.SLOPE] * half * half
 
 
 @jit_lean
@@ -31,8 +31,8 @@ def separatrix(par, e, q, v, linear):
     v/p - sgn(q_star - q) sqrt(2 barrier): the unstable coordinate of the saddle at q_star.
     """
     root = math.sqrt(2.0 * max(barrier(par, e, q, linear), 0.0))
-    side = 1.0 if q <= par[e + Q_STAR] else -1.0
-    return v / math.sqrt(par[e + P2]) - side * root
+    side = 1.0 if q <= par[e + at.Q_STAR] else -1.0
+    return v / math.sqrt(par[e + at.P2]) - side * root
 
 
 @jit_lean
@@ -42,9 +42,9 @@ def free_rocking(par, e, other, q, v, linear, margin):
     Each impact multiplies the rate by eta of the edge landed on; on the other edge the barrier may be lower.
     `margin` is the distance from a separatrix, in units of rotation, below which rounding decides.
     """
-    if par[e + Q_STAR] == math.inf:
+    if par[e + at.Q_STAR] == math.inf:
         return RETURNS
-    if par[e + DAMPER] > 0.0:
+    if par[e + at.DAMPER] > 0.0:
         return damped_rocking(par, e, other, q, v, linear, margin)
     u = separatrix(par, e, q, v, linear)
     if abs(u) <= margin:
@@ -52,17 +52,17 @@ def free_rocking(par, e, other, q, v, linear, margin):
     if u > 0.0:
         return FALLS
     # energy below the barrier (a turning point on this side), the same barrier on the other: no impact gains energy
-    same = par[e + Q_STAR] == par[other + Q_STAR] and par[e + P2] == par[other + P2]
-    inward = -v / math.sqrt(par[e + P2]) - math.sqrt(2.0 * max(barrier(par, e, q, linear), 0.0))
-    if same and q <= par[e + Q_STAR] and inward < -margin:
+    same = par[e + at.Q_STAR] == par[other + at.Q_STAR] and par[e + at.P2] == par[other + at.P2]
+    inward = -v / math.sqrt(par[e + at.P2]) - math.sqrt(2.0 * max(barrier(par, e, q, linear), 0.0))
+    if same and q <= par[e + at.Q_STAR] and inward < -margin:
         return RETURNS
     # rate at the coming impact: energy above the bottom of the well at q = 0
-    rate2 = v * v + 2.0 * par[e + P2] * (barrier(par, e, 0.0, linear) - barrier(par, e, q, linear))
+    rate2 = v * v + 2.0 * par[e + at.P2] * (barrier(par, e, 0.0, linear) - barrier(par, e, q, linear))
     rate = math.sqrt(max(rate2, 0.0))
     here, there = e, other
     for _ in range(100000):
         here, there = there, here
-        rate *= par[here + ETA]
+        rate *= par[here + at.ETA]
         u = separatrix(par, here, 0.0, rate, linear)
         if abs(u) <= margin:
             return UNDECIDED
@@ -76,15 +76,17 @@ def free_rocking(par, e, other, q, v, linear, margin):
 @jit_lean
 def damped_rocking(par, e, other, q, v, linear, margin):
     """With a damper at the base: RETURNS or FALLS where the energy, which can only fall, tells; else NOT_YET."""
-    if q >= par[e + Q_STAR] and v >= 0.0:
-        return FALLS if v > 0.0 or q > par[e + Q_STAR] + margin else UNDECIDED
-    if q > par[e + Q_STAR]:
+    if q >= par[e + at.Q_STAR] and v >= 0.0:
+        return FALLS if v > 0.0 or q > par[e + at.Q_STAR] + margin else UNDECIDED
+    if q > par[e + at.Q_STAR]:
         return NOT_YET
     # the largest rate the energy allows, against that which reaches the top on either side
-    energy = 0.5 * v * v + par[e + P2] * (barrier(par, e, 0.0, linear) - barrier(par, e, q, linear))
-    inertia = par[e + RADIUS] / par[e + P2]  # I_O over m g, as I_O p^2 = m g R
-    lowest = min(par[e + RADIUS] * barrier(par, e, 0.0, linear), par[other + RADIUS] * barrier(par, other, 0.0, linear))
-    at_rest_below = par[e + P2] == par[other + P2] and abs(v) <= margin and q < par[e + Q_STAR] - margin
+    energy = 0.5 * v * v + par[e + at.P2] * (barrier(par, e, 0.0, linear) - barrier(par, e, q, linear))
+    inertia = par[e + at.RADIUS] / par[e + at.P2]  # I_O over m g, as I_O p^2 = m g R
+    lowest = min(
+        par[e + at.RADIUS] * barrier(par, e, 0.0, linear), par[other + at.RADIUS] * barrier(par, other, 0.0, linear)
+    )
+    at_rest_below = par[e + at.P2] == par[other + at.P2] and abs(v) <= margin and q < par[e + at.Q_STAR] - margin
     return RETURNS if at_rest_below or inertia * energy < lowest * (1.0 - margin) else NOT_YET
 
 
@@ -94,10 +96,10 @@ def lost_for_good(par, e, g, q, v, after, hk, h_table, h_tail, ih, h_n, vk, v_ta
 
     q'' = p^2 [(1 + a_v/g)(q - alpha) - s a_g/g] stays positive if it is so for the largest pull to come.
     """
-    if v < 0.0 or q <= par[e + ALPHA]:
+    if v < 0.0 or q <= par[e + at.ALPHA]:
         return False
     if after:
         return True
-    pull = bound_from(hk, h_table, h_tail, par[FACTOR_H], ih) if hk != NOTHING and ih < h_n else 0.0
-    shake = bound_from(vk, v_table, v_tail, par[FACTOR_V], iv) if vk != NOTHING and iv < v_n else 0.0
-    return (g - shake) * (q - par[e + ALPHA]) > pull
+    pull = bound_from(hk, h_table, h_tail, par[at.FACTOR_H], ih) if hk != NOTHING and ih < h_n else 0.0
+    shake = bound_from(vk, v_table, v_tail, par[at.FACTOR_V], iv) if vk != NOTHING and iv < v_n else 0.0
+    return (g - shake) * (q - par[e + at.ALPHA]) > pull

@@ -22,51 +22,11 @@ from rockcli.kernels.constants import (
     UNDECIDED,
 )
 from rockcli.kernels.jit import jit, zeros_maker
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
 from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good, separatrix
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_end
-from rockcli.kernels.rigid.layout import (
-    ALPHA,
-    ENERGY,
-    ETA,
-    FACTOR_H,
-    FACTOR_V,
-    FELL,
-    HAS_DURATION,
-    IMPACTS_STORED,
-    LEFT,
-    MU,
-    MU_STANDING,
-    N_IMPACTS,
-    N_MIN,
-    N_OUT,
-    N_STANDING,
-    N_STEPS,
-    ONTO_LEFT,
-    ONTO_RIGHT,
-    P2,
-    PEAK,
-    PEAK_ALPHA,
-    PEAK_LEFT,
-    PEAK_RIGHT,
-    PEAK_SIDE,
-    Q_STAR,
-    RATE_PEAK,
-    RIGHT,
-    STATUS,
-    SWINGS,
-    SWINGS_T,
-    T_END,
-    T_MOTION,
-    T_OVERTURN,
-    T_PEAK,
-    T_STOP,
-    T_UPLIFT,
-    THETA_0,
-    THETA_DOT_0,
-    THRESHOLD,
-    G,
-)
 from rockcli.kernels.rigid.readings import energy, raise_peak, set_peak, work_done
 from rockcli.kernels.rigid.rest import rest_time
 from rockcli.kernels.rigid.roots import first_root, last_passage, passage, uplift
@@ -99,15 +59,15 @@ def march(
     Histories at i dt_out go to theta_out, rate_out as far as they are long; impacts likewise.
     """
     n_hist, n_store = len(theta_out), len(t_impact)
-    g = par[G]
-    t_motion, t_stop = par[T_MOTION], par[T_STOP]
-    p_min = math.sqrt(min(par[LEFT + P2], par[RIGHT + P2]))
-    two_sided = par[LEFT + ALPHA] != par[RIGHT + ALPHA]
-    for i in range(N_OUT):
+    g = par[at.G]
+    t_motion, t_stop = par[at.T_MOTION], par[at.T_STOP]
+    p_min = math.sqrt(min(par[at.LEFT + at.P2], par[at.RIGHT + at.P2]))
+    two_sided = par[at.LEFT + at.ALPHA] != par[at.RIGHT + at.ALPHA]
+    for i in range(to.N_OUT):
         out[i] = 0.0
-    out[T_PEAK] = out[T_UPLIFT] = out[T_OVERTURN] = math.nan
-    out[N_MIN] = out[N_STANDING] = math.inf
-    out[PEAK_ALPHA] = 1.0
+    out[to.T_PEAK] = out[to.T_UPLIFT] = out[to.T_OVERTURN] = math.nan
+    out[to.N_MIN] = out[to.N_STANDING] = math.inf
+    out[to.PEAK_ALPHA] = 1.0
 
     c, sin_q, cos_q = zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1)
     a, a_v, guard, force = zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(6)
@@ -119,40 +79,40 @@ def march(
     stalled = 0
     launch = False
     mode = REST
-    q, v, s = abs(par[THETA_0]), 0.0, 1.0
-    if par[THETA_0] != 0.0 or par[THETA_DOT_0] != 0.0:
+    q, v, s = abs(par[at.THETA_0]), 0.0, 1.0
+    if par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0:
         mode = ROCK
-        lead = par[THETA_0] if par[THETA_0] != 0.0 else par[THETA_DOT_0]
+        lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
         s = 1.0 if lead > 0.0 else -1.0
-        v = s * par[THETA_DOT_0]
-        out[T_UPLIFT] = 0.0
-        e0 = RIGHT if s > 0.0 else LEFT
-        out[PEAK_SIDE] = s
-        if q >= par[e0 + Q_STAR]:
-            out[T_OVERTURN] = 0.0
+        v = s * par[at.THETA_DOT_0]
+        out[to.T_UPLIFT] = 0.0
+        e0 = at.RIGHT if s > 0.0 else at.LEFT
+        out[to.PEAK_SIDE] = s
+        if q >= par[e0 + at.Q_STAR]:
+            out[to.T_OVERTURN] = 0.0
         if v <= 0.0:
             set_peak(par, e0, s, q, 0.0, out)
-        out[RATE_PEAK] = abs(v)
+        out[to.RATE_PEAK] = abs(v)
         work = energy(par, e0, q, v, linear)
 
     while True:
-        e, other = (RIGHT, LEFT) if s > 0.0 else (LEFT, RIGHT)
+        e, other = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
         if t >= t_motion and verdict == NOT_YET:
             verdict = RETURNS
             if mode == ROCK:
-                verdict = free_rocking(par, e, other, q, v, linear, margin * par[e + ALPHA])
+                verdict = free_rocking(par, e, other, q, v, linear, margin * par[e + at.ALPHA])
             if detail == OUTCOME and verdict != NOT_YET:
                 if verdict == FALLS and separatrix(par, e, q, v, linear) < 0.0:  # an impact comes first
-                    out[N_IMPACTS] += 1
+                    out[to.N_IMPACTS] += 1
                 break
         if t >= t_stop and verdict == NOT_YET:  # beyond the report, until the damper has had its way
             if t >= t_stop + PATIENCE / p_min:
                 verdict = UNDECIDED
                 break
-        elif t >= t_stop or (t >= t_motion and mode == REST and par[HAS_DURATION] == 0.0):
+        elif t >= t_stop or (t >= t_motion and mode == REST and par[at.HAS_DURATION] == 0.0):
             break
-        if out[N_STEPS] >= max_steps:
-            out[STATUS] = OUT_OF_STEPS
+        if out[to.N_STEPS] >= max_steps:
+            out[to.STATUS] = OUT_OF_STEPS
             break
 
         # the piece we are in, and its end
@@ -169,19 +129,19 @@ def march(
                     t_next = min(t_next, piece_end(hk, h_table, h_dt, ih))
                     if mode == REST and vk == NOTHING and n_hist == 0 and detail < ALL:
                         # nothing moves, and nobody asks what the ground does meanwhile
-                        quiet = g * min(par[LEFT + THRESHOLD], par[RIGHT + THRESHOLD])
-                        if bound_from(hk, h_table, h_tail, par[FACTOR_H], ih) <= quiet:
+                        quiet = g * min(par[at.LEFT + at.THRESHOLD], par[at.RIGHT + at.THRESHOLD])
+                        if bound_from(hk, h_table, h_tail, par[at.FACTOR_H], ih) <= quiet:
                             t = t_motion
                             continue
-                    deg_a = expand(hk, h_values, h_dt, par[FACTOR_H], h_table, ih, t, order, a)
+                    deg_a = expand(hk, h_values, h_dt, par[at.FACTOR_H], h_table, ih, t, order, a)
             if vk != NOTHING:
                 while iv < v_n and piece_end(vk, v_table, v_dt, iv) <= t:
                     iv += 1
                 if iv < v_n:
                     t_next = min(t_next, piece_end(vk, v_table, v_dt, iv))
-                    deg_v = expand(vk, v_values, v_dt, par[FACTOR_V], v_table, iv, t, order, a_v)
+                    deg_v = expand(vk, v_values, v_dt, par[at.FACTOR_V], v_table, iv, t, order, a_v)
         h = t_next - t
-        out[N_STEPS] += 1
+        out[to.N_STEPS] += 1
 
         if mode == REST:
             deg = max(deg_a, deg_v)
@@ -189,19 +149,19 @@ def march(
                 for k in range(deg - 1, deg + 1):
                     big = max(abs(a[k]) if k <= deg_a else 0.0, abs(a_v[k]) if k <= deg_v else 0.0)
                     if big > 0.0:
-                        h = min(h, (1e-17 * g * par[LEFT + THRESHOLD] / big) ** (1.0 / k))
+                        h = min(h, (1e-17 * g * par[at.LEFT + at.THRESHOLD] / big) ** (1.0 / k))
             x, s_up = NO_ROOT, 0.0
             for side in range(2):
-                edge, sign = (RIGHT, 1.0) if side == 1 else (LEFT, -1.0)
+                edge, sign = (at.RIGHT, 1.0) if side == 1 else (at.LEFT, -1.0)
                 for k in range(deg + 1):
                     guard[k] = 0.0
                     if k <= deg_v:
-                        guard[k] = par[edge + THRESHOLD] * (a_v[k] + g if k == 0 else a_v[k])
+                        guard[k] = par[edge + at.THRESHOLD] * (a_v[k] + g if k == 0 else a_v[k])
                     elif k == 0:
-                        guard[k] = par[edge + THRESHOLD] * g
+                        guard[k] = par[edge + at.THRESHOLD] * g
                     if k <= deg_a:
                         guard[k] += sign * a[k]
-                root = uplift(guard, deg, h, g * par[edge + THRESHOLD])
+                root = uplift(guard, deg, h, g * par[edge + at.THRESHOLD])
                 if root != NO_ROOT and (x == NO_ROOT or root < x):
                     x, s_up = root, sign
             moved = x if x != NO_ROOT else h
@@ -219,15 +179,15 @@ def march(
                 mode, launch = ROCK, True
                 q = v = 0.0
                 s = s_up
-                if math.isnan(out[T_UPLIFT]):
-                    out[T_UPLIFT] = t_new
+                if math.isnan(out[to.T_UPLIFT]):
+                    out[to.T_UPLIFT] = t_new
             t = t_new
             continue
 
         h = min(h, 2.0 / p_min)
         n, h = flow(par, e, g, q, v, s, a, deg_a, a_v, deg_v, launch, linear, h, tol, order, c, sin_q, cos_q)
         if not h > 0.0 or math.isnan(c[n]):
-            out[STATUS] = NOT_FINITE
+            out[to.STATUS] = NOT_FINITE
             break
         skip = 0
         if q == 0.0:
@@ -248,7 +208,7 @@ def march(
         reach = 0.0
         for k in range(n, -1, -1):
             reach = reach * x + abs(c[k])
-        if reach >= 0.5 * math.pi and par[e + Q_STAR] < math.inf:
+        if reach >= 0.5 * math.pi and par[e + at.Q_STAR] < math.inf:
             for k in range(n + 1):
                 guard[k] = -c[k]
             guard[0] = 0.5 * math.pi - q
@@ -269,19 +229,19 @@ def march(
         # what happened on the way
         reported = t < t_stop
         parts = 1 if (hk == SAMPLES and t < t_motion) else 8
-        top = out[PEAK]
+        top = out[to.PEAK]
         if two_sided:
-            top = out[PEAK_RIGHT] if s > 0.0 else out[PEAK_LEFT]
+            top = out[to.PEAK_RIGHT] if s > 0.0 else out[to.PEAK_LEFT]
         if detail > OUTCOME and reach > top:
             raise_peak(par, e, s, c, n, x, t, parts, out)
-        star = par[e + Q_STAR]
+        star = par[e + at.Q_STAR]
         if reach >= star:
             passed = last_passage(c, n, star, x, parts)
             if passed != NO_ROOT:
-                out[T_OVERTURN] = t + passed
+                out[to.T_OVERTURN] = t + passed
                 if detail == ALL and reported:
                     watch_rocking(par, e, s, g, c, n, passed, a, deg_a, a_v, deg_v, parts, force, out)
-                    out[MU_STANDING], out[N_STANDING] = out[MU], out[N_MIN]
+                    out[to.MU_STANDING], out[to.N_STANDING] = out[to.MU], out[to.N_MIN]
         if detail == ALL:
             if reported:
                 watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out)
@@ -297,25 +257,25 @@ def march(
         t, q, v = t_new, q_new, v_new
 
         if event == 2:
-            out[FELL] = 1.0
+            out[to.FELL] = 1.0
             break
         if event == 1:
             # reset: the body turns over to its other edge
             rate = s * min(v, 0.0)
-            p = math.sqrt(par[e + P2])
-            eta = par[other + ETA]
+            p = math.sqrt(par[e + at.P2])
+            eta = par[other + at.ETA]
             onto = other
-            carried = (rate / (p * par[e + ALPHA])) ** 2 - MEANINGFUL**2
+            carried = (rate / (p * par[e + at.ALPHA])) ** 2 - MEANINGFUL**2
             if carried > 0.0:
-                out[SWINGS] += carried
-                out[SWINGS_T] += carried * t
-            if abs(rate) > FAST * p * par[e + ALPHA] and reported:
-                out[N_IMPACTS] += 1
-                out[ONTO_RIGHT if onto == RIGHT else ONTO_LEFT] += 1
-                k = int(out[IMPACTS_STORED])
+                out[to.SWINGS] += carried
+                out[to.SWINGS_T] += carried * t
+            if abs(rate) > FAST * p * par[e + at.ALPHA] and reported:
+                out[to.N_IMPACTS] += 1
+                out[to.ONTO_RIGHT if onto == at.RIGHT else to.ONTO_LEFT] += 1
+                k = int(out[to.IMPACTS_STORED])
                 if k < n_store:
                     t_impact[k], rate_before[k], rate_after[k] = t, rate, eta * rate
-                    out[IMPACTS_STORED] += 1
+                    out[to.IMPACTS_STORED] += 1
             before = energy(par, e, 0.0, v, linear)
             v = eta * abs(rate)
             s = -s
@@ -336,17 +296,22 @@ def march(
             elif v == 0.0:
                 mode = REST
 
-    out[T_END] = t_stop if par[HAS_DURATION] == 1.0 else min(t, t_stop)
-    if out[FELL] == 1.0:
+    out[to.T_END] = t_stop if par[at.HAS_DURATION] == 1.0 else min(t, t_stop)
+    if out[to.FELL] == 1.0:
         verdict = FALLS
     if verdict == FALLS:
-        out[PEAK_SIDE] = s
-    out[FELL] = verdict if out[STATUS] == DONE else UNDECIDED
-    if mode == ROCK and v > 0.0 and detail > OUTCOME and (par[HAS_DURATION] == 1.0 or verdict != RETURNS):
+        out[to.PEAK_SIDE] = s
+    out[to.FELL] = verdict if out[to.STATUS] == DONE else UNDECIDED
+    if mode == ROCK and v > 0.0 and detail > OUTCOME and (par[at.HAS_DURATION] == 1.0 or verdict != RETURNS):
         set_peak(par, e, s, q, t, out)  # cut off while rising
     rest_energy = energy(par, e, q, v, linear) if mode == ROCK else 0.0
-    out[ENERGY] = work - lost - rest_energy
-    if out[STATUS] == DONE and mode == ROCK and detail > OUTCOME and (par[HAS_DURATION] == 0.0 or verdict == FALLS):
+    out[to.ENERGY] = work - lost - rest_energy
+    if (
+        out[to.STATUS] == DONE
+        and mode == ROCK
+        and detail > OUTCOME
+        and (par[at.HAS_DURATION] == 0.0 or verdict == FALLS)
+    ):
         afterwards(par, e, s, g, q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out)
 
 
@@ -354,15 +319,15 @@ def march(
 def afterwards(par, e, s, g, q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out):
     """Beyond the report: the swing under way still has its peak, or its last passage of the equilibrium."""
     a[0] = a_v[0] = 0.0
-    star = par[e + Q_STAR]
-    p = math.sqrt(par[e + P2])
+    star = par[e + at.Q_STAR]
+    p = math.sqrt(par[e + at.P2])
     for _ in range(400):
         if v <= 0.0 or verdict == UNDECIDED or (verdict == FALLS and q >= star):
             return
         n, h = flow(par, e, g, q, v, s, a, 0, a_v, 0, False, linear, 2.0 / p, tol, order, c, sin_q, cos_q)
         q_new, v_new = value(c, n, h), slope(c, n, h)
         if verdict == FALLS and q < star <= q_new:
-            out[T_OVERTURN] = t + passage(c, n, star, 0.0, h)
+            out[to.T_OVERTURN] = t + passage(c, n, star, 0.0, h)
         if verdict == RETURNS and v_new <= 0.0:
             raise_peak(par, e, s, c, n, h, t, 8, out)
         t, q, v = t + h, q_new, v_new

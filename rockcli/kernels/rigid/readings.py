@@ -5,23 +5,8 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.rigid.layout import (
-    ALPHA,
-    DAMPER,
-    FC,
-    FS,
-    P2,
-    PEAK,
-    PEAK_ALPHA,
-    PEAK_LEFT,
-    PEAK_RIGHT,
-    PEAK_SIDE,
-    R0,
-    RADIUS,
-    RC,
-    RS,
-    T_PEAK,
-)
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.roots import turning_point
 from rockcli.kernels.rigid.series import bend, slope, value
 
@@ -29,14 +14,14 @@ from rockcli.kernels.rigid.series import bend, slope, value
 @jit_lean
 def energy(par, e, q, v, linear):
     """Energy about edge e over I_O p_right^2 of its side: v^2/(2 p^2) + potential, zero at q = 0."""
-    r0, rs, rc = par[e + R0], par[e + RS], par[e + RC]
+    r0, rs, rc = par[e + at.R0], par[e + at.RS], par[e + at.RC]
     if linear:
         potential = q * (r0 + 0.5 * rs * q)
     else:
         half = math.sin(0.5 * q)
         potential = r0 * q + 2.0 * rs * half * half + rc * math.sin(q)
     # edges of unequal bodies: m g R is the common unit, I_O p^2 = m g R
-    return par[e + RADIUS] * (0.5 * v * v / par[e + P2] + potential)
+    return par[e + at.RADIUS] * (0.5 * v * v / par[e + at.P2] + potential)
 
 
 @jit_lean
@@ -45,10 +30,10 @@ def work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, moment)
 
     `moment` is work space.  sin_q and cos_q are known to order n - 2; the product series is cut there too.
     """
-    damper = par[e + DAMPER] * g / par[e + P2]
+    damper = par[e + at.DAMPER] * g / par[e + at.P2]
     if deg_a == 0 and a[0] == 0.0 and deg_v == 0 and a_v[0] == 0.0 and damper == 0.0:
         return 0.0
-    r0, rs, rc, fc, fs = par[e + R0], par[e + RS], par[e + RC], par[e + FC], par[e + FS]
+    r0, rs, rc, fc, fs = par[e + at.R0], par[e + at.RS], par[e + at.RC], par[e + at.FC], par[e + at.FS]
     total = 0.0
     power = x
     for k in range(n - 1):
@@ -64,7 +49,7 @@ def work_done(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, sin_q, cos_q, moment)
             power_k += moment[i] * (k - i + 1) * c[k - i + 1]
         total += power_k * power / (k + 1)
         power *= x
-    return -total * par[e + RADIUS] / g
+    return -total * par[e + at.RADIUS] / g
 
 
 @jit_lean
@@ -91,7 +76,7 @@ def raise_peak(par, e, s, c, n, x, t, parts, out):
 @jit_lean
 def set_peak(par, e, s, q, t, out):
     """Note |theta| = q at t if it is the largest so far, of all or of its side."""
-    side = PEAK_RIGHT if s > 0.0 else PEAK_LEFT
+    side = to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT
     out[side] = max(out[side], q)
-    if q > out[PEAK] * (1.0 + 1e-12):
-        out[PEAK], out[PEAK_SIDE], out[PEAK_ALPHA], out[T_PEAK] = q, s, par[e + ALPHA], t
+    if q > out[to.PEAK] * (1.0 + 1e-12):
+        out[to.PEAK], out[to.PEAK_SIDE], out[to.PEAK_ALPHA], out[to.T_PEAK] = q, s, par[e + at.ALPHA], t

@@ -6,7 +6,7 @@ import math
 
 from rockcli.kernels.constants import STANDSTILL
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.rigid.layout import ALPHA, DAMPER, ETA, FC, P2, R0, RC
+from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid.series import value
 
 
@@ -19,20 +19,20 @@ def rest_time(par, e, other, s, g, v, a, deg_a, a_v, deg_v, x, t, t_next, rest_s
     still closed then, the body is at rest at its end.  Below STANDSTILL it rests at once, and so does a body with a
     base damper and no loss at impacts: its bounces have no end.
     """
-    p = math.sqrt(par[e + P2])
-    if v > rest_speed * p * math.sin(par[e + ALPHA]):
+    p = math.sqrt(par[e + at.P2])
+    if v > rest_speed * p * math.sin(par[e + at.ALPHA]):
         return -1.0
     down = pressed(par, e, s, g, value(a, deg_a, x), value(a_v, deg_v, x))
     down_other = pressed(par, other, -s, g, value(a, deg_a, x), value(a_v, deg_v, x))
     if down <= 0.0 or down_other <= 0.0:
         return -1.0
-    if v <= STANDSTILL * p * par[e + ALPHA]:
+    if v <= STANDSTILL * p * par[e + at.ALPHA]:
         return t
-    per_cycle = par[e + ETA] * par[other + ETA]
+    per_cycle = par[e + at.ETA] * par[other + at.ETA]
     if per_cycle >= 1.0:
         # a damper slows the bounces as exp(-c t/3 I_O), without end: too slow to be seen is at rest
-        return t if par[e + DAMPER] > 0.0 else -1.0
-    tail = 2.0 * v * (1.0 / down + par[other + ETA] / down_other) / (1.0 - per_cycle)
+        return t if par[e + at.DAMPER] > 0.0 else -1.0
+    tail = 2.0 * v * (1.0 / down + par[other + at.ETA] / down_other) / (1.0 - per_cycle)
     if t + tail > t_next:
         return -1.0
     y = x + tail
@@ -46,4 +46,4 @@ def rest_time(par, e, other, s, g, v, a, deg_a, a_v, deg_v, x, t, t_next, rest_s
 @jit_lean
 def pressed(par, e, s, g, a, a_v):
     """Deceleration of a body that starts to turn about edge e: -q'' at q = 0."""
-    return par[e + P2] * ((1.0 + a_v / g) * (par[e + R0] + par[e + RC]) + s * a / g * par[e + FC])
+    return par[e + at.P2] * ((1.0 + a_v / g) * (par[e + at.R0] + par[e + at.RC]) + s * a / g * par[e + at.FC])

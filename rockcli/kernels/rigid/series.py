@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.rigid.layout import ALPHA, DAMPER, FC, FS, P2, R0, RC, RS
+from rockcli.kernels.rigid import parameters as at
 
 
 @jit_lean
@@ -18,9 +18,10 @@ def flow(par, e, g, q, v, s, a, deg_a, a_v, deg_v, launch, linear, h, tol, n, c,
     rest, so that its acceleration cannot point into the ground by rounding.
     """
     p2, r0, rs, rc, fc, fs, damper = (
-        par[e + P2], par[e + R0], par[e + RS], par[e + RC], par[e + FC], par[e + FS], par[e + DAMPER]
+        par[e + at.P2], par[e + at.R0], par[e + at.RS], par[e + at.RC], par[e + at.FC], par[e + at.FS],
+        par[e + at.DAMPER],
     )  # fmt: skip
-    small = tol * par[e + ALPHA]
+    small = tol * par[e + at.ALPHA]
     c[0], c[1] = q, v
     if linear:
         sin_q[0], cos_q[0] = q, 1.0

@@ -11,25 +11,10 @@ import math
 
 from rockcli.kernels.constants import DONE, MAX_ORDER, NO_ROOT, OUT_OF_STEPS
 from rockcli.kernels.jit import jit, zeros_maker
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rest
 from rockcli.kernels.rigid.ground import NOTHING, SAMPLES, expand, piece_end
-from rockcli.kernels.rigid.layout import (
-    FRICTION,
-    GRAVITY,
-    LASTS,
-    MOTION_ENDS,
-    N_MIN,
-    N_STEPS,
-    REPORT_ENDS,
-    SCALE_H,
-    SCALE_V,
-    SLIDE_END,
-    SLIDE_OUT,
-    SLIDE_PEAK,
-    STATUS,
-    T_END,
-    T_FLIGHT,
-)
 from rockcli.kernels.rigid.roots import first_root, uplift
 from rockcli.kernels.rigid.series import value
 
@@ -49,11 +34,11 @@ def slide(
     sliding, 0 while the body sticks.
     """
     n_hist = len(u_out)
-    mu, g, t_motion = par[FRICTION], par[GRAVITY], par[MOTION_ENDS]
-    for i in range(SLIDE_OUT):
+    mu, g, t_motion = par[at.FRICTION], par[at.GRAVITY], par[at.MOTION_ENDS]
+    for i in range(to.SLIDE_OUT):
         out[i] = 0.0
-    out[STATUS] = DONE
-    out[N_MIN], out[T_FLIGHT] = math.inf, math.nan
+    out[to.STATUS] = DONE
+    out[to.N_MIN], out[to.T_FLIGHT] = math.inf, math.nan
     c, a, a_v, guard = zeros(MAX_ORDER + 2), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1)
     t = u = w = 0.0
     d = 1.0
@@ -61,13 +46,13 @@ def slide(
     ih = iv = i_hist = stalled = 0
 
     while t < t_motion or mode == SLIDE:
-        if out[N_STEPS] >= max_steps:
-            out[STATUS] = OUT_OF_STEPS
+        if out[to.N_STEPS] >= max_steps:
+            out[to.STATUS] = OUT_OF_STEPS
             break
-        out[N_STEPS] += 1
+        out[to.N_STEPS] += 1
         t_next = t_motion if t < t_motion else math.inf
-        if par[LASTS] == 1.0 and t < par[REPORT_ENDS]:
-            t_next = min(t_next, par[REPORT_ENDS])
+        if par[at.LASTS] == 1.0 and t < par[at.REPORT_ENDS]:
+            t_next = min(t_next, par[at.REPORT_ENDS])
         deg_a = deg_v = 0
         a[0] = a_v[0] = 0.0
         if t < t_motion:
@@ -76,13 +61,13 @@ def slide(
                     ih += 1
                 if ih < h_n:
                     t_next = min(t_next, piece_end(hk, h_table, h_dt, ih))
-                    deg_a = expand(hk, h_values, h_dt, par[SCALE_H], h_table, ih, t, MAX_ORDER, a)
+                    deg_a = expand(hk, h_values, h_dt, par[at.SCALE_H], h_table, ih, t, MAX_ORDER, a)
             if vk != NOTHING:
                 while iv < v_n and piece_end(vk, v_table, v_dt, iv) <= t:
                     iv += 1
                 if iv < v_n:
                     t_next = min(t_next, piece_end(vk, v_table, v_dt, iv))
-                    deg_v = expand(vk, v_values, v_dt, par[SCALE_V], v_table, iv, t, MAX_ORDER, a_v)
+                    deg_v = expand(vk, v_values, v_dt, par[at.SCALE_V], v_table, iv, t, MAX_ORDER, a_v)
         h = t_next - t
         deg = max(deg_a, deg_v)
         for k in range(deg_a + 1, deg + 1):
@@ -129,7 +114,7 @@ def slide(
         x = h if event == NO_ROOT else event
         if flight != NO_ROOT and flight <= x:
             x, event = flight, NO_ROOT
-            out[T_FLIGHT] = t + flight
+            out[to.T_FLIGHT] = t + flight
         watch_rest(a, deg_a, a_v, deg_v, g, x, out)
 
         t_new = t_next if x == t_next - t else t + x
@@ -144,11 +129,11 @@ def slide(
         if mode == SLIDE:
             u += d * _distance(c, deg + 1, x)
             w = max(value(c, deg + 1, x), 0.0)
-            if abs(u) > abs(out[SLIDE_PEAK]) and (par[LASTS] == 0.0 or t_new <= par[REPORT_ENDS]):
-                out[SLIDE_PEAK] = u
+            if abs(u) > abs(out[to.SLIDE_PEAK]) and (par[at.LASTS] == 0.0 or t_new <= par[at.REPORT_ENDS]):
+                out[to.SLIDE_PEAK] = u
         launch = False
         t = t_new
-        if not math.isnan(out[T_FLIGHT]):
+        if not math.isnan(out[to.T_FLIGHT]):
             break
         if event != NO_ROOT:
             launch = mode == STICK
@@ -157,9 +142,9 @@ def slide(
         if t >= t_motion and mode == SLIDE and w == 0.0:
             mode = STICK
 
-    out[SLIDE_END] = u
-    out[T_END] = par[REPORT_ENDS] if par[LASTS] == 1.0 else min(t, par[REPORT_ENDS])
-    while i_hist < n_hist and i_hist * dt_out <= out[T_END] and math.isnan(out[T_FLIGHT]):
+    out[to.SLIDE_END] = u
+    out[to.T_END] = par[at.REPORT_ENDS] if par[at.LASTS] == 1.0 else min(t, par[at.REPORT_ENDS])
+    while i_hist < n_hist and i_hist * dt_out <= out[to.T_END] and math.isnan(out[to.T_FLIGHT]):
         u_out[i_hist], rate_out[i_hist], way_out[i_hist] = u, 0.0, 0.0
         i_hist += 1
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from rockcli.kernels.column import law as k
+from rockcli.kernels.column import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
 from rockcli.scene.constants import GREENHILL
@@ -136,7 +136,7 @@ def first_state(column: Prepared, theta: float, theta_dot: float, a: float) -> t
     N = modes.lam.shape[1]
     z, v = np.zeros(N), np.zeros(N)
     if theta == 0.0 and theta_dot == 0.0:
-        return k.CONTACT, 1.0, z, v
+        return at.CONTACT, 1.0, z, v
     s = float(np.sign(theta) or np.sign(theta_dot))
     lam, th, bu = modes.lam[1], modes.th[1], modes.bu[1]
     q, theta_1 = abs(theta), column.theta_1
@@ -150,5 +150,5 @@ def first_state(column: Prepared, theta: float, theta_dot: float, a: float) -> t
     z[rocks] = (theta - th[bends] @ z[bends]) / th[rocks]
     v[rocks] = theta_dot / th[rocks]
     if theta_1 > 0.0 and q <= theta_1:
-        return k.CONTACT, s, modes.T.T @ z, modes.T.T @ v
-    return k.OPEN, s, z, v
+        return at.CONTACT, s, modes.T.T @ z, modes.T.T @ v
+    return at.OPEN, s, z, v

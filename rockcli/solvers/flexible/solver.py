@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.kernels.column import law as k
+from rockcli.kernels.column import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.constants import FREE_ROCKING, REARM
 from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
@@ -113,7 +113,7 @@ def _prepare(batch: Batch) -> tuple[list[Prepared | None], list[str]]:
 
 
 def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved: bool) -> Array:
-    """Parameters of case i in the layout of `kernels.column.law`; `halved`: sampled motions in half steps."""
+    """Parameters of case i in the layout of `kernels.column.layout`; `halved`: sampled motions in half steps."""
     block, excitation = batch.block, batch.excitation
     channels = (excitation.horizontal, excitation.vertical)
     p = float(batch.p[i, 0])
@@ -133,34 +133,34 @@ def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved:
     for channel in channels:
         if isinstance(channel, Samples):
             h = min(h, channel.dt / np.ceil(channel.dt / h * (1.0 - 1e-9)))
-    par = np.zeros(k.N_PAR)
+    par = np.zeros(at.N_PAR)
     values = {
-        k.G: column.g,
-        k.LENGTH: column.length,
-        k.WIDTH: column.width,
-        k.THETA_1: column.theta_1,
-        k.ALPHA: float(block.alpha[i, 0]),
-        k.P: p,
-        k.ETA: float(batch.damping.eta[i, 0]),
-        k.REARM: max(REARM * float(block.alpha[i, 0]), column.theta_1),
-        k.BARRIER: column.barrier,
-        k.THETA_STAR: column.theta_star,
-        k.H_MAX: h,
-        k.H_FREE: h_free,
-        k.T_MOTION: min(end, duration) if given else end,
-        k.T_STOP: duration if given else end + FREE_ROCKING / p,
-        k.HAS_DURATION: float(given),
-        k.FACTOR_H: _factor(excitation.horizontal, i),
-        k.FACTOR_V: _factor(excitation.vertical, i),
-        k.R_A: column.modes.r_a,
-        k.MOBILITY: column.modes.mobility,
-        k.TOL: 1e-12 * float(block.alpha[i, 0]),
-        k.GIVE_UP: DECIDE / p,
-        k.DETAIL: float("energy_residual" in batch.save.scalars),
-        k.FINENESS: fineness,
+        at.G: column.g,
+        at.LENGTH: column.length,
+        at.WIDTH: column.width,
+        at.THETA_1: column.theta_1,
+        at.ALPHA: float(block.alpha[i, 0]),
+        at.P: p,
+        at.ETA: float(batch.damping.eta[i, 0]),
+        at.REARM: max(REARM * float(block.alpha[i, 0]), column.theta_1),
+        at.BARRIER: column.barrier,
+        at.THETA_STAR: column.theta_star,
+        at.H_MAX: h,
+        at.H_FREE: h_free,
+        at.T_MOTION: min(end, duration) if given else end,
+        at.T_STOP: duration if given else end + FREE_ROCKING / p,
+        at.HAS_DURATION: float(given),
+        at.FACTOR_H: _factor(excitation.horizontal, i),
+        at.FACTOR_V: _factor(excitation.vertical, i),
+        at.R_A: column.modes.r_a,
+        at.MOBILITY: column.modes.mobility,
+        at.TOL: 1e-12 * float(block.alpha[i, 0]),
+        at.GIVE_UP: DECIDE / p,
+        at.DETAIL: float("energy_residual" in batch.save.scalars),
+        at.FINENESS: fineness,
     }
-    for at, value in values.items():
-        par[at] = value
+    for place, value in values.items():
+        par[place] = value
     return par
 
 
@@ -182,7 +182,7 @@ def _march(
     parameters = [None if c is None else _parameters(batch, i, c, fineness, halved) for i, c in enumerate(columns)]
     n_time = 0
     if histories:
-        stop = max([0.0, *(float(par[k.T_STOP]) for par in parameters if par is not None)])
+        stop = max([0.0, *(float(par[at.T_STOP]) for par in parameters if par is not None)])
         n_time = int(np.floor(stop / batch.save.dt_out * (1.0 + 1e-12))) + 1
     run = Raw(n, n_time, MAX_IMPACTS_STORED if histories else 0)
     horizontal = channel_of(batch.excitation.horizontal, n)
@@ -197,7 +197,7 @@ def _march(
         upright = start == 0.0 and rate == 0.0
         a = 0.0 if upright else float(acceleration(batch.excitation.horizontal, np.zeros(1), i)[0])
         phase, s, z, v = first_state(column, start, rate, a)
-        par[k.PHASE_0], par[k.SIDE_0] = phase, s
+        par[at.PHASE_0], par[at.SIDE_0] = phase, s
         m = column.modes
         if column is not before:
             space["keys"][...], space["filled"][...] = -1.0, 0.0

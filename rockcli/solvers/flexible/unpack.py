@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.column import automaton as k
+from rockcli.kernels.column import layout as at
 from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import acceleration
@@ -29,7 +29,7 @@ class Raw:
     """Raw output for a batch: `out` (n, N_OUT), histories (n, 4, k), landings (n, 3, j)."""
 
     def __init__(self, n: int, n_time: int, n_landings: int) -> None:
-        self.out = np.full((n, k.N_OUT), np.nan)
+        self.out = np.full((n, at.N_OUT), np.nan)
         self.histories = np.full((n, 4, n_time), np.nan)
         self.landings = np.full((n, 3, n_landings), np.nan)
 
@@ -41,46 +41,46 @@ def scalars_of(
     assert batch.column is not None or all(c is None for c in columns)
     out = run.out
     refused = np.array([c is None for c in columns])
-    landings = np.where(refused, 0, np.rint(np.nan_to_num(out[:, k.N_LANDINGS]))).astype(np.int64)
-    moved = np.isfinite(out[:, k.T_UPLIFT])
-    fell = out[:, k.VERDICT] == FALLS
+    landings = np.where(refused, 0, np.rint(np.nan_to_num(out[:, at.N_LANDINGS]))).astype(np.int64)
+    moved = np.isfinite(out[:, at.T_UPLIFT])
+    fell = out[:, at.VERDICT] == FALLS
     outcome = np.where(moved, ROCKING, NO_UPLIFT)
     outcome = np.where(fell, np.where(landings > 0, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT), outcome)
-    outcome = np.where(out[:, k.VERDICT] == UNDECIDED, UNRESOLVED, outcome)
-    outcome = np.where(refused | (out[:, k.STATUS] != DONE), FAILED, outcome)
+    outcome = np.where(out[:, at.VERDICT] == UNDECIDED, UNRESOLVED, outcome)
+    outcome = np.where(refused | (out[:, at.STATUS] != DONE), FAILED, outcome)
     unknown, failed = outcome < 0, outcome == FAILED
 
     def known(values: Array, missing: NDArray[np.bool_]) -> Array:
         return np.where(missing, np.nan, values)
 
-    peak = known(np.where(fell, np.inf, np.where(moved, out[:, k.PEAK], 0.0)), unknown)
+    peak = known(np.where(fell, np.inf, np.where(moved, out[:, at.PEAK], 0.0)), unknown)
     barrier = np.array([np.nan if c is None else c.barrier for c in columns])
     undamped = batch.column.zeta == 0.0 if batch.column is not None else np.zeros(batch.size, bool)
     nothing = np.full(batch.size, np.nan)
     scalars: dict[str, NDArray[Any]] = {
         "outcome": outcome.astype(np.int8),
-        "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, out[:, k.PEAK_SIDE])),
+        "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, out[:, at.PEAK_SIDE])),
         "theta_peak_over_alpha": peak / batch.block.alpha[:, 0],
-        "theta_dot_peak": known(np.where(fell, np.inf, out[:, k.RATE_PEAK]), unknown),
-        "u_top_peak": known(np.where(fell, np.inf, out[:, k.U_PEAK]), unknown),
-        "t_peak": known(out[:, k.T_PEAK], fell | ~moved | unknown),
-        "t_uplift": known(out[:, k.T_UPLIFT], failed),
-        "t_overturn": known(out[:, k.T_OVERTURN], ~fell | failed),
-        "t_end": known(out[:, k.T_END], failed),
+        "theta_dot_peak": known(np.where(fell, np.inf, out[:, at.RATE_PEAK]), unknown),
+        "u_top_peak": known(np.where(fell, np.inf, out[:, at.U_PEAK]), unknown),
+        "t_peak": known(out[:, at.T_PEAK], fell | ~moved | unknown),
+        "t_uplift": known(out[:, at.T_UPLIFT], failed),
+        "t_overturn": known(out[:, at.T_OVERTURN], ~fell | failed),
+        "t_end": known(out[:, at.T_END], failed),
         "n_impacts": landings,
         "mu_required": nothing,
         "mu_impact": nothing,
         "N_min_over_mg": nothing,
-        "energy_residual": known(-out[:, k.ENERGY] / barrier, failed | ~undamped),
-        "landing_loss": known(out[:, k.LANDING_LOSS] / barrier, failed),
-        "n_steps": np.where(refused, 0, np.rint(np.nan_to_num(out[:, k.N_STEPS]))).astype(np.int64),
-        "n_rhs": np.where(refused, 0, np.rint(np.nan_to_num(out[:, k.N_RHS]))).astype(np.int64),
+        "energy_residual": known(-out[:, at.ENERGY] / barrier, failed | ~undamped),
+        "landing_loss": known(out[:, at.LANDING_LOSS] / barrier, failed),
+        "n_steps": np.where(refused, 0, np.rint(np.nan_to_num(out[:, at.N_STEPS]))).astype(np.int64),
+        "n_rhs": np.where(refused, 0, np.rint(np.nan_to_num(out[:, at.N_RHS]))).astype(np.int64),
     }
     reasons = list(refusals)
     for i in np.flatnonzero((outcome < 0) & ~refused):
-        if out[i, k.STATUS] == OUT_OF_STEPS:
+        if out[i, at.STATUS] == OUT_OF_STEPS:
             reasons[i] = f"gave up after {scalars['n_steps'][i]} steps"
-        elif out[i, k.STATUS] != DONE:
+        elif out[i, at.STATUS] != DONE:
             reasons[i] = "the solution ceased to be finite: check the motion and the column for extreme numbers"
         else:
             reasons[i] = "vibration keeps its energy above that of overturning: free rocking did not decide"

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
-from rockcli.kernels.frame import layout as k
+from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
 from rockcli.scene.constants import FIBRES
@@ -20,14 +20,14 @@ def kind_of_base(batch: Batch) -> float:
     if base is None or base.law == "rigid":
         if hht:
             raise SolverError("damping hht needs a base that gives way: base: {law: winkler, kw: ...}")
-        return k.SOFTENING if batch.geometry == "negative_stiffness" else k.PLASTIC
+        return at.SOFTENING if batch.geometry == "negative_stiffness" else at.PLASTIC
     if batch.geometry == "negative_stiffness":
         raise SolverError("a Winkler base carries the weight: it needs geometry: corotational")
     if not (hht or base.fibres is not None):
-        return k.WINKLER
+        return at.WINKLER
     if batch.model not in ("4", "flexible"):
         raise SolverError(f"fibres stand under a column of elements, model 4 or flexible, not model {batch.model}")
-    return k.FIBRES
+    return at.FIBRES
 
 
 def fibres(b: float, kw: float, n: int, *, place: str = "corners") -> Array:
@@ -48,7 +48,7 @@ def fibres(b: float, kw: float, n: int, *, place: str = "corners") -> Array:
 
 def fibres_of(batch: Batch, case: int) -> Array:
     """Fibres of one case, (k, 2), none for the other kinds of base."""
-    if batch.base is None or kind_of_base(batch) != k.FIBRES:
+    if batch.base is None or kind_of_base(batch) != at.FIBRES:
         return np.zeros((0, 2))
     number = batch.base.fibres or FIBRES
     return fibres(float(batch.block.b[case, LEFT]), float(batch.base.kw[case]), number)

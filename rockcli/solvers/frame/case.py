@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
 from rockcli.kernels.constants import FAST
-from rockcli.kernels.frame import layout as k
+from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.constants import ALPHA_D, FREE_ROCKING, REARM, STEP, YIELD_ROTATION
@@ -69,7 +69,7 @@ def default_dt(batch: Batch, case: int) -> float:
 def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -> CaseOfFrame:
     """One case; `coarser` multiplies its time step and yield rotation."""
     kind = kind_of_base(batch)
-    structure = structure_of(batch, case, fibres=kind == k.FIBRES)
+    structure = structure_of(batch, case, fibres=kind == at.FIBRES)
     block, numerics = batch.block, batch.numerics
     g, m = float(batch.g[case]), structure.m
     R, alpha, p = float(block.R[case, LEFT]), float(block.alpha[case, LEFT]), float(batch.p[case, LEFT])
@@ -79,10 +79,10 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     if not q_y < REARM * alpha:
         raise SolverError(f"yield_rotation {q_y:.3g} is not small against alpha = {alpha:.3g}")
     kw = float(batch.base.kw[case]) if batch.base is not None else np.nan
-    elastic_base = kind in (k.WINKLER, k.FIBRES)
+    elastic_base = kind in (at.WINKLER, at.FIBRES)
     if elastic_base:
         q_y = m * g / (2.0 * kw * b * b)
-    gravity = kind != k.SOFTENING
+    gravity = kind != at.SOFTENING
     corotational = numerics.method != "linear"
     if gravity and not corotational:
         raise SolverError("method linear has no P-Delta: it needs geometry: negative_stiffness and a rigid base")
@@ -91,38 +91,38 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
         check_step(batch, case, dt, stop)
     damping = batch.damping
 
-    par = np.zeros(k.N_PAR)
-    par[k.LENGTH], par[k.AXIAL], par[k.BENDING] = structure.length, structure.axial, structure.bending
-    par[k.COROTATIONAL], par[k.BASE], par[k.GRAVITY] = corotational, kind, gravity
-    par[k.YIELD_MOMENT] = m * g * (b if gravity else R * np.sin(alpha - q_y))
-    par[k.YIELD_ROTATION], par[k.UPLIFT], par[k.ALPHA] = q_y, q_y, alpha
-    par[k.KW], par[k.HALF_WIDTH], par[k.WEIGHT], par[k.G] = kw, b, m * g, g
-    par[k.HINGED] = kind != k.FIBRES
+    par = np.zeros(at.N_PAR)
+    par[at.LENGTH], par[at.AXIAL], par[at.BENDING] = structure.length, structure.axial, structure.bending
+    par[at.COROTATIONAL], par[at.BASE], par[at.GRAVITY] = corotational, kind, gravity
+    par[at.YIELD_MOMENT] = m * g * (b if gravity else R * np.sin(alpha - q_y))
+    par[at.YIELD_ROTATION], par[at.UPLIFT], par[at.ALPHA] = q_y, q_y, alpha
+    par[at.KW], par[at.HALF_WIDTH], par[at.WEIGHT], par[at.G] = kw, b, m * g, g
+    par[at.HINGED] = kind != at.FIBRES
     if damping.coefficient is not None:
         rate = dashpot_rate(
             damping.coefficient[case : case + 1], block.alpha[case, :1], block.R[case, :1], block.inertia[case, :1],
             batch.g[case : case + 1],
         )  # fmt: skip
-        par[k.DASHPOT] = float(rate[0]) * float(block.inertia[case, LEFT]) * m * R * R
-    par[k.STIFF_DAMPING] = structure.damping
-    par[k.ETA_LEFT], par[k.ETA_RIGHT] = damping.eta[case, LEFT], damping.eta[case, RIGHT]
-    par[k.ALPHA_D] = 1.0
+        par[at.DASHPOT] = float(rate[0]) * float(block.inertia[case, LEFT]) * m * R * R
+    par[at.STIFF_DAMPING] = structure.damping
+    par[at.ETA_LEFT], par[at.ETA_RIGHT] = damping.eta[case, LEFT], damping.eta[case, RIGHT]
+    par[at.ALPHA_D] = 1.0
     if damping.scheme == "hht":
-        par[k.ALPHA_D] = ALPHA_D if damping.alpha_d is None else damping.alpha_d[case]
-    par[k.TOLERANCE] = numerics.rtol or TOLERANCE
-    par[k.REARM] = REARM * alpha
-    par[k.REACH] = structure.n * structure.length
-    par[k.DT], par[k.T_MOTION], par[k.T_STOP], par[k.OWN_DURATION] = dt, end, stop, own
-    par[k.T_LAST] = stop + SEARCH / p
+        par[at.ALPHA_D] = ALPHA_D if damping.alpha_d is None else damping.alpha_d[case]
+    par[at.TOLERANCE] = numerics.rtol or TOLERANCE
+    par[at.REARM] = REARM * alpha
+    par[at.REACH] = structure.n * structure.length
+    par[at.DT], par[at.T_MOTION], par[at.T_STOP], par[at.OWN_DURATION] = dt, end, stop, own
+    par[at.T_LAST] = stop + SEARCH / p
     law = MODELS.get((batch.model, batch.geometry))
-    par[k.Q_STAR] = alpha if law is None else law.law(block.alpha[case], block.tan_alpha[case]).q_star[LEFT]
-    par[k.DT_OUT] = batch.save.dt_out if batch.save.histories else 0.0
-    par[k.FAST] = FAST * p * alpha
+    par[at.Q_STAR] = alpha if law is None else law.law(block.alpha[case], block.tan_alpha[case]).q_star[LEFT]
+    par[at.DT_OUT] = batch.save.dt_out if batch.save.histories else 0.0
+    par[at.FAST] = FAST * p * alpha
     fibres = fibres_of(batch, case)
-    par[k.BARRIER] = SURE * barrier(par, structure, fibres, kernel)
+    par[at.BARRIER] = SURE * barrier(par, structure, fibres, kernel)
     spring = par.copy()
-    spring[k.BASE] = k.WINKLER if elastic_base else kind
-    par[k.SHUT] = kernel.elements.spring_energy(spring, q_y)
+    spring[at.BASE] = at.WINKLER if elastic_base else kind
+    par[at.SHUT] = kernel.elements.spring_energy(spring, q_y)
 
     u, v = _turned(batch, case, structure, corotational=corotational)
     u[1::3] += lift(par, fibres, u[2])
@@ -137,13 +137,13 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
 def barrier(par: Array, structure: Structure, fibres: Array, kernel: Kernels) -> float:
     """Energy from the upright equilibrium to the unstable one [J]: the highest on the path of held base rotations."""
     N = 3 * (structure.n + 1)
-    work, bands, B = np.zeros((k.N_ROWS, N)), np.zeros((k.N_BANDS, N, k.BAND)), np.zeros((3, 6))
+    work, bands, B = np.zeros((at.N_ROWS, N)), np.zeros((at.N_BANDS, N, at.BAND)), np.zeros((3, 6))
     s = structure.heights
 
     def energy(theta: float) -> float:
         u = np.zeros(N)
         u[2::3], u[0::3], u[1::3] = theta, s * np.sin(theta), -s * (1.0 - np.cos(theta))
-        if par[k.COROTATIONAL] == 0.0:
+        if par[at.COROTATIONAL] == 0.0:
             u[0::3], u[1::3] = s * theta, 0.0
         u[1::3] += lift(par, fibres, theta)
         if not kernel.steps.settle(par, structure.n, structure.pull, structure.weights, fibres, u, work, bands, B):
@@ -166,7 +166,7 @@ def lift(par: Array, fibres: Array, theta: float) -> float:
     """Rise of the base on fibres at theta [m], from which Newton finds the equilibrium: a little too deep."""
     if not len(fibres):
         return 0.0
-    return float(fibres[:, 0].max() * abs(theta) - 2.0 * par[k.WEIGHT] / fibres[:, 1].min())
+    return float(fibres[:, 0].max() * abs(theta) - 2.0 * par[at.WEIGHT] / fibres[:, 1].min())
 
 
 def _times(batch: Batch, case: int, p: float) -> tuple[float, float, bool]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.errors import SolverError
-from rockcli.kernels.frame import layout as k
+from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.constants import COARSER, METHODS
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
@@ -69,22 +69,23 @@ def load() -> Kernels:
 def run(batch: Batch, *, histories: bool, coarser: float = 1.0) -> Runs:
     """Run every case, its time step and yield rotation multiplied by `coarser`."""
     kernel = load()
-    runs = Runs(np.zeros((batch.size, k.N_OUT)))
+    runs = Runs(np.zeros((batch.size, at.N_OUT)))
     for i in range(batch.size):
         case = case_of(batch, i, kernel, coarser=coarser)
         N = len(case.u)
-        rows = int(np.floor(case.par[k.T_STOP] / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
-        history = np.full((rows, k.N_HISTORY), np.nan)
+        rows = int(np.floor(case.par[at.T_STOP] / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
+        history = np.full((rows, at.N_HISTORY), np.nan)
         impacts = np.full((MAX_IMPACTS_STORED if histories else 0, 3), np.nan)
         kernel.frame.run(
             case.par, case.structure.n, case.structure.mass, case.structure.pull, case.structure.weights, case.fibres,
-            case.a_g, case.a_v, case.u, case.v, np.zeros(N), np.zeros((k.N_ROWS, N)), np.zeros((k.N_BANDS, N, k.BAND)),
-            np.zeros((3, 6)), np.zeros((2, k.N_HISTORY)), history, impacts, runs.out[i],
+            case.a_g, case.a_v, case.u, case.v, np.zeros(N), np.zeros((at.N_ROWS, N)),
+            np.zeros((at.N_BANDS, N, at.BAND)), np.zeros((3, 6)), np.zeros((2, at.N_HISTORY)),
+            history, impacts, runs.out[i],
         )  # fmt: skip
         runs.par.append(case.par)
         runs.mass.append(case.structure.m)
         runs.history.append(history)
-        runs.impacts.append(impacts[: int(runs.out[i, k.N_STORED])])
+        runs.impacts.append(impacts[: int(runs.out[i, at.N_STORED])])
     return runs
 
 
@@ -98,11 +99,11 @@ def _used(batch: Batch, runs: Runs) -> dict[str, str]:
     used = {
         "backend": "frame",
         "method": f"{batch.numerics.method or 'corotational'} Euler-Bernoulli elements, "
-        + ("HHT, alpha_d " + span(k.ALPHA_D) if batch.damping.scheme == "hht" else "Newmark, average acceleration"),
-        "dt": span(k.DT),
-        "yield_rotation": span(k.YIELD_ROTATION),
-        "divided_steps": f"{int(runs.out[:, k.CUTS].sum())}",
+        + ("HHT, alpha_d " + span(at.ALPHA_D) if batch.damping.scheme == "hht" else "Newmark, average acceleration"),
+        "dt": span(at.DT),
+        "yield_rotation": span(at.YIELD_ROTATION),
+        "divided_steps": f"{int(runs.out[:, at.CUTS].sum())}",
     }
-    if par[:, k.STIFF_DAMPING].any():
-        used["stiffness_damping"] = span(k.STIFF_DAMPING)
+    if par[:, at.STIFF_DAMPING].any():
+        used["stiffness_damping"] = span(at.STIFF_DAMPING)
     return used

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.frame.layout import BAND
+from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
 from rockcli.scene.constants import DENSITY, ELEMENTS, RIGID
@@ -65,7 +65,7 @@ def structure_of(batch: Batch, case: int, *, fibres: bool) -> Structure:
 
     if batch.model in ("1", "2", "3"):
         height = R if batch.model == "1" else h
-        mass, pull, weights = np.zeros((6, BAND)), np.zeros(6), np.zeros(6)
+        mass, pull, weights = np.zeros((6, at.BAND)), np.zeros(6), np.zeros(6)
         weights[4] = m
         if batch.model == "2":
             mass[5, 0] = inertia * m * R**2
@@ -98,7 +98,7 @@ def structure_of(batch: Batch, case: int, *, fibres: bool) -> Structure:
 
 def lumped_bar(n: int, m: float) -> Array:
     """Masses of a bar at its nodes, half ones at the ends, no rotary inertia, as a band (3 (n + 1), 6)."""
-    band = np.zeros((3 * (n + 1), BAND))
+    band = np.zeros((3 * (n + 1), at.BAND))
     nodal = np.full(n + 1, m / n)
     nodal[[0, -1]] *= 0.5
     band[0::3, 0] = band[1::3, 0] = nodal
@@ -121,7 +121,7 @@ def consistent_bar(n: int, m: float, length: float) -> Array:
     )
     e[np.ix_([0, 2, 3, 5], [0, 2, 3, 5])] = across / 420.0
     e[np.ix_([1, 4], [1, 4])] = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6.0
-    band = np.zeros((3 * (n + 1), BAND))
+    band = np.zeros((3 * (n + 1), at.BAND))
     for i in range(n):
         for a in range(6):
             for b in range(a + 1):
@@ -133,7 +133,7 @@ def full_matrix(band: Array) -> Array:
     """The symmetric matrix of a band (N, 6): (N, N)."""
     N = len(band)
     full = np.zeros((N, N))
-    for k in range(BAND):
+    for k in range(at.BAND):
         i = np.arange(k, N)
         full[i, i - k] = full[i - k, i] = band[i, k]
     return full

@@ -4,34 +4,8 @@ from __future__ import annotations
 
 from rockcli.kernels.constants import FALLS, RETURNS
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.ground import to_come
-from rockcli.kernels.lanes.pulses.state import (
-    COSINE,
-    DONE,
-    EVENT,
-    HANDED,
-    L_ALPHA,
-    L_END,
-    L_P,
-    L_PULL,
-    L_R0,
-    L_RC,
-    L_RS,
-    L_STAR,
-    L_STOP,
-    L_TOP,
-    MODE,
-    N_STEPS,
-    NONE,
-    REST,
-    ROCK,
-    SINE,
-    VERDICT,
-    Q,
-    S,
-    T,
-    V,
-)
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
@@ -41,51 +15,53 @@ from rockcli.kernels.rigid.march import OUTCOME
 @jit_lean
 def judge(state, o, linear, margin, max_steps, detail):
     """One vector: its energy against that of the equilibrium, with what the rest of the motion can still change."""
-    event, mode = load(state, o + EVENT * WIDTH), load(state, o + MODE * WIDTH)
-    going = (mode >= REST) & (event < DONE)
+    event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
+    going = (mode >= lane.REST) & (event < lane.DONE)
     if not some(going):
         return
-    t, q, v = load(state, o + T * WIDTH), load(state, o + Q * WIDTH), load(state, o + V * WIDTH)
+    t, q, v = load(state, o + lane.T * WIDTH), load(state, o + lane.Q * WIDTH), load(state, o + lane.V * WIDTH)
     if linear:
         sine, cosine, bend = q, spread(1.0), 0.5 * q * q
     else:
         sine, cosine = sin_cos(q)
         bend = 1.0 - cosine
-    store(state, o + SINE * WIDTH, sine)
-    store(state, o + COSINE * WIDTH, cosine)
+    store(state, o + lane.SINE * WIDTH, sine)
+    store(state, o + lane.COSINE * WIDTH, cosine)
     plus, minus = to_come(state, o, t)
-    pull, right = load(state, o + L_PULL * WIDTH), load(state, o + S * WIDTH) > 0.0
+    pull, right = load(state, o + lane.L_PULL * WIDTH), load(state, o + lane.S * WIDTH) > 0.0
     both, inward = pull * (plus + minus), pull * select(right, plus, minus)
     potential = 2.0 * (
-        load(state, o + L_R0 * WIDTH) * q + load(state, o + L_RS * WIDTH) * bend + load(state, o + L_RC * WIDTH) * sine
+        load(state, o + lane.L_R0 * WIDTH) * q
+        + load(state, o + lane.L_RS * WIDTH) * bend
+        + load(state, o + lane.L_RC * WIDTH) * sine
     )
-    energy, top = v * v + potential, 2.0 * load(state, o + L_TOP * WIDTH)
+    energy, top = v * v + potential, 2.0 * load(state, o + lane.L_TOP * WIDTH)
     brim, speed = sqrt(top), sqrt(select(energy > 0.0, energy, 0.0))
-    inside, doubt = q < load(state, o + L_STAR * WIDTH), 100.0 * margin * brim
+    inside, doubt = q < load(state, o + lane.L_STAR * WIDTH), 100.0 * margin * brim
     returns = inside & (speed + both < brim - doubt)
     falls = (v > 0.0) & (speed - inward > brim + doubt)
     falls = (inside & falls) | (~inside & (v > inward + doubt))
 
-    over = t >= load(state, o + L_END * WIDTH)  # nothing more to come: the sign of the excess decides
+    over = t >= load(state, o + lane.L_END * WIDTH)  # nothing more to come: the sign of the excess decides
     excess = energy - top
     returns = returns | (over & inside & (excess < 0.0))
     falls = falls | (over & ((inside & (excess > 0.0) & (v > 0.0)) | (~inside & (excess < 0.0))))
-    p = load(state, o + L_P * WIDTH)
-    near = 10.0 * margin * load(state, o + L_ALPHA * WIDTH) * p * (abs(v) + sqrt(abs(top - potential)))
+    p = load(state, o + lane.L_P * WIDTH)
+    near = 10.0 * margin * load(state, o + lane.L_ALPHA * WIDTH) * p * (abs(v) + sqrt(abs(top - potential)))
     near = abs(excess) <= near + 1e-13 * p * p
 
-    verdict = load(state, o + VERDICT * WIDTH)
-    asked = going & (mode == ROCK) & (verdict < 0.0)
+    verdict = load(state, o + lane.VERDICT * WIDTH)
+    asked = going & (mode == lane.ROCK) & (verdict < 0.0)
     verdict = select(asked & returns, 1.0 * RETURNS, verdict)
     verdict = select(asked & falls, 1.0 * FALLS, verdict)
-    still = going & (mode == REST) & over
+    still = going & (mode == lane.REST) & over
     verdict = select(still, 1.0 * RETURNS, verdict)
     known = verdict >= 0.0
     if detail > OUTCOME:
-        stop = load(state, o + L_STOP * WIDTH)
+        stop = load(state, o + lane.L_STOP * WIDTH)
         known = still | (verdict == 1.0 * FALLS) | (known & (t >= stop) & (v <= 0.0))
-    next_event = select(known, DONE, NONE)
-    doubtful = (asked & over & near) | (load(state, o + N_STEPS * WIDTH) >= max_steps)
-    next_event = select(doubtful, HANDED, next_event)
-    store(state, o + VERDICT * WIDTH, verdict)
-    store(state, o + EVENT * WIDTH, select(going, next_event, event))
+    next_event = select(known, lane.DONE, lane.NONE)
+    doubtful = (asked & over & near) | (load(state, o + lane.N_STEPS * WIDTH) >= max_steps)
+    next_event = select(doubtful, lane.HANDED, next_event)
+    store(state, o + lane.VERDICT * WIDTH, verdict)
+    store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))

@@ -4,34 +4,9 @@ from __future__ import annotations
 
 from rockcli.kernels.constants import NO_ROOT
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.series import look_along
-from rockcli.kernels.lanes.pulses.state import (
-    BRACKET,
-    BREADTH,
-    DONE,
-    EVENT,
-    HANDED,
-    L_GUARD,
-    MODE,
-    NEW_Q,
-    NEW_V,
-    NONE,
-    REACH,
-    ROCK,
-    TOP,
-    TOP_SIDE,
-    TOP_T,
-    VECTORS,
-    H,
-    Q,
-    S,
-    T,
-    V,
-    X,
-    series_of_a,
-    series_of_q,
-    stride,
-)
+from rockcli.kernels.lanes.pulses.state import series_of_a, series_of_q, stride
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.plain import gather, load, note, select, some, spread, store
 from rockcli.kernels.lanes.vector.roots import LOST, first_root, turning_point
@@ -48,19 +23,19 @@ def find_impacts(state, n, poly, lanes, count):
         for j in range(slots):
             i = int(lanes[begin + j])
             skip = 0  # a root at once is divided out
-            if state[i + Q * WIDTH] == 0.0:
+            if state[i + lane.Q * WIDTH] == 0.0:
                 skip = 1
                 while skip < 4 and state[series_of_q(i) + skip * WIDTH] == 0.0:
                     skip += 1
             poly[j], poly[WIDTH + j] = 1.0 * i, 1.0 * skip
         for j in range(slots, WIDTH):
             poly[j], poly[WIDTH + j] = poly[0], poly[WIDTH]
-        lane, skips = load(poly, 0), load(poly, WIDTH)
-        where = lane + skips * (1.0 * WIDTH)
+        chosen, skips = load(poly, 0), load(poly, WIDTH)
+        where = chosen + skips * (1.0 * WIDTH)
         for k in range(n + 1):
             store(poly, k * WIDTH, gather(state, where + 1.0 * series_of_q(k * WIDTH)))
         sinks = (load(poly, 0) <= 0.0) & (skips > 0.0)  # would enter the ground at once
-        x, slope = first_root(poly, n, gather(state, lane + 1.0 * (H * WIDTH)))
+        x, slope = first_root(poly, n, gather(state, chosen + 1.0 * (lane.H * WIDTH)))
         for power in range(4):
             slope = select(skips > power, slope * x, slope)
         x = select(sinks, LOST, x)
@@ -69,9 +44,13 @@ def find_impacts(state, n, poly, lanes, count):
         for j in range(slots):
             i, root = int(lanes[begin + j]), poly[j]
             if root >= 0.0:
-                state[i + X * WIDTH], state[i + NEW_Q * WIDTH], state[i + NEW_V * WIDTH] = root, 0.0, poly[WIDTH + j]
+                state[i + lane.X * WIDTH], state[i + lane.NEW_Q * WIDTH], state[i + lane.NEW_V * WIDTH] = (
+                    root,
+                    0.0,
+                    poly[WIDTH + j],
+                )
             else:
-                state[i + EVENT * WIDTH] = NONE if root == NO_ROOT else HANDED
+                state[i + lane.EVENT * WIDTH] = lane.NONE if root == NO_ROOT else lane.HANDED
 
 
 @jit_lean
@@ -87,12 +66,12 @@ def find_uplifts(state, n, poly, lanes, count):
     """First time the ground lifts the resting lanes that asked, on either side."""
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
-        lane = padded(lanes, begin, slots, poly)
-        h, guard = gather(state, lane + 1.0 * (H * WIDTH)), gather(state, lane + 1.0 * (L_GUARD * WIDTH))
+        chosen = padded(lanes, begin, slots, poly)
+        h, guard = gather(state, chosen + 1.0 * (lane.H * WIDTH)), gather(state, chosen + 1.0 * (lane.L_GUARD * WIDTH))
         side, first = spread(0.0), spread(NO_ROOT)
         for sign in (-1.0, 1.0):
             for k in range(n + 1):
-                store(poly, k * WIDTH, sign * gather(state, lane + 1.0 * series_of_a(k * WIDTH, n)))
+                store(poly, k * WIDTH, sign * gather(state, chosen + 1.0 * series_of_a(k * WIDTH, n)))
             store(poly, 0, load(poly, 0) + guard)
             x, _ = first_root(poly, n, h)
             sooner = (x >= 0.0) & ((x < first) | (first == NO_ROOT)) & ~(first == LOST)
@@ -103,9 +82,9 @@ def find_uplifts(state, n, poly, lanes, count):
         for j in range(slots):
             i, root = int(lanes[begin + j]), poly[j]
             if root >= 0.0:
-                state[i + X * WIDTH], state[i + S * WIDTH] = root, poly[WIDTH + j]
+                state[i + lane.X * WIDTH], state[i + lane.S * WIDTH] = root, poly[WIDTH + j]
             else:
-                state[i + EVENT * WIDTH] = NONE if root == NO_ROOT else HANDED
+                state[i + lane.EVENT * WIDTH] = lane.NONE if root == NO_ROOT else lane.HANDED
 
 
 @jit_lean
@@ -117,11 +96,15 @@ def find_tops(state, n, tol, poly, lanes):
     """
     count = 0
     size = stride(n)
-    for o in range(0, VECTORS * size, size):
-        x, v, v_new = load(state, o + X * WIDTH), load(state, o + V * WIDTH), load(state, o + NEW_V * WIDTH)
-        event = load(state, o + EVENT * WIDTH)
-        may = (load(state, o + MODE * WIDTH) == ROCK) & (event >= NONE) & (event < DONE)
-        may = may & (load(state, o + REACH * WIDTH) > load(state, o + TOP * WIDTH))
+    for o in range(0, lane.VECTORS * size, size):
+        x, v, v_new = (
+            load(state, o + lane.X * WIDTH),
+            load(state, o + lane.V * WIDTH),
+            load(state, o + lane.NEW_V * WIDTH),
+        )
+        event = load(state, o + lane.EVENT * WIDTH)
+        may = (load(state, o + lane.MODE * WIDTH) == lane.ROCK) & (event >= lane.NONE) & (event < lane.DONE)
+        may = may & (load(state, o + lane.REACH * WIDTH) > load(state, o + lane.TOP * WIDTH))
         if some(may):
             c = series_of_q(o)
             second = load(state, c + 2 * WIDTH)
@@ -137,23 +120,23 @@ def find_tops(state, n, tol, poly, lanes):
                     begin, breadth = select(here, (j - 1) / PARTS, begin), select(here, 1.0 / PARTS, breadth)
                     best = select(here, P, best)
                     rises = dP > 0.0
-            store(state, o + BRACKET * WIDTH, begin)
-            store(state, o + BREADTH * WIDTH, breadth)
+            store(state, o + lane.BRACKET * WIDTH, begin)
+            store(state, o + lane.BREADTH * WIDTH, breadth)
             count = note(may & (turns | (best > -1.0)), 1.0 * o, lanes, count)
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
-        lane = padded(lanes, begin, slots, poly)
-        x = gather(state, lane + 1.0 * (X * WIDTH))
-        share = gather(state, lane + 1.0 * (BRACKET * WIDTH))
-        breadth = gather(state, lane + 1.0 * (BREADTH * WIDTH))
+        chosen = padded(lanes, begin, slots, poly)
+        x = gather(state, chosen + 1.0 * (lane.X * WIDTH))
+        share = gather(state, chosen + 1.0 * (lane.BRACKET * WIDTH))
+        breadth = gather(state, chosen + 1.0 * (lane.BREADTH * WIDTH))
         for k in range(n + 1):
-            store(poly, k * WIDTH, gather(state, lane + 1.0 * series_of_q(k * WIDTH)))
+            store(poly, k * WIDTH, gather(state, chosen + 1.0 * series_of_q(k * WIDTH)))
         x, P = turning_point(poly, n, share * x, (share + breadth) * x)
         store(poly, 0, x)
         store(poly, WIDTH, P)
         for j in range(slots):
             i = int(lanes[begin + j])
-            if poly[WIDTH + j] > state[i + TOP * WIDTH] * (1.0 + 1e-12 + 100.0 * tol):
-                state[i + TOP * WIDTH] = poly[WIDTH + j]
-                state[i + TOP_T * WIDTH] = state[i + T * WIDTH] + poly[j]
-                state[i + TOP_SIDE * WIDTH] = state[i + S * WIDTH]
+            if poly[WIDTH + j] > state[i + lane.TOP * WIDTH] * (1.0 + 1e-12 + 100.0 * tol):
+                state[i + lane.TOP * WIDTH] = poly[WIDTH + j]
+                state[i + lane.TOP_T * WIDTH] = state[i + lane.T * WIDTH] + poly[j]
+                state[i + lane.TOP_SIDE * WIDTH] = state[i + lane.S * WIDTH]

@@ -8,7 +8,7 @@ from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
-from rockcli.kernels.rigid.layout import N_IMPACTS, STATUS
+from rockcli.kernels.rigid import results as to
 
 NODES, WEIGHTS = (np.polynomial.legendre.leggauss(10)[0] + 1.0) / 2.0, np.polynomial.legendre.leggauss(10)[1] / 2.0
 """Of Gauss and Legendre on [0, 1]."""
@@ -88,6 +88,6 @@ def settle(backlog, count, linear, out):
     for j in range(count):
         case = int(backlog[j])
         if backlog[WIDTH + j] >= 0.0:
-            out[case][N_IMPACTS] += backlog[WIDTH + j]
+            out[case][to.N_IMPACTS] += backlog[WIDTH + j]
         else:
-            out[case][STATUS] = LEFT_TO_MARCH
+            out[case][to.STATUS] = LEFT_TO_MARCH

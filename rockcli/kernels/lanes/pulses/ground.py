@@ -9,21 +9,8 @@ from __future__ import annotations
 from math import exp, sqrt
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.lanes.pulses.state import (
-    BELL,
-    BELL_E,
-    C0,
-    C1,
-    C2,
-    C3,
-    C5,
-    KIND,
-    L_BOUND,
-    L_END,
-    ORIGIN,
-    T,
-    series_of_a,
-)
+from rockcli.kernels.lanes.pulses import state as lane
+from rockcli.kernels.lanes.pulses.state import series_of_a
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos_of_any
 from rockcli.kernels.lanes.vector.plain import load, select, some, spread, store
@@ -41,18 +28,18 @@ EXP_ERROR = 4e-16
 @jit_lean
 def expand(state, o, n):
     """Coefficients about now, to order n, of the vector at o.  BELL_E must be of now."""
-    kind, t = load(state, o + KIND * WIDTH), load(state, o + T * WIDTH)
+    kind, t = load(state, o + lane.KIND * WIDTH), load(state, o + lane.T * WIDTH)
     a = series_of_a(o, n)
-    if some(kind == BELL):
-        _bell(state, o, n, a, kind == BELL, t)
+    if some(kind == lane.BELL):
+        _bell(state, o, n, a, kind == lane.BELL, t)
     else:
         zero = spread(0.0)
         for k in range(n + 1):
             store(state, a + k * WIDTH, zero)
     if some(kind == LINEAR):
         where = kind == LINEAR
-        slope = load(state, o + C1 * WIDTH)
-        a0 = load(state, o + C0 * WIDTH) + slope * (t - load(state, o + ORIGIN * WIDTH))
+        slope = load(state, o + lane.C1 * WIDTH)
+        a0 = load(state, o + lane.C0 * WIDTH) + slope * (t - load(state, o + lane.ORIGIN * WIDTH))
         store(state, a, load(state, a) + select(where, a0, 0.0))
         store(state, a + WIDTH, load(state, a + WIDTH) + select(where, slope, 0.0))
     if some(kind == WAVES):
@@ -61,13 +48,13 @@ def expand(state, o, n):
 
 @jit_lean
 def _waves(state, o, n, a, where, t):
-    x = t - load(state, o + C0 * WIDTH)
+    x = t - load(state, o + lane.C0 * WIDTH)
     for j in range(3):
-        A = load(state, o + (C1 + 3 * j) * WIDTH)
+        A = load(state, o + (lane.C1 + 3 * j) * WIDTH)
         A = select(where, A, 0.0)
         if some(abs(A) > 0.0):
-            w = load(state, o + (C2 + 3 * j) * WIDTH)
-            s, c = sin_cos_of_any(w * x + load(state, o + (C3 + 3 * j) * WIDTH))
+            w = load(state, o + (lane.C2 + 3 * j) * WIDTH)
+            s, c = sin_cos_of_any(w * x + load(state, o + (lane.C3 + 3 * j) * WIDTH))
             s, c = select(where, A * s, 0.0), select(where, A * c, 0.0)
             store(state, a, load(state, a) + s)
             for k in range(1, n + 1):
@@ -79,11 +66,11 @@ def _waves(state, o, n, a, where, t):
 @jit_lean
 def _bell(state, o, n, a, where, t):
     """D, a derivative of order m of exp(-y^2/2), obeys D'' + y D' + (m + 1) D = 0."""
-    w = load(state, o + C1 * WIDTH)
-    y = w * (t - load(state, o + C0 * WIDTH))
+    w = load(state, o + lane.C1 * WIDTH)
+    y = w * (t - load(state, o + lane.C0 * WIDTH))
     w, y = select(where, w, 0.0), select(where, y, 0.0)
-    even, odd = load(state, o + C2 * WIDTH), load(state, o + C5 * WIDTH)
-    e = select(where, load(state, o + BELL_E * WIDTH), 0.0)
+    even, odd = load(state, o + lane.C2 * WIDTH), load(state, o + lane.C5 * WIDTH)
+    e = select(where, load(state, o + lane.BELL_E * WIDTH), 0.0)
     z = y * y
     now = (even * (1.0 - z) + odd * (y * (z - 3.0))) * e
     after = w * ((even * (y * (z - 3.0)) + odd * (z * (6.0 - z) - 3.0)) * e)
@@ -100,16 +87,16 @@ def _bell(state, o, n, a, where, t):
 @jit_lean
 def to_come(state, o, t):
     """Bounds of the integrals of a_g > 0 and of -a_g > 0 over what is left; sets BELL_E."""
-    left = load(state, o + L_BOUND * WIDTH) * (load(state, o + L_END * WIDTH) - t)
+    left = load(state, o + lane.L_BOUND * WIDTH) * (load(state, o + lane.L_END * WIDTH) - t)
     left = select(left > 0.0, left, 0.0)
     plus, minus = left, left
-    bell = load(state, o + KIND * WIDTH) == BELL
+    bell = load(state, o + lane.KIND * WIDTH) == lane.BELL
     if some(bell):
-        w = load(state, o + C1 * WIDTH)
-        y = select(bell, w * (t - load(state, o + C0 * WIDTH)), 0.0)
+        w = load(state, o + lane.C1 * WIDTH)
+        y = select(bell, w * (t - load(state, o + lane.C0 * WIDTH)), 0.0)
         e = exp_of_negative(-0.5 * y * y)
-        store(state, o + BELL_E * WIDTH, e)
-        up, down = rest_of_bell(load(state, o + C2 * WIDTH), load(state, o + C5 * WIDTH), y, e)
+        store(state, o + lane.BELL_E * WIDTH, e)
+        up, down = rest_of_bell(load(state, o + lane.C2 * WIDTH), load(state, o + lane.C5 * WIDTH), y, e)
         over = 1.0 / w
         plus, minus = select(bell, up * over, plus), select(bell, down * over, minus)
     return plus, minus

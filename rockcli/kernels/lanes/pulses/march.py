@@ -9,66 +9,19 @@ import math
 
 from rockcli.kernels.constants import FALLS, FAST, RETURNS
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
 from rockcli.kernels.lanes.pulses.free_rocking import BACKLOG, LEFT_TO_MARCH, LOW, settle
 from rockcli.kernels.lanes.pulses.ground import expand
 from rockcli.kernels.lanes.pulses.series import flow, flow_linear, look_along, reach_of
-from rockcli.kernels.lanes.pulses.state import (
-    CASE,
-    DONE,
-    EVENT,
-    FREE,
-    HANDED,
-    IDLE,
-    IMPACT,
-    KIND,
-    L_ALPHA,
-    L_END,
-    L_ETA,
-    L_GUARD,
-    L_P,
-    L_R0,
-    L_RC,
-    L_RS,
-    L_STAR,
-    L_STOP,
-    L_TOP,
-    LAUNCH,
-    MODE,
-    N_IMPACTS,
-    N_STEPS,
-    NEW_Q,
-    NEW_V,
-    NONE,
-    REACH,
-    REST,
-    ROCK,
-    T_NEXT,
-    TOP,
-    UP_T,
-    UPLIFT,
-    VECTORS,
-    VERDICT,
-    H,
-    Q,
-    S,
-    T,
-    V,
-    X,
-    enter,
-    leave,
-    next_piece,
-    put,
-    series_of_a,
-    series_of_q,
-    stride,
-)
+from rockcli.kernels.lanes.pulses.state import enter, leave, next_piece, put, series_of_a, series_of_q, stride
 from rockcli.kernels.lanes.pulses.uplift_screen import BELL_E, ENERGY, KNOWN, ROOM, SIDE, WAKES, call_in, turn_away
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, note, room, select, some, store
-from rockcli.kernels.rigid.layout import LEFT, RIGHT, STATUS, G
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.march import OUTCOME
 from rockcli.kernels.rigid.rest import rest_time
 
@@ -83,24 +36,24 @@ def sweep(pars, linear, tol, rest_speed, margin, max_steps, n, detail, tables, p
     `work`: `work_space(n)`; `out` zeros.  What is not done here has STATUS LEFT_TO_MARCH.
     """
     state, scratch, waiting, backlog, lists = split(work, n)
-    lanes = VECTORS * WIDTH
+    lanes = lane.VECTORS * WIDTH
     asking, lifting, ending, moving, slowing, bouncing = (
         lists[:lanes], lists[lanes : 2 * lanes], lists[2 * lanes : 3 * lanes], lists[3 * lanes : 4 * lanes],
         lists[4 * lanes : 5 * lanes], lists[5 * lanes : 6 * lanes],
     )  # fmt: skip
     size = stride(n)
     upcoming = busy = n_aside = n_ending = 0
-    for o in range(0, VECTORS * size, size):
+    for o in range(0, lane.VECTORS * size, size):
         for i in range(o, o + WIDTH):
-            put(state, i, MODE, IDLE)
-            put(state, i, EVENT, IDLE)
-            put(state, i, CASE, -1.0)
+            put(state, i, lane.MODE, lane.IDLE)
+            put(state, i, lane.EVENT, lane.IDLE)
+            put(state, i, lane.CASE, -1.0)
             ending[n_ending] = i
             n_ending += 1
     while True:
         for j in range(n_ending):
             i = int(ending[j])
-            if state[i + CASE * WIDTH] >= 0.0:
+            if state[i + lane.CASE * WIDTH] >= 0.0:
                 let_out(state, i, out)
                 busy -= 1
             upcoming, came = let_in(
@@ -112,29 +65,29 @@ def sweep(pars, linear, tol, rest_speed, margin, max_steps, n, detail, tables, p
                 settle(backlog, n_aside, linear, out)
             return
         n_asking = n_lifting = n_ending = n_moving = n_slowing = n_bouncing = 0
-        for o in range(0, VECTORS * size, size):
+        for o in range(0, lane.VECTORS * size, size):
             look(state, o, n, linear, tol, scratch)
-            event = load(state, o + EVENT * WIDTH)
-            n_asking = note(event == IMPACT, 1.0 * o, asking, n_asking)
-            n_lifting = note(event == UPLIFT, 1.0 * o, lifting, n_lifting)
+            event = load(state, o + lane.EVENT * WIDTH)
+            n_asking = note(event == lane.IMPACT, 1.0 * o, asking, n_asking)
+            n_lifting = note(event == lane.UPLIFT, 1.0 * o, lifting, n_lifting)
         find_impacts(state, n, scratch, asking, n_asking)
         find_uplifts(state, n, scratch, lifting, n_lifting)
         if detail > OUTCOME:
             find_tops(state, n, tol, scratch, asking)
-        for o in range(0, VECTORS * size, size):
+        for o in range(0, lane.VECTORS * size, size):
             advance(state, o, rest_speed)
-            event, mode = load(state, o + EVENT * WIDTH), load(state, o + MODE * WIDTH)
-            past = load(state, o + T * WIDTH) >= load(state, o + T_NEXT * WIDTH)
-            n_moving = note((event >= NONE) & (event < DONE) & past, 1.0 * o, moving, n_moving)
-            n_slowing = note((event == IMPACT) & (mode == REST), 1.0 * o, slowing, n_slowing)
+            event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
+            past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
+            n_moving = note((event >= lane.NONE) & (event < lane.DONE) & past, 1.0 * o, moving, n_moving)
+            n_slowing = note((event == lane.IMPACT) & (mode == lane.REST), 1.0 * o, slowing, n_slowing)
             if detail > OUTCOME:
                 n_bouncing = note(only_bounces(state, o, tol, linear), 1.0 * o, bouncing, n_bouncing)
         for j in range(n_slowing):
             i = int(slowing[j])
-            come_to_rest(state, i, n, pars[int(state[i + CASE * WIDTH])], rest_speed, scratch)
+            come_to_rest(state, i, n, pars[int(state[i + lane.CASE * WIDTH])], rest_speed, scratch)
         for j in range(n_moving):
             i = int(moving[j])
-            next_piece(state, i, tables[int(state[i + CASE * WIDTH])], pieces)
+            next_piece(state, i, tables[int(state[i + lane.CASE * WIDTH])], pieces)
         for j in range(n_bouncing):
             i = int(bouncing[j])
             lay_aside(state, i, backlog, n_aside)
@@ -142,20 +95,20 @@ def sweep(pars, linear, tol, rest_speed, margin, max_steps, n, detail, tables, p
             if n_aside == WIDTH:
                 settle(backlog, n_aside, linear, out)
                 n_aside = 0
-        for o in range(0, VECTORS * size, size):
+        for o in range(0, lane.VECTORS * size, size):
             judge(state, o, linear, margin, max_steps, detail)
-            n_ending = note(load(state, o + EVENT * WIDTH) >= DONE, 1.0 * o, ending, n_ending)
+            n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
 
 
 def work_space(n):
     """Work space of `sweep` for series of order n."""
-    return room(VECTORS * stride(n) + (3 * n + 6) * WIDTH + (ROOM + BACKLOG + 6 * VECTORS) * WIDTH)
+    return room(lane.VECTORS * stride(n) + (3 * n + 6) * WIDTH + (ROOM + BACKLOG + 6 * lane.VECTORS) * WIDTH)
 
 
 @jit_lean
 def split(work, n):
     """Work space: the lanes; room for the series of a vector; the waiting room; cases laid aside; lists of lanes."""
-    i = VECTORS * stride(n)
+    i = lane.VECTORS * stride(n)
     j = i + (3 * n + 6) * WIDTH
     k = j + ROOM * WIDTH
     m = k + BACKLOG * WIDTH
@@ -165,12 +118,12 @@ def split(work, n):
 @jit_lean
 def let_out(state, i, out):
     """The case in lane i has its answer, or is left to `march`."""
-    case = int(state[i + CASE * WIDTH])
-    if state[i + EVENT * WIDTH] == HANDED:
-        out[case][STATUS] = LEFT_TO_MARCH
-    leave(state, i, state[i + VERDICT * WIDTH], out[case])
-    put(state, i, CASE, -1.0)
-    put(state, i, EVENT, IDLE)
+    case = int(state[i + lane.CASE * WIDTH])
+    if state[i + lane.EVENT * WIDTH] == lane.HANDED:
+        out[case][to.STATUS] = LEFT_TO_MARCH
+    leave(state, i, state[i + lane.VERDICT * WIDTH], out[case])
+    put(state, i, lane.CASE, -1.0)
+    put(state, i, lane.EVENT, lane.IDLE)
 
 
 @jit_lean
@@ -190,56 +143,56 @@ def let_in(state, i, upcoming, waiting, pars, tables, pieces, linear, doubt, ear
             next_piece(state, i, tables[case], pieces)
             return upcoming, 1
         else:
-            out[case][STATUS] = LEFT_TO_MARCH
+            out[case][to.STATUS] = LEFT_TO_MARCH
     return upcoming, 0
 
 
 @jit_lean
 def look(state, o, n, linear, tol, work):
     """One vector: series, step, and what has to be looked at more closely."""
-    mode, event = load(state, o + MODE * WIDTH), load(state, o + EVENT * WIDTH)
-    going = (mode >= REST) & (event == NONE)
+    mode, event = load(state, o + lane.MODE * WIDTH), load(state, o + lane.EVENT * WIDTH)
+    going = (mode >= lane.REST) & (event == lane.NONE)
     if not some(going):
         return
-    rocks = mode == ROCK
+    rocks = mode == lane.ROCK
     expand(state, o, n)
-    forced = some((load(state, o + KIND * WIDTH) > FREE) & rocks)
+    forced = some((load(state, o + lane.KIND * WIDTH) > lane.FREE) & rocks)
     if linear:
         flow_linear(state, o, n, forced, work)
     else:
         flow(state, o, n, forced, work)
     c = series_of_q(o)
-    h = load(state, o + T_NEXT * WIDTH) - load(state, o + T * WIDTH)
-    most = LONGEST / load(state, o + L_P * WIDTH)
-    rock_h = reach_of(state, c, n, tol * load(state, o + L_ALPHA * WIDTH), select(h < most, h, most))
-    if some(mode == REST):
+    h = load(state, o + lane.T_NEXT * WIDTH) - load(state, o + lane.T * WIDTH)
+    most = LONGEST / load(state, o + lane.L_P * WIDTH)
+    rock_h = reach_of(state, c, n, tol * load(state, o + lane.L_ALPHA * WIDTH), select(h < most, h, most))
+    if some(mode == lane.REST):
         rock_h = select(rocks, rock_h, h)
-        a, guard = series_of_a(o, n), load(state, o + L_GUARD * WIDTH)
+        a, guard = series_of_a(o, n), load(state, o + lane.L_GUARD * WIDTH)
         rest_h = reach_of(state, a, n, 1e-16 * guard, h)
         h = select(rocks, rock_h, rest_h)
         _, _, _, most = look_along(state, a, n, h)
-        event = select(going & (mode == REST) & ~(most < guard), UPLIFT, event)
+        event = select(going & (mode == lane.REST) & ~(most < guard), lane.UPLIFT, event)
     else:
         h = rock_h
     P, dP, M, reach = look_along(state, c, n, h)
-    event = select(going & rocks & may_land(state, o, c, h, P, dP, M, reach), IMPACT, event)
+    event = select(going & rocks & may_land(state, o, c, h, P, dP, M, reach), lane.IMPACT, event)
     if not linear:
         far = going & rocks & (reach >= 0.5 * math.pi)
         if some(far):
-            v = load(state, o + V * WIDTH)
-            sure = far & (event == NONE) & (0.5 * math.pi <= P) & (v > 0.0) & (dP > 0.0)
-            maybe = far & ~sure & ((event == IMPACT) | (0.5 * math.pi <= P) | ((v > 0.0) & (dP <= 0.0)))
-            verdict = load(state, o + VERDICT * WIDTH)
-            store(state, o + VERDICT * WIDTH, select(sure, 1.0 * FALLS, verdict))
-            event = select(sure, DONE, select(maybe, HANDED, event))
-    event = select(going & rocks & ~(h > 0.0), HANDED, event)
-    store(state, o + EVENT * WIDTH, event)
-    store(state, o + H * WIDTH, h)
-    store(state, o + X * WIDTH, h)
-    store(state, o + NEW_Q * WIDTH, select(rocks, P, 0.0))
-    store(state, o + NEW_V * WIDTH, select(rocks, dP, 0.0))
-    store(state, o + REACH * WIDTH, reach)
-    store(state, o + N_STEPS * WIDTH, load(state, o + N_STEPS * WIDTH) + 1.0)
+            v = load(state, o + lane.V * WIDTH)
+            sure = far & (event == lane.NONE) & (0.5 * math.pi <= P) & (v > 0.0) & (dP > 0.0)
+            maybe = far & ~sure & ((event == lane.IMPACT) | (0.5 * math.pi <= P) | ((v > 0.0) & (dP <= 0.0)))
+            verdict = load(state, o + lane.VERDICT * WIDTH)
+            store(state, o + lane.VERDICT * WIDTH, select(sure, 1.0 * FALLS, verdict))
+            event = select(sure, lane.DONE, select(maybe, lane.HANDED, event))
+    event = select(going & rocks & ~(h > 0.0), lane.HANDED, event)
+    store(state, o + lane.EVENT * WIDTH, event)
+    store(state, o + lane.H * WIDTH, h)
+    store(state, o + lane.X * WIDTH, h)
+    store(state, o + lane.NEW_Q * WIDTH, select(rocks, P, 0.0))
+    store(state, o + lane.NEW_V * WIDTH, select(rocks, dP, 0.0))
+    store(state, o + lane.REACH * WIDTH, reach)
+    store(state, o + lane.N_STEPS * WIDTH, load(state, o + lane.N_STEPS * WIDTH) + 1.0)
 
 
 @jit_lean
@@ -256,7 +209,7 @@ def may_land(state, o, c, h, P, dP, M, reach):
     low = low & (bump | (second >= 0.0))
     lead = q + v * h
     third = load(state, c + 3 * WIDTH)
-    launched = (load(state, o + LAUNCH * WIDTH) > 0.0) & (third > 0.0)  # from q = v = 0, P'' >= 0
+    launched = (load(state, o + lane.LAUNCH * WIDTH) > 0.0) & (third > 0.0)  # from q = v = 0, P'' >= 0
     lead = select(launched, (second + third * h) * h * h, lead)
     leads = ((v > 0.0) | launched) & (2.0 * lead > reach)
     return (P <= 0.0) | (low & ~leads)
@@ -265,53 +218,53 @@ def may_land(state, o, c, h, P, dP, M, reach):
 @jit_lean
 def advance(state, o, rest_speed):
     """One vector: take the step, turn over at impacts, leave rest at uplifts."""
-    event, mode = load(state, o + EVENT * WIDTH), load(state, o + MODE * WIDTH)
-    if not some(event >= NONE):
+    event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
+    if not some(event >= lane.NONE):
         return
-    t, h, x = load(state, o + T * WIDTH), load(state, o + H * WIDTH), load(state, o + X * WIDTH)
-    t_next, stop = load(state, o + T_NEXT * WIDTH), load(state, o + L_STOP * WIDTH)
-    q, v, s = load(state, o + NEW_Q * WIDTH), load(state, o + NEW_V * WIDTH), load(state, o + S * WIDTH)
-    p_alpha = load(state, o + L_P * WIDTH) * load(state, o + L_ALPHA * WIDTH)
-    goes = (event >= NONE) & (event < DONE)
-    lands = event == IMPACT
-    lifts = event == UPLIFT
+    t, h, x = load(state, o + lane.T * WIDTH), load(state, o + lane.H * WIDTH), load(state, o + lane.X * WIDTH)
+    t_next, stop = load(state, o + lane.T_NEXT * WIDTH), load(state, o + lane.L_STOP * WIDTH)
+    q, v, s = load(state, o + lane.NEW_Q * WIDTH), load(state, o + lane.NEW_V * WIDTH), load(state, o + lane.S * WIDTH)
+    p_alpha = load(state, o + lane.L_P * WIDTH) * load(state, o + lane.L_ALPHA * WIDTH)
+    goes = (event >= lane.NONE) & (event < lane.DONE)
+    lands = event == lane.IMPACT
+    lifts = event == lane.UPLIFT
 
     rate = select(v < 0.0, -v, 0.0)
-    n_impacts = load(state, o + N_IMPACTS * WIDTH)
+    n_impacts = load(state, o + lane.N_IMPACTS * WIDTH)
     counted = lands & (rate > FAST * p_alpha) & (t < stop)
-    after = load(state, o + L_ETA * WIDTH) * rate
+    after = load(state, o + lane.L_ETA * WIDTH) * rate
     slow = lands & ((after <= rest_speed * p_alpha) | (after <= 0.0))
     v = select(lands, after, v)
     s = select(lands, -s, s)
-    now = select((event == NONE) & (h == t_next - t), t_next, t + x)
-    up = load(state, o + UP_T * WIDTH)
+    now = select((event == lane.NONE) & (h == t_next - t), t_next, t + x)
+    up = load(state, o + lane.UP_T * WIDTH)
 
-    store(state, o + N_IMPACTS * WIDTH, select(counted, n_impacts + 1.0, n_impacts))
-    store(state, o + T * WIDTH, select(goes, now, t))
-    store(state, o + Q * WIDTH, select(goes, q, load(state, o + Q * WIDTH)))
-    store(state, o + V * WIDTH, select(goes, v, load(state, o + V * WIDTH)))
-    store(state, o + S * WIDTH, s)
-    store(state, o + UP_T * WIDTH, select(lifts & ~(up >= 0.0), now, up))
-    store(state, o + LAUNCH * WIDTH, select(lifts, 1.0, 0.0))
-    store(state, o + MODE * WIDTH, select(lifts, ROCK, select(slow, REST, mode)))
+    store(state, o + lane.N_IMPACTS * WIDTH, select(counted, n_impacts + 1.0, n_impacts))
+    store(state, o + lane.T * WIDTH, select(goes, now, t))
+    store(state, o + lane.Q * WIDTH, select(goes, q, load(state, o + lane.Q * WIDTH)))
+    store(state, o + lane.V * WIDTH, select(goes, v, load(state, o + lane.V * WIDTH)))
+    store(state, o + lane.S * WIDTH, s)
+    store(state, o + lane.UP_T * WIDTH, select(lifts & ~(up >= 0.0), now, up))
+    store(state, o + lane.LAUNCH * WIDTH, select(lifts, 1.0, 0.0))
+    store(state, o + lane.MODE * WIDTH, select(lifts, lane.ROCK, select(slow, lane.REST, mode)))
 
 
 @jit_lean
 def only_bounces(state, o, tol, linear):
     """Lanes that have just landed after the motion, and whose later swings are lower than the peak: only counted."""
-    v, eta = load(state, o + V * WIDTH), load(state, o + L_ETA * WIDTH)
-    lands = (load(state, o + EVENT * WIDTH) == IMPACT) & (load(state, o + MODE * WIDTH) == ROCK)
-    lands = lands & (load(state, o + T * WIDTH) >= load(state, o + L_END * WIDTH))
-    lands = lands & (v * v < LOW * LOW * 2.0 * load(state, o + L_TOP * WIDTH))
+    v, eta = load(state, o + lane.V * WIDTH), load(state, o + lane.L_ETA * WIDTH)
+    lands = (load(state, o + lane.EVENT * WIDTH) == lane.IMPACT) & (load(state, o + lane.MODE * WIDTH) == lane.ROCK)
+    lands = lands & (load(state, o + lane.T * WIDTH) >= load(state, o + lane.L_END * WIDTH))
+    lands = lands & (v * v < LOW * LOW * 2.0 * load(state, o + lane.L_TOP * WIDTH))
     if some(lands):
-        q, star = load(state, o + TOP * WIDTH), load(state, o + L_STAR * WIDTH)
+        q, star = load(state, o + lane.TOP * WIDTH), load(state, o + lane.L_STAR * WIDTH)
         q = select(q < star, q, star)
         sine, bend = q, 0.5 * q * q
         if not linear:
             sine, cosine = sin_cos(q)
             bend = 1.0 - cosine
-        height = load(state, o + L_R0 * WIDTH) * q + load(state, o + L_RS * WIDTH) * bend
-        height = height + load(state, o + L_RC * WIDTH) * sine
+        height = load(state, o + lane.L_R0 * WIDTH) * q + load(state, o + lane.L_RS * WIDTH) * bend
+        height = height + load(state, o + lane.L_RC * WIDTH) * sine
         lands = lands & (0.5 * v * v <= height * (1.0 + 1e-12 + 100.0 * tol)) & (eta <= 1.0)
     return lands
 
@@ -319,30 +272,30 @@ def only_bounces(state, o, tol, linear):
 @jit_lean
 def lay_aside(state, i, backlog, slot):
     """Lane i is done but for its bounces, which are counted when a vector of such cases has come together."""
-    state[i + VERDICT * WIDTH], state[i + EVENT * WIDTH] = 1.0 * RETURNS, DONE
-    slowest = FAST * state[i + L_P * WIDTH] * state[i + L_ALPHA * WIDTH]
-    backlog[slot], backlog[WIDTH + slot] = state[i + CASE * WIDTH], state[i + L_STOP * WIDTH]
-    backlog[2 * WIDTH + slot], backlog[3 * WIDTH + slot] = state[i + T * WIDTH], state[i + V * WIDTH]
-    backlog[4 * WIDTH + slot], backlog[5 * WIDTH + slot] = state[i + L_ETA * WIDTH], slowest
-    backlog[6 * WIDTH + slot], backlog[7 * WIDTH + slot] = state[i + L_R0 * WIDTH], state[i + L_RS * WIDTH]
-    backlog[8 * WIDTH + slot] = state[i + L_RC * WIDTH]
+    state[i + lane.VERDICT * WIDTH], state[i + lane.EVENT * WIDTH] = 1.0 * RETURNS, lane.DONE
+    slowest = FAST * state[i + lane.L_P * WIDTH] * state[i + lane.L_ALPHA * WIDTH]
+    backlog[slot], backlog[WIDTH + slot] = state[i + lane.CASE * WIDTH], state[i + lane.L_STOP * WIDTH]
+    backlog[2 * WIDTH + slot], backlog[3 * WIDTH + slot] = state[i + lane.T * WIDTH], state[i + lane.V * WIDTH]
+    backlog[4 * WIDTH + slot], backlog[5 * WIDTH + slot] = state[i + lane.L_ETA * WIDTH], slowest
+    backlog[6 * WIDTH + slot], backlog[7 * WIDTH + slot] = state[i + lane.L_R0 * WIDTH], state[i + lane.L_RS * WIDTH]
+    backlog[8 * WIDTH + slot] = state[i + lane.L_RC * WIDTH]
 
 
 @jit_lean
 def come_to_rest(state, i, n, par, rest_speed, queue):
     """A slow impact of lane i, put into REST on trial: whether it stays there, or goes on rocking (`rest_time`)."""
-    e, other = (RIGHT, LEFT) if state[i + S * WIDTH] > 0.0 else (LEFT, RIGHT)
-    v = state[i + V * WIDTH]
+    e, other = (at.RIGHT, at.LEFT) if state[i + lane.S * WIDTH] > 0.0 else (at.LEFT, at.RIGHT)
+    v = state[i + lane.V * WIDTH]
     nothing = queue[n + 1 :]
     nothing[0] = 0.0
     for k in range(n + 1):
         queue[k] = state[series_of_a(i, n) + k * WIDTH]
     rest_at = rest_time(
-        par, e, other, state[i + S * WIDTH], par[G], v, queue, n, nothing, 0,
-        state[i + X * WIDTH], state[i + T * WIDTH], state[i + T_NEXT * WIDTH], rest_speed,
+        par, e, other, state[i + lane.S * WIDTH], par[at.G], v, queue, n, nothing, 0,
+        state[i + lane.X * WIDTH], state[i + lane.T * WIDTH], state[i + lane.T_NEXT * WIDTH], rest_speed,
     )  # fmt: skip
     if rest_at >= 0.0:
-        state[i + T * WIDTH] = rest_at
-        state[i + V * WIDTH] = 0.0
+        state[i + lane.T * WIDTH] = rest_at
+        state[i + lane.V * WIDTH] = 0.0
     elif v > 0.0:
-        state[i + MODE * WIDTH] = ROCK
+        state[i + lane.MODE * WIDTH] = lane.ROCK

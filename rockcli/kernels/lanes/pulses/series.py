@@ -3,23 +3,8 @@
 from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.lanes.pulses.state import (
-    COSINE,
-    L_ACROSS,
-    L_ALONG,
-    L_FC,
-    L_FS,
-    L_R0,
-    L_RC,
-    L_RS,
-    LAUNCH,
-    SINE,
-    Q,
-    S,
-    V,
-    series_of_a,
-    series_of_q,
-)
+from rockcli.kernels.lanes.pulses import state as lane
+from rockcli.kernels.lanes.pulses.state import series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.plain import bits_of, from_bits, load, select, spread, store
 
@@ -36,13 +21,13 @@ def flow(state, o, n, forced, work):
     """
     c, a = series_of_q(o), series_of_a(o, n)
     rate, f, g = 0, (n + 1) * WIDTH, 2 * (n + 1) * WIDTH
-    s = load(state, o + S * WIDTH)
-    fc, fs = s * load(state, o + L_FC * WIDTH), s * load(state, o + L_FS * WIDTH)
-    along, across = s * load(state, o + L_ALONG * WIDTH), s * load(state, o + L_ACROSS * WIDTH)
-    sine, cosine = load(state, o + SINE * WIDTH), load(state, o + COSINE * WIDTH)
+    s = load(state, o + lane.S * WIDTH)
+    fc, fs = s * load(state, o + lane.L_FC * WIDTH), s * load(state, o + lane.L_FS * WIDTH)
+    along, across = s * load(state, o + lane.L_ALONG * WIDTH), s * load(state, o + lane.L_ACROSS * WIDTH)
+    sine, cosine = load(state, o + lane.SINE * WIDTH), load(state, o + lane.COSINE * WIDTH)
     force, turned = fc * cosine + fs * sine, fs * cosine - fc * sine
     along = along + load(state, a)
-    moment = load(state, o + L_R0 * WIDTH) + (along * force + across * turned)
+    moment = load(state, o + lane.L_R0 * WIDTH) + (along * force + across * turned)
     store(work, f, force)
     store(work, g, turned)
     begin(state, o, c, moment, work)
@@ -69,12 +54,12 @@ def flow(state, o, n, forced, work):
 def flow_linear(state, o, n, forced, work):
     """`flow` with sin q -> q, cos q -> 1."""
     c, a = series_of_q(o), series_of_a(o, n)
-    s = load(state, o + S * WIDTH)
-    fc, fs = s * load(state, o + L_FC * WIDTH), s * load(state, o + L_FS * WIDTH)
-    rs, q = load(state, o + L_RS * WIDTH), load(state, o + Q * WIDTH)
+    s = load(state, o + lane.S * WIDTH)
+    fc, fs = s * load(state, o + lane.L_FC * WIDTH), s * load(state, o + lane.L_FS * WIDTH)
+    rs, q = load(state, o + lane.L_RS * WIDTH), load(state, o + lane.Q * WIDTH)
     force = fc + fs * q
     store(work, (n + 1) * WIDTH, force)
-    moment = load(state, o + L_R0 * WIDTH) + rs * q + load(state, o + L_RC * WIDTH)
+    moment = load(state, o + lane.L_R0 * WIDTH) + rs * q + load(state, o + lane.L_RC * WIDTH)
     begin(state, o, c, moment + load(state, a) * force, work)
     for k in range(1, n - 1):
         now = load(state, c + k * WIDTH)
@@ -89,10 +74,10 @@ def flow_linear(state, o, n, forced, work):
 @jit_lean
 def begin(state, o, c, moment, work):
     """The first three coefficients; a body about to be lifted is not pressed down by rounding."""
-    v = load(state, o + V * WIDTH)
-    launch = load(state, o + LAUNCH * WIDTH) > 0.0
+    v = load(state, o + lane.V * WIDTH)
+    launch = load(state, o + lane.LAUNCH * WIDTH) > 0.0
     second = select(launch & (moment > 0.0), 0.0, -0.5 * moment)
-    store(state, c, load(state, o + Q * WIDTH))
+    store(state, c, load(state, o + lane.Q * WIDTH))
     store(state, c + WIDTH, v)
     store(state, c + 2 * WIDTH, second)
     store(work, WIDTH, v)

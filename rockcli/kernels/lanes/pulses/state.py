@@ -11,34 +11,9 @@ import math
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.ground import WIDTH as PIECE_WIDTH
-from rockcli.kernels.rigid.layout import (
-    ALPHA,
-    ETA,
-    FC,
-    FS,
-    P2,
-    PEAK,
-    PEAK_ALPHA,
-    PEAK_SIDE,
-    Q_STAR,
-    R0,
-    RC,
-    RIGHT,
-    RS,
-    T_END,
-    T_MOTION,
-    T_PEAK,
-    T_STOP,
-    T_UPLIFT,
-    THETA_0,
-    THETA_DOT_0,
-    THRESHOLD,
-    G,
-)
-from rockcli.kernels.rigid.layout import FELL as OUT_FELL
-from rockcli.kernels.rigid.layout import N_IMPACTS as OUT_N_IMPACTS
-from rockcli.kernels.rigid.layout import N_STEPS as OUT_N_STEPS
 
 VECTORS = 8
 """Vectors that run at a time: enough lanes to fill a vector with those that have an event."""
@@ -101,9 +76,14 @@ def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_
     A body that cannot overturn, one that starts far out, one that moves before a bell comes (far from it the series of
     the bell knows nothing of it) and a motion that grazes the threshold are left to `march`.
     """
-    star, guard, g, p2 = par[RIGHT + Q_STAR], par[G] * par[RIGHT + THRESHOLD], par[G], par[RIGHT + P2]
+    star, guard, g, p2 = (
+        par[at.RIGHT + at.Q_STAR],
+        par[at.G] * par[at.RIGHT + at.THRESHOLD],
+        par[at.G],
+        par[at.RIGHT + at.P2],
+    )
     bound = table[13] if pieces > 0 else 0.0
-    q, rate = abs(par[THETA_0]), par[THETA_DOT_0]
+    q, rate = abs(par[at.THETA_0]), par[at.THETA_DOT_0]
     if not star < 1.5 or not q < 1.5 or not p2 > 0.0 or abs(bound - guard) <= 1e-9 * guard:
         return False
     woken = wakes >= 0.0
@@ -111,8 +91,8 @@ def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_
         for j in range(pieces):
             if table[j * PIECE_WIDTH + 2] == BELL:
                 return False
-    fc, fs = p2 * par[RIGHT + FC] / g, p2 * par[RIGHT + FS] / g
-    r0, rs, rc = p2 * par[RIGHT + R0], p2 * par[RIGHT + RS], p2 * par[RIGHT + RC]
+    fc, fs = p2 * par[at.RIGHT + at.FC] / g, p2 * par[at.RIGHT + at.FS] / g
+    r0, rs, rc = p2 * par[at.RIGHT + at.R0], p2 * par[at.RIGHT + at.RS], p2 * par[at.RIGHT + at.RC]
     force = fc * fc + fs * fs
     if not force > 0.0:
         return False
@@ -135,7 +115,7 @@ def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_
     put(state, i, PIECE, -1.0)
     put(state, i, KIND, FREE)
     put(state, i, L_P, math.sqrt(p2))
-    put(state, i, L_ALPHA, par[RIGHT + ALPHA])
+    put(state, i, L_ALPHA, par[at.RIGHT + at.ALPHA])
     put(state, i, L_R0, r0)
     put(state, i, L_RS, rs)
     put(state, i, L_RC, rc)
@@ -146,15 +126,15 @@ def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_
     put(state, i, L_PULL, math.sqrt(force))
     put(state, i, L_GUARD, guard)
     put(state, i, L_STAR, star)
-    put(state, i, L_ETA, par[RIGHT + ETA])
-    put(state, i, L_END, par[T_MOTION])
-    put(state, i, L_STOP, par[T_STOP])
+    put(state, i, L_ETA, par[at.RIGHT + at.ETA])
+    put(state, i, L_END, par[at.T_MOTION])
+    put(state, i, L_STOP, par[at.T_STOP])
     put(state, i, L_BOUND, bound)
     put(state, i, SINE, 0.0)
     put(state, i, COSINE, 1.0)
     put(state, i, L_TOP, energy)
-    if par[THETA_0] != 0.0 or rate != 0.0:
-        lead = par[THETA_0] if par[THETA_0] != 0.0 else rate
+    if par[at.THETA_0] != 0.0 or rate != 0.0:
+        lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else rate
         s = 1.0 if lead > 0.0 else -1.0
         put(state, i, S, s)
         put(state, i, V, s * rate)
@@ -177,7 +157,7 @@ def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_
         put(state, i, UP_T, wakes)
         put(state, i, BELL_E, bell_e)
     elif bound < guard:  # nothing moves
-        put(state, i, T, par[T_MOTION])
+        put(state, i, T, par[at.T_MOTION])
     return True
 
 
@@ -209,14 +189,14 @@ def next_piece(state, i, table, pieces):
 @jit_lean
 def leave(state, i, verdict, out):
     """Take the case out of lane i: its results in the layout of `march`."""
-    out[OUT_FELL] = verdict
-    out[OUT_N_IMPACTS] += state[i + N_IMPACTS * WIDTH]
-    out[OUT_N_STEPS] = state[i + N_STEPS * WIDTH]
+    out[to.FELL] = verdict
+    out[to.N_IMPACTS] += state[i + N_IMPACTS * WIDTH]
+    out[to.N_STEPS] = state[i + N_STEPS * WIDTH]
     top = state[i + TOP * WIDTH]
-    out[PEAK], out[PEAK_SIDE] = top, state[i + TOP_SIDE * WIDTH]
-    out[PEAK_ALPHA] = state[i + L_ALPHA * WIDTH] if top > 0.0 else 1.0
-    out[T_PEAK], out[T_UPLIFT] = state[i + TOP_T * WIDTH], state[i + UP_T * WIDTH]
-    out[T_END] = state[i + T * WIDTH]
+    out[to.PEAK], out[to.PEAK_SIDE] = top, state[i + TOP_SIDE * WIDTH]
+    out[to.PEAK_ALPHA] = state[i + L_ALPHA * WIDTH] if top > 0.0 else 1.0
+    out[to.T_PEAK], out[to.T_UPLIFT] = state[i + TOP_T * WIDTH], state[i + UP_T * WIDTH]
+    out[to.T_END] = state[i + T * WIDTH]
     if verdict == 1.0:
-        out[PEAK_SIDE] = state[i + S * WIDTH]
+        out[to.PEAK_SIDE] = state[i + S * WIDTH]
     put(state, i, MODE, IDLE)

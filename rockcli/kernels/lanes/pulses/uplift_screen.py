@@ -6,35 +6,14 @@ import math
 
 from rockcli.kernels.constants import RETURNS
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.ground import rest_of_bell
 from rockcli.kernels.lanes.pulses.series import ONE
-from rockcli.kernels.lanes.pulses.state import BELL
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos
 from rockcli.kernels.lanes.vector.plain import bits_of, load, select, some, spread, sqrt, store
-from rockcli.kernels.rigid.layout import (
-    FC,
-    FS,
-    N_STEPS,
-    P2,
-    PEAK_ALPHA,
-    PEAK_SIDE,
-    Q_STAR,
-    R0,
-    RC,
-    RIGHT,
-    RS,
-    STATUS,
-    T_END,
-    T_MOTION,
-    T_PEAK,
-    T_UPLIFT,
-    THETA_0,
-    THETA_DOT_0,
-    THRESHOLD,
-    G,
-)
-from rockcli.kernels.rigid.layout import FELL as OUT_FELL
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 
 GUARD, EVEN, ODD, RATE, MIDDLE, FROM, TO, PULL, STAR, W_R0, W_RS, W_RC, SIDE, BELL_E, WAKES, ENERGY, KNOWN = range(17)
 ROOM = 17
@@ -65,23 +44,23 @@ def call_in(space, first, pars, tables, pieces, linear, doubt, early):
 @jit_lean
 def _sit_down(space, j, par, table, pieces):
     """One case into place j."""
-    g, p2, star = par[G], par[RIGHT + P2], par[RIGHT + Q_STAR]
-    guard = g * par[RIGHT + THRESHOLD]
+    g, p2, star = par[at.G], par[at.RIGHT + at.P2], par[at.RIGHT + at.Q_STAR]
+    guard = g * par[at.RIGHT + at.THRESHOLD]
     space[j + GUARD * WIDTH] = guard
-    space[j + PULL * WIDTH] = p2 / g * math.sqrt(par[RIGHT + FC] ** 2 + par[RIGHT + FS] ** 2)
+    space[j + PULL * WIDTH] = p2 / g * math.sqrt(par[at.RIGHT + at.FC] ** 2 + par[at.RIGHT + at.FS] ** 2)
     space[j + STAR * WIDTH] = star if star < 1.5 else 0.0
-    space[j + W_R0 * WIDTH] = p2 * par[RIGHT + R0]
-    space[j + W_RS * WIDTH] = p2 * par[RIGHT + RS]
-    space[j + W_RC * WIDTH] = p2 * par[RIGHT + RC]
+    space[j + W_R0 * WIDTH] = p2 * par[at.RIGHT + at.R0]
+    space[j + W_RS * WIDTH] = p2 * par[at.RIGHT + at.RS]
+    space[j + W_RC * WIDTH] = p2 * par[at.RIGHT + at.RC]
     space[j + FROM * WIDTH] = math.nan
-    if pieces != 1 or table[2] != BELL:
+    if pieces != 1 or table[2] != lane.BELL:
         return
-    w, t0, end = table[4], table[3], min(table[1], par[T_MOTION])
+    w, t0, end = table[4], table[3], min(table[1], par[at.T_MOTION])
     d0, d1, d2, d3 = table[5], table[6], table[7], table[8]
     space[j + RATE * WIDTH], space[j + MIDDLE * WIDTH] = w, t0
     space[j + EVEN * WIDTH], space[j + ODD * WIDTH] = d0, d3
     space[j + TO * WIDTH] = w * (end - t0)
-    fits = par[THETA_0] == 0.0 and par[THETA_DOT_0] == 0.0 and star < 1.5 and p2 > 0.0
+    fits = par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0 and star < 1.5 and p2 > 0.0
     fits = fits and abs(d0 + d2) <= 1e-15 * abs(d0) and abs(d1 + 3.0 * d3) <= 1e-15 * abs(d1) and d0 * d3 == 0.0
     fits = fits and abs(w * (table[0] - t0)) <= STEEPEST and abs(w * (end - t0)) <= STEEPEST
     if fits and abs(table[13] - guard) > 1e-9 * guard:
@@ -153,8 +132,8 @@ def _foresee(space, linear, doubt, early):
 @jit_lean
 def turn_away(space, j, par, out):
     """Results of a case whose answer is known before it begins: it never moves, or cannot be overturned."""
-    out[STATUS], out[N_STEPS], out[OUT_FELL] = 0.0, 0.0, RETURNS
-    out[PEAK_SIDE], out[PEAK_ALPHA], out[T_PEAK] = space[j + SIDE * WIDTH], 1.0, math.nan
+    out[to.STATUS], out[to.N_STEPS], out[to.FELL] = 0.0, 0.0, RETURNS
+    out[to.PEAK_SIDE], out[to.PEAK_ALPHA], out[to.T_PEAK] = space[j + SIDE * WIDTH], 1.0, math.nan
     wakes = space[j + WAKES * WIDTH]
-    out[T_UPLIFT] = wakes if wakes < math.inf else math.nan
-    out[T_END] = par[T_MOTION]
+    out[to.T_UPLIFT] = wakes if wakes < math.inf else math.nan
+    out[to.T_END] = par[at.T_MOTION]

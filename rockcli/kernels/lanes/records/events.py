@@ -6,6 +6,7 @@ import math
 
 from rockcli.kernels.constants import FALLS, NO_ROOT, RETURNS
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.rest import (
     BALLISTIC,
     BALLISTIC_AFTER,
@@ -17,49 +18,12 @@ from rockcli.kernels.lanes.records.rest import (
     rest,
     turn,
 )
-from rockcli.kernels.lanes.records.step import (
-    CAP,
-    COEFFICIENTS,
-    END,
-    FAST,
-    FORCING_C,
-    FORCING_S,
-    FREE_0,
-    FREE_S,
-    HALF_PI,
-    IMPACTS,
-    LEN,
-    LOOK,
-    ORDER,
-    PIECE,
-    SIDE,
-    SLOW,
-    SMALL,
-    H,
-    Q,
-    V,
-    X,
-)
-from rockcli.kernels.lanes.records.step import ONTO_LEFT as LANE_ONTO_LEFT
-from rockcli.kernels.lanes.records.step import PEAK as LANE_PEAK
+from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.lanes.vector import WIDTH
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good, separatrix
 from rockcli.kernels.rigid.ground import NOTHING, SAMPLES
-from rockcli.kernels.rigid.layout import (
-    ALPHA,
-    ETA,
-    FELL,
-    LEFT,
-    PEAK,
-    PEAK_SIDE,
-    Q_STAR,
-    RIGHT,
-    T_END,
-    T_MOTION,
-    T_OVERTURN,
-    T_STOP,
-    G,
-)
 from rockcli.kernels.rigid.march import OUTCOME, afterwards
 from rockcli.kernels.rigid.readings import set_peak
 from rockcli.kernels.rigid.roots import first_root, last_passage, passage, turning_point
@@ -72,32 +36,32 @@ def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, velocit
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
     """
-    q, v, s = st[Q + i], st[V + i], st[SIDE + i]
-    e, other = (RIGHT, LEFT) if s > 0.0 else (LEFT, RIGHT)
-    verdict = free_rocking(par, e, other, q, v, linear, margin * par[e + ALPHA])
-    if st[END + i] < n_values - 1.0:
-        out[FELL] = verdict
+    q, v, s = st[lane.Q + i], st[lane.V + i], st[lane.SIDE + i]
+    e, other = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
+    verdict = free_rocking(par, e, other, q, v, linear, margin * par[e + at.ALPHA])
+    if st[lane.END + i] < n_values - 1.0:
+        out[to.FELL] = verdict
         if detail == OUTCOME:
             if verdict == FALLS and separatrix(par, e, q, v, linear) < 0.0:  # an impact comes first
-                st[IMPACTS + i] += 1.0
-            out[T_END] = par[T_MOTION]
+                st[lane.IMPACTS + i] += 1.0
+            out[to.T_END] = par[at.T_MOTION]
             return finish(st, i, verdict, out)
         if verdict == FALLS and v > 0.0 and len(velocity) > 0:
-            out[T_END], out[PEAK_SIDE] = par[T_MOTION], s
+            out[to.T_END], out[to.PEAK_SIDE] = par[at.T_MOTION], s
             return finish(st, i, verdict, out)
-        st[PIECE + i], st[END + i], st[X + i] = n_values - 2, n_values - 1, 0.0
-        st[LEN + i] = par[T_STOP] - par[T_MOTION]
-        st[CAP + i] = dt
-        st[SLOW + i] *= BALLISTIC_AFTER / BALLISTIC
+        st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = n_values - 2, n_values - 1, 0.0
+        st[lane.LEN + i] = par[at.T_STOP] - par[at.T_MOTION]
+        st[lane.CAP + i] = dt
+        st[lane.SLOW + i] *= BALLISTIC_AFTER / BALLISTIC
         return STANDING
-    verdict = out[FELL]
-    t = par[T_STOP]
-    out[T_END] = t
+    verdict = out[to.FELL]
+    t = par[at.T_STOP]
+    out[to.T_END] = t
     if verdict == FALLS:
-        out[PEAK_SIDE] = s
+        out[to.PEAK_SIDE] = s
     if v > 0.0 and verdict != RETURNS:
         set_peak(par, e, s, q, t, out)
-    afterwards(par, e, s, par[G], q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out)
+    afterwards(par, e, s, par[at.G], q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out)
     return finish(st, i, verdict, out)
 
 
@@ -107,24 +71,24 @@ def attend(
     c, guard, sin_q, cos_q, a, a_v, out,
 ):  # fmt: skip
     """Look at the step lane i tried, go as far as its first event, and see to that."""
-    q, h, x0 = st[Q + i], st[H + i], st[X + i]
+    q, h, x0 = st[lane.Q + i], st[lane.H + i], st[lane.X + i]
     c[0] = q
-    for k in range(ORDER):
-        c[k + 1] = st[COEFFICIENTS + k * WIDTH + i]
-    if not abs(c[ORDER]) <= st[SMALL + i]:  # halved too often
+    for k in range(lane.ORDER):
+        c[k + 1] = st[lane.COEFFICIENTS + k * WIDTH + i]
+    if not abs(c[lane.ORDER]) <= st[lane.SMALL + i]:  # halved too often
         return hand_over(out)
     last = len(values) - 3
-    piece = int(st[PIECE + i])
+    piece = int(st[lane.PIECE + i])
     free = piece > last
-    t0 = (par[T_MOTION] if free else piece * dt) + x0
-    s = st[SIDE + i]
-    e, other = (RIGHT, LEFT) if s > 0.0 else (LEFT, RIGHT)
+    t0 = (par[at.T_MOTION] if free else piece * dt) + x0
+    s = st[lane.SIDE + i]
+    e, other = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
     path = len(velocity) == 0
-    if not (path or free or q < par[e + Q_STAR] or c[1] <= 0.0):
+    if not (path or free or q < par[e + at.Q_STAR] or c[1] <= 0.0):
         if lost(st, i, values, slopes, velocity, linear):
-            out[T_END], out[PEAK_SIDE] = t0, s
+            out[to.T_END], out[to.PEAK_SIDE] = t0, s
             return finish(st, i, FALLS, out)
-        st[LOOK + i] = min(FARTHER * max(q, st[LOOK + i]), HALF_PI)
+        st[lane.LOOK + i] = min(FARTHER * max(q, st[lane.LOOK + i]), HALF_PI)
     skip = 0
     if q == 0.0:
         if c[1] == 0.0:
@@ -136,54 +100,54 @@ def attend(
             return hand_over(out)
 
     # guards
-    x = first_root(c, ORDER, 1.0, skip)
+    x = first_root(c, lane.ORDER, 1.0, skip)
     impact = x != NO_ROOT
     if not impact:
         x = 1.0
     fell = False
     reach = 0.0
-    for k in range(ORDER, -1, -1):
+    for k in range(lane.ORDER, -1, -1):
         reach = reach * x + abs(c[k])
-    star = par[e + Q_STAR]
+    star = par[e + at.Q_STAR]
     if reach >= HALF_PI:
         if star == math.inf:
             return hand_over(out)
-        for k in range(ORDER + 1):
+        for k in range(lane.ORDER + 1):
             guard[k] = -c[k]
         guard[0] = HALF_PI - q
         if linear:
-            if value(c, ORDER, x) >= HALF_PI and lost_for_good(
-                par, e, par[G], value(c, ORDER, x), slope(c, ORDER, x), free,
+            if value(c, lane.ORDER, x) >= HALF_PI and lost_for_good(
+                par, e, par[at.G], value(c, lane.ORDER, x), slope(c, lane.ORDER, x), free,
                 SAMPLES, tail, tail, piece, last, NOTHING, tail, tail, 0, 0,
             ):  # fmt: skip
                 fell = True
                 if guard[0] > 0.0:
-                    x = passage(c, ORDER, HALF_PI, 0.0, x)
+                    x = passage(c, lane.ORDER, HALF_PI, 0.0, x)
         elif guard[0] > 0.0:
-            over = first_root(guard, ORDER, x, 0)
+            over = first_root(guard, lane.ORDER, x, 0)
             if over != NO_ROOT:
                 fell, x = True, over
     if fell:
         impact = False
-    v = slope(c, ORDER, x)
-    if reach > out[PEAK] and c[1] > 0.0 >= v:
-        y = turning_point(c, ORDER, 0.0, x)
-        set_peak(par, e, s, value(c, ORDER, y), t0 + y * h, out)
-        st[LANE_PEAK + i] = out[PEAK]
+    v = slope(c, lane.ORDER, x)
+    if reach > out[to.PEAK] and c[1] > 0.0 >= v:
+        y = turning_point(c, lane.ORDER, 0.0, x)
+        set_peak(par, e, s, value(c, lane.ORDER, y), t0 + y * h, out)
+        st[lane.PEAK + i] = out[to.PEAK]
     if path and reach >= star:
-        passed = last_passage(c, ORDER, star, x, 1)
+        passed = last_passage(c, lane.ORDER, star, x, 1)
         if passed != NO_ROOT:
-            out[T_OVERTURN] = t0 + passed * h
+            out[to.T_OVERTURN] = t0 + passed * h
     v /= h
     if fell:
-        out[T_END] = t0 + x * h
-        out[PEAK_SIDE] = s
+        out[to.T_END] = t0 + x * h
+        out[to.PEAK_SIDE] = s
         afterwards(
             par,
             e,
             s,
-            par[G],
-            value(c, ORDER, x),
+            par[at.G],
+            value(c, lane.ORDER, x),
             v,
             t0 + x * h,
             FALLS,
@@ -200,25 +164,25 @@ def attend(
         return finish(st, i, FALLS, out)
 
     # go there
-    st[Q + i], st[V + i] = 0.0 if impact else value(c, ORDER, x), v
-    length = st[LEN + i]
+    st[lane.Q + i], st[lane.V + i] = 0.0 if impact else value(c, lane.ORDER, x), v
+    length = st[lane.LEN + i]
     place = x0 + x * h
     if (x == 1.0 and h == length - x0) or place >= length:
-        st[PIECE + i] += 1.0
-        st[X + i] = 0.0
-        at_end = st[PIECE + i] >= st[END + i]
+        st[lane.PIECE + i] += 1.0
+        st[lane.X + i] = 0.0
+        at_end = st[lane.PIECE + i] >= st[lane.END + i]
     else:
-        st[X + i] = place
+        st[lane.X + i] = place
         at_end = False
     if impact:
         rate = abs(min(v, 0.0))
-        if rate > st[FAST + i]:
-            st[IMPACTS + i] += 1.0
+        if rate > st[lane.FAST + i]:
+            st[lane.IMPACTS + i] += 1.0
             if s > 0.0:
-                st[LANE_ONTO_LEFT + i] += 1.0
-        st[V + i] = par[other + ETA] * rate
+                st[lane.ONTO_LEFT + i] += 1.0
+        st[lane.V + i] = par[other + at.ETA] * rate
         turn(st, i, par, -s)
-        if not at_end and st[V + i] <= st[SLOW + i]:
+        if not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
             state = rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out)
             if state != ROCKING:
                 return state
@@ -237,13 +201,13 @@ def lost(st, i, values, slopes, velocity, linear):
     the mean value theorem the ground takes at most f times its largest later change of velocity (docs/sweeps.md, L6).
     velocity: at each sample, its largest and its least from there on.
     """
-    q, v, k, x = st[Q + i], st[V + i], int(st[PIECE + i]), st[X + i]
-    force, change = st[FORCING_C + i], 0.0
+    q, v, k, x = st[lane.Q + i], st[lane.V + i], int(st[lane.PIECE + i]), st[lane.X + i]
+    force, change = st[lane.FORCING_C + i], 0.0
     if not linear:
         sine, cosine = math.sin(q), math.cos(q)
-        force, change = force * cosine + st[FORCING_S + i] * sine, st[FORCING_S + i] * cosine - force * sine
-        if st[FREE_0 + i] + st[FREE_S + i] < 0.0 or force * change > 0.0:
+        force, change = force * cosine + st[lane.FORCING_S + i] * sine, st[lane.FORCING_S + i] * cosine - force * sine
+        if st[lane.FREE_0 + i] + st[lane.FREE_S + i] < 0.0 or force * change > 0.0:
             return False
     now = velocity[k, 0] + x * (values[k] + 0.5 * x * slopes[k])
     pull = velocity[k, 1] - now if force < 0.0 else now - velocity[k, 2]
-    return v > abs(force) * pull + st[FAST + i]
+    return v > abs(force) * pull + st[lane.FAST + i]

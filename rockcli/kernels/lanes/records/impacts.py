@@ -3,25 +3,7 @@
 from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.lanes.records.step import (
-    COEFFICIENTS,
-    END,
-    ETA,
-    FAST,
-    FORCING_C,
-    FORCING_S,
-    IMPACTS,
-    LEN,
-    ONTO_LEFT,
-    PIECE,
-    SETTLING,
-    SIDE,
-    SLOW,
-    H,
-    Q,
-    V,
-    X,
-)
+from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import bits, fma, gather, scatter
 from rockcli.kernels.lanes.vector.plain import load, select, some, sqrt
@@ -34,11 +16,11 @@ def land(st, queue, j):
     Returns (lanes at the end of their samples, lanes that may come to rest in the sample they are in).
     """
     lanes = load(queue, j)
-    q, h = gather(st, lanes + Q), gather(st, lanes + H)
-    c1, c2 = gather(st, lanes + COEFFICIENTS), gather(st, lanes + (COEFFICIENTS + WIDTH))
-    c3, c4 = gather(st, lanes + (COEFFICIENTS + 2 * WIDTH)), gather(st, lanes + (COEFFICIENTS + 3 * WIDTH))
-    c5, c6 = gather(st, lanes + (COEFFICIENTS + 4 * WIDTH)), gather(st, lanes + (COEFFICIENTS + 5 * WIDTH))
-    c7, c8 = gather(st, lanes + (COEFFICIENTS + 6 * WIDTH)), gather(st, lanes + (COEFFICIENTS + 7 * WIDTH))
+    q, h = gather(st, lanes + lane.Q), gather(st, lanes + lane.H)
+    c1, c2 = gather(st, lanes + lane.COEFFICIENTS), gather(st, lanes + (lane.COEFFICIENTS + WIDTH))
+    c3, c4 = gather(st, lanes + (lane.COEFFICIENTS + 2 * WIDTH)), gather(st, lanes + (lane.COEFFICIENTS + 3 * WIDTH))
+    c5, c6 = gather(st, lanes + (lane.COEFFICIENTS + 4 * WIDTH)), gather(st, lanes + (lane.COEFFICIENTS + 5 * WIDTH))
+    c7, c8 = gather(st, lanes + (lane.COEFFICIENTS + 6 * WIDTH)), gather(st, lanes + (lane.COEFFICIENTS + 7 * WIDTH))
 
     # first root by (T4); the zero at the start of a flight is divided out
     off = q == 0.0
@@ -85,24 +67,27 @@ def land(st, queue, j):
     rate = fma(x, fma(x, rate, 2.0 * c2), c1) / h
     inward = select(rate < 0.0, -rate, 0.0 * rate)
     end = q + (c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8)))))
-    place, full, piece = gather(st, lanes + X), gather(st, lanes + LEN), gather(st, lanes + PIECE)
-    side, count = gather(st, lanes + SIDE), select(hit & (inward > gather(st, lanes + FAST)), 0.0 * q + 1.0, 0.0)
+    place, full, piece = gather(st, lanes + lane.X), gather(st, lanes + lane.LEN), gather(st, lanes + lane.PIECE)
+    side, count = (
+        gather(st, lanes + lane.SIDE),
+        select(hit & (inward > gather(st, lanes + lane.FAST)), 0.0 * q + 1.0, 0.0),
+    )
     turned = select(hit, 0.0 * q - 1.0, 1.0)
-    v = select(hit, gather(st, lanes + ETA) * inward, rate)
+    v = select(hit, gather(st, lanes + lane.ETA) * inward, rate)
     now = fma(x, h, place)
     whole = (now >= full) | (x == 1.0) & (h == full - place)
     piece = select(whole, piece + 1.0, piece)
     now = select(whole, 0.0 * now, now)
-    scatter(st, lanes + Q, select(hit, 0.0 * q, end))
-    scatter(st, lanes + V, v)
-    scatter(st, lanes + X, now)
-    scatter(st, lanes + PIECE, piece)
-    scatter(st, lanes + SIDE, side * turned)
-    scatter(st, lanes + FORCING_C, gather(st, lanes + FORCING_C) * turned)
-    scatter(st, lanes + FORCING_S, gather(st, lanes + FORCING_S) * turned)
-    scatter(st, lanes + IMPACTS, gather(st, lanes + IMPACTS) + count)
-    scatter(st, lanes + ONTO_LEFT, gather(st, lanes + ONTO_LEFT) + select(side > 0.0, count, 0.0 * count))
-    over = piece >= gather(st, lanes + END)
-    late = v * gather(st, lanes + SETTLING) > full - now
-    slow = hit & ~over & ~late & (v <= gather(st, lanes + SLOW))
+    scatter(st, lanes + lane.Q, select(hit, 0.0 * q, end))
+    scatter(st, lanes + lane.V, v)
+    scatter(st, lanes + lane.X, now)
+    scatter(st, lanes + lane.PIECE, piece)
+    scatter(st, lanes + lane.SIDE, side * turned)
+    scatter(st, lanes + lane.FORCING_C, gather(st, lanes + lane.FORCING_C) * turned)
+    scatter(st, lanes + lane.FORCING_S, gather(st, lanes + lane.FORCING_S) * turned)
+    scatter(st, lanes + lane.IMPACTS, gather(st, lanes + lane.IMPACTS) + count)
+    scatter(st, lanes + lane.ONTO_LEFT, gather(st, lanes + lane.ONTO_LEFT) + select(side > 0.0, count, 0.0 * count))
+    over = piece >= gather(st, lanes + lane.END)
+    late = v * gather(st, lanes + lane.SETTLING) > full - now
+    slow = hit & ~over & ~late & (v <= gather(st, lanes + lane.SLOW))
     return bits(over), bits(slow)

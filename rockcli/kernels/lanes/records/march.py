@@ -1,8 +1,8 @@
 """Record maps: many bodies under one sampled motion, in lanes (docs/sweeps.md).
 
 The automaton of `march`, cut for speed: LANES bodies in flight, each at its own time, are stepped together
-(`lane_records_step`), and so are landings (`lane_records_impact`); a lane that meets another event is looked after by
-itself (`lane_records_event`), with the guards and the closed forms of the single body.  A lane whose body is done takes
+(`step`), and so are landings (`impacts`); a lane that meets another event is looked after by
+itself (`events`), with the guards and the closed forms of the single body.  A lane whose body is done takes
 the next one.  Nothing a body gets depends on the others.
 """
 
@@ -10,13 +10,15 @@ from __future__ import annotations
 
 from rockcli.kernels.constants import MAX_ORDER
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.events import arrive, attend
 from rockcli.kernels.lanes.records.impacts import land
 from rockcli.kernels.lanes.records.peaks import top
 from rockcli.kernels.lanes.records.rest import BLOCK as BLOCK
 from rockcli.kernels.lanes.records.rest import FINISHED, STANDING, begin, hand_over, park, rest
 from rockcli.kernels.lanes.records.rest import HANDED_OVER as HANDED_OVER
-from rockcli.kernels.lanes.records.step import CASE, LANES, STATE, STEPS, STRIDE, advance, advance_linear, place
+from rockcli.kernels.lanes.records.state import place
+from rockcli.kernels.lanes.records.step import advance, advance_linear
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import lowest_bit, page_the_stack
 from rockcli.kernels.lanes.vector.plain import note, room
@@ -31,7 +33,7 @@ ROUNDS = 1024
 def work_space():
     """Work space of `march_lanes`: state, lanes that land and that turn, series, ground."""
     return (
-        room(STATE), room(LANES + WIDTH), room(LANES + WIDTH),
+        room(lane.STATE), room(lane.LANES + WIDTH), room(lane.LANES + WIDTH),
         *(room(MAX_ORDER + 1) for _ in range(4)), room(2), room(2),
     )  # fmt: skip
 
@@ -50,18 +52,18 @@ def march_lanes(
     st, landings, turns, c, guard, sin_q, cos_q, a, a_v = work
     n_case = len(pars)
     following = busy = rounds = 0
-    for lane in range(LANES):
-        park(st, place(lane))
+    for number in range(lane.LANES):
+        park(st, place(number))
     patience = STEPS_PER_SAMPLE * len(values) + STEPS_AFTER
     while True:
         # fill the free lanes
-        while busy < LANES and following < n_case:
+        while busy < lane.LANES and following < n_case:
             k = following
             following += 1
             i = place(busy)
             state = begin(st, i, pars[k], tol, values, slopes, blocks, tail, len(velocity) == 0, dt, out[k])
             if state == STANDING:
-                st[CASE + i] = k
+                st[lane.CASE + i] = k
                 busy += 1
             else:
                 park(st, i)
@@ -69,7 +71,7 @@ def march_lanes(
             return
         landing = turning = 0
         emptied = False
-        for o in range(0, place(busy - 1) + 1, STRIDE):
+        for o in range(0, place(busy - 1) + 1, lane.STRIDE):
             if linear:
                 calls, moved, near, tops = advance_linear(st, o, values, slopes)
             else:
@@ -80,7 +82,7 @@ def march_lanes(
                 bit = lowest_bit(calls)
                 calls &= calls - 1
                 i = o + bit
-                k = int(st[CASE + i])
+                k = int(st[lane.CASE + i])
                 if (moved >> bit) & 1:
                     state = arrive(
                         st, i, pars[k], linear, tol, margin, detail, order, len(values), dt,
@@ -92,13 +94,13 @@ def march_lanes(
                         tail, velocity, dt, c, guard, sin_q, cos_q, a, a_v, out[k],
                     )  # fmt: skip
                 if state == FINISHED:
-                    st[CASE + i], emptied = -1.0, True
+                    st[lane.CASE + i], emptied = -1.0, True
         for j in range(turning):
             i = int(turns[j])
-            k = int(st[CASE + i])
+            k = int(st[lane.CASE + i])
             top(st, i, pars[k], len(values), dt, out[k])
         for j in range(landing, min(landing + WIDTH, len(landings))):
-            landings[j] = place(LANES)
+            landings[j] = place(lane.LANES)
         for j in range(0, landing, WIDTH):
             over, slow = land(st, landings, j)
             calls = over | slow
@@ -108,7 +110,7 @@ def march_lanes(
                 if j + bit >= landing:
                     break
                 i = int(landings[j + bit])
-                k = int(st[CASE + i])
+                k = int(st[lane.CASE + i])
                 if (over >> bit) & 1:
                     state = arrive(
                         st, i, pars[k], linear, tol, margin, detail, order, len(values), dt,
@@ -117,26 +119,26 @@ def march_lanes(
                 else:
                     state = rest(st, i, pars[k], rest_speed, values, slopes, blocks, tail, dt, out[k])
                 if state == FINISHED:
-                    st[CASE + i], emptied = -1.0, True
+                    st[lane.CASE + i], emptied = -1.0, True
         rounds += 1
         if rounds % ROUNDS == 0:
-            for lane in range(busy):
-                i = place(lane)
-                if st[CASE + i] >= 0.0 and st[STEPS + i] > patience:
-                    hand_over(out[int(st[CASE + i])])
-                    st[CASE + i], emptied = -1.0, True
+            for number in range(busy):
+                i = place(number)
+                if st[lane.CASE + i] >= 0.0 and st[lane.STEPS + i] > patience:
+                    hand_over(out[int(st[lane.CASE + i])])
+                    st[lane.CASE + i], emptied = -1.0, True
         if not emptied:
             continue
         # close the gaps
-        lane, held = 0, busy
-        while lane < busy:
-            i = place(lane)
-            if st[CASE + i] < 0.0:
+        number, held = 0, busy
+        while number < busy:
+            i = place(number)
+            if st[lane.CASE + i] < 0.0:
                 busy -= 1
                 last = place(busy)
-                for field in range(0, STRIDE, WIDTH):
+                for field in range(0, lane.STRIDE, WIDTH):
                     st[i + field] = st[last + field]
             else:
-                lane += 1
-        for lane in range(busy, held):
-            park(st, place(lane))
+                number += 1
+        for number in range(busy, held):
+            park(st, place(number))

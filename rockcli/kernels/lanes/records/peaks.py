@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.lanes.records.step import COEFFICIENTS, PEAK, PIECE, SIDE, H, Q, X
+from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.rigid.layout import PEAK as HIGHEST
-from rockcli.kernels.rigid.layout import RIGHT, T_MOTION
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.readings import set_peak
 
 LAST = 1e-7
@@ -19,7 +19,7 @@ def top(st, i, par, n_values, dt, out):
 
     Newton's method kept inside the bracket, from where a parabola turns.
     """
-    j = COEFFICIENTS + i
+    j = lane.COEFFICIENTS + i
     c1, c2, c3, c4 = st[j], st[j + WIDTH], st[j + 2 * WIDTH], st[j + 3 * WIDTH]
     c5, c6, c7, c8 = st[j + 4 * WIDTH], st[j + 5 * WIDTH], st[j + 6 * WIDTH], st[j + 7 * WIDTH]
     d2, d3, d4, d5, d6, d7, d8 = 2.0 * c2, 3.0 * c3, 4.0 * c4, 5.0 * c5, 6.0 * c6, 7.0 * c7, 8.0 * c8
@@ -41,10 +41,10 @@ def top(st, i, par, n_values, dt, out):
         if near:
             break
     height = x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * (c5 + x * (c6 + x * (c7 + x * c8)))))))
-    t0 = par[T_MOTION] if st[PIECE + i] > n_values - 3.0 else st[PIECE + i] * dt
-    q, t, h = st[Q + i], t0 + st[X + i], st[H + i]
+    t0 = par[at.T_MOTION] if st[lane.PIECE + i] > n_values - 3.0 else st[lane.PIECE + i] * dt
+    q, t, h = st[lane.Q + i], t0 + st[lane.X + i], st[lane.H + i]
     if h < 0.0:  # the lane is at the step's end
         q -= c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8))))
         t += h
-    set_peak(par, RIGHT, st[SIDE + i], q + height, t + x * abs(h), out)
-    st[PEAK + i] = out[HIGHEST]
+    set_peak(par, at.RIGHT, st[lane.SIDE + i], q + height, t + x * abs(h), out)
+    st[lane.PEAK + i] = out[to.PEAK]

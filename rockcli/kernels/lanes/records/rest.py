@@ -7,67 +7,10 @@ import math
 from rockcli.kernels.constants import FAST as COUNTED
 from rockcli.kernels.constants import RETURNS, STANDSTILL
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.lanes.records.step import (
-    CAP,
-    END,
-    FAST,
-    FORCING_C,
-    FORCING_S,
-    FREE_0,
-    FREE_C,
-    FREE_S,
-    HALF_PI,
-    IMPACTS,
-    LEN,
-    LOOK,
-    PIECE,
-    SETTLING,
-    SIDE,
-    SLOW,
-    SMALL,
-    STEPS,
-    Q,
-    V,
-    X,
-)
-from rockcli.kernels.lanes.records.step import ETA as LANE_ETA
-from rockcli.kernels.lanes.records.step import ONTO_LEFT as LANE_ONTO_LEFT
-from rockcli.kernels.lanes.records.step import PEAK as LANE_PEAK
-from rockcli.kernels.rigid.layout import (
-    ALPHA,
-    ETA,
-    FACTOR_H,
-    FC,
-    FELL,
-    FS,
-    LEFT,
-    N_IMPACTS,
-    N_MIN,
-    N_OUT,
-    N_STANDING,
-    N_STEPS,
-    ONTO_LEFT,
-    ONTO_RIGHT,
-    P2,
-    PEAK,
-    PEAK_ALPHA,
-    PEAK_SIDE,
-    Q_STAR,
-    R0,
-    RC,
-    RIGHT,
-    RS,
-    STATUS,
-    T_END,
-    T_MOTION,
-    T_OVERTURN,
-    T_PEAK,
-    T_UPLIFT,
-    THETA_0,
-    THETA_DOT_0,
-    THRESHOLD,
-    G,
-)
+from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.step import HALF_PI
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.readings import set_peak
 
 FINISHED, STANDING, ROCKING = 0, 1, 2
@@ -92,43 +35,49 @@ BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
 @jit_lean
 def begin(st, i, par, tol, values, slopes, blocks, tail, path, dt, out):
     """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED."""
-    for k in range(N_OUT):
+    for k in range(to.N_OUT):
         out[k] = 0.0
-    out[T_PEAK] = out[T_UPLIFT] = out[T_OVERTURN] = math.nan
-    out[N_MIN] = out[N_STANDING] = math.inf
-    out[PEAK_ALPHA] = 1.0
-    p2 = par[RIGHT + P2]
-    st[FREE_0 + i], st[FREE_S + i], st[FREE_C + i] = (
-        -p2 * par[RIGHT + R0], -p2 * par[RIGHT + RS], -p2 * par[RIGHT + RC],
+    out[to.T_PEAK] = out[to.T_UPLIFT] = out[to.T_OVERTURN] = math.nan
+    out[to.N_MIN] = out[to.N_STANDING] = math.inf
+    out[to.PEAK_ALPHA] = 1.0
+    p2 = par[at.RIGHT + at.P2]
+    st[lane.FREE_0 + i], st[lane.FREE_S + i], st[lane.FREE_C + i] = (
+        -p2 * par[at.RIGHT + at.R0], -p2 * par[at.RIGHT + at.RS], -p2 * par[at.RIGHT + at.RC],
     )  # fmt: skip
     # the first term left out is at most an eighth of the last one kept: a hundredth of what the level allows, as an
     # error may grow with every impact, and it costs a tenth more steps
-    st[SMALL + i] = 0.08 * tol * par[RIGHT + ALPHA]
-    st[LANE_PEAK + i] = 0.0
+    st[lane.SMALL + i] = 0.08 * tol * par[at.RIGHT + at.ALPHA]
+    st[lane.PEAK + i] = 0.0
     # who does not ask when it passes the equilibrium looks where it is farther from there, and mostly lost
-    star = par[RIGHT + Q_STAR]
-    st[LOOK + i] = star if path else min(FARTHER * star, max(star, HALF_PI))
-    st[STEPS + i] = st[IMPACTS + i] = st[LANE_ONTO_LEFT + i] = 0.0
-    p_alpha = math.sqrt(p2) * par[RIGHT + ALPHA]
-    st[LANE_ETA + i], st[FAST + i], st[SLOW + i] = par[RIGHT + ETA], COUNTED * p_alpha, BALLISTIC * p_alpha
+    star = par[at.RIGHT + at.Q_STAR]
+    st[lane.LOOK + i] = star if path else min(FARTHER * star, max(star, HALF_PI))
+    st[lane.STEPS + i] = st[lane.IMPACTS + i] = st[lane.ONTO_LEFT + i] = 0.0
+    p_alpha = math.sqrt(p2) * par[at.RIGHT + at.ALPHA]
+    st[lane.ETA + i], st[lane.FAST + i], st[lane.SLOW + i] = (
+        par[at.RIGHT + at.ETA],
+        COUNTED * p_alpha,
+        BALLISTIC * p_alpha,
+    )
     # the sum of the bounces is least where the ground presses more on the edge of the first
-    eta = par[RIGHT + ETA]
-    st[SETTLING + i] = (1.0 + math.sqrt(eta)) ** 2 / ((1.0 - eta * eta) * p2 * (par[RIGHT + R0] + par[RIGHT + RC]))
-    st[PIECE + i], st[X + i], st[LEN + i], st[CAP + i] = 0.0, 0.0, dt, math.inf
-    st[END + i] = len(values) - 3.0
-    if par[THETA_0] == 0.0 and par[THETA_DOT_0] == 0.0:
+    eta = par[at.RIGHT + at.ETA]
+    st[lane.SETTLING + i] = (1.0 + math.sqrt(eta)) ** 2 / (
+        (1.0 - eta * eta) * p2 * (par[at.RIGHT + at.R0] + par[at.RIGHT + at.RC])
+    )
+    st[lane.PIECE + i], st[lane.X + i], st[lane.LEN + i], st[lane.CAP + i] = 0.0, 0.0, dt, math.inf
+    st[lane.END + i] = len(values) - 3.0
+    if par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0:
         return lift(st, i, par, values, slopes, blocks, tail, dt, out)
-    lead = par[THETA_0] if par[THETA_0] != 0.0 else par[THETA_DOT_0]
+    lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
     s = 1.0 if lead > 0.0 else -1.0
-    q, v = abs(par[THETA_0]), s * par[THETA_DOT_0]
-    out[T_UPLIFT] = 0.0
-    out[PEAK_SIDE] = s
-    if q >= par[RIGHT + Q_STAR]:
-        out[T_OVERTURN] = 0.0
+    q, v = abs(par[at.THETA_0]), s * par[at.THETA_DOT_0]
+    out[to.T_UPLIFT] = 0.0
+    out[to.PEAK_SIDE] = s
+    if q >= par[at.RIGHT + at.Q_STAR]:
+        out[to.T_OVERTURN] = 0.0
     if v <= 0.0:
-        set_peak(par, RIGHT, s, q, 0.0, out)
-        st[LANE_PEAK + i] = q
-    st[Q + i], st[V + i] = q, v
+        set_peak(par, at.RIGHT, s, q, 0.0, out)
+        st[lane.PEAK + i] = q
+    st[lane.Q + i], st[lane.V + i] = q, v
     turn(st, i, par, s)
     return STANDING
 
@@ -136,9 +85,9 @@ def begin(st, i, par, tol, values, slopes, blocks, tail, path, dt, out):
 @jit_lean
 def turn(st, i, par, s):
     """Put lane i on side s."""
-    st[SIDE + i] = s
-    force = -par[RIGHT + P2] * s * par[FACTOR_H] / par[G]
-    st[FORCING_C + i], st[FORCING_S + i] = force * par[RIGHT + FC], force * par[RIGHT + FS]
+    st[lane.SIDE + i] = s
+    force = -par[at.RIGHT + at.P2] * s * par[at.FACTOR_H] / par[at.G]
+    st[lane.FORCING_C + i], st[lane.FORCING_S + i] = force * par[at.RIGHT + at.FC], force * par[at.RIGHT + at.FS]
 
 
 @jit_lean
@@ -147,18 +96,18 @@ def lift(st, i, par, values, slopes, blocks, tail, dt, out):
 
     Samples that cannot open the guard are not looked at: the next that can is found by the bounds of blocks.
     """
-    g, factor = par[G], par[FACTOR_H]
-    quiet = g * par[RIGHT + THRESHOLD]
+    g, factor = par[at.G], par[at.FACTOR_H]
+    quiet = g * par[at.RIGHT + at.THRESHOLD]
     last = len(values) - 3
-    k, x = int(st[PIECE + i]), st[X + i]
+    k, x = int(st[lane.PIECE + i]), st[lane.X + i]
     if k < last and factor != 0.0:
         level = quiet / abs(factor) * (1.0 - 1e-12)
         while tail[k] * abs(factor) > quiet:
-            at = (values[k] + slopes[k] * x) * factor
+            a_g = (values[k] + slopes[k] * x) * factor
             rate = slopes[k] * factor
             best, s_up = math.inf, 0.0
             for sign in (-1.0, 1.0):
-                d, dd = quiet + sign * at, sign * rate
+                d, dd = quiet + sign * a_g, sign * rate
                 y = math.inf
                 if d < 0.0:
                     y = 0.0
@@ -173,10 +122,10 @@ def lift(st, i, par, values, slopes, blocks, tail, dt, out):
                     break
                 continue
             if s_up != 0.0:
-                st[PIECE + i], st[X + i], st[Q + i], st[V + i] = k, x + best, 0.0, 0.0
+                st[lane.PIECE + i], st[lane.X + i], st[lane.Q + i], st[lane.V + i] = k, x + best, 0.0, 0.0
                 turn(st, i, par, s_up)
-                if math.isnan(out[T_UPLIFT]):
-                    out[T_UPLIFT] = k * dt + (x + best)
+                if math.isnan(out[to.T_UPLIFT]):
+                    out[to.T_UPLIFT] = k * dt + (x + best)
                 return STANDING
             k += 1
             x = 0.0
@@ -186,7 +135,7 @@ def lift(st, i, par, values, slopes, blocks, tail, dt, out):
             k = max(k, j - 1)
             if k >= last:
                 break
-    out[T_END] = par[T_MOTION]
+    out[to.T_END] = par[at.T_MOTION]
     return finish(st, i, RETURNS, out)
 
 
@@ -208,24 +157,26 @@ def following(values, blocks, level, k, last):
 @jit_lean
 def finish(st, i, verdict, out):
     """Note how it ended."""
-    out[FELL] = verdict
-    out[N_STEPS], out[N_IMPACTS] = st[STEPS + i], st[IMPACTS + i]
-    out[ONTO_LEFT], out[ONTO_RIGHT] = st[LANE_ONTO_LEFT + i], st[IMPACTS + i] - st[LANE_ONTO_LEFT + i]
+    out[to.FELL] = verdict
+    out[to.N_STEPS], out[to.N_IMPACTS] = st[lane.STEPS + i], st[lane.IMPACTS + i]
+    out[to.ONTO_LEFT], out[to.ONTO_RIGHT] = st[lane.ONTO_LEFT + i], st[lane.IMPACTS + i] - st[lane.ONTO_LEFT + i]
     return FINISHED
 
 
 @jit_lean
 def park(st, i):
     """Leave lane i without a body: in a sample without end, where no event comes of it."""
-    st[Q + i], st[V + i], st[X + i], st[PIECE + i], st[END + i] = 1.0, 0.0, 0.0, 0.0, math.inf
-    st[LEN + i], st[CAP + i], st[SMALL + i], st[LOOK + i] = math.inf, 1.0, 0.0, math.inf
-    st[FORCING_C + i] = st[FORCING_S + i] = st[FREE_0 + i] = st[FREE_S + i] = st[FREE_C + i] = 0.0
+    st[lane.Q + i], st[lane.V + i], st[lane.X + i], st[lane.PIECE + i], st[lane.END + i] = 1.0, 0.0, 0.0, 0.0, math.inf
+    st[lane.LEN + i], st[lane.CAP + i], st[lane.SMALL + i], st[lane.LOOK + i] = math.inf, 1.0, 0.0, math.inf
+    st[lane.FORCING_C + i] = st[lane.FORCING_S + i] = st[lane.FREE_0 + i] = st[lane.FREE_S + i] = st[
+        lane.FREE_C + i
+    ] = 0.0
 
 
 @jit_lean
 def hand_over(out):
     """Leave the body to the single-body kernels."""
-    out[STATUS] = HANDED_OVER
+    out[to.STATUS] = HANDED_OVER
     return FINISHED
 
 
@@ -235,16 +186,16 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
 
     Slow bounces are flights under a moment linear in time; each is solved for its end and its impact counted.
     """
-    s, v = st[SIDE + i], st[V + i]
-    e = RIGHT if s > 0.0 else LEFT
-    p = math.sqrt(par[e + P2])
-    p_alpha = p * par[e + ALPHA]
-    k, x = int(st[PIECE + i]), st[X + i]
-    left = st[LEN + i] - x
-    press = par[e + P2] * (par[e + R0] + par[e + RC])
-    force = s * par[e + P2] * par[e + FC] * par[FACTOR_H] / par[G]
+    s, v = st[lane.SIDE + i], st[lane.V + i]
+    e = at.RIGHT if s > 0.0 else at.LEFT
+    p = math.sqrt(par[e + at.P2])
+    p_alpha = p * par[e + at.ALPHA]
+    k, x = int(st[lane.PIECE + i]), st[lane.X + i]
+    left = st[lane.LEN + i] - x
+    press = par[e + at.P2] * (par[e + at.R0] + par[e + at.RC])
+    force = s * par[e + at.P2] * par[e + at.FC] * par[at.FACTOR_H] / par[at.G]
     u0, u1 = force * (values[k] + slopes[k] * x), force * slopes[k]
-    eta = par[e + ETA]
+    eta = par[e + at.ETA]
     still = STANDSTILL * p_alpha
     if abs(u0) >= press:  # a standing body that the ground just fails to lift must not bounce on one spot for ever
         return lift(st, i, par, values, slopes, blocks, tail, dt, out) if v <= still else ROCKING
@@ -255,9 +206,9 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
     if v > still:
         whole = 2.0 * v * (1.0 / (press + u0) + eta / (press - u0)) / (1.0 - eta * eta)
         lowest = press - max(abs(u0), abs(u0 + u1 * whole))
-        if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > out[PEAK]:
+        if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > out[to.PEAK]:
             return ROCKING
-        slow = rest_speed * p * math.sin(par[e + ALPHA])
+        slow = rest_speed * p * math.sin(par[e + at.ALPHA])
         straight = NEARLY_STEADY * lowest * lowest / abs(u1)
         while rate > slow and rate > straight:
             D, D1 = press + turned * (u0 + u1 * y), turned * u1
@@ -266,7 +217,7 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
             if not (y < left and abs(u0 + u1 * y) < press):
                 return ROCKING
             rate = (D + 0.5 * D1 * flight) * flight - rate
-            if rate > st[FAST + i]:
+            if rate > st[lane.FAST + i]:
                 counted += 1.0
                 if turned * s > 0.0:
                     onto_left += 1.0
@@ -282,16 +233,16 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
             if rate > slow:  # they are worth counting
                 drift = turned * u1 * rate * (1.0 / (here * here) - eta / (there * there)) * series
                 rate *= 1.0 + 2.0 / 3.0 * drift
-                while rate > st[FAST + i]:
+                while rate > st[lane.FAST + i]:
                     counted += 1.0
                     if turned * s > 0.0:
                         onto_left += 1.0
                     rate *= eta
                     turned = -turned
-    st[IMPACTS + i] += counted
-    st[LANE_ONTO_LEFT + i] += onto_left
+    st[lane.IMPACTS + i] += counted
+    st[lane.ONTO_LEFT + i] += onto_left
     if k > len(values) - 3:
-        out[T_END] = par[T_MOTION] + (x + y)
-        return finish(st, i, out[FELL], out)
-    st[X + i] = x + y
+        out[to.T_END] = par[at.T_MOTION] + (x + y)
+        return finish(st, i, out[to.FELL], out)
+    st[lane.X + i] = x + y
     return lift(st, i, par, values, slopes, blocks, tail, dt, out)

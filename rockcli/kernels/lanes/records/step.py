@@ -6,6 +6,7 @@ The polynomial is in the fraction of the step gone by, c_k = q^(k) h^k / k!, so 
 from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import (
     C2,
@@ -33,43 +34,9 @@ from rockcli.kernels.lanes.vector.elementary import (
 from rockcli.kernels.lanes.vector.fused import bits, fma, gather
 from rockcli.kernels.lanes.vector.plain import load, select, store
 
-LANES = 256
-"""Lanes in flight."""
-
-ORDER = 8
-"""Of the polynomials."""
-
-(
-    LEN, END, FREE_0, FREE_S, FREE_C, FORCING_C, FORCING_S, SMALL, PEAK, LOOK,
-    Q, V, X, PIECE, CAP, STEPS, H, COEFFICIENTS,
-) = (field * WIDTH for field in range(18))  # fmt: skip
-SIDE, ETA, FAST, SLOW, SETTLING, IMPACTS, ONTO_LEFT, CASE, STRIDE = (
-    COEFFICIENTS + (ORDER + field) * WIDTH for field in range(9)
-)
-"""Numbers of a lane: state[i + f], i = `place(lane)`.  Those of a vector lie together, so that it comes from the cache
-in one piece: first what a step reads, then what it reads and writes or writes alone, then what only events need.
-
-The sample's length, the sample to stop before.  The law (T2) times -p^2, the forcing also times the side and the scale
-over g.  Last term allowed; largest q so far; rotation at which to look at the lane: of the equilibrium or beyond it.
-Where it is: q, its rate, place in the sample, sample, largest step; steps so far.  Length of the step tried, negative
-if it was taken, and its ORDER coefficients c_1, c_2, ...
-
-Sign of theta; restitution; impacts faster than FAST are counted, slower than SLOW may end in rest; least time to rest
-over the rate.  Impacts, those onto the left edge; row of the case, -1 if the lane is free.
-"""
-
-STATE = (LANES // WIDTH + 1) * STRIDE
-"""Numbers in a state; the last vector is there to be written to by those that are not full."""
-
 HALF_PI = 1.5707963267948966
 
 I2, I3, I4, I5, I6, I7, I8 = (1.0 / k for k in range(2, 9))
-
-
-@jit_lean
-def place(lane):
-    """Where the numbers of a lane begin."""
-    return lane // WIDTH * STRIDE + lane % WIDTH
 
 
 @jit_lean
@@ -89,20 +56,20 @@ def sin_cos(x):
 @jit_lean
 def advance(st, i, values, slopes):
     """Step WIDTH lanes from lane i on; what comes back is said in `settle`."""
-    q, v, x, piece = load(st, Q + i), load(st, V + i), load(st, X + i), load(st, PIECE + i)
-    full, cap = load(st, LEN + i), load(st, CAP + i)
+    q, v, x, piece = load(st, lane.Q + i), load(st, lane.V + i), load(st, lane.X + i), load(st, lane.PIECE + i)
+    full, cap = load(st, lane.LEN + i), load(st, lane.CAP + i)
     h = select(full - x < cap, full - x, cap)
     a1 = gather(slopes, piece)
     a = fma(a1, x, gather(values, piece))
     a1 = a1 * h
     h2 = h * h
     s0, k0 = sin_cos(q)
-    fc, fs = load(st, FORCING_C + i) * h2, load(st, FORCING_S + i) * h2
-    X0, Y0 = fma(fs, a, load(st, FREE_S + i) * h2), fma(fc, a, load(st, FREE_C + i) * h2)
+    fc, fs = load(st, lane.FORCING_C + i) * h2, load(st, lane.FORCING_S + i) * h2
+    X0, Y0 = fma(fs, a, load(st, lane.FREE_S + i) * h2), fma(fc, a, load(st, lane.FREE_C + i) * h2)
     X1, Y1 = fs * a1, fc * a1
     # d_k = k c_k by (T3); the newest term outermost, to shorten the chain from one coefficient to the next
     d1 = v * h
-    d2 = fma(Y0, k0, fma(X0, s0, load(st, FREE_0 + i) * h2))
+    d2 = fma(Y0, k0, fma(X0, s0, load(st, lane.FREE_0 + i) * h2))
     s1, k1 = d1 * k0, -d1 * s0
     d3 = I2 * fma(X0, s1, fma(Y0, k1, fma(X1, s0, Y1 * k0)))
     s2, k2 = I2 * fma(d2, k0, d1 * k1), -I2 * fma(d2, s0, d1 * s1)
@@ -124,15 +91,15 @@ def advance(st, i, values, slopes):
 @jit_lean
 def advance_linear(st, i, values, slopes):
     """`advance` for the linear law: sin q is q, cos q is 1."""
-    q, v, x, piece = load(st, Q + i), load(st, V + i), load(st, X + i), load(st, PIECE + i)
-    full, cap = load(st, LEN + i), load(st, CAP + i)
+    q, v, x, piece = load(st, lane.Q + i), load(st, lane.V + i), load(st, lane.X + i), load(st, lane.PIECE + i)
+    full, cap = load(st, lane.LEN + i), load(st, lane.CAP + i)
     h = select(full - x < cap, full - x, cap)
     a1 = gather(slopes, piece)
     a = fma(a1, x, gather(values, piece))
     h2 = h * h
-    fc, rate2 = load(st, FORCING_C + i) * h2, load(st, FREE_S + i) * h2
+    fc, rate2 = load(st, lane.FORCING_C + i) * h2, load(st, lane.FREE_S + i) * h2
     d1 = v * h
-    d2 = fma(rate2, q, fma(fc, a, (load(st, FREE_0 + i) + load(st, FREE_C + i)) * h2))
+    d2 = fma(rate2, q, fma(fc, a, (load(st, lane.FREE_0 + i) + load(st, lane.FREE_C + i)) * h2))
     d3 = I2 * fma(rate2, d1, fc * (a1 * h))
     d4, d5 = I3 * I2 * rate2 * d2, I4 * I3 * rate2 * d3
     d6, d7 = I5 * I4 * rate2 * d4, I6 * I5 * rate2 * d5
@@ -155,7 +122,7 @@ def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     error = abs(c8)
     bend = (abs(c2) + abs(c3)) + ((abs(c4) + abs(c5)) + (abs(c6) + (abs(c7) + error)))
     reach = abs(c1) + bend
-    small, look, peak = load(st, SMALL + i), load(st, LOOK + i), load(st, PEAK + i)
+    small, look, peak = load(st, lane.SMALL + i), load(st, lane.LOOK + i), load(st, lane.PEAK + i)
     smooth = error <= small
     lost = ~smooth & ~(h > 1e-9 * full)
     # one that leaves rest: nothing but its first terms, upward, counts
@@ -170,24 +137,24 @@ def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     place = x + h
     whole = (h == full - x) | (place >= full)
     piece_end = select(whole, piece + 1.0, piece)
-    ends = piece_end >= load(st, END + i)
+    ends = piece_end >= load(st, lane.END + i)
     last = low & turns & ends & ~base
     event = base | passes | ~smooth | last
     over = ends & ~event
-    store(st, Q + i, select(event, q, q_end))
-    store(st, V + i, select(event, v, v_end))
-    store(st, X + i, select(event, x, select(whole, 0.0 * x, place)))
-    store(st, PIECE + i, select(event, piece, piece_end))
+    store(st, lane.Q + i, select(event, q, q_end))
+    store(st, lane.V + i, select(event, v, v_end))
+    store(st, lane.X + i, select(event, x, select(whole, 0.0 * x, place)))
+    store(st, lane.PIECE + i, select(event, piece, piece_end))
     coarse = (h == cap) & (256.0 * error < small)
-    store(st, CAP + i, select(smooth, select(coarse, 2.0 * cap, cap), 0.5 * h))
-    store(st, STEPS + i, load(st, STEPS + i) + 1.0)
-    store(st, H + i, select(event, h, -h))
-    store(st, COEFFICIENTS + i, c1)
-    store(st, COEFFICIENTS + WIDTH + i, c2)
-    store(st, COEFFICIENTS + 2 * WIDTH + i, c3)
-    store(st, COEFFICIENTS + 3 * WIDTH + i, c4)
-    store(st, COEFFICIENTS + 4 * WIDTH + i, c5)
-    store(st, COEFFICIENTS + 5 * WIDTH + i, c6)
-    store(st, COEFFICIENTS + 6 * WIDTH + i, c7)
-    store(st, COEFFICIENTS + 7 * WIDTH + i, c8)
+    store(st, lane.CAP + i, select(smooth, select(coarse, 2.0 * cap, cap), 0.5 * h))
+    store(st, lane.STEPS + i, load(st, lane.STEPS + i) + 1.0)
+    store(st, lane.H + i, select(event, h, -h))
+    store(st, lane.COEFFICIENTS + i, c1)
+    store(st, lane.COEFFICIENTS + WIDTH + i, c2)
+    store(st, lane.COEFFICIENTS + 2 * WIDTH + i, c3)
+    store(st, lane.COEFFICIENTS + 3 * WIDTH + i, c4)
+    store(st, lane.COEFFICIENTS + 4 * WIDTH + i, c5)
+    store(st, lane.COEFFICIENTS + 5 * WIDTH + i, c6)
+    store(st, lane.COEFFICIENTS + 6 * WIDTH + i, c7)
+    store(st, lane.COEFFICIENTS + 7 * WIDTH + i, c8)
     return bits(base & ~near | passes | lost | last | over), bits(over), near, low & turns & ~last

@@ -1,0 +1,40 @@
+"""What a lane carries: where its numbers stand."""
+
+from __future__ import annotations
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.vector import WIDTH
+
+LANES = 256
+"""Lanes in flight."""
+
+ORDER = 8
+"""Of the polynomials."""
+
+(
+    LEN, END, FREE_0, FREE_S, FREE_C, FORCING_C, FORCING_S, SMALL, PEAK, LOOK,
+    Q, V, X, PIECE, CAP, STEPS, H, COEFFICIENTS,
+) = (field * WIDTH for field in range(18))  # fmt: skip
+SIDE, ETA, FAST, SLOW, SETTLING, IMPACTS, ONTO_LEFT, CASE, STRIDE = (
+    COEFFICIENTS + (ORDER + field) * WIDTH for field in range(9)
+)
+"""Numbers of a lane: state[i + f], i = `place(lane)`.  Those of a vector lie together, so that it comes from the cache
+in one piece: first what a step reads, then what it reads and writes or writes alone, then what only events need.
+
+The sample's length, the sample to stop before.  The law (T2) times -p^2, the forcing also times the side and the scale
+over g.  Last term allowed; largest q so far; rotation at which to look at the lane: of the equilibrium or beyond it.
+Where it is: q, its rate, place in the sample, sample, largest step; steps so far.  Length of the step tried, negative
+if it was taken, and its ORDER coefficients c_1, c_2, ...
+
+Sign of theta; restitution; impacts faster than FAST are counted, slower than SLOW may end in rest; least time to rest
+over the rate.  Impacts, those onto the left edge; row of the case, -1 if the lane is free.
+"""
+
+STATE = (LANES // WIDTH + 1) * STRIDE
+"""Numbers in a state; the last vector is there to be written to by those that are not full."""
+
+
+@jit_lean
+def place(lane):
+    """Where the numbers of a lane begin."""
+    return lane // WIDTH * STRIDE + lane % WIDTH
