@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import sys
 from pathlib import Path
 
@@ -12,26 +12,36 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture(scope="module")
-def levels():
+def benchmarks():
+    """The scripts that make the page, by name."""
+    before = set(sys.modules)
     sys.path.insert(0, str(ROOT / "benchmarks"))
     try:
-        spec = importlib.util.spec_from_file_location("accuracy_levels", ROOT / "benchmarks" / "accuracy_levels.py")
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules["accuracy_levels"] = module
-        spec.loader.exec_module(module)
-        yield module
+        yield {name: importlib.import_module(name) for name in ("accuracy_levels", "certainty")}
     finally:
         sys.path.remove(str(ROOT / "benchmarks"))
-        sys.modules.pop("accuracy_levels", None)
+        for name in ("accuracy_levels", "accuracy_scenes", "certainty", "certainty_scenes", "long_double", "machine"):
+            if name not in before:
+                sys.modules.pop(name, None)
 
 
-def test_the_page_is_made_of_the_csv(levels):
-    rows, stamp = levels.read_rows()
+@pytest.fixture(scope="module")
+def levels(benchmarks):
+    return benchmarks["accuracy_levels"]
+
+
+@pytest.fixture(scope="module")
+def certainty(benchmarks):
+    return benchmarks["certainty"]
+
+
+@pytest.mark.parametrize("name", ["accuracy_levels", "certainty"])
+def test_the_page_is_made_of_the_csv(benchmarks, name):
+    script = benchmarks[name]
+    rows, stamp = script.read_rows()
     text = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
-    section = text.split(levels.BEGIN)[1].split(levels.END)[0].strip()
-    assert section == "\n".join(levels.lines_of(rows, stamp))
+    section = text.split(script.BEGIN)[1].split(script.END)[0].strip()
+    assert section == "\n".join(script.lines_of(rows, stamp))
 
 
 def test_a_changed_row_is_seen(levels):
@@ -70,3 +80,21 @@ def test_what_the_page_claims_of_standard(levels):
     for scenes, row in standard.items():
         draft = next(r for r in rows if (r["scenes"], r["level"], r["estimate"]) == (scenes, "draft", "yes"))
         assert float(row["median"]) <= float(draft["median"])
+
+
+def test_what_the_page_claims_of_certainty(certainty):
+    rows, _ = certainty.read_rows()
+    families = [r for r in rows if r["level"] == "standard" and not r["scenes"].startswith(certainty.SUITES)]
+    assert sum(int(r["cases"]) for r in families) >= 10_000
+    assert sum(int(r["wrong"]) for r in families) <= 1e-4 * sum(int(r["certain"]) for r in families)
+    assert all(r["others_wrong"] == "0" for r in families)
+    assert sum(int(r["others_cases"]) for r in families) >= 100
+    withheld = {r["scenes"]: int(r["withheld"]) / int(r["cases"]) for r in families}
+    assert max(withheld.values()) <= 2e-3
+    for row in families:
+        assert float(row["above"]) >= 0.95, row["scenes"]
+        assert float(row["within_2"]) >= 0.995, row["scenes"]
+    suites = [r for r in rows if r["scenes"].startswith(certainty.SUITES)]
+    assert len(suites) == 3
+    for row in suites:
+        assert float(row["above"]) <= 0.01, row["scenes"]

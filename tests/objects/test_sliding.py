@@ -14,6 +14,7 @@ import rockcli
 from rockcli.scene.block import make_block
 from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest
 from rockcli.scene.response import NO_UPLIFT, ROCKING, SLIDING, UNRESOLVED
+from rockcli.scene.variables import SCALARS
 from rockcli.solvers.event import solve
 
 
@@ -327,9 +328,10 @@ class TestFrictionOfTanAlpha:
 
     def test_an_asymmetric_body_slides_if_mu_is_tan_alpha_of_its_weak_edge(self):
         body = dataclasses.replace(make_block(h=1.0, b=[0.3, 0.5]), mu=np.array([0.3]))
-        found = solve(make_batch(body, pulse("sine", 0.6 * G, 7.0))).scalars
+        found = solve(make_batch(body, pulse("sine", 0.6 * G, 7.0), scalars=SCALARS)).scalars
         assert found["outcome"][0] == SLIDING
         assert found["theta_peak_left"][0] == 0.0 == found["theta_peak_right"][0] == found["theta_peak_over_alpha"][0]
+        assert found["overturn_share"][0] == 0.0
 
 
 STUDY = {
