@@ -11,7 +11,7 @@ import typer
 from rockcli.cli import animate, check, compare, export, identify, plot, report, run, show, trade, verify
 from rockcli.cli.interrupt import INTERRUPTED, answered, tell
 from rockcli.cli.say import forget, say
-from rockcli.errors import RockError
+from rockcli.errors import RockError, StudyError
 
 BROKE = 4
 
@@ -72,6 +72,8 @@ def main() -> None:
 
 
 def _run() -> None:
+    if storage := sys.modules.get("rockcli.storage.netcdf"):  # of an earlier command of this process
+        storage.checksum.forget_opened()
     try:
         app()
     except SystemExit as left:
@@ -98,11 +100,27 @@ def _run() -> None:
         say(f"rock: out of memory {error}".rstrip(), err=True)
         _trace(error)
         sys.exit(BROKE)
-    except Exception as error:  # a bug: say so, and show the way to its trace
+    except Exception as error:  # a damaged dataset, or a bug: say so, and show the way to its trace
+        if damaged := _damaged():
+            say(f"rock: {damaged}: is damaged, or was changed by another program ({_words(error)})", err=True)
+            _trace(error)
+            sys.exit(StudyError.exit_code)
         if not _trace(error):
-            say(f"rock: this is a bug in rock: {type(error).__name__}: {error}", err=True)
+            say(f"rock: this is a bug in rock: {_words(error)}", err=True)
             say("rock: set ROCK_DEBUG=1 for the traceback", err=True)
         sys.exit(BROKE)
+
+
+def _damaged() -> str:
+    """The first dataset among those read that is not as it was written; "" if all are."""
+    storage = sys.modules.get("rockcli.storage.netcdf")
+    if storage is None:
+        return ""
+    return next((str(path) for path in storage.checksum.opened() if storage.is_intact(path) is False), "")
+
+
+def _words(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"
 
 
 def _trace(error: Exception) -> bool:

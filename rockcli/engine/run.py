@@ -109,10 +109,12 @@ def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
         return
     check_quantities(study)
     found = netcdf.identity(path)
+    if found is not None and netcdf.is_intact(path) is False:  # not to be judged, renewed or added to
+        raise StudyError(f"{path} is damaged, or was changed by another program; --fresh solves it anew", study.file)
     if found == study.identity:
         return
     if found is None:
-        what = "a file that is not a dataset of this program"
+        what = "a file that is not a dataset of this program, or a damaged one"
     elif taken_over(study, netcdf.read(path)) is not None:
         check_answers(study)
         return

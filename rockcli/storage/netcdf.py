@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rockcli.errors import OutputError, StudyError
+from rockcli.storage import checksum
 from rockcli.storage.atomic import replacing
 from rockcli.storage.contents import Contents, Field
 from rockcli.storage.places import reason
@@ -43,7 +45,7 @@ def _write(contents: Contents, scratch: Path) -> None:
             file.createDimension(name, size)
         for name, item in contents.fields.items():
             _write_field(file, contents, name, item)
-        for name, value in contents.attrs.items():
+        for name, value in (contents.attrs | {checksum.NAME: checksum.checksum(contents)}).items():
             file.setncattr_string(name, value)
         file.setncattr_string(_AXES, " ".join(contents.axes))
 
@@ -83,21 +85,54 @@ def _is_auxiliary(name: str, coordinate: Field, of: Field) -> bool:
 
 
 def read(path: Path) -> Contents:
-    """Read a file this program wrote; `StudyError` if it is not one."""
+    """Read a file this program wrote; `StudyError` if it is not one, or damaged so that it cannot be read."""
+    checksum.note_opened(path)
+    contents = _read(path)
+    contents.attrs.pop(checksum.NAME, None)
+    return contents
+
+
+def is_intact(path: Path) -> bool | None:
+    """Whether a dataset is as it was written; None for none, and for one without a checksum, of an earlier build."""
+    try:
+        here = path.stat()
+    except OSError:
+        return None
+    return _is_intact(path, here.st_ino, here.st_size, here.st_mtime_ns)
+
+
+@lru_cache(maxsize=64)
+def _is_intact(path: Path, *unchanged: int) -> bool | None:
+    try:
+        contents = _read(path)
+    except StudyError:
+        return False
+    wanted = contents.attrs.get(checksum.NAME)
+    return None if wanted is None else wanted == checksum.checksum(contents)
+
+
+def _read(path: Path) -> Contents:
     import netCDF4
 
     try:
         file = netCDF4.Dataset(path, "r")
     except OSError as error:
         raise StudyError(f"cannot be opened as netCDF: {error.strerror or error}", file=path) from None
+    except Exception as error:  # the library has many words for bytes that mean nothing
+        raise StudyError(f"is damaged: {error}", file=path) from None
     with file:
-        file.set_auto_mask(False)
-        attrs = {name: str(file.getncattr(name)) for name in file.ncattrs()}
-        if _AXES not in attrs or "identity" not in attrs:
-            raise StudyError("is not a dataset written by `rock run`", file=path)
-        axes = tuple(attrs.pop(_AXES).split())
-        listed = {c for v in file.variables.values() for c in getattr(v, "coordinates", "").split()}
-        fields = {name: _read_field(variable, name, listed) for name, variable in file.variables.items()}
+        try:
+            file.set_auto_mask(False)
+            attrs = {name: str(file.getncattr(name)) for name in file.ncattrs()}
+            if _AXES not in attrs or "identity" not in attrs:
+                raise StudyError("is not a dataset written by `rock run`", file=path)
+            axes = tuple(attrs.pop(_AXES).split())
+            listed = {c for v in file.variables.values() for c in getattr(v, "coordinates", "").split()}
+            fields = {name: _read_field(variable, name, listed) for name, variable in file.variables.items()}
+        except StudyError:
+            raise
+        except Exception as error:
+            raise StudyError(f"is damaged: {error}", file=path) from None
     return Contents(axes, fields, attrs)
 
 
@@ -115,5 +150,5 @@ def identity(path: Path) -> str | None:
     try:
         with netCDF4.Dataset(path, "r") as file:
             return str(file.getncattr("identity"))
-    except (OSError, AttributeError):
+    except Exception:  # whatever the library says of bytes that mean nothing
         return None

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockcli.errors import StudyError
+from rockcli.storage.checksum import NAME, checksum, note_opened
 from rockcli.storage.contents import Contents
 
 if TYPE_CHECKING:
@@ -20,13 +21,16 @@ def open_dataset(path: Path) -> xarray.Dataset:
         raise StudyError("is a folder; give the dataset in it (<name>.nc)", file=path)
     if not path.is_file():
         raise StudyError("no such file", file=path)
+    note_opened(path)
     try:
         with xarray.open_dataset(path, engine="netcdf4") as dataset:
             missing = {"axes", "identity"} - set(dataset.attrs)
             if missing:
                 raise StudyError("is not a dataset written by `rock run`", file=path)
             return dataset.load()
-    except (OSError, ValueError) as error:
+    except StudyError:
+        raise
+    except Exception as error:  # the libraries have many words for bytes that mean nothing
         raise StudyError(f"cannot be read as a dataset: {error}", file=path) from None
 
 
@@ -37,5 +41,5 @@ def to_xarray(contents: Contents) -> xarray.Dataset:
     items = {name: (item.dims, item.values, dict(item.attrs)) for name, item in contents.fields.items()}
     coords = {name: items[name] for name, item in contents.fields.items() if item.coordinate}
     data = {name: value for name, value in items.items() if name not in coords}
-    attrs = contents.attrs | {"axes": " ".join(contents.axes)}
+    attrs = contents.attrs | {NAME: checksum(contents), "axes": " ".join(contents.axes)}
     return xarray.Dataset(data, coords, attrs)
