@@ -93,9 +93,7 @@ def test_the_order_of_axes_counts_and_that_of_keys_does_not():
 
 
 def test_the_version_of_the_program_counts(monkeypatch):
-    import rockcli
-
-    monkeypatch.setattr(rockcli, "__version__", "99.0")
+    monkeypatch.setattr("rockcli.version.__version__", "99.0")
     assert open_study(BASE).identity != IDENTITY
 
 
