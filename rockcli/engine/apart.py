@@ -1,4 +1,4 @@
-"""Builds and solves cases so that one bad case never loses the others: what breaks is halved to find the culprits.
+"""Solves cases so that one bad case never loses the others: what breaks is halved to find the culprits.
 
 A case that breaks is failed, with a sentence.  A machine that refuses what a case needs has said nothing about it: that
 case is `Unsolved`, and solved again by the next run.
@@ -6,69 +6,18 @@ case is `Unsolved`, and solved again by the next run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from rockcli.engine.auto import settled
 from rockcli.engine.choose import choose
-from rockcli.errors import MACHINE, MachineError, RecordError, RockError, SolverError, StudyError
+from rockcli.errors import RecordError, SolverError, StudyError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response
+from rockcli.study.buildable import ATTEMPTS, Rebuild, build_apart, reason_of
 from rockcli.study.study import Index
-
-Rebuild = Callable[[Index], Iterator[tuple[Index, Batch]]]
-
-ATTEMPTS = 64
-"""Batches that may break in a row, none that works between them, before what breaks is not taken apart any more."""
-
-
-class Unsolved(str):
-    """Why there is no answer: what the machine refused."""
-
-    __slots__ = ()
-
-
-def reason_of(error: BaseException, what: str) -> str:
-    """The sentence of an error: `Unsolved` for what is the machine's; `what` happened, for what nobody foresaw."""
-    if isinstance(error, MACHINE):
-        return Unsolved(str(error) if isinstance(error, RockError) else f"{type(error).__name__}: {error}")
-    return str(error) if isinstance(error, RockError) else f"{what}: {type(error).__name__}: {error}"
-
-
-def build_apart(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch | str]]:
-    """Yield the batches of cases, or the sentence of why there is none; what cannot be built is halved to find it."""
-    pending = [cases]
-    broken = 0
-    while pending:
-        some = pending.pop()
-        done: list[Index] = []
-        try:
-            for part, batch in build(some):
-                yield part, batch
-                done.append(part)
-                broken = 0
-        except Exception as error:  # a record that is gone, a number that cannot be: the case's, not the study's
-            broken += 1
-            rest = np.setdiff1d(some, np.concatenate(done)) if done else some
-            if len(rest) == 1 or broken > ATTEMPTS:
-                yield rest, reason_of(error, "the case cannot be built")
-            else:
-                pending.extend(np.array_split(rest, 2))
-
-
-def buildable(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch]]:
-    """Yield the batches of those cases that can be built.
-
-    Raises:
-        MachineError: the machine refused what a case needs.
-    """
-    for part, batch in build_apart(build, cases):
-        if isinstance(batch, Unsolved):
-            raise MachineError(batch)
-        if not isinstance(batch, str):
-            yield part, batch
 
 
 def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tuple[Index, Response | str]]:

@@ -11,8 +11,8 @@ from rockcli.engine.compare import with_comparison
 from rockcli.engine.direction import with_worst_direction
 from rockcli.engine.provenance import attributes
 from rockcli.engine.results import Results
-from rockcli.engine.search import threshold_fields
 from rockcli.engine.symbols import EDGES
+from rockcli.engine.threshold_fields import threshold_fields
 from rockcli.scene.thresholds import Thresholds
 from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
 from rockcli.storage.contents import (

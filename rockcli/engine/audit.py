@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from rockcli.engine.agenda import CHUNK, Agenda, Pace
 from rockcli.engine.answer import Answer
-from rockcli.engine.apart import buildable
 from rockcli.engine.choose import choose
 from rockcli.engine.difference import FLOOR
 from rockcli.engine.executors import answers
@@ -27,6 +26,7 @@ from rockcli.scene.response import FAILED, NO_UPLIFT, OUTCOMES
 from rockcli.scene.variables import AUDIT
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.build import LEAST_RTOL
+from rockcli.study.buildable import buildable
 from rockcli.study.study import CaseSource, Index, Study
 
 Array = NDArray[np.float64]

@@ -14,9 +14,9 @@ import numpy as np
 
 from rockcli import version
 from rockcli.engine.agenda import Agenda, Pace
-from rockcli.engine.apart import Unsolved
 from rockcli.engine.work import Team, Work, in_halves
 from rockcli.errors import MACHINE, MachineError, StudyError
+from rockcli.study.buildable import Unsolved
 from rockcli.study.study import Index
 
 T = TypeVar("T")

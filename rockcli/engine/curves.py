@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.apart import buildable
 from rockcli.scene.curves import CRITICAL, ENERGY, KINDS, POINTS, critical_ratio, curves_of, errors_of, variables_of
 from rockcli.scene.energy import energy_ratio, energy_ratio_of_impacts
 from rockcli.scene.models import MODELS
 from rockcli.scene.variable import CASE, ROTATION
 from rockcli.scene.variables import VARIABLES
 from rockcli.storage.contents import Contents, variable_field
+from rockcli.study.buildable import buildable
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]

@@ -13,14 +13,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.apart import buildable
-from rockcli.engine.symbols import reduce
 from rockcli.motion.measures import measures
 from rockcli.scene.excitation import Samples
 from rockcli.scene.statistics import pearson, spearman
 from rockcli.scene.suite_variables import MEASURES
 from rockcli.scene.variable import MEASURE
 from rockcli.storage.contents import Contents, Field, text, variable_field
+from rockcli.storage.reduced import reduce
+from rockcli.study.buildable import buildable
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from rockcli.engine.agenda import CHUNK, Agenda
 from rockcli.engine.answer import Description
-from rockcli.engine.apart import buildable
 from rockcli.engine.fold import Values
 from rockcli.engine.measures import peaks
 from rockcli.engine.results import Results
@@ -18,6 +17,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.excitation import Pulses
 from rockcli.scene.variables import LARGE
+from rockcli.study.buildable import buildable
 from rockcli.study.study import Index, Study
 
 SIDES = ((LEFT, "left"), (RIGHT, "right"))

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from rockcli.engine.demand import correlations, with_measures
 from rockcli.engine.fragility import STATUS, Fit, fit
 from rockcli.engine.places import units_of
-from rockcli.engine.search import found_by, threshold_fields
 from rockcli.engine.suite_words import sentences, warnings
+from rockcli.engine.threshold_fields import found_by, threshold_fields
 from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED

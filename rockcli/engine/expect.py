@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.apart import buildable
 from rockcli.engine.compare import NEEDED_BY, locate
 from rockcli.engine.direction import WORST, angle_axis
 from rockcli.engine.ensemble import variables
@@ -24,6 +23,7 @@ from rockcli.scene.units import SI, Units
 from rockcli.scene.variable import COUNTS, ROTATION
 from rockcli.scene.variables import AUDIT, HISTORIES, IMPACTS, LARGE, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
+from rockcli.study.buildable import buildable
 from rockcli.study.study import Expect, Study
 
 Mask = NDArray[np.bool_]

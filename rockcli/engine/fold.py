@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.storage.reduced import same
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
@@ -72,9 +73,3 @@ def places_of(cases: Index, kept: tuple[int, ...], shape: tuple[int, ...]) -> In
         inner = int(np.prod(shape[axis + 1 :], dtype=np.int64))
         places = places * shape[axis] + cases // inner % shape[axis]
     return places
-
-
-def same(one: Array, other: Array | float) -> NDArray[np.bool_]:
-    """Where two are equal, NaN to NaN too."""
-    equal = np.asarray(one == other)
-    return equal if equal.all() else np.asarray(equal | (np.isnan(one) & np.isnan(other)))

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rockcli.engine.apart import buildable
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.constants import FREE_ROCKING
 from rockcli.scene.models import FLEXIBLE
+from rockcli.study.buildable import buildable
 from rockcli.study.study import Study
 
 HISTORIES_AT_MOST = 2 * 1024**3

@@ -22,10 +22,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.apart import buildable
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import LINEAR, Pulses, Samples, acceleration
 from rockcli.storage.contents import Contents, Field
+from rockcli.study.buildable import buildable
 from rockcli.study.study import Index, Study
 
 Array = NDArray[np.float64]

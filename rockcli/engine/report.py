@@ -13,7 +13,7 @@ import numpy as np
 from rockcli.engine.expect import Verdict, expected_failures, judge
 from rockcli.engine.places import coordinates, place, units_of
 from rockcli.engine.rules import Misled, misled
-from rockcli.engine.search import found_by
+from rockcli.engine.threshold_fields import found_by
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import SI, Units

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.apart import buildable
 from rockcli.engine.ensemble import members
 from rockcli.engine.measures import peaks
 from rockcli.errors import StudyError
@@ -19,6 +18,7 @@ from rockcli.scene.excitation import Channel, Samples
 from rockcli.scene.rules import RULES
 from rockcli.solvers import fema356
 from rockcli.storage.contents import Contents, variable_field
+from rockcli.study.buildable import buildable
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]

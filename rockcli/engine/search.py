@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +13,8 @@ from rockcli.engine.executors import answers
 from rockcli.engine.sweep import Sweep, outlook
 from rockcli.engine.trials import Trials, Tried
 from rockcli.scene.response import NO_UPLIFT, ROCKING, overturned
-from rockcli.scene.thresholds import BELOW, BESIDE, BRACKETED, IN_RANGE, NONE, PARTS, SENTENCES, STATES, Thresholds
-from rockcli.storage.contents import Contents, Field
-from rockcli.study.study import Index, Searched, Study
+from rockcli.scene.thresholds import BELOW, BRACKETED, IN_RANGE, NONE, Thresholds
+from rockcli.study.study import Index, Study
 
 Array = NDArray[np.float64]
 Verdicts = NDArray[np.int8]
@@ -114,34 +112,6 @@ def _bisected(found: Thresholds, verdicts_of: Callable[[Index, Array], Verdicts]
         state[active[verdicts == UNKNOWN]] = BRACKETED
         active = active[verdicts != UNKNOWN]
     return replace(found, state=state, low=low, high=high)
-
-
-def threshold_fields(
-    search: Searched, found: Thresholds, dims: tuple[str, ...], *, end: str = "", before: str = ""
-) -> dict[str, Field]:
-    """What a search found, or a statistic of it, as variables over `dims`.
-
-    Args:
-        search: what was searched.
-        found: arrays over `dims`.
-        dims: names of the axes.
-        end: end of the names of a statistic, such as `p50`; before: the words for it.
-    """
-    fields = {}
-    for part in ("", *PARTS, *(() if found.islands is None else BESIDE)):
-        attrs: dict[str, Any] = {"long_name": before + SENTENCES[part].format(search.axis.path)}
-        if part == "state":
-            attrs |= {"flag_values": np.array(list(STATES), dtype=np.int8), "flag_meanings": " ".join(STATES.values())}
-        else:
-            attrs["units"] = "1" if part in ("islands", "rocks_at_lowest") else search.axis.unit
-        name = "_".join(filter(None, (search.name, part, end)))
-        fields[name] = Field(dims, getattr(found, part or "value"), attrs)
-    return fields
-
-
-def found_by(contents: Contents, name: str, end: str = "") -> Thresholds:
-    """What a search found for every case, or a statistic of it, from the variable of that name and those beside it."""
-    return Thresholds.read(name, lambda one: contents.values(one) if one in contents.fields else None, end)
 
 
 def _scale(points: Array) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rockcli.engine.demand import LEAST
 from rockcli.engine.fragility import FITTED, WHY_NOT
 from rockcli.engine.places import coordinates, place, units_of
-from rockcli.engine.search import found_by
+from rockcli.engine.threshold_fields import found_by
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
 from rockcli.scene.variable import LIMIT, MEASURE

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rockcli import kernels
 from rockcli.engine.agenda import CHUNK, Agenda, Pace
 from rockcli.engine.answer import Answer, blank
-from rockcli.engine.apart import Unsolved, build_apart, buildable, solve_apart
+from rockcli.engine.apart import solve_apart
 from rockcli.engine.choose import choose
 from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
 from rockcli.engine.describe import describe, describe_rest, rows_of, symbols_of
@@ -29,6 +29,7 @@ from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import DEFORMABLE
 from rockcli.scene.response import Response
+from rockcli.study.buildable import Unsolved, build_apart, buildable
 from rockcli.study.study import Index, Study
 
 Progress = Callable[[int, int], None]

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.fold import Fold, Folded, Values, places_of, same
+from rockcli.engine.fold import Fold, Folded, Values, places_of
+from rockcli.storage.reduced import reduce, same
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
@@ -102,16 +103,3 @@ class Symbols:
         if values is None or np.isnan(values).all():
             return None
         return reduce(values, tuple(axes[axis] for axis in self._kept[name]))
-
-
-def reduce(values: Array, axes: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
-    """Drop the axes along which values do not change (NaN equals NaN); the dims left and the values over them."""
-    kept: list[str] = []
-    for axis in axes:
-        at = len(kept)
-        first = np.take(values, [0], axis=at)
-        if same(values, first).all():
-            values = first.squeeze(axis=at)
-        else:
-            kept.append(axis)
-    return tuple(kept), np.asarray(values)

@@ -9,7 +9,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from rockcli.engine.agenda import Agenda, Pace
-from rockcli.engine.apart import ATTEMPTS, Unsolved, reason_of
+from rockcli.study.buildable import ATTEMPTS, Unsolved, reason_of
 from rockcli.study.study import Index
 
 T_co = TypeVar("T_co", covariant=True)

@@ -23,9 +23,9 @@ import numpy as np
 
 from rockcli.engine.agenda import Agenda, Pace
 from rockcli.engine.answer import cases_of, spans_of
-from rockcli.engine.apart import Unsolved
 from rockcli.engine.work import Team, Work, in_halves
 from rockcli.errors import MACHINE
+from rockcli.study.buildable import Unsolved
 from rockcli.study.study import Index
 
 T = TypeVar("T")

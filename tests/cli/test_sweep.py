@@ -12,13 +12,13 @@ from rockcli.engine.choose import BACKENDS, choose
 from rockcli.engine.measures import peaks
 from rockcli.engine.run import solve
 from rockcli.engine.sweep import solve_cases
-from rockcli.engine.symbols import reduce
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.pulses import make_pulses
 from rockcli.scene.response import FAILED, ROCKING, Response
+from rockcli.storage.reduced import reduce
 
 
 def test_results_stand_where_their_case_stands(monkeypatch: pytest.MonkeyPatch) -> None:
