@@ -31,7 +31,8 @@ from rockcli.scene.batch import Batch, Save
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT
 from rockcli.scene.variables import SCALARS
-from rockcli.solvers import event, flexible
+from rockcli.solvers import flexible
+from rockcli.solvers.event import solver as event
 from rockcli.solvers.general import solver as general
 
 HERE = Path(__file__).resolve().parent

@@ -42,8 +42,9 @@ from rockcli.scene.excitation import Samples
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import NO_UPLIFT, ROCKING, overturned
 from rockcli.scene.variables import SCALARS
-from rockcli.solvers import event, flexible
-from rockcli.solvers.agreement import CERTAINTY
+from rockcli.solvers import flexible
+from rockcli.solvers.common.certainty import CERTAINTY
+from rockcli.solvers.event import solver as event
 
 HERE = Path(__file__).resolve().parent
 CSV, PAGE = HERE / "results" / "certainty.csv", HERE.parent / "docs" / "accuracy.md"

@@ -37,7 +37,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 from machine import machine
 
-from rockcli.engine.choose import choose
+from rockcli.engine.backends import choose
 from rockcli.solvers.flexible import column as columns
 from rockcli.solvers.flexible.beam import Beam, unit_beam
 from rockcli.solvers.flexible.modes import Modes, make_modes

@@ -26,7 +26,7 @@ from rockcli.scene.excitation import Excitation, Samples
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.pulses import make_pulses
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
-from rockcli.solvers.event import solve
+from rockcli.solvers.event.solver import solve
 
 G = 9.81
 TAN_ALPHA = (0.1, 0.2, 0.333)

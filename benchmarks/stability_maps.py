@@ -29,7 +29,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import rockcli
-from rockcli.plotting.style import RC
+from rockcli.plotting.common.style import RC
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results" / "stability_maps.csv"

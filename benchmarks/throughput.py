@@ -31,7 +31,7 @@ from rockcli.scene.damping import Damping
 from rockcli.scene.excitation import Excitation, Samples, acceleration
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.pulses import make_pulses
-from rockcli.solvers.event import solve
+from rockcli.solvers.event.solver import solve
 
 HERE = Path(__file__).resolve().parent
 G, ALPHA, ETA = 9.81, 0.2, 0.9

@@ -31,7 +31,7 @@ from rockcli.scene.block import make_block
 from rockcli.scene.damping import Damping
 from rockcli.scene.excitation import Excitation, Samples
 from rockcli.scene.numerics import Numerics
-from rockcli.solvers.event import solve
+from rockcli.solvers.event.solver import solve
 
 HERE = Path(__file__).resolve().parent
 G, ETA = throughput.G, throughput.ETA

@@ -14,7 +14,7 @@ from rockcli.scene.numerics import Numerics
 from rockcli.scene.pulses import make_pulses
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, Response
 from rockcli.scene.variables import SCALARS
-from rockcli.solvers.event import solve
+from rockcli.solvers.event.solver import solve
 
 G = 9.81
 SHARED = Path(__file__).resolve().parents[2] / "shared"

@@ -15,11 +15,11 @@ import pytest
 import yaml
 from scenes import SHARED
 
-from rockcli.engine.page import verdicts, write_page
+from rockcli.engine.report_page import verdicts, write_page
 from rockcli.engine.run import check_study, run_study
 from rockcli.storage import netcdf
+from rockcli.study.building.records import MissingRecordError
 from rockcli.study.open import open_study
-from rockcli.study.records import MissingRecordError
 
 STUDIES = Path(__file__).resolve().parents[1] / "studies"
 FILES = sorted(STUDIES.rglob("*.yaml"))

@@ -46,7 +46,7 @@ def test_the_right_kernel_agrees(plain):
 
 
 def spoil_parameters(monkeypatch, change):
-    from rockcli.solvers import event
+    from rockcli.solvers.event import solver as event
 
     right = event.parameters_of
 

@@ -10,7 +10,7 @@ import typer
 from rockcli.cli.say import say
 
 if TYPE_CHECKING:
-    from rockcli.engine.difference import Difference
+    from rockcli.analysis.compare_datasets import Difference
 
 
 def compare(
@@ -24,7 +24,7 @@ def compare(
 
     Exit 1 on another outcome or a peak beyond --rtol; the worst points are named.
     """
-    from rockcli.engine.difference import difference
+    from rockcli.analysis.compare_datasets import difference
     from rockcli.errors import StudyError
     from rockcli.storage import netcdf
 

@@ -77,7 +77,7 @@ def _script(batch: Batch, i: int, name: str, title: str) -> Script:
     """The script of a case; `SolverError` where OpenSees cannot do it."""
     from dataclasses import replace
 
-    from rockcli.engine.choose import choose
+    from rockcli.engine.backends import choose
     from rockcli.solvers.opensees.script import script_of
     from rockcli.solvers.opensees.solver import check
 

@@ -16,7 +16,7 @@ from rockcli.storage.atomic import replacing
 from rockcli.storage.places import check_file, reason
 
 if TYPE_CHECKING:
-    from rockcli.engine.report import RunReport
+    from rockcli.engine.summary import RunReport
 
 
 _ROOT = re.compile(rb"<testsuites?\b")

@@ -17,7 +17,7 @@ def report(
     ] = None,
 ) -> None:
     """Write a report of each dataset: result, plots, cases, study and provenance on one page that needs no network."""
-    from rockcli.engine.page import write_page
+    from rockcli.engine.report_page import write_page
     from rockcli.errors import StudyError
 
     if out is not None and len(files) > 1:

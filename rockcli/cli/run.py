@@ -10,7 +10,7 @@ import typer
 from rockcli.cli.say import say
 
 if TYPE_CHECKING:
-    from rockcli.engine.report import RunReport
+    from rockcli.engine.summary import RunReport
     from rockcli.study.study import Study
 
 
@@ -51,15 +51,15 @@ def run(
     from rockcli.cli.junit import check_junit, write_junit
     from rockcli.cli.sources import open_all
     from rockcli.cli.words import totals_text
-    from rockcli.engine.executors import usable_cores
-    from rockcli.engine.report import SKIPPED, RunReport, exit_code
     from rockcli.engine.run import check_study, dataset_path
-    from rockcli.engine.work import Team
+    from rockcli.engine.summary import SKIPPED, RunReport, exit_code
+    from rockcli.engine.sweep.executors import usable_cores
+    from rockcli.engine.sweep.work import Team
 
     _check_format(plot_format)
     share = _share(part, fresh=fresh)
     if dask is not None:
-        from rockcli.engine.cluster import check_cluster
+        from rockcli.engine.sweep.cluster import check_cluster
 
         check_cluster(dask)
     opened = open_all(

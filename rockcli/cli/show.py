@@ -38,7 +38,7 @@ def _models() -> str:
 
 
 def _backends() -> str:
-    from rockcli.engine.choose import BACKENDS
+    from rockcli.engine.backends import BACKENDS
 
     rows = []
     for backend in BACKENDS.values():
@@ -60,7 +60,7 @@ def _variables() -> str:
 
 
 def _symbols() -> str:
-    from rockcli.study.expressions import FUNCTIONS, MEANINGS, UNITS
+    from rockcli.study.document.expressions import FUNCTIONS, MEANINGS, UNITS
 
     rows = [*MEANINGS.items(), ("pi", "3.14159...")]
     rows += [(name, f"unit, {size:.10g} in SI") for name, size in UNITS.items()]

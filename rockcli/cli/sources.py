@@ -69,8 +69,8 @@ def open_all(
     Raises:
         StudyError, RecordError: the last of all complaints; those before it are printed to stderr.
     """
+    from rockcli.study.building.records import MissingRecordError
     from rockcli.study.open import open_study
-    from rockcli.study.records import MissingRecordError
 
     pairs = overrides(settings)
     studies: list[Study] = []

@@ -11,7 +11,7 @@ import typer
 from rockcli.cli.say import say
 
 if TYPE_CHECKING:
-    from rockcli.engine.points import Point, Trade
+    from rockcli.engine.trade.measurements import Point, Trade
     from rockcli.study.study import Study
 
 _UNITS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
@@ -43,8 +43,8 @@ def trade(
     from rockcli.cli.progress import Progress
     from rockcli.cli.sources import open_all
     from rockcli.engine.draw import FORMATS
-    from rockcli.engine.trade import trade as measure
-    from rockcli.engine.traded import as_dict, trade_path, write_trade
+    from rockcli.engine.trade.trade import trade as measure
+    from rockcli.engine.trade.trade_results import as_dict, trade_path, write_trade
     from rockcli.errors import StudyError
     from rockcli.storage.places import check_file
 
@@ -100,8 +100,8 @@ def _draw(path: Path, plot_format: str) -> tuple[Path, ...]:
 
 
 def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, every: bool) -> str:
-    from rockcli.engine.ladder import DATA, MODEL, NUMERICS
-    from rockcli.engine.points import best_of_others, by_reference, on_front
+    from rockcli.engine.trade.measurements import best_of_others, by_reference, on_front
+    from rockcli.engine.trade.settings import DATA, MODEL, NUMERICS
 
     lines = [f"{study.name}: {len(found.cases)} of {found.size} cases, {len(found.points)} settings"]
     lines += [f"  reference {name}: {words}" for name, words in found.references.items()]
@@ -142,8 +142,8 @@ def _table(points: Iterable[Point]) -> list[str]:
 
     Cost is the time per case, and the median numbers of steps and of evaluations of the right-hand side.
     """
-    from rockcli.engine.ladder import MODEL
-    from rockcli.engine.points import middle
+    from rockcli.engine.trade.measurements import middle
+    from rockcli.engine.trade.settings import MODEL
 
     rows = [("model", "setting", "median", "90 %", "wrong", "per case", "steps", "rhs")]
     for p in points:

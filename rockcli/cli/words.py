@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from rockcli.cli.progress import counted, duration
 
 if TYPE_CHECKING:
-    from rockcli.engine.expect import Verdict
-    from rockcli.engine.report import RunReport
+    from rockcli.analysis.expect import Verdict
+    from rockcli.engine.summary import RunReport
 
 _MOST_REASONS = 5
 

@@ -56,14 +56,14 @@ def animate(
         speed: seconds of the response in a second of film.
         fps: pictures a second.
         magnify: factor on the bending of a flexible column.
-        start, end: part of the response [s]; None: what is worth showing, see `plotting.animate.scenes`.
+        start, end: part of the response [s]; None: what is worth showing, see `plotting.kinds.animate.scenes`.
         progress: called with (pictures done, pictures in all).
 
     Raises:
         StudyError: the file has no histories, there is no such case, or an option is out of range.
     """
-    from rockcli.plotting import animate as stage
-    from rockcli.plotting.film import check_output, interval, write
+    from rockcli.plotting.common.film import check_output, interval, write
+    from rockcli.plotting.kinds import animate as stage
 
     target = path.parent / DEFAULT if out is None else out
     check_output(target)
@@ -89,8 +89,8 @@ def _chosen(
     dataset: xarray.Dataset, case: int | None, at: dict[str, str], path: Path
 ) -> tuple[tuple[int, ...], str, str]:
     """Position of the case to show, its name, and a sentence if nobody chose among several."""
-    from rockcli.plotting.cases import axes_of
-    from rockcli.plotting.labels import coordinate_label
+    from rockcli.plotting.common.cases import axes_of
+    from rockcli.plotting.common.labels import coordinate_label
 
     axes = axes_of(dataset)
     sizes = tuple(int(dataset.sizes[axis]) for axis in axes)

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.agenda import CHUNK, Agenda, Pace
-from rockcli.engine.answer import Answer
-from rockcli.engine.choose import choose
-from rockcli.engine.difference import FLOOR
-from rockcli.engine.executors import answers
-from rockcli.engine.places import place, units_of
-from rockcli.engine.sweep import Solving, check_solved, note_unsolved, outlook
-from rockcli.engine.work import Team
+from rockcli.analysis.compare_datasets import FLOOR
+from rockcli.analysis.places import place, units_of
+from rockcli.engine.backends import choose
+from rockcli.engine.sweep.chunk_result import Answer
+from rockcli.engine.sweep.chunks import CHUNK, Agenda, Pace
+from rockcli.engine.sweep.executors import answers
+from rockcli.engine.sweep.sweep import Solving, check_solved, note_unsolved, outlook
+from rockcli.engine.sweep.work import Team
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.models import FLEXIBLE
@@ -25,8 +25,8 @@ from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import FAILED, NO_UPLIFT, OUTCOMES
 from rockcli.scene.variables import AUDIT
 from rockcli.storage.contents import Contents, variable_field
-from rockcli.study.build import LEAST_RTOL
-from rockcli.study.buildable import buildable
+from rockcli.study.building.batch import LEAST_RTOL
+from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import CaseSource, Index, Study
 
 Array = NDArray[np.float64]

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.engine.choose import choose
-from rockcli.engine.measures import peaks
+from rockcli.analysis.measures import peaks
+from rockcli.engine.backends import choose
 from rockcli.scene.auto import (
     COLUMN,
     FREE_OVER_CLAMPED,

@@ -8,7 +8,8 @@ from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import DEFORMABLE
-from rockcli.solvers import lane_pulses, lane_records
+from rockcli.solvers.event import pulse_lanes as lane_pulses
+from rockcli.solvers.event import record_lanes as lane_records
 from rockcli.study.study import Study
 
 STARTING = 0.4

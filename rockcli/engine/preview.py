@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.analysis.measures import peaks
 from rockcli.engine.auto import prospect
-from rockcli.engine.choose import choose
+from rockcli.engine.backends import choose
 from rockcli.engine.cost import STARTING, seconds_per_case, share_refined
-from rockcli.engine.limits import HISTORIES_AT_MOST, histories_size
-from rockcli.engine.measures import peaks
+from rockcli.engine.sweep.history_size import HISTORIES_AT_MOST, histories_size
 from rockcli.errors import SolverError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from rockcli.engine.results import Results
+from rockcli.engine.sweep.results import Results
 from rockcli.storage.contents import root_attributes
 from rockcli.study.study import Study
 from rockcli.version import __version__

@@ -12,26 +12,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockcli.engine.assemble import assemble
+from rockcli.analysis.compare_to_reference import with_comparison
+from rockcli.analysis.curves import with_curves
+from rockcli.analysis.expect import check_quantities
+from rockcli.analysis.prescreen import with_prescreen
+from rockcli.analysis.rules import check_rules, with_rules
+from rockcli.analysis.suites import with_ensembles
 from rockcli.engine.audit import check_audit, with_audit
-from rockcli.engine.choose import check_backend
-from rockcli.engine.compare import with_comparison
-from rockcli.engine.curves import with_curves
-from rockcli.engine.describe import describe_cases
-from rockcli.engine.ensemble import with_ensembles
-from rockcli.engine.expect import check_quantities
-from rockcli.engine.limits import check_histories
+from rockcli.engine.backends import check_backend
 from rockcli.engine.lock import locked
-from rockcli.engine.parts import Parts
-from rockcli.engine.prescreen import with_prescreen
 from rockcli.engine.provenance import refreshed
-from rockcli.engine.refine import solve_refined
-from rockcli.engine.report import SHARE, SOLVED, UP_TO_DATE, RunReport, report_on
-from rockcli.engine.rules import check_rules, with_rules
-from rockcli.engine.search import find_overturning
-from rockcli.engine.sweep import Progress, Sweep, solve_cases
-from rockcli.engine.takeover import taken_over
-from rockcli.engine.work import Team
+from rockcli.engine.search.search import find_overturning
+from rockcli.engine.summary import SHARE, SOLVED, UP_TO_DATE, RunReport, report_on
+from rockcli.engine.sweep.assemble import assemble
+from rockcli.engine.sweep.history_size import check_histories
+from rockcli.engine.sweep.parts import Parts
+from rockcli.engine.sweep.refine import solve_refined
+from rockcli.engine.sweep.reuse_results import taken_over
+from rockcli.engine.sweep.sweep import Progress, Sweep, solve_cases
+from rockcli.engine.sweep.symbols_of_cases import describe_cases
+from rockcli.engine.sweep.work import Team
 from rockcli.errors import MachineError, OutputError, RockError, StudyError
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import sweep_leftovers

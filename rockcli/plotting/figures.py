@@ -10,22 +10,12 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 import numpy as np
 
-from rockcli.plotting import (
-    bending,
-    curve,
-    curves,
-    fragility,
-    histories,
-    ida,
-    overlay,
-    phase,
-    spectrum,
-    style,
-    work_precision,
-)
-from rockcli.plotting import map as outcomes
-from rockcli.plotting.cases import axes_of, is_numeric
-from rockcli.plotting.suite import suite_of
+from rockcli.plotting.common import style
+from rockcli.plotting.common.cases import axes_of, is_numeric
+from rockcli.plotting.common.suite import suite_of
+from rockcli.plotting.kinds import bending, curve, fragility, histories, ida, overlay, phase, spectrum, work_precision
+from rockcli.plotting.kinds import map as outcomes
+from rockcli.plotting.kinds import static_curves as curves
 
 if TYPE_CHECKING:
     import xarray

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from rockcli.errors import StudyError
-from rockcli.study.loader import load_any
+from rockcli.study.document.loader import load_any
 
 
 def how_to_obtain(name: str) -> list[str]:

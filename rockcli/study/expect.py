@@ -10,10 +10,10 @@ from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED
 from rockcli.scene.suite_variables import MEASURES
 from rockcli.scene.variable import CASE, IMPACT, LIMIT, MEASURE, ROTATION, SUITE, TIME
 from rockcli.scene.variables import VARIABLES
-from rockcli.study.expressions import ExpressionError, constant, parse
+from rockcli.study.document.expressions import ExpressionError, constant, parse
+from rockcli.study.document.tree import Keys, Map, Source, nearest, place
+from rockcli.study.document.values import describe
 from rockcli.study.study import MATCH, Axis, Expect, Over
-from rockcli.study.tree import Keys, Map, Source, nearest, place
-from rockcli.study.values import describe
 
 CHECKS = ("value", "min", "max", "is", "is_not")
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from rockcli.scene.auto import AUTO
 from rockcli.scene.models import DEFORMABLE, MODELS
-from rockcli.study.tree import Keys, Map, Source
+from rockcli.study.document.tree import Keys, Map, Source
 
 SCHEME_KEYS: dict[str, tuple[str, ...]] = {
     "none": (),

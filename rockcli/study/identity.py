@@ -11,11 +11,11 @@ import numpy as np
 import yaml
 
 from rockcli import version
-from rockcli.study.loader import scalar
-from rockcli.study.overlay import Path, overlaid, remaining
+from rockcli.study.cases.variation import Variation
+from rockcli.study.document.loader import scalar
+from rockcli.study.document.overlay import Path, overlaid, remaining
+from rockcli.study.document.tree import Map, value_at
 from rockcli.study.schema import CasePart
-from rockcli.study.tree import Map, value_at
-from rockcli.study.variation import Variation
 
 
 def identity(

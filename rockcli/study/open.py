@@ -25,28 +25,28 @@ from rockcli.scene.variables import (
     SCALARS_LARGE,
     SCALARS_SLIDING,
 )
-from rockcli.study.axes import Evaluate, read_axes
-from rockcli.study.build import build_batch
-from rockcli.study.cases import Cases
-from rockcli.study.check import check_case, check_study
-from rockcli.study.doubts import surely_meant
+from rockcli.study.building.batch import build_batch
+from rockcli.study.building.records import Records
+from rockcli.study.building.resolved import DT_OUT, Found
+from rockcli.study.cases.axes import Evaluate, read_axes
+from rockcli.study.cases.cases import Cases
+from rockcli.study.cases.refined_axes import RECORDS, read_refine
+from rockcli.study.cases.searched_range import make_search, searched
+from rockcli.study.cases.suite_axes import read_over
+from rockcli.study.cases.variation import Variation
+from rockcli.study.document.check import check_case, check_study
+from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
+from rockcli.study.document.loader import load_file, load_mapping
+from rockcli.study.document.overrides import apply_overrides, without_effect
+from rockcli.study.document.shorthands import expanded
+from rockcli.study.document.tree import Map, Source
 from rockcli.study.expect import check_histories, match, read_expect
-from rockcli.study.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.features import check_curves
-from rockcli.study.found import DT_OUT, Found
 from rockcli.study.identity import as_yaml, identity, kinship, lays_over, plain
-from rockcli.study.loader import load_file, load_mapping
-from rockcli.study.over import read_over
-from rockcli.study.overrides import apply_overrides, without_effect
-from rockcli.study.records import Records
-from rockcli.study.refine import RECORDS, read_refine
+from rockcli.study.plausibility import surely_meant
 from rockcli.study.schema import NO_PLOTS, CasePart, StudyPart
-from rockcli.study.search import make_search, searched
-from rockcli.study.shorthands import expanded
 from rockcli.study.study import Expect, Study
-from rockcli.study.tree import Map, Source
 from rockcli.study.unused import replaced_records, unused_symbols
-from rockcli.study.variation import Variation
 
 HISTORIES_UP_TO = 100
 """Cases up to which histories are saved unless the study says otherwise."""

@@ -11,8 +11,7 @@ from rockcli.scene.models import DEFORMABLE, MODEL_NAMES
 from rockcli.scene.pulses import SHAPES
 from rockcli.scene.rules import RULE_NAMES as RULES
 from rockcli.scene.spectra import SPECTRA
-from rockcli.study.features import BACKENDS, DAMPING
-from rockcli.study.values import (
+from rockcli.study.document.values import (
     NUMBER_SCHEMA,
     PAIR_SCHEMA,
     Audit,
@@ -29,6 +28,7 @@ from rockcli.study.values import (
     Series,
     Text,
 )
+from rockcli.study.features import BACKENDS, DAMPING
 
 MODELS = (*MODEL_NAMES, *DEFORMABLE, AUTO)
 PLOTS = ("histories", "bending", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")

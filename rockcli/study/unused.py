@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from rockcli.scene.models import FLEXIBLE
-from rockcli.study.expressions import ExpressionError, parse
-from rockcli.study.overlay import overlaid
-from rockcli.study.tree import Map, value_at
-from rockcli.study.variation import Variation
+from rockcli.study.cases.variation import Variation
+from rockcli.study.document.expressions import ExpressionError, parse
+from rockcli.study.document.overlay import overlaid
+from rockcli.study.document.tree import Map, value_at
 
 FINITE_ELEMENTS = ("accuracy", "rtol", "method", "dt", "yield_rotation")
 

@@ -9,7 +9,7 @@ from scenes import G, block, make_batch, overturns, pulse, record, rock, still
 
 import rockcli
 from rockcli.scene.block import housner_eta, make_block
-from rockcli.solvers import event
+from rockcli.solvers.event import solver as event
 from rockcli.solvers.general import solver as general
 
 PEAK = "theta_peak_over_alpha"

@@ -11,7 +11,7 @@ from scenes import G, block, make_batch, pulse, record, rock, still
 from scipy.optimize import brentq
 
 from rockcli.scene.block import make_block
-from rockcli.solvers.event import solve
+from rockcli.solvers.event.solver import solve
 
 
 def forces_by_finite_differences(response, body, dt, g=G):

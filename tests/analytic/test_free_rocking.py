@@ -71,7 +71,7 @@ def test_time_to_rest_linear(row):
 @pytest.mark.parametrize("row", REST_LINEAR, ids=str)
 def test_rest_found_in_a_longer_motion(row, monkeypatch):
     """With a silent motion of sufficient length the time to rest shows in the last counted impacts."""
-    from rockcli.solvers import event
+    from rockcli.solvers.event import solver as event
 
     monkeypatch.setattr(event, "MAX_IMPACTS_STORED", 40_000)  # eta = .999: every impact, not the first thousand
     response = rock(

@@ -19,8 +19,8 @@ from scipy.optimize import brentq
 
 from rockcli.scene.block import make_block
 from rockcli.scene.excitation import acceleration
-from rockcli.solvers import lane_pulses
-from rockcli.solvers.event import solve
+from rockcli.solvers.event import pulse_lanes as lane_pulses
+from rockcli.solvers.event.solver import solve
 
 ORDER = 17
 SIGNS = {2: -1.0, 3: -1.0}

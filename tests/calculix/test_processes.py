@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from mesh_cases import fig60
 
-from rockcli.engine.choose import BACKENDS, choose
+from rockcli.engine.backends import BACKENDS, choose
 from rockcli.errors import MachineError, SolverError
 from rockcli.scene.response import FAILED
 from rockcli.solvers.calculix import folder, run, solve

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rockcli.engine import apart, sweep
+from rockcli.engine.sweep import isolate_failures as apart
+from rockcli.engine.sweep import sweep
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import make_block
 from rockcli.scene.damping import Damping

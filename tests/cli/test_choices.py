@@ -26,7 +26,7 @@ def test_outcomes_are_listed() -> None:
 
 
 def test_symbols_units_and_functions_are_listed() -> None:
-    from rockcli.study.expressions import FUNCTIONS, SYMBOLS, UNITS
+    from rockcli.study.document.expressions import FUNCTIONS, SYMBOLS, UNITS
 
     listed = {line.split("  ")[0] for line in shown("show", "symbols").splitlines()}
     assert listed >= {"g", "pi", *SYMBOLS, *UNITS, *(f"{name}(x)" for name in FUNCTIONS)}

@@ -141,7 +141,7 @@ def test_a_broken_solver_is_exit_code_3(rock: Rock, tmp_path: Path, monkeypatch:
     def breaks(batch: object) -> None:
         raise FloatingPointError("overflow")
 
-    monkeypatch.setattr("rockcli.solvers.event.solve", breaks)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", breaks)
     assert rock("run", study(tmp_path, "lost", UNMET), "--no-plots") == 3
     found = open_dataset(tmp_path / "results" / "lost" / "lost.nc")
     assert int(found["outcome"]) == -2
@@ -168,7 +168,7 @@ def test_an_interrupt_is_exit_code_130(rock: Rock, tmp_path: Path, monkeypatch: 
     def interrupted(batch: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("rockcli.solvers.event.solve", interrupted)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", interrupted)
     assert rock("run", study(tmp_path), "--no-plots") == 130
     assert list((tmp_path / "results" / "ricker").iterdir()) == []
 

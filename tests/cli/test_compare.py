@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from handmade import MODEL, SLENDER, answer, make_study, solve_by
 
-from rockcli.engine.compare import locate
+from rockcli.analysis.compare_to_reference import locate
 from rockcli.engine.run import solve
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, OVERTURNED_AFTER_IMPACT, ROCKING, Response

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from rockcli.analysis.compare_datasets import difference
 from rockcli.cli.main import app
-from rockcli.engine.difference import difference
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
 from rockcli.storage import netcdf

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from handmade import MODEL, SLENDER, clause, make_study
 
-from rockcli.engine.expect import check_quantities, describe, expected_failures, judge
+from rockcli.analysis.expect import check_quantities, describe, expected_failures, judge
 from rockcli.errors import StudyError
 from rockcli.scene.response import FAILED, OVERTURNED_AFTER_IMPACT, ROCKING, UNRESOLVED
 from rockcli.storage.contents import Contents, axis_field, time_field, variable_field

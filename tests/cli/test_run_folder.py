@@ -11,8 +11,8 @@ import pytest
 from handmade import MODEL, SLENDER, answer, clause, make_study, solve_by
 
 from rockcli.engine.lock import LOCK_NAME, locked
-from rockcli.engine.report import SOLVED, UP_TO_DATE, RunReport, exit_code
 from rockcli.engine.run import run_study
+from rockcli.engine.summary import SOLVED, UP_TO_DATE, RunReport, exit_code
 from rockcli.errors import StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response

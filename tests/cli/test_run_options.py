@@ -68,7 +68,7 @@ def test_workers_are_counted_from_one(few: Path, rock: Rock) -> None:
 def test_a_cluster_that_is_not_there(
     few: Path, rock: Rock, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rockcli.engine.cluster.ANSWERS_WITHIN", 0.3)
+    monkeypatch.setattr("rockcli.engine.sweep.cluster.ANSWERS_WITHIN", 0.3)
     assert rock("run", few, "--dask", "tcp://127.0.0.1:9") == 2
     assert "rock: --dask" in capsys.readouterr().err
     assert not Path("results").exists()

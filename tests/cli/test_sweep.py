@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from handmade import MODEL, SLENDER, answer, make_study, solve_by
 
-from rockcli.engine.choose import BACKENDS, choose
-from rockcli.engine.measures import peaks
+from rockcli.analysis.measures import peaks
+from rockcli.engine.backends import BACKENDS, choose
 from rockcli.engine.run import solve
-from rockcli.engine.sweep import solve_cases
+from rockcli.engine.sweep.sweep import solve_cases
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rockcli.cli.main import app
-from rockcli.engine.page import write_page
+from rockcli.engine.report_page import write_page
 from rockcli.plotting.figures import figure
 from rockcli.scene.units import SI, Units
 from rockcli.storage.read import open_dataset

@@ -143,7 +143,7 @@ def test_a_long_case_tells_how_far_it_is(capsys, monkeypatch):
 
 def test_a_suite_has_its_lines() -> None:
     from rockcli.cli.words import report_text
-    from rockcli.engine.report import RunReport
+    from rockcli.engine.summary import RunReport
 
     told = report_text(RunReport("n", "solved", cases=3, suite=("first words", "second words")))
     assert "  suite     first words\n            second words\n" in told

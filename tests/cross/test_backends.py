@@ -8,7 +8,7 @@ from functools import cache
 
 import pytest
 
-from rockcli.engine.choose import BACKENDS
+from rockcli.engine.backends import BACKENDS
 from rockcli.study.open import open_study
 
 TOLERANCES = {

@@ -13,8 +13,8 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.block import make_block
 from rockcli.scene.models import MODELS
 from rockcli.scene.pulses import SHAPES
-from rockcli.solvers import lane_pulses
-from rockcli.solvers.event import solve
+from rockcli.solvers.event import pulse_lanes as lane_pulses
+from rockcli.solvers.event.solver import solve
 
 ALPHA = 0.2
 PEAKS = ("outcome", "theta_peak_over_alpha", "theta_peak", "n_impacts", "t_peak", "t_uplift")

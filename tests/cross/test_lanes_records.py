@@ -18,8 +18,8 @@ from rockcli.scene.excitation import Excitation, Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
-from rockcli.solvers.event import solve
-from rockcli.solvers.lane_records import velocity_of
+from rockcli.solvers.event.record_lanes import velocity_of
+from rockcli.solvers.event.solver import solve
 
 OWN = Path(__file__).resolve().parents[2] / "records"
 SCALARS = ("outcome", "theta_peak_over_alpha", "n_impacts", "theta_peak", "t_peak", "t_uplift", "t_overturn", "t_end")

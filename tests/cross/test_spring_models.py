@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from rockcli.motion.reading import read_record
 from rockcli.scene.damping import Damping
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
-from rockcli.solvers.event import solve
+from rockcli.solvers.event.solver import solve
 
 R, G_ = 2.0, G
 

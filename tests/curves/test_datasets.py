@@ -9,11 +9,11 @@ import pytest
 import yaml
 
 import rockcli
-from rockcli.engine.compare import with_comparison
+from rockcli.analysis.compare_to_reference import with_comparison
 from rockcli.engine.run import run_study, solve
 from rockcli.errors import StudyError
 from rockcli.plotting import figures
-from rockcli.plotting.curves import words_of
+from rockcli.plotting.kinds.static_curves import words_of
 from rockcli.storage import netcdf
 from rockcli.storage.contents import Contents
 from rockcli.storage.read import open_dataset
@@ -87,7 +87,7 @@ def test_expect_judges_curves():
         {"quantity": "pushover_force", "min": 0.1},
     ]
     study = open_study(STILL | {"expect": clauses})
-    from rockcli.engine.expect import check_quantities, judge
+    from rockcli.analysis.expect import check_quantities, judge
 
     check_quantities(study)
     assert [v.passed for v in judge(solve(study), study.expect)] == [True, True, False]

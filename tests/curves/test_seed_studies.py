@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rockcli.engine.expect import check_quantities, judge
+from rockcli.analysis.expect import check_quantities, judge
 from rockcli.engine.run import solve
 from rockcli.study.open import open_study
 

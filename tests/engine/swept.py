@@ -10,8 +10,8 @@ import numpy as np
 import yaml
 
 from rockcli.engine.run import solve
-from rockcli.engine.sweep import Sweep
-from rockcli.engine.work import Team
+from rockcli.engine.sweep.sweep import Sweep
+from rockcli.engine.sweep.work import Team
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, Response
 from rockcli.storage.contents import Contents

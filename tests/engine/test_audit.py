@@ -9,10 +9,10 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-import rockcli.solvers.event as event
+import rockcli.solvers.event.solver as event
+from rockcli.analysis.expect import judge
 from rockcli.cli.main import app
 from rockcli.engine.audit import NOT_AUDITED, check_audit, tighter
-from rockcli.engine.expect import judge
 from rockcli.engine.run import check_answers, run_study, solve
 from rockcli.errors import StudyError
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import rockcli
-from rockcli.engine import limits
 from rockcli.engine.preview import preview
 from rockcli.engine.run import check_study, solve
-from rockcli.engine.sweep import solve_cases
+from rockcli.engine.sweep import history_size as limits
+from rockcli.engine.sweep.sweep import solve_cases
 from rockcli.errors import StudyError
 from rockcli.study.open import open_study
 

@@ -18,11 +18,11 @@ from pathlib import Path
 import pytest
 from swept import STUDY, assert_same, study, write_study
 
-from rockcli.engine import sweep
-from rockcli.engine.cluster import check_cluster
 from rockcli.engine.run import run_study, solve
-from rockcli.engine.sweep import Sweep
-from rockcli.engine.work import Team
+from rockcli.engine.sweep import sweep
+from rockcli.engine.sweep.cluster import check_cluster
+from rockcli.engine.sweep.sweep import Sweep
+from rockcli.engine.sweep.work import Team
 from rockcli.errors import MachineError, StudyError
 from rockcli.storage import netcdf
 from rockcli.study.study import Study
@@ -30,7 +30,7 @@ from rockcli.study.study import Study
 
 def test_nobody_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("rockcli.engine.cluster.ANSWERS_WITHIN", 0.5)
+    monkeypatch.setattr("rockcli.engine.sweep.cluster.ANSWERS_WITHIN", 0.5)
     with socket.socket() as closed:
         closed.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{closed.getsockname()[1]}"
@@ -72,7 +72,7 @@ def answering(kind: str) -> Iterator[str]:
 @pytest.mark.parametrize("kind", ANSWERS)
 def test_what_answers_is_no_scheduler(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("rockcli.engine.cluster.ANSWERS_WITHIN", 0.5)
+    monkeypatch.setattr("rockcli.engine.sweep.cluster.ANSWERS_WITHIN", 0.5)
     began = time.monotonic()
     with answering(kind) as address, pytest.raises(StudyError, match=f"--dask {address}: no Dask scheduler answers"):
         check_cluster(address)
@@ -117,7 +117,7 @@ class TestEncrypted:
     def test_what_answers_is_no_scheduler(
         self, kind: str, certificates: dict[str, str], monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("rockcli.engine.cluster.ANSWERS_WITHIN", 0.5)
+        monkeypatch.setattr("rockcli.engine.sweep.cluster.ANSWERS_WITHIN", 0.5)
         began = time.monotonic()
         with answering(kind) as address, pytest.raises(StudyError, match="no Dask scheduler answers there"):
             check_cluster(address.replace("tcp:", "tls:"))

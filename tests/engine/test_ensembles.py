@@ -10,7 +10,7 @@ from scenes import G
 from scipy import stats
 
 import rockcli
-from rockcli.engine.ensemble import with_ensembles
+from rockcli.analysis.suites import with_ensembles
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
 from rockcli.motion.measures import measures

@@ -10,9 +10,9 @@ import pytest
 from swept import STUDY, made_up, study, write_study
 
 from rockcli.cli import main as command
-from rockcli.engine import parts, sweep
-from rockcli.engine.report import UP_TO_DATE
 from rockcli.engine.run import run_study, solve
+from rockcli.engine.summary import UP_TO_DATE
+from rockcli.engine.sweep import parts, sweep
 from rockcli.scene.response import FAILED
 from rockcli.storage import netcdf
 from rockcli.study.open import open_study
@@ -23,7 +23,7 @@ UNLUCKY = 6
 
 @pytest.fixture(autouse=True)
 def made_up_solver(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rockcli.solvers.event.solve", made_up)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", made_up)
 
 
 def saving(*names: str, **more: Any) -> Any:
@@ -102,7 +102,7 @@ SEARCHED = {"from": 1, "to": 12, "n": 4, "find": "overturning"}
 
 def test_one_case_that_cannot_be_built_loses_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
-    monkeypatch.setattr("rockcli.study.cases.PROBED", 50)
+    monkeypatch.setattr("rockcli.study.cases.cases.PROBED", 50)
     given = HOLE | {"save": {"scalars": ["theta_peak_over_alpha"]}, "expect": [{"quantity": "a_p", "min": 0}]}
     found = solve(open_study(given))
     failed = found.values("outcome") == FAILED
@@ -113,7 +113,7 @@ def test_one_case_that_cannot_be_built_loses_no_other(monkeypatch: pytest.Monkey
 
 def test_one_case_that_cannot_be_built_does_not_lose_a_search(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
-    monkeypatch.setattr("rockcli.study.cases.PROBED", 50)
+    monkeypatch.setattr("rockcli.study.cases.cases.PROBED", 50)
     given = HOLE | {"vary": HOLE["vary"] | {"motion.pulse.a_p_over_g_tan_alpha": SEARCHED}}
     found = solve(open_study(given))
     for name in ("a_p_over_g_tan_alpha_overturning", "a_p_over_g_tan_alpha_overturning_prescreen"):

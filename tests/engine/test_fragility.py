@@ -8,7 +8,7 @@ from scenes import SHARED
 from scipy import optimize, stats
 
 import rockcli
-from rockcli.engine.fragility import ALL_EXCEED, FALLING, FITTED, NONE_EXCEEDS, SEPARABLE, fit
+from rockcli.analysis.fragility import ALL_EXCEED, FALLING, FITTED, NONE_EXCEEDS, SEPARABLE, fit
 from rockcli.scene import statistics
 
 RNG = np.random.default_rng(7)

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from swept import CASES, assert_same, made_up, solved, study
 
-from rockcli.engine import executors, sweep
-from rockcli.engine.report import SOLVED, UP_TO_DATE
 from rockcli.engine.run import run_study
-from rockcli.engine.work import Team
+from rockcli.engine.summary import SOLVED, UP_TO_DATE
+from rockcli.engine.sweep import executors, sweep
+from rockcli.engine.sweep.work import Team
 from rockcli.errors import MachineError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, Response
@@ -39,7 +39,7 @@ TROUBLE = [
 @pytest.fixture
 def by(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     def use(solver: Solver = made_up, chunk: int = 7, *, at_once: bool = False) -> None:
-        monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+        monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
         monkeypatch.setattr(sweep, "CHUNK", chunk)
         monkeypatch.setattr(executors, "_worth", lambda *_: at_once)
 
@@ -158,7 +158,7 @@ def test_a_process_that_the_system_kills_has_not_answered(by: Callable[..., None
 
 @pytest.mark.parametrize("allowed", [0, 1])
 def test_fewer_processes_than_wanted(allowed: int, by: Callable[..., None], monkeypatch: pytest.MonkeyPatch) -> None:
-    from rockcli.engine import workers
+    from rockcli.engine.sweep import workers
 
     by()
     whole = solved(study())
@@ -205,7 +205,7 @@ def test_one_bad_case_in_every_chunk_loses_no_other(by: Callable[..., None]) -> 
 def test_whatever_ends_a_run_what_is_finished_is_kept(
     by: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from rockcli.engine.results import Results
+    from rockcli.engine.sweep.results import Results
 
     by()
     finish = Results.finish

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rockcli
-from rockcli.engine.measures import peaks
+from rockcli.analysis.measures import peaks
 from rockcli.scene.excitation import Pulses, Samples, acceleration
 from rockcli.scene.pulses import make_pulses
 

@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 from swept import CASES, assert_same, made_up, solved, study, write_study
 
-from rockcli.engine import parts, sweep
-from rockcli.engine.answer import Answer, blank, cases_of, spans_of
 from rockcli.engine.lock import LOCK_NAME, locked
-from rockcli.engine.parts import FOLDER, Parts
-from rockcli.engine.report import SHARE, SOLVED, UP_TO_DATE
 from rockcli.engine.run import run_study
-from rockcli.engine.used import joined
+from rockcli.engine.summary import SHARE, SOLVED, UP_TO_DATE
+from rockcli.engine.sweep import parts, sweep
+from rockcli.engine.sweep.chunk_result import Answer, blank, cases_of, spans_of
+from rockcli.engine.sweep.parts import FOLDER, Parts
+from rockcli.engine.sweep.settings_used import joined
 from rockcli.errors import OutputError, StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response
@@ -37,7 +37,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         sizes.append(batch.size)
         return made_up(batch)
 
-    monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
     monkeypatch.setattr(sweep, "CHUNK", 3)
     monkeypatch.setattr(parts, "EVERY", -1.0)
     return sizes
@@ -150,7 +150,7 @@ def test_a_full_disk_keeps_what_was_finished(
             run_study(study(), tmp_path, plots=False)
     monkeypatch.undo()
     assert len(hidden(tmp_path)) == 5
-    monkeypatch.setattr("rockcli.solvers.event.solve", made_up)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", made_up)
     assert run_study(study(), tmp_path, plots=False).resumed == 15
 
 
@@ -286,7 +286,7 @@ def test_a_killed_run_goes_on(
     assert not (tmp_path / "results" / "swept" / "swept.nc").exists()
     time.sleep(1.0)  # workers notice within half a second
     subprocess.run(command, cwd=tmp_path, env=environment, check=False, stdout=subprocess.DEVNULL)
-    monkeypatch.setattr("rockcli.solvers.event.solve", made_up)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", made_up)
     assert_same(solved(study()), netcdf.read(tmp_path / "results" / "swept" / "swept.nc"))
     assert [file.name for file in (tmp_path / "results" / "swept").iterdir()] == ["swept.nc"]
     said = (tmp_path / "solved").read_text().splitlines()

@@ -9,7 +9,7 @@ from scipy.integrate import quad, solve_ivp
 from tables import HALF_SINE
 
 import rockcli
-from rockcli.engine.prescreen import Line, critical_level, future_mean, line_of_pulse
+from rockcli.analysis.prescreen import Line, critical_level, future_mean, line_of_pulse
 from rockcli.motion.reading import read_record
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
 

@@ -10,11 +10,11 @@ import pytest
 from swept import assert_same
 
 from rockcli.cli.words import report_text
-from rockcli.engine.refine import coarse_pitch
-from rockcli.engine.report import report_on
 from rockcli.engine.run import run_study, solve
-from rockcli.engine.sweep import Sweep
-from rockcli.engine.work import Team
+from rockcli.engine.summary import report_on
+from rockcli.engine.sweep.refine import coarse_pitch
+from rockcli.engine.sweep.sweep import Sweep
+from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, ROCKING, Response
@@ -66,7 +66,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         sizes.append(batch.size)
         return made_up(batch)
 
-    monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
     return sizes
 
 
@@ -116,7 +116,7 @@ def test_other_axes_have_a_map_each(counted: list[int]) -> None:
 
 
 def test_what_failed_is_never_filled_in(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rockcli.solvers.event.solve", unlucky)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", unlucky)
     refined, full = both(MAP)
     failed = full.values("outcome") == FAILED
     assert failed.sum() > 1000
@@ -139,7 +139,7 @@ def test_an_island_between_the_coarse_pixels_is_missed(monkeypatch: pytest.Monke
         found.scalars["outcome"][:] = outcome
         return found
 
-    monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
     refined, full = both(MAP)
     pitch = coarse_pitch(SIDE)
     wrong = refined.values("outcome") != full.values("outcome")
@@ -166,7 +166,7 @@ def test_a_broken_off_run_goes_on(tmp_path: Path, counted: list[int], monkeypatc
         return made_up(batch)
 
     with monkeypatch.context() as once:
-        once.setattr("rockcli.solvers.event.solve", breaks)
+        once.setattr("rockcli.solvers.event.solver.solve", breaks)
         with pytest.raises(KeyboardInterrupt):
             run_study(study(), tmp_path, plots=False)
     report = run_study(study(), tmp_path, plots=False)

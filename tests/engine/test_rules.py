@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from rockcli.engine.report import report_on
-from rockcli.engine.rules import misled
+from rockcli.analysis.rules import misled
 from rockcli.engine.run import check_answers, solve
+from rockcli.engine.summary import report_on
 from rockcli.errors import StudyError
 from rockcli.scene import rules
 from rockcli.storage.contents import Contents

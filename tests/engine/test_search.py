@@ -12,7 +12,7 @@ import xarray
 from scenes import G
 
 import rockcli
-from rockcli.engine.search import AT_REST, FALLS, ROCKS, UNKNOWN, thresholds_of
+from rockcli.engine.search.search import AT_REST, FALLS, ROCKS, UNKNOWN, thresholds_of
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BELOW, BESIDE, BRACKETED, IN_RANGE, NONE, Thresholds
 
@@ -177,7 +177,7 @@ def test_the_random_scenes_show_what_they_are_for():
 
 def test_a_point_without_an_answer_in_the_bisection_ends_it(monkeypatch):
     """The scan is answered, but a value inside the last bracket is not."""
-    from rockcli.engine import search
+    from rockcli.engine.search import search
 
     right, calls = search._verdict, []
 

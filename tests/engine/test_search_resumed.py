@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from swept import assert_same, study
 
-from rockcli.engine import parts, search, sweep
-from rockcli.engine.answer import Answer
-from rockcli.engine.parts import Parts
-from rockcli.engine.report import UP_TO_DATE
 from rockcli.engine.run import run_study, solve
+from rockcli.engine.search import search
+from rockcli.engine.summary import UP_TO_DATE
+from rockcli.engine.sweep import parts, sweep
+from rockcli.engine.sweep.chunk_result import Answer
+from rockcli.engine.sweep.parts import Parts
 from rockcli.errors import MachineError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_AFTER_IMPACT, ROCKING, Response
@@ -34,7 +35,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[float]:
         outcome = np.where(falls, OVERTURNED_AFTER_IMPACT, np.where(batch.theta_0 > 0.01, ROCKING, NO_UPLIFT))
         return Response(scalars={"outcome": outcome.astype(np.int8)}, reasons=[""] * batch.size)
 
-    monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
     monkeypatch.setattr(parts, "EVERY", -1.0)
     monkeypatch.setattr(search, "Pace", lambda estimate: sweep.Pace(estimate, 5))
     return tried
@@ -73,7 +74,7 @@ def test_a_search_goes_on(chunks: int, solved: list[float], tmp_path: Path, monk
 
 def spoilt(monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
     """Break trials of one case, above the first points of the scan."""
-    from rockcli.solvers import event
+    from rockcli.solvers.event import solver as event
 
     right = event.solve
 

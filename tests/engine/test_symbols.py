@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rockcli.engine.symbols import Symbols
+from rockcli.engine.sweep.symbols import Symbols
 
 SHAPE = (3, 70, 4)
 AXES = ("one", "two", "three")

@@ -27,7 +27,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         sizes.append(batch.size)
         return made_up(batch)
 
-    monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
     return sizes
 
 
@@ -129,7 +129,7 @@ def test_an_added_record_solves_only_its_own_cases(tmp_path: Path, monkeypatch: 
         seen.append(batch.excitation.horizontal.name)  # type: ignore[union-attr]
         return measured(batch)
 
-    monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
     run_study(open_study(suite(tmp_path, ["q3.txt", "q7.txt"])), tmp_path / "out", plots=False)
     seen.clear()
     longer = open_study(suite(tmp_path, ["q3.txt", "q5.txt", "q7.txt"]))
@@ -144,7 +144,7 @@ def test_an_added_record_solves_only_its_own_cases(tmp_path: Path, monkeypatch: 
 def test_one_poisoned_record_of_fifty(breaks: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     names = [f"q{i}.txt" for i in range(1, 51)]
     given = open_study(suite(tmp_path, names))
-    monkeypatch.setattr("rockcli.solvers.event.solve", measured)
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", measured)
     records: Any = given.cases.records  # type: ignore[attr-defined]
     bad_key = next(key for key in records.prepared if "q13.txt" in key)
     if breaks == "the reading":  # forgotten by the program and gone from the disk

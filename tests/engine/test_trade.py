@@ -12,11 +12,12 @@ from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
 from rockcli.cli.main import app
-from rockcli.engine import ladder, sampling
-from rockcli.engine.page import write_page
-from rockcli.engine.points import front
-from rockcli.engine.trade import trade
-from rockcli.engine.traded import contents_of, write_trade
+from rockcli.engine.report_page import write_page
+from rockcli.engine.trade import record_sampling as sampling
+from rockcli.engine.trade import settings as ladder
+from rockcli.engine.trade.measurements import front
+from rockcli.engine.trade.trade import trade
+from rockcli.engine.trade.trade_results import contents_of, write_trade
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import default_kinds, figure, why_not
 from rockcli.scene.excitation import Samples
@@ -203,7 +204,7 @@ def test_a_trade_has_a_page_of_its_own(tmp_path, two_methods):
 
 
 def test_the_command(tmp_path, two_methods, monkeypatch):
-    monkeypatch.setattr("rockcli.engine.trade.peers", lambda: EVENT)
+    monkeypatch.setattr("rockcli.engine.trade.trade.peers", lambda: EVENT)
     path = tmp_path / "scenes.yaml"
     path.write_text(yaml.safe_dump(STUDY))
     told = CliRunner().invoke(app, ["trade", str(path), "--out", str(tmp_path), "--sample", "2", "--budget", "5 s"])

@@ -12,15 +12,15 @@ from typer.testing import CliRunner
 
 import rockcli
 from rockcli.cli.main import app
-from rockcli.engine import ladder
-from rockcli.engine import trade as measuring
-from rockcli.engine.points import on_front
-from rockcli.engine.sample import Sample
-from rockcli.engine.trade import trade
-from rockcli.engine.traded import contents_of
+from rockcli.engine.trade import settings as ladder
+from rockcli.engine.trade import trade as measuring
+from rockcli.engine.trade.measurements import on_front
+from rockcli.engine.trade.sampled_cases import Sample
+from rockcli.engine.trade.trade import trade
+from rockcli.engine.trade.trade_results import contents_of
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import figure, why_not
-from rockcli.plotting.work_precision import FRONT
+from rockcli.plotting.kinds.work_precision import FRONT
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import FAILED, NO_UPLIFT, ROCKING, Response
 from rockcli.solvers.general import methods
@@ -52,7 +52,7 @@ def of(case):
 @pytest.fixture
 def command(tmp_path, monkeypatch):
     """Trades a mapping by the command, with two general methods beside `event`; stdout and stderr."""
-    monkeypatch.setattr("rockcli.engine.trade.peers", lambda: frozenset({"event", "scipy"}))
+    monkeypatch.setattr("rockcli.engine.trade.trade.peers", lambda: frozenset({"event", "scipy"}))
     monkeypatch.setattr(methods, "METHODS", {name: methods.METHODS[name] for name in ("RK45", "DOP853")})
     monkeypatch.setattr(ladder, "SCIPY_RTOL", (1e-3, 1e-6))
 
@@ -197,7 +197,7 @@ def test_partial_uplift_judges_the_column_on_a_rigid_base():
 
 def test_skipped_settings_of_a_family_share_a_line(command, monkeypatch):
     monkeypatch.setattr(
-        "rockcli.engine.trade._expected", lambda _, rung, *__: np.inf if rung.numerics.backend == "scipy" else 0.0
+        "rockcli.engine.trade.trade._expected", lambda _, rung, *__: np.inf if rung.numerics.backend == "scipy" else 0.0
     )
     printed, _ = command(under(1.5), "--no-plots")
     skipped = [line.split(maxsplit=1)[1] for line in printed.splitlines() if line.startswith("  skipped")]
@@ -211,7 +211,7 @@ def test_skipped_settings_of_a_family_share_a_line(command, monkeypatch):
 
 
 def test_a_backend_is_missed_only_where_it_would_solve_the_model(monkeypatch):
-    monkeypatch.setattr("rockcli.engine.trade.peers", lambda: EVENT)
+    monkeypatch.setattr("rockcli.engine.trade.trade.peers", lambda: EVENT)
     case = {key: value for key, value in COLUMN.items() if key != "column"}
     skipped = dict(trade(of(case | {"model": 1, "geometry": "corotational"})).skipped)
     assert skipped["opensees"] == "OpenSeesPy is not installed"
@@ -272,7 +272,7 @@ def test_errors_against_different_references_have_tables_and_fronts_of_their_own
 
 
 def test_a_budget_for_nothing_at_all_is_refused(command, monkeypatch):
-    monkeypatch.setattr("rockcli.engine.trade._expected", lambda *_: np.inf)
+    monkeypatch.setattr("rockcli.engine.trade.trade._expected", lambda *_: np.inf)
     with pytest.raises(StudyError, match=r"no setting was measured: .*rtol 1e-14: the budget is used up"):
         command(under(1.5))
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import rockcli
-from rockcli.engine import meshes, trade
 from rockcli.engine.cost import seconds_per_case
-from rockcli.engine.traded import contents_of
+from rockcli.engine.trade import meshes, trade
+from rockcli.engine.trade.trade_results import contents_of
 from rockcli.errors import StudyError
 from rockcli.scene.response import ROCKING, Response
 from rockcli.solvers.calculix.run import HOW_TO_INSTALL

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 import yaml
 
-from rockcli.engine.report import UP_TO_DATE
 from rockcli.engine.run import run_study
+from rockcli.engine.summary import UP_TO_DATE
 from rockcli.errors import StudyError
 from rockcli.storage import netcdf
 from rockcli.study.open import open_study

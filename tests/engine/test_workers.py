@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from swept import CASES, assert_same, made_up, solved, study, write_study
 
-from rockcli.engine import executors, sweep
-from rockcli.engine.agenda import Agenda, Pace
-from rockcli.engine.work import Team
+from rockcli.engine.sweep import executors, sweep
+from rockcli.engine.sweep.chunks import Agenda, Pace
+from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, Response
@@ -29,7 +29,7 @@ def by(monkeypatch: pytest.MonkeyPatch):
     """Have all cases solved by a function, in processes from the beginning, a few at a time."""
 
     def use(solver=made_up, chunk: int = 7, worth=ALWAYS) -> None:
-        monkeypatch.setattr("rockcli.solvers.event.solve", solver)
+        monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
         monkeypatch.setattr(sweep, "CHUNK", chunk)
         monkeypatch.setattr(executors, "_worth", worth)
 
@@ -88,7 +88,7 @@ def test_two_workers_are_at_work_at_once(by, tmp_path: Path) -> None:
 
 def test_a_small_study_is_solved_here(by, monkeypatch: pytest.MonkeyPatch) -> None:
     by(worth=executors._worth)
-    monkeypatch.setattr("rockcli.engine.executors.on_workers", None)
+    monkeypatch.setattr("rockcli.engine.sweep.executors.on_workers", None)
     solved(study(), 8)
 
 
@@ -233,7 +233,7 @@ class Big:
 
 @pytest.mark.parametrize("todo", [None, np.arange(400_000) % 2 == 0], ids=["runs", "every other"])
 def test_neither_end_of_a_pipe_waits_for_the_other(todo) -> None:  # type: ignore[no-untyped-def]
-    from rockcli.engine.workers import on_workers
+    from rockcli.engine.sweep.workers import on_workers
 
     agenda, pace = Agenda(400_000, todo), Pace(1e-7, most=65536)
     wanted = np.arange(400_000) if todo is None else np.flatnonzero(todo)

@@ -17,8 +17,8 @@ from rockcli.motion.reading import read_record
 from rockcli.scene.block import make_block
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, ROCKING, UNRESOLVED
-from rockcli.solvers.agreement import MEMBERS, NO_ANSWER, Judgement, Nudge, Traces, compare_steps, judge
-from rockcli.solvers.event import solve
+from rockcli.solvers.common.certainty import MEMBERS, NO_ANSWER, Judgement, Nudge, Traces, compare_steps, judge
+from rockcli.solvers.event.solver import solve
 from rockcli.solvers.general.solver import solve as solve_generally
 
 ESTIMATED = ("outcome", "theta_peak_over_alpha", "t_overturn", "error_estimate", "overturn_share")

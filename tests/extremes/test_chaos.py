@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scenes import G, pulse, rock, unit_block
 
-from rockcli.solvers import event
+from rockcli.solvers.event import solver as event
 
 ALPHA, OMEGA = 0.1, 14.0
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rockcli
-from rockcli.engine.expect import judge
+from rockcli.analysis.expect import judge
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
 from rockcli.study.open import open_study

@@ -9,12 +9,12 @@ import pytest
 from flexible.columns import E_CONCRETE, column_batch, peak, ricker, rock_column, scalar, sine
 from scenes import G, make_batch, pulse, record, still
 
-from rockcli.engine.choose import choose
+from rockcli.engine.backends import choose
 from rockcli.errors import SolverError
 from rockcli.scene.block import make_block
 from rockcli.scene.damping import Damping
 from rockcli.scene.response import ROCKING, UNRESOLVED, overturned
-from rockcli.solvers.event import solve as solve_rigid
+from rockcli.solvers.event.solver import solve as solve_rigid
 
 
 def model_3(motion, eta=1.0) -> float:

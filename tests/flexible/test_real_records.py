@@ -14,7 +14,7 @@ from scenes import SHARED, G, make_batch, record
 from rockcli.scene.block import make_block
 from rockcli.scene.excitation import Excitation
 from rockcli.scene.response import ROCKING
-from rockcli.solvers.event import solve as solve_rigid
+from rockcli.solvers.event.solver import solve as solve_rigid
 
 TAN_ALPHA = 0.1
 OWN = Path(__file__).resolve().parents[2] / "records"

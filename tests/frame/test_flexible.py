@@ -11,7 +11,7 @@ from scenes import array
 
 from rockcli.scene.column import Base
 from rockcli.scene.numerics import Numerics
-from rockcli.solvers.event import solve as event
+from rockcli.solvers.event.solver import solve as event
 from rockcli.solvers.flexible import solve as modal
 from rockcli.solvers.frame.solver import solve
 

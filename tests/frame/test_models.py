@@ -10,7 +10,7 @@ from frames import PAIRS, framed, peak, ricker
 from scenes import G, block, make_batch, overturns, record
 
 from rockcli.scene.damping import Damping
-from rockcli.solvers.event import solve as event
+from rockcli.solvers.event.solver import solve as event
 from rockcli.solvers.frame.solver import solve
 
 

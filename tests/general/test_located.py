@@ -13,7 +13,7 @@ from rockcli.scene.damping import Damping
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import FAILED, NO_UPLIFT, OVERTURNED_AFTER_IMPACT, ROCKING
-from rockcli.solvers import event
+from rockcli.solvers.event import solver as event
 from rockcli.solvers.general.methods import METHODS
 from rockcli.solvers.general.solver import solve
 

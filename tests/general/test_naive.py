@@ -11,7 +11,7 @@ from scenes import G, block, make_batch, pulse, still
 from rockcli.errors import SolverError
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import NO_UPLIFT, ROCKING
-from rockcli.solvers import event
+from rockcli.solvers.event import solver as event
 from rockcli.solvers.general.solver import solve
 
 NAIVE = {"backend": "scipy", "events": False}

@@ -12,8 +12,8 @@ import pytest
 from scenes import SHARED
 
 from rockcli.engine.run import run_study, solve
+from rockcli.study.building.records import MissingRecordError
 from rockcli.study.open import open_study
-from rockcli.study.records import MissingRecordError
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDIES = ROOT / "studies" / "literature"

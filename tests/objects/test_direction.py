@@ -10,7 +10,7 @@ from reference import body_of, integrate
 from scenes import SHARED
 
 import rockcli
-from rockcli.engine.direction import with_worst_direction
+from rockcli.analysis.direction import with_worst_direction
 from rockcli.errors import RecordError
 from rockcli.motion.direction import cosine_and_sine
 from rockcli.scene.block import housner_eta

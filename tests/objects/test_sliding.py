@@ -15,7 +15,7 @@ from rockcli.scene.block import make_block
 from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest
 from rockcli.scene.response import NO_UPLIFT, ROCKING, SLIDING, UNRESOLVED
 from rockcli.scene.variables import SCALARS
-from rockcli.solvers.event import solve
+from rockcli.solvers.event.solver import solve
 
 
 def slid(motion, mu, *, tan_alpha=1.0, n=1, **how):
@@ -375,8 +375,8 @@ class TestSeen:
         assert int(suite["n_answered"]) == 2
 
     def test_table_and_page(self):
-        from rockcli.plotting.page import page
-        from rockcli.plotting.table import case_table
+        from rockcli.plotting.common.table import case_table
+        from rockcli.plotting.page.page import page
 
         data = rockcli.run(STUDY)
         header, rows, _ = case_table(data)
@@ -407,7 +407,7 @@ class TestSeen:
         from matplotlib.colors import to_rgb
 
         from rockcli.plotting import figures
-        from rockcli.plotting.style import OUTCOME_COLOURS
+        from rockcli.plotting.common.style import OUTCOME_COLOURS
 
         assert len(set(OUTCOME_COLOURS.values())) == len(OUTCOME_COLOURS) == 7
         vary = {"block.mu": np.linspace(0.1, 0.4, 5).tolist(), "motion.pulse.a_p": np.linspace(0.5, 6.0, 5).tolist()}
@@ -424,7 +424,7 @@ class TestSeen:
         assert [label.get_text() for label in curve.axes[0].get_yticklabels()] == ["sliding"]
 
     def test_a_film_moves_the_body_along_the_ground(self):
-        from rockcli.plotting.animate import _Stage, scenes
+        from rockcli.plotting.kinds.animate import _Stage, scenes
 
         data = rockcli.run(STUDY)
         shown = scenes(data, (0,), step=0.1)

@@ -13,7 +13,7 @@ from rockcli.errors import SolverError
 from rockcli.scene.column import Base, Column
 from rockcli.scene.damping import Damping
 from rockcli.scene.numerics import Numerics
-from rockcli.solvers import event
+from rockcli.solvers.event import solver as event
 from rockcli.solvers.flexible import solve as solve_flexible
 from rockcli.solvers.opensees.solver import solve
 

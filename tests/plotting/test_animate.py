@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 from rockcli.cli.main import app
 from rockcli.engine.animate import animate
 from rockcli.errors import StudyError
-from rockcli.plotting.animate import LONGEST, scenes
-from rockcli.plotting.shape import Body, body_of, motion_of, outline
+from rockcli.plotting.common.shape import Body, body_of, motion_of, outline
+from rockcli.plotting.kinds.animate import LONGEST, scenes
 
 BODY = Body(0.3, 0.5, 4.0)
 

@@ -12,7 +12,7 @@ from matplotlib.contour import ContourSet
 
 import rockcli
 from rockcli.plotting import figures
-from rockcli.plotting.told import case_settings
+from rockcli.plotting.common.case_settings import case_settings
 from rockcli.scene.overturning import sine_without_impact
 
 CASE: dict[str, Any] = {

@@ -11,10 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import rockcli
-from rockcli.plotting import figures, ground
-from rockcli.plotting import map as outcomes
-from rockcli.plotting.labels import axis_label, coordinate_label
-from rockcli.plotting.response import edges, response_of, window
+from rockcli.plotting import figures
+from rockcli.plotting.common import ground
+from rockcli.plotting.common.labels import axis_label, coordinate_label
+from rockcli.plotting.common.response import edges, response_of, window
+from rockcli.plotting.kinds import map as outcomes
 
 ASYMMETRIC = {"name": "a", "case": {"block": {"h": 1.05, "b": [0.2, 0.35]}}, "vary": {"initial.theta": [-0.15, 0.1]}}
 TIME = np.round(np.arange(0, 150, 0.01), 2)

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 import rockcli
 from rockcli.plotting import figures
-from rockcli.plotting.labels import axis_label, coordinate_label, unit_g, variable_label
-from rockcli.plotting.map import is_log, plane
+from rockcli.plotting.common.labels import axis_label, coordinate_label, unit_g, variable_label
+from rockcli.plotting.kinds.map import is_log, plane
 from rockcli.scene.variables import VARIABLES
 
 ALPHA, P = np.arctan(0.2), 1.2

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import xarray
 
-from rockcli.plotting import work_precision
 from rockcli.plotting.figures import figure
+from rockcli.plotting.kinds import work_precision
 from rockcli.solvers.general.methods import METHODS
 
 MODELS = {

@@ -13,7 +13,7 @@ from scenes import G, array, make_batch, overturns, pulse, record, rock, still, 
 
 from rockcli.scene.block import make_block
 from rockcli.scene.damping import Damping
-from rockcli.solvers.event import solve
+from rockcli.solvers.event.solver import solve
 from rockcli.solvers.flexible import solve as solve_flexible
 from rockcli.solvers.frame.solver import solve as solve_frame
 from rockcli.solvers.general.solver import solve as solve_generally

@@ -13,8 +13,8 @@ from scenes import G, make_batch, pulse
 
 from rockcli.kernels.lanes.vector import elementary
 from rockcli.scene.block import make_block
-from rockcli.solvers import lane_pulses
-from rockcli.solvers.event import solve
+from rockcli.solvers.event import pulse_lanes as lane_pulses
+from rockcli.solvers.event.solver import solve
 
 SCALARS = ("outcome", "theta_peak_over_alpha", "n_impacts", "t_peak", "t_uplift")
 N = 24

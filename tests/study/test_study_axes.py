@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from rockcli.errors import StudyError
-from rockcli.study.expressions import Expression
+from rockcli.study.building.records import MissingRecordError
+from rockcli.study.document.expressions import Expression
 from rockcli.study.open import open_study
-from rockcli.study.records import MissingRecordError
 
 PULSE = {"shape": "ricker", "a_p_over_g_tan_alpha": 1, "omega_p_over_p": 1}
 

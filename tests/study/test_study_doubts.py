@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rockcli.study.doubts import STILL
 from rockcli.study.open import open_study
+from rockcli.study.plausibility import STILL
 
 BLOCK = {"R": 2, "tan_alpha": 0.2}
 SINE = {"shape": "sine", "a_p": 4, "T_p": 1}

@@ -6,7 +6,7 @@ import yaml
 
 from rockcli.errors import StudyError
 from rockcli.study.open import open_study
-from rockcli.study.reread import clauses_of
+from rockcli.study.reopen import clauses_of
 
 
 def expect_of(*clauses, **more):

@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from rockcli.study.expressions import UNITS, ExpressionError, constant, parse
+from rockcli.study.document.expressions import UNITS, ExpressionError, constant, parse
 
 CASE = {"R": 5.0, "alpha": 0.2, "tan_alpha": 0.21, "g": 9.81, "p": 1.5, "gamma": 3.0}
 

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rockcli.errors import RecordError, StudyError
-from rockcli.study.expressions import ExpressionError, constant, parse
+from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.open import open_study
 from rockcli.study.study import Study
 

@@ -5,7 +5,7 @@ import copy
 import pytest
 import yaml
 
-from rockcli.study.loader import load_value
+from rockcli.study.document.loader import load_value
 from rockcli.study.open import open_study
 
 BASE = {

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from rockcli.errors import StudyError
-from rockcli.study.loader import load_file, load_mapping, load_value
-from rockcli.study.tree import place
+from rockcli.study.document.loader import load_file, load_mapping, load_value
+from rockcli.study.document.tree import place
 
 
 def load(tmp_path: Path, text: str | bytes):

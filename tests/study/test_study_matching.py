@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rockcli.errors import RecordError
-from rockcli.study import matching
+from rockcli.study.building import matching
 from rockcli.study.open import open_study
 
 FILES = (

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rockcli.errors import RecordError, StudyError
+from rockcli.study.building.records import MissingRecordError
 from rockcli.study.open import open_study
-from rockcli.study.records import MissingRecordError
 
 BLOCK = {"R": 5.0, "tan_alpha": 0.2}
 DT = 0.01

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import yaml
 
-from rockcli.engine.page import verdicts
+from rockcli.engine.report_page import verdicts
 from rockcli.engine.run import solve
 from rockcli.study.open import open_study
 

@@ -3,10 +3,10 @@
 import pytest
 
 from rockcli.errors import RecordError, StudyError
-from rockcli.study.expressions import ExpressionError, parse
+from rockcli.study.building.records import MissingRecordError
+from rockcli.study.document.expressions import ExpressionError, parse
+from rockcli.study.document.tree import nearest
 from rockcli.study.open import open_study
-from rockcli.study.records import MissingRecordError
-from rockcli.study.tree import nearest
 
 BLOCK = {"R": 2, "tan_alpha": 0.2}
 SINE = {"pulse": {"shape": "sine", "a_p": 4, "T_p": 1}}

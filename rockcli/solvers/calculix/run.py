@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rockcli.errors import SolverError
-from rockcli.solvers.processes import check_machine
+from rockcli.solvers.common.programs import check_machine
 
 PROGRAM = "ccx"
 

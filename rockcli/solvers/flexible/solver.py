@@ -15,10 +15,10 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.constants import FREE_ROCKING, REARM
 from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
-from rockcli.solvers.agreement import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
+from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
+from rockcli.solvers.event.pack import channel_of
 from rockcli.solvers.flexible.column import Prepared, RefusedError, first_state, key_of, prepare
 from rockcli.solvers.flexible.unpack import Raw, histories_of, scalars_of
-from rockcli.solvers.pack import channel_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

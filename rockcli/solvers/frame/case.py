@@ -17,9 +17,9 @@ from rockcli.scene.constants import ALPHA_D, FREE_ROCKING, REARM, STEP, YIELD_RO
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import Channel, Pulses, acceleration
 from rockcli.scene.models import MODELS
+from rockcli.solvers.common.stepping import check_step
 from rockcli.solvers.frame.base import fibres_of, kind_of_base
 from rockcli.solvers.frame.structure import Structure, structure_of
-from rockcli.solvers.stepping import check_step
 
 Array = NDArray[np.float64]
 

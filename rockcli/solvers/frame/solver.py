@@ -14,7 +14,7 @@ from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.constants import COARSER, METHODS
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
-from rockcli.solvers.agreement import CERTAINTY, compare_steps
+from rockcli.solvers.common.certainty import CERTAINTY, compare_steps
 from rockcli.solvers.frame.case import Kernels, case_of
 from rockcli.solvers.frame.results import histories_of, scalars_of
 

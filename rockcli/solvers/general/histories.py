@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
+from rockcli.solvers.event.unpack import Raw
+from rockcli.solvers.event.unpack import histories_of as named
 from rockcli.solvers.general.diary import Diary
-from rockcli.solvers.unpack import Raw
-from rockcli.solvers.unpack import histories_of as named
 
 Array = NDArray[np.float64]
 

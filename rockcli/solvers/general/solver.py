@@ -25,7 +25,7 @@ from rockcli.scene.response import (
     Response,
     overturned,
 )
-from rockcli.solvers.agreement import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
+from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
 from rockcli.solvers.general import naive
 from rockcli.solvers.general.body import body_of
 from rockcli.solvers.general.diary import Diary

@@ -24,7 +24,7 @@ from rockcli.scene.constants import (
 )
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import Channel, Samples, acceleration
-from rockcli.solvers.stepping import check_step
+from rockcli.solvers.common.stepping import check_step
 
 Array = NDArray[np.float64]
 

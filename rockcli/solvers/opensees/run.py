@@ -25,8 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
+from rockcli.solvers.common.programs import check_machine
 from rockcli.solvers.opensees.script import Script
-from rockcli.solvers.processes import check_machine
 
 Array = NDArray[np.float64]
 

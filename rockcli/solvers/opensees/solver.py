@@ -11,7 +11,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
 from rockcli.scene.constants import COARSER, METHODS
 from rockcli.scene.response import Response
-from rockcli.solvers.agreement import CERTAINTY, compare_steps
+from rockcli.solvers.common.certainty import CERTAINTY, compare_steps
 from rockcli.solvers.opensees.case import law_of
 from rockcli.solvers.opensees.results import Outcome, histories_of, scalars_of
 from rockcli.solvers.opensees.run import PeerError, require_opensees, run_script

@@ -1,0 +1,151 @@
+"""What differs between two datasets: outcomes, and peaks beyond a tolerance, at the points they share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.analysis.places import place, units_of
+from rockcli.errors import StudyError
+from rockcli.scene.response import OUTCOMES
+from rockcli.scene.units import SI
+from rockcli.scene.variable import PEAK
+from rockcli.storage.contents import Contents
+from rockcli.study.study import MATCH
+
+OUTCOME = "outcome"
+
+FLOOR = 1e-9
+"""Peaks smaller than this differ by no more than it: theta/alpha below which nobody cares."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Two datasets, point by point.
+
+    Attributes:
+        points: points that both have; only_a, only_b: points of one only.
+        outcomes: points with another outcome; peaks: points with the same outcome and a peak beyond the tolerance.
+        largest: largest relative difference of two finite peaks, NaN if none can be compared.
+        median: median of those relative differences.
+        worst: (place, words) of the worst points, outcomes first, then peaks by size.
+    """
+
+    points: int
+    only_a: int
+    only_b: int
+    outcomes: int
+    peaks: int
+    largest: float
+    median: float
+    worst: tuple[tuple[str, str], ...]
+
+    @property
+    def same(self) -> bool:
+        """Whether no outcome and no peak differs."""
+        return not self.outcomes and not self.peaks
+
+
+def difference(
+    a: Contents, b: Contents, *, rtol: float, atol: float = FLOOR, most: int = 10, si: bool = False
+) -> Difference:
+    """Compare b with a at the points of the axes that both have.
+
+    Two peaks agree if |b - a| <= atol + rtol max(|a|, |b|), or both are infinite, or neither has an answer.
+
+    Args:
+        a, b: datasets with the same axes, in any order.
+        rtol, atol: allowed differences of theta_peak_over_alpha.
+        most: worst points named.
+
+    Raises:
+        StudyError: the axes differ, no point is shared, or neither outcome nor peak is in both.
+    """
+    if set(a.axes) != set(b.axes):
+        raise StudyError(f"the datasets have other axes: {_axes(a)}; {_axes(b)}")
+    at_a, at_b = _shared(a, b)
+    points = int(np.prod([len(rows) for rows in at_a], dtype=np.int64))
+    if not points:
+        raise StudyError("the datasets have no point in common")
+    both = [name for name in (OUTCOME, PEAK) if name in a.fields and name in b.fields]
+    if not both:
+        raise StudyError(f"neither {OUTCOME} nor {PEAK} is in both datasets")
+    shape = tuple(len(rows) for rows in at_a)
+    other = np.zeros(shape, dtype=bool)
+    beyond = np.zeros(shape, dtype=bool)
+    relative = np.full(shape, np.nan)
+    if OUTCOME in both:
+        flags_a, flags_b = _picked(a, OUTCOME, at_a), _picked(b, OUTCOME, at_b, a.axes)
+        other = flags_a != flags_b
+    if PEAK in both:
+        peak_a, peak_b = _picked(a, PEAK, at_a), _picked(b, PEAK, at_b, a.axes)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            scale = np.maximum(np.abs(peak_a), np.abs(peak_b))
+            apart = np.abs(peak_b - peak_a)
+            agree = (apart <= atol + rtol * scale) | (peak_a == peak_b) | (np.isnan(peak_a) & np.isnan(peak_b))
+            relative = np.where(scale > atol, apart / scale, 0.0)
+        beyond = ~agree & ~other
+    rank = np.where(other, np.inf, np.where(beyond, np.where(np.isfinite(relative), relative, 1e300), -1.0)).ravel()
+    order = np.argsort(-rank, kind="stable")[:most]
+    worst = []
+    for flat in order[rank[order] >= 0.0]:
+        at = np.unravel_index(int(flat), shape)
+        words = []
+        if OUTCOME in both and other[at]:
+            words.append(f"{OUTCOMES[int(flags_a[at])]} -> {OUTCOMES[int(flags_b[at])]}")
+        if PEAK in both:
+            words.append(f"peak {peak_a[at]:.9g} -> {peak_b[at]:.9g}")
+        rows = [rows[i] for rows, i in zip(at_a, at, strict=True)]
+        worst.append((place(a, a.axes, rows, SI if si else units_of(a)), ", ".join(words)))
+    finite = relative[np.isfinite(relative)]
+    return Difference(
+        points=points,
+        only_a=int(np.prod(a.shape, dtype=np.int64)) - points,
+        only_b=int(np.prod(b.shape, dtype=np.int64)) - points,
+        outcomes=int(other.sum()),
+        peaks=int(beyond.sum()),
+        largest=float(finite.max()) if finite.size else np.nan,
+        median=float(np.median(finite)) if finite.size else np.nan,
+        worst=tuple(worst),
+    )
+
+
+def _axes(contents: Contents) -> str:
+    return ", ".join(contents.axes) or "none"
+
+
+def _shared(a: Contents, b: Contents) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]]:
+    """For every axis of a: places in a and in b of the coordinates that both have."""
+    places = [_common(a.values(axis), b.values(axis)) for axis in a.axes]
+    return [p[0] for p in places], [p[1] for p in places]
+
+
+def _common(x: NDArray[Any], y: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    if (x.dtype.kind == "f") != (y.dtype.kind == "f"):
+        nothing = np.empty(0, dtype=np.int64)
+        return nothing, nothing
+    if x.dtype.kind == "f":
+        order = np.argsort(y)
+        after = np.searchsorted(y[order], x)
+        near = np.stack([order[np.clip(after - 1, 0, len(y) - 1)], order[np.clip(after, 0, len(y) - 1)]])
+        best = np.where(np.abs(y[near[0]] - x) <= np.abs(y[near[1]] - x), near[0], near[1])
+        matched = np.abs(y[best] - x) <= MATCH * np.maximum(np.abs(x), np.abs(y[best]))
+    else:
+        place = {label: i for i, label in enumerate(y)}
+        best = np.array([place.get(label, -1) for label in x], dtype=np.int64)
+        matched = best >= 0
+    rows = np.flatnonzero(matched)
+    return rows, best[rows]
+
+
+def _picked(
+    contents: Contents, name: str, at: list[NDArray[np.int64]], order: tuple[str, ...] | None = None
+) -> NDArray[Any]:
+    """Values at the shared points, the axes in the order given."""
+    values = contents.over_axes(name)
+    if order is not None:
+        values = values.transpose([contents.axes.index(axis) for axis in order])
+    return values[np.ix_(*at)] if at else values

@@ -1,0 +1,244 @@
+"""Judges the `expect` clauses of a study on plain arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.analysis.compare_to_reference import NEEDED_BY, locate
+from rockcli.analysis.direction import WORST, angle_axis
+from rockcli.analysis.places import coordinate, place
+from rockcli.analysis.suites import variables
+from rockcli.errors import StudyError
+from rockcli.scene.auto import highest
+from rockcli.scene.curves import variables_of
+from rockcli.scene.excitation import Pulses
+from rockcli.scene.models import FLEXIBLE
+from rockcli.scene.response import FAILED, OUTCOMES
+from rockcli.scene.rules import RULES
+from rockcli.scene.units import SI, Units
+from rockcli.scene.variable import COUNTS, ROTATION
+from rockcli.scene.variables import AUDIT, HISTORIES, IMPACTS, LARGE, VARIABLES
+from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
+from rockcli.study.cases.buildable import buildable
+from rockcli.study.study import Expect, Study
+
+Mask = NDArray[np.bool_]
+
+_OF_PULSES, _OF_MOTIONS, _OF_FLEXIBLE = {"a_p", "omega_p"}, {"pga", "pgv"}, {"u_top_bending"}
+_OF_FRICTION = {"slide", "slide_dot", "contact_mode"}
+"""What only studies with such cases have."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of one clause.
+
+    Attributes:
+        clause: the clause; text: the clause in words.
+        points: points it speaks of; failing: how many do not satisfy it (no point at all fails too).
+        worst: the value farthest from what was expected, in words; where: its place on the axes.
+    """
+
+    clause: Expect
+    text: str
+    points: int
+    failing: int
+    worst: str
+    where: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether the clause is met."""
+        return self.points > 0 and self.failing == 0
+
+
+def check_quantities(study: Study) -> None:
+    """`StudyError` if a clause speaks of something the dataset will not have."""
+    saved = {*study.scalars, *COORDINATES, *variables_of(study.curves), *(RULES[name].variable for name in study.rules)}
+    if study.histories:
+        saved |= {*HISTORIES, *IMPACTS}
+    saved |= {*variables(study), *(AUDIT if study.audit else ())}
+    if study.search is not None:
+        saved |= {study.search.name, *study.search.results(study.over)}
+    if angle_axis(study) is not None:
+        saved |= set(WORST)
+    if study.compare_to is not None:
+        saved |= {error for error, needed in NEEDED_BY.items() if needed in saved}
+    asked = {clause.quantity for clause in study.expect} & (_OF_PULSES | _OF_MOTIONS | _OF_FLEXIBLE | _OF_FRICTION)
+    saved -= asked - _of_cases(study, asked)
+    for clause in study.expect:
+        if clause.quantity not in saved:
+            if clause.quantity not in VARIABLES:
+                known = f"is not a variable of the dataset (`rock show variables` lists them): {clause.quantity!r}"
+            else:
+                what = "`save`, `compare_to`, `curves` and the motion"
+                known = f"{clause.quantity!r} will not be in the dataset (see {what})"
+            raise StudyError(f"expect: {known}", file=study.file, line=clause.line)
+
+
+def _of_cases(study: Study, asked: set[str]) -> set[str]:
+    """Those of some quantities that the motion and the model of some case give."""
+    found: set[str] = set()
+    if asked:
+        for _, batch in buildable(study.batches, np.arange(study.size)):
+            motion = batch.excitation.horizontal
+            found |= _OF_PULSES if isinstance(motion, Pulses) else set()
+            found |= _OF_MOTIONS if motion is not None and study.size <= LARGE else set()
+            found |= _OF_FLEXIBLE if highest(batch).model == FLEXIBLE else set()
+            found |= _OF_FRICTION if np.isfinite(batch.block.mu).any() else set()
+            if found >= asked:
+                break
+    return found
+
+
+def judge(contents: Contents, clauses: tuple[Expect, ...], units: Units = SI) -> list[Verdict]:
+    """Judge every clause, in order; `units` are those of the words."""
+    return [_judge(contents, clause, units) for clause in clauses]
+
+
+def expected_failures(contents: Contents, clauses: tuple[Expect, ...]) -> Mask:
+    """Cases a clause expects to fail (`quantity: outcome, is: failed`), over the axes."""
+    mask = np.zeros(contents.shape, dtype=bool)
+    for clause in clauses:
+        if clause.quantity == "outcome" and clause.check == "is" and FAILED in _flags(clause):
+            mask[_selection(contents, clause)] = True
+    return mask
+
+
+def _judge(contents: Contents, clause: Expect, units: Units) -> Verdict:
+    text = describe(contents, clause, units)
+    if clause.quantity not in contents.fields:
+        return Verdict(clause, text, 0, 0, "not in the dataset", "")
+    values = _values(contents, clause)
+    speaks = _points(values, clause)
+    distance = _distance(values, clause)
+    failing = speaks & ~(distance <= 0.0)  # a NaN distance satisfies nothing
+    points, bad = int(speaks.sum()), int(failing.sum())
+    if points == 0:
+        return Verdict(clause, text, 0, 0, "no value", "")
+    rank = np.where(speaks, np.where(np.isnan(distance), np.inf, distance), -np.inf)
+    at = np.unravel_index(int(np.argmax(rank)), rank.shape)
+    worst = OUTCOMES[int(values[at])] if clause.quantity == "outcome" else _word(contents, clause, values[at], units)
+    return Verdict(clause, text, points, bad, worst, _place(contents, clause, at, units))
+
+
+def _values(contents: Contents, clause: Expect) -> NDArray[Any]:
+    """Values the clause speaks of: (axes..., [time or impact]), axes named in `at` of length 1; no answer is NaN."""
+    item = contents.fields[clause.quantity]
+    beside = tuple(dim for dim in item.dims if dim not in contents.axes)
+    values = contents.over_axes(clause.quantity)
+    if clause.quantity != "outcome":
+        values = values.astype(float)
+        if clause.quantity in COUNTS:
+            values = np.where(values < 0, np.nan, values)
+    chosen = _selection(contents, clause)
+    values = values[
+        tuple(part if axis in item.dims else slice(0, 1) for axis, part in zip(contents.axes, chosen, strict=True))
+    ]
+    for dim in beside:
+        if dim in clause.at:
+            values = np.take(values, [locate(contents, dim, clause.at[dim])], axis=values.ndim - 1)
+    if clause.time is not None and beside == (DIM_TIME,):
+        return _read_at(values, contents.values(DIM_TIME), clause.time)
+    if clause.rotation is not None and beside == (ROTATION,):
+        return _read_at(values, contents.values("theta_over_alpha"), clause.rotation)
+    return values
+
+
+def _selection(contents: Contents, clause: Expect) -> tuple[slice, ...]:
+    chosen = []
+    for axis in contents.axes:
+        if axis in clause.at:
+            i = locate(contents, axis, clause.at[axis])
+            chosen.append(slice(i, i + 1))
+        else:
+            chosen.append(slice(None))
+    return tuple(chosen)
+
+
+def _read_at(values: NDArray[Any], time: NDArray[np.float64], t: float) -> NDArray[Any]:
+    """Linear between output times (or rotations), exact on them; NaN outside."""
+    if len(time) == 0 or not time[0] <= t <= time[-1] * (1.0 + 1e-12):
+        return np.full(values.shape[:-1], np.nan)
+    nearest = int(np.argmin(np.abs(time - t)))
+    if abs(time[nearest] - t) <= 1e-9 * max(abs(t), 1.0):
+        return np.asarray(values[..., nearest])
+    i = int(np.searchsorted(time, t)) - 1
+    u = (t - time[i]) / (time[i + 1] - time[i])
+    return np.asarray((1.0 - u) * values[..., i] + u * values[..., i + 1])
+
+
+def _points(values: NDArray[Any], clause: Expect) -> Mask:
+    """Points a clause speaks of: all, but not the padding after a history's end or a case's last impact."""
+    ragged = clause.quantity in IMPACTS or (clause.quantity in HISTORIES and clause.time is None)
+    if not ragged:
+        return np.ones(values.shape, dtype=bool)
+    present = ~np.isnan(values)
+    inside = np.flip(np.logical_or.accumulate(np.flip(present, axis=-1), axis=-1), axis=-1)
+    if clause.quantity in HISTORIES:  # a case without any history fails once
+        inside[..., 0] |= ~present.any(axis=-1)
+    return np.asarray(inside)
+
+
+def _distance(values: NDArray[Any], clause: Expect) -> NDArray[np.float64]:
+    """How far beyond what is allowed, <= 0 where satisfied, NaN where there is no answer."""
+    if clause.check in ("is", "is_not"):
+        inside = np.isin(values, _flags(clause))
+        return np.where(inside == (clause.check == "is"), 0.0, 1.0)
+    target = float(clause.target)  # type: ignore[arg-type]
+    with np.errstate(invalid="ignore"):
+        if clause.check == "min":
+            excess = target - values
+        elif clause.check == "max":
+            excess = values - target
+        else:
+            excess = np.abs(values - target) - (clause.atol + clause.rtol * abs(target))
+    return np.where(np.isinf(values) & (values == target), 0.0, excess)  # infinity equals infinity
+
+
+def _flags(clause: Expect) -> tuple[int, ...]:
+    return clause.target if isinstance(clause.target, tuple) else (int(clause.target),)
+
+
+def _word(contents: Contents, clause: Expect, value: Any, units: Units) -> str:
+    """A value of the quantity."""
+    item = contents.fields.get(clause.quantity)
+    attrs = {} if item is None else item.attrs
+    return units.word(float(value), str(attrs.get("units", "1")), str(attrs.get("long_name", "")), 9)
+
+
+def _place(contents: Contents, clause: Expect, at: tuple[Any, ...], units: Units) -> str:
+    """The axes' coordinates of a point, in words; the axes `at` fixes are in the clause's own words."""
+    parts = []
+    for number, axis in enumerate(contents.axes):
+        if axis not in clause.at and axis in contents.fields[clause.quantity].dims:
+            parts.append(place(contents, [axis], [at[number]], units))
+    if len(at) > len(contents.axes):
+        beside = contents.fields[clause.quantity].dims[-1]
+        if beside not in clause.at:
+            last = contents.values(beside)[at[-1]] if beside in contents.fields else at[-1]
+            parts.append(f"{beside}={coordinate(contents, beside, last)}")
+    return ", ".join(parts)
+
+
+def describe(contents: Contents, clause: Expect, units: Units = SI) -> str:
+    """A clause in words: `theta_peak_over_alpha at model=rigid = 0.5537 (rtol 1e-05)`."""
+    where = ", ".join(f"{axis}={coordinate(contents, axis, value, units)}" for axis, value in clause.at.items())
+    words = clause.quantity + (f" at {where}" if where else "")
+    if clause.time is not None:
+        words += f" at t = {clause.time:g} s"
+    if clause.rotation is not None:
+        words += f" at theta/alpha = {clause.rotation:g}"
+    if clause.check in ("is", "is_not"):
+        names = " or ".join(OUTCOMES[flag] for flag in _flags(clause))
+        return f"{words} {clause.check.replace('_', ' ')} {names}"
+    sign = {"min": ">=", "max": "<=", "value": "="}[clause.check]
+    allowed = ""
+    if clause.check == "value":
+        atol = _word(contents, clause, clause.atol, units)
+        allowed = f" (rtol {clause.rtol:g}" + (f", atol {atol})" if clause.atol else ")")
+    return f"{words} {sign} {_word(contents, clause, clause.target, units)}{allowed}"

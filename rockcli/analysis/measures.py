@@ -1,0 +1,82 @@
+"""Peak acceleration and velocity of the motion a batch uses."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.analysis.pulse_extremes import extremes
+from rockcli.motion.measures import velocity
+from rockcli.scene.excitation import AMPLITUDES, BELL, LINEAR, PIECE_WIDTH, WAVES, Channel, Pulses, Samples
+
+Array = NDArray[np.float64]
+
+_RATES = {LINEAR: (4,), WAVES: (5, 8, 11), BELL: (4,)}
+"""Columns that are proportional to its frequency."""
+
+_TIMES = {LINEAR: (), WAVES: (3,), BELL: (3,)}
+"""Columns that are times, beside those of the beginning and the end."""
+
+
+def peaks(channel: Channel | None, n: int, duration: Array | None = None) -> tuple[Array, Array]:
+    """Peak ground acceleration [m/s^2] and velocity [m/s] of each of n cases; NaN without a motion.
+
+    `duration` (n,) [s] cuts the motion off, NaN where it does not.
+    """
+    if channel is None:
+        return np.full(n, np.nan), np.full(n, np.nan)
+    until = np.full(n, np.inf) if duration is None else np.where(np.isnan(duration), np.inf, duration)
+    with np.errstate(all="ignore"):
+        return _of_samples(channel, until) if isinstance(channel, Samples) else _of_pulses(channel, until)
+
+
+def _of_samples(samples: Samples, until: Array) -> tuple[Array, Array]:
+    """Those of the whole record, or up to a time between two samples."""
+    factor = np.abs(np.broadcast_to(samples.factor, until.shape))
+    pga = np.full(len(until), samples.measures.get("pga", np.nan))
+    pgv = np.full(len(until), samples.measures.get("pgv", np.nan))
+    cut = until < samples.end * (1.0 - 1e-12)
+    if cut.any():
+        pga[cut], pgv[cut] = _until(samples.values, samples.dt, until[cut])
+    return factor * pga, factor * pgv
+
+
+def _until(a: Array, dt: float, until: Array) -> tuple[Array, Array]:
+    v = velocity(a, dt)
+    reached = np.abs(v)
+    between = _at_zero(v[:-1], a[:-1], a[1:], dt)
+    reached[1:] = np.maximum(reached[1:], between)
+    i = np.clip(np.floor(until / dt).astype(int), 0, len(a) - 2)
+    rest = until - i * dt
+    last = a[i] + (a[i + 1] - a[i]) * rest / dt
+    pga = np.maximum(np.maximum.accumulate(np.abs(a))[i], np.abs(last))
+    end = np.abs(v[i] + 0.5 * rest * (a[i] + last))
+    pgv = np.maximum.reduce([np.maximum.accumulate(reached)[i], end, _at_zero(v[i], a[i], last, rest)])
+    return pga, pgv
+
+
+def _at_zero(v: Array, left: Array, right: Array, dt: Array | float) -> Array:
+    """|velocity| where a straight line of acceleration passes zero; 0 where it does not."""
+    passes = left * right < 0.0
+    return np.where(passes, np.abs(v + 0.5 * dt * left * left / np.where(passes, left - right, 1.0)), 0.0)
+
+
+def _of_pulses(pulses: Pulses, until: Array) -> tuple[Array, Array]:
+    """Measure each distinct pulse of unit amplitude and frequency once: mostly there is one."""
+    n = len(pulses.a_p)
+    a_p = np.where(pulses.a_p > 0.0, pulses.a_p, 1.0)
+    table = pulses.table.copy()
+    table[:, :, PIECE_WIDTH - 1] = 0.0
+    kinds = pulses.table[:, :, 2]
+    for columns, scale in ((AMPLITUDES, 1.0 / a_p), (_RATES, 1.0 / pulses.omega_p), (_TIMES, pulses.omega_p)):
+        for kind, of_kind in columns.items():
+            for column in of_kind:
+                table[:, :, column] *= np.where(kinds == kind, scale[:, None], 1.0)
+    table[:, :, :2] *= pulses.omega_p[:, None, None]
+    until = np.minimum(until * pulses.omega_p, table[:, -1, 1])
+    # what is measured is the rounded pulse itself, so that it does not depend on the cases it stands among
+    keys = np.asarray(np.round(np.column_stack([table.reshape(n, -1), until]), 12), dtype=np.float64)
+    distinct, inverse = np.unique(keys, axis=0, return_inverse=True)
+    pga, pgv = extremes(distinct[:, :-1].reshape(-1, *table.shape[1:]), np.ascontiguousarray(distinct[:, -1]))
+    inverse = inverse.reshape(-1)
+    return pga[inverse] * a_p, pgv[inverse] * a_p / pulses.omega_p

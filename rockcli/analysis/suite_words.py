@@ -1,0 +1,185 @@
+"""What a suite has to tell, in sentences: for the run's report, and as warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.analysis.fragility import FITTED, WHY_NOT
+from rockcli.analysis.intensity_correlation import LEAST
+from rockcli.analysis.places import coordinates, place, units_of
+from rockcli.analysis.threshold_fields import found_by
+from rockcli.scene.thresholds import FOUND, threshold_words
+from rockcli.scene.units import Units, unit_words
+from rockcli.scene.variable import LIMIT, MEASURE
+from rockcli.storage.contents import Contents
+from rockcli.study.study import Over, Study
+
+
+def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
+    """What the statistics come to: capacity by limit state, and the measures that tell the demand best."""
+    assert study.over is not None
+    if study.search is not None:
+        return list(_of_thresholds(contents, study, study.over, units))
+    return [*_of_fragility(contents, study.over, units), *_of_demand(contents, study.over)]
+
+
+def warnings(contents: Contents, study: Study) -> list[str]:
+    """What must not be overlooked: members left out or divided, safe islands, curves refused."""
+    assert study.over is not None
+    return [
+        *_left_out(contents, study, study.over),
+        *_divided(contents),
+        *_below(contents, study),
+        *_islands(contents, study.over),
+        *_refused(contents, study.over),
+    ]
+
+
+def _left_out(contents: Contents, study: Study, over: Over) -> Iterator[str]:
+    answered = contents.values("n_answered")
+    total = len(contents.values(over.axis)) * answered.size
+    missing = total - int(answered.sum())
+    if missing and study.search is not None:
+        yield (
+            f"{missing} of {total} searches met a point without an answer (failed or unresolved); they enter the "
+            f"statistics as the bracket that is known; see {study.search.name}_state"
+        )
+    elif missing:
+        yield (
+            f"{missing} of {total} cases have no answer and are left out of the statistics (n_answered); if all of "
+            f"them stood, or all overturned, {_bracket(contents)}"
+        )
+
+
+def _bracket(contents: Contents) -> str:
+    """What the members without an answer could make of the statistics, where that is most."""
+    low, high = (contents.values(f"p_overturned_{end}").ravel() for end in ("low", "high"))
+    widest = int(np.argmax(high - low))
+    said = f"p_overturned would be {low[widest]:.3g} or {high[widest]:.3g}"
+    if "fragility_median" in contents.fields:
+        least, most = (contents.values(f"fragility_median_{end}")[..., -1].ravel() for end in ("low", "high"))
+        apart = np.abs(np.log(most / least))
+        if np.isfinite(apart).any():
+            worst = int(np.nanargmax(np.where(np.isfinite(apart), apart, np.nan)))
+            divisor, unit = units_of(contents).of(str(contents.fields["fragility_median"].attrs["units"]))
+            ends = f"{most[worst] / divisor:.4g} or {least[worst] / divisor:.4g}"
+            said += f", the median of overturning {ends}{unit_words(unit)}"
+    return said if low.size == 1 else f"{said} (where most)"
+
+
+def _divided(contents: Contents) -> Iterator[str]:
+    if "overturn_share" not in contents.fields:
+        return
+    share = contents.values("overturn_share")
+    n = int(((share > 0.0) & (share < 1.0)).sum())
+    if n:
+        yield (
+            f"{n} of {share.size} cases overturn in a part of their runs (overturn_share): they count by it, and enter "
+            "fractiles of peaks only where it is at least one half, as overturned"
+        )
+
+
+def _below(contents: Contents, study: Study) -> Iterator[str]:
+    if study.search is None:
+        return
+    rocks = found_by(contents, study.search.name).rocks_at_lowest
+    if rocks is not None and rocks.any():
+        yield (
+            f"{int(rocks.sum())} of {rocks.size} cases rock at the lowest point of the range already and may overturn "
+            "below it: begin it where nothing uplifts, or the statistics are those of the range alone"
+        )
+
+
+def _islands(contents: Contents, over: Over) -> Iterator[str]:
+    if "safe_island" not in contents.fields:
+        return
+    island = contents.values("safe_island") > 0
+    curves = island.any(axis=contents.axes.index(over.along))
+    if curves.any():
+        where = place(contents, contents.axes, np.argwhere(island)[0], units_of(contents))
+        yield (
+            f"safe islands: on {int(curves.sum())} of {curves.size} curves along {over.along} a body stands above an "
+            f"intensity that overturned it (first: {where}); the share that overturns need not grow along the curve"
+        )
+
+
+def _refused(contents: Contents, over: Over) -> Iterator[str]:
+    if "fragility_status" not in contents.fields:
+        return
+    item = contents.fields["fragility_status"]
+    points = item.values[..., 0].size
+    for i, label in enumerate(contents.values(LIMIT)):
+        of_limit = item.values[..., i]
+        for status, why in WHY_NOT.items():
+            bad = np.argwhere(of_limit == status)
+            if len(bad):
+                where = place(contents, item.dims[:-1], bad[0], units_of(contents))
+                at = f" at {len(bad)} of {points} points (first: {where})" if points > 1 else ""
+                yield f"no fragility curve for {limit_words(label)}{at}: {why}"
+
+
+def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]:
+    if "fragility_median" not in contents.fields:
+        return
+    divisor, unit = units.of(str(contents.fields["fragility_median"].attrs["units"]))
+    n = len(contents.values(over.axis))
+    for i, label in enumerate(contents.values(LIMIT)):
+        fitted = contents.values("fragility_status")[..., i] == FITTED
+        median, beta = (contents.values(f"fragility_{name}")[..., i][fitted] for name in ("median", "beta"))
+        if not len(median):
+            continue
+        words = (
+            f"{limit_words(label)}: median {over.along} {_span(median / divisor)}{unit_words(unit)}, beta {_span(beta)}"
+        )
+        points = "" if fitted.size == 1 else f", {len(median)} of {fitted.size} points"
+        yield f"{words} ({n} {_members(over)}{points})"
+
+
+def _of_demand(contents: Contents, over: Over) -> Iterator[str]:
+    if "demand_spearman" not in contents.fields:
+        return
+    rho = contents.values("demand_spearman")
+    flat = rho.reshape(-1, rho.shape[-1])
+    found = []
+    for name, column in zip(contents.values(MEASURE), flat.T, strict=True):
+        known = column[np.isfinite(column)]
+        if len(known):
+            found.append((float(np.median(known)), str(name)))
+    if found:
+        found.sort(key=lambda item: -abs(item[0]))
+        words = ", ".join(f"{name} {value:.2f}" for value, name in found)
+        points = "" if len(flat) == 1 else f", median of {len(flat)} points"
+        yield f"rank correlation of the peak: {words} (Spearman{points})"
+    few = contents.values("n_answered").ravel() < LEAST
+    if few.any():
+        where = "" if few.all() else f" at {int(few.sum())} of {few.size} points"
+        why = f"fewer than {LEAST} {_members(over)} with an answer"
+        yield f"correlations with measures of the motion are left out{where}: {why}"
+
+
+def _of_thresholds(contents: Contents, study: Study, over: Over, units: Units) -> Iterator[str]:
+    assert study.search is not None
+    sought, n = study.search, len(contents.values(over.axis))
+    axes = {name: coordinates(contents, name, units) for name in contents.axes if name != over.axis}
+    what = f"lowest overturning {sought.name.removesuffix(FOUND)} of {n} {_members(over)}"
+    for end, words in (("p16", "16th percentile"), ("p50", "median"), ("p84", "84th percentile")):
+        found = found_by(contents, sought.name, f"_{end}")
+        yield f"{what}, {words}: {threshold_words(found, axes, sought.axis.unit, units)}"
+
+
+def limit_words(label: Any) -> str:
+    """A limit state for people."""
+    return "overturning" if label == "overturned" else f"theta/alpha > {label}"
+
+
+def _members(over: Over) -> str:
+    return "records" if over.axis == "record" else f"points of {over.axis}"
+
+
+def _span(values: NDArray[np.float64]) -> str:
+    low, high = f"{np.min(values):.4g}", f"{np.max(values):.4g}"
+    return low if low == high else f"{low} to {high}"

@@ -1,0 +1,53 @@
+"""The report of a dataset file as one HTML page, from the file alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rockcli.analysis.expect import Verdict, judge
+from rockcli.analysis.places import units_of
+from rockcli.errors import StudyError
+from rockcli.scene.variable import LIMIT, MEASURE
+from rockcli.storage import netcdf
+from rockcli.storage.atomic import replacing
+from rockcli.storage.contents import Contents
+from rockcli.storage.read import open_dataset
+from rockcli.study.reopen import clauses_of
+
+
+def write_page(path: Path, out: Path | None = None) -> Path:
+    """Write the report of a dataset; default: <dataset>.html beside it.
+
+    Raises:
+        StudyError: the file is not a dataset of this program, or `out` would replace it.
+        OutputError: the page cannot be written.
+    """
+    from rockcli.plotting.page.page import page
+
+    target = path.with_suffix(".html") if out is None else out
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise StudyError("a report is an HTML page: expected a name that ends in .html", file=target)
+    dataset = open_dataset(path)
+    text = page(dataset, [(verdict.passed, _words(verdict)) for verdict in verdicts(netcdf.read(path))])
+    with replacing(target) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+    return target
+
+
+def verdicts(contents: Contents) -> list[Verdict]:
+    """The clauses of `expect` in the study that a dataset holds, judged again on what it holds.
+
+    There are none of a trade, whose points are settings and not those of its study.
+    """
+    if "trade_references" in contents.attrs:
+        return []
+    named = (*contents.axes, *(name for name in (LIMIT, MEASURE) if name in contents.fields))
+    axes = [(name, str(contents.fields[name].attrs.get("long_name", name)), contents.values(name)) for name in named]
+    clauses = clauses_of(contents.attrs.get("study", ""), axes, tuple(contents.fields))
+    return judge(contents, clauses, units_of(contents))
+
+
+def _words(verdict: Verdict) -> str:
+    many = f"{verdict.failing} of {verdict.points} points not, worst " if verdict.failing and verdict.points > 1 else ""
+    where = f" at {verdict.where}" if verdict.where else ""
+    return f"{verdict.text}: {many}{verdict.worst}{where}"

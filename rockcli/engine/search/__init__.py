@@ -1,0 +1,1 @@
+"""The lowest overturning value of a range, by trials."""

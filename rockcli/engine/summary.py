@@ -1,0 +1,186 @@
+"""What a run has to tell: counts, verdicts, files; and which exit code they amount to."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rockcli.analysis.expect import Verdict, expected_failures, judge
+from rockcli.analysis.places import coordinates, place, units_of
+from rockcli.analysis.rules import Misled, misled
+from rockcli.analysis.threshold_fields import found_by
+from rockcli.scene.response import FAILED, OUTCOMES
+from rockcli.scene.thresholds import FOUND, threshold_words
+from rockcli.scene.units import SI, Units
+from rockcli.storage.contents import Contents
+from rockcli.study.study import Study
+
+_NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+SOLVED, UP_TO_DATE, SKIPPED, SHARE = "solved", "up to date", "skipped", "share solved"
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """One study's run.
+
+    Attributes:
+        name: of the study; status: SOLVED, UP_TO_DATE, SKIPPED or SHARE; file: the dataset, None without one.
+        cases: number of cases; outcomes: cases by outcome, without those that have none.
+        failed: cases that failed although no clause expected it.
+        peak: largest finite theta_peak_over_alpha (None without one); peak_at: its place on the axes.
+        slide: largest slide_peak [m] (None where nothing slides); slide_at: its place on the axes.
+        verdicts: of the `expect` clauses, in order.
+        reasons: sentence -> number of cases, most first; sentences that differ in numbers only count as the first.
+        suite: what the ensemble statistics come to, in sentences; audit: what an audit found.
+        overturns: searched axis -> its lowest overturning values, in words.
+        rules: what the rules of thumb would have said of the same cases.
+        warnings: about the physics and the study.
+        plots: files drawn; seconds: wall time of solving and writing, without drawing.
+        taken_over: cases that the results of a study of fewer points had; resumed: cases from parts of earlier runs
+            (of a search, trials), after a share: cases that all shares have by now.
+        share: (K, N) of a share.
+        refined: cases of a refined map that were solved; None where every case is.
+    """
+
+    name: str
+    status: str
+    file: Path | None = None
+    cases: int = 0
+    outcomes: dict[str, int] = field(default_factory=dict)
+    failed: int = 0
+    peak: float | None = None
+    peak_at: str = ""
+    slide: float | None = None
+    slide_at: str = ""
+    verdicts: tuple[Verdict, ...] = ()
+    reasons: dict[str, int] = field(default_factory=dict)
+    overturns: dict[str, str] = field(default_factory=dict)
+    rules: tuple[Misled, ...] = ()
+    suite: tuple[str, ...] = ()
+    audit: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    plots: tuple[Path, ...] = ()
+    seconds: float = 0.0
+    taken_over: int = 0
+    resumed: int = 0
+    share: tuple[int, int] | None = None
+    refined: int | None = None
+
+    @property
+    def unmet(self) -> int:
+        """Number of clauses that are not met."""
+        return sum(not verdict.passed for verdict in self.verdicts)
+
+    @property
+    def exit_code(self) -> int:
+        """3 some cases failed, 1 an expectation is not met, 0."""
+        return 3 if self.failed else 1 if self.unmet else 0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; verdicts in words."""
+        plain = asdict(self) | {
+            "file": None if self.file is None else str(self.file),
+            "plots": [str(path) for path in self.plots],
+            "exit_code": self.exit_code,
+        }
+        plain["expect"] = [
+            {
+                "clause": v.text,
+                "passed": v.passed,
+                "points": v.points,
+                "failing": v.failing,
+                "worst": v.worst,
+                "where": v.where,
+                "references": v.clause.references,
+            }
+            for v in self.verdicts
+        ]
+        del plain["verdicts"]
+        return plain
+
+
+def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any) -> RunReport:
+    """Report on a dataset of a study, whether just solved or read back; `si`: accelerations in m/s^2, not in g."""
+    units = SI if si else units_of(contents)
+    peak, peak_at = _largest(contents, "theta_peak_over_alpha", units)
+    slide, slide_at = _largest(contents, "slide_peak", units)
+    return RunReport(
+        name=study.name,
+        cases=study.size,
+        outcomes=_outcomes(contents),
+        failed=_failed(study, contents),
+        peak=peak,
+        peak_at=peak_at,
+        slide=slide or None,
+        slide_at=slide_at if slide else "",
+        refined=int(contents.values("solved").sum()) if "solved" in contents.fields else None,
+        verdicts=tuple(judge(contents, study.expect, units)),
+        reasons=_reasons(contents),
+        overturns=_overturns(contents, units),
+        rules=misled(contents),
+        suite=tuple(json.loads(contents.attrs.get("ensemble", "{}")).get("says" if si else "shown", ())),
+        audit=tuple(json.loads(contents.attrs.get("audit", "{}")).get("says", ())),
+        **more,
+    )
+
+
+def exit_code(reports: list[RunReport]) -> int:
+    """The first that applies: 3, 1, 0."""
+    codes = {report.exit_code for report in reports}
+    return 3 if 3 in codes else 1 if 1 in codes else 0
+
+
+def _outcomes(contents: Contents) -> dict[str, int]:
+    if "outcome" not in contents.fields:
+        return {}
+    flags = contents.values("outcome")
+    return {name: count for flag, name in OUTCOMES.items() if (count := int((flags == flag).sum()))}
+
+
+def _failed(study: Study, contents: Contents) -> int:
+    if "outcome" not in contents.fields:  # of a search: a trial of the case failed
+        return int(np.sum(contents.values("reason") > 0)) if study.search and "reason" in contents.fields else 0
+    failed = contents.values("outcome") == FAILED
+    return int(np.sum(failed & ~expected_failures(contents, study.expect)))
+
+
+def _largest(contents: Contents, name: str, units: Units) -> tuple[float | None, str]:
+    """The largest finite value of a scalar, None without one, and its place on the axes."""
+    if name not in contents.fields:
+        return None, ""
+    values = contents.values(name)
+    finite = np.where(np.isfinite(values), values, -1.0)
+    if not finite.size or finite.max() < 0.0:
+        return None, ""
+    at = np.unravel_index(int(np.argmax(finite)), finite.shape)
+    return float(finite[at]), place(contents, contents.axes, at, units)
+
+
+def _overturns(contents: Contents, units: Units) -> dict[str, str]:
+    axes = {name: coordinates(contents, name, units) for name in contents.axes}
+    return {
+        name.removesuffix(FOUND): threshold_words(found_by(contents, name), axes, item.attrs.get("units", "1"), units)
+        for name, item in contents.fields.items()
+        if name.endswith(FOUND) and item.dims == contents.axes
+    }
+
+
+def _reasons(contents: Contents) -> dict[str, int]:
+    if "reason" not in contents.fields:
+        return {}
+    codes, counts = np.unique(contents.values("reason"), return_counts=True)
+    sentences = contents.values("reasons")
+    kinds: dict[str, tuple[str, int]] = {}
+    for code, count in zip(codes, counts, strict=True):
+        if sentence := str(sentences[code]):
+            # what `model: auto` expects are numbers that belong to the sentence; others tell one case from the next
+            kind = sentence if sentence.startswith("auto: ") else _NUMBER.sub("#", sentence)
+            example, before = kinds.get(kind, (sentence, 0))
+            kinds[kind] = (example, before + int(count))
+    return dict(sorted(kinds.values(), key=lambda item: -item[1]))

@@ -1,0 +1,92 @@
+"""From what the solvers said to the contents of a dataset."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.analysis.compare_to_reference import with_comparison
+from rockcli.analysis.direction import with_worst_direction
+from rockcli.analysis.threshold_fields import threshold_fields
+from rockcli.engine.provenance import attributes
+from rockcli.engine.sweep.results import Results
+from rockcli.engine.sweep.symbols import EDGES
+from rockcli.scene.thresholds import Thresholds
+from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
+from rockcli.storage.contents import (
+    COORDINATES,
+    DIM_IMPACT,
+    DIM_TIME,
+    Contents,
+    Field,
+    axis_field,
+    reasons_field,
+    time_field,
+    variable_field,
+)
+from rockcli.study.study import Study
+
+
+def assemble(study: Study, results: Results, thresholds: Thresholds | None = None) -> Contents:
+    """Contents of the dataset of a solved study, comparison included; `thresholds` (n,) are what a search found."""
+    axes = tuple(axis.name for axis in study.axes)
+    fields = {
+        axis.name: axis_field(axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit)
+        for axis in study.axes
+    }
+    fields |= _symbols(results, axes) | _edges(results, axes)
+    if results.histories:
+        fields["time"] = time_field(results.time)
+    told = ("reason",) if len(results.reason) and not results.reason_asked else ()
+    for name in (*study.scalars, *told):
+        values = results.reason if name == "reason" else results.scalars[name]
+        fields[name] = variable_field(name, axes, values.reshape(study.shape))
+        if name in ("n_impacts", "n_steps", "n_rhs"):
+            fields[name].attrs["comment"] = "-1: no answer"
+    if results.solved is not None:
+        fields["solved"] = variable_field("solved", axes, results.solved.reshape(study.shape))
+    if "reason" in fields:
+        fields["reasons"] = reasons_field(results.reasons)
+    if thresholds is not None:
+        assert study.search is not None
+        fields |= threshold_fields(study.search, thresholds.reshaped(study.shape), axes)
+        for name in {"a_p", "omega_p"} & fields.keys() if study.search.axis.path.startswith("motion") else ():
+            del fields[name]  # they change along the range
+    fields |= _beside_axes(results.histories, HISTORIES, axes, study.shape, DIM_TIME)
+    fields |= _beside_axes(results.impacts, IMPACTS, axes, study.shape, DIM_IMPACT)
+    if "M_base" in fields and results.has_mass:
+        unit = {"units": "N m", "long_name": "moment of the base on the body, opposing theta"}
+        fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
+    contents = Contents(axes, fields, attributes(study, results))
+    return with_worst_direction(with_comparison(contents, study.compare_to), study)
+
+
+def _beside_axes(
+    arrays: dict[str, NDArray[np.float64]],
+    order: tuple[str, ...],
+    axes: tuple[str, ...],
+    shape: tuple[int, ...],
+    dim: str,
+) -> dict[str, Field]:
+    known = [name for name in order if name in arrays] + [name for name in arrays if name not in order]
+    return {
+        name: variable_field(name, (*axes, dim), arrays[name].reshape(*shape, arrays[name].shape[1]))
+        for name in known
+        if name in VARIABLES
+    }
+
+
+def _symbols(results: Results, axes: tuple[str, ...]) -> dict[str, Field]:
+    """The symbols over the axes they depend on; those no case has are left out."""
+    found = {name: results.symbols.over(name, axes) for name in COORDINATES}
+    return {name: variable_field(name, *over) for name, over in found.items() if over is not None}
+
+
+def _edges(results: Results, axes: tuple[str, ...]) -> dict[str, Field]:
+    """R, alpha, p and eta of either edge where a body is asymmetric, over the axes they depend on."""
+    found = {} if results.symmetric else {name: results.symbols.over(name, axes) for name in EDGES}
+    return {
+        name: replace(variable_field(name, *over), coordinate=True) for name, over in found.items() if over is not None
+    }

@@ -1,0 +1,62 @@
+"""Who solves: this process, processes beside it, or a Dask cluster; all give the same answers."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from time import perf_counter
+from typing import TypeVar
+
+from rockcli.engine.sweep.chunks import Agenda, Pace
+from rockcli.engine.sweep.cluster import on_cluster
+from rockcli.engine.sweep.work import Team, Work, in_halves
+from rockcli.engine.sweep.workers import on_workers
+from rockcli.errors import MACHINE
+from rockcli.study.study import Index
+
+T = TypeVar("T")
+
+WORTH = 0.4
+"""Estimated time that is left above which processes are started [s]."""
+
+COSTLY = 2.0
+"""Time of one case above which not even the first is tried in this process [s]."""
+
+WARM = 2
+"""Chunks of this process after which a measured time is no longer that of loading the kernels."""
+
+
+def usable_cores() -> int:
+    """Processor cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def answers(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
+    """Yield (cases, answer) until nothing is left, in no particular order.
+
+    Processes are started only when what is left is worth it; the first chunks are solved here, which also compiles
+    what the others then have.
+    """
+    if team.dask is not None and agenda.left:
+        yield from on_cluster(work, agenda, pace, team)
+        return
+    while agenda.left:
+        if team.workers > 1 and agenda.left > 1 and _worth(agenda, pace):
+            yield from on_workers(work, agenda, pace, team)
+            continue  # with what is left if no process could be started
+        cases = agenda.take(pace.step(agenda.left))
+        began = perf_counter()
+        try:
+            answer = work(cases)
+        except MACHINE as error:
+            yield from in_halves(work, cases, error, agenda, pace)
+            continue
+        pace.learn(len(cases), perf_counter() - began)
+        yield cases, answer
+
+
+def _worth(agenda: Agenda, pace: Pace) -> bool:
+    if not pace.measured:
+        return pace.seconds_per_case > COSTLY
+    left = agenda.left * pace.seconds_per_case
+    return left > WORTH * (1.0 if pace.measured >= WARM else 20.0)

@@ -1,0 +1,64 @@
+"""Results of a study whose axes have got more points: what was solved before is taken over."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from rockcli.engine.sweep.chunk_result import Answer
+from rockcli.scene.variables import HISTORIES, IMPACTS
+from rockcli.storage.contents import Contents
+from rockcli.study.study import Study
+
+
+def taken_over(study: Study, old: Contents) -> Answer | None:
+    """The answers that a dataset has for cases of a study; None if it is not of the same numbers.
+
+    It is if case, let, save, version and the kinds of axes are the same, and every point of its axes, with the bytes
+    of its record, is among the study's points.
+    """
+    places = _places(study, old)
+    if places is None:
+        return None
+    flat = np.ravel_multi_index(np.ix_(*places), study.shape).ravel()
+    order = np.argsort(flat)
+    cases = flat[order].astype(np.int64)
+
+    def rows(name: str) -> Any:
+        values = old.values(name)
+        return values.reshape(len(order), *values.shape[len(places) :])[order]
+
+    answer = Answer(cases, {name: rows(name) for name in study.scalars if name != "reason"})
+    if "reason" in old.fields:
+        codes, sentences = rows("reason"), old.values("reasons")
+        answer.sentences = {str(sentences[code]): cases[codes == code] for code in np.unique(codes) if code}
+    answer.used = [(int(cases[0]), one) for one in json.loads(old.attrs.get("solver_settings", "[]"))]
+    if "time" in old.fields:
+        answer.time = old.values("time")
+    answer.histories = {name: rows(name) for name in HISTORIES if name in old.fields}
+    answer.impacts = {name: rows(name) for name in IMPACTS if name in old.fields}
+    return answer
+
+
+def _places(study: Study, old: Contents) -> list[Any] | None:
+    """Of every axis, where the points of a dataset stand among those of a study; None if it is not of its kind."""
+    theirs = json.loads(old.attrs.get("kinship") or "null")
+    mine = json.loads(study.kinship or "null")
+    if mine is None or theirs is None or not study.axes or study.search is not None or mine["base"] != theirs["base"]:
+        return None
+    if [(name, path) for name, path, _, _ in mine["axes"]] != [(name, path) for name, path, _, _ in theirs["axes"]]:
+        return None
+    if {*study.scalars} - old.fields.keys():
+        return None
+    places = []
+    for axis, (_, _, wanted, _), (_, _, given, _) in zip(study.axes, mine["axes"], theirs["axes"], strict=True):
+        if (wanted is None) != (given is None):
+            return None
+        here = {point: i for i, point in enumerate(axis.values if wanted is None else wanted)}
+        there = old.values(axis.name).tolist() if given is None else given
+        if not here.keys() >= set(there):
+            return None
+        places.append(np.array([here[point] for point in there]))
+    return places

@@ -1,0 +1,264 @@
+"""Solves all cases of a study in chunks and gathers the results; one bad case never loses the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli import kernels
+from rockcli.engine.backends import choose
+from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
+from rockcli.engine.sweep.chunk_result import Answer, blank
+from rockcli.engine.sweep.chunk_symbols import Fold
+from rockcli.engine.sweep.chunks import CHUNK, Agenda, Pace
+from rockcli.engine.sweep.executors import answers
+from rockcli.engine.sweep.history_size import cases_at_a_time
+from rockcli.engine.sweep.isolate_failures import solve_apart
+from rockcli.engine.sweep.memory import keep_freed
+from rockcli.engine.sweep.parts import Keeper
+from rockcli.engine.sweep.results import Results
+from rockcli.engine.sweep.settings_used import joined
+from rockcli.engine.sweep.symbols_of_cases import describe, describe_rest, rows_of, symbols_of
+from rockcli.engine.sweep.work import Team
+from rockcli.errors import MachineError, SolverError
+from rockcli.scene.auto import highest
+from rockcli.scene.batch import Batch
+from rockcli.scene.models import DEFORMABLE
+from rockcli.scene.response import Response
+from rockcli.study.cases.buildable import Unsolved, build_apart, buildable
+from rockcli.study.study import Index, Study
+
+Progress = Callable[[int, int], None]
+
+CHUNK_WITH_HISTORIES = 100
+
+COMPILED_ABOVE = 2.0
+"""Time in plain Python above which a study's kernels are compiled [s]."""
+
+
+@dataclass
+class Sweep:
+    """How a study is to be solved, beside what it says.
+
+    Attributes:
+        team: who works.
+        keeper: keeps what is finished where a killed run finds it again; None = nowhere.
+        share: (K, N): only the K-th of N shares of the cases.
+        known: answers there are already, of the same numbers.
+        progress: called with (cases done, cases in all) after every chunk.
+        resumed: afterwards, how many cases the keeper had.
+    """
+
+    team: Team
+    keeper: Keeper | None = None
+    share: tuple[int, int] | None = None
+    known: Iterable[Answer] = ()
+    progress: Progress | None = None
+    resumed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Solving:
+    """Solves some cases of a study, wherever it is called (`work.Work`).
+
+    Attributes:
+        described: whether it also tells their symbols and warnings; `fold`: how.
+    """
+
+    study: Study
+    compiled: bool = False
+    fold: Fold | None = None
+    described: bool = True
+
+    def __call__(self, cases: Index) -> Answer:
+        """The answer of some cases.
+
+        Raises:
+            StudyError: a solver cannot do what the study asks for.
+        """
+        with np.errstate(all="ignore"):  # what is not finite is found in the results
+            return self._solved(cases)
+
+    def lost(self, cases: Index, why: str) -> Answer:
+        """The answer of cases that failed with a sentence, or are unsolved."""
+        answer = Answer(cases, blank(self.study.scalars, len(cases)), {why: cases})
+        return _left_out(answer) if isinstance(why, Unsolved) else answer
+
+    def _solved(self, cases: Index) -> Answer:
+        if self.compiled:
+            kernels.load(compile_them=True)
+        study = self.study
+        answer = Answer(cases, blank(study.scalars, len(cases)))
+        responses: list[tuple[Index, Response]] = []
+        said: dict[str, list[Index]] = {}
+        built: list[tuple[Index, Batch]] = []
+        for part, batch in build_apart(study.batches, cases):
+            if isinstance(batch, str):
+                said.setdefault(batch, []).append(part)
+                continue
+            built.append((part, batch))
+            for some, response in solve_apart(study.batches, part, batch):
+                if isinstance(response, str):
+                    said.setdefault(response, []).append(some)
+                else:
+                    _gather(answer, some, response, said)
+                    if response.histories or response.impacts:
+                        responses.append((some, response))
+        answer.sentences = {sentence: np.sort(np.concatenate(where)) for sentence, where in said.items()}
+        if self.described:
+            answer.described = describe(study, built)
+        if self.fold is not None and answer.described is not None:
+            answer.described.symbols = self.fold(answer.described.cases, answer.described.symbols)
+        _join(answer, responses)
+        return _left_out(answer)
+
+
+def solve_cases(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Results:
+    """Solve every case of a study, or what of it `sweep` says.
+
+    Raises:
+        StudyError: a solver cannot do what the study asks for.
+        OutputError: what is finished cannot be kept.
+    """
+    sweep = sweep or Sweep(Team())
+    sweep.progress = progress or sweep.progress
+    with np.errstate(all="ignore"):
+        return _solve_cases(study, sweep)
+
+
+def _solve_cases(study: Study, sweep: Sweep) -> Results:
+    keep_freed()
+    results = Results.of(study, symbols_of(study))
+    todo = take_known(sweep, results)
+    known = results.answered
+    if sweep.share is not None:
+        todo &= _of_share(study.size, *sweep.share)
+    agenda = Agenda(study.size, None if todo.all() else todo)
+    estimate, compiled = outlook(study, study.size) if agenda.left else (1.0, False)
+    most = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
+    work_off(study, sweep, results, agenda, Pace(estimate, most), compiled=compiled)
+    if known and sweep.share is None:
+        describe_rest(study, results, ~todo)
+    results.finish()
+    return results
+
+
+def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:
+    """Put the answers there are already into results; which cases are left, (n,)."""
+    todo = np.ones(results.size, dtype=bool)
+    for answer in sweep.known:
+        todo[answer.cases] = False
+        results.put(answer)
+    for answer in sweep.keeper.kept() if sweep.keeper else ():
+        fresh = answer.among(todo[answer.cases])
+        todo[fresh.cases] = False
+        results.put(fresh)
+        sweep.resumed += len(fresh.cases)
+    if sweep.keeper and sweep.keeper.damaged:
+        sweep.team.note("what earlier runs had kept was damaged in part; that was solved again")
+    return todo
+
+
+def work_off(study: Study, sweep: Sweep, results: Results, agenda: Agenda, pace: Pace, *, compiled: bool) -> None:
+    """Solve the cases of an agenda into results.
+
+    Raises:
+        StudyError: a solver cannot do what the study asks for.
+        OutputError: what is finished cannot be kept.
+        MachineError: all that could be solved is; the machine refused what the rest needs.
+    """
+    done = results.answered
+    in_all = done + agenda.left
+    refused: dict[str, int] = {}
+    if sweep.progress is not None and done:
+        sweep.progress(done, in_all)
+    for cases, answer in answers(Solving(study, compiled, results.symbols.fold), agenda, pace, sweep.team):
+        if answer.described is not None:
+            results.describe(answer.described)
+            answer.described = None
+        if sweep.keeper is not None and len(answer.cases):
+            sweep.keeper.keep(answer)
+        results.put(answer)
+        note_unsolved(refused, answer)
+        done += len(cases)
+        if sweep.progress is not None:
+            sweep.progress(done, in_all)
+    check_solved(refused, in_all)
+
+
+def note_unsolved(refused: dict[str, int], answer: Answer) -> None:
+    """Add the cases that an answer lacks to those refused, by what the machine said."""
+    for sentence, where in answer.unsolved.items():
+        refused[sentence] = refused.get(sentence, 0) + len(where)
+
+
+def check_solved(refused: dict[str, int], cases: int) -> None:
+    """`MachineError` if the machine refused cases."""
+    if refused:
+        most = max(refused, key=lambda sentence: refused[sentence])
+        more = f", and {len(refused) - 1} other complaints" if len(refused) > 1 else ""
+        message = f"{sum(refused.values())} of {cases} cases are not solved, for the machine refused: {most}{more}"
+        raise MachineError(message)
+
+
+def _of_share(n: int, k: int, shares: int) -> Any:
+    """Whether each of n cases belongs to share k of N: blocks in turn, since neighbours cost about the same."""
+    mine = np.zeros(n, dtype=bool)
+    block = max(1, n // (64 * shares))
+    for start in range((k - 1) * block, n, shares * block):
+        mine[start : start + block] = True
+    return mine
+
+
+def outlook(study: Study, size: int) -> tuple[float, bool]:
+    """Seconds per case, estimated from the first, and whether kernels are to be compiled for so many of them."""
+    for _, batch in buildable(study.batches, np.zeros(1, dtype=np.int64)):
+        try:
+            backend = choose(batch).name
+        except SolverError:
+            break
+        plain = backend == "event" and highest(batch).model not in DEFORMABLE
+        compiled = plain and seconds_in_plain_python(batch) * size > COMPILED_ABOVE
+        return seconds_per_case(batch, backend), compiled
+    return 1e-3, False
+
+
+def _gather(answer: Answer, part: Index, response: Response, said: dict[str, list[Index]]) -> None:
+    rows = rows_of(answer.cases, part)
+    for name, values in answer.scalars.items():
+        if name in response.scalars:
+            values[rows] = response.scalars[name]
+    if any(response.reasons):
+        by_sentence: dict[str, list[int]] = {}
+        for case, sentence in zip(part.tolist(), response.reasons, strict=True):
+            if sentence:
+                by_sentence.setdefault(sentence, []).append(case)
+        for sentence, where in by_sentence.items():
+            said.setdefault(sentence, []).append(np.array(where, dtype=np.int64))
+    answer.used = joined([*answer.used, (int(part.min()), response.used)])
+
+
+def _left_out(answer: Answer) -> Answer:
+    """An answer without the cases that are unsolved."""
+    unsolved = {str(said): where for said, where in answer.sentences.items() if isinstance(said, Unsolved)}
+    if not unsolved:
+        return answer
+    rest = answer.among(~np.isin(answer.cases, np.concatenate(list(unsolved.values()))))
+    return replace(rest, described=answer.described, unsolved=unsolved)
+
+
+def _join(answer: Answer, responses: list[tuple[Index, Response]]) -> None:
+    """Histories of the batches of a chunk on the longest of their time axes, impacts padded."""
+    answer.time = max((response.time for _, response in responses), key=len, default=answer.time)
+    for into, kind in ((answer.histories, "histories"), (answer.impacts, "impacts")):
+        found: list[tuple[Index, dict[str, Any]]] = [(part, getattr(response, kind)) for part, response in responses]
+        width = max((values.shape[1] for _, named in found for values in named.values()), default=0)
+        for part, named in found:
+            for name, values in named.items():
+                if name not in into:
+                    into[name] = np.full((len(answer.cases), width), np.nan)
+                into[name][rows_of(answer.cases, part), : values.shape[1]] = values

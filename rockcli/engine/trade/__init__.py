@@ -1,0 +1,1 @@
+"""`rock trade`: what accuracy costs, measured over the settings of every backend."""

@@ -1,0 +1,211 @@
+"""The ladders of `rock trade`: settings of every backend from coarse to fine, and what each is held against."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rockcli.engine.backends import BACKENDS
+from rockcli.engine.trade.record_sampling import SAMPLINGS, has_samples, resampled
+from rockcli.scene.batch import Batch, Save
+from rockcli.scene.damping import Damping
+from rockcli.scene.excitation import Pulses
+from rockcli.scene.models import CONTINUUM, DEFORMABLE, FLEXIBLE, MODELS
+from rockcli.scene.numerics import ACCURACIES, Numerics
+
+NUMERICS, MODEL, DATA = "numerics", "model", "data"
+"""Kinds of error: against the same equations solved better, against a better model, against another sampling."""
+
+EVENT_RTOL = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
+SCIPY_RTOL = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
+STEPPING = (16.0, 8.0, 4.0, 2.0, 1.0)
+"""Time steps of the penalty backends over their own of accuracy `standard`, and yield rotations over 1e-6 rad."""
+
+MODAL = (4.0, 2.0, 1.0, 0.5, 0.25)
+MODAL_REFERENCE = 0.0625
+"""Steps of the flexible column over those of accuracy `draft`; its levels are 1, 0.5 and 0.25."""
+
+ELEMENTS = (1, 2, 3, 5, 10)
+ELEMENTS_REFERENCE = 20
+
+Pair = tuple[str, str | None]
+"""Model and geometry."""
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One setting.
+
+    Attributes:
+        part: kind of its error; family: what is drawn as one curve; setting: which point of it.
+        model, geometry: solved.
+        numerics: tolerances; `dt` and `yield_rotation` are set by `factor` where that is given.
+        factor: of the time step (see `STEPPING`, `MODAL`).
+        elements, across: of the column, None = the study's.
+        sampling: of records, "" = as they are.
+        rigid_base: whether the base is taken as rigid, whatever the study's.
+        against: label of the reference.
+    """
+
+    part: str
+    family: str
+    setting: str
+    model: str
+    geometry: str | None
+    numerics: Numerics
+    factor: float | None = None
+    elements: int | None = None
+    across: int | None = None
+    sampling: str = ""
+    rigid_base: bool = False
+    against: str = ""
+
+    @property
+    def label(self) -> str:
+        """The coordinate of the dataset."""
+        return f"{self.part}: {self.model_word}: {self.family}, {self.setting}"
+
+    @property
+    def model_word(self) -> str:
+        """What is solved, in words."""
+        return model_word((self.model, self.geometry)) + (" on a rigid base" if self.rigid_base else "")
+
+    def of(self, batch: Batch) -> Batch:
+        """The cases of a batch with this setting."""
+        column = batch.column if self.model in (*DEFORMABLE, "4") else None
+        if column is not None and self.elements is not None:
+            column = replace(column, elements=self.elements)
+        if column is not None and self.across is not None:
+            column = replace(column, across=self.across)
+        damping = batch.damping
+        if self.model == CONTINUUM and damping.scheme == "restitution":
+            damping = Damping("none", np.ones_like(damping.eta))  # an impact costs what the mesh makes of it
+        carried = self.model in (batch.model, *DEFORMABLE) and not self.rigid_base
+        excitation = resampled(batch.excitation, self.sampling) if self.sampling else batch.excitation
+        numerics = self.numerics
+        given = replace(
+            batch, model=self.model, geometry=self.geometry, column=column, excitation=excitation, damping=damping,
+            base=batch.base if carried else None,
+            save=Save(False, batch.save.dt_out, frozenset({"outcome", "theta_peak_over_alpha", "n_steps", "n_rhs"})),
+        )  # fmt: skip
+        if self.factor is not None:
+            numerics = _stepping(numerics, given, self.factor)
+        return replace(given, numerics=numerics)
+
+
+def model_word(pair: Pair) -> str:
+    """`3 corotational`, `rigid`."""
+    return " ".join(filter(None, pair))
+
+
+def _stepping(numerics: Numerics, batch: Batch, factor: float) -> Numerics:
+    """A time step for the batch, `factor` times the finest that any of its cases takes by itself."""
+    if numerics.backend == "event":
+        steps = 0.03 / batch.p.max()
+        if isinstance(batch.excitation.horizontal, Pulses):
+            steps = min(steps, 2.0 * np.pi / float(batch.excitation.horizontal.omega_p.max()) / 60.0)
+        return replace(numerics, dt=factor * float(steps))
+    if numerics.backend == "calculix":
+        from rockcli.solvers.calculix.case import largest_step
+
+        plain = replace(batch, numerics=Numerics())
+        return replace(numerics, dt=factor * min(largest_step(plain, i) for i in range(batch.size)))
+    from rockcli.scene.constants import YIELD_ROTATION
+    from rockcli.solvers.frame.case import default_dt
+
+    plain = replace(batch, numerics=Numerics())
+    dt = min(default_dt(plain, i) for i in range(batch.size))
+    return replace(numerics, dt=factor * dt, yield_rotation=factor * YIELD_ROTATION)
+
+
+def reference(batch: Batch, pair: Pair, elements: int | None = None) -> Rung | None:
+    """The best there is for a model under the batch's damping; None if nothing solves it."""
+    model, geometry = pair
+    fine = Numerics("event", "reference")
+    asked = replace(batch, model=model, geometry=geometry, numerics=fine)
+    if BACKENDS["event"].supports(asked):
+        if model == FLEXIBLE:
+            words = f"dt/{1.0 / MODAL_REFERENCE:g} of draft" + (f", {elements} elements" if elements else "")
+            return Rung(NUMERICS, "event", words, model, geometry, fine, MODAL_REFERENCE, elements)
+        return Rung(NUMERICS, "event", f"rtol {ACCURACIES['reference'].rtol:g}", model, geometry, fine)
+    if BACKENDS["frame"].supports(asked):
+        return Rung(NUMERICS, "frame", "dt/4", model, geometry, Numerics("frame"), 0.25)
+    return None
+
+
+def numerical(batch: Batch, pair: Pair, peers: frozenset[str]) -> Iterator[list[Rung]]:
+    """A ladder, coarse to fine, per family that solves a model under the damping; `peers`: backends there are."""
+    model, geometry = pair
+    best = reference(batch, pair)
+    if best is None:
+        return
+    against = f"{best.family}, {best.setting}"
+
+    def ladder(family: str, rungs: Sequence[tuple[str, Numerics, float | None]]) -> list[Rung]:
+        return [Rung(NUMERICS, family, words, *pair, how, factor, against=against) for words, how, factor in rungs]
+
+    for name in ("event", "frame", "opensees", "scipy"):
+        asked = replace(batch, model=model, geometry=geometry, numerics=Numerics(name))
+        if name not in peers or not BACKENDS[name].supports(asked):
+            continue
+        if name == "event" and model == FLEXIBLE:
+            levels = {1.0: " (draft)", 0.5: " (standard)", 0.25: " (reference)"}
+            yield ladder(name, [(f"dt x {f:g}{levels.get(f, '')}", Numerics(name), f) for f in MODAL])
+            yield _elements(batch, pair)
+        elif name == "event":
+            yield ladder(name, [(_rtol(rtol), Numerics(name, _level(rtol), rtol), None) for rtol in EVENT_RTOL])
+        elif name in ("frame", "opensees"):
+            ends = STEPPING if best.family == "event" else STEPPING[:-1]
+            yield ladder(name, [(f"dt x {f:g}", Numerics(name), f) for f in ends])
+        else:
+            from rockcli.solvers.general.methods import METHODS
+
+            for method in METHODS:
+                rungs = [(f"rtol {r:g}", Numerics(name, "standard", r, method), None) for r in SCIPY_RTOL]
+                yield ladder(f"scipy {method}", rungs)
+            if (batch.damping.eta == 1.0).all():
+                blind = [(f"rtol {r:g}", Numerics(name, "standard", r, "RK45", False), None) for r in SCIPY_RTOL]
+                yield ladder("scipy RK45, impacts not located", blind)
+
+
+def _elements(batch: Batch, pair: Pair) -> list[Rung]:
+    best = reference(batch, pair, ELEMENTS_REFERENCE)
+    assert best is not None
+    how = Numerics("event", "reference")
+    against = f"{best.family}, {best.setting}"
+    words = {n: f"{n} element" + ("s" if n > 1 else "") for n in ELEMENTS}
+    return [Rung(NUMERICS, "event, elements", words[n], *pair, how, elements=n, against=against) for n in ELEMENTS]
+
+
+def _level(rtol: float) -> str:
+    return "draft" if rtol >= 1e-8 else "standard" if rtol >= 1e-12 else "reference"
+
+
+def _rtol(rtol: float) -> str:
+    named = [name for name, level in ACCURACIES.items() if level.rtol == rtol]
+    return f"rtol {rtol:g}" + (f" ({named[0]})" if named else "")
+
+
+def models(batch: Batch, own: Pair) -> Iterator[tuple[Rung, Pair]]:
+    """(rung, the better model): simpler models of the same body, at accuracy standard."""
+    rigid: Pair = ("rigid", None)
+    how = Numerics("event")
+    if own[0] == FLEXIBLE and batch.base is not None:
+        yield Rung(MODEL, "event", "standard", *own, how, rigid_base=True, against=model_word(own)), own
+    pairs: list[tuple[Pair, Pair]] = [(pair, rigid) for pair in MODELS if pair != rigid]
+    if own[0] == FLEXIBLE:
+        pairs.insert(0, (rigid, own))
+    for pair, better in pairs:
+        if BACKENDS["event"].supports(replace(batch, model=pair[0], geometry=pair[1], numerics=how)):
+            yield Rung(MODEL, "event", "standard", *pair, how, against=model_word(better)), better
+
+
+def data(batch: Batch, own: Pair) -> Iterator[Rung]:
+    """Other samplings of the records of a batch, at accuracy reference: nothing of the numerics is in the error."""
+    how_well = Numerics("event", "reference")
+    asked = replace(batch, model=own[0], geometry=own[1], numerics=how_well)
+    if has_samples(batch.excitation) and BACKENDS["event"].supports(asked):
+        for how in SAMPLINGS:
+            yield Rung(DATA, "event", how, *own, how_well, sampling=how, against="the record as it is")

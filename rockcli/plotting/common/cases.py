@@ -1,0 +1,153 @@
+"""Which cases of a dataset a figure shows, and what each is called."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.plotting.common.labels import coordinate_label
+from rockcli.scene.response import OUTCOMES
+from rockcli.scene.thresholds import Thresholds
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One case in a figure: its position on the axes, its name, and the position of what it is compared with."""
+
+    position: tuple[int, ...]
+    label: str
+    reference: tuple[int, ...] | None = None
+
+
+def axes_of(dataset: xarray.Dataset) -> tuple[str, ...]:
+    """Names of the dimensions that are axes of the study."""
+    return tuple(str(dataset.attrs.get("axes", "")).split())
+
+
+def is_numeric(dataset: xarray.Dataset, axis: str) -> bool:
+    """Whether an axis has numbers for coordinates."""
+    return bool(dataset[axis].dtype.kind == "f")
+
+
+def values_at(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> Array:
+    """Values of a variable or coordinate for one case: a number, or (time,) or (impact,)."""
+    item = dataset[name]
+    chosen = {axis: i for axis, i in zip(axes_of(dataset), position, strict=True) if axis in item.dims}
+    return np.asarray(item.isel(chosen).values, dtype=float)
+
+
+def number_at(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> float:
+    """A number of one case; NaN if the dataset has no such variable."""
+    return float(values_at(dataset, name, position)) if name in dataset.variables else np.nan
+
+
+def thresholds_in(dataset: xarray.Dataset, name: str) -> Thresholds:
+    """What a search found for every case: the variable of that name and those beside it."""
+    return Thresholds.read(name, lambda one: dataset[one].values if one in dataset.variables else None)
+
+
+def outcome_at(dataset: xarray.Dataset, position: tuple[int, ...]) -> str:
+    """Meaning of a case's outcome, "" if it was not saved."""
+    return OUTCOMES[int(number_at(dataset, "outcome", position))] if "outcome" in dataset.variables else ""
+
+
+def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None) -> tuple[list[Shown], int]:
+    """Cases to show, at most `most` spread evenly, and how many there are.
+
+    Where the study compares (`compare_to`), the reference is not a case of its own but goes with each.
+    Cases whose histories are identical although a label differs are one.
+    `axes` restricts the positions to some of the axes (the others stay at 0); references are then not given.
+    """
+    every = axes_of(dataset)
+    names = every if axes is None else axes
+    reference = reference_on_axes(dataset) if axes is None else {}
+    sizes = [int(dataset.sizes[a]) if a in names else 1 for a in every]
+    positions = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
+    if reference:
+        positions = [p for p in positions if _referred(every, p, reference) != p] or positions
+    groups = [[p] for p in positions] if axes is not None else _alike(dataset, positions, reference)
+    shown = []
+    for group in spread(groups, most):
+        other = _referred(every, group[0], reference) if reference else None
+        words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
+        shown.append(Shown(group[0], words, None if other == group[0] else other))
+    return shown, len(groups)
+
+
+def spread(items: list[T], most: int) -> list[T]:
+    """At most `most` of some items, evenly."""
+    if len(items) <= most:
+        return items
+    return [items[int(i)] for i in np.unique(np.linspace(0, len(items) - 1, most).round())]
+
+
+def _alike(
+    dataset: xarray.Dataset, positions: list[tuple[int, ...]], reference: dict[str, int]
+) -> list[list[tuple[int, ...]]]:
+    """Positions in groups that move alike, and so do their references; numbers on axes are never put together."""
+    every = axes_of(dataset)
+    groups: dict[object, list[tuple[int, ...]]] = {}
+    for position in positions:
+        key: object = position
+        if "theta" in dataset.variables and np.isfinite(values_at(dataset, "theta", position)).any():
+            numbers = tuple(i for a, i in zip(every, position, strict=True) if is_numeric(dataset, a))
+            key = (numbers, same_key(dataset, position), same_key(dataset, _referred(every, position, reference)))
+        groups.setdefault(key, []).append(position)
+    return list(groups.values())
+
+
+def same_key(dataset: xarray.Dataset, position: tuple[int, ...]) -> tuple[bytes, ...]:
+    """What is equal for two cases whose body, motion and response are."""
+    names = ("theta", "theta_dot", "slide", "a_g", "a_v", "alpha", "p", "alpha_left", "alpha_right")
+    return tuple(values_at(dataset, name, position).tobytes() for name in names if name in dataset.variables)
+
+
+def group_label(dataset: xarray.Dataset, group: list[tuple[int, ...]], axes: list[str]) -> str:
+    """Name of cases shown as one: an axis all of whose points are there is not mentioned."""
+    every = axes_of(dataset)
+    columns = {a: list(dict.fromkeys(i)) for a, i in zip(every, zip(*group, strict=True), strict=True)} if every else {}
+    if len(group) < int(np.prod([len(column) for column in columns.values()])):  # not every combination is there
+        at = next(number for number, axis in enumerate(every) if len(columns[axis]) > 1)
+        apart = [[position for position in group if position[at] == i] for i in columns[every[at]]]
+        return " = ".join(group_label(dataset, part, axes) for part in apart)
+    parts = []
+    for axis in axes:
+        column = columns[axis]
+        if len(column) == 1 or len(column) < int(dataset.sizes[axis]):
+            parts.append(" = ".join(coordinate_label(dataset, axis, i) for i in column))
+    return ", ".join(parts)
+
+
+def reference_words(dataset: xarray.Dataset) -> str:
+    """What cases are compared with, "" if nothing."""
+    return ", ".join(coordinate_label(dataset, axis, i) for axis, i in reference_on_axes(dataset).items())
+
+
+def selection_note(shown: int, total: int, what: str = "cases") -> str:
+    """Says that a figure does not show everything."""
+    return f"{shown} of {total} {what} shown" if shown < total else ""
+
+
+def reference_on_axes(dataset: xarray.Dataset) -> dict[str, int]:
+    """Axis -> position of the reference."""
+    found = {}
+    for axis, value in (json.loads(dataset.attrs.get("compare_to", "null")) or {}).items():
+        values = dataset[axis].values
+        near = np.isclose(values, float(value), rtol=1e-9) if is_numeric(dataset, axis) else values == str(value)
+        if near.any():
+            found[axis] = int(np.argmax(near))
+    return found
+
+
+def _referred(axes: tuple[str, ...], position: tuple[int, ...], reference: dict[str, int]) -> tuple[int, ...]:
+    return tuple(reference.get(axis, i) for axis, i in zip(axes, position, strict=True))

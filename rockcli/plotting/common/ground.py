@@ -1,0 +1,178 @@
+"""Panels of ground acceleration: each motion once, however many cases it moves and however they scale it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, values_at
+from rockcli.plotting.common.labels import unit_g
+from rockcli.plotting.common.style import COLOURS, QUIET
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+
+MOST_PANELS = 3
+"""Records up to which each has a panel of its own."""
+
+_SAME = 1e-6
+"""Difference of two motions, over the largest acceleration, up to which they are one."""
+
+_HORIZONTAL, _VERTICAL = "#333333", "#A9A9A9"
+
+Position = tuple[int, ...]
+
+
+@dataclass
+class Motion:
+    """A motion of one or several cases, up to scale.
+
+    Attributes:
+        cases: the cases it moves, by their number in the figure.
+        scales: its size in each, over that of `horizontal`.
+        horizontal: [g], of the case in which it lasts longest; vertical: [g], None if there is none.
+        label: what distinguishes it from the others of the figure.
+        recorded: whether it is a record, not a pulse.
+    """
+
+    cases: list[int]
+    scales: list[float]
+    horizontal: Array
+    vertical: Array | None
+    label: str = ""
+    recorded: bool = False
+
+    @property
+    def scaled(self) -> bool:
+        """Whether the cases have it in different sizes."""
+        return bool(np.ptp(self.scales) > _SAME)
+
+
+def motions(dataset: xarray.Dataset, positions: list[Position]) -> list[Motion]:
+    """The different motions of some cases; none where the ground stands still in all of them."""
+    if "a_g" not in dataset.variables:
+        return []
+    found: list[Motion] = []
+    g = unit_g(dataset)
+    for number, position in enumerate(positions):
+        a = values_at(dataset, "a_g", position) / g
+        v = values_at(dataset, "a_v", position) / g if "a_v" in dataset.variables else None
+        v = v if v is not None and np.nanmax(np.abs(v), initial=0.0) > 0.0 else None
+        for motion in found:
+            scale = _scale(motion.horizontal, a)
+            if scale is not None and _agree(motion.vertical, v, scale):
+                motion.cases.append(number)
+                motion.scales.append(scale)
+                if np.isfinite(a).sum() > np.isfinite(motion.horizontal).sum():
+                    motion.horizontal, motion.vertical = a, v
+                    motion.scales = [s / scale for s in motion.scales]
+                break
+        else:
+            recorded = not np.isfinite(number_at(dataset, "omega_p", position))
+            found.append(Motion([number], [1.0], a, v, recorded=recorded))
+    if all(np.nanmax(np.abs(m.horizontal), initial=0.0) == 0.0 and m.vertical is None for m in found):
+        return []
+    for motion in found if len(found) > 1 else ():
+        motion.label = _distinction(dataset, [positions[i] for i in motion.cases], positions)
+    return found
+
+
+def panels_of(found: list[Motion]) -> list[list[Motion]]:
+    """Which motions share a panel."""
+    if 1 < len(found) <= MOST_PANELS and all(motion.recorded for motion in found):
+        return [[motion] for motion in found]
+    return [found] if found else []
+
+
+def height_of(panel: list[Motion]) -> float:
+    """Height of a panel, over that of a single trace."""
+    return 1.0 + 0.28 * len(panel) if _stacked(panel) else 1.0
+
+
+def draw_ground(axes: Axes, time: Array, panel: list[Motion], *, coloured: bool, named: bool = False) -> None:
+    """A panel of the motions given: one trace, pulses over one another, or records below one another.
+
+    Args:
+        axes: to draw in.
+        time: output times [s].
+        panel: motions.
+        coloured: a motion of one case only has its colour, where there are others.
+        named: write what distinguishes a motion above its panel.
+    """
+    stacked = _stacked(panel)
+    level = 0.0
+    scaled = any(motion.scaled for motion in panel)
+    levels, peaks = [], []
+    for number, motion in enumerate(panel):
+        own = coloured and len(motion.cases) == 1
+        colour = COLOURS[motion.cases[0] % len(COLOURS)] if own else _HORIZONTAL
+        peak = float(np.nanmax(np.abs(motion.horizontal), initial=0.0)) or 1.0
+        unit = peak if scaled else 1.0
+        if stacked and number:
+            level -= 1.15 * (_reach(panel[number - 1], -1.0) + _reach(motion, 1.0)) / unit
+        if motion.vertical is not None:
+            axes.plot(time, level + motion.vertical / unit, color=_VERTICAL, linewidth=0.6, zorder=2)
+        width = 0.7 if len(panel) == 1 else 0.5
+        axes.plot(time, level + motion.horizontal / unit, color=colour, linewidth=width, zorder=3)
+        axes.axhline(level, color=QUIET, linewidth=0.4, zorder=0)
+        levels.append(level)
+        peaks.append(f"{peak:.2g}")
+    axes.set_ylabel(r"$a_g\,/\,\max|a_g|$" if scaled else r"$a_g$ [g]")
+    if stacked:
+        axes.set_yticks(levels, peaks)
+        axes.set_ylabel("peak $a_g$ [g]")
+    words = panel[0].label if named and len(panel) == 1 else ""
+    if words:
+        axes.set_title(words, loc="left", fontsize=8.0, pad=2.0)
+    if any(motion.vertical is not None for motion in panel):
+        handles = [
+            Line2D([], [], color=colour, linewidth=0.8, label=label)
+            for colour, label in ((_HORIZONTAL, r"$a_g$"), (_VERTICAL, r"$a_v$"))
+        ]
+        axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8.0)
+
+
+def _reach(motion: Motion, side: float) -> float:
+    """How far the traces of a motion reach up (side 1) or down (-1) [g]."""
+    traces = [motion.horizontal] + ([] if motion.vertical is None else [motion.vertical])
+    return max(float(np.nanmax(side * trace, initial=0.0)) for trace in traces)
+
+
+def _stacked(panel: list[Motion]) -> bool:
+    """Records over one another would hide each other."""
+    return len(panel) > 1 and any(motion.recorded for motion in panel)
+
+
+def _scale(a: Array, b: Array) -> float | None:
+    """b/a where one motion is the other up to scale, as far as both last; None where it is not."""
+    both = np.isfinite(a) & np.isfinite(b)
+    one, other = a[both], b[both]
+    if np.array_equal(one, other):
+        return 1.0
+    power = float(one @ one)
+    if power == 0.0 or not np.any(other):
+        return None
+    scale = float(one @ other) / power
+    return scale if np.abs(other - scale * one).max() <= _SAME * np.abs(other).max() else None
+
+
+def _agree(a: Array | None, b: Array | None, scale: float) -> bool:
+    if a is None or b is None:
+        return a is None and b is None
+    both = np.isfinite(a) & np.isfinite(b)
+    return bool(np.allclose(b[both], scale * a[both], rtol=0.0, atol=_SAME * float(np.abs(a[both]).max(initial=0.0))))
+
+
+def _distinction(dataset: xarray.Dataset, own: list[Position], every: list[Position]) -> str:
+    """Words for the axes on which some cases are at one point and others elsewhere."""
+    axes = axes_of(dataset)
+    telling = [
+        axis
+        for i, axis in enumerate(axes)
+        if len({position[i] for position in own}) == 1 and len({position[i] for position in every}) > 1
+    ]
+    return group_label(dataset, own[:1], telling)

@@ -1,0 +1,120 @@
+"""The outline of a rocking body: a rectangle that turns about its edges, and bends if it is a flexible column."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockcli.plotting.common.cases import Array, outcome_at, values_at
+from rockcli.plotting.common.response import edges
+from rockcli.scene.block import LEFT, RIGHT
+
+if TYPE_CHECKING:
+    import xarray
+
+_SECTIONS = 25
+"""Points along each side of a body that bends."""
+
+_LIES = 1.4
+"""Last rotation of a body that overturned beyond which it is drawn on the ground [rad]."""
+
+_HALVINGS = 30
+"""Bisections for the largest bending that stays above the ground."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """The rectangle drawn: distances of the middle of its axis from the edges, and its height [m]."""
+
+    left: float
+    right: float
+    height: float
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A history of (time,) arrays: rotation, |theta| <= pi/2; displacement of the top across the axis [m]; a_g; sliding
+    along the ground [m]."""
+
+    time: Array
+    theta: Array
+    w_top: Array
+    a_g: Array
+    slide: Array
+
+    @property
+    def bends(self) -> bool:
+        """Whether the body has any bending."""
+        return bool(np.any(self.w_top != 0.0))
+
+
+def body_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Body:
+    """The rectangle with the h and b of a case: h = R cos alpha, b = R sin alpha of either edge."""
+    R, alpha = edges(dataset, "R", position), edges(dataset, "alpha", position)
+    b = R * np.sin(alpha)
+    return Body(float(b[LEFT]), float(b[RIGHT]), float(2.0 * R[RIGHT] * np.cos(alpha[RIGHT])))
+
+
+def motion_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Motion:
+    """The history of a case as far as it goes; empty if there is none."""
+    theta = values_at(dataset, "theta", position)
+    known = np.flatnonzero(np.isfinite(theta))
+    last = int(known[-1]) + 1 if len(known) else 0
+    theta = theta[:last]
+    if last and outcome_at(dataset, position).startswith("overturned") and abs(theta[-1]) > _LIES:
+        theta = np.append(theta[:-1], np.copysign(0.5 * np.pi, theta[-1]))
+    a_g, slide = (
+        values_at(dataset, name, position)[:last] if name in dataset.variables else np.zeros(last)
+        for name in ("a_g", "slide")
+    )
+    return Motion(
+        np.asarray(dataset["time"].values, dtype=float)[:last],
+        np.clip(theta, -0.5 * np.pi, 0.5 * np.pi),
+        _bending(dataset, position, theta),
+        np.nan_to_num(a_g),
+        np.nan_to_num(slide),
+    )
+
+
+def _bending(dataset: xarray.Dataset, position: tuple[int, ...], theta: Array) -> Array:
+    """Displacement of the top across the axis, whose horizontal part is u_top_bending [m]; 0 for what does not bend."""
+    if "u_top_bending" not in dataset.variables:
+        return np.zeros_like(theta)
+    across = values_at(dataset, "u_top_bending", position)[: len(theta)]
+    upright = np.cos(theta) > 0.1
+    return np.nan_to_num(np.where(upright, across / np.where(upright, np.cos(theta), 1.0), 0.0))
+
+
+def outline(body: Body, theta: float, w_top: float = 0.0) -> Array:
+    """Corners of the body, (k, 2): x to the right from the middle of its axis at rest, z up from the ground [m].
+
+    The body turns about its right edge while theta > 0 and about its left one while theta < 0.  A top displaced by
+    `w_top` bends the axis into the cubic of a cantilever with a force at its top; sections stay plane and across it.
+    Bending that would take the body below the ground is drawn smaller.
+    """
+    if w_top == 0.0:
+        return _placed(body, theta, 0.0)
+    points = _placed(body, theta, w_top)
+    if points[:, 1].min() >= -1e-9 * body.height:
+        return points
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        inside = _placed(body, theta, middle * w_top)[:, 1].min() >= -1e-9 * body.height
+        low, high = (middle, high) if inside else (low, middle)
+    return _placed(body, theta, low * w_top)
+
+
+def _placed(body: Body, theta: float, w_top: float) -> Array:
+    s = np.linspace(0.0, 1.0, _SECTIONS if w_top else 2)
+    across = 0.5 * w_top * (3.0 - s) * s**2
+    tilt = np.arctan(1.5 * w_top / body.height * (2.0 - s) * s)
+    left = np.column_stack([across - body.left * np.cos(tilt), s * body.height + body.left * np.sin(tilt)])
+    right = np.column_stack([across + body.right * np.cos(tilt), s * body.height - body.right * np.sin(tilt)])
+    points = np.concatenate([left, right[::-1]])
+    edge = body.right if theta > 0.0 else -body.left
+    cos, sin = np.cos(theta), np.sin(theta)
+    arm = points[:, 0] - edge
+    return np.column_stack([edge + arm * cos + points[:, 1] * sin, points[:, 1] * cos - arm * sin])

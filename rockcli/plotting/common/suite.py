@@ -1,0 +1,58 @@
+"""What a dataset says of its ensemble, and the panels its figures have."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rockcli.plotting.common.cases import Shown, axes_of, pick
+from rockcli.plotting.common.style import MOST_PANELS
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True)
+class Suite:
+    """Axis of the ensemble, and of the intensity (None: there is none)."""
+
+    axis: str
+    along: str | None
+
+
+def suite_of(dataset: xarray.Dataset) -> Suite | None:
+    """The ensemble of a dataset; None if the study asks for none."""
+    about = json.loads(dataset.attrs.get("ensemble", "null"))
+    return None if about is None else Suite(about["axis"], about["along"])
+
+
+def without_intensity(dataset: xarray.Dataset) -> str:
+    """Why there is nothing to draw along an intensity; "" if there is."""
+    suite = suite_of(dataset)
+    if suite is None:
+        return "the study takes no statistics over an axis (over: record)"
+    if suite.along is None:
+        return "no amplitude of the motion is varied (vary: motion.record.pga, ...; or over: {axis, along})"
+    return ""
+
+
+def panels(dataset: xarray.Dataset, suite: Suite) -> tuple[list[tuple[Shown, dict[str, int]]], int]:
+    """Points of the axes left by the ensemble and the intensity, as {axis: position}; and how many there are."""
+    every = axes_of(dataset)
+    others = tuple(axis for axis in every if axis not in (suite.axis, suite.along))
+    shown, total = pick(dataset, MOST_PANELS, others)
+    places = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
+    return list(zip(shown, places, strict=True)), total
+
+
+def grid_of(n: int) -> tuple[int, int]:
+    """Rows and columns for n panels."""
+    columns = 1 if n == 1 else 2 if n in (2, 4) else 3
+    return -(-n // columns), columns
+
+
+def members_word(dataset: xarray.Dataset, suite: Suite) -> str:
+    """`42 records`."""
+    n = int(dataset.sizes[suite.axis])
+    return f"{n} records" if suite.axis == "record" else f"{n} points of {suite.axis}"

@@ -1,0 +1,108 @@
+"""Peak rotation along one numeric axis, a curve for each point of the others."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
+from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
+from rockcli.plotting.common.style import COLOURS, MOST_CURVES, QUIET, SINGLE, headline, legend_beside, new_figure
+from rockcli.plotting.kinds.map import is_log, scale_axes
+from rockcli.scene.response import FAILED, SLIDING, UNRESOLVED
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_STRIP: dict[str, str] = {"failed": "+", "unresolved": "d", "no answer": "+", "sliding": "s", "overturned": "x"}
+"""What has no value, or slides and has none but 0, from the bottom of the strip upwards, and its mark."""
+
+
+def along(dataset: xarray.Dataset) -> str | None:
+    """The longest numeric axis."""
+    numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= 2]
+    return max(numeric, key=lambda a: int(dataset.sizes[a]), default=None)
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """Curves of theta_peak_over_alpha; what has no value, or slides, is marked in a strip above them."""
+    axis = along(dataset)
+    if axis is None:
+        raise ValueError("a curve needs a numeric axis")
+    every = axes_of(dataset)
+    others = tuple(name for name in every if name != axis)
+    shown, total = pick(dataset, MOST_CURVES, others)
+    x = axis_values(dataset, axis)
+    rest = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
+    curves = [np.asarray(dataset["theta_peak_over_alpha"].isel(place).values, dtype=float) for place in rest]
+    missing = [_missing(dataset, place, y) for place, y in zip(rest, curves, strict=True)]
+    rows = [row for row in _STRIP if any(row in found for found in missing)]
+    thick = 0.14 + 0.03 * len(shown)
+    figure = new_figure(SINGLE * 1.3, 3.3 + thick * len(rows))
+    heights = [thick * len(rows), 2.4] if rows else [2.4]
+    grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+    axes = grid[-1]
+    marker = "o" if len(x) <= 40 else ""
+    style: dict[str, Any] = {"marker": marker, "markersize": 2.8, "markeredgewidth": 0.0}
+    for number, (case, y) in enumerate(zip(shown, curves, strict=True)):
+        axes.plot(x, np.where(np.isfinite(y), y, np.nan), label=case.label, color=COLOURS[number], **style)
+        lonely = _lonely(y) if not marker else np.zeros(0, dtype=int)
+        axes.plot(x[lonely], y[lonely], "o", color=COLOURS[number], markersize=1.4, markeredgewidth=0.0)
+    finite = np.concatenate([y[np.isfinite(y)] for y in curves])
+    top = 1.12 * max(float(finite.max(initial=0.0)), 0.1)
+    if top > 1.0:
+        axes.axhline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
+    axes.set_ylim(0.0, top)
+    scale_axes(axes, is_log(x))
+    axes.set_xlabel(axis_label(dataset, axis))
+    axes.set_ylabel(variable_label("theta_peak_over_alpha"))
+    if rows:
+        _strip(grid[0], x, rows, missing)
+    headline(figure, title_of(dataset), selection_note(len(shown), total, "curves"), over=axes)
+    if len(shown) > 1:
+        longest = max(len(case.label) for case in shown)
+        legend_beside(figure, axes, columns=3 if longest < 20 else 2 if longest < 34 else 1)
+    return figure
+
+
+def _missing(dataset: xarray.Dataset, place: dict[str, int], peaks: Array) -> dict[str, NDArray[np.bool_]]:
+    """Where a curve has no value, or the body slides, by the reason."""
+    found = {"overturned": np.isposinf(peaks), "no answer": np.isnan(peaks)}
+    if "outcome" in dataset.variables:
+        flags = dataset["outcome"].isel(place).values
+        found |= {"failed": flags == FAILED, "unresolved": flags == UNRESOLVED, "sliding": flags == SLIDING}
+        found["no answer"] &= ~found["failed"] & ~found["unresolved"]
+    return {name: where for name, where in found.items() if where.any()}
+
+
+def _lonely(y: Array) -> NDArray[np.intp]:
+    """Values between two that are none: a line does not show them."""
+    known = np.concatenate([[False], np.isfinite(y), [False]])
+    return np.flatnonzero(known[1:-1] & ~known[:-2] & ~known[2:])
+
+
+def _strip(axes: Axes, x: Array, rows: list[str], missing: list[dict[str, NDArray[np.bool_]]]) -> None:
+    """A row for each reason, in it a line of marks for each curve."""
+    for level, row in enumerate(rows):
+        for number, found in enumerate(missing):
+            where = x[found[row]] if row in found else np.empty(0)
+            height = level + 0.8 * ((len(missing) - number - 0.5) / len(missing) - 0.5)
+            axes.plot(
+                where,
+                np.full(len(where), height),
+                _STRIP[row],
+                color=COLOURS[number],
+                markersize=3.0,
+                markeredgewidth=0.7,
+            )
+    axes.set_yticks(range(len(rows)), rows)
+    axes.set_ylim(-0.5, len(rows) - 0.5)
+    axes.tick_params(axis="y", length=0.0)
+    axes.tick_params(axis="x", which="both", length=0.0)
+    axes.spines["bottom"].set_visible(False)
+    axes.spines["left"].set_visible(False)
+    axes.axhline(-0.5, color=QUIET, linewidth=0.6)

@@ -1,0 +1,188 @@
+"""Rotation, its rate, sliding and the ground acceleration against time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockcli.plotting.common.cases import Array, Shown, number_at, outcome_at, pick, selection_note, values_at
+from rockcli.plotting.common.ground import draw_ground, height_of, motions, panels_of
+from rockcli.plotting.common.labels import title_of, unit_in_brackets, variable_label
+from rockcli.plotting.common.response import (
+    SHOWN_UP_TO,
+    Position,
+    Window,
+    impacts_of,
+    response_of,
+    sliding_speed,
+    window,
+)
+from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, legend_beside, new_figure
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Fill = Callable[..., None]
+"""Draws cases into a panel: (axes, dataset, cases shown, window)."""
+
+_RATES_UP_TO = 4
+"""Curves up to which the rate is drawn too: more of them are only readable with room for theta."""
+
+_IMPACTS_UP_TO = 3
+"""Curves up to which impacts are marked."""
+
+MOST_IMPACTS = 30
+"""Marks up to which impacts are marked: more of them make a band."""
+
+_SLOW = 0.1
+"""Impacts slower than this fraction of the fastest are not marked: near rest they would make a bar."""
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """Panels over a common time axis: ground acceleration, theta/alpha, sliding, theta_dot.
+
+    Sliding has a panel where something slides; where nothing else moves it is the only response.
+    """
+    shown, total = pick(dataset, MOST_CURVES)
+    positions = [case.position for case in shown]
+    found = motions(dataset, positions)
+    grounds = panels_of(found)
+    panels = _panels(dataset, positions)
+    heights = [(0.55 if len(grounds) < 2 else 0.42) * height_of(panel) for panel in grounds]
+    heights += [height for height, _ in panels]
+    figure = new_figure(DOUBLE, 0.6 + 1.75 * sum(heights))
+    grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+    time = dataset["time"].values
+    seen = window(dataset, positions)
+    for axes, panel in zip(grid, grounds, strict=False):
+        draw_ground(axes, time, panel, coloured=len(shown) > 1 and len(found) > 1, named=len(grounds) > 1)
+    _alike([grid[number] for number in range(len(grounds))])
+    for axes, (_, fill) in zip(grid[len(grounds) :], panels, strict=True):
+        fill(axes, dataset, shown, seen)
+    grid[-1].set_xlabel("time [s]")
+    grid[-1].set_xlim(seen.start, seen.end)
+    figure.align_ylabels()
+    notes = [selection_note(len(shown), total)]
+    if len(shown) == 1:
+        notes.append(_summary(dataset, shown[0]))
+    notes.append(seen.note)
+    headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
+    if len(shown) > 1:
+        legend_beside(figure, grid[len(grounds)], columns=_columns(shown))
+    return figure
+
+
+def _panels(dataset: xarray.Dataset, positions: list[Position]) -> list[tuple[float, Fill]]:
+    """Heights of the panels of the response, and what draws them."""
+    crowded = len(positions) > _RATES_UP_TO
+    slides = any(sliding_speed(dataset, position).any() for position in positions)
+    turns = any(np.nan_to_num(values_at(dataset, "theta", position)).any() for position in positions)
+    if not slides:
+        return [(1.6, _rotation)] if crowded else [(1.0, _rotation), (0.75, _rate)]
+    if not turns:
+        return [(1.6 if crowded else 1.2, _slide)]
+    return [(1.3, _rotation), (1.1, _slide)] if crowded else [(1.0, _rotation), (0.85, _slide), (0.75, _rate)]
+
+
+def _alike(panels: list[Axes]) -> None:
+    """The same scale for all panels of one quantity."""
+    if len({axes.get_ylabel() for axes in panels}) == 1:
+        limits = np.array([axes.get_ylim() for axes in panels])
+        for axes in panels:
+            axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
+
+
+def _columns(shown: list[Shown]) -> int:
+    longest = max(len(re.sub(r"\\[a-z]+|[$,]", "", case.label)) for case in shown)
+    most = max(1, min(len(shown), 4, int(125 / (longest + 14))))
+    rows = -(-len(shown) // most)
+    return -(-len(shown) // rows)
+
+
+def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:
+    low, high = 0.0, 0.0
+    marks = [_marked_impacts(dataset, case, seen) for case in shown]
+    marked = len(shown) <= _IMPACTS_UP_TO and sum(len(mark) for mark in marks) <= MOST_IMPACTS
+    for number, case in enumerate(shown):
+        colour = COLOURS[number]
+        response = response_of(dataset, case.position)
+        ended = outcome_at(dataset, case.position).startswith("overturned")
+        axes.plot(response.time, response.ratio, color=colour, label=_label(dataset, case), zorder=3)
+        if marked:
+            impacts = marks[number]
+            axes.plot(impacts, np.zeros_like(impacts), "o", color=colour, markersize=2.6, markeredgewidth=0.0, zorder=4)
+        reach = np.clip(response.ratio, -SHOWN_UP_TO, SHOWN_UP_TO) if ended else response.ratio
+        low = min(low, float(np.nanmin(reach, initial=0.0)))
+        high = max(high, float(np.nanmax(reach, initial=0.0)))
+    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    margin = _limits(axes, low, high)
+    for level in (-1.0, 1.0):
+        if low - margin < level < high + margin:
+            axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
+    axes.set_ylabel(r"$\theta/\alpha$")
+
+
+def _label(dataset: xarray.Dataset, case: Shown) -> str:
+    """A case in the legend, with what became of it unless it rocks or stays at rest."""
+    fate = outcome_at(dataset, case.position)
+    if fate.startswith("overturned"):
+        return f"{case.label} (overturns)"
+    return f"{case.label} ({fate})" if fate in ("failed", "unresolved", "sliding") else case.label or "response"
+
+
+def _slide(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:
+    low, high = 0.0, 0.0
+    time = dataset["time"].values
+    for number, case in enumerate(shown):
+        u = values_at(dataset, "slide", case.position)
+        axes.plot(time, u, color=COLOURS[number], label=_label(dataset, case), zorder=3)
+        low, high = min(low, float(np.nanmin(u, initial=0.0))), max(high, float(np.nanmax(u, initial=0.0)))
+    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    _limits(axes, low, high)
+    axes.set_ylabel("sliding " + variable_label("slide"))
+
+
+def _marked_impacts(dataset: xarray.Dataset, case: Shown, seen: Window) -> Array:
+    t, before, _ = impacts_of(dataset, case.position)
+    speed = np.abs(before)
+    return t[(speed >= _SLOW * float(np.max(speed, initial=0.0))) & (t >= seen.start) & (t <= seen.end)]
+
+
+def _rate(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:
+    low, high = 0.0, 0.0
+    for number, case in enumerate(shown):
+        response = response_of(dataset, case.position)
+        rate = response.theta_dot
+        axes.plot(response.time, rate, color=COLOURS[number], zorder=3)
+        near = np.isfinite(rate) & (np.abs(response.ratio) <= SHOWN_UP_TO)
+        low = min(low, float(np.min(rate, where=near, initial=0.0)))
+        high = max(high, float(np.max(rate, where=near, initial=0.0)))
+    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    _limits(axes, low, high)
+    axes.set_ylabel(r"$\dot\theta$" + unit_in_brackets("rad s-1"))
+
+
+def _limits(axes: Axes, low: float, high: float) -> float:
+    """Room for what lies between low and high; the margin left above and below."""
+    margin = 0.08 * (high - low) or 0.1
+    axes.set_ylim(low - margin, high + margin)
+    return margin
+
+
+def _summary(dataset: xarray.Dataset, case: Shown) -> str:
+    fate = outcome_at(dataset, case.position)
+    if fate == "sliding":
+        peak, end = (number_at(dataset, name, case.position) for name in ("slide_peak", "slide_residual"))
+        return f"slides at most {peak:.3g} m, {abs(end):.3g} m in the end"
+    if fate != "rocking":
+        return fate.replace("_", " ")
+    peak = number_at(dataset, "theta_peak_over_alpha", case.position)
+    when = number_at(dataset, "t_peak", case.position)
+    impacts = number_at(dataset, "n_impacts", case.position)
+    words = rf"peak $|\theta|/\alpha$ = {peak:.4g}" + (f" at {when:.3g} s" if np.isfinite(when) else "")
+    return words + (f", {impacts:.0f} impacts" if np.isfinite(impacts) else "")

@@ -1,0 +1,114 @@
+"""Incremental dynamic analysis: peak rotation against intensity, every member of the suite and its fractiles.
+
+Overturned cases run off to the right: their curve leaves the figure along the intensity.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from rockcli.plotting.common.cases import Array, selection_note
+from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
+from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
+from rockcli.plotting.common.suite import grid_of, members_word, panels, suite_of, without_intensity
+from rockcli.plotting.kinds.map import is_log, scale_axes
+from rockcli.scene.variable import PEAK
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FRACTILES: tuple[tuple[str, str, tuple[float, ...]], ...] = (
+    ("p16", "16 %", (4, 1.5)),
+    ("p50", "median", ()),
+    ("p84", "84 %", (1.5, 1.2)),
+)
+"""End of the variable's name, word, dashes."""
+
+MEMBER, BOLD = "#B9C4CE", COLOURS[0]
+
+_BEYOND = 1.6
+"""Where overturned cases are, over the right end of the axis."""
+
+
+def without_ida(dataset: xarray.Dataset) -> str:
+    """Why a dataset cannot be drawn so; "" if it can."""
+    return without_intensity(dataset) or ("" if PEAK in dataset.variables else f"{PEAK} was not saved")
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """A panel for each point of the axes beside the suite and the intensity."""
+    suite = suite_of(dataset)
+    if suite is None or suite.along is None:
+        raise ValueError("an IDA needs an ensemble along an intensity")
+    shown, total = panels(dataset, suite)
+    rows, columns = grid_of(len(shown))
+    width = SINGLE * 1.3 if columns == 1 else DOUBLE
+    figure = new_figure(width, 1.0 + rows * (width / columns) * (0.72 if columns == 1 else 0.85))
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    intensity = axis_values(dataset, suite.along)
+    order = np.argsort(intensity)
+    right = _right(dataset)
+    for number, (case, place) in enumerate(shown):
+        axes = grid.flat[number]
+        part = dataset.isel(place)
+        members = part[PEAK].transpose(suite.axis, suite.along).values[:, order]
+        for curve in members:
+            _run(axes, curve, intensity[order], right, color=MEMBER, linewidth=0.5, alpha=0.8, zorder=1)
+        for end, _, dashes in FRACTILES:
+            curve = part[f"{PEAK}_{end}"].values[order]
+            _run(axes, curve, intensity[order], right, color=BOLD, linewidth=1.6, dashes=dashes, zorder=3)
+        if right > 1.05:
+            axes.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
+        if case.label:
+            panel_title(axes, case.label, width / columns)
+        if number + columns >= len(shown):
+            axes.set_xlabel(variable_label(PEAK))
+            axes.tick_params(labelbottom=True)
+        if number % columns == 0:
+            axes.set_ylabel(axis_label(dataset, suite.along))
+    for axes in list(grid.flat)[len(shown) :]:
+        axes.set_axis_off()
+    low = float(intensity.min())
+    grid.flat[0].set_xlim(0.0, right)
+    scale_axes(grid.flat[0], False, is_log(intensity[order]))
+    grid.flat[0].set_ylim(low if is_log(intensity[order]) else min(0.0, low), float(intensity.max()))
+    words = [Line2D([], [], color=MEMBER, linewidth=0.8, label=members_word(dataset, suite))]
+    for _, word, dashes in FRACTILES:
+        words.append(Line2D([], [], color=BOLD, linewidth=1.6, label=word))
+        if dashes:
+            words[-1].set_dashes(dashes)
+    figure.legend(handles=words, loc="outside lower center", ncols=4, columnspacing=1.4)
+    note = "; ".join(filter(None, [selection_note(len(shown), total, "panels"), "overturned cases leave to the right"]))
+    headline(figure, title_of(dataset), note)
+    return figure
+
+
+def _right(dataset: xarray.Dataset) -> float:
+    """Right end of the axis: just beyond the largest rotation that returned, at least alpha, at most 1.8 alpha."""
+    peaks = dataset[PEAK].values
+    finite = peaks[np.isfinite(peaks)]
+    return float(np.clip(1.06 * finite.max(initial=0.0), 1.1, 1.8))
+
+
+def _run(
+    axes: Axes,
+    peak: Array,
+    intensity: Array,
+    right: float,
+    *,
+    color: str,
+    linewidth: float,
+    zorder: int,
+    alpha: float = 1.0,
+    dashes: tuple[float, ...] = (),
+) -> None:
+    """One curve; what has no answer leaves a gap, what overturned runs off to the right."""
+    x = np.where(np.isposinf(peak), _BEYOND * right, peak)
+    (line,) = axes.plot(x, intensity, color=color, linewidth=linewidth, alpha=alpha, zorder=zorder)
+    if dashes:
+        line.set_dashes(dashes)

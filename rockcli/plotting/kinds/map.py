@@ -1,0 +1,175 @@
+"""Outcomes over two numeric axes: what only stands, what rocks and how far, what overturns and how."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from rockcli.plotting.common.boundaries import boundary_handles, draw_boundaries
+from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
+from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
+from rockcli.plotting.common.style import (
+    DOUBLE,
+    MOST_PANELS,
+    OUTCOME_COLOURS,
+    SINGLE,
+    headline,
+    new_figure,
+    panel_title,
+)
+from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_FEWEST_POINTS = 5
+"""Points an axis of a map needs; fewer make better curves."""
+
+_ROCKING = LinearSegmentedColormap.from_list("rocking", ["#DCECF8", "#9CC9E6", "#3C86B8", "#0B4770"])
+
+_FREQUENCIES = ("omega_p_over_p", "omega_p", "f_p", "T_p")
+
+_AMPLITUDES = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "scale")
+
+
+def plane(dataset: xarray.Dataset) -> tuple[str, str] | None:
+    """The two axes of the map, (x, y): the longest numeric ones, at equal length those of the motion.
+
+    A frequency or period lies on x, an amplitude on y; otherwise the first in `vary` is y, the last x.
+    """
+    numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= _FEWEST_POINTS]
+    if len(numeric) < 2:
+        return None
+    role = {a: str(dataset[a].attrs.get("long_name", a)).split(".")[-1] for a in numeric}
+    of_motion = (*_FREQUENCIES, *_AMPLITUDES)
+    chosen = sorted(numeric, key=lambda a: (-dataset.sizes[a], role[a] not in of_motion))[:2]
+    first, last = sorted(chosen, key=numeric.index)
+    lies = [role[a] in _FREQUENCIES for a in (first, last)]
+    stands = [role[a] in _AMPLITUDES for a in (first, last)]
+    turned = (lies[0] and not lies[1]) or (stands[1] and not stands[0])
+    return (first, last) if turned else (last, first)
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """A panel for each point of the other axes."""
+    found = plane(dataset)
+    if found is None:
+        raise ValueError("a map needs two numeric axes")
+    others = tuple(axis for axis in axes_of(dataset) if axis not in found)
+    shown, total = pick(dataset, MOST_PANELS, others)
+    columns = 1 if len(shown) == 1 else 2 if len(shown) in (2, 4) else 3
+    rows = -(-len(shown) // columns)
+    width = SINGLE * 1.3 if columns == 1 else DOUBLE
+    figure = new_figure(width, 0.95 + rows * (width / columns) * 0.8)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    peaks = _peaks(dataset)
+    norm = Normalize(0.0, 1.0, clip=True)
+    present: set[int] = set()
+    bounded: set[str] = set()
+    for number, case in enumerate(shown):
+        axes = grid.flat[number]
+        rest = {a: i for a, i in zip(axes_of(dataset), case.position, strict=True) if a in others}
+        present |= _panel(axes, dataset.isel(rest), found, norm, shaded=peaks is not None)
+        bounded |= {*draw_boundaries(axes, dataset.isel(rest), found)}
+        if case.label:
+            panel_title(axes, case.label, width / columns)
+        if number + columns >= len(shown):
+            axes.set_xlabel(axis_label(dataset, found[0]))
+            axes.tick_params(labelbottom=True)
+        if number % columns == 0:
+            axes.set_ylabel(axis_label(dataset, found[1]))
+    for axes in list(grid.flat)[len(shown) :]:
+        axes.set_axis_off()
+    used = list(grid.flat)[: len(shown)]
+    if peaks is not None and ROCKING in present:
+        beyond = "max" if peaks.max() > 1.0 else "neither"
+        bar = figure.colorbar(ScalarMappable(norm, _ROCKING), ax=used, shrink=0.9, aspect=28, pad=0.02, extend=beyond)
+        bar.set_label("rocking: " + variable_label("theta_peak_over_alpha"))
+        bar.outline.set_linewidth(0.4)
+    _legend(figure, present, bounded, shaded=peaks is not None, columns=2 if columns == 1 else 4)
+    headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
+    return figure
+
+
+def _peaks(dataset: xarray.Dataset) -> Array | None:
+    """Finite peaks that shade a map; none of a refined map, which has them beside its boundaries only."""
+    if "solved" in dataset or "theta_peak_over_alpha" not in dataset or "outcome" not in dataset:
+        return None
+    peaks = dataset["theta_peak_over_alpha"].values
+    finite = peaks[np.isfinite(peaks)]
+    return finite if finite.size else None
+
+
+def _panel(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str], norm: Normalize, *, shaded: bool) -> set[int]:
+    x, y = found
+    flags = dataset["outcome"].transpose(y, x).values
+    colours = np.empty((*flags.shape, 3))
+    for flag, name in OUTCOMES.items():
+        colours[flags == flag] = to_rgb(OUTCOME_COLOURS[name])
+    if shaded:
+        peak = dataset["theta_peak_over_alpha"].transpose(y, x).values
+        rocks = (flags == ROCKING) & np.isfinite(peak)
+        colours[rocks] = _ROCKING(norm(peak[rocks]))[:, :3]
+    values = [axis_values(dataset, axis) for axis in found]
+    logs = [is_log(v) for v in values]
+    edges = [_edges(v, log=log) for v, log in zip(values, logs, strict=True)]
+    axes.pcolormesh(edges[0], edges[1], colours, shading="flat", rasterized=True)
+    scale_axes(axes, *logs)
+    axes.set_xlim(edges[0].min(), edges[0].max())
+    axes.set_ylim(edges[1].min(), edges[1].max())
+    for spine in axes.spines.values():
+        spine.set_visible(True)
+    return {int(flag) for flag in np.unique(flags)}
+
+
+def is_log(values: Array) -> bool:
+    """Whether positive values are spaced by a factor rather than a difference."""
+    if len(values) < 3 or values.min() <= 0.0:
+        return False
+    steps, factors = np.diff(values), np.diff(np.log(values))
+    return bool(np.std(factors) * abs(np.mean(steps)) < np.std(steps) * abs(np.mean(factors)) and np.ptp(factors) < 0.3)
+
+
+def scale_axes(axes: Axes, x_log: bool, y_log: bool = False) -> None:
+    """Logarithmic axes with plain numbers on them."""
+    plain: Any = FuncFormatter(lambda value, _: f"{value:g}")
+    for log, axis, set_scale in ((x_log, axes.xaxis, axes.set_xscale), (y_log, axes.yaxis, axes.set_yscale)):
+        if log:
+            set_scale("log")
+            decades = np.log10(axis.get_data_interval()[1] / axis.get_data_interval()[0])
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.5 else (1.0,)))
+            axis.set_major_formatter(plain)
+            axis.set_minor_formatter(NullFormatter())
+
+
+def _edges(values: Array, *, log: bool) -> Array:
+    """Borders of the cells around the values."""
+    v = np.log(values) if log else values
+    middle = 0.5 * (v[1:] + v[:-1])
+    edges = np.concatenate([[v[0] - (middle[0] - v[0])], middle, [v[-1] + (v[-1] - middle[-1])]])
+    return np.asarray(np.exp(edges) if log else edges)
+
+
+def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, columns: int) -> None:
+    flags = [flag for flag in OUTCOMES if flag in present and not (shaded and flag == ROCKING)]
+    flags.sort(key=lambda flag: flag < NO_UPLIFT)
+    patches = [
+        Patch(facecolor=OUTCOME_COLOURS[OUTCOMES[f]], edgecolor="#666666", linewidth=0.4, label=_words(f))
+        for f in flags
+    ]
+    handles: list[Artist] = [*patches, *boundary_handles(bounded)]
+    if handles:
+        look = (min(len(patches), columns), 1.2) if not bounded else (2, 2.2)
+        figure.legend(handles=handles, loc="outside lower center", ncols=look[0], handlelength=look[1])
+
+
+def _words(flag: int) -> str:
+    return OUTCOMES[flag].replace("_", " ")

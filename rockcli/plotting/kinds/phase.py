@@ -1,0 +1,113 @@
+"""Phase portrait: rate of rotation against rotation, impacts as jumps, with the separatrix of free rocking."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.plotting.common.cases import Array, outcome_at, pick, reference_words, selection_note
+from rockcli.plotting.common.labels import title_of
+from rockcli.plotting.common.response import Response, edges, impacts_of, response_of
+from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_PANELS, QUIET, SINGLE, headline, new_figure, panel_title
+from rockcli.scene.block import LEFT, RIGHT
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_ACROSS, _UP = r"$\theta/\alpha$", r"$\dot\theta/(p\,\alpha)$"
+
+_GREY = "#B9B9B9"
+
+_DOTS: Any = (0, (1, 1))
+
+_WIDE = 0.5
+"""Reach from which the whole separatrix is shown."""
+
+_SHOWN_UP_TO = 1.6
+"""|theta|/alpha beyond which an overturning body is no longer followed."""
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """One panel per case, theta_dot/(p alpha) against theta/alpha."""
+    shown, total = pick(dataset, MOST_PANELS)
+    columns = 1 if len(shown) == 1 else 2 if len(shown) in (2, 4) else 3
+    rows = -(-len(shown) // columns)
+    width = SINGLE * 1.25 if columns == 1 else DOUBLE
+    figure = new_figure(width, 0.7 + rows * (width / columns) * 0.86)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    reach = np.zeros(2)
+    fates = []
+    for number, case in enumerate(shown):
+        axes = grid.flat[number]
+        reach = np.maximum(reach, _portrait(axes, dataset, case.position, width=0.9 if len(shown) == 1 else 0.6))
+        if case.reference is not None:
+            _portrait(axes, dataset, case.reference, width=0.6, quiet=True)
+        fate = outcome_at(dataset, case.position).replace("_", " ")
+        fates.append("" if fate == "rocking" else fate)
+        if len(shown) > 1:
+            panel_title(axes, ", ".join(part for part in (case.label, fates[-1]) if part), width / columns)
+    for axes in list(grid.flat)[len(shown) :]:
+        axes.set_axis_off()
+    wide = bool(reach.max() > _WIDE)
+    across = 1.08 * max(reach[0], 1.0 if wide else 0.01)
+    for number, case in enumerate(shown):
+        axes = grid.flat[number]
+        _separatrix(axes, edges(dataset, "alpha", case.position), across)
+        axes.tick_params(labelbottom=number + columns >= len(shown))
+    grid.flat[0].set_xlim(-across, across)
+    up = 1.08 * max(reach[1], 1.0 if wide else 0.01)
+    grid.flat[0].set_ylim(-up, up)
+    alone = grid.flat[0] if len(shown) == 1 else None
+    if alone is not None:
+        alone.set_xlabel(_ACROSS)
+        alone.set_ylabel(_UP)
+    else:
+        figure.supxlabel(_ACROSS, fontsize=9.0)
+        figure.supylabel(_UP, fontsize=9.0)
+    notes = [
+        fates[0] if alone is not None else "",
+        selection_note(len(shown), total),
+        "dotted: impacts" if reach.max() > 0.0 else "",
+        "dashed: separatrix of free rocking" if wide else "",
+        f"grey: {reference_words(dataset)}" if any(case.reference for case in shown) else "",
+    ]
+    headline(figure, title_of(dataset), "; ".join(note for note in notes if note), over=alone)
+    return figure
+
+
+def _portrait(axes: Axes, dataset: xarray.Dataset, at: tuple[int, ...], width: float, quiet: bool = False) -> Array:
+    """Draw one case, in grey if `quiet`; how far it reaches, (theta/alpha, theta_dot/(p alpha))."""
+    response = response_of(dataset, at, apart=True)
+    x, y = response.ratio, response.rate
+    axes.plot(x, y, color=_GREY if quiet else COLOURS[0], linewidth=width, zorder=2 if quiet else 3)
+    if not quiet:
+        gaps = _jumps(dataset, at, response)
+        axes.vlines(x[gaps - 1], y[gaps - 1], y[gaps + 1], color=COLOURS[1], linewidth=1.0, linestyles=_DOTS, zorder=4)
+        if np.isfinite(x[0]) and abs(x[0]) + abs(y[0]) > 0.0:
+            axes.plot(x[0], y[0], "o", color=COLOURS[0], markersize=3.5, zorder=5)
+    inside = np.isfinite(x) & np.isfinite(y)
+    if outcome_at(dataset, at).startswith("overturned"):
+        inside &= np.abs(x) <= _SHOWN_UP_TO
+    return np.array([np.abs(x[inside]).max(initial=0.0), np.abs(y[inside]).max(initial=0.0)])
+
+
+def _jumps(dataset: xarray.Dataset, at: tuple[int, ...], response: Response) -> NDArray[np.intp]:
+    """Where a response jumps: the gaps between the two points of its impacts."""
+    known = impacts_of(dataset, at)[0]
+    gaps = np.flatnonzero(np.isnan(response.rate[1:-1])) + 1
+    return gaps[np.isin(response.time[gaps], known) & ~np.isnan(response.rate[gaps - 1] + response.rate[gaps + 1])]
+
+
+def _separatrix(axes: Axes, alpha: Array, reach: float) -> None:
+    """The free motions that end in the unstable equilibria, |theta_dot| = 2 p |sin((alpha - |theta|)/2)|, by side."""
+    q = np.linspace(0.0, reach, 201)
+    for side, of_side in ((-1.0, alpha[LEFT]), (1.0, alpha[RIGHT])):
+        rate = 2.0 * np.sin(0.5 * of_side * (1.0 - q)) / of_side
+        for sign in (-1.0, 1.0):
+            axes.plot(side * q, sign * rate, color=QUIET, linewidth=0.7, dashes=(4, 2), zorder=1)
+    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    axes.axvline(0.0, color=QUIET, linewidth=0.4, zorder=0)

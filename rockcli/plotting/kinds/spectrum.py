@@ -1,0 +1,223 @@
+"""Rocking spectra: peaks against 2 pi/p, the size of the body as a period; of one motion, or of a suite.
+
+Overturned cases run off at the top.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note, thresholds_in
+from rockcli.plotting.common.labels import shown_unit, title_of, unit_in_brackets, variable_label
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    MOST_COLUMNS,
+    MOST_CURVES,
+    QUIET,
+    SINGLE,
+    headline,
+    legend_beside,
+    new_figure,
+    panel_title,
+)
+from rockcli.plotting.common.suite import members_word, suite_of
+from rockcli.plotting.kinds.ida import BOLD, FRACTILES, MEMBER
+from rockcli.plotting.kinds.map import is_log, scale_axes
+from rockcli.scene.thresholds import BELOW, BRACKETED, FOUND
+from rockcli.scene.variables import VARIABLES
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Order = NDArray[np.intp]
+
+_FEWEST_SIZES = 3
+
+_BEYOND = 2.0
+"""Where overturned cases are, over the top of the axis."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A quantity of the spectrum: the variable, its label, whether it is divided by p, and the unit of the label."""
+
+    name: str
+    label: str
+    over_p: bool = False
+    unit: float = 1.0
+
+
+_ROWS: tuple[Row, ...] = (
+    Row("theta_peak_over_alpha", variable_label("theta_peak_over_alpha")),
+    Row("theta_dot_peak", r"$|\dot\theta|_{\mathrm{max}}/p$ [rad]", over_p=True),
+    Row("u_top_peak", variable_label("u_top_peak")),
+)
+
+
+def size_axis(dataset: xarray.Dataset) -> str | None:
+    """The numeric axis along which p changes; None if there is none, or more than one."""
+    if "p" not in dataset.variables:
+        return None
+    along = [a for a in axes_of(dataset) if a in dataset["p"].dims]
+    single = len(along) == 1 and is_numeric(dataset, along[0]) and dataset.sizes[along[0]] >= _FEWEST_SIZES
+    return along[0] if single else None
+
+
+def without_spectrum(dataset: xarray.Dataset) -> str:
+    """Why a dataset cannot be drawn so; "" if it can."""
+    if size_axis(dataset) is None:
+        return "p changes along no axis of numbers, or along several (vary: block.R, at least three sizes)"
+    return "" if _rows(dataset) else "none of theta_peak_over_alpha, theta_dot_peak, u_top_peak was saved"
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """Rows of quantities; of a suite a column for each point of the other axes, else a curve."""
+    axis = size_axis(dataset)
+    if axis is None:
+        raise ValueError("a rocking spectrum needs an axis of sizes")
+    period = 2.0 * np.pi / dataset["p"].values
+    order = np.argsort(period)
+    suite = suite_of(dataset)
+    return _of_cases(dataset, axis, period, order) if suite is None else _of_suite(dataset, axis, period, order)
+
+
+def _rows(dataset: xarray.Dataset) -> list[Row]:
+    """Peaks that were saved; what a search found (`find: overturning`), which has no peaks."""
+    sought = [str(name) for name in dataset.data_vars if str(name).endswith(FOUND)]
+    found = []
+    for name in sought:
+        divisor, unit = shown_unit(dataset, name)
+        found.append(Row(name, found_label(name, unit), unit=divisor))
+    return [*(row for row in _ROWS if row.name in dataset.variables), *found]
+
+
+def found_label(name: str, unit: str) -> str:
+    """Label of the lowest value of a range at which a case overturns."""
+    words = name.removesuffix(FOUND).rsplit("motion_record_", 1)[-1].rsplit("motion_pulse_", 1)[-1]
+    symbol = VARIABLES[words].symbol if words in VARIABLES else words.replace("_", " ")
+    return f"lowest overturning {symbol}{unit_in_brackets(unit)}"
+
+
+def _of_cases(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -> Figure:
+    rows = _rows(dataset)
+    every = axes_of(dataset)
+    others = tuple(name for name in every if name != axis)
+    shown, total = pick(dataset, MOST_CURVES, others)
+    figure = new_figure(SINGLE * 1.3, 0.9 + 1.75 * len(rows))
+    grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, row in zip(grid, rows, strict=True):
+        curves = []
+        for case in shown:
+            place = {a: i for a, i in zip(every, case.position, strict=True) if a in others}
+            curves.append(_values(dataset.isel(place), row, row.name)[order])
+        top = _top(row, curves)
+        for number, (case, curve) in enumerate(zip(shown, curves, strict=True)):
+            _run(axes, period[order], curve, top, color=COLOURS[number], label=case.label)
+        _finish(axes, row, top)
+        axes.set_ylabel(row.label)
+    _periods(grid[-1], period[order])
+    note = "; ".join(filter(None, [selection_note(len(shown), total, "curves"), _leaving(dataset, rows)]))
+    headline(figure, title_of(dataset), note)
+    if len(shown) > 1:
+        longest = max(len(case.label) for case in shown)
+        legend_beside(figure, grid[0], columns=3 if longest < 20 else 2 if longest < 34 else 1)
+    return figure
+
+
+def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -> Figure:
+    suite = suite_of(dataset)
+    assert suite is not None
+    rows = _rows(dataset)
+    every = axes_of(dataset)
+    others = tuple(name for name in every if name not in (axis, suite.axis))
+    shown, total = pick(dataset, MOST_COLUMNS, others)
+    columns = len(shown)
+    width = SINGLE * 1.3 if columns == 1 else DOUBLE
+    figure = new_figure(width, 1.0 + 1.75 * len(rows))
+    grid = figure.subplots(len(rows), columns, sharex=True, sharey="row", squeeze=False)
+    for line, row in zip(grid, rows, strict=True):
+        parts = [
+            dataset.isel({a: i for a, i in zip(every, case.position, strict=True) if a in others}) for case in shown
+        ]
+        members = [_values(part.transpose(suite.axis, axis, ...), row, row.name)[:, order] for part in parts]
+        high = [_values(part, row, f"{row.name}_p84")[order] for part in parts]
+        top = _top(row, members, high)
+        for axes, part, curves in zip(line, parts, members, strict=True):
+            for curve in curves:
+                _run(axes, period[order], curve, top, color=MEMBER, linewidth=0.5, alpha=0.8, zorder=1)
+            for end, _, dashes in FRACTILES:
+                curve = _values(part, row, f"{row.name}_{end}")[order]
+                _run(axes, period[order], curve, top, color=BOLD, linewidth=1.6, zorder=3, dashes=dashes)
+            _finish(axes, row, top)
+        line[0].set_ylabel(row.label)
+    for axes, case in zip(grid[0], shown, strict=True):
+        if case.label:
+            panel_title(axes, case.label, width / columns)
+    for axes in grid[-1]:
+        _periods(axes, period[order])
+    words = [Line2D([], [], color=MEMBER, linewidth=0.8, label=members_word(dataset, suite))]
+    for _, word, dashes in FRACTILES:
+        words.append(Line2D([], [], color=BOLD, linewidth=1.6, label=word))
+        if dashes:
+            words[-1].set_dashes(dashes)
+    figure.legend(handles=words, loc="outside lower center", ncols=4, columnspacing=1.4)
+    note = "; ".join(filter(None, [selection_note(columns, total, "columns"), _leaving(dataset, rows)]))
+    headline(figure, title_of(dataset), note)
+    return figure
+
+
+def _leaving(dataset: xarray.Dataset, rows: list[Row]) -> str:
+    """What is not drawn as a value: cases that overturn, or of a search what lies outside its range."""
+    if not rows[0].name.endswith(FOUND):
+        return "overturned cases leave at the top"
+    state = thresholds_in(dataset, rows[0].name).state
+    words = ["what nothing in the range overturns leaves at the top"]
+    for flag, why in ((BELOW, "below the range"), (BRACKETED, "without an answer")):
+        if count := int((state == flag).sum()):
+            words.append(f"{count} of {state.size} {why}, not drawn")
+    return "; ".join(words)
+
+
+def _values(part: xarray.Dataset, row: Row, name: str) -> Array:
+    """A variable of the row, over p where it is to be."""
+    values = part[name] / row.unit
+    return np.asarray((values / part["p"] if row.over_p else values).values, dtype=float)
+
+
+def _top(row: Row, curves: list[Array], high: list[Array] | None = None) -> float:
+    """Top of the axis: above the largest that returned, but of a suite not far above its 84 % fractile."""
+    largest = _largest(curves)
+    if row.name == "theta_peak_over_alpha":
+        return float(np.clip(1.06 * largest, 1.1, 1.8))
+    return min(1.08 * largest, 1.6 * _largest(high or curves) or np.inf) or 1.0
+
+
+def _largest(curves: list[Array]) -> float:
+    return max(float(np.max(curve, where=np.isfinite(curve), initial=0.0)) for curve in curves)
+
+
+def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...] = (), **style: object) -> None:
+    """One curve; what has no answer leaves a gap, what overturned runs off at the top."""
+    (line,) = axes.plot(x, np.where(np.isposinf(y), _BEYOND * top, y), **style)  # type: ignore[arg-type]
+    if dashes:
+        line.set_dashes(dashes)
+
+
+def _finish(axes: Axes, row: Row, top: float) -> None:
+    axes.set_ylim(0.0, top)
+    if row.name == "theta_peak_over_alpha":
+        axes.axhline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
+
+
+def _periods(axes: Axes, period: Array) -> None:
+    scale_axes(axes, is_log(period))
+    axes.set_xlim(float(period.min()), float(period.max()))
+    axes.set_xlabel(r"$2\pi/p$ [s]")

@@ -1,0 +1,1 @@
+"""What several solvers need: certainty of outcomes, time steps, other programs."""

@@ -1,0 +1,258 @@
+"""The event-driven solver: exact flow between located events (docs/theory.md).
+
+Packs a batch into the parameter vectors of the kernels, runs them compiled or as plain Python, whichever
+is faster for the amount of work, and names what comes back.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli import kernels
+from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, RETURNS, UNDECIDED
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.excitation import Samples
+from rockcli.scene.models import MODELS
+from rockcli.scene.numerics import Accuracy
+from rockcli.scene.response import MAX_IMPACTS_STORED, Response
+from rockcli.solvers.common.certainty import (
+    CERTAINTY,
+    MEMBERS,
+    NO_ANSWER,
+    Judgement,
+    Nudge,
+    Traces,
+    judge,
+    nudged,
+)
+from rockcli.solvers.event import pulse_lanes as lane_pulses
+from rockcli.solvers.event import record_lanes as lane_records
+from rockcli.solvers.event.pack import channel_of, parameters_of
+from rockcli.solvers.event.sliding import with_sliding
+from rockcli.solvers.event.unpack import Raw, histories_of, scalars_of
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+MAX_STEPS = {True: 20_000_000, False: 30_000}
+"""Steps a case may take, compiled or not; a case that needs more uncompiled is solved again compiled."""
+
+METHOD = "Taylor series to order {}, events located on the polynomial"
+
+COMPILE_ABOVE = 2.0
+"""Estimated seconds of plain Python above which the kernels are compiled."""
+
+FORCES = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"})
+"""Scalars that cost a look along every step; NaN when nothing of the kind is wanted."""
+
+FINER, FINEST = 1e-3, 1e-16
+"""Where two runs part, they are solved again with this many times the tolerance, down to the finest."""
+
+NUDGE, NUDGE_OF_FINER, LARGEST_NUDGE, LEAST_NUDGE = 1e3, 10.0, 1e-5, 1e-15
+"""The motion of the second run is less by this many times the tolerance, of that beside the more accurate run by so
+many, at most and at least so much."""
+
+SAFETY, FLOOR = 200.0, 5.0
+"""The error is estimated as that of a motion known to this many times the tolerance, and so many tolerances more."""
+
+
+def solve(batch: Batch) -> Response:
+    """Solve every case of the batch with the event-driven kernels; see `Response` for what comes back.
+
+    A case that cannot be solved is `failed` with a sentence; an outcome that rounding would decide, or that differs
+    within the tolerance, is `unresolved`.
+    """
+    began = time.perf_counter()
+    level = batch.numerics.tolerances
+    parameters = parameters_of(batch)
+    pulses, records = lane_pulses.asked(batch), lane_records.asked(batch)
+    seconds = lane_pulses.SECONDS * batch.size if pulses else _estimated_seconds(batch, parameters)
+    march = kernels.load(compile_them=records or seconds > COMPILE_ABOVE)
+    in_lanes = pulses or (records and bool(kernels.compiled))
+
+    def attempt() -> Raw:
+        if in_lanes:
+            return _lanes(march, batch, parameters, level)
+        return _march(march, batch, parameters, level, histories=batch.save.histories)
+
+    run = attempt()
+    if not kernels.compiled and np.any(run.out[:, to.STATUS] == OUT_OF_STEPS):
+        march = kernels.load(compile_them=True)
+        run = attempt()  # by the same kernels, so that no case depends on those it is solved with
+
+    judgement = _judged(march, batch, parameters, level, run) if batch.save.scalars & CERTAINTY else None
+    scalars, reasons = scalars_of(batch, run)
+    if judgement is not None:
+        judgement.enter(scalars, reasons)
+    scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
+    used = {
+        "backend": "event",
+        "method": _method(pulses, in_lanes, level),
+        "rtol": repr(level.rtol),
+        "rest_speed": repr(level.rest_speed),
+    }
+    histories, impacts, t = histories_of(batch, run) if batch.save.histories else ({}, {}, np.empty(0))
+    response = Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
+    return with_sliding(batch, response, MAX_STEPS[bool(kernels.compiled)])
+
+
+def _judged(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, run: Raw) -> Judgement:
+    """What further runs show; where two part, the more accurate one takes the place of the first in `run`."""
+    finer = replace(level, rtol=max(level.rtol * FINER, FINEST))
+    peaks = replace(batch, save=replace(batch.save, histories=False, scalars=frozenset({"theta_peak"})))
+    seconds = _estimated_seconds(batch, parameters) / batch.size
+
+    def again(rows: Index, factors: Array, fine: bool) -> Traces:
+        # the same bits compiled or not, so that an ensemble may be compiled where one run was not
+        kernel = kernels.load(compile_them=bool(kernels.compiled) or seconds * len(rows) > COMPILE_ABOVE)
+        others = nudged(peaks, rows, factors)
+        return _traces(others, _march(kernel, others, parameters_of(others), finer if fine else level, histories=False))
+
+    def refine(rows: Index) -> Traces:
+        if finer.rtol < level.rtol:
+            kernel = kernels.load(compile_them=bool(kernels.compiled))
+            alone = Raw(len(rows), run.theta.shape[1], run.t_impact.shape[1])
+            detail = _detail(kernel, batch, batch.save.histories)
+            _march_rows(kernel, batch, np.ascontiguousarray(parameters[rows]), finer, alone, detail, cases=rows)
+            run.put(rows, alone)
+        return _traces(batch, run).rows(rows)
+
+    first, second = _nudge(level.rtol, NUDGE, LARGEST_NUDGE), _nudge(finer.rtol, NUDGE_OF_FINER)
+    return judge(_traces(batch, run), again, first, refine, second, max(second.size, MEMBERS * 2.0**-53))
+
+
+def _nudge(rtol: float, times: float, most: float = np.inf) -> Nudge:
+    known = max(rtol, FINEST)
+    size = max(min(times * known, most), rtol, LEAST_NUDGE)
+    return Nudge(size, SAFETY * known / size, FLOOR * known)
+
+
+def _traces(batch: Batch, run: Raw) -> Traces:
+    out, p = run.out, batch.p.min(axis=1)
+    verdict = np.select([out[:, to.FELL] == FALLS, out[:, to.FELL] == RETURNS], [FALLS, RETURNS], UNDECIDED)
+    verdict = np.where(out[:, to.STATUS] == DONE, verdict, NO_ANSWER).astype(np.int8)
+    alpha = batch.block.alpha
+    sides = np.maximum(out[:, to.PEAK_LEFT] / alpha[:, LEFT], out[:, to.PEAK_RIGHT] / alpha[:, RIGHT])
+    swings = out[:, to.SWINGS]
+    when = np.divide(out[:, to.SWINGS_T] * p, swings, out=np.zeros_like(swings), where=swings > 0.0)
+    return Traces(verdict, out[:, to.T_OVERTURN] * p, sides, swings, when)
+
+
+def _estimated_seconds(batch: Batch, parameters: Array) -> float:
+    """Rough time of plain Python for the batch [s]."""
+    pieces = 0
+    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
+        if isinstance(channel, Samples):
+            pieces += len(channel.values)
+    swings = float(np.sum(parameters[:, at.T_STOP] * batch.p.max(axis=1)))
+    passes = 2 if batch.save.scalars & CERTAINTY else 1
+    return passes * (batch.size * (0.01 + 60e-6 * pieces) + 1e-3 * swings)
+
+
+def _method(pulses: bool, in_lanes: bool, level: Accuracy) -> str:
+    if not in_lanes:
+        return METHOD.format(_order(level.rtol))
+    return lane_pulses.METHOD if pulses else lane_records.METHOD
+
+
+def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> Raw:
+    """A map of pulses or of a record in lanes; one by one those of two different edges, with a given duration or mu,
+    and those the lanes hand over."""
+    rows = np.ascontiguousarray(parameters)
+    margin, detail = _margin(level), _detail(march, batch, False)
+    compiled = bool(kernels.compiled)
+    run = Raw(batch.size, 0, 0)
+    left_edge, right_edge = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
+    fit = np.all(left_edge == right_edge, axis=1) & (rows[:, at.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
+    pulses = lane_pulses.asked(batch)
+    if not pulses:
+        fit &= lane_records.fit(batch, rows)
+    cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
+    if pulses:
+        lanes = kernels.load("lanes.pulses.march", compile_them=compiled)
+        found = lane_pulses.run(lanes, batch, rows[cases], level, margin, detail, cases)
+    else:
+        lanes = kernels.load("lanes.records.march", compile_them=compiled)
+        found = lane_records.run(lanes, batch, rows[cases], level, _order(level.rtol), margin, detail)
+    run.out[:, to.STATUS] = np.nan
+    run.out[cases] = found
+    left = np.flatnonzero(np.isnan(run.out[:, to.STATUS]))
+    if len(left):
+        alone = Raw(len(left), 0, 0)
+        _march_rows(march, batch, rows[left], level, alone, detail, cases=left)
+        run.out[left] = alone.out
+    return run
+
+
+def _margin(level: Accuracy) -> float:
+    """Distance from a separatrix, in units of rotation, below which the outcome is unresolved."""
+    return max(2e-14, 10.0 * level.rtol)
+
+
+def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, *, histories: bool) -> Raw:
+    n = batch.size
+    n_time = 0
+    if histories:
+        stop = parameters[:, at.T_STOP].max()
+        n_time = int(np.floor(stop / batch.save.dt_out * (1.0 + 1e-12))) + 1
+    run = Raw(n, n_time, MAX_IMPACTS_STORED if histories else 0)
+    _march_rows(march, batch, np.ascontiguousarray(parameters), level, run, _detail(march, batch, histories))
+    return run
+
+
+def _march_rows(
+    march: ModuleType, batch: Batch, rows: Any, level: Accuracy, run: Raw, detail: int, cases: Any = slice(None)
+) -> None:
+    """The single-body kernels for the rows of parameters of some cases of the batch, into `run`."""
+    arrays = [run.theta, run.rate, run.t_impact, run.before, run.after, run.out]
+    horizontal = channel_of(batch.excitation.horizontal, batch.size, cases)
+    vertical = channel_of(batch.excitation.vertical, batch.size, cases)
+    outputs: list[Any] = arrays
+    if not kernels.compiled:  # lists are three times faster than arrays for plain Python
+        rows = rows.tolist()
+        horizontal, vertical = _as_lists(horizontal), _as_lists(vertical)
+        outputs = [x.tolist() for x in arrays]
+    march.march_all(
+        rows,
+        MODELS[batch.model, batch.geometry].linear,
+        level.rtol,
+        level.rest_speed,
+        _margin(level),
+        MAX_STEPS[bool(kernels.compiled)],
+        _order(level.rtol),
+        detail,
+        *horizontal,
+        *vertical,
+        batch.save.dt_out,
+        *outputs,
+    )
+    if not kernels.compiled:
+        for array, output in zip(arrays, outputs, strict=True):
+            array[...] = output
+
+
+def _order(rtol: float) -> int:
+    """Order of the Taylor series: about where the cost of a step of given error per unit of time is least."""
+    return int(np.clip(round(2.0 - 1.75 * np.log10(rtol)), 8, 30))
+
+
+def _detail(march: ModuleType, batch: Batch, histories: bool) -> int:
+    """How much the kernels have to find out; a given `mu` has to be checked whatever is saved."""
+    scalars = batch.save.scalars
+    if histories or scalars & FORCES or np.isfinite(batch.block.mu).any():
+        return int(march.ALL)
+    return int(march.OUTCOME if scalars <= {"outcome", "wall_time", "reason"} else march.PEAKS)
+
+
+def _as_lists(channel: tuple[int, Any, Any, float, Any, int]) -> tuple[int, Any, Any, float, Any, int]:
+    kind, values, tail, dt, tables, pieces = channel
+    return kind, values.tolist(), tail.tolist(), dt, tables.tolist(), pieces

@@ -1,0 +1,238 @@
+"""From the raw output of the kernels to variables by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
+from rockcli.kernels.rigid import results as to
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.excitation import acceleration
+from rockcli.scene.models import MODELS
+from rockcli.scene.response import (
+    FAILED,
+    MAX_IMPACTS_STORED,
+    NO_UPLIFT,
+    OVERTURNED_AFTER_IMPACT,
+    OVERTURNED_WITHOUT_IMPACT,
+    ROCKING,
+    UNRESOLVED,
+)
+from rockcli.solvers.common.certainty import withdraw
+
+Array = NDArray[np.float64]
+
+
+class Raw:
+    """Raw output of the kernels for a batch: `out` (n, N_OUT), columns as in `kernels.rigid.layout`."""
+
+    def __init__(self, n: int, n_time: int, n_impacts: int) -> None:
+        self.out = np.zeros((n, to.N_OUT))
+        self.theta = np.full((n, n_time), np.nan)
+        self.rate = np.full((n, n_time), np.nan)
+        self.t_impact, self.before, self.after = (np.full((n, n_impacts), np.nan) for _ in range(3))
+
+    def put(self, rows: NDArray[np.int64], other: Raw) -> None:
+        """Take other runs, as large, in place of those of some cases."""
+        for name, values in vars(other).items():
+            getattr(self, name)[rows] = values
+
+
+def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
+    """Scalars by name and a sentence per case from the raw output."""
+    out = run.out
+    status, verdict = out[:, to.STATUS], out[:, to.FELL]
+    moved = np.isfinite(out[:, to.T_UPLIFT])
+    fell = verdict == FALLS
+    impacts = np.rint(out[:, to.N_IMPACTS]).astype(np.int64)
+    outcome = np.where(moved, ROCKING, NO_UPLIFT)
+    outcome = np.where(fell & (impacts == 0), OVERTURNED_WITHOUT_IMPACT, outcome)
+    outcome = np.where(fell & (impacts > 0), OVERTURNED_AFTER_IMPACT, outcome)
+    outcome = np.where(verdict == UNDECIDED, UNRESOLVED, outcome)
+    outcome = np.where(status != DONE, FAILED, outcome)
+
+    unknown = outcome < 0
+    side = out[:, to.PEAK_SIDE]
+    peak = np.where(unknown, np.nan, np.where(fell, np.inf, out[:, to.PEAK]))
+    stands = np.where(fell | ~moved | unknown, np.nan, out[:, to.T_PEAK])
+    top = batch.block.top * np.sin(np.minimum(out[:, to.PEAK], 0.5 * np.pi))
+    failed = outcome == FAILED
+
+    def known(values: Array, missing: NDArray[np.bool_] = failed) -> Array:
+        return np.where(missing, np.nan, values)
+
+    left, right, ratio = _by_side(batch, out, peak)
+    mu_required, N_min = _standing_extremes(out, fell)
+    unseen = failed | ~np.isfinite(out[:, to.N_MIN])  # forces and rates were not asked for
+    asked, nothing = batch.save.scalars, np.full(batch.size, np.nan)
+    friction = "mu_impact" in asked or bool(np.isfinite(batch.block.mu).any())
+    onto = out[:, to.ONTO_LEFT] > 0, out[:, to.ONTO_RIGHT] > 0
+
+    scalars: dict[str, NDArray[Any]] = {
+        "outcome": outcome.astype(np.int8),
+        "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, side)),
+        "theta_peak_left": left,
+        "theta_peak_right": right,
+        "theta_peak_over_alpha": ratio,
+        "theta_dot_peak": known(np.where(fell, np.inf, out[:, to.RATE_PEAK]), unknown | unseen),
+        "u_top_peak": known(np.where(fell, np.inf, top), unknown),
+        "t_peak": stands,
+        "t_uplift": known(out[:, to.T_UPLIFT]),
+        "t_overturn": np.where(fell & ~failed, out[:, to.T_OVERTURN], np.nan),
+        "t_end": known(out[:, to.T_END]),
+        "n_impacts": impacts,
+        "mu_required": known(mu_required, unseen),
+        "mu_impact": known(_impact_friction(batch, *onto)) if friction else nothing,
+        "N_min_over_mg": known(N_min, unseen),
+        "energy_residual": known(_over(out[:, to.ENERGY], _barrier(batch)), unseen)
+        if "energy_residual" in asked
+        else nothing,
+        "n_steps": np.rint(out[:, to.N_STEPS]).astype(np.int64),
+        "n_rhs": np.rint(out[:, to.N_STEPS]).astype(np.int64),  # a step is one expansion
+    }
+    return scalars, _reasons(batch, scalars, out)
+
+
+def _by_side(batch: Batch, out: Array, peak: Array) -> tuple[Array, Array, Array]:
+    """Largest |theta| to the left and to the right, NaN for symmetric bodies, and the larger |theta|/alpha, (n,) each.
+
+    `peak`: the largest |theta|, inf overturned, NaN unknown.
+    """
+    symmetric, alpha, side = batch.block.symmetric, batch.block.alpha, out[:, to.PEAK_SIDE]
+    ratio, nothing = peak / out[:, to.PEAK_ALPHA], np.full(batch.size, np.nan)
+    if symmetric.all():
+        return nothing, nothing, ratio
+    left, right = (
+        np.where(symmetric | np.isnan(peak), np.nan, np.where(np.isinf(peak) & (side == sign), np.inf, out[:, column]))
+        for sign, column in ((-1.0, to.PEAK_LEFT), (1.0, to.PEAK_RIGHT))
+    )
+    larger = np.maximum(left / alpha[:, LEFT], right / alpha[:, RIGHT])
+    return left, right, np.where(symmetric, ratio, larger)
+
+
+def _standing_extremes(out: Array, fell: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Largest friction and smallest normal force of the report, (n,).
+
+    Of a body that falls they end at its last outward passage of the equilibrium.
+    What it needs on its way to the ground says nothing about how it got there.  NaN for one that falls from beyond the
+    equilibrium at once: it never stood.
+    """
+    passed = fell & (out[:, to.T_OVERTURN] <= out[:, to.T_END])
+    never = passed & (out[:, to.T_OVERTURN] == 0.0)
+    both = ((to.MU, to.MU_STANDING), (to.N_MIN, to.N_STANDING))
+    mu, normal = (np.where(never, np.nan, np.where(passed, out[:, up_to], out[:, all_])) for all_, up_to in both)
+    return mu, normal
+
+
+def _over(energy: Array, barrier: Array) -> Array:
+    """energy/barrier; of a body too slender for its barrier to be a number, 0."""
+    return np.asarray(np.divide(energy, barrier, out=np.zeros_like(energy), where=barrier > 0.0))
+
+
+def _impact_friction(batch: Batch, onto_left: NDArray[np.bool_], onto_right: NDArray[np.bool_]) -> Array:
+    """Largest ratio of the impulses at an impact, h (1 - eta)/(b_i + eta b_j) from edge i onto j, (n,)."""
+    block, eta = batch.block, batch.damping.eta
+    ratio = block.h[:, None] * (1.0 - eta) / (block.b[:, ::-1] + eta * block.b)
+    happened = np.column_stack([onto_left, onto_right])
+    return np.asarray(np.max(np.where(happened, ratio, 0.0), axis=1))
+
+
+def _barrier(batch: Batch) -> Array:
+    """Energy from upright to the unstable equilibrium of the weak edge, over m g, (n,) [m]."""
+    model = MODELS[batch.model, batch.geometry]
+    law = model.law(batch.block.alpha, batch.block.tan_alpha)
+    q = np.minimum(law.q_star, np.pi)
+    if model.linear:
+        energy = q * (law.r0 + 0.5 * law.rs * q)
+    else:
+        energy = law.r0 * q + 2.0 * law.rs * np.sin(0.5 * q) ** 2 + law.rc * np.sin(q)
+    return batch.block.of_weak_edge(batch.block.R * energy)
+
+
+def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list[str]:
+    status = out[:, to.STATUS]
+    reasons = [""] * batch.size
+    outcome, mu = scalars["outcome"], batch.block.mu
+    needs = np.fmax(scalars["mu_required"], scalars["mu_impact"])
+    with np.errstate(invalid="ignore"):
+        slides = needs > mu  # False where no mu is given
+        lifts = scalars["N_min_over_mg"] <= 0.0
+    # with a mu the question is what the body does; without, it cannot slide, and lifting is a remark
+    refused = (slides | (lifts & np.isfinite(mu))) & (outcome >= NO_UPLIFT)
+    withdraw(scalars, refused)
+    many = scalars["n_impacts"] > MAX_IMPACTS_STORED if batch.save.histories else np.zeros(batch.size, bool)
+    for i in np.flatnonzero((outcome < 0) | slides | lifts | many):
+        said = []
+        if status[i] == OUT_OF_STEPS:
+            said.append(f"gave up after {scalars['n_steps'][i]} steps at t = {out[i, to.T_END]:.6g} s")
+        elif status[i] != DONE:
+            said.append("the solution ceased to be finite: check the motion and the block for extreme numbers")
+        elif outcome[i] == UNRESOLVED and not refused[i]:
+            said.append("on the separatrix within rounding: whether it overturns cannot be told in double precision")
+        if slides[i]:
+            words = "at an impact" if scalars["mu_impact"][i] > mu[i] else "while it rocks or before"
+            said.append(f"needs mu = {needs[i]:.3g}: it would slide {words}, which is not simulated")
+        if lifts[i]:
+            said.append("the normal force vanishes: the body would leave the ground, which is not simulated")
+        if many[i]:
+            said.append(f"of its impacts the first {MAX_IMPACTS_STORED} are stored")
+        reasons[i] = "; ".join(said)
+    return reasons
+
+
+def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
+    written = np.isfinite(run.theta).any(axis=0)
+    n_time = int(np.flatnonzero(written)[-1]) + 1 if written.any() else 1
+    theta, rate = run.theta[:, :n_time], run.rate[:, :n_time]
+    t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
+    live = np.isfinite(theta)
+    shaken = np.empty((2, batch.size, n_time))
+    for j, channel in enumerate((batch.excitation.horizontal, batch.excitation.vertical)):
+        for i in range(batch.size):
+            shaken[j, i] = acceleration(channel, t, i)
+    duration = batch.excitation.duration[:, None]
+    with np.errstate(invalid="ignore"):
+        shaken[:, np.broadcast_to(t, theta.shape) > duration] = 0.0
+    a_g, a_v = (np.where(live, a, np.nan) for a in shaken)
+
+    block, q = batch.block, np.abs(theta)
+    top = block.top[:, None]
+    histories = {
+        "theta": theta,
+        "theta_dot": rate,
+        "a_g": a_g,
+        "a_v": a_v,
+        "u_top": top * np.sin(theta),
+        "v_top": -top * (1.0 - np.cos(theta)),
+        "M_base": _base_moment(batch, theta, q, a_g, a_v),
+    }
+    stored = np.isfinite(run.t_impact).any(axis=0)
+    n_impacts = int(stored.sum())
+    impacts = {
+        "t_impact": run.t_impact[:, :n_impacts],
+        "theta_dot_before": run.before[:, :n_impacts],
+        "theta_dot_after": run.after[:, :n_impacts],
+    }
+    return histories, impacts, t
+
+
+def _base_moment(batch: Batch, theta: Array, q: Array, a_g: Array, a_v: Array) -> Array:
+    """Moment of the base opposing theta: restoring moment while rocking, -m a_g h at rest, (n, k)."""
+    model = MODELS[batch.model, batch.geometry]
+    block = batch.block
+    law = model.law(block.alpha, block.tan_alpha)
+
+    def of_side(both: Array) -> Array:
+        return np.where(theta > 0.0, both[:, RIGHT, None], both[:, LEFT, None])
+
+    r0, rs, rc, R = (of_side(x) for x in (law.r0, law.rs, law.rc, block.R))
+    shape = r0 + rs * q if model.linear else r0 + rs * np.sin(q) + rc * np.cos(q)
+    rocking = np.sign(theta) * R * (batch.g[:, None] + a_v) * shape
+    moment = np.where(theta == 0.0, -a_g * block.h[:, None], rocking)
+    mass = np.where(np.isfinite(block.mass), block.mass, 1.0)
+    return np.asarray(moment * mass[:, None])

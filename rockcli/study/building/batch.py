@@ -1,0 +1,320 @@
+"""From the numbers of a batch of cases to the batch that a solver takes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.auto import AUTO, TOLERANCE
+from rockcli.scene.batch import Batch, Save
+from rockcli.scene.block import RECTANGLE_INERTIA, Block, housner_eta
+from rockcli.scene.column import Base, Column
+from rockcli.scene.contact import slides_first
+from rockcli.scene.damping import DASHPOT, Damping, Fema356, dashpot_rate
+from rockcli.scene.excitation import Excitation
+from rockcli.scene.models import CONTINUUM, DEFORMABLE
+from rockcli.scene.numerics import Numerics
+from rockcli.scene.spectra import SPECTRA, DesignSpectrum
+from rockcli.study.building.ground_motion import build_excitation
+from rockcli.study.building.numbers import Numbers
+from rockcli.study.building.records import Records
+from rockcli.study.document.tree import Keys, value_at
+from rockcli.study.features import BACKENDS, DAMPING, SCHEME_KEYS, available, model_and_geometry
+from rockcli.study.unused import unused_solver_keys
+
+Array = NDArray[np.float64]
+
+FEMA356_IS_POOR = (
+    "damping fema356 is an equivalent linear method known to be poor (on the source's pulses its peaks are off by "
+    "-43 to +66 %, docs/fema356.md): it is offered for comparison"
+)
+
+STRONGEST_DAMPER = 1e4
+"""Base damper above which a case is refused, c/(I_O p)."""
+
+LEAST_RTOL = {"event": 1e-16, "scipy": 2.5e-14}
+"""Smallest tolerance that a backend can keep to."""
+
+CLAMPED = "Housner's eta is negative (tan alpha > sqrt 2 for a rectangle): taken as 0, the body stops at the impact"
+
+
+def build_batch(numbers: Numbers, records: Records, save: Save) -> Batch:
+    """The batch of these numbers.
+
+    Raises:
+        StudyError, RecordError: a case cannot be built, or asks for what this version cannot solve.
+    """
+    # overflow and its kin are found as values that are not finite
+    with np.errstate(all="ignore"):
+        return _built(numbers, records, save)
+
+
+def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
+    warnings: list[str] = []
+    model, geometry = model_and_geometry(numbers.source, numbers.tree)
+    numerics = _numerics(numbers)
+    g = numbers.array(numbers.g)
+    block = numbers.block
+    p = block.p(g)
+    numbers.require(("case", "g"), (p > 0.0) & (p < np.inf), "g and the block give no finite p")
+    damping = _damping(numbers, warnings)
+    excitation = build_excitation(numbers, records, warnings)
+    theta_0, theta_dot_0 = _initial(numbers)
+    if damping.fema356 is not None:
+        warnings += _fema356_warnings(
+            numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
+        )
+    warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
+    solver = numbers.tree["case"].get("solver") or {}
+    warnings += unused_solver_keys(solver, numerics.backend, model, damping.scheme)
+    column, base = _column(numbers, model), _base(numbers, model)
+    if model == CONTINUUM and damping.scheme not in ("none", "hht"):
+        numbers.fail(("case", "damping"), "model continuum loses energy by itself: damping must be none or hht")
+    return Batch(
+        g=g,
+        block=block,
+        excitation=excitation,
+        theta_0=theta_0,
+        theta_dot_0=theta_dot_0,
+        model=model,
+        geometry=geometry,
+        damping=damping,
+        numerics=numerics,
+        save=save,
+        warnings=tuple(dict.fromkeys(warnings)),
+        column=column,
+        base=base,
+        tolerance=_tolerance(numbers, numerics, damping) if model == AUTO else None,
+    )
+
+
+def _tolerance(numbers: Numbers, numerics: Numerics, damping: Damping) -> Array:
+    """The error of theta_peak/alpha that model auto may make, (n,).
+
+    Raises:
+        StudyError: not between 0 and 1, or auto is asked for what none of its models does.
+    """
+    keys: Keys = ("case", "model", "tolerance")
+    tolerance = numbers.positive(keys)
+    numbers.require(keys, tolerance is None or np.less_equal(tolerance, 1.0), "must be at most 1 (of theta/alpha)")
+    if damping.scheme not in ("none", "restitution"):
+        numbers.fail(("case", "damping"), "model auto chooses among models with damping restitution or none")
+    if numerics.backend not in ("auto", "event"):
+        numbers.fail(("case", "solver", "backend"), "model auto is solved by backend event")
+    return numbers.array(TOLERANCE if tolerance is None else tolerance)
+
+
+def _column(numbers: Numbers, model: str) -> Column | None:
+    """The column of the flexible model, or the mesh of model 4 in finite-element backends; others have none."""
+    keys: Keys = ("case", "column")
+    given = numbers.tree["case"].get("column")
+    if model == "4" and given:
+        unknown = numbers.array(np.nan)
+        return Column(unknown, unknown, unknown, int(given.get("elements") or 5), given.get("mass") or "consistent")
+    if model not in DEFORMABLE and not (model == AUTO and given):
+        return None
+    if not given or given.get("E") is None or given.get("rho") is None:
+        needs = f"model {model} needs a column with E and rho: {{E: 30*GPa, rho: 2500}}"
+        numbers.fail(keys if given else ("case",), needs)
+    E, rho, zeta = numbers.positive((*keys, "E")), numbers.positive((*keys, "rho")), numbers.value((*keys, "zeta"))
+    assert E is not None
+    assert rho is not None
+    if zeta is not None:
+        numbers.require((*keys, "zeta"), np.greater_equal(zeta, 0.0), "must not be negative")
+    numbers.require(("case", "block", "b"), numbers.block.symmetric, "the flexible column is symmetric; give one b")
+    rectangle = np.abs(numbers.block.inertia - RECTANGLE_INERTIA) < 1e-12
+    numbers.require(("case", "block"), rectangle, "the flexible column is a rectangle; inertia and r_g do not apply")
+    return Column(
+        E=numbers.array(E),
+        rho=numbers.array(rho),
+        zeta=numbers.array(0.0 if zeta is None else zeta),
+        elements=int(given.get("elements") or (0 if model == CONTINUUM else 5)),
+        mass=given.get("mass") or "consistent",
+        across=int(given.get("across") or 4),
+    )
+
+
+def _base(numbers: Numbers, model: str) -> Base | None:
+    """What the body stands on; None is the rigid base."""
+    keys: Keys = ("case", "base")
+    given = numbers.tree["case"].get("base") or {}
+    if (given.get("law") or "rigid") == "rigid":
+        if given.get("kw") is not None:
+            numbers.fail((*keys, "kw"), "belongs to base law winkler")
+        return None
+    scheme = (numbers.tree["case"].get("damping") or {}).get("scheme")
+    if model == AUTO and not numbers.tree["case"].get("column"):
+        numbers.fail(keys, "a winkler base needs a column beside it: {E: 30*GPa, rho: 2500}")
+    if model not in (*DEFORMABLE, AUTO) and not (model == "4" and scheme == "hht"):
+        models = ", ".join(DEFORMABLE)
+        numbers.fail((*keys, "law"), f"winkler is a base of models {models}, or of model 4 with damping hht")
+    kw = numbers.positive((*keys, "kw"))
+    if kw is None:
+        numbers.fail(keys, "base law winkler needs kw [N/m^3]")
+    fibres = given.get("fibres")
+    return Base("winkler", numbers.array(kw), None if fibres is None else int(fibres))
+
+
+def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[str]:
+    """Sentences where a model is asked for what it does not describe (2.10), [1.8]."""
+    said = []
+    if geometry == "corotational" and model in ("2", "3"):
+        if (block.tan_alpha > 1.0).any():
+            said.append(f"model {model} (corotational) never overturns for tan alpha > 1, as the block does (2.10)")
+        if (block.tan_alpha <= 1.0).any():
+            said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
+    if slides_first(block.mu[:, None], block.tan_alpha).any():
+        who = f"is not in model {model}" if model in DEFORMABLE else "from rest in backend event only"
+        said.append(f"mu <= tan alpha: the body slides before it rocks [1.8]; simulated {who}")
+    return said
+
+
+def _initial(numbers: Numbers) -> tuple[Array, Array]:
+    keys: Keys = ("case", "initial")
+    theta, theta_dot = numbers.value((*keys, "theta")), numbers.value((*keys, "theta_dot"))
+    if theta is not None:
+        numbers.require((*keys, "theta"), np.abs(theta) < 0.5 * np.pi, "must be between -pi/2 and pi/2 (radians)")
+    return numbers.array(0.0 if theta is None else theta), numbers.array(0.0 if theta_dot is None else theta_dot)
+
+
+def _damping(numbers: Numbers, warnings: list[str]) -> Damping:
+    keys: Keys = ("case", "damping")
+    given = {key: value for key, value in (numbers.tree["case"].get("damping") or {}).items() if value is not None}
+    scheme = available(numbers.source, numbers.tree, keys, given.get("scheme", "restitution"), DAMPING, "damping")
+    for key in given:
+        if key != "scheme" and key not in SCHEME_KEYS[scheme]:
+            numbers.fail((*keys, key), f"is no key of the damping scheme {scheme}")
+    if scheme == "none":
+        return Damping(scheme, np.ones((numbers.n, 2)))
+    if scheme == "dashpot":
+        coefficient = numbers.value((*keys, "coefficient"))
+        if coefficient is None:
+            coefficient = DASHPOT
+        numbers.require((*keys, "coefficient"), np.greater_equal(coefficient, 0.0), "must not be negative")
+        _not_overdamped(numbers, (*keys, "coefficient"), numbers.array(coefficient))
+        return Damping(scheme, np.ones((numbers.n, 2)), coefficient=numbers.array(coefficient))
+    if scheme == "hht":
+        alpha_d = numbers.value((*keys, "alpha_d"))
+        if alpha_d is not None:
+            inside = np.greater_equal(alpha_d, 2.0 / 3.0 - 1e-9) & np.less_equal(alpha_d, 1.0)
+            numbers.require((*keys, "alpha_d"), inside, "must be between 2/3 (most dissipation) and 1 (none)")
+        return Damping(scheme, np.ones((numbers.n, 2)), alpha_d=None if alpha_d is None else numbers.array(alpha_d))
+    if scheme == "fema356":
+        return Damping(scheme, np.maximum(housner_eta(numbers.block), 0.0), fema356=_fema356(numbers))
+    if "eta" in given and "r_energy" in given:
+        numbers.fail((*keys, "r_energy"), "eta and r_energy say the same thing; leave one out")
+    if given.get("eta", "housner") == "housner" and "r_energy" not in given:
+        eta = housner_eta(numbers.block)
+        if (eta < 0.0).any():
+            warnings.append(CLAMPED)
+            eta = np.maximum(eta, 0.0)
+        return Damping(scheme, eta)
+    key = "eta" if "eta" in given else "r_energy"
+    value = numbers.value((*keys, key))
+    assert value is not None
+    numbers.require((*keys, key), np.greater_equal(value, 0.0) & np.less_equal(value, 1.0), "must be between 0 and 1")
+    column = numbers.array(value if key == "eta" else np.sqrt(value))
+    return Damping(scheme, np.repeat(column[:, None], 2, axis=1))
+
+
+def _not_overdamped(numbers: Numbers, keys: Keys, coefficient: Array) -> None:
+    """Refuse a base damper so strong that the body creeps: explicit steps would have to be as short as c/I_O is large.
+
+    Raises:
+        StudyError: c/(I_O p) is above `STRONGEST_DAMPER`.
+    """
+    block, g = numbers.block, numbers.array(numbers.g)
+    rate = dashpot_rate(coefficient[:, None], block.alpha, block.R, block.inertia, g[:, None])
+    strong = f"makes a base damper of c/(I_O p) above {STRONGEST_DAMPER:g}, in which nothing rocks (2 is critical)"
+    numbers.require(keys, rate <= STRONGEST_DAMPER * block.p(g), f"{strong}: the usual coefficient is {DASHPOT}")
+
+
+def _fema356(numbers: Numbers) -> Fema356:
+    """The scheme's weight, elastic period and spectrum.
+
+    Raises:
+        StudyError: not positive, or the keys of the spectrum are not those of one shape.
+    """
+    keys: Keys = ("case", "damping")
+    weight, period = numbers.positive((*keys, "W_over_Mg")), numbers.positive((*keys, "fixed_base_period"))
+    return Fema356(
+        W_over_Mg=numbers.array(1.0 if weight is None else weight),
+        fixed_base_period=numbers.array(np.nan if period is None else period),
+        spectrum=_design_spectrum(numbers, (*keys, "spectrum")),
+    )
+
+
+def _design_spectrum(numbers: Numbers, keys: Keys) -> DesignSpectrum | None:
+    """The design spectrum, None for the motion's own."""
+    said = value_at(numbers.tree, keys)
+    if said is None or said == "motion":
+        return None
+    given = [key for key, value in said.items() if key not in ("shape", "units") and value is not None]
+    shape = said.get("shape") or ("table" if "periods" in given else None)
+    if shape is None:
+        numbers.fail(keys, f"needs a shape ({', '.join(SPECTRA)}), or periods and S_a of a table")
+    wanted = () if shape == "motion" else SPECTRA[shape].keys
+    for key in given:
+        if key not in wanted:
+            numbers.fail((*keys, key), f"is no key of the spectrum {shape}")
+    if shape == "motion":
+        return None
+    unit = numbers.g if said.get("units") == "g" else 1.0
+    values: dict[str, Array] = {}
+    for key in wanted:
+        at = (*keys, key)
+        if key not in given:
+            numbers.fail(keys, f"needs {key} for the spectrum {shape}")
+        if isinstance(said[key], list) != SPECTRA[shape].lists:
+            numbers.fail(at, f"must be a {'list' if SPECTRA[shape].lists else 'number'} for the spectrum {shape}")
+        items = [numbers.positive((*at, i)) for i in range(len(said[key]))] if SPECTRA[shape].lists else []
+        value = np.stack([numbers.array(item) for item in items if item is not None], axis=1) if items else None
+        if value is None:
+            one = numbers.positive(at)
+            assert one is not None
+            value = numbers.array(one)
+        scale = numbers.array(unit if key == "S_a" else 1.0)
+        values[key] = value * (scale[:, None] if items else scale)
+    if shape == "table":
+        numbers.require((*keys, "periods"), np.diff(values["periods"], axis=1) > 0.0, "must ascend")
+        same = len(said["periods"]) == len(said["S_a"])
+        numbers.require((*keys, "S_a"), same, "must have as many values as there are periods")
+    return DesignSpectrum(shape, values)
+
+
+def _fema356_warnings(numbers: Numbers, scheme: Fema356, excitation: Excitation, *, moving: bool) -> list[str]:
+    """What the scheme is worth, and what of the case it does not see."""
+    if scheme.spectrum is None and excitation.horizontal is None:
+        numbers.fail(("case", "damping"), "fema356 needs a ground motion, or a design spectrum under `spectrum`")
+    said = [FEMA356_IS_POOR]
+    if excitation.vertical is not None:
+        said.append("damping fema356 does not see the vertical motion")
+    if moving:
+        said.append("damping fema356 does not see the initial state")
+    if not numbers.block.symmetric.all():
+        said.append("damping fema356 knows one edge: that with the smaller alpha")
+    return said
+
+
+def _numerics(numbers: Numbers) -> Numerics:
+    keys: Keys = ("case", "solver")
+    solver = numbers.tree["case"].get("solver") or {}
+    asked = solver.get("backend") or "auto"
+    backend = available(numbers.source, numbers.tree, (*keys, "backend"), asked, BACKENDS, "backend")
+    rtol, dt, yield_rotation = (numbers.constant((*keys, key)) for key in ("rtol", "dt", "yield_rotation"))
+    for key, value in (("rtol", rtol), ("dt", dt), ("yield_rotation", yield_rotation)):
+        numbers.require((*keys, key), value is None or value > 0.0, "must be greater than 0")
+    numbers.require((*keys, "rtol"), rtol is None or rtol < 1.0, "must be below 1")
+    least = LEAST_RTOL.get(backend, LEAST_RTOL["event"])
+    numbers.require(
+        (*keys, "rtol"), rtol is None or rtol >= least, f"must be at least {least:g}: double precision holds no more"
+    )
+    return Numerics(
+        backend=backend,
+        accuracy=solver.get("accuracy") or "standard",
+        rtol=rtol,
+        method=solver.get("method"),
+        events=solver.get("events"),
+        dt=dt,
+        yield_rotation=yield_rotation,
+    )

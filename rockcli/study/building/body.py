@@ -1,0 +1,178 @@
+"""The block of a study: from a sufficient pair of keys to bodies."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.block import Block, make_block
+from rockcli.study.building.body_outline import BLOCK, build_solid, has_outline
+from rockcli.study.document.tree import List
+
+if TYPE_CHECKING:
+    from rockcli.study.building.numbers import Numbers
+
+HEIGHT, WIDTH, ANGLE = ("h", "height"), ("b", "width"), ("alpha", "tan_alpha", "slenderness")
+GROUPS: tuple[tuple[str, ...], ...] = (("R",), HEIGHT, WIDTH, ANGLE)
+"""Ways to say the same thing; a body needs two of the four, once each."""
+
+SMALLEST_ALPHA = 1e-100
+"""Slenderness below which a body is refused [rad]."""
+
+SUFFICIENT = "two of R, h (or height), b (or width) and alpha (or tan_alpha, slenderness)"
+
+
+def sufficient_pair(numbers: Numbers) -> Block:
+    """Bodies of the given shape, as rectangles, or of the given outline; what the user gave is kept to the last bit.
+
+    Raises:
+        StudyError: an outline of no body, over- or under-determined, not positive, not finite, alpha not below pi/2.
+    """
+    block = numbers.tree["case"]["block"]
+    if has_outline(block):
+        return _outlined(numbers)
+    for key in ("density", "depth"):
+        if block.get(key) is not None:
+            numbers.fail((*BLOCK, key), "belongs to an outline; a block given by its sizes has a mass")
+    given = [[key for key in group if block.get(key) is not None] for group in GROUPS]
+    for keys in given:
+        if len(keys) > 1:
+            numbers.fail((*BLOCK, keys[-1]), f"{' and '.join(keys)} say the same thing; leave one out")
+    names = [key for keys in given for key in keys]
+    if len(names) > 2:
+        numbers.fail((*BLOCK, names[-1]), f"the block is over-determined by {', '.join(names)}; {SUFFICIENT} suffice")
+    if len(names) < 2:
+        has = f"has only {names[0]}" if names else "has no size"
+        numbers.fail(BLOCK, f"the block is under-determined: it {has}; {SUFFICIENT} are needed")
+    edges = _edges(numbers, block)
+    if edges is not None and given[1] == []:
+        numbers.fail((*BLOCK, "b"), "an asymmetric body, b: [left, right], needs h or height beside it")
+    # overflow and underflow are found below, as results that are not positive and finite
+    with np.errstate(all="ignore"):
+        if edges is not None:
+            return _finite(numbers, make_block(h=_h(numbers, block), b=edges, n=numbers.n), names)
+        return _finite(numbers, _symmetric(numbers, block), names)
+
+
+def make_body(numbers: Numbers, pair: Block) -> Block:
+    """The bodies with inertia, top, mass and friction.
+
+    Raises:
+        StudyError: inertia of an asymmetric body, inertia beside r_g, or a value that cannot be.
+    """
+    block = numbers.tree["case"]["block"]
+    if has_outline(block):
+        given = {key: numbers.positive((*BLOCK, key)) for key in ("top", "mass", "mu") if block.get(key) is not None}
+        return replace(pair, **{key: numbers.array(value) for key, value in given.items() if value is not None})
+    extras = {key: block[key] for key in ("inertia", "r_g", "top", "mass", "mu") if block.get(key) is not None}
+    if not extras:
+        return pair
+    if "inertia" in extras and "r_g" in extras:
+        numbers.fail((*BLOCK, "r_g"), "inertia and r_g say the same thing; leave one out")
+    values: dict[str, Any] = {key: numbers.positive((*BLOCK, key)) for key in extras}
+    if "inertia" in values:
+        keys = (*BLOCK, "inertia")
+        numbers.require(keys, pair.symmetric, "an asymmetric body has one inertia per edge; give r_g instead")
+        numbers.require(keys, np.greater_equal(values["inertia"], 1.0), "I_O/(m R^2) is at least 1 for any body")
+    with np.errstate(all="ignore"):
+        body = make_block(
+            h=pair.h,
+            b=pair.b,
+            R=pair.R[:, 0],
+            alpha=pair.alpha[:, 0],
+            tan_alpha=pair.tan_alpha[:, 0],
+            n=numbers.n,
+            **values,
+        )
+    return _finite(numbers, body, list(extras))
+
+
+def _outlined(numbers: Numbers) -> Block:
+    """Bodies of the given outline; the top is their highest point, the mass NaN where no density is given."""
+    body, has_mass = build_solid(numbers)
+    mass = body.mass if has_mass else None
+    block = make_block(h=body.h, b=body.b, r_g=body.r_g, top=body.height, mass=mass, n=numbers.n)
+    key = "parts" if numbers.tree["case"]["block"].get("parts") is not None else "outline"
+    return _finite(numbers, block, [key])
+
+
+def _symmetric(numbers: Numbers, block: dict[str, Any]) -> Block:
+    R = numbers.positive((*BLOCK, "R"))
+    h, b = _h(numbers, block), _b(numbers, block)
+    tan_alpha, alpha = _angle(numbers, block)
+    if R is not None and tan_alpha is not None:
+        h = R / np.hypot(1.0, tan_alpha)
+        b = h * tan_alpha
+    elif R is not None and h is not None:
+        numbers.require((*BLOCK, _key(block, HEIGHT)), np.less(h, R), "half the height must be smaller than R")
+        b = np.sqrt((R - h) * (R + h))
+    elif R is not None:
+        numbers.require((*BLOCK, _key(block, WIDTH)), np.less(b, R), "half the width must be smaller than R")
+        h = np.sqrt((R - b) * (R + b))
+    elif tan_alpha is not None and b is None:
+        b = h * tan_alpha
+    elif tan_alpha is not None:
+        h = b / tan_alpha
+    column = numbers.array(b)[:, None]
+    return make_block(h=h, b=np.repeat(column, 2, axis=1), R=R, alpha=alpha, tan_alpha=tan_alpha, n=numbers.n)
+
+
+def _edges(numbers: Numbers, block: dict[str, Any]) -> NDArray[np.float64] | None:
+    """[left, right] of an asymmetric body, (n, 2); None for one number or two equal ones."""
+    if not isinstance(block.get("b"), List | list):
+        return None
+    left, right = (numbers.positive((*BLOCK, "b", side)) for side in (0, 1))
+    assert left is not None
+    assert right is not None
+    if np.all(np.equal(left, right)):
+        return None
+    return np.stack([numbers.array(left), numbers.array(right)], axis=1)
+
+
+def _key(block: dict[str, Any], group: tuple[str, ...]) -> str:
+    return next(key for key in group if block.get(key) is not None)
+
+
+def _h(numbers: Numbers, block: dict[str, Any]) -> Any:
+    if block.get("h") is not None:
+        return numbers.positive((*BLOCK, "h"))
+    height = numbers.positive((*BLOCK, "height"))
+    return None if height is None else 0.5 * height
+
+
+def _b(numbers: Numbers, block: dict[str, Any]) -> Any:
+    if isinstance(block.get("b"), list):
+        return numbers.positive((*BLOCK, "b", 0))
+    if block.get("b") is not None:
+        return numbers.positive((*BLOCK, "b"))
+    width = numbers.positive((*BLOCK, "width"))
+    return None if width is None else 0.5 * width
+
+
+def _angle(numbers: Numbers, block: dict[str, Any]) -> tuple[Any, Any]:
+    """tan(alpha), and alpha where it is what the user gave."""
+    alpha = numbers.positive((*BLOCK, "alpha"))
+    if alpha is not None:
+        numbers.require(
+            (*BLOCK, "alpha"), np.less(alpha, 0.5 * np.pi), "must be below pi/2 (radians; 10*deg for degrees)"
+        )
+        return np.tan(alpha), alpha
+    slenderness = numbers.positive((*BLOCK, "slenderness"))
+    if slenderness is not None:
+        return np.divide(1.0, slenderness), None
+    return numbers.positive((*BLOCK, "tan_alpha")), None
+
+
+def _finite(numbers: Numbers, block: Block, names: list[str]) -> Block:
+    for values in (block.h, block.b, block.tan_alpha, block.alpha, block.R, block.inertia):
+        good = (values > 0.0) & (values < np.inf)
+        numbers.require((*BLOCK, names[-1]), good, f"{' and '.join(names)} give no body of finite size")
+    numbers.require((*BLOCK, names[-1]), block.alpha < 0.5 * np.pi, "alpha must be below pi/2")
+    too_slender = (
+        f"alpha must be at least {SMALLEST_ALPHA:g}: energies, of the order of alpha**2, would be rounded to 0"
+    )
+    numbers.require((*BLOCK, names[-1]), block.alpha >= SMALLEST_ALPHA, too_slender)
+    return block

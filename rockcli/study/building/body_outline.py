@@ -1,0 +1,121 @@
+"""The outline of a body: polygons of the study or of CSV files, with their densities, to a solid."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import StudyError
+from rockcli.scene.outline import OutlineError, Solid, solid
+from rockcli.study.document.expressions import Value
+from rockcli.study.document.tree import Keys, dotted, place, value_at
+
+if TYPE_CHECKING:
+    from rockcli.study.building.numbers import Numbers
+
+Array = NDArray[np.float64]
+
+BLOCK: Keys = ("case", "block")
+
+SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slenderness", "inertia", "r_g")
+"""Keys of a block that follow from its outline."""
+
+
+def has_outline(block: dict[str, Any]) -> bool:
+    """Whether a block is given by polygons."""
+    return block.get("outline") is not None or block.get("parts") is not None
+
+
+def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
+    """The bodies that the outline or the parts of a block describe, and whether their mass is known.
+
+    Raises:
+        StudyError: keys that the outline contradicts, a polygon that is none, a file that cannot be read, parts that
+            overlap or of which only some have a density, a body that cannot stand.
+    """
+    block = value_at(numbers.tree, BLOCK)
+    for key in SAID_BY_OUTLINE:
+        if block.get(key) is not None:
+            numbers.fail((*BLOCK, key), "follows from the outline; leave one of the two out")
+    several = block.get("parts") is not None
+    if several:
+        for key in ("outline", "density", "depth"):
+            if block.get(key) is not None:
+                numbers.fail((*BLOCK, key), "stands beside parts, each of which has its own")
+    at = [(*BLOCK, "parts", j) for j in range(len(block["parts"]))] if several else [BLOCK]
+    densities = [numbers.positive((*keys, "density")) for keys in at]
+    known = [density is not None for density in densities]
+    if any(known) and not all(known):
+        numbers.fail(at[known.index(False)], "has no density, and other parts have one")
+    if all(known) and block.get("mass") is not None:
+        numbers.fail((*BLOCK, "mass"), "and density say the same thing; leave one out")
+    weights = [
+        numbers.array(_or_one(density)) * _or_one(numbers.positive((*keys, "depth")))
+        for keys, density in zip(at, densities, strict=True)
+    ]
+    polygons = [_polygon(numbers, (*keys, "outline")) for keys in at]
+    try:
+        body, clockwise = solid(polygons, weights)
+    except OutlineError as error:
+        part = 0 if error.part is None and not several else error.part
+        numbers.fail((*BLOCK, "parts") if part is None else (*at[part], "outline"), str(error))
+    for j in clockwise:
+        name = dotted((*at[j], "outline"))
+        numbers.remarks.append(f"{name}: its points run clockwise; taken the other way round, the body is the same")
+    return body, all(known)
+
+
+def _or_one(value: Value | None) -> Value:
+    return 1.0 if value is None else value
+
+
+def _polygon(numbers: Numbers, keys: Keys) -> Array:
+    """Points of a polygon in every case, (n, k, 2) [m]; a last point that repeats the first is left out."""
+    said = value_at(numbers.tree, keys)
+    if isinstance(said, str):
+        read = _from_file(numbers, keys, said)
+        points = np.broadcast_to(read, (numbers.n, *read.shape))
+    else:
+        rows = []
+        for i in range(len(said)):
+            pair = [numbers.value((*keys, i, j)) for j in (0, 1)]
+            rows.append(np.stack([numbers.array(0.0 if c is None else c) for c in pair], axis=1))
+        points = np.stack(rows, axis=1)
+    numbers.require(keys, np.isfinite(points).all(axis=2), "needs finite numbers")
+    closed = points.shape[1] > 1 and bool((points[:, 0] == points[:, -1]).all())
+    return np.ascontiguousarray(points[:, :-1] if closed else points)
+
+
+def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:
+    """Points of a CSV file beside the study, (k, 2) [m]: x, z on every line; a first line of words and # lines pass."""
+    where = place(numbers.tree, keys)
+    path = numbers.source.folder / name
+    if not path.is_file():
+        raise numbers.source.placed(where, f"{dotted(keys)}: the outline {str(path)[:300]} does not exist")
+    data = numbers.source.inputs.read(name, path)
+    try:
+        lines = data.decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise StudyError(f"is no CSV text: {error}", file=path) from None
+    points: list[list[float]] = []
+    heads = 0
+    for number, line in enumerate(lines, start=1):
+        text = line.split("#", 1)[0].strip()
+        if not text:
+            continue
+        cells = [cell.strip() for cell in text.replace(";", ",").split(",")]
+        try:
+            row = [float(cell) for cell in cells]
+        except ValueError:
+            row = []
+        if not row and not points and not heads:
+            heads += 1
+            continue
+        if len(row) != 2 or not np.isfinite(row).all():
+            raise StudyError(f"a line of an outline is x, z [m], not {text[:60]!r}", file=path, line=number)
+        points.append(row)
+    if len(points) < 3:
+        raise StudyError(f"the outline has {len(points)} points; a polygon has at least 3", file=path)
+    return np.array(points)

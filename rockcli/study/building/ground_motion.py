@@ -1,0 +1,186 @@
+"""The ground motion of a study: pulses and records, horizontal and vertical, as the solvers take them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import RecordError
+from rockcli.scene.constants import STANDARD_G
+from rockcli.scene.excitation import Channel, Excitation, Samples
+from rockcli.study.building.numbers import Numbers, in_range
+from rockcli.study.building.pulse import build_pulses
+from rockcli.study.building.records import MissingRecordError, Prepared, Records
+from rockcli.study.document.expressions import Value
+from rockcli.study.document.tree import Keys, dotted, place, value_at
+
+Array = NDArray[np.float64]
+
+MOTION: Keys = ("case", "motion")
+SCALING = ("scale", "pga", "pgv", "pga_over_g_tan_alpha")
+STEPS = ("window", "detrend", "taper", "highpass", "lowpass", "bandpass", "resample")
+
+
+def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) -> Excitation:
+    """The motion of every case.
+
+    Raises:
+        StudyError: more than one motion, a scaling that cannot be.
+        RecordError: a record is missing or cannot be read.
+    """
+    horizontal, amplitude = _channel(numbers, MOTION, records, warnings, inherited=1.0)
+    vertical = None
+    if value_at(numbers.tree, (*MOTION, "vertical")) is not None:
+        vertical, _ = _channel(numbers, (*MOTION, "vertical"), records, warnings, inherited=amplitude)
+    duration = numbers.positive((*MOTION, "duration"))
+    if duration is None:
+        return Excitation(horizontal, vertical, np.full(numbers.n, np.nan))
+    for channel in (horizontal, vertical):
+        if channel is not None and np.any(np.less(duration, np.asarray(channel.end) * (1.0 - 1e-12))):
+            warnings.append("`duration` is shorter than the motion, which is cut off there")
+            break
+    return Excitation(horizontal, vertical, numbers.array(duration))
+
+
+def _channel(
+    numbers: Numbers, keys: Keys, records: Records, warnings: list[str], inherited: Value
+) -> tuple[Channel | None, Value]:
+    """A component of the motion, and what its record is multiplied with (1 for a pulse)."""
+    motion = value_at(numbers.tree, keys) or {}
+    if motion.get("pulse") is not None and motion.get("record") is not None:
+        numbers.fail((*keys, "record"), "a motion is a pulse or a record, not both")
+    if motion.get("pulse") is not None:
+        return build_pulses(numbers, (*keys, "pulse"), warnings), 1.0
+    if motion.get("record") is not None:
+        return _samples(numbers, (*keys, "record"), records, warnings, inherited)
+    if keys != MOTION:
+        numbers.fail(keys, "needs a pulse or a record")
+    return None, 1.0
+
+
+def _samples(
+    numbers: Numbers, keys: Keys, records: Records, warnings: list[str], inherited: Value
+) -> tuple[Samples, Value]:
+    from rockcli.motion.measures import pga, pgv
+
+    record = value_at(numbers.tree, keys)
+    # where g differs from case to case it goes into the factor, so that a case does not depend on its neighbours
+    g_varies = isinstance(numbers.g, np.ndarray)
+    g = STANDARD_G if g_varies else float(numbers.g)
+    prepared = _prepared(numbers, keys, records, g)
+    motion, raw = prepared.motion, prepared.raw
+    files = (record["file"],) if isinstance(record["file"], str) else tuple(record["file"])
+    values, raw_values = motion.acceleration(g), raw.acceleration(g)
+    measures = {
+        "pga": pga(values),
+        "pgv": pgv(values, motion.dt),
+        "pga_raw": pga(raw_values),
+        "pgv_raw": pgv(raw_values, raw.dt),
+    }
+    of_g: Value = numbers.g / STANDARD_G if g_varies and motion.in_g else 1.0
+    amplitude = _amplitude(numbers, keys, measures, of_g, inherited)
+    polarity = numbers.value((*keys, "polarity"))
+    if polarity is not None:
+        numbers.require((*keys, "polarity"), np.abs(polarity) == 1.0, "must be 1 or -1")
+    warnings.extend(sentence if len(files) > 1 else f"{motion.name}: {sentence}" for sentence in motion.warnings)
+    scaling = next((key for key in SCALING if record.get(key) is not None), "file")
+    in_range(numbers, (*keys, scaling), amplitude * of_g * max(measures["pga"], measures["pgv"]))
+    factor = numbers.array(amplitude * of_g * (1.0 if polarity is None else polarity))
+    samples = Samples(values, motion.dt, factor, motion.name, motion.processing, measures, files)
+    return samples, amplitude
+
+
+def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> Prepared:
+    """The processed record, of two components in the direction asked for.
+
+    Raises:
+        RecordError: a file is missing or cannot be read, or two components do not fit together.
+    """
+    record = value_at(numbers.tree, keys)
+    reading = {"units": record.get("units"), "dt": numbers.constant((*keys, "dt"))}
+    steps = {step: _step(numbers, (*keys, step)) for step in STEPS if record.get(step) is not None}
+    names, components = record["file"], record.get("component")
+    angle = numbers.constant((*keys, "angle"))
+    try:
+        if isinstance(names, str):
+            if angle is not None:
+                numbers.fail((*keys, "angle"), "needs two horizontal components: file: [H1, H2]")
+            if isinstance(components, list):
+                numbers.fail((*keys, "component"), "is a list: two components need two files, file: [H1, H2]")
+            where = place(numbers.tree, (*keys, "file"))
+            return records.prepare(names, where, reading={**reading, "component": components}, steps=steps, g=g)
+        if keys[:-1] != MOTION:
+            numbers.fail((*keys, "file"), "the vertical motion is one component, one file")
+        if len(names) != 2:
+            numbers.fail((*keys, "file"), f"has {len(names)} names; two horizontal components are expected")
+        if angle is None:
+            numbers.fail(keys, "two horizontal components need an angle, from the first towards the second")
+        pair = []
+        for i, name in enumerate(names):
+            component = components[i] if isinstance(components, list) else components
+            where = place(numbers.tree, (*keys, "file", i))
+            pair.append(records.prepare(name, where, reading={**reading, "component": component}, steps=steps, g=g))
+        return _in_direction(pair, angle)
+    except MissingRecordError:
+        raise
+    except RecordError as error:
+        raise _at_its_key(numbers, keys, error) from None
+
+
+def _in_direction(pair: list[Prepared], angle: float) -> Prepared:
+    """Two processed components in one direction; as filed too, as long as both components last there."""
+    from rockcli.motion.direction import in_direction
+
+    one, two = pair
+    common = min(len(one.raw.values), len(two.raw.values))
+    raw_one, raw_two = (replace(part.raw, values=part.raw.values[:common]) for part in pair)
+    return Prepared(in_direction(one.motion, two.motion, angle), in_direction(raw_one, raw_two, angle), one.path)
+
+
+def _at_its_key(numbers: Numbers, keys: Keys, error: RecordError) -> RecordError:
+    """What is wrong with a record or its options, at the place of the study that asks for it."""
+    from rockcli.motion.options import OptionError
+
+    below = error.key.split(".") if isinstance(error, OptionError) else ["file"]
+    at = (*keys, *below)
+    return numbers.source.record_error(place(numbers.tree, at), f"{dotted(at)}: {error}")
+
+
+def _amplitude(numbers: Numbers, keys: Keys, measures: dict[str, float], of_g: Value, inherited: Value) -> Value:
+    """What the processed motion is multiplied with; its own scaling, or the one inherited."""
+    record = value_at(numbers.tree, keys)
+    given = [key for key in SCALING if record.get(key) is not None]
+    if not given:
+        return inherited
+    if len(given) > 1:
+        numbers.fail((*keys, given[-1]), f"{' and '.join(given)} say the same thing; leave one out")
+    wanted = numbers.value((*keys, given[0]))
+    assert wanted is not None
+    numbers.require(
+        (*keys, given[0]), np.greater_equal(wanted, 0.0), "must not be negative; polarity: -1 turns a motion"
+    )
+    if given[0] == "scale":
+        return wanted
+    measure = measures["pgv" if given[0] == "pgv" else "pga"]
+    if measure == 0.0:
+        numbers.fail((*keys, given[0]), "the record is zero throughout and cannot be scaled")
+    if given[0] == "pga_over_g_tan_alpha":
+        wanted = wanted * (numbers.g * numbers.symbol("tan_alpha"))
+    factor = wanted / (measure * of_g)
+    numbers.require((*keys, given[0]), np.isfinite(factor), "gives no finite factor")
+    return factor
+
+
+def _step(numbers: Numbers, keys: Keys) -> Any:
+    """The options of a processing step as plain numbers and words."""
+    value = value_at(numbers.tree, keys)
+    if isinstance(value, dict):
+        return {key: _step(numbers, (*keys, key)) for key, item in value.items() if item is not None}
+    if isinstance(value, list):
+        return [_step(numbers, (*keys, i)) for i in range(len(value))]
+    if isinstance(value, bool | int) or (isinstance(value, str) and keys[-1] in ("detrend", "type", "method")):
+        return value
+    return numbers.constant(keys)

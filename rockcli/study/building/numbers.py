@@ -1,0 +1,216 @@
+"""The numbers of a batch of cases: expressions evaluated on arrays, once per batch, when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.block import Block
+from rockcli.scene.constants import STANDARD_G
+from rockcli.study.building.body import make_body, sufficient_pair
+from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, Value, parse
+from rockcli.study.document.tree import Keys, Map, Source, Where, meant, nearest, place, value_at
+
+Array = NDArray[np.float64]
+
+LARGEST = 1e60
+"""Motions and their times are smaller than this, so that products of a few of them are numbers still."""
+
+
+class Varied(float):
+    """Stands in the tree where an axis puts a different number into every case; its value is that of the first."""
+
+    axis: int
+    column: int
+
+    @classmethod
+    def of(cls, axis: int, column: int, first: float) -> Varied:
+        """The number of one column of an axis."""
+        varied = cls(first)
+        varied.axis, varied.column = axis, column
+        return varied
+
+
+def in_range(numbers: Numbers, keys: Keys, value: Any) -> None:
+    """Refuse what is so large that its square would overflow; raises StudyError."""
+    message = f"is out of range: it makes values of {LARGEST:g} and more (SI units)"
+    numbers.require(keys, np.less(np.abs(value), LARGEST), message)
+
+
+def in_words(keys: tuple[str | int, ...], text: str, message: str) -> str:
+    """What is wrong with an expression; at a key that also takes a word, the word that may have been meant."""
+    if keys[-2:] == ("damping", "eta") and f"`{text.strip()}` is not known" in message and meant(text, ["housner"]):
+        return f"{text!r} is no number; did you mean 'housner'?"
+    return message
+
+
+class Numbers:
+    """Looks numbers up in the tree of `n` cases that differ only in the columns of some axes.
+
+    Args:
+        source: for errors.
+        tree: {case, let}, checked against the schema, with `Varied` where an axis stands.
+        n: number of cases.
+        column: (axis, column) -> (n,) values.
+        spot: (axis, i) -> place of the axis' value in case i, and the values of all axes there, as text.
+
+    Attributes:
+        remarks: sentences about what was made of them.
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        tree: Map,
+        n: int,
+        column: Callable[[int, int], Array],
+        spot: Callable[[int | None, int], tuple[Where, str]],
+    ) -> None:
+        self.source, self.tree, self.n = source, tree, n
+        self._column, self._spot = column, spot
+        self.remarks: list[str] = []
+        self._symbols: dict[str, Value] = {}
+        self._busy: list[str] = []
+        self._pair: Block | None = None
+        self._block: Block | None = None
+
+    def value(self, keys: Keys) -> Value | None:
+        """The number at `keys`, a float or (n,); None where the study gives none.
+
+        Raises:
+            StudyError: an expression that cannot be evaluated.
+        """
+        found = value_at(self.tree, keys)
+        if found is None:
+            return None
+        if isinstance(found, Varied):
+            return self._column(found.axis, found.column)
+        if not isinstance(found, str):
+            return float(found)
+        try:
+            return parse(found).evaluate(self.symbol)
+        except ExpressionError as error:
+            self.fail(keys, in_words(keys, found, str(error)), error.index)
+
+    def constant(self, keys: Keys) -> float | None:
+        """A number that is the same in every case of the batch; None where the study gives none."""
+        value = self.value(keys)
+        if value is None or isinstance(value, float):
+            return value
+        if (value == value[0]).all():
+            return float(value[0])
+        self.fail(keys, "must be the same in all cases that differ only in numbers")
+
+    def array(self, value: Value) -> Array:
+        """A number of every case, (n,)."""
+        return np.ascontiguousarray(np.broadcast_to(np.asarray(value, dtype=np.float64), (self.n,)))
+
+    def require(self, keys: Keys, good: Any, message: str) -> None:
+        """Raise StudyError about `keys` at the first case where `good`, a bool, (n,) or (n, ...), is not all true."""
+        if not np.all(good):
+            rows = np.reshape(good, (len(good), -1)).all(axis=1) if np.ndim(good) > 1 else good
+            self.fail(keys, message, int(np.argmin(np.broadcast_to(rows, (self.n,)))))
+
+    def positive(self, keys: Keys) -> Value | None:
+        """The number at `keys`, which must be greater than zero; None where the study gives none."""
+        value = self.value(keys)
+        if value is not None:
+            self.require(keys, np.greater(value, 0.0), "must be greater than 0")
+        return value
+
+    def fail(self, keys: Keys, message: str, i: int | None = None) -> NoReturn:
+        """Raise StudyError about the value at `keys` in case i."""
+        found = value_at(self.tree, keys)
+        suffix, context, where = "", "", place(self.tree, keys)
+        if i is not None:
+            varied = found if isinstance(found, Varied) else None
+            at, context = self._spot(None if varied is None else varied.axis, i)
+            where = where if at is None else at
+            if varied is not None:
+                suffix = f" = {self._column(varied.axis, varied.column)[i]:.10g}"
+            elif isinstance(found, int | float) and not isinstance(found, bool):
+                suffix = f" = {found:.10g}"
+        name = ".".join(str(key) for key in keys)
+        raise self.source.placed(where, f"{name}{suffix}: {message}{f' (at {context})' if context else ''}")
+
+    def symbol(self, name: str) -> Value:
+        """Value of a name in an expression: g, the block's, `let`, units and pi."""
+        if name in CONSTANTS:
+            return CONSTANTS[name]
+        if name in self._symbols:
+            return self._symbols[name]
+        let = self.tree.get("let") or {}
+        if name in self._busy:
+            raise ExpressionError(
+                f"`{name}` needs itself: {' -> '.join([*self._busy[self._busy.index(name) :], name])}"
+            )
+        self._busy.append(name)
+        try:
+            if name == "g":
+                value: Value | None = self.g
+            elif name in let:
+                value = self.value(("let", name))
+            elif name in SYMBOLS:
+                value = self._of_block(name)
+            elif name.lower() in ("nan", "inf", "infinity"):
+                raise ExpressionError(f"{name!r} is no finite number")
+            else:
+                known = ["g", *SYMBOLS, *let, *CONSTANTS, *FUNCTIONS]
+                raise ExpressionError(f"`{name}` is not known; {nearest(name, known)}")
+        finally:
+            self._busy.pop()
+        assert value is not None
+        self._symbols[name] = value
+        return value
+
+    def let(self, name: str) -> Value:
+        """Value of a symbol of `let`; raises StudyError."""
+        try:
+            return self.symbol(name)
+        except ExpressionError as error:
+            self.fail(("let", name), str(error), error.index)
+
+    @property
+    def g(self) -> Value:
+        """Acceleration of gravity, a float or (n,) [m/s^2]."""
+        value = self.positive(("case", "g"))
+        return STANDARD_G if value is None else value
+
+    def _of_block(self, name: str) -> Value:
+        if name == "p":
+            return self.block.of_weak_edge(self.block.p(self.array(self.g)))
+        block = self._block or self._pair_block()
+        both = {"R": block.R, "alpha": block.alpha, "tan_alpha": block.tan_alpha, "b": block.b}
+        return block.h if name == "h" else block.of_weak_edge(both[name])
+
+    def _pair_block(self) -> Block:
+        if self._pair is None:
+            if "the block" in self._busy:
+                raise ExpressionError(f"needs `{self._busy[-1]}`, which is known only once the block is")
+            self._busy.append("the block")
+            try:
+                self._pair = sufficient_pair(self)
+            finally:
+                self._busy.pop()
+        return self._pair
+
+    @property
+    def block(self) -> Block:
+        """The body of every case.
+
+        Raises:
+            StudyError: over- or under-determined, or not a body.
+        """
+        if self._block is None:
+            pair = self._pair_block()
+            if "the body" in self._busy:
+                raise ExpressionError("needs `p`, which is known only once the block is")
+            self._busy.append("the body")
+            try:
+                self._block = make_body(self, pair)
+            finally:
+                self._busy.pop()
+        return self._block

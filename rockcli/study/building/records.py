@@ -1,0 +1,152 @@
+"""Finds the records of a study, reads and processes each once."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rockcli.errors import RecordError
+from rockcli.study.building.matching import MOST, WILDCARDS, TooManyFiles, matched
+from rockcli.study.catalog import how_to_obtain
+from rockcli.study.document.tree import Source, Where
+
+if TYPE_CHECKING:
+    from rockcli.motion.motion import Motion
+
+
+class MissingRecordError(RecordError):
+    """A record that stands in none of the folders: `--skip-missing` passes over its study."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A record as a study uses it: the processed motion, and PGA and PGV before processing (g = STANDARD_G)."""
+
+    motion: Motion
+    raw: Motion
+    path: Path
+
+
+@dataclass(eq=False)
+class Records:
+    """The records of one study, each read and processed once per distinct settings."""
+
+    source: Source
+    prepared: dict[str, Prepared] = field(default_factory=dict)
+    found: dict[str, Path] = field(default_factory=dict)
+
+    def folders(self) -> list[Path]:
+        """Where records are sought, first to last."""
+        folder = self.source.folder
+        absolute = folder.absolute()
+        listed = [folder, *(parent / "records" for parent in (absolute, *absolute.parents)), Path("records")]
+        listed += [Path(entry) for entry in _environment()]
+        unique: dict[Path, Path] = {}
+        for path in listed:
+            unique.setdefault(path.absolute(), path)
+        return list(unique.values())
+
+    def find(self, name: str, where: Where) -> Path:
+        """The file of a record.
+
+        Raises:
+            MissingRecordError: it is nowhere; says where it was sought and how to get it.
+        """
+        if name not in self.found:
+            for folder in self.folders():
+                if _is_file(folder / name):
+                    self.found[name] = folder / name
+                    break
+            else:
+                raise self.source.record_error(where, self._missing(name), MissingRecordError)
+        return self.found[name]
+
+    def match(self, key: str, pattern: str, where: Where) -> list[str]:
+        """Names of the records that a glob at a key matches, sorted, in the first folder that has any.
+
+        Raises:
+            MissingRecordError: none; says where they were sought and how to get them.
+            RecordError: it would take too long to look.
+        """
+        for folder in [Path()] if os.path.isabs(pattern) else self.folders():
+            try:
+                names = [name for name in matched(pattern, folder) if _is_file(folder / name)]
+            except (OSError, ValueError, RecursionError):
+                continue
+            except TooManyFiles:
+                why = f"looks through more than {MOST} files; begin with the folder in which the records are"
+                raise self.source.record_error(where, f"{key} is {pattern[:200]!r}, which {why}") from None
+            if names:
+                return names
+        lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Sought in {', '.join(self._searched())}"]
+        raise self.source.record_error(where, "\n  ".join(lines + how_to_obtain(pattern)), MissingRecordError)
+
+    def prepare(self, name: str, where: Where, *, reading: dict[str, Any], steps: dict[str, Any], g: float) -> Prepared:
+        """Read and process a record, or take what was prepared before.
+
+        Args:
+            name: as in the study.
+            where: place in the study, for errors.
+            reading: component, units, dt; steps: window ... resample, None left out.
+            g: for the PGV of values in g, in sentences [m/s^2].
+        """
+        path = self.find(name, where)
+        key = json.dumps([str(path), reading, steps, g], sort_keys=True)
+        if key not in self.prepared:
+            from rockcli.motion.reading import read_record
+
+            raw = motion = read_record(path, **reading)
+            if steps:
+                from rockcli.motion.processing import process
+
+                motion = process(raw, **steps, g=g)
+            self.prepared[key] = Prepared(motion, raw, path)
+        self.source.inputs.note(name, path, self.prepared[key].raw.sha256)  # one file may have several names
+        return self.prepared[key]
+
+    def _missing(self, name: str) -> str:
+        """What is missing, where it was sought and how to get it: a line each."""
+        lines = [f"the record {name[:200]!r} was not found"]
+        if WILDCARDS & set(name):
+            lines.append("A pattern stands for several files, which make an axis: vary: {motion.record.file: ...}")
+        lines.append(f"Sought in {', '.join(self._searched())}")
+        close = get_close_matches(Path(name).name[:200], list(self._present()), n=3, cutoff=0.6)
+        if close:
+            lines.append(f"Close names there: {', '.join(close)}")
+        how = how_to_obtain(name)
+        lines += how or ["Put it beside the study, into records/, or into a folder named in ROCK_RECORDS"]
+        return "\n  ".join(lines)
+
+    def _searched(self) -> list[str]:
+        """The folders there are, and those of ROCK_RECORDS that are not."""
+        named = {Path(entry).absolute() for entry in _environment()}
+        searched = []
+        for folder in self.folders():
+            if folder.is_dir():
+                searched.append(str(folder))
+            elif folder.absolute() in named:
+                searched.append(f"{folder} (of ROCK_RECORDS; there is no such folder)")
+        return searched or ["no folder: there is none"]
+
+    def _present(self) -> Iterator[str]:
+        for folder in self.folders():
+            try:
+                yield from (path.name for path in folder.iterdir() if path.is_file())
+            except OSError:
+                continue
+
+
+def _environment() -> list[str]:
+    return [entry for entry in os.environ.get("ROCK_RECORDS", "").split(os.pathsep) if entry]
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False

@@ -1,0 +1,94 @@
+"""What building the cases of a study shows: spacing, what was done to records, and what is hardly meant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Channel, Pulses, Samples
+from rockcli.study.building.ground_motion import MOTION
+from rockcli.study.building.numbers import Numbers
+from rockcli.study.building.scaling import Scaling, scaling_key
+from rockcli.study.document.tree import Keys, Map, value_at
+from rockcli.study.plausibility import STILL, doubts_about
+
+DT_OUT = 0.005
+"""Largest output spacing by default [s]."""
+
+
+@dataclass(eq=False)
+class Use:
+    """A record used in one way: its files, the steps of its processing, and how it is scaled."""
+
+    files: tuple[str, ...]
+    steps: tuple[str, ...]
+    scaling: Scaling
+
+
+@dataclass(eq=False)
+class Found:
+    """What the cases of a study show: finest output spacing needed, what was done to records.
+
+    `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
+    `friction`: some case has a mu; `asymmetric`: some body has two different edges.  `meant`: keys whose numbers are
+    not doubted.
+    """
+
+    dt_out: float = DT_OUT
+    uses: dict[str, Use] = field(default_factory=dict)
+    still: bool = True
+    models: dict[tuple[str, str | None], None] = field(default_factory=dict)
+    schemes: set[str] = field(default_factory=set)
+    friction: bool = False
+    asymmetric: bool = False
+    meant: frozenset[Keys] = frozenset()
+    doubted: dict[str, None] = field(default_factory=dict)
+
+    def look(self, numbers: Numbers, batch: Batch) -> None:
+        """Take note of a batch and of the numbers it was built from."""
+        self.models[batch.model, batch.geometry] = None
+        self.schemes.add(batch.damping.scheme)
+        self.friction |= bool(np.isfinite(batch.block.mu).any())
+        self.asymmetric |= not batch.block.symmetric.all()
+        self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
+        self.doubted |= dict.fromkeys(doubts_about(numbers, batch, self.meant))
+        self._channel(numbers, batch, batch.excitation.horizontal, MOTION)
+        self._channel(numbers, batch, batch.excitation.vertical, (*MOTION, "vertical"))
+
+    def _channel(self, numbers: Numbers, batch: Batch, channel: Channel | None, keys: Keys) -> None:
+        self.still &= channel is None
+        if isinstance(channel, Pulses):
+            self.dt_out = min(self.dt_out, float(np.min(2.0 * np.pi / channel.omega_p)) / 200.0)
+        elif isinstance(channel, Samples):
+            self.dt_out = min(self.dt_out, channel.dt)
+            self._note(channel, Scaling.of(channel, batch, scaling_key(numbers.tree, keys)))
+
+    def _note(self, samples: Samples, scaling: Scaling) -> None:
+        name = samples.name
+        if name in self.uses and self.uses[name].files != samples.files:  # two files of one name
+            name = " + ".join(samples.files)
+        label, k = name, 1
+        while label in self.uses and not self._same_use(self.uses[label], samples, scaling):  # used in two ways
+            k += 1
+            label = f"{name} ({k})"
+        known = self.uses.get(label)
+        self.uses[label] = Use(
+            samples.files, samples.processing, scaling if known is None else known.scaling.with_(scaling)
+        )
+
+    @staticmethod
+    def _same_use(use: Use, samples: Samples, scaling: Scaling) -> bool:
+        return use.files == samples.files and use.steps == samples.processing and use.scaling.key == scaling.key
+
+    def processing(self) -> dict[str, tuple[str, ...]]:
+        """What was done to each record, sentences in order, that about its scaling last."""
+        return {label: (*use.steps, use.scaling.sentence()) for label, use in self.uses.items()}
+
+    def doubts(self, study: Map) -> list[str]:
+        """Sentences about what is hardly meant."""
+        curves: Any = value_at(study, ("curves",))
+        nothing_moves = self.still and not curves and "fema356" not in self.schemes
+        return [STILL] * nothing_moves + list(self.doubted)

@@ -1,0 +1,115 @@
+"""How a record is scaled, in words: the last sentence of its processing history."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Samples
+from rockcli.study.building.ground_motion import MOTION, SCALING
+from rockcli.study.document.tree import Keys, Map, value_at
+
+Range = tuple[float, float]
+
+INHERITED = "the horizontal factor"
+
+SAME = 1e-12
+"""Relative spread below which factors are the same."""
+
+
+def scaling_key(tree: Map, keys: Keys) -> str:
+    """By which key the record of a component is scaled; `INHERITED`, or "" where it is not."""
+    own = _own_key(tree, keys)
+    return INHERITED if not own and keys != MOTION and _own_key(tree, MOTION) else own
+
+
+def _own_key(tree: Map, keys: Keys) -> str:
+    record = value_at(tree, (*keys, "record")) or {}
+    return next((key for key in SCALING if record.get(key) is not None), "")
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """What the cases multiply a record with, and what comes of it, smallest and largest.
+
+    Attributes:
+        key: of the study, `INHERITED`, or "" where nothing is scaled.
+        factor: signed.  pga [g], pgv [m/s]: of the motion used; over: its PGA over g tan(alpha).
+        before, raw: PGA [g] and PGV [m/s] of the processed record and of the file; they differ between directions.
+    """
+
+    key: str
+    factor: Range
+    pga: Range
+    pgv: Range
+    over: Range
+    before: tuple[Range, Range]
+    raw: tuple[Range, Range]
+
+    @classmethod
+    def of(cls, samples: Samples, batch: Batch, key: str) -> Scaling:
+        """The scaling of the cases of a batch."""
+        measures, size = samples.measures, np.abs(samples.factor)
+        g = float(batch.g[0])
+        pga = size * measures["pga"] / batch.g
+        return cls(
+            key=key,
+            factor=_range(samples.factor),
+            pga=_range(pga),
+            pgv=_range(size * measures["pgv"]),
+            over=_range(pga / batch.block.of_weak_edge(batch.block.tan_alpha)),
+            before=(_range(measures["pga"] / g), _range(measures["pgv"])),
+            raw=(_range(measures["pga_raw"] / g), _range(measures["pgv_raw"])),
+        )
+
+    def with_(self, other: Scaling) -> Scaling:
+        """The scaling of these cases and of others."""
+        both = {name: _both(getattr(self, name), getattr(other, name)) for name in ("factor", "pga", "pgv", "over")}
+        before = _both(self.before[0], other.before[0]), _both(self.before[1], other.before[1])
+        raw = _both(self.raw[0], other.raw[0]), _both(self.raw[1], other.raw[1])
+        return Scaling(key=self.key, before=before, raw=raw, **both)
+
+    @property
+    def varies(self) -> bool:
+        """Whether the factor differs from case to case."""
+        low, high = self.factor
+        return high - low > SAME * max(abs(low), abs(high))
+
+    def sentence(self) -> str:
+        """`scaled by 0.48 to pga 0.4 g: PGA 0.83 -> 0.4 g, PGV 0.6 -> 0.29 m/s; in the file ...`."""
+        (pga, pgv), (raw_pga, raw_pgv) = (tuple(map(_words, ends)) for ends in (self.before, self.raw))
+        as_filed = f"PGA {raw_pga} g, PGV {raw_pgv} m/s"
+        changed = self.before != self.raw
+        in_file = f"; in the file {as_filed}" if changed else ""
+        if not self.key and not self.varies:
+            turned = ", turned by polarity -1" if self.factor[0] < 0.0 else ""
+            return f"not scaled{turned}: PGA {pga} g, PGV {pgv} m/s{in_file}"
+        by = f"factors from {_words(self.factor)}, case by case" if self.varies else f"{self.factor[0]:.6g}"
+        effect = f"PGA {pga} -> {_words(self.pga)} g, PGV {pgv} -> {_words(self.pgv)} m/s"
+        return f"scaled by {by}{self._wanted()}: {effect}{in_file}"
+
+    def _wanted(self) -> str:
+        if self.key == "pga":
+            return f" to pga {_words(self.pga)} g"
+        if self.key == "pgv":
+            return f" to pgv {_words(self.pgv)} m/s"
+        if self.key == "pga_over_g_tan_alpha":
+            return f" to pga_over_g_tan_alpha {_words(self.over)}"
+        return f", {INHERITED}" if self.key == INHERITED else ""
+
+
+def _range(values: ArrayLike) -> Range:
+    values = np.asarray(values, dtype=float)
+    return float(values.min()), float(values.max())
+
+
+def _both(one: Range, other: Range) -> Range:
+    return min(one[0], other[0]), max(one[1], other[1])
+
+
+def _words(ends: Range) -> str:
+    low, high = (f"{end:.4g}" for end in ends)
+    return low if low == high else f"{low} to {high}"

@@ -1,0 +1,1 @@
+"""The cases of a study: axes, tables, suites, and their batches."""

@@ -1,0 +1,385 @@
+"""The axes of a study: from the entries of `vary` to coordinates and what each puts into a case."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path as FilePath
+from pathlib import PurePosixPath
+from typing import Any
+from unicodedata import category
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import StudyError
+from rockcli.study.building.matching import WILDCARDS
+from rockcli.study.building.numbers import in_words
+from rockcli.study.building.records import Records
+from rockcli.study.cases.table import Table, read_table
+from rockcli.study.cases.variation import Variation
+from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
+from rockcli.study.document.overlay import Setting, leaves, same_twice
+from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
+from rockcli.study.document.tree import List, Map, Places, Source, Where, nearest, place
+from rockcli.study.document.values import describe, is_finite, number_or_expression
+from rockcli.study.study import MATCH, Axis
+
+MAX_POINTS = 10_000_000
+MAX_CASES = 2**40
+
+UNFIT = ("Cc", "Cs", "Zl", "Zp")
+"""Categories of characters that no label may hold: control characters, lone surrogates, ends of lines."""
+
+RANGE = ("from", "to", "n", "spacing", "find")
+
+RANGE_FORM = "{from, to, n, spacing: linear | log}"
+
+IN_OTHER_WORDS = {
+    **dict.fromkeys(("start", "begin", "first", "min"), "from"),
+    **dict.fromkeys(("stop", "end", "last", "max"), "to"),
+    **dict.fromkeys(("num", "number", "count", "points"), "n"),
+    **dict.fromkeys(("scale", "step", "space"), "spacing"),
+}
+"""What other programs call the keys of a range."""
+
+
+_SYMBOL_PATHS = (("case", "block"), ("case", "g"))
+"""What the symbols of expressions come from, beside `let`."""
+
+Evaluate = Callable[[str], float]
+
+
+class _NeedsCase(Exception):  # noqa: N818 (no error: a sign that an axis has to wait for the others)
+    """An expression of an axis speaks of the case."""
+
+
+def read_axes(
+    source: Source, study: Map, records: Records, evaluator: Callable[[list[Variation]], Evaluate]
+) -> list[Variation]:
+    """The axes of a study, outermost first.
+
+    `evaluator(axes)` gives a function that evaluates an expression which is the same at all points of these axes
+    and raises ExpressionError if it is not.
+
+    Raises:
+        StudyError: an unknown path, an entry that is none of the forms, no points, points that repeat.
+    """
+    vary: Map = study.get("vary") or Map()
+    read = {text: _Reader(source, study, text, records) for text in vary}
+    done: dict[str, Variation] = {}
+    for text, reader in read.items():
+        with suppress(_NeedsCase):
+            done[text] = reader.read()
+    evaluate = evaluator(list(done.values())) if len(done) < len(read) else None
+    for text, reader in read.items():
+        if text not in done:
+            if reader.path[:2] in _SYMBOL_PATHS or reader.path[0] == "let" or reader.path == ("case",):
+                said, more = reader.waiting
+                raise reader.fail(f"is {describe(said)}; {_why_it_cannot_wait(study, said)}", *more)
+            reader.evaluate = evaluate
+            done[text] = reader.read()
+    variations = [done[text] for text in vary]
+    names = dimension_names(list(vary))
+    _check_apart(source, study, variations, names)
+    total = float(np.prod([float(v.size) for v in variations]))
+    if total > MAX_CASES:
+        raise source.error(study, ("vary",), f"makes {total:.3g} cases, more than {MAX_CASES:.3g}")
+    return [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
+
+
+def _why_it_cannot_wait(study: Map, text: str) -> str:
+    why = "expected numbers or expressions of numbers and units: other expressions depend on it"
+    own = sorted(parse(text).names & (study.get("let") or {}).keys())
+    if own:
+        why += f" (`{own[0]}` is a symbol of `let`, which axes of the block, of g and of let cannot use)"
+    return why
+
+
+def _check_apart(source: Source, study: Map, variations: list[Variation], names: list[str]) -> None:
+    """Refuse axes of one name, and axes that set the same thing."""
+    for name, variation in zip(names, variations, strict=True):
+        if names.count(name) > 1:
+            keys = ("vary", variation.axis.path)
+            raise source.error(study, keys, f"has the same dimension name as another axis, {name!r}")
+    if (twice := same_twice([v.path for v in variations])) is not None:
+        other, axis = (variations[i].axis.path for i in twice)
+        raise source.error(study, ("vary", axis), f"and the axis {other} say the same thing in two ways")
+
+
+class _Reader:
+    """Reads one entry of `vary`."""
+
+    def __init__(self, source: Source, study: Map, text: str, records: Records) -> None:
+        self.source, self.study, self.text, self.records = source, study, text, records
+        self.evaluate: Evaluate | None = None
+        self.waiting: tuple[str, tuple[str | int, ...]] = ("", ())
+        try:
+            if text.startswith("case."):
+                raise StudyError(f"paths of axes begin inside the case: {text.removeprefix('case.')!r}")
+            self.path = resolve(text)
+        except StudyError as error:
+            several = (
+                ""
+                if "." in text or "did you mean" in error.message
+                else "; settings that change several keys at once go under the axis `case`"
+            )
+            raise source.placed(place(study, ("vary", text)), f"vary: {error.message}{several}") from None
+
+    def fail(self, message: str, *more: str | int) -> StudyError:
+        return self.source.error(self.study, ("vary", self.text, *more), message)
+
+    def read(self) -> Variation:
+        entry = self.study["vary"][self.text]
+        if isinstance(entry, List):
+            return self.listed(entry)
+        if isinstance(entry, Map):
+            return self.range(entry) if entry.keys() & set(RANGE) else self.named(entry)
+        if isinstance(entry, str) and entry.lower().endswith(".csv") and not set(entry) & WILDCARDS:
+            return self.table(entry)
+        if isinstance(entry, str) and self.is_file:
+            return self.matched(entry)
+        expected = (
+            "a list, a range {from, to, n, spacing}, named settings {label: value}, a CSV file or a glob of records"
+        )
+        raise self.fail(f"is {describe(entry)}; expected {expected}")
+
+    @property
+    def is_file(self) -> bool:
+        return self.path[-1] in ("file", "record")
+
+    def listed(self, values: List) -> Variation:
+        if not values:
+            raise self.fail("has no values")
+        if len(values) > MAX_POINTS:
+            raise self.fail(f"has more than {MAX_POINTS} values")
+        where = Places(tuple(values.where))
+        numbers = self.numbers(values)
+        if numbers is not None:
+            return self.numeric(numbers, where)
+        settings = [self.put(v, where(i), i) for i, v in enumerate(values)]
+        texts = [v if isinstance(v, str) else json.dumps(v, default=str) for v in values]
+        if self.is_file and all(isinstance(v, str | list) for v in values):
+            both = [[v] if isinstance(v, str) else [str(name) for name in v] for v in values]
+            names = [" + ".join(PurePosixPath(name).name for name in pair) for pair in both]
+            if len(set(names)) == len(names):
+                return self.labelled(names, settings, where, files=tuple(texts))
+        return self.labelled(texts, settings, where)
+
+    def numbers(self, values: List) -> NDArray[np.float64] | None:
+        """The values as numbers; None if they are not all numbers or constant expressions."""
+        if self.path == ("case", "model"):
+            return None
+        found = []
+        for i, value in enumerate(values):
+            number = self.number(value, i)
+            if number is None:
+                return None
+            found.append(number)
+        return np.array(found)
+
+    def number(self, value: Any, *more: str | int) -> float | None:
+        """One value as a number; None if it is none."""
+        if isinstance(value, str) and takes_number(self.path) and value != "housner":
+            value = self.evaluated(value, *more)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return None
+        if not is_finite(value):
+            raise self.fail(f"is {value}: a finite number is expected", *more)
+        return float(value)
+
+    def evaluated(self, text: str, *more: str | int) -> float:
+        """The value of an expression, the same in all cases.
+
+        Raises:
+            StudyError: it is no expression, or differs from case to case.
+            _NeedsCase: it speaks of the case, and the other axes have not been read yet.
+        """
+        try:
+            expression = parse(text)
+            if expression.names <= CONSTANTS.keys():
+                return float(expression.evaluate(constant))
+            if self.evaluate is None:
+                self.waiting = (text, more)
+                raise _NeedsCase
+            return self.evaluate(text)
+        except ExpressionError as error:
+            raise self.fail(f": {in_words(self.path, text, str(error))}", *more) from None
+
+    def numeric(self, values: NDArray[np.float64], where: Callable[[int], Where]) -> Variation:
+        unit = UNITS.get(self.path[-1], "1") if self.path[0] != "let" else "1"
+        axis = Axis(self.text, self.text, tuple(values.tolist()), True, unit)
+        ordered = np.sort(values)
+        gaps = np.diff(ordered)
+        if (gaps == 0.0).any():
+            raise self.fail("repeats a value")
+        close = gaps <= MATCH * np.maximum(np.abs(ordered[1:]), np.abs(ordered[:-1]))
+        if close.any():
+            a, b = (repr(float(ordered[int(np.argmax(close)) + k])) for k in (0, 1))
+            raise self.fail(f"has two values that cannot be told apart, {a} and {b} (they are matched to {MATCH:g})")
+        in_batch = varies_in_batch(self.path)
+        settings = () if in_batch else tuple(self.put(v, where(i), i) for i, v in enumerate(axis.values))
+        return Variation(axis, self.path, settings, {self.path: values} if in_batch else None, where)
+
+    def labelled(
+        self,
+        labels: list[str],
+        settings: list[tuple[Setting, ...]],
+        where: Callable[[int], Where],
+        table: str | None = None,
+        files: tuple[str, ...] = (),
+    ) -> Variation:
+        if not labels:
+            raise self.fail("has no values")
+        if len(set(labels)) < len(labels):
+            twice = next(label for label in labels if labels.count(label) > 1)
+            raise self.fail(f"repeats {twice!r}")
+        for label in labels:
+            if odd := [character for character in label if category(character) in UNFIT]:
+                raise self.fail(
+                    f"has the label {label[:100]!a}: {odd[0]!a} is no character of a label, which is a line"
+                )
+        axis = Axis(self.text, self.text, tuple(labels), False, files=files)
+        columns = self.columns(settings)
+        return Variation(axis, self.path, () if columns else tuple(settings), columns, where, table)
+
+    def columns(self, settings: list[tuple[Setting, ...]]) -> dict[Path, NDArray[np.float64]] | None:
+        """The settings as columns of numbers, if every point sets the same numbers that may differ in a batch."""
+        paths = [path for path, _, _ in settings[0]]
+        if not paths or not all(varies_in_batch(path) for path in paths):
+            return None
+        for point in settings:
+            if [path for path, _, _ in point] != paths:
+                return None
+            if not all(type(value) in (int, float) and is_finite(value) for _, value, _ in point):
+                return None
+        return {path: np.array([float(point[k][1]) for point in settings]) for k, path in enumerate(paths)}
+
+    def put(self, value: Any, where: Where, *more: str | int) -> tuple[Setting, ...]:
+        """What one point puts into a case."""
+        if self.path != ("case",) and not (isinstance(value, Map) and any("." in key for key in value)):
+            return ((self.path, self.checked(self.path, value, *more), where),)
+        if not isinstance(value, Map) or not value:
+            raise self.fail(f"is {describe(value)}; expected a mapping of keys of the case", *more)
+        paths = [self.below(key, *more) for key in value]
+        point = tuple(
+            (path, self.checked(path, item, *more, key), value.where.get(key, where))
+            for path, (key, item) in zip(paths, value.items(), strict=True)
+        )
+        said = [
+            (key, leaf, path) for key, (path, item, _) in zip(value, point, strict=True) for leaf, _ in leaves(item)
+        ]
+        self.once([".".join((key, *leaf)) for key, leaf, _ in said], [(*path, *leaf) for _, leaf, path in said], *more)
+        return point
+
+    def checked(self, path: Path, value: Any, *more: str | int) -> Any:
+        """A value, if it is none of a symbol of `let`, or one that a symbol can have."""
+        if path[0] == "let":
+            try:
+                number_or_expression(value)
+            except ValueError as error:
+                raise self.fail(f": {error}", *more) from None
+        return value
+
+    def once(self, names: list[str], paths: list[Path], *more: str | int) -> None:
+        """Refuse keys of one point that say the same thing twice."""
+        if (twice := same_twice(paths)) is not None:
+            first, last = (names[i] for i in twice)
+            raise self.fail(f": {first} and {last} say the same thing; leave one out", *more)
+
+    def below(self, key: str, *more: str | int) -> Path:
+        """The path of a key written below the axis' own."""
+        text = key if self.path == ("case",) else ".".join((*self.path[1:], key))
+        try:
+            return resolve(text)
+        except StudyError as error:
+            raise self.fail(f": {error.message}", *more) from None
+
+    def range(self, entry: Map) -> Variation:
+        find = entry.get("find")
+        if find not in (None, "overturning"):
+            raise self.fail(f"is {describe(find)}; only `overturning` can be found", "find")
+        ends = []
+        for key in entry:
+            if key not in RANGE:
+                said = next(name for name in RANGE if name in entry)
+                other = IN_OTHER_WORDS.get(key.lower())
+                hint = nearest(key, RANGE) if other is None else f"did you mean {other!r}?"
+                raise self.fail(f": unknown key of a range {RANGE_FORM}, which `{said}` makes it; {hint}", key)
+        for key in ("from", "to", "n"):
+            if entry.get(key) is None:
+                raise self.fail(f"is a range without `{key}`; expected {RANGE_FORM}")
+        for key in ("from", "to"):
+            number = self.number(entry[key], key)
+            if number is None or not takes_number(self.path):
+                raise self.fail("must be a number or an expression, on a key that takes one", key)
+            ends.append(number)
+        n, spacing = entry["n"], entry.get("spacing", "linear")
+        if type(n) is not int or not 2 <= n <= MAX_POINTS:
+            raise self.fail(f"is {describe(n)}; expected a whole number from 2 to {MAX_POINTS}", "n")
+        if spacing not in ("linear", "log"):
+            raise self.fail(
+                f"is {describe(spacing)}; expected linear or log; {nearest(str(spacing), ('linear', 'log'))}", "spacing"
+            )
+        if spacing == "log" and not min(ends) > 0.0:
+            raise self.fail("spacing: log needs ends greater than 0")
+        first, last = ends
+        values = np.linspace(first, last, n) if spacing == "linear" else np.geomspace(first, last, n)
+        values[0], values[-1] = first, last
+        line = place(self.study, ("vary", self.text))
+        variation = self.numeric(values, Places(beyond=line))
+        if find and variation.columns is None:
+            raise self.fail(
+                "cannot be searched: only a number of the block, the motion or the initial state can", "find"
+            )
+        return replace(variation, find=find)
+
+    def named(self, entry: Map) -> Variation:
+        if not entry:
+            raise self.fail("has no values")
+        places = [entry.where.get(label) for label in entry]
+        settings = [self.put(v, places[i], label) for i, (label, v) in enumerate(entry.items())]
+        settings = [tuple((p, self.as_number(p, v), w) for p, v, w in point) for point in settings]
+        return self.labelled(list(entry), settings, Places(tuple(places)))
+
+    @staticmethod
+    def as_number(path: Path, value: Any) -> Any:
+        """A constant expression as its number, so that named numbers stay columns."""
+        if isinstance(value, str) and varies_in_batch(path):
+            try:
+                return parse(value).evaluate(constant)
+            except ExpressionError:
+                return value
+        return value
+
+    def matched(self, pattern: str) -> Variation:
+        line = place(self.study, ("vary", self.text))
+        names = self.records.match(f"vary.{self.text}", pattern, line)
+        return self.listed(List(names, [line] * len(names)))
+
+    def table(self, name: str) -> Variation:
+        line = place(self.study, ("vary", self.text))
+        table = read_table(name, self.source, line)
+        self.labels_first(table, self.source.folder / name)
+        paths = [self.below(column) for column in table.columns]
+        self.once(table.columns, paths)
+        settings = [
+            tuple(
+                (path, self.as_number(path, self.checked(path, value)), line)
+                for path, value in zip(paths, row, strict=True)
+            )
+            for row in table.rows
+        ]
+        return self.labelled(table.labels, settings, Places(beyond=line), name)
+
+    def labels_first(self, table: Table, file: FilePath) -> None:
+        """Refuse a table whose first column is no labels, but a path like the others."""
+        if is_path(table.head if self.path == ("case",) else ".".join((*self.path, table.head))):
+            raise StudyError(
+                f"the first column names the points, and {table.head!r} is a path inside the case: put a column of "
+                f"labels before it (name,{table.head},...)",
+                file=file,
+                line=table.line,
+            )

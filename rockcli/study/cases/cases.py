@@ -1,0 +1,198 @@
+"""The cases of a study, built in batches: what differs only in numbers is one batch of arrays, never a loop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.batch import Batch, Save
+from rockcli.study.building.batch import build_batch
+from rockcli.study.building.numbers import Numbers, Varied
+from rockcli.study.building.records import Records
+from rockcli.study.cases.variation import Variation
+from rockcli.study.document.check import check_case
+from rockcli.study.document.expressions import ExpressionError, parse
+from rockcli.study.document.overlay import Setting, overlaid
+from rockcli.study.document.tree import Map, Source, Where
+from rockcli.study.study import Index
+
+Array = NDArray[np.float64]
+Points = dict[int, NDArray[np.int64]]
+"""Axis -> index of every case on it."""
+
+PROBED = 20_000
+"""A study of at most so many cases is built whole before it is solved; of a larger one, corners and edges."""
+
+_TREES_KEPT = 256
+
+
+@dataclass(eq=False)
+class Cases:
+    """Builds batches of cases (the `CaseSource` of a study).
+
+    Args:
+        study: {case, let}, short forms written out.
+        variations: the axes, outermost first.
+        save: what every batch is asked for.
+        histories_at: axis -> the only point on it whose histories are saved; empty = all.
+    """
+
+    source: Source
+    study: Map
+    variations: list[Variation]
+    records: Records
+    save: Save
+    histories_at: dict[int, int] = field(default_factory=dict)
+    _trees: dict[tuple[int, ...], Map] = field(default_factory=dict)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points of every axis."""
+        return tuple(v.size for v in self.variations)
+
+    @property
+    def structural(self) -> list[int]:
+        """Axes that need a batch of their own for every point."""
+        return [i for i, v in enumerate(self.variations) if v.columns is None]
+
+    def batches(self, indices: Index) -> Iterator[tuple[Index, Batch]]:
+        """Yield (flat indices, batch); a batch holds all the cases given that share every tag.
+
+        Raises:
+            StudyError, RecordError: a case cannot be built.
+        """
+        for part, combination, points in self.groups(np.asarray(indices, dtype=np.int64)):
+            for rows, save in self._saves(points, len(part)):
+                chosen = {axis: p[rows] for axis, p in points.items()}
+                numbers = self.numbers(combination, chosen, len(part[rows]))
+                yield part[rows], build_batch(numbers, self.records, save)
+
+    def _saves(self, points: Points, n: int) -> Iterator[tuple[Any, Save]]:
+        """Rows of a group and what is asked for them: histories may be wanted of some only."""
+        if not self.histories_at or not self.save.histories:
+            yield slice(None), self.save
+            return
+        wanted = np.ones(n, dtype=bool)
+        for axis, point in self.histories_at.items():
+            wanted &= points[axis] == point
+        for rows, save in ((wanted, self.save), (~wanted, replace(self.save, histories=False))):
+            if rows.any():
+                yield rows, save
+
+    def groups(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points]]:
+        """Split flat indices by the points on the structural axes; keep the points on the others."""
+        if not len(indices):
+            return
+        if not self.variations:
+            yield indices, (), {}
+            return
+        points = [np.asarray(p, dtype=np.int64) for p in np.unravel_index(indices, self.shape)]
+        structural = self.structural
+        if not structural:
+            yield indices, (), dict(enumerate(points))
+            return
+        key = np.ravel_multi_index([points[i] for i in structural], [self.shape[i] for i in structural])
+        order = np.argsort(key, kind="stable")
+        for rows in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
+            combination = tuple(int(points[i][rows[0]]) for i in structural)
+            yield indices[rows], combination, {i: p[rows] for i, p in enumerate(points)}
+
+    def numbers(self, combination: tuple[int, ...], points: Points, n: int) -> Numbers:
+        """The numbers of the cases at a combination of structural points."""
+
+        def column(axis: int, which: int) -> Array:
+            columns = self.variations[axis].columns
+            assert columns is not None
+            return list(columns.values())[which][points[axis]]
+
+        def spot(axis: int | None, i: int) -> tuple[Where, str]:
+            where = None if axis is None else self.variations[axis].where(int(points[axis][i]))
+            at = (f"{v.axis.path} = {_shown(v.axis.values[points[a][i]])}" for a, v in enumerate(self.variations))
+            return where, ", ".join(at)
+
+        return Numbers(self.source, self.tree(combination), n, column, spot)
+
+    def tree(self, combination: tuple[int, ...]) -> Map:
+        """The tree of a combination of structural points, with `Varied` where the other axes stand; checked."""
+        if combination not in self._trees:
+            if len(self._trees) >= _TREES_KEPT:
+                self._trees.clear()
+            self._trees[combination] = self._overlaid(dict(zip(self.structural, combination, strict=True)))
+        return self._trees[combination]
+
+    def _overlaid(self, chosen: dict[int, int]) -> Map:
+        points: list[Sequence[Setting]] = []
+        for axis, variation in enumerate(self.variations):
+            if variation.columns is None:
+                points.append(variation.settings[chosen[axis]])
+            else:
+                where = variation.where(0)
+                columns = enumerate(variation.columns.items())
+                points.append([(path, Varied.of(axis, which, of[0]), where) for which, (path, of) in columns])
+        study = overlaid(self.study, *points)
+        check_case(self.source, study)
+        return study
+
+    def probe(self) -> Index:
+        """Flat indices that together show whatever can be wrong: all, or the corners and edges of every combination.
+
+        The edges are walked from the first point of each axis; the corners are the smallest and the largest
+        values, where a quantity that grows or falls along each axis has its extremes.
+        """
+        shape = self.shape
+        if int(np.prod(shape, dtype=np.int64)) <= PROBED:
+            return np.arange(int(np.prod(shape, dtype=np.int64)))
+        structural = self.structural
+        walked = {i: [0] for i in range(len(shape)) if i not in structural}
+        ends = {i: self._ends(i) for i in walked}
+        spots = list(product(*(ends[i] for i in walked)))
+        for k, i in enumerate(walked):
+            spots += [tuple(j if m == k else 0 for m in range(len(walked))) for j in range(shape[i])]
+        numeric = np.array(spots, dtype=np.int64).reshape(len(spots), len(walked))
+        sizes = [shape[i] for i in structural]
+        combos = (
+            np.indices(sizes, dtype=np.int64).reshape(len(sizes), -1) if sizes else np.zeros((0, 1), dtype=np.int64)
+        )
+        count = combos.shape[1]
+        points = np.empty((len(shape), count, len(spots)), dtype=np.int64)
+        for k, i in enumerate(structural):
+            points[i] = combos[k][:, None]
+        for k, i in enumerate(walked):
+            points[i] = numeric[:, k][None, :]
+        return np.unique(np.ravel_multi_index(tuple(points.reshape(len(shape), -1)), shape))
+
+    def _ends(self, axis: int) -> list[int]:
+        columns = self.variations[axis].columns
+        assert columns is not None
+        ends = {0}
+        for values in columns.values():
+            ends |= {int(np.argmin(values)), int(np.argmax(values))}
+        return sorted(ends)
+
+    def evaluate(self, text: str) -> float:
+        """The value of an expression that is the same in all cases.
+
+        Raises:
+            ExpressionError: it differs from case to case.
+        """
+        expression = parse(text)
+        first: float | None = None
+        for part, combination, points in self.groups(self.probe()):
+            values = np.ravel(expression.evaluate(self.numbers(combination, points, len(part)).symbol))
+            first = float(values[0]) if first is None else first
+            if not (values == first).all():
+                raise ExpressionError(
+                    f"{text!r} differs from case to case, so that it is no coordinate; vary a dimensionless key "
+                    "(a_p_over_g_tan_alpha, pga_over_g_tan_alpha, omega_p_over_p), or a symbol of `let`, instead"
+                )
+        assert first is not None
+        return first
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,48 @@
+"""`refine`: the two axes of a map whose boundary between outcomes is traced."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rockcli.study.document.tree import Map, Source
+from rockcli.study.study import Axis, Over
+
+RECORDS = (
+    "refine under a recorded motion: the boundary of overturning is fractal there, and islands smaller than the coarse "
+    "grid are missed; solve a part of the map without `refine` and compare"
+)
+"""What is to be said where a map of a recorded motion is refined."""
+
+
+def read_refine(
+    source: Source, study: Map, axes: Sequence[Axis], scalars: Sequence[str], *, searches: bool, over: Over | None
+) -> tuple[str, ...]:
+    """Names of the two axes to be refined, as they stand in `vary`; () where the study does not ask for it.
+
+    They are the two numeric axes of most points, at equal length the inner ones.
+
+    Raises:
+        StudyError: there are no two numeric axes, one of them is not in order, or the study asks for what needs every
+            case to be solved: histories, ensemble statistics, a search.
+    """
+    if not study.get("refine"):
+        return ()
+    for asked, why in (
+        (searches, "`find` does not make a map; leave out one of the two"),
+        (over is not None, "`over` takes statistics of cases, of which `refine` leaves most out; drop one of the two"),
+        ((study.get("save") or {}).get("histories"), "no histories are saved of a refined map; drop save.histories"),
+        ("outcome" not in scalars, "needs outcomes, and this study is one of static curves"),
+    ):
+        if asked:
+            raise source.error(study, ("refine",), f": {why}")
+    numeric = [axis for axis in axes if axis.numeric and axis.size >= 2]
+    if len(numeric) < 2:
+        raise source.error(study, ("refine",), f"needs two numeric axes (`vary`); there are {len(numeric)}")
+    chosen = sorted(numeric, key=lambda axis: (-axis.size, -numeric.index(axis)))[:2]
+    for axis in chosen:
+        steps = np.diff(np.asarray(axis.values, dtype=float))
+        if not (steps > 0.0).all() and not (steps < 0.0).all():
+            raise source.error(study, ("vary", axis.path), "is not ascending or descending; `refine` needs it")
+    return tuple(axis.name for axis in axes if axis in chosen)

@@ -1,0 +1,66 @@
+"""A CSV file of settings: labels in the first column, a path below the axis over each of the others."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from rockcli.errors import StudyError
+from rockcli.study.document.loader import scalar
+from rockcli.study.document.tree import Source, Where
+
+
+@dataclass(frozen=True)
+class Table:
+    """The head of the first column and its line, labels, paths of the columns, values row by row."""
+
+    head: str
+    line: int
+    labels: list[str]
+    columns: list[str]
+    rows: list[list[Any]]
+
+
+def read_table(name: str, source: Source, where: Where) -> Table:
+    """Read a CSV file beside the study.
+
+    Raises:
+        StudyError: it cannot be read, has no rows or columns, or a row of another length or with an empty cell.
+    """
+    path = source.folder / name
+    if not path.is_file():
+        raise source.placed(where, f"the table {path} does not exist")
+    data = source.inputs.read(name, path)
+    try:
+        lines = list(csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""), skipinitialspace=True))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise StudyError(f"is no CSV text: {error}", file=path) from None
+    rows = [(i, [cell.strip() for cell in row]) for i, row in enumerate(lines, start=1) if any(map(str.strip, row))]
+    if len(rows) < 2 or len(rows[0][1]) < 2:
+        raise StudyError("a table has a line of paths, the first naming the labels, and a line per point", file=path)
+    header = rows[0][1]
+    columns = header[1:]
+    if len(set(columns)) < len(columns) or not all(columns):
+        raise StudyError("a path of the table is empty or repeats", file=path, line=rows[0][0])
+    for i, row in rows[1:]:
+        if len(row) != len(header):
+            raise StudyError(f"the line has {len(row)} cells, the first has {len(header)}", file=path, line=i)
+        if not all(row):
+            raise StudyError(f"the cell below {header[row.index('')]!r} is empty", file=path, line=i)
+        for column, cell in zip(columns, row[1:], strict=True):
+            if _is_no_finite_number(cell):
+                raise StudyError(f"the cell below {column!r} is {cell}: a finite number is expected", file=path, line=i)
+    body = [row for _, row in rows[1:]]
+    values = [[scalar(cell) for cell in row[1:]] for row in body]
+    return Table(header[0], rows[0][0], [row[0] for row in body], columns, values)
+
+
+def _is_no_finite_number(cell: str) -> bool:
+    """Whether a cell is what programs print for a number that is none, or one too large."""
+    try:
+        return not math.isfinite(float(cell))
+    except ValueError:
+        return False

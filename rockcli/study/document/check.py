@@ -1,0 +1,144 @@
+"""Holds a study against the schema, and says in one sentence what does not fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from rockcli.study.document.tree import Keys, Map, Source, dotted, meant, nearest, place, value_at
+from rockcli.study.document.values import Number, describe
+from rockcli.study.schema import CasePart, Part, StudyPart
+
+P = TypeVar("P", bound=Part)
+
+EXPECTED = {
+    "list_": "a list",
+    "int_": "a whole number",
+    "bool_": "true or false",
+    "string_type": "text",
+    "string_too_long": "at most {max_length} characters",
+    "greater_than_equal": "at least {ge}",
+    "less_than_equal": "at most {le}",
+}
+"""What was expected instead, by the beginning of the kind of pydantic's error."""
+
+
+def check_study(source: Source, study: Map) -> StudyPart:
+    """The whole study, validated; the first thing wrong with it is raised as StudyError."""
+    part = _checked(source, study, StudyPart, ())
+    assert part is not None
+    return part
+
+
+def check_case(source: Source, study: Map, *, complete: bool = True) -> None:
+    """The case of a study; if not `complete`, what is missing in it may come from the axes."""
+    if not isinstance(study.get("case"), Map):
+        raise source.error(study, ("case",), "must be a mapping")
+    _checked(source, study, CasePart, ("case",), complete=complete)
+
+
+def _checked(source: Source, study: Map, part: type[P], at: Keys, *, complete: bool = True) -> P | None:
+    try:
+        return part.model_validate(value_at(study, at))
+    except ValidationError as error:
+        details = [d for d in error.errors(include_url=False) if complete or d["type"] != "missing"]
+        if not details:
+            return None
+        first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
+        raise source.placed(*_sentence(study, part, at, dict(first))) from None
+
+
+def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) -> tuple[Any, str]:
+    kind = detail["type"]
+    keys = at + _followed(value_at(study, at), detail["loc"])
+    where = place(study, keys)
+    name = "".join(f"[{k}]" if isinstance(k, int) else f".{k}" for k in keys).lstrip(".")
+    value = describe(value_at(study, keys))
+    if kind == "extra_forbidden":
+        known = fields_at(part, keys[len(at) : -1])
+        if len(keys) == 1 and keys[0] in CasePart.model_fields:
+            return where, f"{name}: unknown key {name!r} at this level; did you mean case.{name}?"
+        return where, f"{name}: unknown key {str(keys[-1])!r}; {nearest(str(keys[-1]), known)}"
+    if kind == "missing":
+        missing = detail["loc"][-1]
+        inside = f" in {name}" if name else ""
+        return where, f"the key {missing!r} is missing{inside}"
+    if kind == "literal_error" and keys[-2:] == ("damping", "scheme") and _reads_as_number(value_at(study, keys)):
+        said = value_at(study, keys)
+        return where, f"{dotted(keys[:-1])} is {said}; for that coefficient of restitution write {{eta: {said}}}"
+    if kind == "literal_error":
+        expected = detail["ctx"]["expected"]
+        choices = [word.strip("'") for word in expected.replace(" or ", ", ").split(", ")]
+        close = meant(value.strip("'"), choices)
+        hint = "" if close is None else f"; did you mean {close!r}?"
+        return where, f"{name} is {value}; expected one of {', '.join(choices)}{hint}"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        keys_of_it = ", ".join(fields_at(part, keys[len(at) :]))
+        with_keys = f" with the keys {keys_of_it}" if keys_of_it else ""
+        return where, f"{name} must be a mapping{with_keys}, not {value}"
+    if kind == "string_pattern_mismatch":
+        return where, f"{name} is {value}; only letters, digits, - and _ are allowed, at most 100 of them"
+    if kind == "value_error":
+        return where, f"{name}: {detail['ctx']['error']}"
+    for begin, expected in EXPECTED.items():
+        if kind.startswith(begin):
+            return where, f"{name} is {value}; expected {expected.format(**detail.get('ctx', {}))}"
+    message = detail["msg"].replace("Input should", "it should")
+    return where, f"{name} is {value}: {message[0].lower()}{message[1:]}"
+
+
+def _reads_as_number(value: Any) -> bool:
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def _followed(tree: Any, loc: tuple[str | int, ...]) -> Keys:
+    """The part of pydantic's location that exists in the study."""
+    keys: list[str | int] = []
+    for item in loc:
+        if isinstance(tree, dict):
+            inside = item in tree
+        else:
+            inside = isinstance(tree, list) and isinstance(item, int) and item < len(tree)
+        if not inside:
+            break
+        tree = tree[item]
+        keys.append(item)
+    return tuple(keys)
+
+
+def fields_at(part: type[BaseModel], keys: Keys) -> dict[str, Any]:
+    """Known keys of the mapping at `keys` inside a part -> their annotations; empty where anything may stand."""
+    for key in keys:
+        if isinstance(key, int):
+            continue
+        field = part.model_fields.get(key)
+        inner = next(_parts((field.annotation, *field.metadata)), None) if field else None
+        if inner is None:
+            return {}
+        part = inner
+    return {field.alias or name: (field.annotation, field.metadata) for name, field in part.model_fields.items()}
+
+
+def is_number(annotation: Any) -> bool:
+    """Whether a key takes a number or an expression (an annotation as `fields_at` gives it)."""
+    marks = get_args(Number)[1:]
+    if isinstance(annotation, tuple | list):
+        return any(is_number(item) for item in annotation)
+    return annotation in marks or any(is_number(item) for item in get_args(annotation))
+
+
+def _parts(annotation: Any) -> Iterator[type[Part]]:
+    if isinstance(annotation, type) and issubclass(annotation, Part):
+        yield annotation
+    elif isinstance(annotation, tuple):
+        for item in annotation:
+            yield from _parts(item)
+    else:
+        for item in get_args(annotation):
+            yield from _parts(item)

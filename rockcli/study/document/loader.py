@@ -1,0 +1,203 @@
+"""Reads YAML with the scalars of YAML 1.2, every line kept, and nothing that could do harm.
+
+PyYAML follows YAML 1.1: it reads `1e-3` as a string, `on` as true, `12:30` as 750, `010` as 8, and lets the last
+of two equal keys win.  Here the nodes are PyYAML's and the values are not.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from rockcli.errors import StudyError
+from rockcli.study.document.tree import List, Map, Source, Where
+from rockcli.study.inputs import MAX_BYTES, read_bytes
+
+__all__ = ["load_any", "load_file", "load_mapping", "load_value", "scalar"]
+
+NAMES = ("name", "title", "references")
+"""Keys of a study that are text, also where it reads as a number: `name: 007`."""
+
+MAX_DEPTH = 40
+MAX_VALUES = 200_000
+
+_INT = re.compile(r"[-+]?[0-9]{1,18}\Z")
+_HEX = re.compile(r"0(x[0-9a-fA-F]{1,15}|o[0-7]{1,20})\Z")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
+_SPECIAL = {".inf": np.inf, "+.inf": np.inf, "-.inf": -np.inf, ".nan": np.nan}
+_WORDS = {"": None, "~": None, "null": None, "true": True, "false": False}
+_CASES = {word for word in _WORDS if word} | {w.capitalize() for w in _WORDS} | {w.upper() for w in _WORDS}
+
+
+PLAIN, TEXT, COLLECTION = "plain", "text", "collection"
+ALLOWED = {PLAIN, TEXT, COLLECTION, *(f"tag:yaml.org,2002:{kind}" for kind in ("str", "seq", "map"))}
+"""Tags of nodes: those without a tag of their own, and the harmless ones one may write."""
+
+
+class _Nodes(yaml.SafeLoader):
+    """PyYAML's nodes; the tags it guesses are not used."""
+
+    def resolve(self, kind: Any, value: Any, implicit: Any) -> str:
+        """Tag of a node that has none of its own."""
+        return PLAIN if kind is yaml.ScalarNode and implicit[0] else TEXT if kind is yaml.ScalarNode else COLLECTION
+
+
+def load_file(path: Path) -> Map:
+    """Read a study file into a `Map`.
+
+    Raises:
+        StudyError: it cannot be read, is no YAML, is empty, is too large or too deep, has a duplicate key.
+    """
+    value = load_any(path)
+    if value is None:
+        raise StudyError("the study is empty; at least `name` and `case` are needed", file=path)
+    if not isinstance(value, Map):
+        raise StudyError("a study is a mapping with the keys `name`, `case`, ...", file=path, line=1)
+    return value
+
+
+def load_any(path: Path) -> Any:
+    """Read a YAML file of any form; raises StudyError like `load_file`."""
+    data = read_bytes(path)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise StudyError(f"is no UTF-8 text (byte {error.start})", file=path, line=line) from None
+    return _parse(text, Source(path), None)
+
+
+def load_value(text: str, label: str, *, named: bool = False) -> Any:
+    """Read the value of a `--set`; its place is `label`.  `named`: of a key of NAMES."""
+    if len(text) > MAX_BYTES:
+        raise StudyError("the value is too long", file=label)
+    value = _parse(text, Source(None), label)
+    return text.strip() if named and type(value) in (int, float) else value
+
+
+def load_mapping(value: Any) -> Map:
+    """A study given as a mapping: copied, and only what YAML could hold let through."""
+    count = [0]
+    copied = _plain(value, 0, count)
+    if not isinstance(copied, Map):
+        raise StudyError("a study is a mapping with the keys `name`, `case`, ...")
+    return copied
+
+
+def _parse(text: str, source: Source, label: str | None) -> Any:
+    loader = None
+    try:
+        loader = _Nodes(text)
+        node = loader.get_single_node()
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = mark.line + 1 if mark is not None else None
+        problem = (error.problem or error.context or "not YAML").strip()
+        if "\\t" in problem:
+            problem = "a tab stands where only spaces may: indent with spaces"
+        raise source.placed(label or line, f"not YAML: {problem}") from None
+    except yaml.reader.ReaderError as error:
+        found = yaml.reader.Reader.NON_PRINTABLE.search(text)
+        line = text.count("\n", 0, found.start()) + 1 if found else None
+        what = f"the character {found[0]!r} is not allowed" if found else error.reason
+        raise source.placed(label or line, f"not YAML: {what}") from None
+    except yaml.YAMLError as error:
+        raise source.placed(label, f"not YAML: {' '.join(str(error).split())[:200]}") from None
+    except RecursionError:
+        raise source.placed(label, f"nested too deeply (at most {MAX_DEPTH} levels)") from None
+    except (ValueError, OverflowError, IndexError, AttributeError) as error:  # PyYAML on hostile directives
+        raise source.placed(label, f"not YAML: {str(error)[:200]}") from None
+    finally:
+        if loader is not None:
+            loader.dispose()
+    return None if node is None else _Builder(source, label).value(node, 0)
+
+
+class _Builder:
+    """Turns nodes into values; counts them, so that aliases cannot multiply without end."""
+
+    def __init__(self, source: Source, label: str | None) -> None:
+        self.source, self.label, self.count = source, label, 0
+
+    def place(self, node: yaml.Node) -> Where:
+        return self.label or node.start_mark.line + 1
+
+    def value(self, node: yaml.Node, depth: int) -> Any:
+        self.count += 1
+        if depth > MAX_DEPTH:
+            raise self.source.placed(self.place(node), f"nested too deeply (at most {MAX_DEPTH} levels)")
+        if self.count > MAX_VALUES:
+            raise self.source.placed(self.place(node), f"more than {MAX_VALUES} values (repeated by aliases?)")
+        if node.tag not in ALLOWED:
+            raise self.source.placed(self.place(node), f"the tag {node.tag!r} is not allowed here")
+        if isinstance(node, yaml.MappingNode):
+            return self.mapping(node, depth)
+        if isinstance(node, yaml.ScalarNode) and (why := _unfit(node.value)):
+            raise self.source.placed(self.place(node), why)
+        if isinstance(node, yaml.SequenceNode):
+            return List([self.value(n, depth + 1) for n in node.value], [self.place(n) for n in node.value])
+        return scalar(str(node.value)) if node.tag == PLAIN else str(node.value)
+
+    def mapping(self, node: yaml.MappingNode, depth: int) -> Map:
+        result = Map()
+        for key_node, value_node in node.value:
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise self.source.placed(self.place(key_node), "a key is a word, not a list or a mapping")
+            key = key_node.value
+            if why := _unfit(key):
+                raise self.source.placed(self.place(key_node), why)
+            if key in result:
+                first = result.where[key]
+                raise self.source.placed(self.place(key_node), f"duplicate key {key!r} (first on line {first})")
+            result[key] = self.value(value_node, depth + 1)
+            if depth == 0 and key in NAMES and type(result[key]) in (int, float):
+                result[key] = str(value_node.value)
+            result.where[key] = self.place(key_node)
+        return result
+
+
+def scalar(text: str) -> Any:
+    """A plain scalar by the core schema of YAML 1.2: null, bool, int, float or str."""
+    if text == "" or text == "~" or text in _CASES:
+        return _WORDS[text.lower()]
+    if _INT.match(text):
+        return int(text)
+    if _HEX.match(text):
+        return int(text, 0)
+    if _FLOAT.match(text):
+        return float(text)
+    return _SPECIAL.get(text.lower(), text)
+
+
+def _unfit(text: str) -> str:
+    """What no text may hold, also where it is written as an escape: what YAML refuses as it is; "" if all is well."""
+    found = yaml.reader.Reader.NON_PRINTABLE.search(text)
+    return f"the character {found[0]!a} is not allowed" if found else ""
+
+
+def _plain(value: Any, depth: int, count: list[int]) -> Any:
+    count[0] += 1
+    if depth > MAX_DEPTH:
+        raise StudyError(f"nested too deeply (at most {MAX_DEPTH} levels)")
+    if count[0] > MAX_VALUES:
+        raise StudyError(f"more than {MAX_VALUES} values")
+    for text in value if isinstance(value, dict) else (value,):
+        if isinstance(text, str) and (why := _unfit(text)):
+            raise StudyError(f"{text[:100]!a}: {why}")
+    if isinstance(value, dict):
+        return Map({str(key): _plain(item, depth + 1, count) for key, item in value.items()})
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, list | tuple | range):
+        return List([_plain(item, depth + 1, count) for item in value])
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, Path):
+        return str(value)
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise StudyError(f"a study holds numbers, text, lists and mappings, not a {type(value).__name__}")

@@ -1,0 +1,164 @@
+"""What an axis, a named setting or `--set` makes of a study: one rule, `laid`.
+
+A mapping is laid over what stands at its place key by key, at every level; anything else (a number, a word, a list)
+takes the place of what stands there, a word also of the mapping that it is short for.  null takes a key away.
+A key displaces those that it cannot stand beside (`displaced`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from rockcli.scene.pulses import SHAPES
+from rockcli.study.document.shorthands import expanded
+from rockcli.study.document.tree import Map, Where
+from rockcli.study.features import SCHEME_KEYS
+
+Path = tuple[str, ...]
+
+Setting = tuple[Path, Any, Where]
+"""A value to put at a path of a study, and where it comes from."""
+
+ALTERNATIVES: tuple[frozenset[str], ...] = (
+    frozenset({"pulse", "record"}),
+    frozenset({"a_p", "a_p_over_g_tan_alpha", "A"}),
+    frozenset({"omega_p", "T_p", "f_p", "omega_p_over_p"}),
+    frozenset({"scale", "pga", "pgv", "pga_over_g_tan_alpha"}),
+    frozenset({"eta", "r_energy"}),
+    frozenset({"alpha", "tan_alpha", "slenderness"}),
+    frozenset({"h", "height"}),
+    frozenset({"b", "width"}),
+    frozenset({"inertia", "r_g"}),
+    frozenset({"outline", "parts"}),
+)
+"""Keys of one mapping that say the same thing in different ways."""
+
+SIZES: tuple[frozenset[str], ...] = (
+    frozenset({"R"}),
+    frozenset({"h", "height"}),
+    frozenset({"b", "width"}),
+    frozenset({"alpha", "tan_alpha", "slenderness"}),
+)
+"""Sizes of a body, two of which say all of them."""
+
+_OUTLINES = frozenset({"outline", "parts"})
+_ALL_SIZES = frozenset().union(*SIZES)
+
+KINDS: dict[str, dict[str, tuple[str, ...]]] = {
+    "scheme": SCHEME_KEYS,
+    "law": {"rigid": (), "winkler": ("kw", "fibres")},
+    "shape": {name: shape.options for name, shape in SHAPES.items()},
+}
+"""A key that names a kind -> what only some kinds take beside it."""
+
+
+def alternatives(key: str) -> frozenset[str]:
+    """The other keys of the same mapping that a key stands for."""
+    return next((group - {key} for group in ALTERNATIVES if key in group), frozenset())
+
+
+def displaced(over: dict[str, Any]) -> set[str]:
+    """Keys that go where a mapping is laid over them, unless it says them itself.
+
+    These are the alternatives of its keys; the other sizes and the outline of a body of which it gives two sizes; sizes
+    and inertia of a body of which it gives the outline; and what the kind that it names does not take.
+    """
+    said = {key for key, value in over.items() if value is not None}
+    gone = {other for key in said for other in alternatives(key)}
+    if sum(bool(said & size) for size in SIZES) >= 2:
+        gone |= _ALL_SIZES | _OUTLINES | {"density", "depth"}
+    if said & _OUTLINES:
+        gone |= _ALL_SIZES | {"inertia", "r_g"}
+    if "parts" in said:
+        gone |= {"density", "depth"}
+    for key in said & KINDS.keys():
+        takes = KINDS[key].get(str(over[key]))
+        gone |= set() if takes is None else {k for keys in KINDS[key].values() for k in keys} - set(takes)
+    return gone - over.keys()
+
+
+def laid(tree: dict[str, Any], over: Map) -> Map:
+    """A copy of `tree` with a mapping laid over it; parts that do not change are shared.
+
+    Both are studies, or the same mapping of two studies, with the short forms written out.
+    """
+    return _laid(tree, over, symbols=False)
+
+
+def _laid(tree: dict[str, Any], over: Map, *, symbols: bool) -> Map:
+    gone = set() if symbols else displaced(over)  # own symbols stand for nothing but themselves
+    copy = Map({key: value for key, value in tree.items() if key not in gone}, getattr(tree, "where", None))
+    copy.whole = getattr(tree, "whole", False)
+    for key, value in over.items():
+        if isinstance(value, Map) and not value.whole and isinstance(copy.get(key), dict):
+            copy[key] = _laid(copy[key], value, symbols=key == "let")
+        else:
+            copy[key], copy.where[key] = value, over.where.get(key)
+    return copy
+
+
+def overlaid(study: dict[str, Any], *points: Sequence[Setting]) -> Map:
+    """A study with the settings of several points (one of each axis) laid over it, shorter paths first.
+
+    Settings of one point inside one mapping are one mapping: `block.h` and `block.b` are two sizes of a body.
+    """
+    pieces: list[tuple[int, Map]] = []
+    for point in points:
+        inside: dict[Path, Map] = {}
+        for path, value, where in point:
+            mapping = inside.setdefault(path[:-1], Map())
+            mapping[path[-1]], mapping.where[path[-1]] = value, where
+        pieces += [(len(path), _at(path, mapping)) for path, mapping in inside.items()]
+    result = Map(study, getattr(study, "where", None))
+    for _, piece in sorted(pieces, key=lambda p: p[0]):
+        result = laid(result, expanded(piece))
+    return result
+
+
+def _at(path: Path, mapping: Map) -> Map:
+    """A mapping that stands at a path."""
+    where = next(iter(mapping.where.values()), None)
+    for key in reversed(path):
+        mapping = Map({key: mapping}, {key: where})
+    return mapping
+
+
+def leaves(tree: Any, at: Path = ()) -> Iterator[tuple[Path, Any]]:
+    """Path and value of all that a tree says: neither mappings nor nothing."""
+    if isinstance(tree, dict):
+        for key, item in tree.items():
+            yield from leaves(item, (*at, key))
+    elif tree is not None:
+        yield at, tree
+
+
+class _Mark:
+    """Stands for a value of a study, to see whether it is still there when something has been laid over."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+
+def remaining(study: dict[str, Any], points: Iterable[Sequence[Setting]]) -> set[Path]:
+    """Paths of what a study says that is left in the cases of at least one point of an axis."""
+    marked = _marked(study)
+    return {value.path for point in points for _, value in leaves(overlaid(marked, point)) if isinstance(value, _Mark)}
+
+
+def _marked(tree: dict[str, Any], at: Path = ()) -> Map:
+    return Map(
+        {
+            key: _marked(item, (*at, key)) if isinstance(item, dict) else None if item is None else _Mark((*at, key))
+            for key, item in tree.items()
+        }
+    )
+
+
+def same_twice(paths: Sequence[Path]) -> tuple[int, int] | None:
+    """Places of the first two paths that are equal or say the same thing in two ways; None if there are none."""
+    for j, path in enumerate(paths):
+        for i, other in enumerate(paths[:j]):
+            if path == other or (path[:-1] == other[:-1] and other[-1] in alternatives(path[-1]) and path[0] != "let"):
+                return i, j
+    return None

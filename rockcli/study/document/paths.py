@@ -1,0 +1,118 @@
+"""Paths of axes and of `--set`: what they may point to, and what to call them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+
+from rockcli.errors import StudyError
+from rockcli.scene.variables import VARIABLES
+from rockcli.study.document.check import fields_at, is_number
+from rockcli.study.document.tree import nearest
+from rockcli.study.schema import RecordPart, StudyPart
+
+Path = tuple[str, ...]
+
+RESERVED = frozenset({*VARIABLES, "time", "impact", "rotation", "reasons"})
+"""Names in a dataset that no dimension may have."""
+
+_BLOCK = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slenderness", "inertia", "r_g", "top", "mass", "mu")
+_PULSE = ("a_p", "a_p_over_g_tan_alpha", "omega_p", "T_p", "f_p", "omega_p_over_p", "cycles", "t0", "gamma", "nu", "A")
+_SCALING = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "polarity")
+_MOTIONS = (("motion",), ("motion", "vertical"))
+
+ARRAYS: frozenset[Path] = frozenset(
+    [
+        ("case", "g"),
+        *(("case", "block", key) for key in _BLOCK),
+        *(("case", *motion, "pulse", key) for motion in _MOTIONS for key in _PULSE),
+        *(("case", *motion, "record", key) for motion in _MOTIONS for key in _SCALING),
+        ("case", "motion", "duration"),
+        ("case", "initial", "theta"),
+        ("case", "initial", "theta_dot"),
+        ("case", "damping", "eta"),
+        ("case", "damping", "r_energy"),
+        *(("case", "column", key) for key in ("E", "rho", "zeta")),
+        ("case", "base", "kw"),
+    ]
+)
+"""Numbers that may differ from case to case within one batch; all else a case has is shared by a batch."""
+
+UNITS: dict[str, str] = {
+    **dict.fromkeys(("R", "h", "b", "height", "width", "r_g", "top", "depth"), "m"),
+    **dict.fromkeys(("alpha", "theta", "nu", "yield_rotation", "angle"), "rad"),
+    **dict.fromkeys(("omega_p", "theta_dot"), "rad s-1"),
+    **dict.fromkeys(("f_p", "highpass", "lowpass", "freq", "freqmin", "freqmax"), "s-1"),
+    **dict.fromkeys(("T_p", "t0", "dt", "duration"), "s"),
+    **dict.fromkeys(("g", "a_p", "pga"), "m s-2"),
+    **dict.fromkeys(("A", "pgv"), "m s-1"),
+    **{"mass": "kg", "E": "Pa", "rho": "kg m-3", "density": "kg m-3", "kw": "N m-3"},
+}
+"""Units of numeric coordinates by the last part of their path; all others are dimensionless."""
+
+
+def varies_in_batch(path: Path) -> bool:
+    """Whether an axis of numbers at this path needs no batch of its own for every value."""
+    return path in ARRAYS or path[0] == "let"
+
+
+def takes_number(path: Path) -> bool:
+    """Whether the schema has a number or an expression at this path."""
+    return varies_in_batch(path) or is_number(fields_at(StudyPart, path[:-1]).get(path[-1], ()))
+
+
+def resolve(text: str) -> Path:
+    """The path from the top of a study that an axis means by `block.R`, `let.gamma` or `case`.
+
+    Raises:
+        StudyError: the study has no such key; names the nearest one.
+    """
+    parts = tuple(text.split("."))
+    if parts[0] == "let" and len(parts) == 2 and parts[1].isidentifier():
+        return parts
+    if parts[0] != "case":
+        parts = ("case", *parts)
+    if parts[1:3] == ("motion", "vertical") and len(parts) == 4 and parts[3] in RecordPart.model_fields:
+        parts = (*parts[:3], "record", parts[3])
+    for i in range(1, len(parts)):
+        known = fields_at(StudyPart, parts[:i])
+        if parts[i] not in known:
+            raise StudyError(f"{text[:200]!r} is no path inside the case; {_hint(text)}")
+    return parts
+
+
+def is_path(text: str) -> bool:
+    """Whether an axis could mean something by a text."""
+    try:
+        resolve(text)
+    except StudyError:
+        return False
+    return True
+
+
+def _hint(text: str) -> str:
+    last = text.rsplit(".", 1)[-1]
+    if last == "record":
+        return "did you mean 'motion.record.file'?"
+    same = [path for path in _all_paths() if path.rsplit(".", 1)[-1] == last]
+    return f"did you mean {same[0]!r}?" if same else nearest(text, _all_paths())
+
+
+@cache
+def _all_paths() -> tuple[str, ...]:
+    def walk(path: Path) -> Iterator[str]:
+        for key in fields_at(StudyPart, path):
+            yield ".".join((*path[1:], key))
+            yield from walk((*path, key))
+
+    return tuple(walk(("case",)))
+
+
+def dimension_names(paths: list[str]) -> list[str]:
+    """Names of the dimensions of axes with these paths, as the user wrote them."""
+    plain = [path.removeprefix("case.") for path in paths]
+    lasts = ["record" if path in ("motion.record", "motion.record.file") else path.rsplit(".", 1)[-1] for path in plain]
+    names = [last if last not in RESERVED and lasts.count(last) == 1 else "" for last in lasts]
+    whole = [path.replace(".", "_") for path in plain]
+    # an own symbol of `let` may be called what another axis's whole path makes
+    return [name if name and name not in whole else path for name, path in zip(names, whole, strict=True)]

@@ -1,0 +1,166 @@
+"""What may stand at a key of a study file: numbers, names, lists, each with the sentence for what does not fit."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, WithJsonSchema
+
+from rockcli.scene.variables import SCALARS
+from rockcli.study.document.expressions import ExpressionError, parse
+from rockcli.study.document.tree import nearest
+
+
+def number_or_expression(value: Any) -> Any:
+    """A finite number or the text of an expression."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError(f"a number or an expression is expected, not {describe(value)}")
+    if isinstance(value, str):
+        try:
+            parse(value)
+        except ExpressionError as error:
+            raise ValueError(str(error)) from None
+    elif not is_finite(value):
+        raise ValueError(f"a finite number is expected, not {value}")
+    return value
+
+
+def is_finite(value: float) -> bool:
+    """Whether a number is finite as a float."""
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
+
+
+def describe(value: Any) -> str:
+    """A value as an error message shows it."""
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return "a list"
+    if value is None:
+        return "nothing"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _edges(value: Any) -> Any:
+    if isinstance(value, list):
+        if len(value) != 2:
+            raise ValueError("a number, or the two distances [left, right], is expected")
+        return [number_or_expression(item) for item in value]
+    return number_or_expression(value)
+
+
+def _eta(value: Any) -> Any:
+    return value if value == "housner" else number_or_expression(value)
+
+
+def _pair(value: Any) -> Any:
+    if not isinstance(value, list) or len(value) != 2:
+        shown = repr(list(value)) if isinstance(value, list) and len(repr(value)) < 60 else describe(value)
+        raise ValueError(f"two numbers, [from, to], are expected, not {shown}")
+    return [number_or_expression(item) for item in value]
+
+
+def _files(value: Any) -> Any:
+    names = value if isinstance(value, list) and len(value) > 1 else [value]
+    for name in names:
+        if not isinstance(name, str) or not name.strip():
+            raise ValueError(f"a file name is expected, not {describe(name)}")
+    return value
+
+
+def _outline(value: Any) -> Any:
+    if isinstance(value, str) and value.strip().lower().endswith(".csv"):
+        return value
+    if not isinstance(value, list):
+        raise ValueError(f"points [[x, z], ...] or FILE.csv are expected, not {describe(value)}")
+    if len(value) < 3:
+        raise ValueError(f"at least 3 points [x, z] are expected, not {len(value)}")
+    for i, point in enumerate(value):
+        if not isinstance(point, list) or len(point) != 2:
+            shown = list(point) if isinstance(point, list) else point
+            raise ValueError(f"point {i + 1} is {describe(repr(shown))}; two numbers, [x, z], are expected")
+        for number in point:
+            number_or_expression(number)
+    return value
+
+
+def _label(value: Any) -> Any:
+    """A name: what YAML reads as a number or a truth value is meant as text."""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise ValueError(f"a name is expected, not {describe(value)}")
+    return str(value)
+
+
+def _scalars(value: Any) -> Any:
+    if value == "all":
+        return value
+    if not isinstance(value, list) or not value:
+        raise ValueError(f"`all` or a list of scalars is expected, not {describe(value)}")
+    for name in value:
+        if name not in SCALARS:
+            raise ValueError(f"{describe(name)} is no scalar; {nearest(str(name), SCALARS)}")
+    return value
+
+
+def _histories(value: Any) -> Any:
+    if not isinstance(value, bool | dict):
+        raise ValueError(f"true, false or {{axis: value}} is expected, not {describe(value)}")
+    return value
+
+
+def _audit(value: Any) -> Any:
+    if isinstance(value, bool):
+        return value
+    if not isinstance(value, int | float) or not 0.0 < value <= 1.0:
+        expected = "true, false or a share of the cases, above 0 and up to 1,"
+        raise ValueError(f"{expected} is expected, not {describe(value)}")
+    return float(value)
+
+
+NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
+PAIR_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
+Number = Annotated[Any, BeforeValidator(number_or_expression), WithJsonSchema(NUMBER_SCHEMA)]
+Pair = Annotated[Any, BeforeValidator(_pair), WithJsonSchema(PAIR_SCHEMA)]
+Edges = Annotated[Any, BeforeValidator(_edges), WithJsonSchema({"anyOf": [NUMBER_SCHEMA, PAIR_SCHEMA]})]
+Outline = Annotated[
+    Any,
+    BeforeValidator(_outline),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": PAIR_SCHEMA, "minItems": 3}]}),
+]
+Series = Annotated[
+    Any,
+    BeforeValidator(
+        lambda value: (
+            [number_or_expression(v) for v in value] if isinstance(value, list) else number_or_expression(value)
+        )
+    ),
+    WithJsonSchema({"anyOf": [NUMBER_SCHEMA, {"type": "array", "items": NUMBER_SCHEMA, "minItems": 1}]}),
+]
+Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": "housner"}, NUMBER_SCHEMA]})]
+Label = Annotated[str, BeforeValidator(_label)]
+Text = Annotated[str, Field(max_length=10_000)]
+Files = Annotated[
+    Any,
+    BeforeValidator(_files),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 2}]}),
+]
+
+Audit = Annotated[
+    Any,
+    BeforeValidator(_audit),
+    WithJsonSchema({"anyOf": [{"type": "boolean"}, {"type": "number", "exclusiveMinimum": 0, "maximum": 1}]}),
+]
+Histories = Annotated[Any, BeforeValidator(_histories), WithJsonSchema({"type": ["boolean", "object"]})]
+Scalars = Annotated[
+    Any,
+    BeforeValidator(_scalars),
+    WithJsonSchema({"anyOf": [{"const": "all"}, {"type": "array", "items": {"enum": list(SCALARS)}, "minItems": 1}]}),
+]
+Meaning = Annotated[
+    Any, WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]})
+]
