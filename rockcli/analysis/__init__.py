@@ -1,1 +1,1 @@
-"""What is read from solved datasets: curves, rules, suites, fragility, comparisons, verdicts on what a study expects."""
+"""What is read from solved datasets: curves, rules, suites, fragility, comparisons, verdicts on what is expected."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.response import FAILED, UNRESOLVED
 from rockcli.storage.contents import DIM_TIME, Contents, variable_field
+from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
 
@@ -22,12 +23,13 @@ NEEDED_BY: dict[str, str] = {
 ERRORS: tuple[str, ...] = tuple(NEEDED_BY)
 
 
-def with_comparison(contents: Contents, reference: dict[str, Any] | None) -> Contents:
-    """Add the errors against the points at `reference` ({axis: coordinate value}), or take them away if it is None.
+def with_comparison(contents: Contents, study: Study) -> Contents:
+    """Add the errors against the points at `compare_to` ({axis: coordinate value}), or take them away without one.
 
     An axis not named is matched.  A difference of two overturned cases is NaN: neither has a peak.
     Errors whose variables were not saved are absent.
     """
+    reference = study.compare_to
     fields = {name: item for name, item in contents.fields.items() if name not in ERRORS}
     plain = Contents(contents.axes, fields, contents.attrs)
     if reference is None:

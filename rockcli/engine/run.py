@@ -12,12 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockcli.analysis.compare_to_reference import with_comparison
-from rockcli.analysis.curves import with_curves
+from rockcli.analysis.derive import derive
 from rockcli.analysis.expect import check_quantities
-from rockcli.analysis.prescreen import with_prescreen
-from rockcli.analysis.rules import check_rules, with_rules
-from rockcli.analysis.suites import with_ensembles
+from rockcli.analysis.rules import check_rules
 from rockcli.engine.audit import check_audit, with_audit
 from rockcli.engine.backends import check_backend
 from rockcli.engine.lock import locked
@@ -60,21 +57,24 @@ def solve_study(source: dict[str, Any] | str | Path) -> xarray.Dataset:
 
 def solve(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Contents:
     """Solve a checked study in memory, by itself or as `sweep` says."""
-    if study.search is not None:
-        sweep = sweep or Sweep(Team())
-        sweep.progress = progress or sweep.progress
-        thresholds, failed = find_overturning(study, sweep)
-        results = describe_cases(study)
-        for sentence, cases in failed.items():
-            results.explain(sentence, cases)
-        results.finish()
-        found = with_rules(with_curves(assemble(study, results, thresholds), study), study)
-        return with_ensembles(with_prescreen(found, study), study)
     with np.errstate(all="ignore"):  # what is not finite is a result
-        answered = (solve_refined if study.refine else solve_cases)(study, progress, sweep)
-        found = with_rules(with_curves(assemble(study, answered), study), study)
-        found = with_ensembles(found, study)
-        return with_audit(found, study, sweep.team if sweep else None, sweep.progress if sweep else progress)
+        if study.search is not None:
+            found = _searched(study, progress, sweep or Sweep(Team()))
+        else:
+            found = assemble(study, (solve_refined if study.refine else solve_cases)(study, progress, sweep))
+    team, progress = (sweep.team, sweep.progress) if sweep else (None, progress)
+    return with_audit(derive(found, study), study, team, progress)
+
+
+def _searched(study: Study, progress: Progress | None, sweep: Sweep) -> Contents:
+    """What a search found, and what is known of its cases without solving them."""
+    sweep.progress = progress or sweep.progress
+    thresholds, failed = find_overturning(study, sweep)
+    results = describe_cases(study)
+    for sentence, cases in failed.items():
+        results.explain(sentence, cases)
+    results.finish()
+    return assemble(study, results, thresholds)
 
 
 def dataset_path(study: Study, out_dir: Path) -> Path:
@@ -246,9 +246,7 @@ def _renewed(study: Study, path: Path, team: Team, progress: Progress | None) ->
     if contents.attrs.get("study") == study.resolved_yaml:
         return contents
     described = Contents(contents.axes, contents.fields, refreshed(contents.attrs, study))
-    with np.errstate(all="ignore"):
-        contents = with_rules(with_curves(with_comparison(described, study.compare_to), study), study)
-        contents = with_audit(with_ensembles(contents, study), study, team, progress)
+    contents = with_audit(derive(described, study), study, team, progress)
     netcdf.write(contents, path)
     return contents
 

@@ -157,9 +157,10 @@ def test_nothing_is_compared_after_overturning():
 
 
 def test_overturning_is_seen_in_the_history_if_its_time_was_not_saved():
-    contents = solve(open_study(COMPARED))
+    study = open_study(COMPARED)
+    contents = solve(study)
     fields = {name: item for name, item in contents.fields.items() if name != "t_overturn"}
-    without = with_comparison(Contents(contents.axes, fields, contents.attrs), {"model": "rigid"})
+    without = with_comparison(Contents(contents.axes, fields, contents.attrs), study)
     np.testing.assert_allclose(without.values("error_history"), contents.values("error_history"), rtol=0.05)
 
 

@@ -7,8 +7,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.compare_to_reference import with_comparison
-from rockcli.analysis.direction import with_worst_direction
 from rockcli.analysis.threshold_fields import threshold_fields
 from rockcli.engine.provenance import attributes
 from rockcli.engine.sweep.results import Results
@@ -30,7 +28,7 @@ from rockcli.study.study import Study
 
 
 def assemble(study: Study, results: Results, thresholds: Thresholds | None = None) -> Contents:
-    """Contents of the dataset of a solved study, comparison included; `thresholds` (n,) are what a search found."""
+    """Contents of the dataset of a solved study, nothing derived yet; `thresholds` (n,) are what a search found."""
     axes = tuple(axis.name for axis in study.axes)
     fields = {
         axis.name: axis_field(axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit)
@@ -60,7 +58,7 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
         unit = {"units": "N m", "long_name": "moment of the base on the body, opposing theta"}
         fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
     contents = Contents(axes, fields, attributes(study, results))
-    return with_worst_direction(with_comparison(contents, study.compare_to), study)
+    return contents
 
 
 def _beside_axes(

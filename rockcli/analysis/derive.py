@@ -1,0 +1,38 @@
+"""What is derived from solved cases, in one order: comparison, worst direction, curves, rules, pre-screens, suites."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rockcli.analysis.compare_to_reference import with_comparison
+from rockcli.analysis.curves import with_curves
+from rockcli.analysis.direction import with_worst_direction
+from rockcli.analysis.prescreen import with_prescreen
+from rockcli.analysis.rules import with_rules
+from rockcli.analysis.suites import with_ensembles
+from rockcli.storage.contents import Contents
+from rockcli.study.study import Study
+
+DERIVED: tuple[Callable[[Contents, Study], Contents], ...] = (
+    with_comparison,
+    with_worst_direction,
+    with_curves,
+    with_rules,
+    with_prescreen,
+    with_ensembles,
+)
+"""Each adds what the study asks for and takes away what it no longer asks for; later ones may read earlier ones."""
+
+
+def derive(contents: Contents, study: Study) -> Contents:
+    """The contents with all that the study derives from its solved cases.
+
+    Raises:
+        StudyError, RecordError: a case cannot be built again.
+    """
+    with np.errstate(all="ignore"):  # what is not finite is a result
+        for add in DERIVED:
+            contents = add(contents, study)
+    return contents
