@@ -117,7 +117,7 @@ def test_what_is_read_first_is_not_blamed_for_a_bug(made, rock, capsys, monkeypa
     def stumble(*args, **options):
         raise KeyError("outcome")
 
-    monkeypatch.setattr("rockcli.engine.difference.difference", stumble)
+    monkeypatch.setattr("rockcli.analysis.compare_datasets.difference", stumble)
     assert rock("compare", made, "whole.nc") == 4
     assert "this is a bug in rock: KeyError" in capsys.readouterr().err
 

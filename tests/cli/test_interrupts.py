@@ -25,7 +25,7 @@ save: {histories: false}
 
 STUCK = """\
 import ctypes, sys
-from rockcli.solvers import event
+from rockcli.solvers.event import solver as event
 def solve(batch):
     print("at work", flush=True)
     ctypes.CDLL(None).sleep(30)  # as compiled code: no signal handler gets in
@@ -36,7 +36,7 @@ main()
 
 DROPPED = """\
 import ctypes, time
-from rockcli.solvers import event
+from rockcli.solvers.event import solver as event
 def solve(batch):
     ctypes.CFUNCTYPE(None)(lambda: time.sleep(10.0))()  # ctypes drops what a callback raises, as LLVM's are
     time.sleep(30.0)

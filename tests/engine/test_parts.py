@@ -251,8 +251,8 @@ def test_a_searched_range_has_no_shares(tmp_path: Path) -> None:
 KILLED = """\
 import os, sys, time
 from swept import made_up
-from rockcli.engine import agenda, executors, parts, sweep
-from rockcli.solvers import event
+from rockcli.engine.sweep import executors, parts, sweep
+from rockcli.solvers.event import solver as event
 def solve(batch):
     time.sleep(0.01 * batch.size)
     with open("solved", "a") as log:

@@ -176,8 +176,8 @@ def test_what_breaks_while_it_is_built_is_a_failed_case(by, chunk: int) -> None:
 
 SLOW = """\
 import os, sys, time
-from rockcli.engine import executors
-from rockcli.solvers import event
+from rockcli.engine.sweep import executors
+from rockcli.solvers.event import solver as event
 def solve(batch):
     open(f"at-work-{os.getpid()}", "w").close()
     time.sleep(60)
