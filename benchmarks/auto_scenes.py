@@ -1,6 +1,6 @@
 """Random scenes for `model: auto`: its calibration and its trial draw from here, with seeds of their own.
 
-A scene is drawn by its dimensionless groups, over the range that engine/auto_table.py calls calibrated.
+A scene is drawn by its dimensionless groups, over the range that rockcli/scene/auto_table.py calls calibrated.
 """
 
 from __future__ import annotations
@@ -37,8 +37,7 @@ class Scenes:
 
     def study(self, **case: Any) -> dict[str, Any]:
         """The study of these scenes, on the highest model unless `case` says otherwise."""
-        scalars = ["outcome", "theta_peak_over_alpha", "wall_time"]
-        save = {"histories": False, "scalars": scalars + ["model_used", "model_error"] * ("model" not in case)}
+        save: dict[str, Any] = {"histories": False}
         return {"name": "auto", "case": {**self.case, **case}, "vary": {"case": str(self.table)}, "save": save}
 
 

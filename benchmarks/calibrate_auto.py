@@ -2,10 +2,11 @@
 
     nice -n 19 python benchmarks/calibrate_auto.py [--raw FILE.npz]
 
-Random scenes (auto_scenes.py, seed 1) are solved by every rung.  They are sorted into bins by a group (alpha, p T_1, the
+Random scenes (auto_scenes.py, seed 1) are solved by every rung.  They are sorted into bins by a group (p T_1, the
 rotation at which a Winkler base opens) and by what the cheap model does in the scene; the table holds the error that
-3 % of a bin exceed, made to grow with the group.  --raw keeps the measured scenes, or reads them if the file is there.
-Writes results/calibrate_auto.csv.  About ten minutes on a core.
+a further scene of a bin exceeds with a chance of 2.5 %, made to grow with the group, and how often the cheap model does
+what, by amplitude/rate.  --raw keeps the measured scenes, or reads them if the file is there.  Writes
+results/calibrate_auto.csv.  About twelve minutes on a core.
 """
 
 from __future__ import annotations
@@ -25,28 +26,28 @@ from machine import machine
 from rockcli import kernels
 from rockcli.engine.auto import groups, peak_of, try_rigid
 from rockcli.scene import auto
-from rockcli.scene.auto_table import EXCEEDED, TRIED
+from rockcli.scene.auto_table import TRIED
 from rockcli.study.open import open_study
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results" / "calibrate_auto.csv"
 TABLE = HERE.parent / "rockcli" / "scene" / "auto_table.py"
 
-SEED, PER_SHAPE, RECORDS, PER_RECORD = 1, 800, 60, 25
-WINKLER_EVERY = 4
-"""The Winkler base costs most: only every fourth scene is solved on it."""
+SEED, PER_SHAPE, RECORDS, PER_RECORD = 1, 400, 160, 25
+WINKLER_EVERY = 2
+"""The Winkler base costs most: only every second scene is solved on it."""
+
+EXCEEDED = 2.5
+"""Chance that a further scene of a bin has a larger error than the table says [%]."""
 
 EDGES = {
-    "linearized": ("alpha", (0.03, 0.05, 0.08, 0.12, 0.18, 0.26, TRIED["alpha"][1])),
-    "rigid": ("p_T1", (0.001, 0.01, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0)),
-    "flexible": ("opening", (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.05)),
+    "rigid": ("p_T1", (0.001, 0.01, 0.03, 0.1, 0.3, 1.0)),
+    "flexible": ("opening", (1e-7, 1e-5, 1e-4, 1e-3, 0.05)),
 }
 """Step: its group and the edges of the bins."""
 
-CLASSES = {"linearized": auto.LINEARIZED_CLASSES, "rigid": auto.RIGID_CLASSES, "flexible": auto.RIGID_CLASSES}
-
-TOO_FEW = 12
-"""Scenes below which a bin is not trusted: it takes the error of an outcome that differs."""
+SPEEDS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.2, 2.0, 4.0, np.inf)
+"""Edges of the bins of amplitude/rate, by which it is foreseen what a cheap model will do."""
 
 
 def measured(scenes: Scenes) -> dict[str, Array]:
@@ -54,7 +55,6 @@ def measured(scenes: Scenes) -> dict[str, Array]:
     ((_, batch),) = open_study(scenes.study()).batches()
     found = groups(batch)
     rigid, tried = try_rigid(batch)
-    linearized = peak_of(auto.on_rung(batch, auto.LINEARIZED))
     flexible = peak_of(auto.on_rung(batch, auto.COLUMN))
     winkler = np.full(batch.size, np.nan)
     some = np.arange(0, batch.size, WINKLER_EVERY)
@@ -64,9 +64,8 @@ def measured(scenes: Scenes) -> dict[str, Array]:
         **{name: np.asarray(getattr(found, name)) for name in TRIED},
         "record": np.full(batch.size, float(found.record)),
         "inside": inside.astype(float),
-        "is linearized": auto.class_of_linearized(linearized).astype(float),
         "is rigid": auto.class_of_rigid(rigid, tried).astype(float),
-        **{"peak linearized": linearized, "peak rigid": rigid, "peak flexible": flexible, "peak winkler": winkler},
+        **{"peak rigid": rigid, "peak flexible": flexible, "peak winkler": winkler},
     }
 
 
@@ -78,11 +77,26 @@ def error(peak: Array, reference: Array) -> Array:
 
 
 def exceeded_by_few(errors: Array) -> float:
-    """The smallest of some errors that at most EXCEEDED % of them exceed; inf for too few of them."""
-    if len(errors) < TOO_FEW:
-        return float("inf")
-    allowed = int(np.floor(len(errors) * EXCEEDED / 100.0))
-    return float(np.sort(errors)[len(errors) - 1 - allowed])
+    """The error that a further scene like these n exceeds with a chance of EXCEEDED %; inf where n is too few to say.
+
+    Of n + 1 scenes in random order the last is above the k-th smallest of the others with a chance of at most
+    1 - k/(n + 1).
+    """
+    rank = int(np.ceil((len(errors) + 1) * (1.0 - EXCEEDED / 100.0)))
+    return float(np.sort(errors)[rank - 1]) if rank <= len(errors) else float("inf")
+
+
+def chances(raw: dict[str, Array]) -> dict[str, Any]:
+    """Shares of what the rigid block does where it is tried, by kind of motion and by amplitude/rate."""
+    kinds = {}
+    speed, tried = raw["amplitude"] / raw["rate"], (raw["inside"] > 0.0) & (raw["amplitude"] * (1.0 + auto.NUDGE) > 1.0)
+    for kind, flag in (("pulse", 0.0), ("record", 1.0)):
+        values = []
+        for low, high in pairwise(SPEEDS):
+            doing = raw["is rigid"][tried & (raw["record"] == flag) & (speed >= low) & (speed < high)].astype(int)
+            values.append(np.bincount(doing, minlength=len(auto.RIGID_CLASSES)) / max(1, len(doing)))
+        kinds[kind] = np.round(values, 2)
+    return kinds
 
 
 def fitted(raw: dict[str, Array]) -> tuple[dict[str, Any], list[list[Any]]]:
@@ -91,23 +105,21 @@ def fitted(raw: dict[str, Array]) -> tuple[dict[str, Any], list[list[Any]]]:
     rows: list[list[Any]] = []
     good = raw["inside"] > 0.0
     for step, (group, edges) in EDGES.items():
-        reference = {"linearized": "rigid", "rigid": "flexible", "flexible": "winkler"}[step]
+        reference = {"rigid": "flexible", "flexible": "winkler"}[step]
         errors = error(raw[f"peak {step}"], raw[f"peak {reference}"])
-        doing = raw["is linearized" if step == "linearized" else "is rigid"]
+        doing = raw["is rigid"]
         usable = good & ~np.isnan(errors)
-        if step == "linearized":
-            usable &= raw["amplitude"] > 1.0
         kinds = {}
         for kind, flag in (("pulse", 0.0), ("record", 1.0)):
             of_kind = usable & (raw["record"] == flag)
-            values = np.empty((len(edges) - 1, len(CLASSES[step])))
+            values = np.empty((len(edges) - 1, len(auto.RIGID_CLASSES)))
             for i, (low, high) in enumerate(pairwise(edges)):
-                for j, words in enumerate(CLASSES[step]):
+                for j, words in enumerate(auto.RIGID_CLASSES):
                     bin_ = errors[of_kind & (raw[group] >= low) & (raw[group] < high) & (doing == j)]
                     values[i, j] = exceeded_by_few(bin_)
                     median = float(np.median(bin_)) if len(bin_) else np.nan
                     rows.append([step, reference, kind, group, low, high, words, len(bin_), median, values[i, j]])
-            # a bin is no better than the one before it, and a bin of few scenes no worse than both its neighbours
+            # a bin is no better than the one before it
             kinds[kind] = np.maximum.accumulate(np.ceil(values * 1e4) / 1e4, axis=0)
         tables[step] = (edges, kinds)
     return tables, rows
@@ -117,6 +129,7 @@ def write_table(tables: dict[str, Any], raw: dict[str, Array]) -> None:
     """Write the module of numbers."""
     good = raw["inside"] > 0.0
     counts = {kind: int((good & (raw["record"] == flag)).sum()) for kind, flag in (("pulses", 0.0), ("records", 1.0))}
+    kinds = "tuple[tuple[float, ...], dict[str, tuple[tuple[float, ...], ...]]]"
     lines = [
         '"""Errors by which model auto chooses, and the range they were measured over (docs/auto.md).',
         "",
@@ -129,32 +142,35 @@ def write_table(tables: dict[str, Any], raw: dict[str, Array]) -> None:
         "from math import inf",
         "",
         f"EXCEEDED = {EXCEEDED}",
-        '"""Share of the measured scenes of a bin whose error was larger [%]."""',
+        '"""Chance that a further scene of a bin has a larger error than TABLES says [%]."""',
         "",
         "TRIED: dict[str, tuple[float, float]] = {",
         *(f'    "{name}": {TRIED[name]},' for name in TRIED),
         "}",
         '"""Groups: the range of the scenes."""',
         "",
-        "TABLES: dict[str, tuple[tuple[float, ...], dict[str, tuple[tuple[float, ...], ...]]]] = {",
-    ]
-    for step, (edges, kinds) in tables.items():
-        lines += [f'    "{step}": (', f"        {edges},", "        {"]
-        for kind, values in kinds.items():
-            lines.append(f'            "{kind}": (')
-            lines += [
-                f"                ({', '.join(f'{float(v):g}' for v in row)}),".replace(".0,", ",") for row in values
-            ]
-            lines.append("            ),")
-        lines += ["        },", "    ),"]
-    lines += [
+        f"TABLES: dict[str, {kinds}] = {{",
+        *(line for step, table in tables.items() for line in written(*table, f'    "{step}": (', "    ),")),
         "}",
-        '"""Step (linearized against rigid, rigid against flexible, flexible against winkler): edges of the rows (alpha, p T_1,',
-        "m g/(2 kw b^2 alpha)) and, for either kind of motion, the error of theta_peak/alpha by row and by class of what the",
-        'cheap model does (scene/auto.py)."""',
+        '"""Step (rigid against flexible, flexible against winkler): edges of the rows (p T_1, m g/(2 kw b^2 alpha)) and, for',
+        'either kind of motion, the error of theta_peak/alpha by row and class of what the rigid block does (scene/auto.py)."""',
+        "",
+        *written(SPEEDS, chances(raw), f"CHANCES: {kinds} = (", ")"),
+        '"""Edges of the rows of amplitude/rate = PGV p/(g tan alpha), and, for either kind of motion, the share of the scenes',
+        'that move in which the rigid block does what each class says, by row and class."""',
         "",
     ]
     TABLE.write_text("\n".join(lines))
+
+
+def written(edges: tuple[float, ...], kinds: dict[str, Array], opening: str, closing: str) -> list[str]:
+    """Lines of a table: its edges, and its rows by kind of motion."""
+    before = " " * (len(closing) + 2)
+    lines = [opening, f"{before}({', '.join(f'{float(v):g}' for v in edges)}),", f"{before}{{"]
+    for kind, values in kinds.items():
+        rows = [f"{before}        ({', '.join(f'{float(v):g}' for v in row)})," for row in values]
+        lines += [f'{before}    "{kind}": (', *rows, f"{before}    ),"]
+    return [*lines, f"{before}}},", closing]
 
 
 def main() -> None:

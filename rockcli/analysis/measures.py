@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -77,6 +79,19 @@ def _of_pulses(pulses: Pulses, until: Array) -> tuple[Array, Array]:
     # what is measured is the rounded pulse itself, so that it does not depend on the cases it stands among
     keys = np.asarray(np.round(np.column_stack([table.reshape(n, -1), until]), 12), dtype=np.float64)
     distinct, inverse = np.unique(keys, axis=0, return_inverse=True)
-    pga, pgv = extremes(distinct[:, :-1].reshape(-1, *table.shape[1:]), np.ascontiguousarray(distinct[:, -1]))
+    if len(distinct) == 1:  # as at every point of a search
+        pga, pgv = _of_one(distinct.tobytes(), table.shape[1])
+    else:
+        pga, pgv = _of_distinct(distinct, table.shape[1])
     inverse = inverse.reshape(-1)
     return pga[inverse] * a_p, pgv[inverse] * a_p / pulses.omega_p
+
+
+def _of_distinct(keys: Array, pieces: int) -> tuple[Array, Array]:
+    """Extremes of pulses (k, pieces x PIECE_WIDTH + 1) of unit amplitude and frequency; last, what cuts each off."""
+    return extremes(keys[:, :-1].reshape(len(keys), pieces, -1), np.ascontiguousarray(keys[:, -1]))
+
+
+@lru_cache(maxsize=256)
+def _of_one(key: bytes, pieces: int) -> tuple[Array, Array]:
+    return _of_distinct(np.frombuffer(key)[None, :], pieces)

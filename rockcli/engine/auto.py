@@ -14,32 +14,36 @@ from rockcli import kernels
 from rockcli.analysis.measures import peaks
 from rockcli.engine.backends import choose
 from rockcli.scene.auto import (
+    AT_REST,
     COLUMN,
     FREE_OVER_CLAMPED,
-    LINEARIZED,
-    LINEARIZED_CLASSES,
     NONE,
     NUDGE,
+    PAYS,
     RIGID,
     RIGID_CLASSES,
+    STILL,
     WINKLER,
     Groups,
     bending_at_uplift,
-    class_of_linearized,
+    chance,
     class_of_rigid,
     doubt,
-    expected_error,
+    expected_errors,
     groups_of,
     on_rung,
     outside,
     rung_of_reference,
     sentence,
+    sentences,
+    still,
 )
 from rockcli.scene.auto import prospect as words_of_prospect
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.excitation import scaled
 from rockcli.scene.response import NO_UPLIFT, Response, overturned
 from rockcli.scene.variable import PEAK
+from rockcli.scene.variables import SCALARS_AUTO
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
@@ -60,24 +64,30 @@ class Choice:
 
 
 def settled(batch: Batch) -> Iterator[tuple[Index, Response]]:
-    """Yield (rows, response) for all cases of a batch of model auto, a response for each rung chosen."""
+    """Yield (rows, response) for all cases of a batch of model auto, a response for each model they are solved with."""
     if batch.column is not None:
         kernels.load(compile_them=True)  # the column is never solved in plain Python
     began = perf_counter()
     choice = decide(batch)
     spent = (perf_counter() - began) / batch.size
-    for rung in np.unique(choice.rung):
-        rows = np.flatnonzero(choice.rung == rung)
-        part = on_rung(batch.rows(rows), int(rung))
+    asked = replace(batch, save=replace(batch.save, scalars=batch.save.scalars - frozenset(SCALARS_AUTO)))
+    solved_as = np.where(choice.rung == NONE, RIGID, choice.rung)  # what stays at rest is a rigid block as well
+    for rung in np.unique(solved_as):
+        rows = np.flatnonzero(solved_as == rung)
+        part = on_rung(asked if len(rows) == batch.size else asked.rows(rows), int(rung))
         response = choose(part).load()(part)
+        at_rest = (choice.rung[rows] == NONE) | ((rung == RIGID) & (response.scalars["outcome"] == NO_UPLIFT))
+        unknown = at_rest & np.isnan(choice.error[rows])  # before it was solved
+        error = np.where(unknown, 0.0, choice.error[rows])
         scalars: dict[str, NDArray[Any]] = {
             **response.scalars,
-            "model_used": np.full(len(rows), rung, dtype=np.int8),
-            "model_error": np.where(overturned(response.scalars["outcome"]), np.nan, choice.error[rows]),
+            "model_used": np.where(at_rest, NONE, rung).astype(np.int8),
+            "model_error": np.where(overturned(response.scalars["outcome"]), np.nan, error),
         }
         if "wall_time" in scalars:
             scalars["wall_time"] = scalars["wall_time"] + spent
-        reasons = ["; ".join(filter(None, (choice.said[i], r))) for i, r in zip(rows, response.reasons, strict=True)]
+        said = [AT_REST if new else choice.said[i] for i, new in zip(rows.tolist(), unknown.tolist(), strict=True)]
+        reasons = [f"{why}; {reason}" if reason else why for why, reason in zip(said, response.reasons, strict=True)]
         yield rows, replace(response, scalars=scalars, reasons=reasons)
 
 
@@ -89,78 +99,71 @@ def groups(batch: Batch) -> Groups:
 def decide(batch: Batch) -> Choice:
     """Choose a rung for every case: the cheapest whose expected error is within the case's tolerance."""
     assert batch.tolerance is not None
-    reference, found = rung_of_reference(batch), groups(batch)
+    reference, n = rung_of_reference(batch), batch.size
+    rung, error = np.full(n, reference, dtype=np.int8), np.full(n, np.nan)
+    if reference == RIGID:
+        return Choice(rung, error, [sentence(RIGID, RIGID, np.nan, "it has no column")] * n)
+    found = groups(batch)
     why = outside(batch, found)
-    choice = Choice(
-        np.full(batch.size, reference, dtype=np.int8),
-        np.full(batch.size, np.nan),
-        [sentence(reference, reference, np.nan, reason) for reason in why],
-    )
     rows = np.array([i for i, reason in enumerate(why) if not reason], dtype=np.int64)
+    if len(rows) == n:
+        return _with_column(batch, found, reference)
+    said = sentences(lambda i: sentence(reference, reference, np.nan, why[i]), np.array(why))
     if len(rows):
-        inside = batch.rows(rows)
-        step = _without_column if reference == RIGID else _with_column
-        for i, (rung, error, said) in zip(rows, step(inside, found.rows(rows), reference), strict=True):
-            choice.rung[i], choice.error[i], choice.said[i] = rung, error, said
-    return choice
+        inside = _with_column(batch.rows(rows), found.rows(rows), reference)
+        rung[rows], error[rows] = inside.rung, inside.error
+        for i, words in zip(rows.tolist(), inside.said, strict=True):
+            said[i] = words
+    return Choice(rung, error, said)
 
 
-Chosen = tuple[int, float, str]
-
-
-def _without_column(batch: Batch, found: Groups, reference: int) -> list[Chosen]:
-    """Nothing moves, or the linearised block where its error is small for what it does, else the rigid one."""
-    assert batch.tolerance is not None
-    moves, everywhere = found.amplitude > 1.0, np.ones(batch.size, dtype=np.int64)
-    overturned = len(LINEARIZED_CLASSES) - 1
-    best = np.min([expected_error("linearized", found, j * everywhere) for j in range(overturned)], axis=0)
-    class_found = overturned * everywhere  # where nothing it may do while it stands will serve, it is not tried
-    tried = np.flatnonzero(moves & (best <= batch.tolerance))
-    if len(tried):
-        class_found[tried] = class_of_linearized(peak_of(on_rung(batch.rows(tried), LINEARIZED)))
-    errors = expected_error("linearized", found, class_found, boundary=_boundary(batch))
-    chosen: list[Chosen] = []
-    for i, error in enumerate(errors):
-        doing = LINEARIZED_CLASSES[class_found[i]]
-        if not moves[i]:
-            why = "PGA does not exceed g tan(alpha), so that the body cannot move"
-            chosen.append((NONE, 0.0, sentence(NONE, reference, 0.0, why)))
-        elif best[i] > batch.tolerance[i]:
-            why = doubt("linearised", float(best[i]), "at this alpha, whatever it does")
-            chosen.append((RIGID, np.nan, sentence(RIGID, reference, np.nan, why)))
-        elif error <= batch.tolerance[i]:
-            chosen.append((LINEARIZED, float(error), sentence(LINEARIZED, reference, float(error), doing)))
-        else:
-            chosen.append((RIGID, np.nan, sentence(RIGID, reference, np.nan, doubt("linearised", float(error), doing))))
-    return chosen
-
-
-def _with_column(batch: Batch, found: Groups, reference: int) -> list[Chosen]:
+def _with_column(batch: Batch, found: Groups, reference: int) -> Choice:
     """The rigid block where neither bending nor partial uplift can matter, else the column."""
     assert batch.tolerance is not None
-    peak, tried = try_rigid(batch)
-    class_found = class_of_rigid(peak, tried)
-    bending = expected_error("rigid", found, class_found, boundary=_boundary(batch))
-    opening = np.zeros(batch.size)
+    tolerance = batch.tolerance[:, None]
+    bending = expected_errors("rigid", found)
+    opening = np.zeros_like(bending)
     if reference == WINKLER:
-        opening = expected_error("flexible", found, class_found, boundary=_boundary(batch))
-    chosen: list[Chosen] = []
-    for i, tolerance in enumerate(batch.tolerance):
-        error, doing = float(bending[i] + opening[i]), RIGID_CLASSES[class_found[i]]
-        if error <= tolerance:
-            rung = NONE if peak[i] == 0.0 else RIGID
-            chosen.append((rung, error, sentence(rung, reference, error, f"the rigid block serves: {doing}")))
-        elif reference == WINKLER and opening[i] <= tolerance:
-            why = f"{doubt('rigid', error, doing)}, partial uplift matters little"
-            chosen.append((COLUMN, float(opening[i]), sentence(COLUMN, reference, float(opening[i]), why)))
+        opening = expected_errors("flexible", found)
+    serves = (bending + opening <= tolerance) | ((opening <= tolerance) if reference == WINKLER else False)
+    at_rest = still(found)
+    # a search stays near the boundary of overturning, where cheap models cannot be trusted
+    near_boundary = batch.save.scalars == frozenset({"outcome"})
+    tried = ~at_rest & (chance(found, serves) >= PAYS) & (not near_boundary)
+    class_found, moves = np.full(batch.size, STILL), ~at_rest
+    if tried.any():
+        peak, neighbours = try_rigid(_some(batch, tried))
+        class_found[tried], moves[tried] = class_of_rigid(peak, neighbours), peak != 0.0
+    seen = at_rest | tried
+    of_bending, of_opening = (np.where(seen, _at(errors, class_found), np.inf) for errors in (bending, opening))
+    of_both = of_bending + of_opening
+    as_rigid, as_column = of_both <= batch.tolerance, of_opening <= batch.tolerance
+    as_column &= reference == WINKLER
+    rung = np.select([as_rigid & ~moves, as_rigid, as_column], [NONE, RIGID, COLUMN], reference).astype(np.int8)
+    error = np.select([as_rigid, as_column], [of_both, of_opening], np.nan)
+
+    def write(i: int) -> str:
+        doing = RIGID_CLASSES[class_found[i]]
+        if not seen[i]:
+            seldom = "the rigid block would seldom serve in such a scene"
+            why = "whether the body overturns is asked of it alone" if near_boundary else seldom
+        elif as_rigid[i]:
+            why = f"the rigid block serves: {doing}"
         else:
-            why = doubt("rigid", error, doing)
-            chosen.append((reference, np.nan, sentence(reference, reference, np.nan, why)))
-    return chosen
+            why = doubt("rigid", float(of_both[i]), doing)
+            why += ", partial uplift matters little" if as_column[i] else ""
+        return sentence(int(rung[i]), reference, float(error[i]), why)
+
+    return Choice(rung, error, sentences(write, rung, seen, class_found, of_both, error))
 
 
-def _boundary(batch: Batch) -> bool:
-    return batch.save.scalars == frozenset({"outcome"})
+def _some(batch: Batch, which: NDArray[np.bool_]) -> Batch:
+    return batch if which.all() else batch.rows(np.flatnonzero(which))
+
+
+def _at(errors: Array, class_found: NDArray[np.int64]) -> Array:
+    """The error of each case's class, (n,)."""
+    return np.asarray(np.take_along_axis(errors, class_found[:, None], axis=1)[:, 0])
 
 
 def prospect(batch: Batch) -> list[tuple[str, str, float | str]]:
@@ -196,16 +199,14 @@ def try_rigid(batch: Batch) -> tuple[Array, Array]:
 
     The neighbours have 5 % more and less motion, and the law (2.10) that a column tends to as E grows.
     """
-    rigid = on_rung(batch, RIGID)
-    more, less = (replace(rigid, excitation=_nudged(rigid, 1.0 + nudge)) for nudge in (NUDGE, -NUDGE))
-    stiff = replace(rigid, model="3", geometry="corotational")
-    return peak_of(rigid), np.stack([peak_of(other) for other in (more, less, stiff)])
-
-
-def _nudged(batch: Batch, factor: float) -> Any:
-    channel = batch.excitation.horizontal
+    rigid, n = on_rung(batch, RIGID), batch.size
+    thrice = rigid.rows(np.tile(np.arange(n), 3))
+    channel = thrice.excitation.horizontal
     assert channel is not None
-    return replace(batch.excitation, horizontal=scaled(channel, factor))
+    nudged = scaled(channel, np.repeat([1.0, 1.0 + NUDGE, 1.0 - NUDGE], n))
+    peak, more, less = peak_of(replace(thrice, excitation=replace(thrice.excitation, horizontal=nudged))).reshape(3, n)
+    stiff = replace(rigid, model="3", geometry="corotational")
+    return peak, np.stack([more, less, peak_of(stiff)])
 
 
 def peak_of(batch: Batch) -> Array:

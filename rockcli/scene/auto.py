@@ -1,18 +1,19 @@
 """Model auto: which model a scene requires, by its dimensionless groups and a table of measured errors (docs/auto.md).
 
-Rungs, cheapest first: none (the body cannot move), linearized, rigid, flexible, winkler (flexible with partial
-uplift).  The reference is the highest rung that a body's data allow.  The error of a rung is |its theta_peak/alpha
-minus the reference's|, 0 where both overturn, infinite where one does.
+Rungs, cheapest first: none (the body does not move), rigid, flexible, winkler (flexible with partial uplift).  The
+reference is the highest rung that a body's data allow.  The error of a rung is |its theta_peak/alpha minus the
+reference's|, 0 where both overturn, infinite where one does.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.auto_table import EXCEEDED, TABLES, TRIED
+from rockcli.scene.auto_table import CHANCES, EXCEEDED, TABLES, TRIED
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import FLEXIBLE
@@ -25,31 +26,25 @@ AUTO = "auto"
 TOLERANCE = 0.02
 """Error of theta_peak/alpha allowed where the study says nothing."""
 
-NONE, LINEARIZED, RIGID, COLUMN, WINKLER = 0, 1, 2, 3, 4
+NONE, RIGID, COLUMN, WINKLER = 0, 2, 3, 4
 
 RUNGS: dict[int, str] = {
     -1: "not_auto",
     NONE: "none",
-    LINEARIZED: "linearized",
+    1: "linearized",
     RIGID: "rigid",
     COLUMN: "flexible",
     WINKLER: "flexible_winkler",
 }
-"""Flags of `model_used`."""
+"""Flags of `model_used`.  The linearised block is taken no more: it costs what choosing it would save."""
+
+AT_REST = "auto: none: the rigid block, the highest model of this body, stays at rest"
 
 FREE_OVER_CLAMPED = 4.385
 """First bending frequency of a rocking (pinned) column over that of a clamped one."""
 
 NUDGE = 0.05
 """Relative change of the motion by which the rigid block is tried."""
-
-LINEARIZED_CLASSES: tuple[str, ...] = (
-    "its peak is below 0.2 alpha",
-    "its peak is below 0.6 alpha",
-    "its peak is above 0.6 alpha",
-    "it overturns",
-)
-"""What the linearised block does."""
 
 RIGID_CLASSES: tuple[str, ...] = (
     "it stays at rest, also with 5 % more motion",
@@ -63,11 +58,14 @@ RIGID_CLASSES: tuple[str, ...] = (
 """What the rigid block does, tried with 5 % more and less motion and with the law that stiff columns tend to."""
 
 
-GROUP_OF = {"linearized": "alpha", "rigid": "p_T1", "flexible": "opening"}
+GROUP_OF = {"rigid": "p_T1", "flexible": "opening"}
 """Step of the table: the group along its rows."""
 
-FAR = {"linearized": 2, "rigid": 4, "flexible": 4}
-"""Step: classes below this one are far from overturning."""
+PAYS = 0.3
+"""Chance of serving from which the rigid block is tried: of one case, four of them take a tenth of a column's time."""
+
+STILL = 0
+"""The class of RIGID_CLASSES known without a trial: a body that 5 % more motion does not lift stays at rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +121,7 @@ def on_rung(batch: Batch, rung: int) -> Batch:
         return replace(batch, model=FLEXIBLE)
     if rung == COLUMN:
         return replace(batch, model=FLEXIBLE, base=None)
-    return replace(batch, model="linearized" if rung == LINEARIZED else "rigid", column=None, base=None)
+    return replace(batch, model="rigid", column=None, base=None)
 
 
 def groups_of(batch: Batch, pga: Array, pgv: Array) -> Groups:
@@ -191,12 +189,6 @@ _WORDS = {
 }
 
 
-def class_of_linearized(peak: Array) -> Ints:
-    """Index into LINEARIZED_CLASSES, (n,); `peak` over alpha, inf overturned, NaN unknown (taken as large)."""
-    peak = np.where(np.isnan(peak), 2.0, peak)
-    return np.where(np.isinf(peak), 3, np.digitize(peak, (0.2, 0.6))).astype(np.int64)
-
-
 def class_of_rigid(peak: Array, tried: Array) -> Ints:
     """Index into RIGID_CLASSES, (n,).
 
@@ -214,23 +206,50 @@ def class_of_rigid(peak: Array, tried: Array) -> Ints:
     return np.where(fell.all(axis=0), 6, found).astype(np.int64)
 
 
-def expected_error(step: str, groups: Groups, found: Ints, *, boundary: bool = False) -> Array:
-    """Error that all but a few of the measured scenes of the same bin kept below, (n,); inf outside the bins.
+def expected_errors(step: str, groups: Groups) -> Array:
+    """Error that all but a few of the measured scenes of the same bin kept below, (n, classes); inf outside the bins.
 
     Args:
-        step: `linearized` (against rigid), `rigid` (against flexible) or `flexible` (against winkler).
-        found: class of what the cheap model does, (n,).
-        boundary: whether outcomes alone are asked for, as in a search for the overturning amplitude: then only a body
-            that stands with a known peak is far enough from the boundary.
+        step: `rigid` (against flexible) or `flexible` (against winkler).
+        groups: of n cases.
     """
     edges, values = TABLES[step]
-    x = getattr(groups, GROUP_OF[step])
-    table = np.array(values["record" if groups.record else "pulse"])
+    return _row_of(getattr(groups, GROUP_OF[step]), edges, values[_kind(groups)])
+
+
+def chance(groups: Groups, serves: NDArray[np.bool_]) -> Array:
+    """Share of the measured scenes of a like amplitude/rate = PGV p/(g tan alpha) in which a rigid block served, (n,).
+
+    Args:
+        groups: of n cases.
+        serves: in which of its classes it would, (n, classes).
+    """
+    edges, shares = CHANCES
+    found = _row_of(groups.amplitude / groups.rate, edges, shares[_kind(groups)])
+    return np.asarray(np.sum(np.where(serves & np.isfinite(found), found, 0.0), axis=1))
+
+
+def _kind(groups: Groups) -> str:
+    return "record" if groups.record else "pulse"
+
+
+def _row_of(x: Array, edges: tuple[float, ...], values: tuple[tuple[float, ...], ...]) -> Array:
+    """The row of a table that each x falls into, (n, columns); inf outside the edges."""
     row = np.searchsorted(edges, x, side="right") - 1
     row = np.where(x == edges[-1], len(edges) - 2, row)
     inside = (row >= 0) & (row < len(edges) - 1)
-    error = np.where(inside, table[np.clip(row, 0, len(edges) - 2), found], np.inf)
-    return np.where(found >= FAR[step], np.inf, error) if boundary else error
+    return np.where(inside[:, None], np.array(values)[np.clip(row, 0, len(edges) - 2)], np.inf)
+
+
+def sentences(write: Callable[[int], str], *columns: NDArray[np.generic]) -> list[str]:
+    """A sentence for each of n cases; `write(i)` is called once for all that are as case i in every column (n,)."""
+    key = np.zeros(len(columns[0]), dtype=np.int64)
+    for column in columns:
+        values, place = np.unique(column, return_inverse=True)
+        key = key * len(values) + place
+    _, first, place = np.unique(key, return_index=True, return_inverse=True)
+    written = [write(int(i)) for i in first]
+    return [written[k] for k in place.tolist()]
 
 
 def prospect(batch: Batch, groups: Groups) -> str:
@@ -238,22 +257,24 @@ def prospect(batch: Batch, groups: Groups) -> str:
     assert batch.tolerance is not None
     reference, tolerance = rung_of_reference(batch), float(batch.tolerance[0])
     top, why = _name(reference), outside(batch, groups)[0]
+    if reference == RIGID:
+        return f"{top}, the highest model of this body: it has no column"
     if why:
         return f"{top}, the highest model of this body: {why}"
-    if reference == RIGID:
-        if groups.amplitude[0] <= 1.0:
-            return "none: PGA does not exceed g tan(alpha)"
-        words, cheap = LINEARIZED_CLASSES, "linearized"
-    else:
-        words, cheap = RIGID_CLASSES, "rigid"
-    first, classes = groups.rows(np.zeros(len(words), dtype=np.int64)), np.arange(len(words))
-    error = expected_error(cheap, first, classes)
+    words = RIGID_CLASSES[: STILL + 1] if still(groups)[0] else RIGID_CLASSES
+    error = expected_errors("rigid", groups)[:1]
     if reference == WINKLER:
-        error = error + expected_error("flexible", first, classes)
-    serves = [said for said, e in zip(words, error, strict=True) if e <= tolerance]
-    if not serves:
+        error = error + expected_errors("flexible", groups)[:1]
+    serve = error <= tolerance
+    said = [words[j] for j in np.flatnonzero(serve[0, : len(words)])]
+    if not said or (len(words) > 1 and chance(groups, serve)[0] < PAYS):
         return f"{_name(reference - 1)} or {top}" if reference == WINKLER else top
-    return f"{cheap} if {', or '.join(serves)}; else {top}"
+    return f"rigid if {', or '.join(said)}; else {top}"
+
+
+def still(groups: Groups) -> NDArray[np.bool_]:
+    """Which bodies 5 % more motion does not lift, (n,)."""
+    return np.asarray(groups.amplitude * (1.0 + NUDGE) <= 1.0)
 
 
 def _name(rung: int) -> str:
@@ -271,8 +292,6 @@ def sentence(rung: int, reference: int, error: float, why: str) -> str:
     name, top = _name(rung), _name(reference)
     if rung == reference:
         return f"auto: {name}, the highest model of this body: {why}"
-    if rung == NONE and reference == RIGID:
-        return f"auto: {name}: {why}"
     held = f"in {100 - EXCEEDED:g} % of such scenes"
     if rung != NONE and error == 0.0:  # it overturns: there the error is none, or infinite
         return f"auto: {name}: {why}; {top} overturns too {held}"

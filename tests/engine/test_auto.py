@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import rockcli
-from rockcli.engine.auto import decide, peak_of
+from rockcli.engine.auto import decide, groups, peak_of, try_rigid
 from rockcli.errors import StudyError
 from rockcli.scene import auto
-from rockcli.scene.auto_table import TABLES
+from rockcli.scene.auto_table import CHANCES, TABLES
 from rockcli.scene.excitation import acceleration, scaled
 from rockcli.scene.pulses import SHAPES
 from rockcli.study.open import open_study
@@ -53,11 +53,11 @@ def said(found: Any) -> str:
     ("case", "rung"),
     [
         ({"block": SLENDER, "motion": {"pulse": {**RICKER, "a_p_over_g_tan_alpha": 0.99}}}, "none"),
-        ({"block": SLENDER}, "linearized"),
+        ({"block": SLENDER}, "rigid"),
         ({"block": STOUT}, "rigid"),
     ],
 )
-def test_a_body_without_a_column_takes_the_cheapest_block_that_serves(case: dict[str, Any], rung: str) -> None:
+def test_a_body_without_a_column_is_a_rigid_block(case: dict[str, Any], rung: str) -> None:
     found = rockcli.run(study(**case))
     assert int(found.model_used) == FLAGS[rung]
     assert said(found).startswith(f"auto: {rung}")
@@ -89,7 +89,7 @@ def test_of_what_overturns_no_model_is_a_number_off() -> None:
     assert int(found.model_used) == FLAGS["rigid"]
     assert np.isinf(float(found.theta_peak_over_alpha))
     assert np.isnan(float(found.model_error))
-    assert said(found).endswith("flexible overturns too in 97 % of such scenes")
+    assert said(found).endswith("flexible overturns too in 97.5 % of such scenes")
 
 
 @pytest.mark.parametrize(
@@ -128,9 +128,9 @@ def test_a_sweep_mixes_models_and_says_which() -> None:
     a = "motion.pulse.a_p_over_g_tan_alpha"
     case = {"block": SLENDER, "vary": {a: [0.5, 2.0], "model": ["auto", "rigid"]}}
     found = rockcli.run(study(**case))
-    assert found.model_used.values.tolist() == [[FLAGS["none"], -1], [FLAGS["linearized"], -1]]
+    assert found.model_used.values.tolist() == [[FLAGS["none"], -1], [FLAGS["rigid"], -1]]
     assert found.model_used.attrs["flag_meanings"].split() == list(auto.RUNGS.values())
-    assert abs(float(np.diff(found.theta_peak_over_alpha.values[1])[0])) <= auto.TOLERANCE
+    np.testing.assert_array_equal(found.model_error.values, [[0.0, NAN], [NAN, NAN]])
 
 
 @pytest.mark.parametrize(
@@ -161,11 +161,55 @@ def test_a_search_finds_the_threshold_of_the_highest_model() -> None:
 
 
 def test_classes() -> None:
-    lin = auto.class_of_linearized(np.array([0.0, 0.19, 0.3, 0.9, INF, NAN]))
-    assert lin.tolist() == [0, 0, 1, 2, 3, 2]
     peak = np.array([0.0, 0.0, 0.5, 0.5, 0.5, 0.5, 0.9, INF, INF, 0.5])
     other = np.array([0.0, 0.1, 0.505, 0.48, 0.55, 0.7, INF, INF, 0.9, NAN])
     assert auto.class_of_rigid(peak, np.stack([other, peak])).tolist() == [0, 4, 1, 2, 3, 4, 5, 6, 5, 5]
+
+
+@pytest.mark.parametrize(
+    ("a_p", "column", "runs", "words"),
+    [
+        (0.94, CONCRETE, 0, "stays at rest, also with 5 % more motion"),
+        (0.96, STIFF, 1, "none: the rigid block serves"),
+        (9.0, CONCRETE, 0, "the rigid block would seldom serve in such a scene"),
+        (1.5, STIFF, 1, "its peak is known to"),
+    ],
+)
+def test_a_trial_is_run_only_where_it_may_pay(
+    a_p: float, column: dict[str, Any], runs: int, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    called = []
+    monkeypatch.setattr("rockcli.engine.auto.try_rigid", lambda batch: called.append(1) or try_rigid(batch))
+    motion = {"pulse": {**RICKER, "a_p_over_g_tan_alpha": a_p}}
+    (said,) = decide(batch_of(block=MONUMENT, column=column, motion=motion)).said
+    assert len(called) == runs
+    assert words in said
+
+
+def test_a_body_that_is_said_to_stay_at_rest_does() -> None:
+    """What is known without a trial agrees with the four blocks that a trial would run."""
+    a = "motion.pulse.a_p_over_g_tan_alpha"
+    vary = {a: {"from": 0.5, "to": 1.2, "n": 29}, "block.tan_alpha": [0.04, 0.2, 0.45]}
+    batch = batch_of(block={"R": 3.0, "tan_alpha": 0.1}, column=STIFF, vary=vary)
+    at_rest = auto.still(groups(batch))
+    assert 0 < at_rest.sum() < batch.size
+    np.testing.assert_array_equal(at_rest, auto.class_of_rigid(*try_rigid(batch)) == auto.STILL)
+
+
+def test_shares_of_what_a_rigid_block_does_are_shares() -> None:
+    edges, kinds = CHANCES
+    for shares in map(np.array, kinds.values()):
+        assert shares.shape == (len(edges) - 1, len(auto.RIGID_CLASSES))
+        np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=0.031)  # rounded to 0.01
+        assert not shares[:, auto.STILL].any()
+
+
+def test_cases_alike_share_a_sentence() -> None:
+    written = []
+    rung, error = np.array([2, 2, 3, 2, 2]), np.array([0.1, NAN, 0.1, 0.1, NAN])
+    said = auto.sentences(lambda i: written.append(i) or f"case {i}", rung, error)  # type: ignore[func-returns-value]
+    assert said == ["case 0", "case 1", "case 2", "case 0", "case 1"]
+    assert sorted(written) == [0, 1, 2]
 
 
 def test_the_expected_error_never_shrinks_as_a_body_gets_softer_or_thicker() -> None:
@@ -203,7 +247,8 @@ def test_scenes_the_calibration_has_not_seen_keep_the_tolerance() -> None:
     sys.path.insert(0, str(Path(rockcli.__file__).parent.parent / "benchmarks"))
     from trial_auto import trial
 
-    for row in trial(seed=3, per_shape=6, records=6, per_record=4, tolerances=(0.02,)):
+    tolerances = {"pulse": (0.02,), "record": (0.02,)}
+    for row in trial(seed=3, per_shape=10, records=3, per_record=20, tolerances=tolerances, every=1):
         assert row["scenes"] == 60
-        assert row["kept"] >= 57, row
-        assert row["on a cheaper model"] > 20, row
+        assert row["kept"] >= 58, row
+        assert row["on a cheaper model"] > (10 if row["body"] == "column on winkler" else 15), row
