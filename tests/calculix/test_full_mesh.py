@@ -16,7 +16,7 @@ from rockcli.solvers.calculix.run import run
 pytestmark = needs_ccx
 
 
-@pytest.mark.parametrize("zeta", [0.0, 0.2])
+@pytest.mark.parametrize("zeta", [pytest.param(0.0, marks=pytest.mark.slow), 0.2])
 def test_free_rocking_of_a_coarse_mesh_lands_when_the_rigid_block_does(zeta):
     """Released at .3 alpha, a slender block lands after acosh(1/(1 - .3))/p (2.3); zeta does not brake rotation."""
     alpha = np.arctan(0.1)
@@ -94,6 +94,7 @@ def test_a_kept_run_that_is_damaged_is_run_again(tmp_path, monkeypatch):
     np.testing.assert_array_equal(first.histories["theta"], second.histories["theta"])
 
 
+@pytest.mark.slow
 def test_zeta_is_that_of_the_clamped_body():
     """Below uplift the body is a cantilever: its period is (4.3), its decay that of zeta."""
     batch = mesh_batch(pulse("half_sine", 0.02, 2.0 * np.pi / 0.8, duration=3.0), zeta=0.05, along=20, dt=0.01)

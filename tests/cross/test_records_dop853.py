@@ -43,7 +43,11 @@ def compare(path: Path, R: float, tan_alpha: float, times: float) -> tuple[float
     return float(error), bool(fell == theirs.overturned)
 
 
-@pytest.mark.parametrize("R_tan_alpha", BLOCKS, ids=str)
+@pytest.mark.parametrize(
+    "R_tan_alpha",
+    [pytest.param(block, marks=pytest.mark.slow if block == (4.0, 0.13) else ()) for block in BLOCKS],
+    ids=str,
+)
 def test_synthetic_records(R_tan_alpha):
     paths = sorted(OWN.glob("*.AT2"))
     assert paths

@@ -236,6 +236,7 @@ def test_two_steps_that_disagree_are_half_of_the_runs_each():
     assert "two steps disagree on the outcome" in reasons[1]
 
 
+@pytest.mark.slow
 def test_a_general_method_says_it_too():
     batch = replace(train("sine", scalars=ESTIMATED), numerics=Numerics(backend="scipy", accuracy="standard"))
     found = solve_generally(batch)
