@@ -12,7 +12,7 @@ from rockcli.analysis.places import place, units_of
 from rockcli.errors import StudyError
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.units import SI
-from rockcli.scene.variable import PEAK
+from rockcli.scene.variables import PEAK
 from rockcli.storage.contents import Contents
 from rockcli.study.study import MATCH
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rockcli.scene.variable import PEAK
+from rockcli.scene.variables import PEAK
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.study import Study
 

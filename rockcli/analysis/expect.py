@@ -20,8 +20,7 @@ from rockcli.scene.models import FLEXIBLE
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.rules import RULES
 from rockcli.scene.units import SI, Units
-from rockcli.scene.variable import COUNTS, ROTATION
-from rockcli.scene.variables import AUDIT, HISTORIES, IMPACTS, LARGE, VARIABLES
+from rockcli.scene.variables import AUDIT, COUNTS, HISTORIES, IMPACTS, LARGE, ROTATION, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
 from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import Expect, Study

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from rockcli.motion.measures import measures
 from rockcli.scene.excitation import Samples
 from rockcli.scene.statistics import pearson, spearman
-from rockcli.scene.suite_variables import MEASURES
-from rockcli.scene.variable import MEASURE
+from rockcli.scene.variables import MEASURE, MEASURES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.storage.reduced import reduce
 from rockcli.study.cases.buildable import buildable

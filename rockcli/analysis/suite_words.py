@@ -14,7 +14,7 @@ from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
-from rockcli.scene.variable import LIMIT, MEASURE
+from rockcli.scene.variables import LIMIT, MEASURE
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Over, Study
 

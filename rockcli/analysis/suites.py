@@ -24,8 +24,7 @@ from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
 from rockcli.scene.units import SI
-from rockcli.scene.variable import LIMIT, PEAK
-from rockcli.scene.variables import VARIABLES
+from rockcli.scene.variables import LIMIT, PEAK, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import Over, Study
 

@@ -42,8 +42,7 @@ from rockcli.scene.auto import prospect as words_of_prospect
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.excitation import scaled
 from rockcli.scene.response import NO_UPLIFT, Response, overturned
-from rockcli.scene.variable import PEAK
-from rockcli.scene.variables import SCALARS_AUTO
+from rockcli.scene.variables import PEAK, SCALARS_AUTO
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]

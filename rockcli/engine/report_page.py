@@ -7,7 +7,7 @@ from pathlib import Path
 from rockcli.analysis.expect import Verdict, judge
 from rockcli.analysis.places import units_of
 from rockcli.errors import StudyError
-from rockcli.scene.variable import LIMIT, MEASURE
+from rockcli.scene.variables import LIMIT, MEASURE
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import replacing
 from rockcli.storage.contents import Contents

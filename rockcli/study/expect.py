@@ -7,9 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
-from rockcli.scene.suite_variables import MEASURES
-from rockcli.scene.variable import CASE, IMPACT, LIMIT, MEASURE, ROTATION, SUITE, TIME
-from rockcli.scene.variables import VARIABLES
+from rockcli.scene.variables import CASE, IMPACT, LIMIT, MEASURE, MEASURES, ROTATION, SUITE, TIME, VARIABLES
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Keys, Map, Source, nearest, place
 from rockcli.study.document.values import describe

@@ -15,7 +15,7 @@ from rockcli.plotting.common.labels import axis_label, axis_values, title_of, va
 from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
 from rockcli.plotting.common.suite import grid_of, members_word, panels, suite_of, without_intensity
 from rockcli.plotting.kinds.map import is_log, scale_axes
-from rockcli.scene.variable import PEAK
+from rockcli.scene.variables import PEAK
 
 if TYPE_CHECKING:
     import xarray

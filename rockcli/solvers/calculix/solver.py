@@ -22,7 +22,7 @@ from rockcli.scene.response import (
     UNRESOLVED,
     Response,
 )
-from rockcli.scene.variable import COUNTS
+from rockcli.scene.variables import COUNTS
 from rockcli.solvers.calculix.body import Landings, Motion, landings, motion_of
 from rockcli.solvers.calculix.case import Prepared, Refused, ground, prepare
 from rockcli.solvers.calculix.folder import solve_deck
