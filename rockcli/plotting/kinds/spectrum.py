@@ -179,7 +179,7 @@ def _leaving(dataset: xarray.Dataset, rows: list[Row]) -> str:
     if not rows[0].name.endswith(FOUND):
         return "overturned cases leave at the top"
     state = thresholds_in(dataset, rows[0].name).state
-    words = ["what nothing in the range overturns leaves at the top"]
+    words = ["curves leave at the top where nothing in the range overturns"]
     for flag, why in ((BELOW, "below the range"), (BRACKETED, "without an answer")):
         if count := int((state == flag).sum()):
             words.append(f"{count} of {state.size} {why}, not drawn")
