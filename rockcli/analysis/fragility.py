@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.statistics import inverse_mills, normal_log_cdf
+from rockcli.scene.statistics import inverse_mills
 
 Array = NDArray[np.float64]
 
@@ -106,12 +106,14 @@ def _status(x: Array, hits: Array, trials: Array) -> NDArray[np.int8]:
 
 def _maximum(u: Array, hits: Array, trials: Array) -> Array:
     """Newton's method with halved steps on the concave log-likelihood of z = c0 + c1 u; (f, 2)."""
+    from scipy.special import log_ndtr
+
     misses = trials - hits
     c = np.zeros((len(hits), 2))
 
     def likelihood(c: Array) -> Array:
         z = c[:, :1] + c[:, 1:] * u
-        return np.asarray((hits * normal_log_cdf(z) + misses * normal_log_cdf(-z)).sum(axis=1))
+        return np.asarray((hits * log_ndtr(z) + misses * log_ndtr(-z)).sum(axis=1))
 
     best = likelihood(c)
     for _ in range(_ITERATIONS):

@@ -1,21 +1,15 @@
-"""Statistics of suites: fractiles that count overturning as infinite, correlations, and the normal law in its tails.
+"""Statistics of suites: fractiles that count overturning as infinite, rank correlation, inverse Mills ratio.
 
-NaN is no answer and is left out; inf is an answer larger than every other.
+NaN is no answer and is left out; inf is an answer larger than every other.  scipy is imported where it is called, as
+studies without a suite need none of it.
 """
 
 from __future__ import annotations
-
-from math import erfc, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-_FAR = -30.0
-"""Below it the tail of the normal law is taken from its asymptotic series, good to rounding there."""
-
-_erfc = np.vectorize(erfc, otypes=[float])
 
 
 def fractile(values: Array, q: float, axis: int) -> Array:
@@ -38,19 +32,9 @@ def fractile(values: Array, q: float, axis: int) -> Array:
 
 def ranks(values: Array) -> Array:
     """Ranks along the last axis from 1; equal values share their mean rank; NaN stays NaN."""
-    n = values.shape[-1]
-    order = np.argsort(values, axis=-1, kind="stable")
-    ordered = np.take_along_axis(values, order, axis=-1)
-    new = np.ones(ordered.shape, dtype=bool)
-    new[..., 1:] = ordered[..., 1:] != ordered[..., :-1]
-    last = np.roll(new, -1, axis=-1)
-    last[..., -1] = True
-    place = np.arange(n)
-    first = np.maximum.accumulate(np.where(new, place, 0), axis=-1)
-    end = np.flip(np.minimum.accumulate(np.flip(np.where(last, place, n), axis=-1), axis=-1), axis=-1)
-    found = np.empty(values.shape)
-    np.put_along_axis(found, order, 0.5 * (first + end) + 1.0, axis=-1)
-    return np.where(np.isnan(values), np.nan, found)
+    from scipy.stats import rankdata
+
+    return np.asarray(rankdata(values, axis=-1, nan_policy="omit"))
 
 
 def pearson(x: Array, y: Array) -> Array:
@@ -75,22 +59,8 @@ def spearman(x: Array, y: Array) -> Array:
     return pearson(ranks(np.where(missing, np.nan, x)), ranks(np.where(missing, np.nan, y)))
 
 
-def normal_cdf(z: Array) -> Array:
-    """Probability that a standard normal variable is below z."""
-    return np.asarray(0.5 * _erfc(-np.asarray(z) / sqrt(2.0)))
-
-
-def normal_log_cdf(z: Array) -> Array:
-    """Logarithm of `normal_cdf`, finite far below zero and not rounded to nothing far above it."""
-    low = np.minimum(z, 0.0)
-    below = -0.5 * low * low - 0.5 * np.log(2.0 * pi) - np.log(inverse_mills(low))
-    return np.where(z > 0.0, np.log1p(-normal_cdf(-np.maximum(z, 0.0))), below)
-
-
 def inverse_mills(z: Array) -> Array:
     """Density over probability of the standard normal law below z."""
-    near = np.maximum(z, _FAR)
-    ratio = np.exp(-0.5 * near * near) / sqrt(2.0 * pi) / normal_cdf(near)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        far = -z / (1.0 - z**-2 + 3.0 * z**-4 - 15.0 * z**-6)
-    return np.asarray(np.where(z < _FAR, far, ratio))
+    from scipy.special import erfcx
+
+    return np.asarray(np.sqrt(2.0 / np.pi) / erfcx(-np.asarray(z) / np.sqrt(2.0)))

@@ -11,15 +11,11 @@ from rockcli.plotting.common.labels import axis_label, axis_values, title_of, un
 from rockcli.plotting.common.style import COLOURS, DOUBLE, SINGLE, headline, new_figure, panel_title
 from rockcli.plotting.common.suite import Suite, grid_of, members_word, panels, suite_of, without_intensity
 from rockcli.plotting.kinds.map import is_log, scale_axes
-from rockcli.scene.statistics import normal_cdf
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-_TWO_SIDED = 1.959963984540054
-"""Standard normal variable of a band of 95 %."""
 
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -66,6 +62,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
 
 
 def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> None:
+    from scipy.special import ndtr, ndtri  # late: other figures need none of it
+
     assert suite.along is not None
     intensity = axis_values(part, suite.along)
     scale = float(part[suite.along].values[-1]) / float(intensity[-1]) if intensity[-1] else 1.0
@@ -87,9 +85,9 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
         axes.plot(intensity, share, linestyle="", color=colour, alpha=0.75, zorder=2, label=alone, **style)
         if fitted:
             z = np.log(x / median) / beta
-            half = _TWO_SIDED * np.sqrt(_variance(z, beta, se, se_beta, rho))
-            axes.fill_between(x, normal_cdf(z - half), normal_cdf(z + half), color=colour, alpha=0.15, linewidth=0.0)
-            axes.plot(x, normal_cdf(z), color=colour, zorder=3, label=words)
+            half = ndtri(0.975) * np.sqrt(_variance(z, beta, se, se_beta, rho))
+            axes.fill_between(x, ndtr(z - half), ndtr(z + half), color=colour, alpha=0.15, linewidth=0.0)
+            axes.plot(x, ndtr(z), color=colour, zorder=3, label=words)
 
 
 _FITTED = ("median", "beta", "se_ln_median", "se_beta", "correlation")
