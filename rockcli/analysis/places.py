@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from typing import Any
 
@@ -15,7 +16,7 @@ from rockcli.storage.contents import Contents
 def units_of(contents: Contents) -> Units:
     """How the numbers of a dataset are shown to people: accelerations in g of its case."""
     paths = (str(contents.fields[axis].attrs.get("long_name", axis)) for axis in contents.axes)
-    return Units(g_of(str(contents.attrs.get("study", "")), set(paths)))
+    return Units(g_of(json.loads(contents.attrs.get("case", "{}")), set(paths)))
 
 
 def coordinate(contents: Contents, dim: str, value: Any, units: Units = SI) -> str:

@@ -21,6 +21,7 @@ def attributes(study: Study, results: Results) -> dict[str, str]:
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     more = {
         "study": study.resolved_yaml,
+        "case": as_json(study.resolved["case"]),
         "study_name": study.name,
         "identity": study.identity,
         "kinship": study.kinship,
@@ -49,6 +50,7 @@ def refreshed(attrs: dict[str, str], study: Study) -> dict[str, str]:
         "title": study.title or study.name,
         "references": study.references,
         "study": study.resolved_yaml,
+        "case": as_json(study.resolved["case"]),
         "compare_to": as_json(study.compare_to),
         "history": f"{attrs['history']}\n{now} described anew by rockcli {__version__}",
     }

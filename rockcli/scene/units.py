@@ -5,30 +5,26 @@ Datasets and what programs read (`--json`) are in SI units throughout.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from rockcli.scene.constants import STANDARD_G
 
 ACCELERATION = "m s-2"
 
-_G_OF_CASE = re.compile(r"^case:\n(?:[ -].*\n)*?  g: '?([-+.\deE]+)'?$", re.MULTILINE)
-"""The number `g` of the case in the resolved study."""
-
 _WORDS = {"1": "", "m s-2": " m/s2", "m s-1": " m/s"}
 
 
-def g_of(resolved: str, varied: Iterable[str]) -> float:
+def g_of(case: Mapping[str, Any], varied: Iterable[str]) -> float:
     """The unit of acceleration of a study [m/s^2]: g of its case; 9.81 where it is not told or is varied.
 
     Args:
-        resolved: the study as datasets carry it; varied: paths of its axes.
+        case: the resolved case, as datasets carry it; varied: paths of the study's axes.
     """
-    told = None if "g" in varied else _G_OF_CASE.search(resolved)
     try:
-        return float(told.group(1)) if told else STANDARD_G
-    except ValueError:
+        return STANDARD_G if "g" in varied else float(case.get("g", STANDARD_G))
+    except ValueError:  # an expression
         return STANDARD_G
 
 

@@ -67,7 +67,7 @@ def make_study(*axes: Axis, histories: bool = False, most: int = 1000, **more: A
         "plots": (),
         "dt_out": 0.5,
         "scalars": SCALARS,
-        "resolved": {},
+        "resolved": {"case": {}},
         "resolved_yaml": "name: made\n",
         "identity": "abc",
     }

@@ -100,7 +100,7 @@ def test_nothing_is_drawn_over_other_planes_or_without_a_study() -> None:
     plane = {"motion.pulse.T_p": {"from": 1, "to": 4, "n": 6}, "motion.pulse.a_p": {"from": 1, "to": 9, "n": 7}}
     assert drawn(figures.figure("map", _over(plane)).axes[0]) == (0, 0)
     dataset = mapped()
-    del dataset.attrs["study"]
+    del dataset.attrs["case"]
     assert drawn(figures.figure("map", dataset).axes[0]) == (0, 0)
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockcli.plotting.common.case_settings import resolved_case
 from rockcli.scene.units import Units, g_of
 from rockcli.scene.variables import VARIABLES
 
@@ -72,7 +73,7 @@ def axis_label(dataset: xarray.Dataset, axis: str) -> str:
 def unit_g(dataset: xarray.Dataset) -> float:
     """Unit of acceleration in plots [m/s^2]: the g of the study's case; 9.81 where it is not told or is varied."""
     varied = {str(item.attrs.get("long_name")) for item in dataset.coords.values()}
-    return g_of(str(dataset.attrs.get("study", "")), varied)
+    return g_of(resolved_case(dataset), varied)
 
 
 def units_of(dataset: xarray.Dataset) -> Units:
