@@ -112,7 +112,7 @@ def synthetic(seed: int, folder: Path) -> Path:
     """A record by the method of records/make_records.py: magnitude, distance and site drawn, some near fault."""
     from make_records import ROCK, SOIL, STANDARD_GRAVITY, Scenario, acceleration
 
-    from rockcli.motion.at2 import write_at2
+    from rockcli.motion.at2 import at2_text
 
     rng = np.random.default_rng(seed)
     magnitude = float(rng.uniform(6.0, 7.4))
@@ -131,5 +131,6 @@ def synthetic(seed: int, folder: Path) -> Path:
         period = 10.0 ** (-2.9 + 0.5 * magnitude)
         scenario = replace(scenario, pulse=(period, float(rng.uniform(0.5, 1.5)), 1.6, 0.5 * np.pi, 8.5))
     path = folder / scenario.name
-    write_at2(path, acceleration(scenario) / STANDARD_GRAVITY, scenario.dt, ["", ""], force=True)
+    text = at2_text(acceleration(scenario) / STANDARD_GRAVITY, scenario.dt, ["", ""])
+    path.write_text(text, encoding="utf-8", newline="")
     return path

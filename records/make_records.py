@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.motion.at2 import write_at2
+from rockcli.motion.at2 import at2_text
 
 Array = NDArray[np.float64]
 
@@ -159,7 +159,8 @@ def write(scenario: Scenario, folder: Path) -> None:
         "SYNTHETIC MOTION, NO RECORD OF AN EARTHQUAKE. MADE BY ROCKCLI, RECORDS/MAKE_RECORDS.PY",
         f"Synthetic {scenario.title}, no date, seed {scenario.seed}, H1",
     ]
-    write_at2(folder / scenario.name, acceleration(scenario) / STANDARD_GRAVITY, scenario.dt, titles, force=True)
+    text = at2_text(acceleration(scenario) / STANDARD_GRAVITY, scenario.dt, titles)
+    (folder / scenario.name).write_text(text, encoding="utf-8", newline="")
 
 
 def main() -> None:

@@ -99,9 +99,8 @@ def _label(study: Study, number: int) -> str:
 
 
 def _write(folder: Path, script: Script) -> None:
-    from rockcli.storage.atomic import replacing
+    from rockcli.storage.atomic import write_text
 
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in script.files.items():
-        with replacing(folder / name) as scratch:
-            scratch.write_text(text, encoding="utf-8")
+        write_text(folder / name, text)

@@ -79,21 +79,28 @@ def convert(
 ) -> None:
     """Write a record as AT2 (values in g) or as two columns, time and acceleration (in the units read)."""
     from rockcli.errors import RecordError
-    from rockcli.motion.at2 import write_at2
-    from rockcli.motion.writing import write_two_columns
+    from rockcli.motion.at2 import at2_text
+    from rockcli.motion.writing import two_columns
+    from rockcli.storage.atomic import write_text
+    from rockcli.storage.places import check_file
 
     kind = target.suffix.lower()
     if kind not in (".at2", ".txt"):
         raise RecordError(f"the name ends in {target.suffix!r}; expected .AT2 or .txt, which says the format", target)
     if not g > 0.0:
         raise RecordError(f"--g is {g}; expected m/s2, above zero", target)
+    check_file(target)
+    if target.exists() and not force:
+        raise RecordError("the file is already there; choose another name, or replace it with --force", target)
     motion = _read(source, component, units, dt)
     if kind == ".txt":
         title = f"converted from {motion.name} ({motion.format})"
-        write_two_columns(target, motion.values, motion.dt, motion.units, title, force=force)
+        text = two_columns(motion.values, motion.dt, motion.units, title)
     else:
         values = motion.values if motion.in_g else motion.values / g
-        write_at2(target, values, motion.dt, _titles(motion, g), force=force)
+        text = at2_text(values, motion.dt, _titles(motion, g), target)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    write_text(target, text)
     for remark in motion.warnings:
         say(f"{source}: {remark}", err=True)
     say(f"{target}: {len(motion.values)} values, dt {motion.dt:g} s", err=True)

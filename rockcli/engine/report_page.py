@@ -9,7 +9,7 @@ from rockcli.analysis.places import units_of
 from rockcli.errors import StudyError
 from rockcli.scene.variables import LIMIT, MEASURE
 from rockcli.storage import netcdf
-from rockcli.storage.atomic import replacing
+from rockcli.storage.atomic import write_text
 from rockcli.storage.contents import Contents
 from rockcli.storage.read import open_dataset
 from rockcli.study.reopen import clauses_of
@@ -29,8 +29,7 @@ def write_page(path: Path, out: Path | None = None) -> Path:
         raise StudyError("a report is an HTML page: expected a name that ends in .html", file=target)
     dataset = open_dataset(path)
     text = page(dataset, [(verdict.passed, _words(verdict)) for verdict in verdicts(netcdf.read(path))])
-    with replacing(target) as scratch:
-        scratch.write_text(text, encoding="utf-8")
+    write_text(target, text)
     return target
 
 

@@ -25,12 +25,11 @@ from rockcli.motion.file import record_bytes
 from rockcli.motion.numbers import Numbers, read_numbers
 from rockcli.motion.options import OptionError
 from rockcli.motion.units import same_unit, unit_named
-from rockcli.motion.writing import write_whole
 
 if TYPE_CHECKING:
     from obspy import Stream
 
-__all__ = ["AT2", "is_at2", "looks_like_at2", "parse_at2", "read_at2", "write_at2"]
+__all__ = ["AT2", "at2_text", "is_at2", "looks_like_at2", "parse_at2", "read_at2"]
 
 HEADER_LINES = 60
 """NPTS and DT are sought on so many lines at most."""
@@ -156,31 +155,28 @@ def parse_at2(data: bytes, name: str, units: str | None = None) -> AT2:
     return AT2(values, dt, unit, titles, event, date, station, component, tuple(warnings))
 
 
-def write_at2(
-    path: str | Path, values_in_g: ArrayLike, dt: float, title_lines: Sequence[str], *, force: bool = False
-) -> None:
-    """Write an AT2 file, five values per line with eight digits; it appears whole or not at all.
+def at2_text(values_in_g: ArrayLike, dt: float, title_lines: Sequence[str], name: str | Path | None = None) -> str:
+    """The text of an AT2 file, five values per line with eight digits.
 
     Args:
-        path: of the file.
         values_in_g: acceleration in g, (k,), k >= 2, finite.
         dt: time step [s].
         title_lines: one or more lines of header; the second one by custom "event, date, station, component".
-        force: replace a file that is already there.
+        name: of the file, for messages.
 
     Raises:
-        RecordError: the file is there, the values are not finite, or a title line cannot stand in a header.
+        RecordError: the values are not finite, or a title line cannot stand in a header.
     """
     values = np.asarray(values_in_g, dtype=float) + 0.0  # -0 becomes 0
     if values.ndim != 1 or len(values) < 2 or not np.isfinite(values).all() or not 0.0 < dt < np.inf:
-        raise RecordError("an AT2 file holds two or more finite values and a time step above zero", path)
+        raise RecordError("an AT2 file holds two or more finite values and a time step above zero", name)
     for line in title_lines:
         misread = _KEYED.search(line) or _TRAILING.search(line) or _UNITS.search(line)
         if misread or not line.isprintable():
-            raise RecordError(f"this title would be taken for something else when read: {line!r}", path)
+            raise RecordError(f"this title would be taken for something else when read: {line!r}", name)
     rows = ["".join(f"{value:15.7E}" for value in values[i : i + 5]) for i in range(0, len(values), 5)]
     header = [*title_lines, "ACCELERATION TIME SERIES IN UNITS OF G", f"NPTS= {len(values):6d}, DT= {float(dt)!r} SEC"]
-    write_whole(path, "\n".join([*header, *rows]) + "\n", force=force)
+    return "\n".join([*header, *rows]) + "\n"
 
 
 def _bytes(filename: Any) -> bytes:

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Writing files atomically: each appears whole or not at all."""
 
 from __future__ import annotations
 
@@ -34,6 +34,16 @@ def replacing(path: Path) -> Iterator[Path]:
             _sync_folder(path.parent)
         except OSError as error:
             raise OutputError(f"cannot be written: {reason(error)}", file=path) from error
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file, UTF-8 with the line ends of `text`.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    with replacing(path) as scratch:
+        scratch.write_text(text, encoding="utf-8", newline="")
 
 
 def sweep_leftovers(folder: Path) -> None:

@@ -14,7 +14,7 @@ import pytest
 from rockcli.errors import RecordError
 from rockcli.motion.at2 import read_at2
 from rockcli.motion.reading import read_record
-from rockcli.motion.writing import write_two_columns
+from rockcli.motion.writing import two_columns
 
 AT2 = (
     "PEER NGA STRONG MOTION DATABASE RECORD\nEvent, 1/2/2003, Station, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
@@ -175,7 +175,7 @@ def test_rows_of_values_are_read_line_by_line(write) -> None:
 def test_units_in_a_comment_are_a_statement(tmp_path: Path) -> None:
     path = tmp_path / "own.txt"
     values = np.random.default_rng(0).standard_normal(500)
-    write_two_columns(path, values, 0.0125, "m/s2", "title")
+    path.write_text(two_columns(values, 0.0125, "m/s2", "title"), newline="")
     motion = read_record(path)
     assert motion.values.tolist() == values.tolist()
     assert (motion.dt, motion.units) == (0.0125, "m/s2")

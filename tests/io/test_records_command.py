@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rockcli.cli.records import app
-from rockcli.errors import RecordError
+from rockcli.errors import RecordError, StudyError
 from rockcli.motion.reading import read_record
 
 ROCK = Path(__file__).parents[2] / "records" / "synthetic_rock_m65.AT2"
@@ -72,7 +72,10 @@ def test_refusals(tmp_path: Path) -> None:
         run("info", tmp_path / "none.AT2")
     with pytest.raises(RecordError, match="'H1' only"):
         run("info", ROCK, "--component", "090")
-    assert [path.name for path in tmp_path.iterdir()] == ["a.AT2"]
+    (tmp_path / "folder.AT2").mkdir()
+    with pytest.raises(StudyError, match="is a folder"):
+        run("convert", ROCK, tmp_path / "folder.AT2")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.AT2", "folder.AT2"]
 
 
 def test_convert_there_and_back_keeps_the_measures(tmp_path: Path) -> None:
