@@ -1,4 +1,4 @@
-"""A study's report as one HTML page that needs nothing else: no network, no other file."""
+"""The HTML report of a study: one page that needs no network and no other file, from `template.html`."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import io
 import json
 from collections.abc import Iterable, Sequence
 from html import escape
+from importlib.resources import files
+from string import Template
 from typing import TYPE_CHECKING
 
 import matplotlib as mpl
@@ -18,7 +20,6 @@ from rockcli.plotting.common.labels import coordinate_words, units_of
 from rockcli.plotting.common.style import OUTCOME_COLOURS
 from rockcli.plotting.common.table import case_table
 from rockcli.plotting.figures import KINDS, default_kinds, figure, why_not
-from rockcli.plotting.page.style import CSS
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.thresholds import FOUND, threshold_words
 
@@ -50,14 +51,9 @@ def page(dataset: xarray.Dataset, verdicts: Sequence[tuple[bool, str]] = (), kin
         _section("Provenance", _provenance(dataset)),
     ]
     references = f'<p class="quiet">{escape(str(attrs["references"]))}</p>' if attrs.get("references") else ""
-    return (
-        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(name)}</title>\n<style>\n{CSS}</style>\n</head>\n<body>\n<main>\n"
-        f'<header><p class="quiet">{escape(name)}</p><h1>{escape(title)}</h1>{references}</header>\n'
-        + "\n".join(part for part in parts if part)
-        + "\n</main>\n</body>\n</html>\n"
-    )
+    template = Template(files(__package__).joinpath("template.html").read_text(encoding="utf-8"))
+    sections = "\n".join(part for part in parts if part)
+    return template.substitute(name=escape(name), title=escape(title), references=references, sections=sections)
 
 
 def _section(title: str, body: str) -> str:
