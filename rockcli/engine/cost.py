@@ -8,6 +8,7 @@ from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import DEFORMABLE
+from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
 from rockcli.study.study import Study
@@ -94,8 +95,4 @@ def _element_increments(batch: Batch) -> float:
 
 def _length(batch: Batch) -> float:
     """Time that a case covers: its duration, or the motion and 20/p [s]."""
-    motion = batch.excitation.horizontal
-    own = batch.excitation.duration
-    end = 0.0 if motion is None else float(np.mean(motion.end))
-    after = float(np.mean(20.0 / batch.p.min(axis=1)))
-    return float(np.mean(np.where(np.isnan(own), end + after, own)))
+    return float(np.mean(durations_of(batch).report))

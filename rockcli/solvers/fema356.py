@@ -19,9 +19,10 @@ from rockcli.errors import SolverError
 from rockcli.motion.spectrum import Forcing, displacement_spectrum, forcing, history, peaks
 from rockcli.scene.batch import Batch
 from rockcli.scene.damping import Fema356
-from rockcli.scene.excitation import acceleration
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_AFTER_IMPACT, ROCKING, UNRESOLVED, Response
 from rockcli.scene.variables import SCALARS
+from rockcli.solvers.common.duration import durations_of
+from rockcli.solvers.common.ground import ground_of_case
 
 Array = NDArray[np.float64]
 Demand = Callable[[Array], Array]
@@ -32,9 +33,6 @@ ELASTIC_DAMPING = 0.05
 
 UPLIFT_MARGIN = 1e-9
 """The spectrum must exceed the threshold by this much, relatively: a pulse of exactly that amplitude moves nothing."""
-
-AFTER = 20.0
-"""Histories go on this many 1/p after the motion's end."""
 
 _Y = np.concatenate([np.geomspace(3e-3, 0.1, 40), np.arange(0.11, 7.0, 0.0125), np.linspace(7.0, 14.5, 60)])
 """Where solutions are sought, in y = arcosh(1/(1 - theta/alpha)) = p T/4: theta/alpha from 4.5e-6 to 1 - 1e-6."""
@@ -152,7 +150,7 @@ def solve(batch: Batch) -> Response:
     motions = [_motion(batch, i) for i in range(batch.size)]
     with np.errstate(over="ignore", invalid="ignore"):  # extreme numbers end as a spectrum without values
         found = [_case(body, motion, scheme, i) for i, (body, motion) in enumerate(zip(bodies, motions, strict=True))]
-    t_end = _t_end(batch, motions)
+    t_end = durations_of(batch).report
     scalars = _scalars(batch, bodies, found, t_end)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     histories, t = _histories(batch, bodies, motions, found, t_end) if batch.save.histories else ({}, np.empty(0))
@@ -244,13 +242,6 @@ def _pga(motion: Forcing) -> float:
     return largest
 
 
-def _t_end(batch: Batch, motions: list[Forcing]) -> Array:
-    """End of the report, (n,) [s]: the duration if given, else AFTER/p after the motion."""
-    end = np.array([motion[-1].end if motion else 0.0 for motion in motions])
-    duration = batch.excitation.duration
-    return np.where(np.isfinite(duration), duration, end + AFTER / batch.p.min(axis=1))
-
-
 def _scalars(batch: Batch, bodies: list[_Body], found: list[_Found], t_end: Array) -> dict[str, NDArray[Any]]:
     n = batch.size
     scalars: dict[str, NDArray[Any]] = {name: np.full(n, np.nan) for name in SCALARS if name != "reason"}
@@ -287,15 +278,12 @@ def _histories(
     batch: Batch, bodies: list[_Body], motions: list[Forcing], found: list[_Found], t_end: Array
 ) -> tuple[dict[str, Array], Array]:
     """The oscillator (T, beta) at the solution, its displacement over R cos(alpha) as theta (Figs 41-42)."""
-    duration, channel = batch.excitation.duration, batch.excitation.horizontal
     t = np.arange(int(np.max(t_end) / batch.save.dt_out + 1e-9) + 1) * np.float64(batch.save.dt_out)
     names = ("theta", "theta_dot", "a_g", "u_top")
     histories = {name: np.full((batch.size, len(t)), np.nan) for name in names}
     for i, (body, motion, one) in enumerate(zip(bodies, motions, found, strict=True)):
         live = t <= t_end[i] * (1.0 + 1e-12)
-        a_g = acceleration(channel, t[live], i)
-        a_g[t[live] > duration[i]] = 0.0
-        histories["a_g"][i, live] = a_g
+        histories["a_g"][i, live], _ = ground_of_case(batch, i, t[live])
         if one.outcome == NO_UPLIFT:
             x = v = np.zeros(int(live.sum()))
         elif one.outcome == ROCKING and motion:

@@ -8,8 +8,9 @@ from mesh_cases import fig60, mesh_batch
 from scenes import pulse, record, still
 
 from rockcli.scene.block import make_block
-from rockcli.solvers.calculix.case import Refused, breakpoints, ground, prepare
+from rockcli.solvers.calculix.case import Refused, breakpoints, prepare
 from rockcli.solvers.calculix.mesh import make_mesh
+from rockcli.solvers.common.ground import ground_of_case
 
 
 def test_bricks_fill_the_body_and_are_not_inside_out():
@@ -67,7 +68,7 @@ def test_amplitudes_have_opposite_signs_of_the_ground():
 def test_jumps_have_a_time_on_each_side():
     batch = mesh_batch(pulse("rectangular", 2.0, np.pi, duration=3.0))  # T_p = 2 s: on for 1 s
     t = breakpoints(batch, 0, 3.0, 0.01)
-    a, _ = ground(batch, 0, t)
+    a, _ = ground_of_case(batch, 0, t)
     jump = int(np.argmax(np.abs(np.diff(a))))
     assert t[jump] == pytest.approx(1.0, abs=1e-7)
     assert t[jump + 1] - t[jump] < 1e-7

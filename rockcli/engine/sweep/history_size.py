@@ -9,8 +9,8 @@ import numpy as np
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
-from rockcli.scene.constants import FREE_ROCKING
 from rockcli.scene.models import FLEXIBLE
+from rockcli.solvers.common.duration import durations_of
 from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import Study
 
@@ -78,13 +78,7 @@ def cases_at_a_time(study: Study, most: int) -> int:
 
 def _longest(batch: Batch) -> float:
     """Longest time [s] that the cases of a batch may be reported for."""
-    excitation = batch.excitation
-    end = np.zeros(batch.size)
-    for channel in (excitation.horizontal, excitation.vertical):
-        if channel is not None:
-            end = np.maximum(end, channel.end)
-    given = np.isfinite(excitation.duration)
-    return float(np.max(np.where(given, excitation.duration, end + FREE_ROCKING / batch.p.min(axis=1))))
+    return float(np.max(durations_of(batch).report))
 
 
 def _remedy(study: Study, size: Size) -> str:

@@ -76,6 +76,11 @@ class Landings:
     after: Array
     opened: float
 
+    @property
+    def rows(self) -> Array:
+        """Time, rate before and after of every impact, (j, 3)."""
+        return np.column_stack([self.t, self.before, self.after])
+
 
 def landings(t: Array, theta: Array, threshold: float) -> Landings:
     """Passages of theta (k,) through zero, one per excursion beyond +-threshold [rad].

@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
-from rockcli.scene.constants import FREE_ROCKING, REARM
-from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
+from rockcli.scene.constants import REARM
+from rockcli.scene.excitation import Pulses, Samples
 from rockcli.solvers.calculix.deck import Deck
 from rockcli.solvers.calculix.mesh import make_mesh
 from rockcli.solvers.calculix.verdict import Body
+from rockcli.solvers.common.duration import durations_of
+from rockcli.solvers.common.ground import ground_of_case
 
 Array = NDArray[np.float64]
 
@@ -97,17 +99,14 @@ def prepare(batch: Batch, i: int) -> Prepared:
         raise Refused("a winkler base needs a positive kw")
     period = period_of(batch, i)
     p, alpha = float(batch.p[i, 0]), float(block.alpha[i, 0])
-    end = max(0.0, *(_end(channel, i) for channel in (batch.excitation.horizontal, batch.excitation.vertical)))
-    duration = float(batch.excitation.duration[i])
-    given = bool(np.isfinite(duration))
-    stop = duration if given else end + FREE_ROCKING / p
+    lasts = durations_of(batch).of(i)
     dt = largest_step(batch, i)
     if dt * LEAST_STEPS > period:
         raise Refused(
             f"a step of {dt:.3g} s is too long for a body of clamped period {period:.3g} s: at most an eighth"
         )
-    t = breakpoints(batch, i, stop, dt)
-    a_g, a_v = ground(batch, i, t)
+    t = breakpoints(batch, i, lasts.report, dt)
+    a_g, a_v = ground_of_case(batch, i, t)
     deck = Deck(
         mesh=make_mesh(2.0 * h, 2.0 * b, column.across, elements_along(batch, i)),
         E=E,
@@ -118,13 +117,13 @@ def prepare(batch: Batch, i: int) -> Prepared:
         beta=zeta * period / np.pi,
         dissipation=_dissipation(batch, i),
         theta_0=float(batch.theta_0[i]),
-        t_stop=stop,
+        t_stop=lasts.report,
         dt=dt,
         t=t,
         a_g=a_g,
         a_v=a_v,
     )
-    body = Body(alpha=alpha, p=p, period=period, motion_end=min(end, stop))
+    body = Body(alpha=alpha, p=p, period=period, motion_end=lasts.motion)
     return Prepared(deck, body, REARM * alpha)
 
 
@@ -165,19 +164,3 @@ def breakpoints(batch: Batch, i: int, stop: float, dt: float) -> Array:
     t = np.unique(np.concatenate(times))
     t = t[(t >= 0.0) & (t <= stop)]
     return np.asarray(t[np.concatenate([[True], np.diff(t) > 0.1 * near])])
-
-
-def ground(batch: Batch, i: int, t: Array) -> tuple[Array, Array]:
-    """Horizontal and vertical ground acceleration at times t (k,) [s]: (k,) [m/s^2], zero after the duration."""
-    duration = float(batch.excitation.duration[i])
-    channels = (batch.excitation.horizontal, batch.excitation.vertical)
-    a_g, a_v = (acceleration(channel, t, i) for channel in channels)
-    if np.isfinite(duration):
-        a_g, a_v = (np.where(t > duration, 0.0, a) for a in (a_g, a_v))
-    return a_g, a_v
-
-
-def _end(channel: Channel | None, i: int) -> float:
-    if channel is None:
-        return 0.0
-    return float(channel.end if isinstance(channel, Samples) else channel.end[i])

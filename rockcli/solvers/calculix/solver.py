@@ -12,30 +12,18 @@ from numpy.typing import NDArray
 
 from rockcli.kernels.constants import FALLS, UNDECIDED
 from rockcli.scene.batch import Batch
-from rockcli.scene.response import (
-    FAILED,
-    MAX_IMPACTS_STORED,
-    NO_UPLIFT,
-    OVERTURNED_AFTER_IMPACT,
-    OVERTURNED_WITHOUT_IMPACT,
-    ROCKING,
-    UNRESOLVED,
-    Response,
-)
+from rockcli.scene.response import UNRESOLVED, Response
 from rockcli.scene.variables import COUNTS
 from rockcli.solvers.calculix.body import Landings, Motion, landings, motion_of
-from rockcli.solvers.calculix.case import Prepared, Refused, ground, prepare
+from rockcli.solvers.calculix.case import Prepared, Refused, prepare
 from rockcli.solvers.calculix.folder import solve_deck
 from rockcli.solvers.calculix.run import program
 from rockcli.solvers.calculix.verdict import fallen, judge
+from rockcli.solvers.common.certainty import NO_ANSWER
+from rockcli.solvers.common.found import Found, impacts_of, note_unstored
+from rockcli.solvers.common.ground import ground_of_case
 
 Array = NDArray[np.float64]
-
-KNOWN = (
-    "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn", "t_end",
-    "N_min_over_mg", "wall_time",
-)  # fmt: skip
-"""Scalars in floating point this backend knows; the others stay NaN."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +45,8 @@ def solve(batch: Batch) -> Response:
     """
     program()
     n = batch.size
-    scalars: dict[str, NDArray[Any]] = {name: np.full(n, np.nan) for name in KNOWN}
-    scalars |= {name: np.full(n, -1, dtype=np.int64) for name in COUNTS}
-    scalars["outcome"] = np.full(n, FAILED, dtype=np.int8)
+    counted: dict[str, NDArray[Any]] = {name: np.full(n, -1, dtype=np.int64) for name in COUNTS}
+    wall_time = np.full(n, np.nan)
     reasons = [""] * n
     solved: list[_Solved | None] = [None] * n
     for i in range(n):
@@ -71,63 +58,69 @@ def solve(batch: Batch) -> Response:
             continue
         result = solve_deck(prepared.deck, partial(fallen, prepared.body))
         reasons[i] = result.complaint
-        scalars["n_steps"][i], scalars["n_rhs"][i] = result.increments, result.iterations
+        counted["n_steps"][i], counted["n_rhs"][i] = result.increments, result.iterations
         if not result.complaint:
             motion = motion_of(prepared.deck, result.t, result.u)
             solved[i] = _Solved(prepared, motion, landings(motion.t, motion.theta, prepared.threshold))
-            reasons[i] = _report(batch, i, solved[i], scalars)
-        scalars["wall_time"][i] = time.perf_counter() - began
+        wall_time[i] = time.perf_counter() - began
+    scalars = counted | _scalars(batch, solved, reasons) | {"wall_time": wall_time}
     used = _used(batch)
     if not batch.save.histories:
         return Response(scalars=scalars, reasons=reasons, used=used)
-    histories, impacts, t = _histories(batch, solved)
+    histories, t = _histories(batch, solved)
+    none = np.empty((0, 3))
+    impacts = impacts_of([none if case is None else case.landings.rows for case in solved])
     return Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
 
 
-def _report(batch: Batch, i: int, case: _Solved | None, scalars: dict[str, NDArray[Any]]) -> str:
-    """Write the scalars of a solved case; return what there is to say."""
-    assert case is not None
-    motion, found, prepared = case.motion, case.landings, case.prepared
-    alpha = prepared.body.alpha
-    verdict = judge(prepared.body, motion.t, motion.theta)
-    moved = bool(np.isfinite(found.opened))
-    count = len(found.t)
-    peak = int(np.argmax(np.abs(motion.theta)))
-    if verdict == FALLS:
-        outcome = OVERTURNED_AFTER_IMPACT if count else OVERTURNED_WITHOUT_IMPACT
-    elif verdict == UNDECIDED and moved:
-        outcome = UNRESOLVED
-    else:
-        outcome = ROCKING if moved else NO_UPLIFT
-    fell, unknown = verdict == FALLS, outcome == UNRESOLVED
-    size = np.inf if fell else float(abs(motion.theta[peak])) if moved else 0.0
-    side = float(np.sign(motion.theta[peak]))
-    t_overturn = _last_passage(motion, alpha) if fell else np.nan
-    standing = motion.t <= (t_overturn if np.isfinite(t_overturn) else np.inf)
-    values = {
-        "theta_peak": np.nan if unknown else side * size if size else 0.0,
-        "theta_peak_over_alpha": np.nan if unknown else size / alpha,
-        "theta_dot_peak": np.nan if unknown else np.inf if fell else float(np.max(np.abs(_rate(motion)))),
-        "u_top_peak": np.nan if unknown else np.inf if fell else float(np.max(np.abs(motion.u_top))),
-        "t_peak": np.nan if fell or unknown or not moved else float(motion.t[peak]),
-        "t_uplift": found.opened,
-        "t_overturn": t_overturn,
-        "t_end": float(motion.t[-1]),
-        "N_min_over_mg": float(motion.N[standing].min()) / (prepared.deck.mass * prepared.deck.g),
-    }
-    for name, value in values.items():
-        scalars[name][i] = value
-    scalars["outcome"][i] = outcome
-    scalars["n_impacts"][i] = count
-    said = []
-    if unknown:
-        said.append(
-            f"at t = {motion.t[-1]:.6g} s theta/alpha = {motion.theta[-1] / alpha:.3g} and its rate leave open "
+def _scalars(batch: Batch, solved: list[_Solved | None], reasons: list[str]) -> dict[str, NDArray[Any]]:
+    """Scalars by name but for those of the run itself, NaN where a case is not solved; completes the sentences."""
+    n = batch.size
+    verdict, n_impacts = np.full(n, NO_ANSWER), np.full(n, -1, dtype=np.int64)
+    names = ("peak", "rate", "top", "t_peak", "t_uplift", "t_overturn", "t_end", "N_min")
+    read = {name: np.full(n, np.nan) for name in names}
+    side = np.zeros(n)
+    for i, case in enumerate(solved):
+        if case is None:
+            continue
+        motion, deck = case.motion, case.prepared.deck
+        verdict[i], n_impacts[i] = judge(case.prepared.body, motion.t, motion.theta), len(case.landings.t)
+        at = int(np.argmax(np.abs(motion.theta)))
+        t_overturn = _last_passage(motion, case.prepared.body.alpha)
+        standing = motion.t <= (t_overturn if verdict[i] == FALLS and np.isfinite(t_overturn) else np.inf)
+        side[i] = np.sign(motion.theta[at])
+        values = (
+            abs(motion.theta[at]), np.max(np.abs(_rate(motion))), np.max(np.abs(motion.u_top)), motion.t[at],
+            case.landings.opened, t_overturn, motion.t[-1], motion.N[standing].min() / (deck.mass * deck.g),
+        )  # fmt: skip
+        for name, value in zip(names, values, strict=True):
+            read[name][i] = value
+    moved = np.isfinite(read["t_uplift"])
+    found = Found(
+        moved=moved,
+        fell=verdict == FALLS,
+        undecided=(verdict == UNDECIDED) & moved,
+        failed=verdict == NO_ANSWER,
+        n_impacts=n_impacts,
+        peak=np.where(moved, read["peak"], 0.0),
+        side=side,
+        rate=read["rate"],
+        top=read["top"],
+        t_peak=read["t_peak"],
+        t_uplift=read["t_uplift"],
+        t_overturn=read["t_overturn"],
+        t_end=read["t_end"],
+    )
+    for which in np.flatnonzero(found.outcome == UNRESOLVED):
+        case = solved[which]
+        assert case is not None
+        t, ratio = case.motion.t[-1], case.motion.theta[-1] / case.prepared.body.alpha
+        reasons[which] = (
+            f"at t = {t:.6g} s theta/alpha = {ratio:.3g} and its rate leave open "
             "whether it overturns: give a longer duration"
         )
-    if count > MAX_IMPACTS_STORED:
-        said.append(f"of its impacts the first {MAX_IMPACTS_STORED} are stored")
-    return "; ".join(said)
+    note_unstored(batch, n_impacts, reasons)
+    return found.scalars(batch) | {"N_min_over_mg": read["N_min"]}
 
 
 def _rate(motion: Motion) -> Array:
@@ -145,24 +138,19 @@ def _last_passage(motion: Motion, alpha: float) -> float:
     return float(motion.t[i] - beyond[i] * (motion.t[i + 1] - motion.t[i]) / (beyond[i + 1] - beyond[i]))
 
 
-def _histories(batch: Batch, solved: list[_Solved | None]) -> tuple[dict[str, Array], dict[str, Array], Array]:
-    """Histories (n, k), linear between increments, impacts (n, j), and output times (k,) [s]; NaN after the end."""
+def _histories(batch: Batch, solved: list[_Solved | None]) -> tuple[dict[str, Array], Array]:
+    """Histories (n, k), linear between increments, and output times (k,) [s]; NaN after the end."""
     dt_out = batch.save.dt_out
     stop = max((case.motion.t[-1] for case in solved if case is not None), default=0.0)
     t = np.arange(int(np.floor(stop / dt_out * (1.0 + 1e-9))) + 1, dtype=np.float64) * dt_out
     names = ("theta", "theta_dot", "a_g", "a_v", "u_top", "v_top", "M_base", "u_top_bending")
     histories = {name: np.full((batch.size, len(t)), np.nan) for name in names}
-    stored = min(max((len(case.landings.t) for case in solved if case is not None), default=0), MAX_IMPACTS_STORED)
-    impacts = {
-        name: np.full((batch.size, stored), np.nan) for name in ("t_impact", "theta_dot_before", "theta_dot_after")
-    }
     for i, case in enumerate(solved):
         if case is None:
             continue
-        motion, found = case.motion, case.landings
+        motion = case.motion
         live = t <= motion.t[-1] * (1.0 + 1e-9)
         mass = batch.block.mass[i]
-        shaken = ground(batch, i, t[live])
         rows = {
             "theta": motion.theta,
             "theta_dot": _rate(motion),
@@ -173,11 +161,8 @@ def _histories(batch: Batch, solved: list[_Solved | None]) -> tuple[dict[str, Ar
         }
         for name, values in rows.items():
             histories[name][i, live] = np.interp(t[live], motion.t, values)
-        histories["a_g"][i, live], histories["a_v"][i, live] = shaken
-        k = min(len(found.t), stored)
-        for name, values in zip(impacts, (found.t, found.before, found.after), strict=True):
-            impacts[name][i, :k] = values[:k]
-    return histories, impacts, t
+        histories["a_g"][i, live], histories["a_v"][i, live] = ground_of_case(batch, i, t[live])
+    return histories, t
 
 
 def _used(batch: Batch) -> dict[str, str]:

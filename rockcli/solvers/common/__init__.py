@@ -1,1 +1,1 @@
-"""What several solvers need: certainty of outcomes, time steps, other programs."""
+"""What solvers share: certainty, duration, the ground at output times, scalars of what was found, other programs."""

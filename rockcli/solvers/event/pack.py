@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.constants import FREE_ROCKING
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples
 from rockcli.scene.models import MODELS, Law
+from rockcli.solvers.common.duration import durations_of
 
 Array = NDArray[np.float64]
 
@@ -29,14 +29,10 @@ def parameters_of(batch: Batch) -> Array:
         p**2, block.alpha, law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star,
         _slope(law, model.linear), batch.damping.eta, _damper(batch), block.R,
     )  # fmt: skip
-    end = _motion_end(batch)
-    duration = batch.excitation.duration
-    given = np.isfinite(duration)
-    end = np.where(given, np.minimum(end, duration), end)
-    stop = np.where(given, duration, end + FREE_ROCKING / p.min(axis=1))
+    lasts = durations_of(batch)
     columns = (
         batch.g, *(x[:, LEFT] for x in edges), *(x[:, RIGHT] for x in edges), batch.theta_0, batch.theta_dot_0,
-        end, stop, given,
+        lasts.motion, lasts.report, lasts.given,
         _factor(batch.excitation.horizontal, batch.size), _factor(batch.excitation.vertical, batch.size),
     )  # fmt: skip
     rows = np.empty((batch.size, len(columns)))
@@ -61,15 +57,6 @@ def _slope(law: Law, linear: bool) -> Array:
         return -law.rs
     q = np.where(np.isfinite(law.q_star), law.q_star, 0.0)
     return np.asarray(law.rc * np.sin(q) - law.rs * np.cos(q))
-
-
-def _motion_end(batch: Batch) -> Array:
-    """Time the last component of the ground motion ends, (n,) [s]."""
-    end = np.zeros(batch.size)
-    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
-        if channel is not None:
-            end = np.maximum(end, channel.end)
-    return end
 
 
 def _factor(channel: Channel | None, n: int) -> Array:

@@ -15,10 +15,13 @@ from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest, slides_only
-from rockcli.scene.excitation import Channel, acceleration
+from rockcli.scene.excitation import Channel
 from rockcli.scene.models import MODELS
 from rockcli.scene.response import FAILED, NO_UPLIFT, SLIDING, UNRESOLVED, Response
 from rockcli.scene.variables import SCALARS_ASYMMETRIC
+from rockcli.solvers.common.duration import output_times
+from rockcli.solvers.common.found import counts
+from rockcli.solvers.common.ground import ground_history
 from rockcli.solvers.event.pack import channel_of, parameters_of
 
 Array = NDArray[np.float64]
@@ -99,7 +102,7 @@ def _solved(batch: Batch, rows: NDArray[np.intp], max_steps: int, *, histories: 
     every = parameters_of(batch)
     columns = [at.T_MOTION, at.T_STOP, at.HAS_DURATION, at.FACTOR_H, at.FACTOR_V]
     pars: Any = np.column_stack([batch.block.mu, batch.g, every[:, columns]])[rows]
-    n_time = int(np.floor(every[rows, at.T_STOP].max() / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
+    n_time = output_times(batch.save.dt_out, every[rows, at.T_STOP].max()) if histories else 0
     found = Slid(rows, np.zeros((len(rows), to.SLIDE_OUT)), *(np.full((len(rows), n_time), np.nan) for _ in range(3)))
     arrays = [found.u, found.rate, found.way, found.out]
     outputs: list[Any] = arrays
@@ -148,8 +151,8 @@ def _scalars(batch: Batch, slid: Slid) -> dict[str, Any]:
         "t_end": np.where(failed, np.nan, out[:, to.T_END]),
         "mu_required": np.where(failed, np.nan, np.where(flew, np.inf, needed)),
         "N_min_over_mg": np.where(failed, np.nan, np.where(flew, np.minimum(out[:, to.N_MIN], 0.0), out[:, to.N_MIN])),
-        "n_steps": np.rint(out[:, to.N_STEPS]).astype(np.int64),
-        "n_rhs": np.rint(out[:, to.N_STEPS]).astype(np.int64),  # a step is one expansion
+        "n_steps": counts(out[:, to.N_STEPS]),
+        "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion
     }
 
 
@@ -170,11 +173,7 @@ def _histories(batch: Batch, slid: Slid) -> dict[str, Array]:
     rows, u, way = slid.rows, slid.u, slid.way
     t = np.arange(u.shape[1], dtype=np.float64) * np.float64(batch.save.dt_out)
     live = np.isfinite(u)
-    duration = batch.excitation.duration[rows, None]
-    a_g, a_v = (
-        np.where(t > duration, 0.0, np.array([acceleration(channel, t, int(i)) for i in rows]))
-        for channel in (batch.excitation.horizontal, batch.excitation.vertical)
-    )
+    a_g, a_v = ground_history(batch, t, live, rows)
     mu, g, h = batch.block.mu[rows, None], batch.g[rows, None], batch.block.h[rows, None]
     mass = np.where(np.isfinite(batch.block.mass), batch.block.mass, 1.0)[rows, None]
     friction = np.where(way == 0.0, a_g, -way * mu * (g + a_v))  # on the body, per unit mass

@@ -34,6 +34,7 @@ from rockcli.solvers.common.certainty import (
     judge,
     nudged,
 )
+from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
 from rockcli.solvers.event.pack import channel_of, parameters_of
@@ -202,8 +203,7 @@ def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, 
     n = batch.size
     n_time = 0
     if histories:
-        stop = parameters[:, at.T_STOP].max()
-        n_time = int(np.floor(stop / batch.save.dt_out * (1.0 + 1e-12))) + 1
+        n_time = output_times(batch.save.dt_out, parameters[:, at.T_STOP].max())
     run = Raw(n, n_time, MAX_IMPACTS_STORED if histories else 0)
     _march_rows(march, batch, np.ascontiguousarray(parameters), level, run, _detail(march, batch, histories))
     return run

@@ -11,18 +11,11 @@ from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.excitation import acceleration
 from rockcli.scene.models import MODELS
-from rockcli.scene.response import (
-    FAILED,
-    MAX_IMPACTS_STORED,
-    NO_UPLIFT,
-    OVERTURNED_AFTER_IMPACT,
-    OVERTURNED_WITHOUT_IMPACT,
-    ROCKING,
-    UNRESOLVED,
-)
+from rockcli.scene.response import NO_UPLIFT, UNRESOLVED
 from rockcli.solvers.common.certainty import withdraw
+from rockcli.solvers.common.found import IMPACTS, Found, counts, note_unstored, rigid_top
+from rockcli.solvers.common.ground import ground_history
 
 Array = NDArray[np.float64]
 
@@ -46,53 +39,43 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
     """Scalars by name and a sentence per case from the raw output."""
     out = run.out
     status, verdict = out[:, to.STATUS], out[:, to.FELL]
-    moved = np.isfinite(out[:, to.T_UPLIFT])
-    fell = verdict == FALLS
-    impacts = np.rint(out[:, to.N_IMPACTS]).astype(np.int64)
-    outcome = np.where(moved, ROCKING, NO_UPLIFT)
-    outcome = np.where(fell & (impacts == 0), OVERTURNED_WITHOUT_IMPACT, outcome)
-    outcome = np.where(fell & (impacts > 0), OVERTURNED_AFTER_IMPACT, outcome)
-    outcome = np.where(verdict == UNDECIDED, UNRESOLVED, outcome)
-    outcome = np.where(status != DONE, FAILED, outcome)
-
-    unknown = outcome < 0
-    side = out[:, to.PEAK_SIDE]
-    peak = np.where(unknown, np.nan, np.where(fell, np.inf, out[:, to.PEAK]))
-    stands = np.where(fell | ~moved | unknown, np.nan, out[:, to.T_PEAK])
-    top = batch.block.top * np.sin(np.minimum(out[:, to.PEAK], 0.5 * np.pi))
-    failed = outcome == FAILED
-
-    def known(values: Array, missing: NDArray[np.bool_] = failed) -> Array:
-        return np.where(missing, np.nan, values)
-
-    left, right, ratio = _by_side(batch, out, peak)
-    mu_required, N_min = _standing_extremes(out, fell)
-    unseen = failed | ~np.isfinite(out[:, to.N_MIN])  # forces and rates were not asked for
+    found = Found(
+        moved=np.isfinite(out[:, to.T_UPLIFT]),
+        fell=verdict == FALLS,
+        undecided=verdict == UNDECIDED,
+        failed=status != DONE,
+        n_impacts=counts(out[:, to.N_IMPACTS]),
+        peak=out[:, to.PEAK],
+        side=out[:, to.PEAK_SIDE],
+        rate=out[:, to.RATE_PEAK],
+        top=rigid_top(batch, out[:, to.PEAK]),
+        t_peak=out[:, to.T_PEAK],
+        t_uplift=out[:, to.T_UPLIFT],
+        t_overturn=out[:, to.T_OVERTURN],
+        t_end=out[:, to.T_END],
+    )
+    left, right, ratio = _by_side(batch, out, found.largest(out[:, to.PEAK]))
+    mu_required, N_min = _standing_extremes(out, found.fell)
+    unseen = found.failed | ~np.isfinite(out[:, to.N_MIN])  # forces and rates were not asked for
     asked, nothing = batch.save.scalars, np.full(batch.size, np.nan)
     friction = "mu_impact" in asked or bool(np.isfinite(batch.block.mu).any())
     onto = out[:, to.ONTO_LEFT] > 0, out[:, to.ONTO_RIGHT] > 0
 
-    scalars: dict[str, NDArray[Any]] = {
-        "outcome": outcome.astype(np.int8),
-        "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, side)),
+    def seen(values: Array) -> Array:
+        return np.where(unseen, np.nan, values)
+
+    scalars = found.scalars(batch)
+    scalars |= {
         "theta_peak_left": left,
         "theta_peak_right": right,
         "theta_peak_over_alpha": ratio,
-        "theta_dot_peak": known(np.where(fell, np.inf, out[:, to.RATE_PEAK]), unknown | unseen),
-        "u_top_peak": known(np.where(fell, np.inf, top), unknown),
-        "t_peak": stands,
-        "t_uplift": known(out[:, to.T_UPLIFT]),
-        "t_overturn": np.where(fell & ~failed, out[:, to.T_OVERTURN], np.nan),
-        "t_end": known(out[:, to.T_END]),
-        "n_impacts": impacts,
-        "mu_required": known(mu_required, unseen),
-        "mu_impact": known(_impact_friction(batch, *onto)) if friction else nothing,
-        "N_min_over_mg": known(N_min, unseen),
-        "energy_residual": known(_over(out[:, to.ENERGY], _barrier(batch)), unseen)
-        if "energy_residual" in asked
-        else nothing,
-        "n_steps": np.rint(out[:, to.N_STEPS]).astype(np.int64),
-        "n_rhs": np.rint(out[:, to.N_STEPS]).astype(np.int64),  # a step is one expansion
+        "theta_dot_peak": seen(scalars["theta_dot_peak"]),
+        "mu_required": seen(mu_required),
+        "mu_impact": found.unless_failed(_impact_friction(batch, *onto)) if friction else nothing,
+        "N_min_over_mg": seen(N_min),
+        "energy_residual": seen(_over(out[:, to.ENERGY], _barrier(batch))) if "energy_residual" in asked else nothing,
+        "n_steps": counts(out[:, to.N_STEPS]),
+        "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion
     }
     return scalars, _reasons(batch, scalars, out)
 
@@ -164,8 +147,7 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
     # with a mu the question is what the body does; without, it cannot slide, and lifting is a remark
     refused = (slides | (lifts & np.isfinite(mu))) & (outcome >= NO_UPLIFT)
     withdraw(scalars, refused)
-    many = scalars["n_impacts"] > MAX_IMPACTS_STORED if batch.save.histories else np.zeros(batch.size, bool)
-    for i in np.flatnonzero((outcome < 0) | slides | lifts | many):
+    for i in np.flatnonzero((outcome < 0) | slides | lifts):
         said = []
         if status[i] == OUT_OF_STEPS:
             said.append(f"gave up after {scalars['n_steps'][i]} steps at t = {out[i, to.T_END]:.6g} s")
@@ -178,9 +160,8 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
             said.append(f"needs mu = {needs[i]:.3g}: it would slide {words}, which is not simulated")
         if lifts[i]:
             said.append("the normal force vanishes: the body would leave the ground, which is not simulated")
-        if many[i]:
-            said.append(f"of its impacts the first {MAX_IMPACTS_STORED} are stored")
         reasons[i] = "; ".join(said)
+    note_unstored(batch, scalars["n_impacts"], reasons)
     return reasons
 
 
@@ -190,15 +171,7 @@ def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Ar
     n_time = int(np.flatnonzero(written)[-1]) + 1 if written.any() else 1
     theta, rate = run.theta[:, :n_time], run.rate[:, :n_time]
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
-    live = np.isfinite(theta)
-    shaken = np.empty((2, batch.size, n_time))
-    for j, channel in enumerate((batch.excitation.horizontal, batch.excitation.vertical)):
-        for i in range(batch.size):
-            shaken[j, i] = acceleration(channel, t, i)
-    duration = batch.excitation.duration[:, None]
-    with np.errstate(invalid="ignore"):
-        shaken[:, np.broadcast_to(t, theta.shape) > duration] = 0.0
-    a_g, a_v = (np.where(live, a, np.nan) for a in shaken)
+    a_g, a_v = ground_history(batch, t, np.isfinite(theta))
 
     block, q = batch.block, np.abs(theta)
     top = block.top[:, None]
@@ -213,12 +186,8 @@ def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Ar
     }
     stored = np.isfinite(run.t_impact).any(axis=0)
     n_impacts = int(stored.sum())
-    impacts = {
-        "t_impact": run.t_impact[:, :n_impacts],
-        "theta_dot_before": run.before[:, :n_impacts],
-        "theta_dot_after": run.after[:, :n_impacts],
-    }
-    return histories, impacts, t
+    impacts = [values[:, :n_impacts] for values in (run.t_impact, run.before, run.after)]
+    return histories, dict(zip(IMPACTS, impacts, strict=True)), t
 
 
 def _base_moment(batch: Batch, theta: Array, q: Array, a_g: Array, a_v: Array) -> Array:

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from rockcli import kernels
 from rockcli.kernels.column import layout as at
 from rockcli.scene.batch import Batch
-from rockcli.scene.constants import FREE_ROCKING, REARM
+from rockcli.scene.constants import REARM
 from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
+from rockcli.solvers.common.duration import durations_of, output_times
 from rockcli.solvers.event.pack import channel_of
 from rockcli.solvers.flexible.column import Prepared, RefusedError, first_state, key_of, prepare
 from rockcli.solvers.flexible.unpack import Raw, histories_of, scalars_of
@@ -117,9 +118,7 @@ def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved:
     block, excitation = batch.block, batch.excitation
     channels = (excitation.horizontal, excitation.vertical)
     p = float(batch.p[i, 0])
-    end = max([0.0, *(_end(channel, i) for channel in channels)])
-    duration = float(excitation.duration[i])
-    given = bool(np.isfinite(duration))
+    lasts = durations_of(batch).of(i)
     h_free = fineness * ROCKING_STEP / p
     steps = [h_free]
     for channel in channels:
@@ -147,9 +146,9 @@ def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved:
         at.THETA_STAR: column.theta_star,
         at.H_MAX: h,
         at.H_FREE: h_free,
-        at.T_MOTION: min(end, duration) if given else end,
-        at.T_STOP: duration if given else end + FREE_ROCKING / p,
-        at.HAS_DURATION: float(given),
+        at.T_MOTION: lasts.motion,
+        at.T_STOP: lasts.report,
+        at.HAS_DURATION: float(lasts.given),
         at.FACTOR_H: _factor(excitation.horizontal, i),
         at.FACTOR_V: _factor(excitation.vertical, i),
         at.R_A: column.modes.r_a,
@@ -162,12 +161,6 @@ def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved:
     for place, value in values.items():
         par[place] = value
     return par
-
-
-def _end(channel: Channel | None, i: int) -> float:
-    if channel is None:
-        return 0.0
-    return float(channel.end if isinstance(channel, Samples) else channel.end[i])
 
 
 def _factor(channel: Channel | None, i: int) -> float:
@@ -183,7 +176,7 @@ def _march(
     n_time = 0
     if histories:
         stop = max([0.0, *(float(par[at.T_STOP]) for par in parameters if par is not None)])
-        n_time = int(np.floor(stop / batch.save.dt_out * (1.0 + 1e-12))) + 1
+        n_time = output_times(batch.save.dt_out, stop)
     run = Raw(n, n_time, MAX_IMPACTS_STORED if histories else 0)
     horizontal = channel_of(batch.excitation.horizontal, n)
     vertical = channel_of(batch.excitation.vertical, n)

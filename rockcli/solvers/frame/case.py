@@ -13,10 +13,11 @@ from rockcli.kernels.constants import FAST
 from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.constants import ALPHA_D, FREE_ROCKING, REARM, STEP, YIELD_ROTATION
+from rockcli.scene.constants import ALPHA_D, REARM, STEP, YIELD_ROTATION
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import Channel, Pulses, acceleration
 from rockcli.scene.models import MODELS
+from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.stepping import check_step
 from rockcli.solvers.frame.base import fibres_of, kind_of_base
 from rockcli.solvers.frame.structure import Structure, structure_of
@@ -86,7 +87,7 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     corotational = numerics.method != "linear"
     if gravity and not corotational:
         raise SolverError("method linear has no P-Delta: it needs geometry: negative_stiffness and a rigid base")
-    end, stop, own = _times(batch, case, p)
+    end, stop, own = durations_of(batch).of(case)
     if coarser == 1.0:
         check_step(batch, case, dt, stop)
     damping = batch.damping
@@ -167,20 +168,6 @@ def lift(par: Array, fibres: Array, theta: float) -> float:
     if not len(fibres):
         return 0.0
     return float(fibres[:, 0].max() * abs(theta) - 2.0 * par[at.WEIGHT] / fibres[:, 1].min())
-
-
-def _times(batch: Batch, case: int, p: float) -> tuple[float, float, bool]:
-    """End of the motion, end of the report [s], and whether the study gives the latter."""
-    end = 0.0
-    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
-        if isinstance(channel, Pulses):
-            end = max(end, float(channel.end[case]))
-        elif channel is not None:
-            end = max(end, channel.end)
-    duration = float(batch.excitation.duration[case])
-    if np.isfinite(duration):
-        return min(end, duration), duration, True
-    return end, end + FREE_ROCKING / p, False
 
 
 def _sampled(channel: Channel | None, t: Array, end: float, case: int) -> Array:

@@ -15,6 +15,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.constants import COARSER, METHODS
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import CERTAINTY, compare_steps
+from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.frame.case import Kernels, case_of
 from rockcli.solvers.frame.results import histories_of, scalars_of
 
@@ -73,7 +74,7 @@ def run(batch: Batch, *, histories: bool, coarser: float = 1.0) -> Runs:
     for i in range(batch.size):
         case = case_of(batch, i, kernel, coarser=coarser)
         N = len(case.u)
-        rows = int(np.floor(case.par[at.T_STOP] / batch.save.dt_out * (1.0 + 1e-12))) + 1 if histories else 0
+        rows = output_times(batch.save.dt_out, case.par[at.T_STOP]) if histories else 0
         history = np.full((rows, at.N_HISTORY), np.nan)
         impacts = np.full((MAX_IMPACTS_STORED if histories else 0, 3), np.nan)
         kernel.frame.run(

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.constants import FREE_ROCKING
 from rockcli.scene.excitation import LINEAR, WAVES, Channel, Pulses, Samples
+from rockcli.solvers.common.duration import durations_of
 
 Array = NDArray[np.float64]
 Law = Callable[[float], float]
@@ -84,11 +84,7 @@ def ground_of(batch: Batch, case: int) -> Ground:
     """The motion of one case of a batch."""
     motion = batch.excitation
     channels = (motion.horizontal, motion.vertical)
-    end = max((_end(c, case) for c in channels if c is not None), default=0.0)
-    duration = float(motion.duration[case])
-    given = math.isfinite(duration)
-    end = min(end, duration) if given else end
-    stop = duration if given else end + FREE_ROCKING / float(batch.p[case].min())
+    end, stop, given = durations_of(batch).of(case)
     dt = min((c.dt for c in channels if isinstance(c, Samples)), default=math.inf)
     periods = (2.0 * math.pi / float(c.omega_p[case]) for c in channels if isinstance(c, Pulses))
     detail = min(dt, 0.25 * min(periods, default=math.inf))

@@ -14,18 +14,10 @@ from rockcli.errors import SolverError
 from rockcli.kernels.constants import FALLS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.response import (
-    FAILED,
-    MAX_IMPACTS_STORED,
-    NO_UPLIFT,
-    OVERTURNED_AFTER_IMPACT,
-    OVERTURNED_WITHOUT_IMPACT,
-    ROCKING,
-    UNRESOLVED,
-    Response,
-    overturned,
-)
+from rockcli.scene.response import Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
+from rockcli.solvers.common.duration import output_times
+from rockcli.solvers.common.found import Found, note_unstored, rigid_top
 from rockcli.solvers.general import naive
 from rockcli.solvers.general.body import body_of
 from rockcli.solvers.general.diary import Diary
@@ -86,6 +78,7 @@ def solve(batch: Batch) -> Response:
             columns[name].append(value)
         began = now
     scalars = _scalars(batch, diaries)
+    note_unstored(batch, scalars["n_impacts"], reasons)
     scalars["wall_time"] = np.array(columns["wall_time"])
     scalars |= {name: np.array(columns[name], dtype=np.int64) for name in ("n_steps", "n_rhs")}
     if batch.save.scalars & CERTAINTY:
@@ -139,7 +132,7 @@ def _judged(batch: Batch, settings: Settings, scalars: dict[str, NDArray[Any]]) 
 def _solve_one(batch: Batch, i: int, how: Settings, *, histories: bool) -> tuple[Diary, Walker]:
     """The diary of one case, and who counted the work."""
     body, ground = body_of(batch, i), ground_of(batch, i)
-    n_time = math.floor(ground.t_stop / batch.save.dt_out * (1.0 + 1e-12)) + 1 if histories else 0
+    n_time = output_times(batch.save.dt_out, ground.t_stop) if histories else 0
     diary = Diary(body, batch.save.dt_out, np.full(n_time, np.nan), np.full(n_time, np.nan))
     margin = max(2e-14, 10.0 * how.rtol)
     theta, rate = float(batch.theta_0[i]), float(batch.theta_dot_0[i])
@@ -168,55 +161,40 @@ def _reason(batch: Batch, i: int, diary: Diary) -> str:
         said.append("on the separatrix within the tolerance: whether it overturns cannot be told")
     if np.isfinite(batch.block.mu[i]):
         said.append("mu is given, but the backend scipy does not find out the friction needed")
-    if batch.save.histories and diary.n_impacts > MAX_IMPACTS_STORED:
-        said.append(f"{diary.n_impacts} impacts, the first {MAX_IMPACTS_STORED} are stored")
     return "; ".join(said)
-
-
-def _outcome(diary: Diary) -> int:
-    if diary.failure:
-        return FAILED
-    if diary.verdict == UNDECIDED:
-        return UNRESOLVED
-    if diary.verdict == FALLS:
-        return OVERTURNED_AFTER_IMPACT if diary.n_impacts else OVERTURNED_WITHOUT_IMPACT
-    return NO_UPLIFT if math.isnan(diary.t_uplift) else ROCKING
 
 
 def _scalars(batch: Batch, diaries: list[Diary]) -> dict[str, NDArray[Any]]:
     """Scalars by name but for those of the run itself."""
-    outcome = np.array([_outcome(d) for d in diaries], dtype=np.int8)
-    failed, unknown, fell = outcome == FAILED, outcome < 0, overturned(outcome)
-    peak, rate = np.array([d.peak for d in diaries]), np.array([d.rate_peak for d in diaries])
-    side = np.array([d.side for d in diaries])
-    top = batch.block.top * np.sin(np.minimum(peak, 0.5 * np.pi))
-
-    def largest(values: Array) -> Array:
-        return np.where(unknown, np.nan, np.where(fell, np.inf, values))
-
-    def unless(missing: NDArray[np.bool_], name: str) -> Array:
-        return np.where(missing, np.nan, np.array([getattr(d, name) for d in diaries]))
-
-    peaks = largest(peak)
+    failed, verdict = np.array([bool(d.failure) for d in diaries]), np.array([d.verdict for d in diaries])
+    names = ("peak", "side", "rate_peak", "t_peak", "t_uplift", "t_overturn", "t_end")
+    peak, side, rate, t_peak, t_uplift, t_overturn, t_end = (
+        np.array([getattr(diary, name) for diary in diaries]) for name in names
+    )
+    found = Found(
+        moved=np.isfinite(t_uplift),
+        fell=~failed & (verdict == FALLS),
+        undecided=verdict == UNDECIDED,
+        failed=failed,
+        n_impacts=np.array([d.n_impacts for d in diaries], dtype=np.int64),
+        peak=peak,
+        side=side,
+        rate=rate,
+        top=rigid_top(batch, peak),
+        t_peak=t_peak,
+        t_uplift=t_uplift,
+        t_overturn=t_overturn,
+        t_end=t_end,
+    )
     sides = np.array([d.peaks for d in diaries]).reshape(-1, 2)
-    sides = np.where(unknown[:, None], np.nan, np.where(fell[:, None] & (side[:, None] == (-1.0, 1.0)), np.inf, sides))
+    sides = np.where(found.fell[:, None] & (side[:, None] == (-1.0, 1.0)), np.inf, sides)
+    sides = np.where(found.outcome[:, None] < 0, np.nan, sides)
     sided = np.where(batch.block.symmetric[:, None], np.nan, sides)
-    scalars: dict[str, NDArray[Any]] = {
-        "outcome": outcome,
-        "theta_peak": np.where(peaks == 0.0, 0.0, np.copysign(peaks, side)),
+    scalars = found.scalars(batch)
+    larger = np.max(sides / batch.block.alpha, axis=1)
+    return scalars | {
         "theta_peak_left": sided[:, LEFT],
         "theta_peak_right": sided[:, RIGHT],
-        "theta_peak_over_alpha": np.where(
-            batch.block.symmetric, peaks / batch.block.alpha[:, LEFT], np.max(sides / batch.block.alpha, axis=1)
-        ),
-        "theta_dot_peak": largest(rate),
-        "u_top_peak": largest(top),
-        "t_peak": unless(unknown | fell | (outcome == NO_UPLIFT), "t_peak"),
-        "t_uplift": unless(failed, "t_uplift"),
-        "t_overturn": unless(~fell, "t_overturn"),
-        "t_end": unless(failed, "t_end"),
-        "n_impacts": np.array([d.n_impacts for d in diaries], dtype=np.int64),
+        "theta_peak_over_alpha": np.where(batch.block.symmetric, scalars["theta_peak_over_alpha"], larger),
+        **{name: np.full(batch.size, np.nan) for name in NOT_COMPUTED},
     }
-    for name in NOT_COMPUTED:
-        scalars[name] = np.full(batch.size, np.nan)
-    return scalars

@@ -15,7 +15,6 @@ from rockcli.scene.constants import (
     DENSITY,
     ELEMENTS,
     FIBRES,
-    FREE_ROCKING,
     GREENHILL,
     REARM,
     RIGID,
@@ -24,6 +23,7 @@ from rockcli.scene.constants import (
 )
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import Channel, Samples, acceleration
+from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.stepping import check_step
 
 Array = NDArray[np.float64]
@@ -144,10 +144,7 @@ def case_of(batch: Batch, case: int, *, coarser: float = 1.0) -> CaseOfOpenSees:
     else:
         E = m / (2.0 * b * h) * g * h * h / (b * RIGID)
         stiff = f"Young's modulus of the column [Pa]: m g b bends it by about {RIGID:.0e} rad"
-    on_fibres, end = law == "fibres", _motion_end(batch, case)
-    duration = float(batch.excitation.duration[case])
-    given = bool(np.isfinite(duration))
-    stop = duration if given else end + FREE_ROCKING / p
+    on_fibres, (end, stop, given) = law == "fibres", durations_of(batch).of(case)
     if coarser == 1.0:
         check_step(batch, case, dt, stop)
     lines: list[Parameter] = [
@@ -179,7 +176,7 @@ def case_of(batch: Batch, case: int, *, coarser: float = 1.0) -> CaseOfOpenSees:
         ("DT", dt, "time step [s]"),
         ("FINE", FINE, "steps in place of one where the base closes"),
         ("TOLERANCE", numerics.rtol or TOLERANCE, "on the norm of displacement increments [m, rad]"),
-        ("T_MOTION", min(end, duration) if given else end, "end of the motion [s]"),
+        ("T_MOTION", end, "end of the motion [s]"),
         ("T_STOP", stop, "end of the report [s]"),
         ("STEPS", max(1, int(np.ceil(stop / dt * (1.0 - 1e-12)))), "of DT, up to there"),
         ("T_REST", 1e30 if given else REST / p, "still this long after the motion: at rest [s]"),
@@ -234,15 +231,6 @@ def _damping_lines(batch: Batch, case: int, mR2: float) -> list[Parameter]:
         alpha_d = ALPHA_D if damping.alpha_d is None else float(damping.alpha_d[case])
         lines.append(("alpha_d", alpha_d, "parameter of the HHT integrator"))
     return lines
-
-
-def _motion_end(batch: Batch, case: int) -> float:
-    """Time the last component of the ground motion ends [s]."""
-    ends = [0.0]
-    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
-        if channel is not None:
-            ends.append(float(channel.end if isinstance(channel, Samples) else channel.end[case]))
-    return max(ends)
 
 
 def _motion_text(channel: Channel | None, case: int, dt: float) -> tuple[str | None, float]:

@@ -10,18 +10,13 @@ from numpy.typing import NDArray
 from rockcli.kernels.constants import FALLS, FAST, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.excitation import acceleration
 from rockcli.scene.models import MODELS
-from rockcli.scene.response import (
-    FAILED,
-    MAX_IMPACTS_STORED,
-    NO_UPLIFT,
-    OVERTURNED_AFTER_IMPACT,
-    OVERTURNED_WITHOUT_IMPACT,
-    ROCKING,
-    UNRESOLVED,
-)
+from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
+from rockcli.solvers.common.certainty import NO_ANSWER
+from rockcli.solvers.common.duration import output_times
+from rockcli.solvers.common.found import Found, impacts_of, note_unstored, rigid_top
+from rockcli.solvers.common.ground import ground_of_case
 from rockcli.solvers.opensees.case import CaseOfOpenSees
 from rockcli.solvers.opensees.run import Answer
 
@@ -37,63 +32,45 @@ Outcome = tuple[CaseOfOpenSees, Answer] | str
 def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Scalars by name and a sentence per case; forces at the edge and energies are not computed (NaN)."""
     n = batch.size
-    scalars: dict[str, NDArray[Any]] = {name: np.full(n, np.nan) for name in SCALARS if name != "reason"}
-    scalars["outcome"] = np.full(n, FAILED, dtype=np.int8)
-    scalars |= {name: np.full(n, -1, dtype=np.int64) for name in ("n_impacts", "n_steps", "n_rhs")}
-    reasons = [""] * n
+    counted = {name: np.full(n, -1, dtype=np.int64) for name in ("n_impacts", "n_steps", "n_rhs")}
+    verdict, end = np.full(n, NO_ANSWER), np.zeros(n)
+    names = ("theta_peak", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn", "t_end")
+    said = {name: np.full(n, np.nan) for name in names}
     for i, outcome in enumerate(outcomes):
         if isinstance(outcome, str):
-            reasons[i] = outcome
             continue
-        values, reasons[i] = _scalars(batch, i, *outcome)
-        for name, value in values.items():
-            scalars[name][i] = value
-    return scalars, reasons
-
-
-def _scalars(batch: Batch, i: int, case: CaseOfOpenSees, answer: Answer) -> tuple[dict[str, Any], str]:
-    found, alpha = answer.summary, float(batch.block.alpha[i, LEFT])
-    fast = np.abs(answer.impacts[:, 1]) > FAST * float(batch.p[i, LEFT]) * alpha
-    impacts = int(fast.sum())
-    verdict = fate(batch, i, answer)
-    moved, fell = found["t_uplift"] is not None, verdict == FALLS
-    outcome = ROCKING if moved else NO_UPLIFT
-    if fell:
-        outcome = OVERTURNED_AFTER_IMPACT if impacts else OVERTURNED_WITHOUT_IMPACT
-    elif verdict == UNDECIDED:
-        outcome = UNRESOLVED
-    peak = found["theta_peak"] if moved else 0.0
-    side = np.sign(found["theta"] if fell else peak)
-
-    def known(value: float) -> float:
-        if outcome == UNRESOLVED:
-            return np.nan
-        return np.inf if fell else (value if moved else 0.0)
-
-    values = {
-        "outcome": outcome,
-        "theta_peak": side * known(abs(peak)) if moved else 0.0,
-        "theta_peak_over_alpha": known(abs(peak) / alpha),
-        "theta_dot_peak": known(found["theta_dot_peak"]),
-        "u_top_peak": known(
-            found["u_top_peak"]
-            if batch.model == "flexible"
-            else float(batch.block.top[i]) * np.sin(min(abs(peak), 0.5 * np.pi))
-        ),
-        "t_peak": found["t_peak"] if outcome == ROCKING else np.nan,
-        "t_uplift": found["t_uplift"] if moved else np.nan,
-        "t_overturn": _last_outward(answer.table, unstable(batch, i)) if fell else np.nan,
-        "t_end": found["t_end"],
-        "n_impacts": impacts,
-        "n_steps": found["steps"],
-        "n_rhs": found["iterations"],
-    }
-    reason = ""
-    if outcome == UNRESOLVED:
-        reason = "in the end its energy is about what overturning needs: whether it overturns is not told"
-    elif batch.save.histories and impacts > MAX_IMPACTS_STORED:
-        reason = f"of its impacts the first {MAX_IMPACTS_STORED} are stored"
-    return values, reason
+        answer = outcome[1]
+        verdict[i], end[i] = fate(batch, i, answer), answer.summary["theta"]
+        for name in names:
+            said[name][i] = answer.summary.get(name)  # null where there is none
+        if verdict[i] == FALLS:
+            said["t_overturn"][i] = _last_outward(answer.table, unstable(batch, i))
+        fast = FAST * float(batch.p[i, LEFT]) * float(batch.block.alpha[i, LEFT])
+        counted["n_impacts"][i] = np.count_nonzero(np.abs(answer.impacts[:, 1]) > fast)
+        counted["n_steps"][i], counted["n_rhs"][i] = answer.summary["steps"], answer.summary["iterations"]
+    moved = np.isfinite(said["t_uplift"])
+    peak, rate, top = (np.where(moved, said[name], 0.0) for name in ("theta_peak", "theta_dot_peak", "u_top_peak"))
+    found = Found(
+        moved=moved,
+        fell=verdict == FALLS,
+        undecided=verdict == UNDECIDED,
+        failed=verdict == NO_ANSWER,
+        n_impacts=counted["n_impacts"],
+        peak=np.abs(peak),
+        side=np.sign(np.where(verdict == FALLS, end, peak)),
+        rate=rate,
+        top=top if batch.model == "flexible" else rigid_top(batch, np.abs(peak)),
+        t_peak=said["t_peak"],
+        t_uplift=said["t_uplift"],
+        t_overturn=said["t_overturn"],
+        t_end=said["t_end"],
+    )
+    scalars: dict[str, NDArray[Any]] = {name: np.full(n, np.nan) for name in SCALARS if name != "reason"}
+    reasons = [outcome if isinstance(outcome, str) else "" for outcome in outcomes]
+    for which in np.flatnonzero(found.outcome == UNRESOLVED):
+        reasons[which] = "in the end its energy is about what overturning needs: whether it overturns is not told"
+    note_unstored(batch, found.n_impacts, reasons)
+    return scalars | counted | found.scalars(batch), reasons
 
 
 def unstable(batch: Batch, i: int) -> float:
@@ -158,25 +135,22 @@ def histories_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, Array
     """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
     answered = {i: outcome for i, outcome in enumerate(outcomes) if not isinstance(outcome, str)}
     ends = [float(answer.summary["t_end"]) for _, answer in answered.values()]
-    n_time = int(np.floor(max(ends, default=0.0) / batch.save.dt_out * (1.0 + 1e-12))) + 1
+    n_time = output_times(batch.save.dt_out, max(ends, default=0.0))
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
     names = ("theta", "theta_dot", "u_top", "v_top", "u_top_bending", "M_base")
     histories = {name: np.full((batch.size, n_time), np.nan) for name in ("a_g", "a_v", *names)}
-    most = max([0, *(len(answer.impacts) for _, answer in answered.values())])
-    impacts = np.full((3, batch.size, min(most, MAX_IMPACTS_STORED)), np.nan)
     for i, (case, answer) in answered.items():
         live = t <= float(answer.summary["t_end"]) * (1.0 + 1e-12)
         for name, values in zip(names, _at(answer.table, t[live]), strict=True):
             histories[name][i, live] = values
         if not np.isfinite(batch.block.mass[i]):
             histories["M_base"][i] /= case.number("m")
-        for name, channel in (("a_g", batch.excitation.horizontal), ("a_v", batch.excitation.vertical)):
-            histories[name][i, live] = acceleration(channel, t[live], i)
-        kept = answer.impacts[:MAX_IMPACTS_STORED]
-        impacts[:, i, : len(kept)] = kept.T
+        histories["a_g"][i, live], histories["a_v"][i, live] = ground_of_case(batch, i, t[live])
     if batch.model != "flexible":
         del histories["u_top_bending"]
-    return histories, dict(zip(("t_impact", "theta_dot_before", "theta_dot_after"), impacts, strict=True)), t
+    none = np.empty((0, 3))
+    landings = [answered[i][1].impacts if i in answered else none for i in range(batch.size)]
+    return histories, impacts_of(landings), t
 
 
 def _at(table: Array, t: Array) -> list[Array]:

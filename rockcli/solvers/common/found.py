@@ -1,0 +1,117 @@
+"""From what a solver found to the scalars that all solvers have in common, their sentences, and the impacts by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT
+from rockcli.scene.response import (
+    FAILED,
+    MAX_IMPACTS_STORED,
+    NO_UPLIFT,
+    OVERTURNED_AFTER_IMPACT,
+    OVERTURNED_WITHOUT_IMPACT,
+    ROCKING,
+    UNRESOLVED,
+)
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+IMPACTS = ("t_impact", "theta_dot_before", "theta_dot_after")
+"""Variables of an impact."""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a solver found of n cases, (n,) each; numbers may be anything where they mean nothing.
+
+    Attributes:
+        moved: whether the body has left the ground; fell: whether it overturns; undecided: the solver cannot tell;
+            failed: there is no answer.
+        n_impacts: counted impacts.
+        peak, side: largest |theta| and its sign; rate: largest |theta'|; top: largest displacement of the top.
+        t_peak, t_uplift, t_overturn, t_end: times [s].
+    """
+
+    moved: Mask
+    fell: Mask
+    undecided: Mask
+    failed: Mask
+    n_impacts: NDArray[np.int64]
+    peak: Array
+    side: Array
+    rate: Array
+    top: Array
+    t_peak: Array
+    t_uplift: Array
+    t_overturn: Array
+    t_end: Array
+
+    @cached_property
+    def outcome(self) -> NDArray[np.int8]:
+        """Flags as in scene/response.py."""
+        fallen = np.where(self.n_impacts > 0, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT)
+        outcome = np.where(self.fell, fallen, np.where(self.moved, ROCKING, NO_UPLIFT))
+        outcome = np.where(self.failed, FAILED, np.where(self.undecided, UNRESOLVED, outcome))
+        return np.asarray(outcome, dtype=np.int8)
+
+    def largest(self, values: Array) -> Array:
+        """The largest of something: infinite for a body that overturns, NaN where the outcome is not known."""
+        return np.where(self.outcome < 0, np.nan, np.where(self.fell, np.inf, values))
+
+    def unless_failed(self, values: Array) -> Array:
+        """Values of cases that have an answer."""
+        return np.where(self.failed, np.nan, values)
+
+    def scalars(self, batch: Batch) -> dict[str, NDArray[Any]]:
+        """By name; theta_peak over alpha of the left edge."""
+        peak = self.largest(self.peak)
+        passing = self.fell | ~self.moved | (self.outcome < 0)
+        return {
+            "outcome": self.outcome,
+            "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, self.side)),
+            "theta_peak_over_alpha": peak / batch.block.alpha[:, LEFT],
+            "theta_dot_peak": self.largest(self.rate),
+            "u_top_peak": self.largest(self.top),
+            "t_peak": np.where(passing, np.nan, self.t_peak),
+            "t_uplift": self.unless_failed(self.t_uplift),
+            "t_overturn": np.where(self.fell & ~self.failed, self.t_overturn, np.nan),
+            "t_end": self.unless_failed(self.t_end),
+            "n_impacts": self.n_impacts,
+        }
+
+
+def rigid_top(batch: Batch, peak: Array) -> Array:
+    """Largest displacement of the top of bodies that do not bend, their largest |theta| given, (n,) [m]."""
+    return np.asarray(batch.block.top * np.sin(np.minimum(peak, 0.5 * np.pi)))
+
+
+def counts(values: Array) -> NDArray[np.int64]:
+    """Whole numbers that a kernel counted in floating point."""
+    return np.rint(values).astype(np.int64)
+
+
+def note_unstored(batch: Batch, n_impacts: NDArray[np.int64], reasons: list[str]) -> None:
+    """Say of which cases not all impacts are stored."""
+    if batch.save.histories:
+        for i in np.flatnonzero(n_impacts > MAX_IMPACTS_STORED):
+            said = f"of its impacts the first {MAX_IMPACTS_STORED} are stored"
+            reasons[i] = "; ".join(filter(None, [reasons[i], said]))
+
+
+def impacts_of(each: Sequence[Array]) -> dict[str, Array]:
+    """Impacts by name, (n, j), NaN-padded, from those of every case, (j_i, 3)."""
+    most = min(max([0, *(len(rows) for rows in each)]), MAX_IMPACTS_STORED)
+    stored = np.full((3, len(each), most), np.nan)
+    for i, rows in enumerate(each):
+        kept = rows[:most]
+        stored[:, i, : len(kept)] = kept.T
+    return dict(zip(IMPACTS, stored, strict=True))
