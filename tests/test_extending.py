@@ -44,8 +44,7 @@ def test_the_recipes_work(tmp_path):
     put(package / "scene" / "models.py", "_ROWS: tuple[Model, ...] = (\n", model_row)
     put(package / "scene" / "models.py", "_ROWS: tuple[Model, ...] = (\n", f"{model}\n\n", before=True)
     (package / "solvers" / "leapfrog.py").write_text(backend, encoding="utf-8")
-    put(package / "engine" / "backends.py", "_ROWS: tuple[Backend, ...] = (\n", backend_row)
-    put(package / "study" / "features.py", 'BACKENDS: tuple[str, ...] = ("auto", ', '"leapfrog", ')
+    put(package / "scene" / "backends.py", "_ROWS: tuple[Backend, ...] = (\n", backend_row)
     shutil.copytree(ROOT / "tests" / "cross", tmp_path / "tests" / "cross")
     for file in ("pyproject.toml", "tests/scenes.py", "tests/tables.py"):
         shutil.copy(ROOT / file, tmp_path / file)

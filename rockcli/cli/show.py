@@ -38,12 +38,12 @@ def _models() -> str:
 
 
 def _backends() -> str:
-    from rockcli.engine.backends import BACKENDS
+    from rockcli.scene.backends import BACKENDS
 
     rows = []
     for backend in BACKENDS.values():
-        models = ", ".join(sorted({name for name, _ in backend.support.models}))
-        rows.append((backend.name, models, ", ".join(sorted(backend.support.damping)), backend.support.sentence))
+        models = ", ".join(sorted({name for name, _ in backend.models}))
+        rows.append((backend.name, models, ", ".join(sorted(backend.damping)), backend.sentence))
     return _table(("backend", "models", "damping", "method"), rows)
 
 

@@ -19,20 +19,17 @@ from rockcli.engine.sweep.executors import answers
 from rockcli.engine.sweep.sweep import Solving, check_solved, note_unsolved, outlook
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import SolverError, StudyError
+from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.models import FLEXIBLE
+from rockcli.scene.constants import YIELD_ROTATION
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import FAILED, NO_UPLIFT, OUTCOMES
 from rockcli.scene.variables import AUDIT
 from rockcli.storage.contents import Contents, variable_field
-from rockcli.study.building.batch import LEAST_RTOL
 from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import CaseSource, Index, Study
 
 Array = NDArray[np.float64]
-
-NEXT: dict[str, str] = {"draft": "standard", "standard": "reference"}
-"""The level that each level is audited at."""
 
 MOST = 10_000
 """Cases audited by `audit: true`; a share of a larger study is a sample."""
@@ -69,26 +66,21 @@ class Tighter:
 def tighter(batch: Batch) -> Numerics | None:
     """Numerics for an audit of a batch; None where nothing tighter is worth having, or there is."""
     try:
-        backend = choose(batch).name
+        backend = choose(batch)
     except SolverError:
         return None
-    given = batch.numerics
-    level = NEXT.get(given.accuracy)
-    if backend in ("fema356", "calculix"):
-        return None  # a closed procedure; minutes per case
-    if backend in ("frame", "opensees"):
-        from rockcli.scene.constants import YIELD_ROTATION
-
-        rotation = STEPS_FINER * (given.yield_rotation or YIELD_ROTATION)
-        if given.dt is not None:
-            return replace(given, dt=STEPS_FINER * given.dt, yield_rotation=rotation)
-        return None if level is None else replace(given, accuracy=level, yield_rotation=rotation)
-    if batch.model == FLEXIBLE and given.dt is not None:
+    if backend.slow or not backend.ladder:
+        return None
+    given, level = batch.numerics, batch.numerics.level.tighter
+    if "yield_rotation" in backend.reads:
+        given = replace(given, yield_rotation=STEPS_FINER * (given.yield_rotation or YIELD_ROTATION))
+    stepping = backend.stepping and batch.model != AUTO  # whose rigid bodies are not
+    if stepping and given.dt is not None:
         return replace(given, dt=STEPS_FINER * given.dt)
-    if batch.model != FLEXIBLE and given.rtol is not None:
-        least = LEAST_RTOL[backend]
+    if not stepping and given.rtol is not None:
+        least = backend.least_rtol
         return None if given.rtol <= least else replace(given, rtol=max(FINER * given.rtol, least))
-    return None if level is None else replace(given, accuracy=level)
+    return replace(given, accuracy=level) if level else None
 
 
 def check_audit(study: Study) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rockcli.scene.auto import highest
+from rockcli.scene.backends import BACKENDS, EVENT
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
-from rockcli.scene.models import DEFORMABLE
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
@@ -16,29 +16,11 @@ from rockcli.study.study import Study
 STARTING = 0.4
 """Seconds for imports and for loading compiled kernels."""
 
-EVENT, EVENT_SAMPLE = 1e-4, 1.2e-7
-"""One case of the event-driven solver, and one sample of its record [s]."""
-
 LANE, LANE_OUTCOME, LANE_SAMPLE = 5e-6, 2e-6, 5e-9
-"""The same of a case in lanes: of pulses with peaks, of pulses with the outcome alone, of a sample of a record [s]."""
+"""A case of the event-driven solver in lanes: pulses with peaks, with the outcome alone; a sample of a record [s]."""
 
 PLAIN = 100.0
 """How much slower the event-driven solver is in plain Python."""
-
-COLUMN, COLUMN_SAMPLE = 0.05, 1e-4
-"""The same of the flexible column [s]."""
-
-GENERAL, GENERAL_SAMPLE = 0.02, 5e-5
-"""The same of a general ODE method in Python [s]."""
-
-FRAME_STEP, OPENSEES_STEP, OPENSEES_START = 5e-6, 2.5e-5, 0.3
-"""A step of the penalty backends, and the start of a process [s]."""
-
-MESH = 2.5e-4
-"""An increment of an element of a full mesh [s]."""
-
-SPECTRUM = 5e-3
-"""A case of the equivalent linear method [s]."""
 
 REFINED = 30.0
 """Cases that a refined map of n x n pixels solves, over n."""
@@ -56,7 +38,7 @@ def seconds_per_case(batch: Batch, backend: str) -> float:
 
 def seconds_in_plain_python(batch: Batch) -> float:
     """Time that the event-driven solver of rigid bodies needs for a case with nothing compiled, typically [s]."""
-    return lane_pulses.SECONDS if lane_pulses.asked(batch) else PLAIN * seconds_per_case(batch, "event")
+    return lane_pulses.SECONDS if lane_pulses.asked(batch) else PLAIN * seconds_per_case(batch, EVENT)
 
 
 def share_refined(study: Study) -> float:
@@ -66,23 +48,19 @@ def share_refined(study: Study) -> float:
 
 
 def _solving(batch: Batch, backend: str, samples: int) -> float:
-    if backend == "calculix":
-        return MESH * _element_increments(batch)
-    if backend == "fema356":
-        return SPECTRUM
-    if backend == "scipy":
-        return GENERAL + GENERAL_SAMPLE * samples
-    if backend in ("frame", "opensees"):
-        finer = 1.0 if backend == "frame" else 0.5  # opensees takes steps twice as long
-        steps = _length(batch) / (batch.numerics.dt or 1e-4 / float(batch.p.max())) * finer
-        return FRAME_STEP * steps if backend == "frame" else OPENSEES_START + OPENSEES_STEP * steps
-    if highest(batch).model in DEFORMABLE:
-        return COLUMN + COLUMN_SAMPLE * samples
-    if lane_pulses.asked(batch):
-        return LANE_OUTCOME if batch.save.scalars <= {"outcome"} else LANE
-    if lane_records.asked(batch):
-        return LANE + LANE_SAMPLE * samples
-    return EVENT + EVENT_SAMPLE * samples
+    row = BACKENDS.get(backend, BACKENDS[EVENT]).of_model(highest(batch).model)
+    if row.target == BACKENDS[EVENT].target:
+        if lane_pulses.asked(batch):
+            return LANE_OUTCOME if batch.save.scalars <= {"outcome"} else LANE
+        if lane_records.asked(batch):
+            return LANE + LANE_SAMPLE * samples
+    cost = row.cost
+    seconds = cost.case + cost.sample * samples
+    if cost.step:
+        seconds += cost.step * _length(batch) / (batch.numerics.dt or cost.dt / float(batch.p.max()))
+    if cost.element_step:
+        seconds += cost.element_step * _element_increments(batch)
+    return seconds
 
 
 def _element_increments(batch: Batch) -> float:

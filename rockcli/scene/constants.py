@@ -33,9 +33,6 @@ YIELD_ROTATION = 1e-6
 ALPHA_D = 0.7
 """Parameter of the HHT integrator where the study gives none."""
 
-STEP = {"draft": 4.0, "standard": 1.0, "reference": 0.25}
-"""Time step of the frame and OpenSees backends by accuracy, over their default."""
-
 METHODS = (None, "corotational", "linear")
 """`method` of those backends: the transformation of the elements."""
 

@@ -19,7 +19,6 @@ SCHEME_KEYS: dict[str, tuple[str, ...]] = {
 """Keys of a damping scheme beside its name."""
 
 DAMPING: tuple[str, ...] = tuple(SCHEME_KEYS)
-BACKENDS: tuple[str, ...] = ("auto", "event", "scipy", "frame", "calculix", "opensees")
 
 DEFAULT_GEOMETRY = "negative_stiffness"
 

@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from rockcli.scene.auto import AUTO
+from rockcli.scene.backends import AUTOMATIC, BACKEND_NAMES
 from rockcli.scene.models import DEFORMABLE, MODEL_NAMES
+from rockcli.scene.numerics import ACCURACIES, STANDARD
 from rockcli.scene.pulses import SHAPES
 from rockcli.scene.rules import RULE_NAMES as RULES
 from rockcli.scene.spectra import SPECTRA
@@ -28,7 +30,7 @@ from rockcli.study.document.values import (
     Series,
     Text,
 )
-from rockcli.study.features import BACKENDS, DAMPING
+from rockcli.study.features import DAMPING
 
 MODELS = (*MODEL_NAMES, *DEFORMABLE, AUTO)
 PLOTS = ("histories", "bending", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")
@@ -236,8 +238,8 @@ class DampingPart(Part):
 class SolverPart(Part):
     """How, and how well."""
 
-    backend: Literal[BACKENDS] = key("who solves", "auto")  # type: ignore[valid-type]
-    accuracy: Literal["draft", "standard", "reference"] = key("named tolerances", "standard")
+    backend: Literal[BACKEND_NAMES] = key("who solves", AUTOMATIC)  # type: ignore[valid-type]
+    accuracy: Literal[tuple(ACCURACIES)] = key("named tolerances", STANDARD)  # type: ignore[valid-type]
     rtol: Number | None = key("truncation error per step, relative to alpha [1]")
     method: Text | None = key("method of the backend")
     events: bool | None = key("whether impacts are located")

@@ -5,39 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from rockcli.scene.models import FLEXIBLE
+from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT, automatic
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.overlay import overlaid
 from rockcli.study.document.tree import Map, value_at
 
-FINITE_ELEMENTS = ("accuracy", "rtol", "method", "dt", "yield_rotation")
 
-USED: dict[str, tuple[str, ...]] = {
-    "event": ("accuracy", "rtol"),
-    "event (flexible)": ("accuracy", "dt"),
-    "fema356": (),
-    "scipy": ("accuracy", "rtol", "method", "events"),
-    "frame": FINITE_ELEMENTS,
-    "opensees": FINITE_ELEMENTS,
-    "calculix": ("accuracy", "dt"),
-}
-"""Keys of `solver` that each backend reads."""
-
-
-def unused_solver_keys(solver: dict[str, Any], backend: str, model: str, scheme: str) -> list[str]:
+def unused_solver_keys(
+    solver: dict[str, Any], backend: str, model: str, geometry: str | None, scheme: str
+) -> list[str]:
     """A sentence per key of `solver` that the backend, or the one that `auto` takes, does not read."""
-    chosen = backend
-    if backend == "auto":
-        chosen = "fema356" if scheme == "fema356" else "calculix" if model == "continuum" else "event"
-    if chosen == "event" and model == FLEXIBLE:
-        chosen = "event (flexible)"
-    if chosen not in USED:
-        return []
-    by = f"backend {chosen}{', which auto takes' if backend == 'auto' else ''}"
-    uses = f"it uses {', '.join(USED[chosen])}" if USED[chosen] else "it uses none of these keys"
+    taken = automatic(model, geometry, scheme) if backend == AUTOMATIC else BACKENDS[backend]
+    chosen = taken or BACKENDS[EVENT]
+    row = chosen.of_model(model)
+    name = chosen.name if row is chosen else f"{chosen.name} ({model})"
+    by = f"backend {name}{', which auto takes' if backend == AUTOMATIC else ''}"
+    uses = f"it uses {', '.join(row.reads)}" if row.reads else "it uses none of these keys"
     given = [key for key, value in solver.items() if key != "backend" and value is not None]
-    return [f"solver.{key} is ignored by {by}: {uses}" for key in given if key not in USED[chosen]]
+    return [f"solver.{key} is ignored by {by}: {uses}" for key in given if key not in row.reads]
 
 
 def unused_symbols(study: Map, variations: Iterable[Variation]) -> list[str]:

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 from mesh_cases import fig60
 
-from rockcli.engine.backends import BACKENDS, choose
+from rockcli.engine.backends import choose
 from rockcli.errors import MachineError, SolverError
+from rockcli.scene.backends import BACKENDS
 from rockcli.scene.response import FAILED
 from rockcli.solvers.calculix import folder, run, solve
 
@@ -183,4 +184,4 @@ def test_what_a_killed_process_left_is_swept(pretend, tmp_path, monkeypatch):
 
 def test_auto_takes_it_for_the_continuum_only():
     assert choose(fig60(duration=0.5)).name == "calculix"
-    assert BACKENDS["calculix"].support.models == {("continuum", None)}
+    assert BACKENDS["calculix"].models == {("continuum", None)}

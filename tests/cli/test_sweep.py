@@ -9,10 +9,11 @@ import pytest
 from handmade import MODEL, SLENDER, answer, make_study, solve_by
 
 from rockcli.analysis.measures import peaks
-from rockcli.engine.backends import BACKENDS, choose
+from rockcli.engine.backends import choose
 from rockcli.engine.run import solve
 from rockcli.engine.sweep.sweep import solve_cases
 from rockcli.errors import SolverError, StudyError
+from rockcli.scene.backends import BACKENDS
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.numerics import Numerics

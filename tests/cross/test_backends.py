@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import importlib.util
 import itertools
+import re
 from functools import cache
 
 import pytest
+from typer.testing import CliRunner
 
-from rockcli.engine.backends import BACKENDS
+import rockcli
+from rockcli.cli.main import app
+from rockcli.errors import SolverError, StudyError
+from rockcli.scene.backends import BACKENDS
 from rockcli.study.open import open_study
+from rockcli.study.schema import json_schema
 
 TOLERANCES = {
     frozenset({"event", "scipy"}): (1e-8, "both integrate the same equation to rounding"),
@@ -67,8 +73,8 @@ def _scene(model: str, geometry: str | None, damping: str) -> dict:
 def _pairs() -> list[tuple[str, str, str, str | None, str]]:
     found = []
     for one, other in itertools.combinations(BACKENDS.values(), 2):
-        for model, geometry in sorted(one.support.models & other.support.models, key=str):
-            for damping in sorted(one.support.damping & other.support.damping):
+        for model, geometry in sorted(one.models & other.models, key=str):
+            for damping in sorted(one.damping & other.damping):
                 fibres = damping == "hht"  # model 4 on fibres that give way, as the source has it
                 if not (fibres and (model, geometry) != ("4", "corotational")) and (model, damping) != (
                     "flexible",
@@ -113,3 +119,49 @@ def test_two_backends_agree(one, other, model, geometry, damping):
 def test_every_pair_with_a_common_scene_has_its_tolerance():
     assert {frozenset(pair[:2]) for pair in PAIRS} == set(TOLERANCES)
     assert len(PAIRS) > 100
+
+
+def _asked(backend) -> dict:
+    """A case that a backend solves, and asks it to."""
+    row = backend.of_model("rigid")
+    model, geometry = min(row.models, key=str)
+    scene = {
+        "block": {"height": 10, "width": 2},
+        "motion": {"pulse": {"shape": "sine", "a_p": "1.5*g*tan_alpha", "T_p": 0.5}, "duration": 0.1},
+        "model": model,
+        "damping": min(row.damping),
+        "solver": {"backend": backend.name, "accuracy": "draft"} if row.reads else {"backend": backend.name},
+    }
+    if model in ("continuum", "flexible"):
+        scene["column"] = {"E": "30*GPa", "rho": 2500, "elements": 3, "across": 1}
+    return scene | ({"geometry": geometry} if geometry else {})
+
+
+@pytest.mark.parametrize("backend", BACKENDS.values(), ids=list(BACKENDS))
+def test_every_listed_backend_can_be_asked_for(backend):
+    try:
+        backend.require()
+    except SolverError as lacking:
+        pytest.skip(str(lacking))
+    study = {"name": "asked", "case": _asked(backend), "save": {"histories": False}}
+    dataset = rockcli.run(study)
+    assert dataset["outcome"].item() >= 0, str(dataset["reason"].values)
+    assert dataset.attrs["backends"] == backend.name
+
+
+def test_the_listed_backends_are_those_that_a_study_may_name():
+    listed = CliRunner().invoke(app, ["show", "backends"]).output
+    assert re.findall(r"^(\w+) ", listed, re.M) == ["backend", *BACKENDS]
+    assert json_schema()["$defs"]["SolverPart"]["properties"]["backend"]["enum"] == ["auto", *BACKENDS]
+
+
+@pytest.mark.parametrize("backend", BACKENDS.values(), ids=list(BACKENDS))
+def test_what_a_backend_does_not_solve_is_refused_in_words(backend):
+    every = {damping for row in BACKENDS.values() for damping in row.damping}
+    damping = min(every - backend.damping)
+    study = {"name": "asked", "case": _asked(backend) | {"damping": damping}}
+    said = f"backend '{backend.name}' does not solve model .* with damping '{damping}'"
+    if backend.name == "calculix":
+        said = "model continuum loses energy by itself: damping must be none or hht"
+    with pytest.raises(StudyError, match=said):
+        rockcli.run(study)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,12 +15,12 @@ from typer.testing import CliRunner
 from rockcli.cli.main import app
 from rockcli.engine.report_page import write_page
 from rockcli.engine.trade import record_sampling as sampling
-from rockcli.engine.trade import settings as ladder
 from rockcli.engine.trade.measurements import front
 from rockcli.engine.trade.trade import trade
 from rockcli.engine.trade.trade_results import contents_of, write_trade
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import default_kinds, figure, why_not
+from rockcli.scene.backends import BACKENDS
 from rockcli.scene.excitation import Samples
 from rockcli.scene.response import NO_UPLIFT
 from rockcli.solvers.general import methods
@@ -52,7 +53,7 @@ def medians(found, part, family):
 def two_methods(monkeypatch):
     few = {name: methods.METHODS[name] for name in ("RK45", "DOP853")}
     monkeypatch.setattr(methods, "METHODS", few)
-    monkeypatch.setattr(ladder, "SCIPY_RTOL", (1e-3, 1e-6, 1e-9))
+    monkeypatch.setitem(BACKENDS, "scipy", replace(BACKENDS["scipy"], ladder=(1e-3, 1e-6, 1e-9)))
 
 
 def test_errors_fall_with_the_tolerance(two_methods):

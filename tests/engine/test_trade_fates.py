@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from rockcli.engine.trade.trade_results import contents_of
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import figure, why_not
 from rockcli.plotting.kinds.work_precision import FRONT
+from rockcli.scene.backends import BACKENDS
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import FAILED, NO_UPLIFT, ROCKING, Response
 from rockcli.solvers.general import methods
@@ -54,7 +56,7 @@ def command(tmp_path, monkeypatch):
     """Trades a mapping by the command, with two general methods beside `event`; stdout and stderr."""
     monkeypatch.setattr("rockcli.engine.trade.trade.peers", lambda: frozenset({"event", "scipy"}))
     monkeypatch.setattr(methods, "METHODS", {name: methods.METHODS[name] for name in ("RK45", "DOP853")})
-    monkeypatch.setattr(ladder, "SCIPY_RTOL", (1e-3, 1e-6))
+    monkeypatch.setitem(BACKENDS, "scipy", replace(BACKENDS["scipy"], ladder=(1e-3, 1e-6)))
 
     def run(made, *options):
         path = tmp_path / f"{made['name']}.yaml"

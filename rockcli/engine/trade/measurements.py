@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.trade.settings import NUMERICS, Pair, Rung
+from rockcli.engine.trade.settings import NUMERICS, Rung
+from rockcli.scene.backends import Pair
 from rockcli.scene.response import FAILED, NO_UPLIFT, SLIDING, Response, overturned
 from rockcli.study.study import Index
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from rockcli.engine.backends import BACKENDS
-from rockcli.engine.trade.settings import ELEMENTS_REFERENCE, MODEL, NUMERICS, Pair, Rung, model_word
+from rockcli.engine.trade.settings import ELEMENTS_REFERENCE, MODEL, NUMERICS, Rung, model_word
+from rockcli.scene.backends import BACKENDS, Pair
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import CONTINUUM, FLEXIBLE
 from rockcli.scene.numerics import Numerics
 
 MESH: Pair = (CONTINUUM, None)
 
-STEPS = (8.0, 4.0, 2.0, 1.0, 0.5)
+STEPS = BACKENDS["calculix"].ladder
 """Largest time steps over the backend's own at accuracy `standard`."""
 
 ACROSS = (1, 2, 4, 6, 8)

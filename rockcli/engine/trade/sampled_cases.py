@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from rockcli.engine.trade.settings import Pair
 from rockcli.errors import StudyError
 from rockcli.scene.auto import AUTO, RUNGS, highest, rung_of_reference
+from rockcli.scene.backends import BACKENDS, Pair
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import CONTINUUM, DEFORMABLE, FLEXIBLE
 from rockcli.study.study import Index, Study
@@ -23,7 +23,7 @@ class Sample:
     A case of model auto is one of the highest model its data allow, and `notes` say so.
 
     Raises:
-        StudyError: the study searches a range, or asks for the scheme fema356, which has no settings to trade.
+        StudyError: the study searches a range, or asks for a damping scheme whose backends have no settings to trade.
     """
 
     def __init__(self, study: Study, sample: int) -> None:
@@ -42,8 +42,9 @@ class Sample:
         self.cases = np.sort(np.ravel_multi_index(flat, study.shape)) if shape else chosen
         self.batches = [(np.searchsorted(self.cases, part), batch) for part, batch in self._taken(study, self.cases)]
         self.own = _ordered([*found, *((batch.model, batch.geometry) for _, batch in self.batches)])
-        if any(batch.damping.scheme == "fema356" for _, batch in self.batches):
-            raise StudyError("trade: the scheme fema356 has no ladder of settings", file=study.file)
+        for scheme in (batch.damping.scheme for _, batch in self.batches):
+            if not any(row.ladder and scheme in row.damping for row in BACKENDS.values()):
+                raise StudyError(f"trade: the scheme {scheme} has no ladder of settings", file=study.file)
 
     @property
     def notes(self) -> list[str]:

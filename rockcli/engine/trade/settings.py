@@ -7,31 +7,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rockcli.engine.backends import BACKENDS
 from rockcli.engine.trade.record_sampling import SAMPLINGS, has_samples, resampled
+from rockcli.scene.backends import BACKENDS, EVENT, Pair
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.damping import Damping
 from rockcli.scene.excitation import Pulses
 from rockcli.scene.models import CONTINUUM, DEFORMABLE, FLEXIBLE, MODELS
-from rockcli.scene.numerics import ACCURACIES, Numerics
+from rockcli.scene.numerics import ACCURACIES, STANDARD, Numerics
 
 NUMERICS, MODEL, DATA = "numerics", "model", "data"
 """Kinds of error: against the same equations solved better, against a better model, against another sampling."""
 
-EVENT_RTOL = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
-SCIPY_RTOL = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
-STEPPING = (16.0, 8.0, 4.0, 2.0, 1.0)
-"""Time steps of the penalty backends over their own of accuracy `standard`, and yield rotations over 1e-6 rad."""
-
-MODAL = (4.0, 2.0, 1.0, 0.5, 0.25)
 MODAL_REFERENCE = 0.0625
-"""Steps of the flexible column over those of accuracy `draft`; its levels are 1, 0.5 and 0.25."""
+"""Step of the flexible column over that of accuracy `draft`, as in the ladder of its backend."""
 
 ELEMENTS = (1, 2, 3, 5, 10)
 ELEMENTS_REFERENCE = 20
-
-Pair = tuple[str, str | None]
-"""Model and geometry."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +33,7 @@ class Rung:
         part: kind of its error; family: what is drawn as one curve; setting: which point of it.
         model, geometry: solved.
         numerics: tolerances; `dt` and `yield_rotation` are set by `factor` where that is given.
-        factor: of the time step (see `STEPPING`, `MODAL`).
+        factor: of the time step (see `Backend.ladder`).
         elements, across: of the column, None = the study's.
         sampling: of records, "" = as they are.
         rigid_base: whether the base is taken as rigid, whatever the study's.
@@ -146,28 +137,30 @@ def numerical(batch: Batch, pair: Pair, peers: frozenset[str]) -> Iterator[list[
     def ladder(family: str, rungs: Sequence[tuple[str, Numerics, float | None]]) -> list[Rung]:
         return [Rung(NUMERICS, family, words, *pair, how, factor, against=against) for words, how, factor in rungs]
 
-    for name in ("event", "frame", "opensees", "scipy"):
-        asked = replace(batch, model=model, geometry=geometry, numerics=Numerics(name))
-        if name not in peers or not BACKENDS[name].supports(asked):
+    for name, backend in BACKENDS.items():
+        row = backend.of_model(model)
+        if name not in peers or row.slow or not row.solves(model, geometry, batch.damping.scheme):
             continue
-        if name == "event" and model == FLEXIBLE:
-            levels = {1.0: " (draft)", 0.5: " (standard)", 0.25: " (reference)"}
-            yield ladder(name, [(f"dt x {f:g}{levels.get(f, '')}", Numerics(name), f) for f in MODAL])
+        if name == EVENT and row.stepping:
+            levels = {0.5 * level.wave_step: f" ({word})" for word, level in ACCURACIES.items()}
+            yield ladder(name, [(f"dt x {f:g}{levels.get(f, '')}", Numerics(name), f) for f in row.ladder])
             yield _elements(batch, pair)
-        elif name == "event":
-            yield ladder(name, [(_rtol(rtol), Numerics(name, _level(rtol), rtol), None) for rtol in EVENT_RTOL])
-        elif name in ("frame", "opensees"):
-            ends = STEPPING if best.family == "event" else STEPPING[:-1]
+        elif name == EVENT:
+            yield ladder(name, [(_rtol(rtol), Numerics(name, _level(rtol), rtol), None) for rtol in row.ladder])
+        elif row.stepping:
+            ends = row.ladder if best.family == EVENT else row.ladder[:-1]
             yield ladder(name, [(f"dt x {f:g}", Numerics(name), f) for f in ends])
-        else:
+        elif "method" in row.reads:
             from rockcli.solvers.general.methods import METHODS
 
             for method in METHODS:
-                rungs = [(f"rtol {r:g}", Numerics(name, "standard", r, method), None) for r in SCIPY_RTOL]
-                yield ladder(f"scipy {method}", rungs)
+                rungs = [(f"rtol {r:g}", Numerics(name, STANDARD, r, method), None) for r in row.ladder]
+                yield ladder(f"{name} {method}", rungs)
             if (batch.damping.eta == 1.0).all():
-                blind = [(f"rtol {r:g}", Numerics(name, "standard", r, "RK45", False), None) for r in SCIPY_RTOL]
-                yield ladder("scipy RK45, impacts not located", blind)
+                blind = [(f"rtol {r:g}", Numerics(name, STANDARD, r, "RK45", False), None) for r in row.ladder]
+                yield ladder(f"{name} RK45, impacts not located", blind)
+        elif row.ladder:
+            yield ladder(name, [(f"rtol {r:g}", Numerics(name, STANDARD, r), None) for r in row.ladder])
 
 
 def _elements(batch: Batch, pair: Pair) -> list[Rung]:
@@ -180,7 +173,7 @@ def _elements(batch: Batch, pair: Pair) -> list[Rung]:
 
 
 def _level(rtol: float) -> str:
-    return "draft" if rtol >= 1e-8 else "standard" if rtol >= 1e-12 else "reference"
+    return next(word for word, level in ACCURACIES.items() if rtol >= level.rtol)
 
 
 def _rtol(rtol: float) -> str:

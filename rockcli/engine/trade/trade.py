@@ -11,7 +11,6 @@ from time import perf_counter
 import numpy as np
 
 from rockcli import kernels
-from rockcli.engine.backends import BACKENDS
 from rockcli.engine.cost import seconds_per_case
 from rockcli.engine.trade import meshes
 from rockcli.engine.trade.measurements import Answers, Point, Trade, mark_fronts, point_of
@@ -21,7 +20,6 @@ from rockcli.engine.trade.settings import (
     DATA,
     ELEMENTS_REFERENCE,
     NUMERICS,
-    Pair,
     Rung,
     data,
     model_word,
@@ -30,6 +28,7 @@ from rockcli.engine.trade.settings import (
     reference,
 )
 from rockcli.errors import SolverError, StudyError
+from rockcli.scene.backends import BACKENDS, Pair
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import DEFORMABLE
 from rockcli.scene.numerics import Numerics
@@ -42,11 +41,8 @@ AT_ONCE, REPEATS = 0.05, 3
 UNSURE = 0.05
 """Share of what is left of the budget above which a rough guess is not enough."""
 
-LAST = "calculix"
-"""The backend whose ladders are climbed, but for their first rungs, when all others are: it would eat up any budget."""
-
-TRADED = frozenset({"event", "scipy", "frame", "opensees", LAST})
-"""Backends that have ladders."""
+TRADED = frozenset(name for name, row in BACKENDS.items() if row.ladder)
+"""Backends that have settings to trade."""
 
 NO_CCX = "there is no `ccx` in PATH"
 
@@ -74,13 +70,10 @@ class Ladder:
 
 def peers() -> frozenset[str]:
     """Backends that can be traded on this machine."""
-    from rockcli.solvers.calculix.run import program
-    from rockcli.solvers.opensees.run import require_opensees
-
-    found = {"event", "frame", "scipy"}
-    for name, require in (("opensees", require_opensees), ("calculix", program)):
+    found = set()
+    for name in TRADED:
         with contextlib.suppress(SolverError):
-            require()
+            BACKENDS[name].require()
             found.add(name)
     return frozenset(found)
 
@@ -136,18 +129,18 @@ def trade(
 
 def _unable(scene: Sample, name: str) -> str:
     """Which of the study's models a backend does not solve, by the table of backends; "" if it solves each."""
-    if name == LAST and scene.solvable(meshes.MESH):
+    if name == meshes.HOW.backend and scene.solvable(meshes.MESH):
         return ""  # it has ladders of its own beside the study's model
     row = BACKENDS[name]
     whys, foreign = [], []
     for pair in scene.own:
         for _, batch in scene.solvable(pair)[:1]:
-            if pair not in row.support.models:
+            if pair not in row.models:
                 foreign.append(model_word(pair))
             elif not row.supports(replace(batch, model=pair[0], geometry=pair[1], numerics=Numerics(name))):
                 whys.append(f"not for model {model_word(pair)} with damping {batch.damping.scheme}")
     if foreign:
-        solved = sorted({model for model, _ in row.support.models})
+        solved = sorted({model for model, _ in row.models})
         whys.append(f"not for model {', '.join(foreign)}, only for {', '.join(solved)}")
     return "; ".join(whys)
 
@@ -265,7 +258,7 @@ def _order(ladders: list[Ladder]) -> Iterator[tuple[int, Rung]]:
     others = [(number, ladder) for number, ladder in numbered if ladder.backend != "event"]
     yield from ((number, ladder.rungs[0]) for number, ladder in others)
     for late in (False, True):
-        own = [(number, ladder.rungs[1:]) for number, ladder in others if (ladder.backend == LAST) == late]
+        own = [(number, ladder.rungs[1:]) for number, ladder in others if BACKENDS[ladder.backend].slow == late]
         for step in zip_longest(*(rungs for _, rungs in own)):
             yield from ((number, rung) for (number, _), rung in zip(own, step, strict=True) if rung is not None)
 
@@ -309,7 +302,7 @@ def _solver(rung: Rung) -> Callable[[Batch], Response]:
 def _measured(scene: Sample, rung: Rung, answers: Answers) -> Answers:
     """Solve the sample with a setting; the time is the least of a few runs where one takes next to nothing."""
     solver = _solver(rung)
-    for run in range(1 if rung.numerics.backend == LAST else REPEATS):
+    for run in range(1 if BACKENDS[rung.numerics.backend].slow else REPEATS):
         spent, cases = 0.0, 0
         for rows, batch in _parts(scene, rung):
             given = rung.of(batch)

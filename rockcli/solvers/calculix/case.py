@@ -28,8 +28,8 @@ RIGID_BASE = 100.0
 DISSIPATION = -0.05
 """alpha of the integrator without the damping scheme `hht`: CalculiX's own default."""
 
-STEPS = {"draft": 90.0, "standard": 180.0, "reference": 360.0}
-"""Increments per clamped period of the body, by accuracy."""
+STEPS = 180.0
+"""Increments per clamped period of the body, at accuracy `standard`."""
 
 LEAST_STEPS = 8.0
 """Increments per clamped period below which landings may gain energy, so that a body overturns that would not."""
@@ -139,9 +139,8 @@ def largest_step(batch: Batch, i: int) -> float:
     """Largest increment [s]: the study's, or a part of what is shortest of body, pulse and rocking."""
     if batch.numerics.dt is not None:
         return batch.numerics.dt
-    steps = STEPS[batch.numerics.accuracy]
-    finer = STEPS["standard"] / steps
-    longest = [period_of(batch, i) / steps, finer / (ROCKING_STEPS * float(batch.p[i, 0]))]
+    finer = batch.numerics.level.wave_step
+    longest = [period_of(batch, i) / (STEPS / finer), finer / (ROCKING_STEPS * float(batch.p[i, 0]))]
     for channel in (batch.excitation.horizontal, batch.excitation.vertical):
         if isinstance(channel, Pulses):
             longest.append(finer * 2.0 * np.pi / float(channel.omega_p[i]) / PULSE_STEPS)

@@ -14,6 +14,7 @@ from rockcli.kernels.column import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.constants import REARM
 from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
+from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
 from rockcli.solvers.common.duration import durations_of, output_times
@@ -24,15 +25,12 @@ from rockcli.solvers.flexible.unpack import Raw, histories_of, scalars_of
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-FINENESS = {"draft": 1.0, "standard": 0.5, "reference": 0.25}
-"""Factor of an accuracy level on the step."""
-
 PULSE_STEPS, ROCKING_STEP = 60.0, 0.03
 """Steps per period of a pulse, and the longest step in units of 1/p, at accuracy `draft`."""
 
-NUDGE, NUDGE_OF_RECORDS = {"draft": 1e-6, "standard": 1e-7, "reference": 1e-8}, 1e-5
-"""The motion of the second run, and of an ensemble, differs by this share: above the errors of the steps
-(docs/accuracy.md, docs/flexible.md), of which those under records are the same at every level."""
+NUDGE_OF_RECORDS = 1e-5
+"""Under records the motion of the second run, and of an ensemble, differs by this share, and under pulses by that of
+the level: above the errors of the steps (docs/accuracy.md, docs/flexible.md), which records have at every level."""
 
 WEIGHT = 2.0
 """The error is estimated as this many times the difference that the other step and the other motion make."""
@@ -51,7 +49,7 @@ def solve(batch: Batch) -> Response:
     """
     began = time.perf_counter()
     numerics = batch.numerics
-    fineness = FINENESS[numerics.accuracy]
+    fineness = _fineness(numerics)
     prepared, refusals = _prepare(batch)
     run = _march(batch, prepared, fineness, histories=batch.save.histories)
     scalars, reasons = scalars_of(batch, run, prepared, refusals)
@@ -73,21 +71,26 @@ def _judged(
     batch: Batch, prepared: list[Prepared | None], refusals: list[str], scalars: dict[str, NDArray[Any]]
 ) -> Judgement:
     """What further runs show: one of another step and another motion, and members of an ensemble of the same step."""
-    level = batch.numerics.accuracy
+    fineness = _fineness(batch.numerics)
     # a record's samples cap the step at every level: there a run with half of it tells
     sampled = any(isinstance(c, Samples) for c in (batch.excitation.horizontal, batch.excitation.vertical))
-    nudge = NUDGE_OF_RECORDS if sampled else NUDGE[level]
+    nudge = NUDGE_OF_RECORDS if sampled else batch.numerics.level.nudge
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
         second = not fine
         other_step = (0.5 if sampled else 2.0) if second else 1.0
         others = nudged(batch, rows, factors)
         columns, said = [prepared[i] for i in rows], [refusals[i] for i in rows]
-        run = _march(others, columns, other_step * FINENESS[level], histories=False, halved=sampled and second)
+        run = _march(others, columns, other_step * fineness, histories=False, halved=sampled and second)
         return Traces.of(others, scalars_of(others, run, columns, said)[0])
 
     first = Traces.of(batch, scalars)
     return judge(first, again, Nudge(nudge, WEIGHT), first.rows, None, nudge)
+
+
+def _fineness(numerics: Numerics) -> float:
+    """Factor of the accuracy level on the steps of `draft`."""
+    return 0.5 * numerics.level.wave_step
 
 
 def _kernel() -> ModuleType:
@@ -128,7 +131,7 @@ def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved:
             steps.append(fineness * 2.0 * np.pi / float(channel.omega_p[i]) / PULSE_STEPS)
     h = min(steps)
     if batch.numerics.dt is not None:
-        h = h_free = batch.numerics.dt * fineness / FINENESS[batch.numerics.accuracy]
+        h = h_free = batch.numerics.dt * fineness / _fineness(batch.numerics)
     for channel in channels:
         if isinstance(channel, Samples):
             h = min(h, channel.dt / np.ceil(channel.dt / h * (1.0 - 1e-9)))

@@ -13,7 +13,7 @@ from rockcli.kernels.constants import FAST
 from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.constants import ALPHA_D, REARM, STEP, YIELD_ROTATION
+from rockcli.scene.constants import ALPHA_D, REARM, YIELD_ROTATION
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import Channel, Pulses, acceleration
 from rockcli.scene.models import MODELS
@@ -64,7 +64,7 @@ def default_dt(batch: Batch, case: int) -> float:
             dt = min(dt, 2.0 * np.pi / float(channel.omega_p[case]) / 2000.0)
         elif channel is not None:
             dt = min(dt, channel.dt / np.ceil(channel.dt / min(dt, channel.dt / 10.0)))
-    return dt * STEP[batch.numerics.accuracy]
+    return dt * batch.numerics.level.penalty_step
 
 
 def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -> CaseOfFrame:

@@ -60,10 +60,8 @@ METHODS: dict[str, Method] = {
 
 DEFAULT_METHOD = "DOP853"
 
-ACCURACY_RTOL = {"draft": 1e-3, "standard": 1e-8, "reference": 1e-12}
-"""rtol of the named accuracies; `draft` is what ODE solvers do unasked (rtol 1e-3, atol 1e-6)."""
-
 ATOL_OVER_RTOL = 1e-3
+"""With it accuracy `draft` is what ODE solvers do unasked (rtol 1e-3, atol 1e-6)."""
 
 
 @dataclass

@@ -25,7 +25,6 @@ from rockcli.solvers.general.ground import ground_of
 from rockcli.solvers.general.histories import histories_of
 from rockcli.solvers.general.located import Located
 from rockcli.solvers.general.methods import (
-    ACCURACY_RTOL,
     ATOL_OVER_RTOL,
     DEFAULT_METHOD,
     FLOOR,
@@ -106,7 +105,7 @@ def _settings(batch: Batch) -> Settings:
         raise SolverError(
             "restitution needs located impacts: without events (solver.events: false) damping is none or dashpot"
         )
-    rtol = ACCURACY_RTOL[numerics.accuracy] if numerics.rtol is None else numerics.rtol
+    rtol = numerics.level.ode_rtol if numerics.rtol is None else numerics.rtol
     return Settings(METHODS[name], max(rtol, FLOOR), events, numerics.tolerances.rest_speed)
 
 

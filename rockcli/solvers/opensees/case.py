@@ -18,7 +18,6 @@ from rockcli.scene.constants import (
     GREENHILL,
     REARM,
     RIGID,
-    STEP,
     YIELD_ROTATION,
 )
 from rockcli.scene.damping import dashpot_rate
@@ -104,13 +103,13 @@ def law_of(batch: Batch) -> str:
 
 
 def default_dt(batch: Batch, case: int) -> float:
-    """Time step [s]: 2e-4/p, 1/2000 of the pulse's period, 1/10 of the record's step, the least; times `STEP`."""
-    dt = 2e-4 / float(batch.p[case, LEFT]) * STEP[batch.numerics.accuracy]
+    """Time step [s]: 2e-4/p, 1/2000 of the pulse's period, 1/10 of the record's step, the least; times the level's."""
+    dt = 2e-4 / float(batch.p[case, LEFT]) * batch.numerics.level.penalty_step
     for channel in (batch.excitation.horizontal, batch.excitation.vertical):
         if isinstance(channel, Samples):
             dt = channel.dt / np.ceil(channel.dt / min(dt, channel.dt / 10.0) * (1.0 - 1e-9))
         elif channel is not None:
-            dt = min(dt, 2.0 * np.pi / float(channel.omega_p[case]) / 2000.0 * STEP[batch.numerics.accuracy])
+            dt = min(dt, 2.0 * np.pi / float(channel.omega_p[case]) / 2000.0 * batch.numerics.level.penalty_step)
     if batch.save.histories and dt < batch.save.dt_out:  # land on the output times
         landing = batch.save.dt_out / np.ceil(batch.save.dt_out / dt * (1.0 - 1e-9))
         dt = dt if _divides_a_record(batch, dt) and not _divides_a_record(batch, landing) else landing

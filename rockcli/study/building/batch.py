@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.auto import AUTO, TOLERANCE
+from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import RECTANGLE_INERTIA, Block, housner_eta
 from rockcli.scene.column import Base, Column
@@ -13,13 +14,13 @@ from rockcli.scene.contact import slides_first
 from rockcli.scene.damping import DASHPOT, Damping, Fema356, dashpot_rate
 from rockcli.scene.excitation import Excitation
 from rockcli.scene.models import CONTINUUM, DEFORMABLE
-from rockcli.scene.numerics import Numerics
+from rockcli.scene.numerics import STANDARD, Numerics
 from rockcli.scene.spectra import SPECTRA, DesignSpectrum
 from rockcli.study.building.ground_motion import build_excitation
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.records import Records
 from rockcli.study.document.tree import Keys, value_at
-from rockcli.study.features import BACKENDS, DAMPING, SCHEME_KEYS, available, model_and_geometry
+from rockcli.study.features import DAMPING, SCHEME_KEYS, available, model_and_geometry
 from rockcli.study.unused import unused_solver_keys
 
 Array = NDArray[np.float64]
@@ -31,9 +32,6 @@ FEMA356_IS_POOR = (
 
 STRONGEST_DAMPER = 1e4
 """Base damper above which a case is refused, c/(I_O p)."""
-
-LEAST_RTOL = {"event": 1e-16, "scipy": 2.5e-14}
-"""Smallest tolerance that a backend can keep to."""
 
 CLAMPED = "Housner's eta is negative (tan alpha > sqrt 2 for a rectangle): taken as 0, the body stops at the impact"
 
@@ -66,7 +64,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         )
     warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
     solver = numbers.tree["case"].get("solver") or {}
-    warnings += unused_solver_keys(solver, numerics.backend, model, damping.scheme)
+    warnings += unused_solver_keys(solver, numerics.backend, model, geometry, damping.scheme)
     column, base = _column(numbers, model), _base(numbers, model)
     if model == CONTINUUM and damping.scheme not in ("none", "hht"):
         numbers.fail(("case", "damping"), "model continuum loses energy by itself: damping must be none or hht")
@@ -99,7 +97,7 @@ def _tolerance(numbers: Numbers, numerics: Numerics, damping: Damping) -> Array:
     numbers.require(keys, tolerance is None or np.less_equal(tolerance, 1.0), "must be at most 1 (of theta/alpha)")
     if damping.scheme not in ("none", "restitution"):
         numbers.fail(("case", "damping"), "model auto chooses among models with damping restitution or none")
-    if numerics.backend not in ("auto", "event"):
+    if numerics.backend not in (AUTOMATIC, EVENT):
         numbers.fail(("case", "solver", "backend"), "model auto is solved by backend event")
     return numbers.array(TOLERANCE if tolerance is None else tolerance)
 
@@ -299,19 +297,18 @@ def _fema356_warnings(numbers: Numbers, scheme: Fema356, excitation: Excitation,
 def _numerics(numbers: Numbers) -> Numerics:
     keys: Keys = ("case", "solver")
     solver = numbers.tree["case"].get("solver") or {}
-    asked = solver.get("backend") or "auto"
-    backend = available(numbers.source, numbers.tree, (*keys, "backend"), asked, BACKENDS, "backend")
+    backend = solver.get("backend") or AUTOMATIC
     rtol, dt, yield_rotation = (numbers.constant((*keys, key)) for key in ("rtol", "dt", "yield_rotation"))
     for key, value in (("rtol", rtol), ("dt", dt), ("yield_rotation", yield_rotation)):
         numbers.require((*keys, key), value is None or value > 0.0, "must be greater than 0")
     numbers.require((*keys, "rtol"), rtol is None or rtol < 1.0, "must be below 1")
-    least = LEAST_RTOL.get(backend, LEAST_RTOL["event"])
+    least = BACKENDS[EVENT if backend == AUTOMATIC else backend].least_rtol
     numbers.require(
         (*keys, "rtol"), rtol is None or rtol >= least, f"must be at least {least:g}: double precision holds no more"
     )
     return Numerics(
         backend=backend,
-        accuracy=solver.get("accuracy") or "standard",
+        accuracy=solver.get("accuracy") or STANDARD,
         rtol=rtol,
         method=solver.get("method"),
         events=solver.get("events"),
