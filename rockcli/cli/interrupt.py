@@ -45,7 +45,7 @@ def tell() -> None:
     """Say that the command was interrupted; once."""
     if _told.acquire(blocking=False):
         words = ["interrupted", *_advice]
-        sys.stderr.write("\r" * sys.stderr.isatty() + f"rock: {'; '.join(words)}\n")
+        sys.stderr.write("\r\x1b[2K" * sys.stderr.isatty() + f"rock: {'; '.join(words)}\n")
         sys.stderr.flush()
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
 from rockcli.cli.say import say
+from rockcli.cli.tables import table
 
 
 def show(
@@ -34,7 +35,7 @@ def _models() -> str:
     rows.append((FLEXIBLE, "corotational", "-", "the deformable column on a rigid or Winkler base (docs/flexible.md)"))
     rows.append((CONTINUUM, "-", "-", "the same body as a full mesh, solved by CalculiX (docs/calculix.md)"))
     rows.append((AUTO, "-", "-", "the cheapest of these that keeps a tolerance, case by case (docs/auto.md)"))
-    return _table(("model", "geometry", "equation", "good for"), rows)
+    return table(("model", "geometry", "equation", "good for"), rows)
 
 
 def _backends() -> str:
@@ -44,7 +45,7 @@ def _backends() -> str:
     for backend in BACKENDS.values():
         models = ", ".join(sorted({name for name, _ in backend.models}))
         rows.append((backend.name, models, ", ".join(sorted(backend.damping)), backend.sentence))
-    return _table(("backend", "models", "damping", "method"), rows)
+    return table(("backend", "models", "damping", "method"), rows)
 
 
 def _variables() -> str:
@@ -56,7 +57,7 @@ def _variables() -> str:
     beside |= {"setting": "setting"}
     rows = [(v.name, beside[v.over], v.unit, v.sentence) for v in VARIABLES.values()]
     outcomes = ", ".join(f"{flag} {name}" for flag, name in sorted(OUTCOMES.items()))
-    return f"{_table(('variable', 'over', 'unit', 'meaning'), rows)}\n\noutcome: {outcomes}"
+    return f"{table(('variable', 'over', 'unit', 'meaning'), rows)}\n\noutcome: {outcomes}"
 
 
 def _symbols() -> str:
@@ -65,20 +66,20 @@ def _symbols() -> str:
     rows = [*MEANINGS.items(), ("pi", "3.14159...")]
     rows += [(name, f"unit, {size:.10g} in SI") for name, size in UNITS.items()]
     rows += [(f"{name}(x)", "function") for name in FUNCTIONS]
-    return _table(("symbol", "meaning"), rows) + "\n\noperators: + - * / ** ( ); own symbols: `let` of the study"
+    return table(("symbol", "meaning"), rows) + "\n\noperators: + - * / ** ( ); own symbols: `let` of the study"
 
 
 def _pulses() -> str:
     from rockcli.scene.pulses import SHAPES
 
     rows = [(s.name, ", ".join(s.options) or "-", s.sentence) for s in SHAPES.values()]
-    return _table(("shape", "options", "a_g, tau = t - t0"), rows)
+    return table(("shape", "options", "a_g, tau = t - t0"), rows)
 
 
 def _plots() -> str:
     from rockcli.plotting.figures import KINDS
 
-    return _table(("plot", "shows"), [(kind.name, kind.sentence) for kind in KINDS.values()])
+    return table(("plot", "shows"), [(kind.name, kind.sentence) for kind in KINDS.values()])
 
 
 def _schema() -> str:
@@ -98,12 +99,3 @@ _TOPICS: dict[str, Callable[[], str]] = {
     "plots": _plots,
     "schema": _schema,
 }
-
-
-def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
-    """Columns as wide as they need; the last one runs free."""
-    lines = [head, *rows]
-    widths = [max(len(line[i]) for line in lines) for i in range(len(head) - 1)]
-    return "\n".join(
-        "  ".join([*(cell.ljust(width) for cell, width in zip(line, widths, strict=False)), line[-1]]) for line in lines
-    )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rockcli.cli.say import say
+from rockcli.cli.tables import table
 
 if TYPE_CHECKING:
     from rockcli.engine.trade.measurements import Point, Trade
@@ -125,7 +126,7 @@ def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, ev
 
 def _headed(head: str, points: list[Point]) -> list[str]:
     """A table below its head; nothing for no points."""
-    return [f"  {head}", *_table(points)] if points else []
+    return [f"  {head}", _table(points)] if points else []
 
 
 def _families(skipped: list[tuple[str, str]]) -> list[str]:
@@ -137,7 +138,7 @@ def _families(skipped: list[tuple[str, str]]) -> list[str]:
     return [": ".join(filter(None, (family, ", ".join(names), why))) for (family, why), names in groups.items()]
 
 
-def _table(points: Iterable[Point]) -> list[str]:
+def _table(points: Iterable[Point]) -> str:
     """Columns: model, backend and setting, median and 90 % of |error| in theta/alpha, wrong outcomes, cost.
 
     Cost is the time per case, and the median numbers of steps and of evaluations of the right-hand side.
@@ -145,7 +146,8 @@ def _table(points: Iterable[Point]) -> list[str]:
     from rockcli.engine.trade.measurements import middle
     from rockcli.engine.trade.settings import MODEL
 
-    rows = [("model", "setting", "median", "90 %", "wrong", "per case", "steps", "rhs")]
+    head = ("model", "setting", "median", "90 %", "wrong", "per case", "steps", "rhs")
+    rows = []
     for p in points:
         setting = f"against {p.rung.against}" if p.rung.part == MODEL else f"{p.rung.family}, {p.rung.setting}"
         rows.append(
@@ -160,12 +162,7 @@ def _table(points: Iterable[Point]) -> list[str]:
                 _count(middle(p.answers.rhs)),
             )
         )
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        left = "  ".join(cell.ljust(width) for cell, width in zip(row[:2], widths[:2], strict=True))
-        lines.append("    " + left + "  " + "  ".join(c.rjust(w) for c, w in zip(row[2:], widths[2:], strict=True)))
-    return lines
+    return table(head, rows, right=6, indent=4)
 
 
 def _count(value: float) -> str:

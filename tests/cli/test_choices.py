@@ -37,6 +37,22 @@ def test_every_model_is_listed() -> None:
     assert names >= {"rigid", "linearized", "1", "2", "3", "4", "flexible", "continuum"}
 
 
+def test_a_row_of_a_table_is_one_line_where_nobody_looks_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    from rockcli.cli.tables import table
+
+    rows = [("a [b]", "word " * 40, "1.5"), ("c", "d", "-")]
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "60")
+    plain = table(("name", "sentence", "number"), rows, right=1).splitlines()
+    assert plain[0].split() == ["name", "sentence", "number"]
+    assert plain[1].split() == [*["a", "[b]"], *["word"] * 40, "1.5"]
+    assert plain[1].endswith("  1.5")
+    assert plain[2].endswith("    -")
+    assert len(plain) == 3
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    assert len(table(("name", "sentence", "number"), rows, right=1).splitlines()) > 4
+
+
 @pytest.mark.parametrize("command", ["run", "check", "export"])
 def test_set_may_be_repeated(command: str) -> None:
     assert "may be repeated" in " ".join(shown(command, "--help").split())

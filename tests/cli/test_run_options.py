@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 from collections.abc import Callable
@@ -74,18 +75,16 @@ def test_a_cluster_that_is_not_there(
     assert not Path("results").exists()
 
 
-class Terminal:
-    def __init__(self) -> None:
-        self.text = ""
-
+class Terminal(io.StringIO):
     def isatty(self) -> bool:
         return True
 
-    def write(self, words: str) -> None:
-        self.text += words
-
-    def flush(self) -> None:
-        pass
+    def fresh(self) -> str:
+        """What was written since the last look, without what moves the cursor and chooses colours."""
+        text = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]|\r", "", self.getvalue())
+        self.seek(0)
+        self.truncate()
+        return text
 
 
 def test_the_rate_is_that_of_this_run(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -93,12 +92,37 @@ def test_the_rate_is_that_of_this_run(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr("rockcli.cli.progress.perf_counter", lambda: clock[0])
     monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
     line = Progress("few", shown=True)
+    line.note("compiling")
+    assert terminal.fresh().rstrip().endswith("compiling")
+    clock[0] = 1.0
     line(9000, 10000)  # what earlier runs had
-    assert terminal.text.strip() == "few: 9000/10000 cases"
-    clock[0], terminal.text = 2.0, ""
-    line(9100, 10000)
-    assert terminal.text.strip() == "few: 9100/10000 cases, 50/s, 18 s left"
+    assert terminal.fresh().rstrip().endswith("9000/10000 cases")
+    clock[0] = 2.0
+    line(9050, 10000)
+    terminal.fresh()
+    clock[0] = 4.0
+    line(9150, 10000)
+    told = terminal.fresh()
+    assert "9150/10000 cases, 50/s" in told
+    assert "0:00:17" in told  # 850 are left
+    line.close()
+    assert terminal.getvalue().endswith("\x1b[1A\x1b[2K")  # back to the line of the bar, which is wiped
+
+
+def test_the_bar_is_drawn_ten_times_a_second_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = [0.0]
+    terminal = Terminal()
+    monkeypatch.setattr("rockcli.cli.progress.perf_counter", lambda: clock[0])
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    line = Progress("many", shown=True)
+    for done in range(1, 1000):
+        clock[0] += 0.001
+        line(done, 1001)
+    assert 8 <= terminal.fresh().count("/1001 cases") <= 12
+    line.close()
 
 
 def test_no_line_where_there_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:

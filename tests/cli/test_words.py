@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -93,10 +94,12 @@ def test_a_note_in_a_terminal_only(monkeypatch: pytest.MonkeyPatch, capsys: pyte
     Progress("x", shown=True).note("compiling")
     assert capsys.readouterr().err == ""
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("NO_COLOR", "1")
     line = Progress("x", shown=True)
     line.note("compiling")
     line.close()
-    assert capsys.readouterr().err.startswith("\rx: compiling\r")
+    assert re.search("x: .*compiling", capsys.readouterr().err)
 
 
 def test_compiling_is_announced_once(tmp_path: Path) -> None:
@@ -129,6 +132,8 @@ def test_a_long_case_tells_how_far_it_is(capsys, monkeypatch):
     from rockcli.cli.progress import Progress
 
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("NO_COLOR", "1")
     logger = logging.getLogger("rockcli.solvers")
     before = (logger.level, list(logger.handlers))
     try:
@@ -138,7 +143,7 @@ def test_a_long_case_tells_how_far_it_is(capsys, monkeypatch):
         line.close()
     finally:
         logger.level, logger.handlers = before
-    assert "tower: t = 1.5 s of 6.5 s" in capsys.readouterr().err
+    assert re.search(r"tower: .*t = 1\.5 s of 6\.5 s", capsys.readouterr().err)
 
 
 def test_a_suite_has_its_lines() -> None:
