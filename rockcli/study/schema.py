@@ -194,7 +194,11 @@ class ColumnPart(Part):
     E: Number | None = key("Young's modulus [Pa]")
     rho: Number | None = key("density [kg/m^3]")
     zeta: Number | None = key("damping ratio of the first clamped mode, stiffness-proportional [1]")
-    elements: int | None = key("number of elements along the height; default 5, continuum: square elements", ge=1)
+    elements: int | None = key(
+        "number of elements along the height, at most 1000 (40 are converged); default 5, continuum: square elements",
+        ge=1,
+        le=1000,
+    )
     across: int | None = key("continuum: number of elements across the width; default 4", ge=1)
     mass: Literal["consistent", "lumped"] = key("mass matrix", "consistent")
 

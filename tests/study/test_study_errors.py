@@ -45,6 +45,7 @@ WRONG = [
     ("  model: rigid\n", "  modle: rigid\n", 6, ["case.modle", "did you mean 'model'"]),
     ("model: rigid\n", "model: rigit\n", 6, ["case.model.name", "did you mean 'rigid'"]),
     ("model: rigid\n", "model: [rigid]\n", 6, ["case.model", "mapping"]),
+    ("model: rigid\n", "model: rigid\n  column: {elements: 1001}\n", 7, ["case.column.elements", "at most 1000"]),
     ("[rigid, linearized]", "[rigid, 5]", 10, ["expected"]),
     ("[rigid, linearized]", "[rigid, linear]", 10, ["did you mean 'linearized'"]),
     ("[rigid, linearized]", "[rigid, rigid]", 10, ["vary.model", "repeats 'rigid'"]),
