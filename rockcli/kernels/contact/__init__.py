@@ -1,0 +1,1 @@
+"""Full planar contact of one body: rest, slide, rock, slide-rock, flight (docs/contact.md)."""

@@ -1,0 +1,123 @@
+"""The flows of a body on one edge, in flight, and along the ground, as Taylor series (docs/contact.md)."""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.contact import parameters as at
+from rockcli.kernels.jit import jit_lean
+
+
+@jit_lean
+def trigonometry(c, k, sin_b, cos_b):
+    """Coefficient k > 0 of sin and cos of beta = alpha - q from those of q up to k."""
+    up = down = 0.0
+    for j in range(1, k + 1):
+        rate = j * c[j]
+        up += rate * cos_b[k - j]
+        down += rate * sin_b[k - j]
+    sin_b[k], cos_b[k] = -up / k, down / k
+
+
+@jit_lean
+def product(x, y, k):
+    """Coefficient k of the product of two series."""
+    total = 0.0
+    for j in range(k + 1):
+        total += x[j] * y[k - j]
+    return total
+
+
+@jit_lean
+def squared_rate(c, k):
+    """Coefficient k of q'^2."""
+    total = 0.0
+    for j in range(k + 1):
+        total += (j + 1) * c[j + 1] * (k - j + 1) * c[k - j + 1]
+    return total
+
+
+@jit_lean
+def rock(par, e, s, q, v, a, W, n, c, sin_b, cos_b, rate2, N, T):
+    """Series of q (order n), of the normal force and friction at the edge (order n - 2) of a foot that holds."""
+    R, beta = par[e + at.RADIUS], par[e + at.ALPHA] - q
+    lever = R / (par[at.RG2] + R * R)
+    c[0], c[1] = q, v
+    sin_b[0], cos_b[0] = math.sin(beta), math.cos(beta)
+    for k in range(n - 1):
+        if k > 0:
+            trigonometry(c, k, sin_b, cos_b)
+        c[k + 2] = -lever * (product(W, sin_b, k) + s * product(a, cos_b, k)) / ((k + 1) * (k + 2))
+        rate2[k] = squared_rate(c, k)
+    for k in range(n - 1):
+        across = along = 0.0
+        for j in range(k + 1):
+            acc = (j + 1) * (j + 2) * c[j + 2]
+            across += sin_b[k - j] * acc - cos_b[k - j] * rate2[j]
+            along += cos_b[k - j] * acc + sin_b[k - j] * rate2[j]
+        N[k] = W[k] + R * across
+        T[k] = a[k] + s * R * along
+
+
+@jit_lean
+def slide_rock(par, e, s, sigma, q, v, u, a, W, n, c, sin_b, cos_b, rate2, N, A, held, tilt, slip):
+    """Series of q (order n), of the slip velocity (n - 1), of N, A and the numerator of N (n - 2) of a foot that slips
+    (C5, C6).
+
+    The slip velocity is that of the centre of mass, whose acceleration is -a_g + T, and the turning of the edge about
+    it.  `tilt` is work space.
+    """
+    R, beta, mu = par[e + at.RADIUS], par[e + at.ALPHA] - q, par[at.MU_K]
+    k2, way = R * R / par[at.RG2], mu * s * sigma
+    c[0], c[1] = q, v
+    sin_b[0], cos_b[0] = math.sin(beta), math.cos(beta)
+    for k in range(n - 1):
+        if k > 0:
+            trigonometry(c, k, sin_b, cos_b)
+        tilt[k] = sin_b[k] - way * cos_b[k]
+        A[k] = k2 * product(sin_b, tilt, k)
+        if k == 0:
+            A[0] += 1.0
+        rate2[k] = squared_rate(c, k)
+        held[k] = W[k] - R * product(cos_b, rate2, k)
+        taken = held[k]
+        for j in range(1, k + 1):
+            taken -= A[j] * N[k - j]
+        N[k] = taken / A[0]
+        c[k + 2] = -k2 / R * product(N, tilt, k) / ((k + 1) * (k + 2))
+    trigonometry(c, n - 1, sin_b, cos_b)
+    slip[0] = u
+    for k in range(1, n):
+        turning = 0.0
+        for j in range(k + 1):
+            turning += cos_b[k - j] * (j + 1) * c[j + 1]
+        slip[k] = -(a[k - 1] + mu * sigma * N[k - 1]) / k - s * R * turning
+
+
+@jit_lean
+def slide(mu, sigma, u, a, W, n, slip):
+    """Series (order n) of the velocity of a body that slides and does not turn."""
+    slip[0] = u
+    for k in range(n):
+        slip[k + 1] = -(a[k] + mu * sigma * W[k]) / (k + 1)
+
+
+@jit_lean
+def fly(x_rate, z, z_rate, a, W, n, along, height):
+    """Series (order n) of the horizontal velocity and the height of the centre of mass in flight."""
+    along[0], height[0], height[1] = x_rate, z, z_rate
+    for k in range(n):
+        along[k + 1] = -a[k] / (k + 1)
+        if k + 2 <= n:
+            height[k + 2] = -W[k] / ((k + 1) * (k + 2))
+
+
+@jit_lean
+def turning(of_sin, of_cos, theta, rate, n, out):
+    """Series (order n) of of_sin sin(theta) + of_cos cos(theta) while theta grows at a constant rate."""
+    sin_t, cos_t = math.sin(theta), math.cos(theta)
+    f, df, power = of_sin * sin_t + of_cos * cos_t, of_sin * cos_t - of_cos * sin_t, 1.0
+    for k in range(n + 1):
+        out[k] = f * power
+        f, df = df, -f  # derivatives by theta go round in fours
+        power *= rate / (k + 1)
