@@ -18,6 +18,7 @@ from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT, Block
 from rockcli.scene.contact import slides_first
+from rockcli.scene.damping import SCHEMES
 from rockcli.scene.excitation import Channel, Pulses, Samples
 from rockcli.scene.models import MODELS
 from rockcli.study.study import Study
@@ -182,11 +183,11 @@ def _model(batch: Batch) -> list[Row]:
     if batch.base is not None and batch.base.kw is not None:
         rows.append(Row("kw", "base kw [N/m3]", float(batch.base.kw[0])))
     rows.append(Row("damping", "damping", damping.scheme))
-    if damping.scheme in ("restitution", "fema356"):
+    if SCHEMES[damping.scheme].impacts:
         rows += [Row(f"eta{key}", f"eta{side}", float(damping.eta[0, edge])) for key, side, edge in _edges(batch.block)]
-    if damping.scheme == "dashpot" and damping.coefficient is not None:
+    if damping.coefficient is not None:
         rows.append(Row("coefficient", "dashpot coefficient", float(damping.coefficient[0])))
-    if damping.scheme == "hht" and damping.alpha_d is not None:
+    if damping.alpha_d is not None:
         rows.append(Row("alpha_d", "hht alpha_d", float(damping.alpha_d[0])))
     rows += [
         Row("theta_0", "initial theta [rad]", float(batch.theta_0[0])),

@@ -7,18 +7,7 @@ from typing import Any
 
 from rockcli.scene.auto import AUTO
 from rockcli.scene.models import DEFORMABLE, MODELS
-from rockcli.study.document.tree import Keys, Map, Source
-
-SCHEME_KEYS: dict[str, tuple[str, ...]] = {
-    "none": (),
-    "restitution": ("eta", "r_energy"),
-    "dashpot": ("coefficient",),
-    "fema356": ("W_over_Mg", "fixed_base_period", "spectrum"),
-    "hht": ("alpha_d",),
-}
-"""Keys of a damping scheme beside its name."""
-
-DAMPING: tuple[str, ...] = tuple(SCHEME_KEYS)
+from rockcli.study.document.tree import Map, Source
 
 DEFAULT_GEOMETRY = "negative_stiffness"
 
@@ -50,14 +39,6 @@ def model_and_geometry(source: Source, study: Map) -> tuple[str, str | None]:
             study, ("case", "geometry"), f": model {model} is available as {_list(str(g) for g in geometries)}"
         )
     return model, chosen
-
-
-def available(source: Source, study: Map, keys: Keys, value: str, known: tuple[str, ...], what: str) -> str:
-    """`value`, if this version knows it."""
-    if value not in known:
-        message = f": {what} {value} is not available in this version; available: {_list(known)}"
-        raise source.error(study, keys, message)
-    return value
 
 
 def _list(names: Any) -> str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, create_model
 
 from rockcli.scene.auto import AUTO
 from rockcli.scene.backends import AUTOMATIC, BACKEND_NAMES
+from rockcli.scene.damping import DEFAULT_SCHEME, SCHEMES, Key
 from rockcli.scene.models import DEFORMABLE, MODEL_NAMES
 from rockcli.scene.numerics import ACCURACIES, STANDARD
 from rockcli.scene.pulses import SHAPES
@@ -30,7 +31,6 @@ from rockcli.study.document.values import (
     Series,
     Text,
 )
-from rockcli.study.features import DAMPING
 
 MODELS = (*MODEL_NAMES, *DEFORMABLE, AUTO)
 PLOTS = ("histories", "bending", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")
@@ -226,17 +226,27 @@ class SpectrumPart(Part):
 Spectrum = Annotated[SpectrumPart | None, BeforeValidator(lambda v: {"shape": "motion"} if v == "motion" else v)]
 
 
-class DampingPart(Part):
-    """What is lost at impacts or between them."""
+def _of_scheme(said: Key) -> Any:
+    """What a key of a damping scheme takes."""
+    return Spectrum if not said.number else (Eta | None) if said.word else (Number | None)
 
-    scheme: Literal[DAMPING] = key("damping scheme", "restitution")  # type: ignore[valid-type]
-    eta: Eta | None = key("restitution: angular velocity after / before an impact, in [0, 1]; default housner")
-    r_energy: Number | None = key("restitution: kinetic energy after / before an impact, eta^2, in [0, 1]")
-    coefficient: Number | None = key("dashpot: coefficient [1]; default 0.02")
-    alpha_d: Number | None = key("hht: parameter in [2/3, 1]")
-    W_over_Mg: Number | None = key("fema356: weight over M g [1]")
-    fixed_base_period: Number | None = key("fema356: elastic period without rocking [s], for the rocking potential")
-    spectrum: Spectrum = key("fema356: `motion` (default) or a design spectrum")
+
+_SCHEME_KEYS: dict[str, Any] = {
+    "scheme": (Literal[tuple(SCHEMES)], key("damping scheme", DEFAULT_SCHEME)),
+    **{
+        said.name: (_of_scheme(said), key(f"{scheme.name}: {said.sentence}"))
+        for scheme in SCHEMES.values()
+        for said in scheme.keys
+    },
+}
+
+DampingPart = create_model(
+    "DampingPart",
+    __base__=Part,
+    __module__=__name__,
+    __doc__="What is lost at impacts or between them.",
+    **_SCHEME_KEYS,
+)
 
 
 class SolverPart(Part):
@@ -265,7 +275,7 @@ class CasePart(Part):
     geometry: Literal["negative_stiffness", "corotational"] | None = key("restoring law of models 1-4")
     column: ColumnPart | None = key("the column of the flexible models")
     base: BasePart | None = key("the base; default rigid")
-    damping: DampingPart = key("what is lost", DampingPart.model_construct())
+    damping: DampingPart = key("what is lost", DampingPart.model_construct())  # type: ignore[valid-type]
     solver: SolverPart = key("how it is solved", SolverPart.model_construct())
 
 
@@ -338,7 +348,7 @@ class StudyPart(Part):
 
 
 _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
-    ("CasePart", "damping"): {"enum": ["none", "restitution", "dashpot", "hht", "fema356"]},
+    ("CasePart", "damping"): {"enum": list(SCHEMES)},
     ("CasePart", "model"): {"enum": [*MODELS, 1, 2, 3, 4]},
     ("CasePart", "motion"): {"const": "none"},
     ("DampingPart", "spectrum"): {"const": "motion"},

@@ -146,7 +146,7 @@ def body_of(batch: Batch, case: int) -> Body:
     q_star = np.where(np.isfinite(law.q_star), law.q_star, 0.0)
     slope = -law.rs if model.linear else law.rc * np.sin(q_star) - law.rs * np.cos(q_star)
     damper = np.zeros_like(block.alpha)
-    if batch.damping.scheme == "dashpot" and batch.damping.coefficient is not None:
+    if batch.damping.coefficient is not None:
         coefficient, g = batch.damping.coefficient[:, None], batch.g[:, None]
         damper = dashpot_rate(coefficient, block.alpha, block.R, block.inertia, g)
     columns = (

@@ -8,32 +8,21 @@ from numpy.typing import NDArray
 from rockcli.scene.auto import AUTO, TOLERANCE
 from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import RECTANGLE_INERTIA, Block, housner_eta
+from rockcli.scene.block import RECTANGLE_INERTIA, Block
 from rockcli.scene.column import Base, Column
 from rockcli.scene.contact import slides_first
-from rockcli.scene.damping import DASHPOT, Damping, Fema356, dashpot_rate
-from rockcli.scene.excitation import Excitation
+from rockcli.scene.damping import Damping
 from rockcli.scene.models import CONTINUUM, DEFORMABLE
 from rockcli.scene.numerics import STANDARD, Numerics
-from rockcli.scene.spectra import SPECTRA, DesignSpectrum
+from rockcli.study.building.damping import build_damping, fema356_warnings
 from rockcli.study.building.ground_motion import build_excitation
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.records import Records
-from rockcli.study.document.tree import Keys, value_at
-from rockcli.study.features import DAMPING, SCHEME_KEYS, available, model_and_geometry
+from rockcli.study.document.tree import Keys
+from rockcli.study.features import model_and_geometry
 from rockcli.study.unused import unused_solver_keys
 
 Array = NDArray[np.float64]
-
-FEMA356_IS_POOR = (
-    "damping fema356 is an equivalent linear method known to be poor (on the source's pulses its peaks are off by "
-    "-43 to +66 %, docs/fema356.md): it is offered for comparison"
-)
-
-STRONGEST_DAMPER = 1e4
-"""Base damper above which a case is refused, c/(I_O p)."""
-
-CLAMPED = "Housner's eta is negative (tan alpha > sqrt 2 for a rectangle): taken as 0, the body stops at the impact"
 
 
 def build_batch(numbers: Numbers, records: Records, save: Save) -> Batch:
@@ -55,11 +44,11 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
     block = numbers.block
     p = block.p(g)
     numbers.require(("case", "g"), (p > 0.0) & (p < np.inf), "g and the block give no finite p")
-    damping = _damping(numbers, warnings)
+    damping = build_damping(numbers, warnings)
     excitation = build_excitation(numbers, records, warnings)
     theta_0, theta_dot_0 = _initial(numbers)
     if damping.fema356 is not None:
-        warnings += _fema356_warnings(
+        warnings += fema356_warnings(
             numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
         )
     warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
@@ -173,125 +162,6 @@ def _initial(numbers: Numbers) -> tuple[Array, Array]:
     if theta is not None:
         numbers.require((*keys, "theta"), np.abs(theta) < 0.5 * np.pi, "must be between -pi/2 and pi/2 (radians)")
     return numbers.array(0.0 if theta is None else theta), numbers.array(0.0 if theta_dot is None else theta_dot)
-
-
-def _damping(numbers: Numbers, warnings: list[str]) -> Damping:
-    keys: Keys = ("case", "damping")
-    given = {key: value for key, value in (numbers.tree["case"].get("damping") or {}).items() if value is not None}
-    scheme = available(numbers.source, numbers.tree, keys, given.get("scheme", "restitution"), DAMPING, "damping")
-    for key in given:
-        if key != "scheme" and key not in SCHEME_KEYS[scheme]:
-            numbers.fail((*keys, key), f"is no key of the damping scheme {scheme}")
-    if scheme == "none":
-        return Damping(scheme, np.ones((numbers.n, 2)))
-    if scheme == "dashpot":
-        coefficient = numbers.value((*keys, "coefficient"))
-        if coefficient is None:
-            coefficient = DASHPOT
-        numbers.require((*keys, "coefficient"), np.greater_equal(coefficient, 0.0), "must not be negative")
-        _not_overdamped(numbers, (*keys, "coefficient"), numbers.array(coefficient))
-        return Damping(scheme, np.ones((numbers.n, 2)), coefficient=numbers.array(coefficient))
-    if scheme == "hht":
-        alpha_d = numbers.value((*keys, "alpha_d"))
-        if alpha_d is not None:
-            inside = np.greater_equal(alpha_d, 2.0 / 3.0 - 1e-9) & np.less_equal(alpha_d, 1.0)
-            numbers.require((*keys, "alpha_d"), inside, "must be between 2/3 (most dissipation) and 1 (none)")
-        return Damping(scheme, np.ones((numbers.n, 2)), alpha_d=None if alpha_d is None else numbers.array(alpha_d))
-    if scheme == "fema356":
-        return Damping(scheme, np.maximum(housner_eta(numbers.block), 0.0), fema356=_fema356(numbers))
-    if "eta" in given and "r_energy" in given:
-        numbers.fail((*keys, "r_energy"), "eta and r_energy say the same thing; leave one out")
-    if given.get("eta", "housner") == "housner" and "r_energy" not in given:
-        eta = housner_eta(numbers.block)
-        if (eta < 0.0).any():
-            warnings.append(CLAMPED)
-            eta = np.maximum(eta, 0.0)
-        return Damping(scheme, eta)
-    key = "eta" if "eta" in given else "r_energy"
-    value = numbers.value((*keys, key))
-    assert value is not None
-    numbers.require((*keys, key), np.greater_equal(value, 0.0) & np.less_equal(value, 1.0), "must be between 0 and 1")
-    column = numbers.array(value if key == "eta" else np.sqrt(value))
-    return Damping(scheme, np.repeat(column[:, None], 2, axis=1))
-
-
-def _not_overdamped(numbers: Numbers, keys: Keys, coefficient: Array) -> None:
-    """Refuse a base damper so strong that the body creeps: explicit steps would have to be as short as c/I_O is large.
-
-    Raises:
-        StudyError: c/(I_O p) is above `STRONGEST_DAMPER`.
-    """
-    block, g = numbers.block, numbers.array(numbers.g)
-    rate = dashpot_rate(coefficient[:, None], block.alpha, block.R, block.inertia, g[:, None])
-    strong = f"makes a base damper of c/(I_O p) above {STRONGEST_DAMPER:g}, in which nothing rocks (2 is critical)"
-    numbers.require(keys, rate <= STRONGEST_DAMPER * block.p(g), f"{strong}: the usual coefficient is {DASHPOT}")
-
-
-def _fema356(numbers: Numbers) -> Fema356:
-    """The scheme's weight, elastic period and spectrum.
-
-    Raises:
-        StudyError: not positive, or the keys of the spectrum are not those of one shape.
-    """
-    keys: Keys = ("case", "damping")
-    weight, period = numbers.positive((*keys, "W_over_Mg")), numbers.positive((*keys, "fixed_base_period"))
-    return Fema356(
-        W_over_Mg=numbers.array(1.0 if weight is None else weight),
-        fixed_base_period=numbers.array(np.nan if period is None else period),
-        spectrum=_design_spectrum(numbers, (*keys, "spectrum")),
-    )
-
-
-def _design_spectrum(numbers: Numbers, keys: Keys) -> DesignSpectrum | None:
-    """The design spectrum, None for the motion's own."""
-    said = value_at(numbers.tree, keys)
-    if said is None or said == "motion":
-        return None
-    given = [key for key, value in said.items() if key not in ("shape", "units") and value is not None]
-    shape = said.get("shape") or ("table" if "periods" in given else None)
-    if shape is None:
-        numbers.fail(keys, f"needs a shape ({', '.join(SPECTRA)}), or periods and S_a of a table")
-    wanted = () if shape == "motion" else SPECTRA[shape].keys
-    for key in given:
-        if key not in wanted:
-            numbers.fail((*keys, key), f"is no key of the spectrum {shape}")
-    if shape == "motion":
-        return None
-    unit = numbers.g if said.get("units") == "g" else 1.0
-    values: dict[str, Array] = {}
-    for key in wanted:
-        at = (*keys, key)
-        if key not in given:
-            numbers.fail(keys, f"needs {key} for the spectrum {shape}")
-        if isinstance(said[key], list) != SPECTRA[shape].lists:
-            numbers.fail(at, f"must be a {'list' if SPECTRA[shape].lists else 'number'} for the spectrum {shape}")
-        items = [numbers.positive((*at, i)) for i in range(len(said[key]))] if SPECTRA[shape].lists else []
-        value = np.stack([numbers.array(item) for item in items if item is not None], axis=1) if items else None
-        if value is None:
-            one = numbers.positive(at)
-            assert one is not None
-            value = numbers.array(one)
-        scale = numbers.array(unit if key == "S_a" else 1.0)
-        values[key] = value * (scale[:, None] if items else scale)
-    if shape == "table":
-        numbers.require((*keys, "periods"), np.diff(values["periods"], axis=1) > 0.0, "must ascend")
-        same = len(said["periods"]) == len(said["S_a"])
-        numbers.require((*keys, "S_a"), same, "must have as many values as there are periods")
-    return DesignSpectrum(shape, values)
-
-
-def _fema356_warnings(numbers: Numbers, scheme: Fema356, excitation: Excitation, *, moving: bool) -> list[str]:
-    """What the scheme is worth, and what of the case it does not see."""
-    if scheme.spectrum is None and excitation.horizontal is None:
-        numbers.fail(("case", "damping"), "fema356 needs a ground motion, or a design spectrum under `spectrum`")
-    said = [FEMA356_IS_POOR]
-    if excitation.vertical is not None:
-        said.append("damping fema356 does not see the vertical motion")
-    if moving:
-        said.append("damping fema356 does not see the initial state")
-    if not numbers.block.symmetric.all():
-        said.append("damping fema356 knows one edge: that with the smaller alpha")
-    return said
 
 
 def _numerics(numbers: Numbers) -> Numerics:

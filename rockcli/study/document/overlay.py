@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from rockcli.scene.damping import SCHEMES
 from rockcli.scene.pulses import SHAPES
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Where
-from rockcli.study.features import SCHEME_KEYS
 
 Path = tuple[str, ...]
 
@@ -46,7 +46,7 @@ _OUTLINES = frozenset({"outline", "parts"})
 _ALL_SIZES = frozenset().union(*SIZES)
 
 KINDS: dict[str, dict[str, tuple[str, ...]]] = {
-    "scheme": SCHEME_KEYS,
+    "scheme": {name: tuple(key.name for key in scheme.keys) for name, scheme in SCHEMES.items()},
     "law": {"rigid": (), "winkler": ("kw", "fibres")},
     "shape": {name: shape.options for name, shape in SHAPES.items()},
 }
