@@ -19,3 +19,10 @@ NO_ROOT = -1.0
 
 MAX_ORDER = 30
 """Highest order of a Taylor step."""
+
+PATIENCE = 60.0
+"""A damped body near the separatrix is followed this many 1/p beyond the report."""
+
+MEANINGFUL = 1e-2
+"""Impacts slower than this fraction of p alpha say nothing about where a body goes: an impact carries (v/p alpha)^2
+less this squared, so that one just as slow changes nothing."""

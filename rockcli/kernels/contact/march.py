@@ -13,9 +13,11 @@ from rockcli.kernels.constants import (
     FALLS,
     FAST,
     MAX_ORDER,
+    MEANINGFUL,
     NO_ROOT,
     NOT_FINITE,
     OUT_OF_STEPS,
+    PATIENCE,
     RETURNS,
     UNDECIDED,
 )
@@ -40,19 +42,13 @@ from rockcli.kernels.rigid.series import slope, value
 
 zeros = zeros_maker()
 
-PATIENCE = 60.0
-"""A body that is not at rest is followed this many 1/p beyond the report."""
-
 DOWN = 1e-9
 """A corner or a base that bounces slower than this is taken as down [m/s]."""
 
-MEANINGFUL = 1e-2
-"""Impacts slower than this fraction of p alpha say nothing about where a body goes."""
-
-PARTS = 8
+LOOKS = 8
 """Parts of a step in which extremes are looked for."""
 
-NONE, ON_EDGE, ON_BASE = 0, 1, 2
+SETTLED, ON_EDGE, ON_BASE = 0, 1, 2
 """What the next mode is to be chosen for."""
 
 LANDS, TOPPLES, SLIPS, LEAVES, STOPS, JAMS, LIFTS, STRIKES = range(1, 9)
@@ -189,10 +185,10 @@ def march(
 
     while True:
         # the end
-        if t >= t_motion and pick == NONE and mode == REST and (not lasts or t >= t_stop):
+        if t >= t_motion and pick == SETTLED and mode == REST and (not lasts or t >= t_stop):
             out[to.VERDICT] = RETURNS
             break
-        if t >= t_stop and pick == NONE:
+        if t >= t_stop and pick == SETTLED:
             e = at.RIGHT if s > 0.0 else at.LEFT
             if mode in (REST, SLIDE):
                 sure = t >= t_motion
@@ -243,7 +239,7 @@ def march(
             h = within(W, n - 2, n, tol * g, h)
 
         # the mode, with the ground motion from now on
-        if pick != NONE:
+        if pick != SETTLED:
             first = t == 0.0 and out[to.N_STEPS] == 1
             if pick == ON_BASE:
                 q = v = 0.0
@@ -281,7 +277,7 @@ def march(
             else:
                 launch = 0
             unchanged = jumped and new == mode  # only rounding made a guard of it
-            mode, pick, jumped = new, NONE, False
+            mode, pick, jumped = new, SETTLED, False
             if not first and not unchanged:
                 note_event(t, mode, t_event, mode_event, out)
             if (mode in (ROCK, SLIDE_ROCK)) and math.isnan(out[to.T_UPLIFT]):
@@ -421,16 +417,16 @@ def march(
         counted = t < t_stop or not lasts
         if mode in (ROCK, SLIDE_ROCK):
             if counted:
-                extremes(c, n, x, PARTS, found)
+                extremes(c, n, x, LOOKS, found)
                 note_angle(found[0], s, t + found[1], out)
                 for k in range(n):
                     guard[k] = (k + 1) * c[k + 1]
-                extremes(guard, n - 1, x, PARTS, found)
+                extremes(guard, n - 1, x, LOOKS, found)
                 out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(found[0]), abs(found[2]))
-                extremes(N, n - 2, x, PARTS, found)
+                extremes(N, n - 2, x, LOOKS, found)
                 out[to.N_MIN] = min(out[to.N_MIN], found[2] / g)
             if value(c, n, x) >= alpha or reach >= alpha:
-                passed = last_passage(c, n, alpha, x, PARTS)
+                passed = last_passage(c, n, alpha, x, LOOKS)
                 if passed != NO_ROOT:
                     out[to.T_OVERTURN] = t + passed
             if counted:  # the top: slide + top sin(theta)
@@ -439,7 +435,7 @@ def march(
                     if mode == SLIDE_ROCK and k > 0:
                         guard[k] += slip[k - 1] / k
                 guard[0] += place
-                extremes(guard, n - 1, x, PARTS, found)
+                extremes(guard, n - 1, x, LOOKS, found)
                 out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(found[0]), abs(found[2]))
         elif mode == FLIGHT:
             out[to.N_MIN] = min(out[to.N_MIN], 0.0)
@@ -459,14 +455,14 @@ def march(
                     path[0] += x_0 - b
                     for k in range(1, n + 1):
                         path[k] += slip[k - 1] / k
-                    extremes(path, n, x, PARTS, found)
+                    extremes(path, n, x, LOOKS, found)
                     if part == 0:
                         note_slide(found[0], out)
                         note_slide(found[2], out)
                     else:
                         out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(found[0]), abs(found[2]))
         elif counted:
-            extremes(W, n, x, PARTS, found)
+            extremes(W, n, x, LOOKS, found)
             out[to.N_MIN] = min(out[to.N_MIN], found[2] / g)
         balance += work(par, mode, e, s, sigma, c, slip, height, n, x, a, W)
 
@@ -530,7 +526,7 @@ def march(
                 if turn == 0.0:
                     if z_rate > DOWN:
                         contact, launch, z = 3, 1, h_cm
-                        pick = NONE
+                        pick = SETTLED
                     else:
                         z_rate, u, pick = 0.0, x_rate, ON_BASE
                 else:
@@ -573,7 +569,7 @@ def march(
                 if k < n_store:
                     t_impact[k], rate_before[k], rate_after[k] = t, old, turn
                     out[to.IMPACTS_STORED] += 1
-            if pick == NONE:  # it bounces
+            if pick == SETTLED:  # it bounces
                 note_event(t, FLIGHT, t_event, mode_event, out)
                 continue
             if not (pick == ON_EDGE and q == 0.0 and v < 0.0):
@@ -630,7 +626,7 @@ def march(
             jumped = event != JAMS
             if event == JAMS or stalled <= 3:
                 continue
-        pick, jumped = NONE, False
+        pick, jumped = SETTLED, False
         if event == SLIPS:
             sigma, u, launch = way, 0.0, (1 if mu_s == mu_k else 0)
             if mode == ROCK and stiffness(par, e, alpha - q, mu_k * s * sigma) <= 0.0:

@@ -14,10 +14,12 @@ from rockcli.kernels.constants import (
     FALLS,
     FAST,
     MAX_ORDER,
+    MEANINGFUL,
     NO_ROOT,
     NOT_FINITE,
     NOT_YET,
     OUT_OF_STEPS,
+    PATIENCE,
     RETURNS,
     UNDECIDED,
 )
@@ -36,15 +38,8 @@ zeros = zeros_maker()
 
 REST, ROCK = 0, 1
 
-PATIENCE = 60.0
-"""A damped body near the separatrix is followed this many 1/p beyond the report."""
-
 OUTCOME, PEAKS, ALL = 0, 1, 2
 """How much is wanted: the outcome; peaks and times too; forces, rates and the energy balance too."""
-
-MEANINGFUL = 1e-2
-"""Impacts slower than this fraction of p alpha say nothing about where a body goes: an impact carries (v/p alpha)^2
-less this squared, so that one just as slow changes nothing."""
 
 
 @jit

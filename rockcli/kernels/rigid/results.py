@@ -11,7 +11,7 @@ from __future__ import annotations
 alpha of that edge; MU, N_MIN over [0, T_END], *_STANDING up to the last outward passage of the equilibrium; ENERGY
 not accounted for, over m g; ONTO_* counted impacts that landed on each edge; IMPACTS_STORED of them; PEAK_LEFT,
 PEAK_RIGHT largest |theta| to each side (of bodies of two equal edges that of the side of PEAK alone); SWINGS what the
-impacts carry, and SWINGS_T the same times their time [s] (`march.MEANINGFUL`; of single-body kernels); the length."""
+impacts carry, and SWINGS_T the same times their time [s] (`MEANINGFUL`; of single-body kernels); the length."""
 
 # a sliding case, beside the above
 SLIDE_PEAK, SLIDE_END, T_FLIGHT, SLIDE_OUT = range(N_OUT, N_OUT + 4)
