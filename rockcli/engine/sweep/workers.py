@@ -1,4 +1,7 @@
-"""Processes that solve chunks on this machine; one that dies costs no more than what it was at."""
+"""The pool of worker processes on this machine; one that dies costs no more than the chunk it was at.
+
+Why it is not `concurrent.futures`: docs/sweeps.md, "Worker processes".
+"""
 
 from __future__ import annotations
 
