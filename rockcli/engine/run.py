@@ -57,18 +57,22 @@ def solve_study(source: dict[str, Any] | str | Path) -> xarray.Dataset:
 
 def solve(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Contents:
     """Solve a checked study in memory, by itself or as `sweep` says."""
+    sweep = sweep or Sweep(Team(), progress=progress)
     with np.errstate(all="ignore"):  # what is not finite is a result
         if study.search is not None:
-            found = _searched(study, progress, sweep or Sweep(Team()))
+            found = _searched(study, sweep)
         else:
-            found = assemble(study, (solve_refined if study.refine else solve_cases)(study, progress, sweep))
-    team, progress = (sweep.team, sweep.progress) if sweep else (None, progress)
-    return with_audit(derive(found, study), study, team, progress)
+            found = assemble(study, (solve_refined if study.refine else solve_cases)(study, sweep=sweep))
+    return _with_derived(found, study, sweep)
 
 
-def _searched(study: Study, progress: Progress | None, sweep: Sweep) -> Contents:
+def _with_derived(contents: Contents, study: Study, sweep: Sweep) -> Contents:
+    """Solved cases with all that follows from them, whether they were solved now or are those of a finished dataset."""
+    return with_audit(derive(contents, study), study, sweep.team, sweep.progress)
+
+
+def _searched(study: Study, sweep: Sweep) -> Contents:
     """What a search found, and what is known of its cases without solving them."""
-    sweep.progress = progress or sweep.progress
     thresholds, failed = find_overturning(study, sweep)
     results = describe_cases(study)
     for sentence, cases in failed.items():
@@ -168,7 +172,7 @@ def run_study(
         known = 0
         if path.exists() and not fresh:
             if netcdf.identity(path) == study.identity:
-                contents, status = _renewed(study, path, team, progress), UP_TO_DATE
+                contents, status = _renewed(study, path, sweep), UP_TO_DATE
                 return _told(study, contents, status, path, started, plot_format if plots else None, si=si)
             old = taken_over(study, netcdf.read(path))
             assert old is not None
@@ -240,13 +244,13 @@ def _told(
     )
 
 
-def _renewed(study: Study, path: Path, team: Team, progress: Progress | None) -> Contents:
+def _renewed(study: Study, path: Path, sweep: Sweep) -> Contents:
     """The finished dataset, with the study's present words, comparison and curves; rewritten only if they changed."""
     contents = netcdf.read(path)
     if contents.attrs.get("study") == study.resolved_yaml:
         return contents
     described = Contents(contents.axes, contents.fields, refreshed(contents.attrs, study))
-    contents = with_audit(derive(described, study), study, team, progress)
+    contents = _with_derived(described, study, sweep)
     netcdf.write(contents, path)
     return contents
 
