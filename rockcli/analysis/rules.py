@@ -11,11 +11,10 @@ from rockcli.analysis.measures import peaks
 from rockcli.analysis.suites import members
 from rockcli.errors import StudyError
 from rockcli.motion.spectrum import displacement_spectrum, forcing
-from rockcli.scene import rules
 from rockcli.scene.batch import Batch
 from rockcli.scene.damping import Fema356
 from rockcli.scene.excitation import Channel, Samples
-from rockcli.scene.rules import RULES
+from rockcli.scene.rules import RULES, Facts
 from rockcli.solvers import fema356
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.cases.buildable import buildable
@@ -26,12 +25,8 @@ Array = NDArray[np.float64]
 MOST = 20_000
 """Cases for which a response spectrum each is reasonable."""
 
-_HOUSNER_PERIODS, _HOUSNER_ZETA = np.linspace(0.1, 2.5, 49), 0.05
 _PERIODS = np.geomspace(0.05, 16.0, 160)
 """Periods [s] between which a record's spectrum is interpolated (a pulse scales them by its own period)."""
-
-_SCAN = np.geomspace(1e-3, 1.0, 400)
-"""theta/alpha at which capacity and demand are compared; the root is found between two of them."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +47,9 @@ class Misled:
 
 def check_rules(study: Study) -> None:
     """`StudyError` if there are too many cases for the rules asked for."""
-    if study.size > MOST and {"housner", "asce43", "fema356"} & set(study.rules):
-        who = "housner, asce43 and fema356 take a response spectrum per case"
+    if study.size > MOST and any(RULES[name].spectral for name in study.rules):
+        *many, last = (name for name, rule in RULES.items() if rule.spectral)
+        who = f"{', '.join(many)} and {last} take a response spectrum per case"
         raise StudyError(f"rules: {who}; at most {MOST} cases, not {study.size}", file=study.file)
 
 
@@ -97,29 +93,20 @@ def _evaluate(name: str, batch: Batch) -> Array:
     block, motion, n = batch.block, batch.excitation.horizontal, batch.size
     if motion is None:
         return np.full(n, np.nan)
-    R, alpha = block.of_weak_edge(block.R), block.of_weak_edge(block.alpha)
-    inertia, p = block.of_weak_edge(block.inertia), block.of_weak_edge(batch.p)
     pga, pgv = peaks(motion, n, batch.excitation.duration)
-    if name == "west":
-        return rules.west(pga, np.tan(alpha), batch.g)
-    if name == "ishiyama":
-        return rules.ishiyama(pga, pgv, R, alpha, inertia, batch.g)
-    if name == "fema356":
-        return _fema356(batch)
-    spectra = _Spectra(motion, batch.excitation.duration)
-    out = np.empty(n)
-    for i in range(n):
-        if name == "housner":
-            S_v = spectra.S_a(i, _HOUSNER_ZETA, _HOUSNER_PERIODS) * _HOUSNER_PERIODS / (2.0 * np.pi)
-            out[i] = np.mean(0.5 * (S_v[1:] + S_v[:-1]))
-            continue
-        tan_alpha, h = float(np.tan(alpha[i])), float(R[i] * np.cos(alpha[i]))
-        zeta = min(rules.asce43_damping(tan_alpha, float(inertia[i])), 0.99)
-        T, S_a = spectra.interpolated(i, zeta)
-        capacity, f = rules.asce43_capacity(alpha[i] * _SCAN, h, tan_alpha, float(inertia[i]), float(batch.g[i]))
-        demand = np.interp(1.0 / f, T, S_a, left=pga[i])
-        out[i] = _largest_root(demand / capacity - 1.0) if pga[i] > batch.g[i] * tan_alpha else 0.0
-    return rules.housner(out, p, alpha, batch.g) if name == "housner" else out
+    return RULES[name].of(
+        Facts(
+            R=block.of_weak_edge(block.R),
+            alpha=block.of_weak_edge(block.alpha),
+            inertia=block.of_weak_edge(block.inertia),
+            p=block.of_weak_edge(batch.p),
+            g=batch.g,
+            pga=pga,
+            pgv=pgv,
+            spectra=_Spectra(motion, batch.excitation.duration),
+            fema356=lambda: _fema356(batch),
+        )
+    )
 
 
 def _fema356(batch: Batch) -> Array:
@@ -129,18 +116,6 @@ def _fema356(batch: Batch) -> Array:
     damping = replace(batch.damping, scheme="fema356", fema356=scheme)
     found = fema356.solve(replace(batch, model="rigid", geometry=None, damping=damping, save=wanted)).scalars
     return np.asarray(found["theta_peak_over_alpha"], dtype=np.float64)
-
-
-def _largest_root(excess: Array) -> float:
-    """theta/alpha from which on the capacity is enough; inf if it is not at alpha."""
-    over = np.flatnonzero(excess > 0.0)
-    if not len(over):
-        return float(_SCAN[0])
-    last = int(over[-1])
-    if last == len(_SCAN) - 1:
-        return float("inf")
-    share = excess[last] / (excess[last] - excess[last + 1])
-    return float(_SCAN[last] + share * (_SCAN[last + 1] - _SCAN[last]))
 
 
 class _Spectra:

@@ -38,8 +38,6 @@ with accelerations in g) and its warnings."""
 SCALARS: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak")
 """Scalars whose fractiles are taken."""
 
-SHARES: tuple[str, ...] = ("p_overturned", "p_overturned_low", "p_overturned_high")
-
 _FRACTILES: dict[str, float] = {"p16": 0.16, "p50": 0.5, "p84": 0.84}
 
 _WORDS = {"p16": "16th percentile", "p50": "median", "p84": "84th percentile", "mean": "mean"}
@@ -68,6 +66,25 @@ class Members:
     def values(self, scalar: Array) -> Array:
         """A scalar of the members, inf where at least half of the runs overturn, NaN where it is not known."""
         return np.where(self.share >= 0.5, np.inf, np.where(self.answered & ~self.divided, scalar, np.nan))
+
+
+def _fell(became: Members, at: int) -> Array:
+    return np.asarray(np.nansum(became.share, axis=at))
+
+
+def _answered(became: Members, at: int) -> Array:
+    return np.asarray(became.answered.sum(axis=at))
+
+
+STATISTICS: dict[str, Callable[[Members, int], Array]] = {
+    "n_answered": _answered,
+    "p_overturned": lambda became, at: _fell(became, at) / _answered(became, at),
+    "p_overturned_low": lambda became, at: _fell(became, at) / became.share.shape[at],
+    "p_overturned_high": lambda became, at: (
+        (_fell(became, at) + became.share.shape[at] - _answered(became, at)) / became.share.shape[at]
+    ),
+}
+"""What is told of what became of the members, at every point of the other axes: `of(members, axis of the members)`."""
 
 
 def with_ensembles(contents: Contents, study: Study) -> Contents:
@@ -107,7 +124,7 @@ def variables(study: Study) -> set[str]:
     found = {"n_answered"}
     if study.search is not None:
         return found | set(study.search.results(over))
-    found |= {*SHARES, *(f"{name}_{end}" for name in SCALARS if name in study.scalars for end in over.ends)}
+    found |= {*STATISTICS, *(f"{name}_{end}" for name in SCALARS if name in study.scalars for end in over.ends)}
     if PEAK in study.scalars:
         found |= {"demand_spearman", "demand_pearson", "n_moving"}
     if over.along is not None:
@@ -135,11 +152,7 @@ def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field
     axes, at = contents.axes, contents.axes.index(over.axis)
     rest = tuple(axis for axis in axes if axis != over.axis)
     became = members(contents)
-    n, fell = became.answered.sum(axis=at), np.nansum(became.share, axis=at)
-    every = became.share.shape[at]
-    added = {"n_answered": variable_field("n_answered", rest, n)}
-    for name, values in zip(SHARES, (fell / n, fell / every, (fell + every - n) / every), strict=True):
-        added[name] = variable_field(name, rest, values)
+    added = {name: variable_field(name, rest, of(became, at)) for name, of in STATISTICS.items()}
     for name in SCALARS:
         if name in contents.fields:
             values = became.values(contents.values(name))

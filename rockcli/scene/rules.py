@@ -6,7 +6,9 @@ out (docs/rules.md).  None of them is a history; they are here to be measured ag
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,70 +19,65 @@ ISHIYAMA_FACTOR = 0.4
 """Of the impulsive velocity that overturns a standing block: Ishiyama's lower limit for earthquakes."""
 
 
+HOUSNER_PERIODS, HOUSNER_ZETA = np.linspace(0.1, 2.5, 49), 0.05
+"""Periods [s] over which the pseudo-velocity of Housner's rule is averaged, and its damping ratio."""
+
+_SCAN = np.geomspace(1e-3, 1.0, 400)
+"""theta/alpha at which capacity and demand are compared; the root is found between two of them."""
+
+
+class Spectra(Protocol):
+    """Pseudo-acceleration of the motion of every case."""
+
+    def S_a(self, case: int, zeta: float, periods: Array) -> Array:
+        """At periods (m,) [s]: (m,) [m/s^2]."""
+        ...
+
+    def interpolated(self, case: int, zeta: float) -> tuple[Array, Array]:
+        """Periods [s], ascending, and values to interpolate between."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Facts:
+    """What a rule may ask about n cases: body about the edge that gives way first, and motion, (n,) each, SI.
+
+    `spectra`: of the motions.  `fema356()`: rotation over alpha by the damping scheme of that name.
+    """
+
+    R: Array
+    alpha: Array
+    inertia: Array
+    p: Array
+    g: Array
+    pga: Array
+    pgv: Array
+    spectra: Spectra
+    fema356: Callable[[], Array]
+
+
 @dataclass(frozen=True)
 class Rule:
-    """A row: name in the study, the variable it fills, from where it speaks of overturning, source and caveat.
+    """A row.
 
-    `limit`: values above it predict overturning (inf: only an infinite value does).
+    Attributes:
+        name: in the study; variable, symbol, meaning: of what it fills in the dataset.
+        limit: values above it predict overturning (inf: only an infinite value does).
+        of: the value of every case, (n,).
+        sentence, source, caveat: what it is, where it is from, what it leaves out.
+        spectral: whether it takes a response spectrum per case.
     """
 
     name: str
     variable: str
+    symbol: str
+    meaning: str
     limit: float
+    of: Callable[[Facts], Array]
     sentence: str
     source: str
     caveat: str
-
-
-_ROWS: tuple[Rule, ...] = (
-    Rule(
-        "west",
-        "west_ratio",
-        1.0,
-        "PGA over g b/h",
-        "West, in Milne (1885), Trans. Seismological Society of Japan 8",
-        "the acceleration at which a body lifts, not at which it overturns: on the safe side",
-    ),
-    Rule(
-        "ishiyama",
-        "ishiyama_ratio",
-        1.0,
-        "the smaller of PGA over g b/h and PGV over 0.4 of the impulsive velocity that overturns",
-        "Ishiyama (1982), Earthq. Eng. Struct. Dyn. 10; (1984), 8th WCEE",
-        "lower limits from simulations and tests: overturning needs both, and may not happen beyond them",
-    ),
-    Rule(
-        "housner",
-        "housner_ratio",
-        1.0,
-        "p S_v/g over alpha: beyond 1 overturning is more likely than not",
-        "Housner (1963), Bull. Seism. Soc. Am. 53(2)",
-        "a probability of 50 %, for a constant velocity spectrum and slender bodies; S_v is taken as the mean "
-        "pseudo-velocity of 5 % damping over periods of 0.1 to 2.5 s",
-    ),
-    Rule(
-        "asce43",
-        "asce43_theta_over_alpha",
-        np.inf,
-        "best-estimate rotation over alpha; infinite where the spectrum exceeds the capacity at theta = alpha",
-        "ASCE/SEI 43-05, appendix A.2",
-        "an equivalent oscillator on the response spectrum; horizontal motion alone; where several rotations "
-        "satisfy it, the largest",
-    ),
-    Rule(
-        "fema356",
-        "fema356_theta_over_alpha",
-        np.inf,
-        "rotation over alpha by the rocking procedure; infinite where it has no solution",
-        "FEMA-356 (2000), section 4.4.2 and the source's (3.4)-(3.7)",
-        "an equivalent oscillator on the response spectrum, known to be poor (docs/fema356.md); the whole weight "
-        "at the base",
-    ),
-)
-
-RULES: dict[str, Rule] = {row.name: row for row in _ROWS}
-
-RULE_NAMES: tuple[str, ...] = tuple(RULES)
+    spectral: bool = False
 
 
 def impulsive_velocity(R: Array, alpha: Array, inertia: Array, g: Array) -> Array:
@@ -130,3 +127,106 @@ def asce43_damping(tan_alpha: float, inertia: float) -> float:
     C_R = 1.0 - 2.0 * tan_alpha**2 / (inertia * (1.0 + tan_alpha**2))
     gamma = -2.0 * np.log(max(C_R, 1e-12))
     return float(gamma / np.hypot(2.0 * np.pi, gamma))
+
+
+def _housner(facts: Facts) -> Array:
+    S_v = np.empty(len(facts.g))
+    for i in range(len(S_v)):
+        of_period = facts.spectra.S_a(i, HOUSNER_ZETA, HOUSNER_PERIODS) * HOUSNER_PERIODS / (2.0 * np.pi)
+        S_v[i] = np.mean(0.5 * (of_period[1:] + of_period[:-1]))
+    return housner(S_v, facts.p, facts.alpha, facts.g)
+
+
+def _asce43(facts: Facts) -> Array:
+    out = np.empty(len(facts.g))
+    for i, (R, alpha, inertia, g, pga) in enumerate(
+        zip(facts.R, facts.alpha, facts.inertia, facts.g, facts.pga, strict=True)
+    ):
+        tan_alpha, h = float(np.tan(alpha)), float(R * np.cos(alpha))
+        zeta = min(asce43_damping(tan_alpha, float(inertia)), 0.99)
+        T, S_a = facts.spectra.interpolated(i, zeta)
+        capacity, f = asce43_capacity(alpha * _SCAN, h, tan_alpha, float(inertia), float(g))
+        demand = np.interp(1.0 / f, T, S_a, left=pga)
+        out[i] = _largest_root(demand / capacity - 1.0) if pga > g * tan_alpha else 0.0
+    return out
+
+
+def _largest_root(excess: Array) -> float:
+    """theta/alpha from which on the capacity is enough; inf if it is not at alpha."""
+    over = np.flatnonzero(excess > 0.0)
+    if not len(over):
+        return float(_SCAN[0])
+    last = int(over[-1])
+    if last == len(_SCAN) - 1:
+        return float("inf")
+    share = excess[last] / (excess[last] - excess[last + 1])
+    return float(_SCAN[last] + share * (_SCAN[last + 1] - _SCAN[last]))
+
+
+_ROWS: tuple[Rule, ...] = (
+    Rule(
+        "west",
+        "west_ratio",
+        r"$\mathrm{PGA}/(g\,\tan\alpha)$",
+        "rule of West: overturning predicted above 1",
+        1.0,
+        lambda facts: west(facts.pga, np.tan(facts.alpha), facts.g),
+        "PGA over g b/h",
+        "West, in Milne (1885), Trans. Seismological Society of Japan 8",
+        "the acceleration at which a body lifts, not at which it overturns: on the safe side",
+    ),
+    Rule(
+        "ishiyama",
+        "ishiyama_ratio",
+        r"$r_{\mathrm{Ishiyama}}$",
+        "rule of Ishiyama: overturning possible above 1",
+        1.0,
+        lambda facts: ishiyama(facts.pga, facts.pgv, facts.R, facts.alpha, facts.inertia, facts.g),
+        "the smaller of PGA over g b/h and PGV over 0.4 of the impulsive velocity that overturns",
+        "Ishiyama (1982), Earthq. Eng. Struct. Dyn. 10; (1984), 8th WCEE",
+        "lower limits from simulations and tests: overturning needs both, and may not happen beyond them",
+    ),
+    Rule(
+        "housner",
+        "housner_ratio",
+        r"$p S_v/(g\alpha)$",
+        "rule of Housner: overturning likelier than not above 1",
+        1.0,
+        _housner,
+        "p S_v/g over alpha: beyond 1 overturning is more likely than not",
+        "Housner (1963), Bull. Seism. Soc. Am. 53(2)",
+        "a probability of 50 %, for a constant velocity spectrum and slender bodies; S_v is taken as the mean "
+        "pseudo-velocity of 5 % damping over periods of 0.1 to 2.5 s",
+        spectral=True,
+    ),
+    Rule(
+        "asce43",
+        "asce43_theta_over_alpha",
+        r"$\theta_{\mathrm{ASCE\ 43}}/\alpha$",
+        "ASCE 43-05: best-estimate rotation over alpha; inf: overturning predicted",
+        np.inf,
+        _asce43,
+        "best-estimate rotation over alpha; infinite where the spectrum exceeds the capacity at theta = alpha",
+        "ASCE/SEI 43-05, appendix A.2",
+        "an equivalent oscillator on the response spectrum; horizontal motion alone; where several rotations "
+        "satisfy it, the largest",
+        spectral=True,
+    ),
+    Rule(
+        "fema356",
+        "fema356_theta_over_alpha",
+        r"$\theta_{\mathrm{FEMA}}/\alpha$",
+        "FEMA-356 as a rule: rotation over alpha; inf: overturning predicted",
+        np.inf,
+        lambda facts: facts.fema356(),
+        "rotation over alpha by the rocking procedure; infinite where it has no solution",
+        "FEMA-356 (2000), section 4.4.2 and the source's (3.4)-(3.7)",
+        "an equivalent oscillator on the response spectrum, known to be poor (docs/fema356.md); the whole weight "
+        "at the base",
+        spectral=True,
+    ),
+)
+
+RULES: dict[str, Rule] = {row.name: row for row in _ROWS}
+
+RULE_NAMES: tuple[str, ...] = tuple(RULES)

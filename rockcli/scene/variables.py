@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rockcli.scene.rules import RULES
+
 CASE, TIME, IMPACT, ROTATION = "case", "time", "impact", "rotation"
 SUITE, LIMIT, MEASURE = "suite", "limit_state", "measure"
 SETTING = "setting"
@@ -375,25 +377,7 @@ _ROWS: tuple[Variable, ...] = (
         "1",
         "largest |model - block| of the overturning moment over the block's at 0",
     ),
-    Variable("west_ratio", r"$\mathrm{PGA}/(g\,\tan\alpha)$", CASE, "1", "rule of West: overturning predicted above 1"),
-    Variable("ishiyama_ratio", r"$r_{\mathrm{Ishiyama}}$", CASE, "1", "rule of Ishiyama: overturning possible above 1"),
-    Variable(
-        "housner_ratio", r"$p S_v/(g\alpha)$", CASE, "1", "rule of Housner: overturning likelier than not above 1"
-    ),
-    Variable(
-        "asce43_theta_over_alpha",
-        r"$\theta_{\mathrm{ASCE\ 43}}/\alpha$",
-        CASE,
-        "1",
-        "ASCE 43-05: best-estimate rotation over alpha; inf: overturning predicted",
-    ),
-    Variable(
-        "fema356_theta_over_alpha",
-        r"$\theta_{\mathrm{FEMA}}/\alpha$",
-        CASE,
-        "1",
-        "FEMA-356 as a rule: rotation over alpha; inf: overturning predicted",
-    ),
+    *(Variable(rule.variable, rule.symbol, CASE, "1", rule.meaning) for rule in RULES.values()),
 )
 
 VARIABLES: dict[str, Variable] = {row.name: row for row in (*_ROWS, *_SUITE_ROWS)}
