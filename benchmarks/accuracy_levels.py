@@ -212,7 +212,7 @@ def main() -> None:
     kernels.load(compile_them=True)
     own = sorted((HERE.parent / "records").glob("*.AT2"))
     sets: dict[str, tuple[list[Batch], int]] = {
-        "pulses of the source": (list(scenes.pulses()), 90),
+        "pulses of the thesis": (list(scenes.pulses()), 90),
         "200 x 200 Ricker map": (list(scenes.pulse_map()), 0),
         "synthetic records": (list(scenes.records(own, np.linspace(1.1, 3.0, 200))), 0),
         "beside a boundary": (list(scenes.near_boundary(overturns)), 90),

@@ -19,7 +19,7 @@ from rockcli.scene.pulses import make_pulses
 
 G = 9.81
 PULSES = {2.0: (3.0, 4.44), 5.0: (2.0, 2.66), 10.0: (1.4, 1.905)}
-"""R [m]: omega_p over pi of the Ricker and of the sine pulse (the source's Figs 7-16)."""
+"""R [m]: omega_p over pi of the Ricker and of the sine pulse (the thesis's Figs 7-16)."""
 
 MOTIONS = (
     "P695FF01_NORTHR_MUL009", "P695FF06_DUZCE_BOL090", "P695FF12_KOBE_NIS090", "P695FF21_LANDERS_CLW-LN",
@@ -63,7 +63,7 @@ def pulse(shape: str, a_p, omega_p, cycles: float | None = None) -> Excitation:
 
 
 def pulses() -> Iterator[Batch]:
-    """The source's pulses at forty amplitudes, as the block and as models 1 and 3."""
+    """The thesis's pulses at forty amplitudes, as the block and as models 1 and 3."""
     for R, both in PULSES.items():
         for shape, over_pi in zip(("ricker", "sine"), both, strict=True):
             tan_alpha = np.repeat([0.1, 0.2, 0.333], 40)

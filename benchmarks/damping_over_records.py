@@ -1,11 +1,11 @@
-"""The damping schemes of the source over recorded motions, against the block with its restitution.
+"""The damping schemes of the thesis over recorded motions, against the block with its restitution.
 
     python benchmarks/damping_over_records.py FOLDER_WITH_AT2_RECORDS [--times 2]
 
 Two blocks (R = 5 m, h/b = 10; R = 2 m, h/b = 6), every AT2 file of the folder scaled to `times` g tan(alpha).  The
 source tries event-based damping, a base dashpot, numerical (HHT) dissipation on no-tension fibres, and FEMA-356 on a
 record or two each; this does it on all of them.  Error: |peak - peak of the block| over the peak of the block, where
-both stand.  An `unresolved` case (HHT: two steps that disagree on the outcome) counts as a wrong outcome.  HHT is
+both remain stable.  An `unresolved` case (HHT: two steps that disagree on the outcome) counts as a wrong outcome.  HHT is
 stepped in 1e-4 s, compiled: some seconds of CPU a record.  Writes results/damping_over_records.csv and the table of
 docs/validation.md.
 """
@@ -92,7 +92,7 @@ def summary(values: np.ndarray, truth: np.ndarray) -> list[str]:
 def write_page(rows: list[list[Any]]) -> None:
     """The table of the page, between its markers."""
     lines = [
-        "| block | scheme | median error | 90th percentile | median with sign | both stand | same outcome | overturns / stands wrongly, unresolved |",
+        "| block | scheme | median error | 90th percentile | median with sign | both stable | same outcome | wrongly overturned / wrongly stable, unresolved |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for block, scheme, n, median, high, signed, stand, same, falls, stands, unresolved, _ in rows:

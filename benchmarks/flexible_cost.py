@@ -2,7 +2,7 @@
 
     python benchmarks/flexible_cost.py
 
-Fig. 60 of the source (50 x 5 m column, one sine of T_p = 1.6 s, a_p = 5 g tan alpha, zeta = .01, 16 s), 5 and 20 elements,
+Fig. 60 of the thesis (50 x 5 m column, one sine of T_p = 1.6 s, a_p = 5 g tan alpha, zeta = .01, 16 s), 5 and 20 elements,
 lumped masses, no loss at landings.  Peers: the project's own `frame` backend, compiled, and OpenSees where it is installed
 (its process start is in the time).
 

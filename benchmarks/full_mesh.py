@@ -1,4 +1,4 @@
-"""The source's claim about flexible bodies, measured: a column of 5 elements against a full mesh, in one run.
+"""The thesis's claim about flexible bodies, measured: a column of 5 elements against a full mesh, in one run.
 
     python benchmarks/full_mesh.py [--duration 10]
 

@@ -2,8 +2,8 @@
 
     python benchmarks/model_ranking.py [FOLDER_WITH_AT2_RECORDS]
 
-Peak theta/alpha of the linearised block and of models 1-4 in both geometries against the rigid block (event solver,
-accuracy reference), on the source's 18 pulse cases (R = 2, 5, 10 m; tan alpha = .1, .2, .333; Ricker and sine;
+Peak theta/alpha of the linearized block and of models 1-4 in both geometries against the rigid block (event solver,
+accuracy reference), on the thesis's 18 pulse cases (R = 2, 5, 10 m; tan alpha = .1, .2, .333; Ricker and sine;
 a_p = 3.6 g tan alpha) and on 20 recorded motions scaled to 2 g tan alpha (R = 2 m), each undamped and with Housner's
 restitution.  Without a folder of records the part on records is left as it stands.
 """
@@ -43,7 +43,7 @@ MODELS: tuple[tuple[str, str | None], ...] = (
 """Models 4 and 2 have the equations of 1 and 3."""
 
 LABELS = {
-    ("linearized", None): "linearised block (2.3)",
+    ("linearized", None): "linearized block (2.3)",
     ("1", "negative_stiffness"): "1-4, negative stiffness (2.4)-(2.8)",
     ("1", "corotational"): "1 and 4, corotational (2.9)",
     ("3", "corotational"): "2 and 3, corotational (2.10)",

@@ -2,7 +2,7 @@
 
     ROCK_CALCULIX_DIR=FOLDER nice -n 19 python benchmarks/partial_uplift.py [--to 0.02] [--accuracy draft]
 
-50 m x 5 m of concrete, zeta .01, a Ricker pulse of 4 s.  A real edge opens from M = m g b/3 on, the source's base all
+50 m x 5 m of concrete, zeta .01, a Ricker pulse of 4 s.  A real edge opens from M = m g b/3 on, the thesis's base all
 at once at m g b.  For every model the amplitude a_p/(g tan(alpha)) is bisected between one that stands and one that
 overturns.  A run of the mesh takes minutes, the bisection up to an hour: interrupted, it goes on where it stopped, from
 ../results/partial_uplift.json (delete it to begin again).  Nothing is kept of half a run; with ROCK_CALCULIX_DIR the

@@ -1,4 +1,4 @@
-"""What the source claims against what its figures' studies give: writes the table of docs/validation.md.
+"""What the thesis claims against what its figures' studies give: writes the table of docs/validation.md.
 
     rock run studies/seed/*.yaml studies/seed/mesh/*.yaml --skip-missing --no-plots --out results/seed
     python benchmarks/validation.py results/seed
@@ -26,7 +26,7 @@ OVERTURNED = 2
 
 @dataclass(frozen=True)
 class Claim:
-    """A row: the figures, what the source says of them, and what their datasets say: a sentence and a verdict."""
+    """A row: the figures, what the thesis says of them, and what their datasets say: a sentence and a verdict."""
 
     figures: str
     says: str
@@ -66,7 +66,7 @@ def solvers(fig03: xarray.Dataset) -> tuple[str, str]:
     )
 
 
-def linearised(fig04: xarray.Dataset) -> tuple[str, str]:
+def linearized(fig04: xarray.Dataset) -> tuple[str, str]:
     error = peaks(fig04, model="linearized") / peaks(fig04, model="rigid") - 1.0  # pulse, tan_alpha
     text = f"peak at tan alpha .1 / .333: {percent(error[0])} (Ricker), {percent(error[1])} (sine)"
     good = max(abs(error[:, 0])) < 0.02 and abs(error[0, 1]) > 0.05
@@ -203,7 +203,7 @@ def damped_column(fig63: xarray.Dataset, fig64: xarray.Dataset) -> tuple[str, st
     fate = ["overturns" if np.isinf(value) else f"{value:.3f}" for value in peaks(fig64)]
     listed = ", ".join(f"{name}: {end}" for name, end in zip(names, fate, strict=True))
     return (
-        f"Fig. 63: {lumped:.3f} alpha with the source's lumped masses, {five:.3f} / {twenty:.3f} with consistent ones (5 / 20). Fig. 64: {listed}",
+        f"Fig. 63: {lumped:.3f} alpha with the thesis's lumped masses, {five:.3f} / {twenty:.3f} with consistent ones (5 / 20). Fig. 64: {listed}",
         "Fig. 64 depends on the masses: it is at the boundary",
     )
 
@@ -231,7 +231,7 @@ def long_pulse(fig66: xarray.Dataset) -> tuple[str, str]:
 CLAIMS = (
     Claim("3", "ode45 and ode23s do not match so well; ode23s fits the real response", figures(3), solvers),
     Claim(
-        "4", "linearised: agrees very well if tan alpha is small; errors for larger slenderness", figures(4), linearised
+        "4", "linearized: agrees very well if tan alpha is small; errors for larger slenderness", figures(4), linearized
     ),
     Claim(
         "7-8, 11-12, 15-16, 19-20",
@@ -321,7 +321,7 @@ def main() -> None:
     before, rest = page.split(BEGIN)
     table, after = rest.split(END)
     standing = {line.split("|")[1].strip(): line for line in table.splitlines() if line.startswith("|")}
-    lines = ["| Fig. | the source says | measured | verdict |", "| --- | --- | --- | --- |"]
+    lines = ["| Fig. | the thesis says | measured | result |", "| --- | --- | --- | --- |"]
     lines += [row(claim, Path(sys.argv[1]), standing) for claim in CLAIMS]
     PAGE.write_text("\n".join([before + BEGIN, *lines, END]) + after, encoding="utf-8")
     print(f"wrote {PAGE}")

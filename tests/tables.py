@@ -2,12 +2,12 @@
 
 Computed with two independent high-precision routes (Taylor series of order 32 in 150-bit arithmetic, and DOP853 at
 1e-13; or a closed form) and rounded here to double precision.  Units: SI and radians; p t and theta/alpha where
-said.  `A` is a_p/(g tan alpha) for the nonlinear block and a_p/(g alpha) for the linearised one; `Omega` omega_p/p.
+said.  `A` is a_p/(g tan alpha) for the nonlinear block and a_p/(g alpha) for the linearized one; `Omega` omega_p/p.
 """
 
 from __future__ import annotations
 
-# The pulses of the source (Figs 3, 4, 7, 8, 30): a_p = 3.6 g tan(alpha), (2.2); good to 1e-8.  linear_peak: (2.3) with
+# The pulses of the thesis (Figs 3, 4, 7, 8, 30): a_p = 3.6 g tan(alpha), (2.2); good to 1e-8.  linear_peak: (2.3) with
 # a_p = 3.6 g alpha; linear_gtan_peak: the same with a_p = 3.6 g tan(alpha).
 SOURCE_PULSES = [
     {
@@ -554,7 +554,7 @@ SOURCE_PULSES = [
     },
 ]
 
-# The rigid halves of the source's chapter 4 (Figs 60, 63-66), (2.2); good to 1e-8.
+# The rigid halves of the thesis's chapter 4 (Figs 60, 63-66), (2.2); good to 1e-8.
 SOURCE_TOWERS = [
     {
         "shape": "ricker",

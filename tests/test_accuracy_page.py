@@ -52,7 +52,7 @@ def test_a_changed_row_is_seen(levels):
 
 LEAST = {
     "200 x 200 Ricker map": 40_000,
-    "pulses of the source": 2000,
+    "pulses of the thesis": 2000,
     "beside a boundary": 1000,
     "chatter": 10_000,
     "chaotic trains": 3000,

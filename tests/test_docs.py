@@ -35,7 +35,7 @@ HOMES = {
     "L": ("docs/sweeps.md",),
     "B": ("docs/sweeps.md",),
 }
-"""Pages of the equations (T4), (F3), ...; bare numbers such as (2.2) are the source's."""
+"""Pages of the equations (T4), (F3), ...; bare numbers such as (2.2) are the thesis's."""
 
 EQUATION = re.compile(rf"(?<![\w.])([{''.join(HOMES)}])([1-9]\d*)(?:-\1([1-9]\d*))?(?=[,)])")
 """In brackets, alone or in a row: (T4), (F1, F2), (docs/frame.md, B9-B13)."""

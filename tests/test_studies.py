@@ -51,7 +51,7 @@ PAGES = (
 """Patterns of the studies whose page is made by default."""
 
 WITHOUT_RESULT = {1, 2, 6, 9, 13, 17, 35, 40, 59}
-"""Figures of the source that show a photograph, a sketch of a model or of a procedure."""
+"""Figures of the thesis that show a photograph, a sketch of a model or of a procedure."""
 
 
 def _name(path: Path) -> str:

@@ -1,6 +1,6 @@
-"""Overturning of the linearised block without impact, in closed form: the Laplace-transform pre-screen.
+"""Overturning of the linearized block without impact, in closed form: the Laplace-transform pre-screen.
 
-After uplift at t_u the linearised block that has not come back to its base moves as a growing plus a decaying
+After uplift at t_u the linearized block that has not come back to its base moves as a growing plus a decaying
 exponential; it overturns if the growing one wins: with f = |a|/(g alpha), positive in the direction of uplift,
 
     p * integral of f(t) exp(-p (t - t_u)) dt from t_u on >= 1                                          (T11)
@@ -71,7 +71,7 @@ def with_prescreen(contents: Contents, study: Study) -> Contents:
                 with np.errstate(divide="ignore"):
                     needed = batch.g[rows] * alpha[rows] / (factor * critical_level(line, p[rows], first=first))
                 values[cases[rows]] = reference * needed
-    words = f"{search.axis.path} from which (T11) overturns the linearised block without impact"
+    words = f"{search.axis.path} from which (T11) overturns the linearized block without impact"
     fields = dict(contents.fields)
     for name, whence in zip(found, ("after its first uplift", "from rest, by the worst excursion"), strict=True):
         attrs = {"long_name": f"{words} {whence}", "units": search.axis.unit}
@@ -82,7 +82,7 @@ def with_prescreen(contents: Contents, study: Study) -> Contents:
 def critical_level(line: Line, p: Array, *, first: bool = True) -> Array:
     """Largest |a| (m,) [m/s^2] at which blocks of frequency parameters p (m,) [rad/s] may lift and overturn by (T11).
 
-    A linearised block overturns without impact from the factor g alpha/|a| on, unless an impact comes first.  With
+    A linearized block overturns without impact from the factor g alpha/|a| on, unless an impact comes first.  With
     `first` uplift is where |a| is larger than ever before, else wherever it grows; 0 where (T11) is never met.
     """
     t = np.concatenate([line.t[:1], line.t, line.t[-1:]])

@@ -44,7 +44,7 @@ def report_text(report: RunReport) -> str:
         often = f" ({counted(count, 'case')})" if report.cases > 1 else ""
         lines.append(_row("notes" if number == 0 else "", sentence + often))
     if len(report.reasons) > _MOST_REASONS:
-        others = counted(len(report.reasons) - _MOST_REASONS, "other sentence")
+        others = counted(len(report.reasons) - _MOST_REASONS, "other message")
         lines.append(_row("", f"and {others}, in `reasons` of the dataset"))
     lines += _rules(report)
     lines += [_row("suite" if number == 0 else "", words) for number, words in enumerate(report.suite)]
@@ -71,19 +71,23 @@ def _rules(report: RunReport) -> list[str]:
     """What the rules of thumb would have made of the same cases."""
     speaking = [rule for rule in report.rules if rule.cases]
     if report.rules and not speaking:
-        return [_row("rules", "say nothing here: they need a ground motion and an outcome")]
+        return [_row("rules", "not applicable: they need a ground motion and an outcome")]
     lines = []
     for number, rule in enumerate(speaking):
-        unsafe = f"{rule.unsafe:.4g} unsafe (stands by the rule, overturned by the history)"
-        words = f"{rule.name}: {unsafe}, {rule.wary:.4g} the other way, of {rule.cases}"
+        unsafe = f"{rule.unsafe:.4g} unconservative (stable by the rule, overturned by the history)"
+        words = f"{rule.name}: {unsafe}, {rule.wary:.4g} false alarms, of {rule.cases}"
         lines.append(_row("rules" if number == 0 else "", words))
     return lines
 
 
 def _survivors(report: RunReport) -> str:
     if report.refined is not None:
-        return " (largest of those solved that stand)"
-    return " (largest of those that stand)" if any(name.startswith("overturned") for name in report.outcomes) else ""
+        return " (largest of the solved cases that remain stable)"
+    return (
+        " (largest of the cases that remain stable)"
+        if any(name.startswith("overturned") for name in report.outcomes)
+        else ""
+    )
 
 
 def verdict_text(verdict: Verdict) -> str:

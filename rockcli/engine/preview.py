@@ -197,7 +197,7 @@ def _model(batch: Batch) -> list[Row]:
 
 
 def _motion(batch: Batch) -> list[Row]:
-    """Uplift at g tan(alpha), or g alpha of the linearised block; measures of the motion as it is used."""
+    """Uplift at g tan(alpha), or g alpha of the linearized block; measures of the motion as it is used."""
     block, pair = batch.block, (batch.model, batch.geometry)
     alpha, tan_alpha = block.of_weak_edge(block.alpha)[:1], block.of_weak_edge(block.tan_alpha)[:1]
     uplift = float((MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha)[0])

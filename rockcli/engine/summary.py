@@ -102,6 +102,8 @@ class RunReport:
             for v in self.verdicts
         ]
         del plain["verdicts"]
+        for rule in plain["rules"]:  # the old names of the two stay for one release
+            rule |= {"unconservative": rule["unsafe"], "false_alarms": rule["wary"]}
         return plain
 
 

@@ -36,7 +36,7 @@ RUNGS: dict[int, str] = {
     COLUMN: "flexible",
     WINKLER: "flexible_winkler",
 }
-"""Flags of `model_used`.  The linearised block is taken no more: it costs what choosing it would save."""
+"""Flags of `model_used`.  The linearized block is taken no more: it costs what choosing it would save."""
 
 AT_REST = "auto: none: the rigid block, the highest model of this body, stays at rest"
 

@@ -139,7 +139,7 @@ _ROWS: tuple[Backend, ...] = (
         "rockcli.solvers.frame.solver:solve",
         models=_BEAMS,
         damping=_RIGID | {"hht"},
-        sentence="beam elements on a yielding base stepped in time, as the source did: 3-10 us per step",
+        sentence="beam elements on a yielding base stepped in time, as the thesis did: 3-10 us per step",
         reads=_OF_BEAMS,
         automatic=False,
         ladder=_STEPS,

@@ -1,4 +1,4 @@
-"""The deformable column of the flexible model, and what it stands on (the source's chapter 4)."""
+"""The deformable column of the flexible model, and what it stands on (the thesis's chapter 4)."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Base:
     """What the column stands on.
 
     Attributes:
-        law: `rigid` (the source's all-or-nothing moment) or `winkler` (a no-tension elastic base).
+        law: `rigid` (the thesis's all-or-nothing moment) or `winkler` (a no-tension elastic base).
         kw: stiffness of the Winkler base, (n,) [N/m^3]; NaN for `rigid`.
         fibres: number of fibres of a discrete base (finite-element backends); None = their default.
     """

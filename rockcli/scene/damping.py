@@ -14,7 +14,7 @@ from rockcli.scene.spectra import DesignSpectrum
 Array = NDArray[np.float64]
 
 DASHPOT = 0.02
-"""The source's coefficient of the base damper (3.3)."""
+"""The thesis's coefficient of the base damper (3.3)."""
 
 STRONGEST_DAMPER = 1e4
 """Base damper above which a case is refused, c/(I_O p)."""

@@ -1,6 +1,6 @@
 """What a damping scheme loses per cycle of free rocking, against amplitude: impacts (3.1) and the base damper (3.3).
 
-The base damper is followed on the linearised block (2.3), in closed form but for one root per half swing.  With
+The base damper is followed on the linearized block (2.3), in closed form but for one root per half swing.  With
 y = alpha - q, a swing obeys y'' + d y' - p^2 y = 0, d = c/I_O, whose exponents are l+ > 0 > l-.
 """
 

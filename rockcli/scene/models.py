@@ -1,6 +1,6 @@
 """The models: what restores and what drives a rocking body, one row of a table each.
 
-In bounce coordinates q = |theta|, s = sgn(theta), every law of the source has the form
+In bounce coordinates q = |theta|, s = sgn(theta), every law of the thesis has the form
 
     q'' = -p^2 [ (1 + a_v/g) (r0 + rs sin q + rc cos q) + s (a_g/g) (fc cos q + fs sin q) ]
 

@@ -1,4 +1,4 @@
-"""Closed forms of the overturning of the linearised block (2.3) by a pulse, in the dimensionless groups.
+"""Closed forms of the overturning of the linearized block (2.3) by a pulse, in the dimensionless groups.
 
 With tau = p t, q = |theta|/alpha on the side of the first uplift, A = a_p/(g alpha) and Omega = omega_p/p,
 

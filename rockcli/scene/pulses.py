@@ -1,4 +1,4 @@
-"""Analytic pulses of the ground (the source's chapter 2 and the usual near-fault shapes).
+"""Analytic pulses of the ground (the thesis's chapter 2 and the usual near-fault shapes).
 
 tau = t - t0 and T_p = 2 pi / omega_p throughout; every pulse is zero for t < 0 and outside its support.
 A shape is one row of `SHAPES`: its name, the options it takes, and the function that writes its pieces.

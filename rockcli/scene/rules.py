@@ -220,7 +220,7 @@ _ROWS: tuple[Rule, ...] = (
         np.inf,
         lambda facts: facts.fema356(),
         "rotation over alpha by the rocking procedure; infinite where it has no solution",
-        "FEMA-356 (2000), section 4.4.2 and the source's (3.4)-(3.7)",
+        "FEMA-356 (2000), section 4.4.2 and the thesis's (3.4)-(3.7)",
         "an equivalent oscillator on the response spectrum, known to be poor (docs/fema356.md); the whole weight "
         "at the base",
         spectral=True,

@@ -309,7 +309,7 @@ _ROWS: tuple[Variable, ...] = (
         "energy kept per cycle",
         ROTATION,
         "1",
-        "energy after one cycle of free rocking over energy before, by amplitude; linearised for a dashpot (3.1), (3.3)",
+        "energy after one cycle of free rocking over energy before, by amplitude; linearized for a dashpot (3.1), (3.3)",
     ),
     Variable(
         "energy_ratio_block", r"$\eta^4$", ROTATION, "1", "the same for Housner's eta at each of two impacts (3.1)"

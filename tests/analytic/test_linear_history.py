@@ -1,4 +1,4 @@
-"""One sine cycle on the linearised block against the piecewise closed form (Zhang & Makris 2001, appendix)."""
+"""One sine cycle on the linearized block against the piecewise closed form (Zhang & Makris 2001, appendix)."""
 
 from __future__ import annotations
 

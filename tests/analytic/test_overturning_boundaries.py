@@ -74,7 +74,7 @@ def test_one_impact_where_there_is_none() -> None:
 
 
 def outcomes(pulse: dict[str, Any], eta: float, A: list[float]) -> list[int]:
-    """What becomes of linearised blocks at A = a_p/(g alpha)."""
+    """What becomes of linearized blocks at A = a_p/(g alpha)."""
     alpha = float(np.arctan(0.2))
     study = {
         "name": "flip",

@@ -1,4 +1,4 @@
-"""Batches of the full mesh for its tests: the source's 50 m x 5 m column of concrete."""
+"""Batches of the full mesh for its tests: the thesis's 50 m x 5 m column of concrete."""
 
 from __future__ import annotations
 

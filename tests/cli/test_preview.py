@@ -46,7 +46,7 @@ def test_model_and_damping(checked: Callable[..., Any]) -> None:
     assert found["backend"] == "event"
 
 
-def test_the_linearised_block_uplifts_at_alpha(checked: Callable[..., Any]) -> None:
+def test_the_linearized_block_uplifts_at_alpha(checked: Callable[..., Any]) -> None:
     case = f"{BLOCK}, model: linearized, initial: {{theta: 0.01}}, motion: {{{SINE}}}"
     first = checked(case, "--json")["first_case"]
     assert first["motion"]["uplift_g"] == pytest.approx(0.197396, rel=1e-5)

@@ -75,7 +75,7 @@ def _pairs() -> list[tuple[str, str, str, str | None, str]]:
     for one, other in itertools.combinations(BACKENDS.values(), 2):
         for model, geometry in sorted(one.models & other.models, key=str):
             for damping in sorted(one.damping & other.damping):
-                fibres = damping == "hht"  # model 4 on fibres that give way, as the source has it
+                fibres = damping == "hht"  # model 4 on fibres that give way, as the thesis has it
                 if not (fibres and (model, geometry) != ("4", "corotational")) and (model, damping) != (
                     "flexible",
                     "dashpot",

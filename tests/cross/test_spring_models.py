@@ -21,7 +21,7 @@ R, G_ = 2.0, G
 
 
 def restoring(model: str, geometry: str, alpha: float, theta: float, s: float) -> float:
-    """Restoring moment over m g R, as the source prints it: (2.4)-(2.7), (2.9), (2.10)."""
+    """Restoring moment over m g R, as the thesis prints it: (2.4)-(2.7), (2.9), (2.10)."""
     if geometry == "negative_stiffness":
         return np.sin(alpha * s - theta)
     if model in ("1", "4"):
@@ -179,7 +179,7 @@ def test_model_3_cannot_overturn_above_45_degrees():
     ("phi", "ratio"), [(0.1, 0.979500787190401849), (0.5, 0.952860421057191115), (0.9, 0.938254571323326494)]
 )
 def test_dashpot_energy_ratio_per_cycle(phi, ratio):
-    """(3.3) on the linearised block, tan(alpha) = 0.1: loss per cycle depends on amplitude (eta^4 = 0.9419)."""
+    """(3.3) on the linearized block, tan(alpha) = 0.1: loss per cycle depends on amplitude (eta^4 = 0.9419)."""
     body = block(R, 0.1)
     alpha = float(body.alpha[0, 0])
     batch = make_batch(body, pulse("half_sine", 0.0, 1.0), theta_0=phi * alpha, eta=1.0, histories=True, dt_out=1e-4)

@@ -1,4 +1,4 @@
-"""The studies of the source's static figures and of its first damped histories meet what they expect."""
+"""The studies of the thesis's static figures and of its first damped histories meet what they expect."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The Laplace-transform pre-screen against the linearised solver, and against the equation itself."""
+"""The Laplace-transform pre-screen against the linearized solver, and against the equation itself."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BODY = unit_block(ALPHA)  # p = 1
 
 
 def flips(excitation_at, factor: float) -> bool:
-    """Whether the linearised block overturns without impact from this factor on, to 1e-6."""
+    """Whether the linearized block overturns without impact from this factor on, to 1e-6."""
     outcomes = [
         int(
             rock(BODY, excitation_at(factor * (1.0 + e)), model="linearized", scalars=("outcome",)).scalars["outcome"][

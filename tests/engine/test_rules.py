@@ -124,7 +124,9 @@ def test_how_often_a_rule_misleads_is_counted_and_said() -> None:
     counted = {m.name: m for m in misled(contents)}
     assert (counted["west"].cases, counted["west"].unsafe, counted["west"].wary) == (3, 0, 1)
     report = report_on(opened, contents, status="solved")
-    assert "west: 0 unsafe" in report_text(report)
+    assert "west: 0 unconservative" in report_text(report)
+    row = report.as_dict()["rules"][0]
+    assert (row["unconservative"], row["false_alarms"]) == (row["unsafe"], row["wary"]) == (0, 1)
 
 
 def test_free_rocking_has_no_rule_and_too_many_cases_are_refused() -> None:
@@ -146,7 +148,7 @@ def test_rules_can_be_expected_and_are_redrawn_without_solving() -> None:
 
 
 def test_fema356_is_that_of_the_damping_scheme() -> None:
-    # the source's block of R = 5 m, tan(alpha) 0.1 under a Ricker pulse: theta/alpha .3508 by its own procedure
+    # the thesis's block of R = 5 m, tan(alpha) 0.1 under a Ricker pulse: theta/alpha .3508 by its own procedure
     case = {
         "block": {"R": 5.0, "tan_alpha": 0.1},
         "motion": {"pulse": {"shape": "ricker", "a_p_over_g_tan_alpha": 3.6, "omega_p": "2*pi"}},

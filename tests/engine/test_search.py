@@ -18,7 +18,7 @@ from rockcli.scene.thresholds import BELOW, BESIDE, BRACKETED, IN_RANGE, NONE, T
 
 A_P = "motion_pulse_a_p_overturning"
 ONE_SINE = {"lower": 3.0185998608717963664, "upper": 6.3180705298274460929, "again": 7.168}
-"""a_p/(g alpha) of the linearised block, omega_p/p = 5, eta 0.9: the first band, and where the second begins."""
+"""a_p/(g alpha) of the linearized block, omega_p/p = 5, eta 0.9: the first band, and where the second begins."""
 
 
 STANDS = (AT_REST, ROCKS)

@@ -1,6 +1,6 @@
 """Beyond the horizon of chaos: what can be compared is statistics (docs/extremes.md).
 
-Harmonic ground motion, Omega = 14, on the linearised block; figures of an independent event-driven map, 200 000 impacts.
+Harmonic ground motion, Omega = 14, on the linearized block; figures of an independent event-driven map, 200 000 impacts.
 """
 
 from __future__ import annotations

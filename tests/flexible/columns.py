@@ -1,4 +1,4 @@
-"""Columns of the source's chapter 4, built by hand."""
+"""Columns of the thesis's chapter 4, built by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The source's flexible column: known values, and the modal solver, which has no penalty spring and no small step."""
+"""The thesis's flexible column: known values, and the modal solver, which has no penalty spring and no small step."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def test_there_alpha_d_hardly_matters(alpha_d):
 def test_more_fibres_lose_less_at_the_first_impact():
     eta = [kept(kw=1e11, fibres=n)[0] for n in (2, 5, 21)]
     assert eta[0] < eta[1] < eta[2] < 1.0
-    assert eta[2] > 0.985  # the source: "not sensitive to the number of fibres"
+    assert eta[2] > 0.985  # the thesis: "not sensitive to the number of fibres"
 
 
 def test_a_soft_base_gives_everything_back():

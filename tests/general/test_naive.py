@@ -1,4 +1,4 @@
-"""sgn(theta) handed to a solver as it stands, and the source's Fig. 3."""
+"""sgn(theta) handed to a solver as it stands, and the thesis's Fig. 3."""
 
 from __future__ import annotations
 

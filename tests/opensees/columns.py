@@ -1,4 +1,4 @@
-"""The cases of the source that the tests solve with OpenSees."""
+"""The cases of the thesis that the tests solve with OpenSees."""
 
 from __future__ import annotations
 

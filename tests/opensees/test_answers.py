@@ -1,4 +1,4 @@
-"""What OpenSees answers, against the event-driven solvers and the source's flexible columns."""
+"""What OpenSees answers, against the event-driven solvers and the thesis's flexible columns."""
 
 from __future__ import annotations
 

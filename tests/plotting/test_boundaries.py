@@ -72,7 +72,7 @@ def test_every_map_of_a_figure_has_its_own() -> None:
     figure = figures.figure("map", mapped(vary={"model": ["linearized", "rigid", "3"]}))
     assert [drawn(axes) for axes in figure.axes[:3]] == [(1, 1), (1, 1), (0, 0)]
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels[-2:] == ["closed form (linearised): no impact", "closed form (linearised): one impact"]
+    assert labels[-2:] == ["closed form (linearized): no impact", "closed form (linearized): one impact"]
 
 
 @pytest.mark.parametrize(

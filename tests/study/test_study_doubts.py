@@ -67,7 +67,7 @@ class TestDoubts:
         scales = {"motion.pulse.a_p": a_p, "motion.pulse.T_p": {"from": 0.1, "to": 2, "n": 200}}
         assert warnings_of({"motion": {"pulse": SINE}}, vary=scales) == ()
 
-    def test_the_linearised_block_uplifts_at_alpha(self):
+    def test_the_linearized_block_uplifts_at_alpha(self):
         case = {"block": {"R": 2, "tan_alpha": 1.0}, "motion": {"pulse": {**SINE, "a_p": "0.9*g"}}}
         assert "too weak" in warnings_of(case)[0]
         assert warnings_of({**case, "model": "linearized"}) == ()

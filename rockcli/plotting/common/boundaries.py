@@ -49,8 +49,8 @@ _STYLES: dict[str, Any] = {"no impact": "-", "one impact": (0, (3.5, 1.6))}
 def draw_boundaries(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> tuple[str, ...]:
     """Draw what is known in closed form over one map, axes (x, y) of it; the labels of what was drawn.
 
-    Known are, for the linearised block from rest, overturning without impact by a full or half sine or a rectangular
-    pulse, and for the full sine overturning after one impact.  Over a map of the block they show the linearisation.
+    Known are, for the linearized block from rest, overturning without impact by a full or half sine or a rectangular
+    pulse, and for the full sine overturning after one impact.  Over a map of the block they show the linearization.
     """
     shape = _shape(dataset, found)
     if not shape:
@@ -83,7 +83,7 @@ def draw_boundaries(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str])
 def boundary_handles(drawn: set[str]) -> list[Line2D]:
     """Entries of a legend."""
     return [
-        Line2D([], [], color="black", linewidth=_WIDTH, linestyle=style, label=f"closed form (linearised): {label}")
+        Line2D([], [], color="black", linewidth=_WIDTH, linestyle=style, label=f"closed form (linearized): {label}")
         for label, style in _STYLES.items()
         if label in drawn
     ]

@@ -128,7 +128,7 @@ def prepare(batch: Batch, i: int) -> Prepared:
 
 
 def _dissipation(batch: Batch, i: int) -> float:
-    """alpha of CalculiX's integrator: alpha_d - 1 in the convention of the source, (alpha_d in [2/3, 1])."""
+    """alpha of CalculiX's integrator: alpha_d - 1 in the convention of the thesis, (alpha_d in [2/3, 1])."""
     alpha_d = batch.damping.alpha_d
     if batch.damping.scheme != "hht" or alpha_d is None or not np.isfinite(alpha_d[i]):
         return DISSIPATION

@@ -1,4 +1,4 @@
-"""Where the masses are: the source's models 1-4 and its flexible column as beam elements [2.2, chapter 4]."""
+"""Where the masses are: the thesis's models 1-4 and its flexible column as beam elements [2.2, chapter 4]."""
 
 from __future__ import annotations
 

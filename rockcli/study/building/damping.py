@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 KEYS: Keys = ("case", "damping")
 
 FEMA356_IS_POOR = (
-    "damping fema356 is an equivalent linear method known to be poor (on the source's pulses its peaks are off by "
+    "damping fema356 is an equivalent linear method known to be poor (on the thesis's pulses its peaks are off by "
     "-43 to +66 %, docs/fema356.md): it is offered for comparison"
 )
 

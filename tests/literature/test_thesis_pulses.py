@@ -16,7 +16,7 @@ def _name(row) -> str:
     return f"{row['shape']}-{size:g}-{row['tan_alpha']:g}-{row['eta']}-{row.get('T_p', row.get('A', ''))}"
 
 
-def source_pulse(row, **how):
+def thesis_pulse(row, **how):
     a_p = 3.6 * G * (np.arctan(row["tan_alpha"]) if how.pop("a_p_in_alpha", False) else row["tan_alpha"])
     motion = pulse(row["shape"], a_p, row["omega_p_over_pi"] * np.pi)
     return rock(block(row["R"], row["tan_alpha"]), motion, eta=row["eta"], **how)
@@ -24,7 +24,7 @@ def source_pulse(row, **how):
 
 @pytest.mark.parametrize("row", SOURCE_PULSES, ids=_name)
 def test_peak_uplift_and_impacts(row):
-    response = source_pulse(row, histories=True)
+    response = thesis_pulse(row, histories=True)
     s, n = response.scalars, len(row["t_impact"])
     assert not overturns(response)
     assert s["theta_peak_over_alpha"][0] == pytest.approx(row["peak"], abs=TOLERANCE)
@@ -37,21 +37,21 @@ def test_peak_uplift_and_impacts(row):
 @pytest.mark.parametrize("row", [r for r in SOURCE_PULSES if r["eta"] != 1.0], ids=_name)
 def test_time_of_the_peak(row):
     # undamped swings repeat their peak, and which of the equal ones is largest is rounding: not compared
-    assert source_pulse(row).scalars["t_peak"][0] == pytest.approx(row["t_peak"], abs=1e-7)
+    assert thesis_pulse(row).scalars["t_peak"][0] == pytest.approx(row["t_peak"], abs=1e-7)
 
 
 @pytest.mark.parametrize("row", SOURCE_PULSES, ids=_name)
 def test_theta_between_impacts(row):
     for t, theta in zip(row["t"], row["theta"], strict=True):
-        response = source_pulse(row, histories=True, dt_out=t / 100)
+        response = thesis_pulse(row, histories=True, dt_out=t / 100)
         assert response.histories["theta"][0, 100] == pytest.approx(theta, abs=TOLERANCE)
 
 
 @pytest.mark.parametrize("key", ["linear_peak", "linear_gtan_peak"])
 @pytest.mark.parametrize("row", SOURCE_PULSES, ids=_name)
-def test_linearised_peaks(row, key):
+def test_linearized_peaks(row, key):
     flag = key.replace("peak", "overturn")
-    response = source_pulse(row, model="linearized", a_p_in_alpha=key == "linear_peak")
+    response = thesis_pulse(row, model="linearized", a_p_in_alpha=key == "linear_peak")
     assert overturns(response) == bool(row[flag])
     if not row[flag]:
         assert response.scalars["theta_peak_over_alpha"][0] == pytest.approx(row[key], abs=1e-9)
