@@ -14,8 +14,9 @@ from rockcli.kernels.column.law import along, base_moment, dot, energy, gap, gro
 from rockcli.kernels.column.oscillator import advance, fill, wander
 from rockcli.kernels.constants import FALLS, FAST, NOT_FINITE, OUT_OF_STEPS, RETURNS, UNDECIDED
 from rockcli.kernels.jit import jit
-from rockcli.kernels.rigid.ground import NOTHING, PULSES, piece_end
+from rockcli.kernels.rigid.ground import PULSES, piece_at, piece_end
 from rockcli.kernels.rigid.ground import WIDTH as PIECE
+from rockcli.kernels.rigid.settings import Channel as Channel
 
 SLOTS = 8
 """Step tables kept per phase."""
@@ -40,6 +41,16 @@ def slot_of(keys, used, clock, h):
             oldest = k
     keys[oldest], used[oldest] = h, clock
     return oldest, False
+
+
+@jit
+def smooth_until(channel, data, i, t):
+    """When piece i of a channel ends, or begins if t is before it; inf if there is none."""
+    if i >= channel.pieces:
+        return math.inf
+    if channel.kind == PULSES and t < data[i * PIECE]:
+        return min(data[i * PIECE], piece_end(channel, data, i))
+    return piece_end(channel, data, i)
 
 
 @jit
@@ -78,8 +89,8 @@ def write(par, phase, s, lam, c, bu, th, top, row, row_v, F, x, t, t_end, dt_out
 @jit
 def march(
     par, lams, cs, bus, ths, tops, rows, rows_v, T, z, v, max_steps,
-    hk, h_values, h_tail, h_dt, h_table, h_n, vk, v_values, v_tail, v_dt, v_table, v_n,
-    dt_out, hist, landings, out, tables, influences, keys, used, paces, filled, work, S, F, A, about, found,
+    horizontal, h_data, vertical, v_data, dt_out, hist, landings, out,
+    tables, influences, keys, used, paces, filled, work, S, F, A, about, found,
 ):  # fmt: skip
     """Solve one case.
 
@@ -107,10 +118,8 @@ def march(
         if clock > max_steps:
             out[at.STATUS] = OUT_OF_STEPS
             break
-        while hk != NOTHING and ih < h_n and piece_end(hk, h_table, h_dt, ih) <= t * (1.0 + 1e-14):
-            ih += 1
-        while vk != NOTHING and iv < v_n and piece_end(vk, v_table, v_dt, iv) <= t * (1.0 + 1e-14):
-            iv += 1
+        ih = piece_at(horizontal, h_data, ih, t * (1.0 + 1e-14))
+        iv = piece_at(vertical, v_data, iv, t * (1.0 + 1e-14))
         after = t >= t_motion
         if phase != shown:
             shown = phase
@@ -141,14 +150,7 @@ def march(
         # the step
         t_next = t_motion if not after else (t_stop if t < t_stop else math.inf)
         if not after:
-            if hk != NOTHING and ih < h_n:
-                t_next = min(t_next, piece_end(hk, h_table, h_dt, ih))
-                if hk == PULSES and t < h_table[ih * PIECE]:
-                    t_next = min(t_next, h_table[ih * PIECE])
-            if vk != NOTHING and iv < v_n:
-                t_next = min(t_next, piece_end(vk, v_table, v_dt, iv))
-                if vk == PULSES and t < v_table[iv * PIECE]:
-                    t_next = min(t_next, v_table[iv * PIECE])
+            t_next = min(t_next, smooth_until(horizontal, h_data, ih, t), smooth_until(vertical, v_data, iv, t))
         h = par[at.H_FREE] if after else par[at.H_MAX]
         if winkler and phase == at.OPEN:
             q = max(abs(dot(th, z)), par[at.THETA_1])
@@ -168,12 +170,8 @@ def march(
         while True:
             for k in range(3):
                 x = t + 0.5 * h * k
-                A[k] = (
-                    ground(hk, h_values, h_dt, par[at.FACTOR_H], h_table, ih, h_n, x, t_motion, S) if not after else 0.0
-                )
-                A[3 + k] = (
-                    ground(vk, v_values, v_dt, par[at.FACTOR_V], v_table, iv, v_n, x, t_motion, S) if not after else 0.0
-                )
+                A[k] = ground(horizontal, h_data, par[at.FACTOR_H], ih, x, t_motion, S) if not after else 0.0
+                A[3 + k] = ground(vertical, v_data, par[at.FACTOR_V], iv, x, t_motion, S) if not after else 0.0
             slot, ready = slot_of(keys[phase], used[phase], clock, h)
             table, influence = tables[phase, slot], influences[phase, slot]
             if not ready:

@@ -10,7 +10,7 @@ import math
 from rockcli.kernels.column import layout as at
 from rockcli.kernels.column.oscillator import HALF, PVV, PVZ, PZV, PZZ, WV, WZ
 from rockcli.kernels.jit import jit
-from rockcli.kernels.rigid.ground import NOTHING, PULSES, expand
+from rockcli.kernels.rigid.ground import PULSES, expand
 from rockcli.kernels.rigid.ground import WIDTH as PIECE
 
 UNIFORM_TO_ROTATION = 0.5
@@ -175,13 +175,13 @@ def work_of(F, k, h, y_0, y_b, y_1, r_0, r_1):
 
 
 @jit
-def ground(kind, values, dt, factor, table, i, n, t, t_end, tmp):
+def ground(channel, data, factor, i, t, t_end, tmp):
     """Acceleration of a channel at t, read on its piece i."""
-    if kind == NOTHING or i >= n or t > t_end * (1.0 + 1e-14):
+    if i >= channel.pieces or t > t_end * (1.0 + 1e-14):
         return 0.0
-    if kind == PULSES and t < table[i * PIECE]:
+    if channel.kind == PULSES and t < data[i * PIECE]:
         return 0.0
-    expand(kind, values, dt, factor, table, i, t, 0, tmp)
+    expand(channel, data, factor, i, t, 0, tmp)
     return tmp[0]
 
 

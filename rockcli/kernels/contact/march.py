@@ -36,9 +36,10 @@ from rockcli.kernels.contact.rest import frequency, settles
 from rockcli.kernels.contact.results import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.contact.selection import JAM, NEITHER, on_base, on_edge, stiffness
 from rockcli.kernels.jit import jit, jit_lean, zeros_maker
-from rockcli.kernels.rigid.ground import NOTHING, PULSES, expand, piece_end
+from rockcli.kernels.rigid.ground import PULSES, SAMPLES, expand, piece_at, piece_end
 from rockcli.kernels.rigid.roots import first_root, last_passage, uplift
 from rockcli.kernels.rigid.series import slope, value
+from rockcli.kernels.rigid.settings import Channel
 
 zeros = zeros_maker()
 
@@ -140,6 +141,8 @@ def march(
     they are long, impacts and events (time, mode entered) likewise; the mode at t = 0 is no event.
     """
     n = order
+    horizontal, vertical = Channel(hk, h_dt, h_n), Channel(vk, v_dt, v_n)
+    h_data, v_data = h_values if hk == SAMPLES else h_table, v_values if vk == SAMPLES else v_table
     n_hist, n_store = len(theta_out), len(t_impact)
     g, h_cm, rg2, mu_s, mu_k = par[at.G], par[at.H], par[at.RG2], par[at.MU_S], par[at.MU_K]
     t_motion, t_stop, lasts = par[at.T_MOTION], par[at.T_STOP], par[at.HAS_DURATION] == 1.0
@@ -215,18 +218,13 @@ def march(
         a[0] = W[0] = 0.0
         if t < t_motion:
             t_next = min(t_next, t_motion)
-            if hk != NOTHING:
-                while ih < h_n and piece_end(hk, h_table, h_dt, ih) <= t:
-                    ih += 1
-                if ih < h_n:
-                    t_next = min(t_next, piece_end(hk, h_table, h_dt, ih))
-                    deg_a = expand(hk, h_values, h_dt, par[at.FACTOR_H], h_table, ih, t, n, a)
-            if vk != NOTHING:
-                while iv < v_n and piece_end(vk, v_table, v_dt, iv) <= t:
-                    iv += 1
-                if iv < v_n:
-                    t_next = min(t_next, piece_end(vk, v_table, v_dt, iv))
-                    deg_v = expand(vk, v_values, v_dt, par[at.FACTOR_V], v_table, iv, t, n, W)
+            ih, iv = piece_at(horizontal, h_data, ih, t), piece_at(vertical, v_data, iv, t)
+            if ih < h_n:
+                t_next = min(t_next, piece_end(horizontal, h_data, ih))
+                deg_a = expand(horizontal, h_data, par[at.FACTOR_H], ih, t, n, a)
+            if iv < v_n:
+                t_next = min(t_next, piece_end(vertical, v_data, iv))
+                deg_v = expand(vertical, v_data, par[at.FACTOR_V], iv, t, n, W)
         for k in range(deg_a + 1, n + 1):
             a[k] = 0.0
         for k in range(deg_v + 1, n + 1):

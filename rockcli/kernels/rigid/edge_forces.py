@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.series import bend, slope, third, value
 
@@ -14,18 +13,18 @@ RATE, NORMAL, FRICTION = 0, 1, 2
 
 
 @jit_lean
-def contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force):
+def contact(edge, s, c, n, y, a, a_v, deg, force):
     """Rate, N/g and |T|/N at y, and what has the sign of their derivatives, into force[0:6]; per unit mass.
 
     T = a_g + s R (cos b q'' + sin b q'^2), N = g + a_v + R (sin b q'' - cos b q'^2), b = alpha - q.
     """
     q, v, acc, jerk = value(c, n, y), slope(c, n, y), bend(c, n, y), third(c, n, y)
-    beta, R = par[e + at.ALPHA] - q, par[e + at.RADIUS]
+    beta, R, g = edge.alpha - q, edge.radius, edge.g
     sin_b, cos_b = math.sin(beta), math.cos(beta)
-    T = value(a, deg_a, y) + s * R * (cos_b * acc + sin_b * v * v)
-    N = g + value(a_v, deg_v, y) + R * (sin_b * acc - cos_b * v * v)
-    dT = slope(a, deg_a, y) + s * R * (cos_b * jerk + 3.0 * sin_b * v * acc - cos_b * v * v * v)
-    dN = slope(a_v, deg_v, y) + R * (sin_b * jerk - 3.0 * cos_b * v * acc - sin_b * v * v * v)
+    T = value(a, deg.a, y) + s * R * (cos_b * acc + sin_b * v * v)
+    N = g + value(a_v, deg.v, y) + R * (sin_b * acc - cos_b * v * v)
+    dT = slope(a, deg.a, y) + s * R * (cos_b * jerk + 3.0 * sin_b * v * acc - cos_b * v * v * v)
+    dN = slope(a_v, deg.v, y) + R * (sin_b * jerk - 3.0 * cos_b * v * acc - sin_b * v * v * v)
     force[0], force[1] = abs(v), N / g
     force[2] = abs(T) / N if N > 0.0 else math.inf
     force[3], force[4] = v * acc, -dN
@@ -41,35 +40,35 @@ def note(force, out):
 
 
 @jit_lean
-def watch_rocking(par, e, s, g, c, n, x, a, deg_a, a_v, deg_v, parts, force, out):
+def watch_rocking(edge, s, c, n, x, a, a_v, deg, parts, force, out):
     """Largest rate and friction and smallest normal force on [0, x].
 
     Each of `parts` parts is looked at at its ends, and where a derivative says that an extreme lies inside, there.
     """
-    contact(par, e, s, g, c, n, 0.0, a, deg_a, a_v, deg_v, force)
+    contact(edge, s, c, n, 0.0, a, a_v, deg, force)
     note(force, out)
     d0, d1, d2 = force[3], force[4], force[5]
     width = x / parts
     for j in range(1, parts + 1):
         y = width * j if j < parts else x
-        contact(par, e, s, g, c, n, y, a, deg_a, a_v, deg_v, force)
+        contact(edge, s, c, n, y, a, a_v, deg, force)
         note(force, out)
         e0, e1, e2 = force[3], force[4], force[5]
         for what in range(3):
             f_lo, f_hi = (d0, e0) if what == 0 else ((d1, e1) if what == 1 else (d2, e2))
             if f_lo > 0.0 > f_hi:
-                extreme(par, e, s, g, c, n, y - width, y, f_lo, f_hi, what, a, deg_a, a_v, deg_v, force, out)
+                extreme(edge, s, c, n, a, a_v, deg, y - width, y, f_lo, f_hi, what, force, out)
         d0, d1, d2 = e0, e1, e2
 
 
 @jit_lean
-def extreme(par, e, s, g, c, n, lo, hi, f_lo, f_hi, what, a, deg_a, a_v, deg_v, force, out):
+def extreme(edge, s, c, n, a, a_v, deg, lo, hi, f_lo, f_hi, what, force, out):
     """Locate a maximum of `what` (of -N for NORMAL) in [lo, hi] by its derivative (Illinois method) and note it."""
     kept = 0
     z = lo
     for _ in range(40):
         last, z = z, (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
-        contact(par, e, s, g, c, n, z, a, deg_a, a_v, deg_v, force)
+        contact(edge, s, c, n, z, a, a_v, deg, force)
         f = force[3 + what]
         if f == 0.0 or abs(z - last) <= 1e-9 * hi:  # flat here: the error is of second order
             break
@@ -87,18 +86,18 @@ def extreme(par, e, s, g, c, n, lo, hi, f_lo, f_hi, what, a, deg_a, a_v, deg_v, 
 
 
 @jit_lean
-def watch_rest(a, deg_a, a_v, deg_v, g, x, out):
+def watch_rest(a, a_v, deg, g, x, out):
     """Friction |a_g|/(g + a_v) and normal force of a body at rest on [0, x]."""
-    parts = 1 if max(deg_a, deg_v) <= 1 else 32
+    parts = 1 if max(deg.a, deg.v) <= 1 else 32
     width = x / parts
     mu_0 = mu_1 = 0.0
     for j in range(parts + 1):
-        N = g + value(a_v, deg_v, width * j)
+        N = g + value(a_v, deg.v, width * j)
         out[to.N_MIN] = min(out[to.N_MIN], N / g)
-        mu = abs(value(a, deg_a, width * j)) / N if N > 0.0 else math.inf
+        mu = abs(value(a, deg.a, width * j)) / N if N > 0.0 else math.inf
         out[to.MU] = max(out[to.MU], mu)
         if j >= 2 and mu_1 > mu_0 and mu_1 >= mu and mu_1 < math.inf:
             # vertex of the parabola through three points
             z = width * (j - 1) + 0.5 * width * (mu_0 - mu) / (mu_0 - 2.0 * mu_1 + mu)
-            out[to.MU] = max(out[to.MU], abs(value(a, deg_a, z)) / (g + value(a_v, deg_v, z)))
+            out[to.MU] = max(out[to.MU], abs(value(a, deg.a, z)) / (g + value(a_v, deg.v, z)))
         mu_0, mu_1 = mu_1, mu

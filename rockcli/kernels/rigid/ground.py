@@ -14,41 +14,53 @@ NOTHING, SAMPLES, PULSES = 0, 1, 2
 
 
 @jit_lean
-def piece_end(kind, table, dt, i):
+def piece_end(channel, data, i):
     """End of piece i [s]; samples: of the interval between samples i and i + 1."""
-    if kind == SAMPLES:
-        return (i + 1) * dt
-    return table[i * WIDTH + 1]
+    if channel.kind == SAMPLES:
+        return (i + 1) * channel.dt
+    return data[i * WIDTH + 1]
 
 
 @jit_lean
-def bound_from(kind, table, tail, factor, i):
+def bound_from(channel, data, factor, i):
     """Bound of |a| over piece i and all later ones [m/s^2]."""
-    if kind == SAMPLES:
-        return tail[i] * abs(factor)
-    return table[i * WIDTH + 13]
+    if channel.kind == NOTHING or i >= channel.pieces:
+        return 0.0
+    if channel.kind == SAMPLES:
+        return data[channel.pieces + 1 + i] * abs(factor)
+    return data[i * WIDTH + 13]
 
 
 @jit_lean
-def expand(kind, values, dt, factor, table, i, t, n, out):
+def piece_at(channel, data, i, t):
+    """The piece at time t, i an earlier one; `channel.pieces` beyond the last, and of a channel that is none."""
+    if channel.kind == NOTHING:
+        return channel.pieces
+    while i < channel.pieces and piece_end(channel, data, i) <= t:
+        i += 1
+    return i
+
+
+@jit_lean
+def expand(channel, data, factor, i, t, n, out):
     """Write the Taylor coefficients about t of piece i into out[0..deg]; return deg <= n.
 
     Coefficients beyond deg are zero and not written.
     """
-    if kind == SAMPLES:
-        a, b = values[i], values[i + 1]
-        slope = (b - a) / dt
-        out[0] = (a + slope * (t - i * dt)) * factor
+    if channel.kind == SAMPLES:
+        a, b = data[i], data[i + 1]
+        slope = (b - a) / channel.dt
+        out[0] = (a + slope * (t - i * channel.dt)) * factor
         out[1] = slope * factor
         return 1
     row = i * WIDTH
-    if table[row + 2] == 0.0:  # LINEAR
-        out[0] = table[row + 3] + table[row + 4] * (t - table[row])
-        out[1] = table[row + 4]
+    if data[row + 2] == 0.0:  # LINEAR
+        out[0] = data[row + 3] + data[row + 4] * (t - data[row])
+        out[1] = data[row + 4]
         return 1 if out[1] != 0.0 else 0
-    if table[row + 2] == 1.0:
-        return _expand_waves(table, row, t, n, out)
-    return _expand_bell(table, row, t, n, out)
+    if data[row + 2] == 1.0:
+        return _expand_waves(data, row, t, n, out)
+    return _expand_bell(data, row, t, n, out)
 
 
 @jit_lean

@@ -5,23 +5,20 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid.law import driving, restoring
 
 
 @jit_lean
-def flow(par, e, g, q, v, s, a, deg_a, a_v, deg_v, launch, linear, h, tol, n, c, sin_q, cos_q):
+def flow(edge, how, q, v, s, a, a_v, deg, launch, h, c, sin_q, cos_q):
     """Coefficients of q about now into c; return (order, step).
 
-    `e` is the offset of the edge in `par`, `s` the sign of theta, `a`, `a_v` the coefficients of the ground
-    acceleration [m/s^2] up to deg_a, deg_v, `h` the largest step wanted.  Stops at the order where the next
-    terms at h fall below tol * alpha; at order n the step is cut so that they do.  `launch`: the body leaves
-    rest, so that its acceleration cannot point into the ground by rounding.
+    `s` is the sign of theta, `a`, `a_v` the coefficients of the ground acceleration [m/s^2] up to `deg`, `h` the
+    largest step wanted.  Stops at the order where the next terms at h fall below tol * alpha; at order n the step is
+    cut so that they do.  `launch`: the body leaves rest, so that its acceleration cannot point into the ground by
+    rounding.
     """
-    p2, r0, rs, rc, fc, fs, damper = (
-        par[e + at.P2], par[e + at.R0], par[e + at.RS], par[e + at.RC], par[e + at.FC], par[e + at.FS],
-        par[e + at.DAMPER],
-    )  # fmt: skip
-    small = tol * par[e + at.ALPHA]
+    g, linear, n = edge.g, how.linear, how.order
+    small = how.tol * edge.alpha
     c[0], c[1] = q, v
     if linear:
         sin_q[0], cos_q[0] = q, 1.0
@@ -29,7 +26,7 @@ def flow(par, e, g, q, v, s, a, deg_a, a_v, deg_v, launch, linear, h, tol, n, c,
         sin_q[0], cos_q[0] = math.sin(q), math.cos(q)
     power = h * h
     # sines and hyperbolic sines may cancel in three coefficients running, a straight line in one
-    enough = 4 if max(deg_a, deg_v) > 1 else 2
+    enough = 4 if max(deg.a, deg.v) > 1 else 2
     below = 0
     for k in range(n - 1):
         if k > 0:
@@ -43,18 +40,14 @@ def flow(par, e, g, q, v, s, a, deg_a, a_v, deg_v, launch, linear, h, tol, n, c,
                     up += rate * cos_q[k - j]
                     down += rate * sin_q[k - j]
                 sin_q[k], cos_q[k] = up / k, -down / k
-        moment = rs * sin_q[k] + rc * cos_q[k]
-        if k == 0:
-            moment += r0
-        # gravity is g + a_v, and the ground drives with s a_g
-        for j in range(min(k, deg_v) + 1):
-            restoring = rs * sin_q[k - j] + rc * cos_q[k - j]
-            if k == j:
-                restoring += r0
-            moment += a_v[j] / g * restoring
-        for j in range(min(k, deg_a) + 1):
-            moment += s * a[j] / g * (fc * cos_q[k - j] + fs * sin_q[k - j])
-        c[k + 2] = -(p2 * moment + damper * (k + 1) * c[k + 1]) / ((k + 1) * (k + 2))
+        # terms of order k of the products in (T2): gravity is g + a_v, and the ground drives with s a_g
+        moment = restoring(edge.r0 if k == 0 else 0.0, edge.rs, edge.rc, sin_q[k], cos_q[k])
+        for j in range(min(k, deg.v) + 1):
+            back = restoring(edge.r0 if k == j else 0.0, edge.rs, edge.rc, sin_q[k - j], cos_q[k - j])
+            moment += a_v[j] / g * back
+        for j in range(min(k, deg.a) + 1):
+            moment += s * a[j] / g * driving(edge.fc, edge.fs, sin_q[k - j], cos_q[k - j])
+        c[k + 2] = -(edge.p2 * moment + edge.damper * (k + 1) * c[k + 1]) / ((k + 1) * (k + 2))
         if k == 0 and launch:
             c[2] = max(c[2], 0.0)
         if abs(c[k + 2]) * power <= small:

@@ -14,9 +14,11 @@ from rockcli.kernels.jit import jit, zeros_maker
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rest
-from rockcli.kernels.rigid.ground import NOTHING, SAMPLES, expand, piece_end
+from rockcli.kernels.rigid.ground import PULSES, expand, piece_at, piece_end
 from rockcli.kernels.rigid.roots import first_root, uplift
 from rockcli.kernels.rigid.series import value
+from rockcli.kernels.rigid.settings import Channel as Channel
+from rockcli.kernels.rigid.settings import Degrees
 
 zeros = zeros_maker()
 
@@ -24,15 +26,13 @@ STICK, SLIDE = 0, 1
 
 
 @jit
-def slide(
-    par, max_steps, hk, h_values, h_dt, h_table, h_n, vk, v_values, v_dt, v_table, v_n,
-    dt_out, u_out, rate_out, way_out, out,
-):  # fmt: skip
+def slide(par, max_steps, horizontal, h_data, vertical, v_data, dt_out, history, out):
     """Solve one case; channels as those of `march`.
 
-    Displacement and velocity relative to the ground at i dt_out go to u_out, rate_out; to way_out the direction of
-    sliding, 0 while the body sticks.
+    To history (3, k), at i dt_out: displacement and velocity relative to the ground, and the direction of sliding, 0
+    while the body sticks.
     """
+    u_out, rate_out, way_out = history[0], history[1], history[2]
     n_hist = len(u_out)
     mu, g, t_motion = par[at.FRICTION], par[at.GRAVITY], par[at.MOTION_ENDS]
     for i in range(to.SLIDE_OUT):
@@ -56,18 +56,13 @@ def slide(
         deg_a = deg_v = 0
         a[0] = a_v[0] = 0.0
         if t < t_motion:
-            if hk != NOTHING:
-                while ih < h_n and piece_end(hk, h_table, h_dt, ih) <= t:
-                    ih += 1
-                if ih < h_n:
-                    t_next = min(t_next, piece_end(hk, h_table, h_dt, ih))
-                    deg_a = expand(hk, h_values, h_dt, par[at.SCALE_H], h_table, ih, t, MAX_ORDER, a)
-            if vk != NOTHING:
-                while iv < v_n and piece_end(vk, v_table, v_dt, iv) <= t:
-                    iv += 1
-                if iv < v_n:
-                    t_next = min(t_next, piece_end(vk, v_table, v_dt, iv))
-                    deg_v = expand(vk, v_values, v_dt, par[at.SCALE_V], v_table, iv, t, MAX_ORDER, a_v)
+            ih, iv = piece_at(horizontal, h_data, ih, t), piece_at(vertical, v_data, iv, t)
+            if ih < horizontal.pieces:
+                t_next = min(t_next, piece_end(horizontal, h_data, ih))
+                deg_a = expand(horizontal, h_data, par[at.SCALE_H], ih, t, MAX_ORDER, a)
+            if iv < vertical.pieces:
+                t_next = min(t_next, piece_end(vertical, v_data, iv))
+                deg_v = expand(vertical, v_data, par[at.SCALE_V], iv, t, MAX_ORDER, a_v)
         h = t_next - t
         deg = max(deg_a, deg_v)
         for k in range(deg_a + 1, deg + 1):
@@ -115,7 +110,7 @@ def slide(
         if flight != NO_ROOT and flight <= x:
             x, event = flight, NO_ROOT
             out[to.T_FLIGHT] = t + flight
-        watch_rest(a, deg_a, a_v, deg_v, g, x, out)
+        watch_rest(a, a_v, Degrees(deg_a, deg_v), g, x, out)
 
         t_new = t_next if x == t_next - t else t + x
         while i_hist < n_hist and i_hist * dt_out <= t_new:
@@ -159,14 +154,8 @@ def _distance(c, n, x):
 
 
 @jit
-def slide_all(
-    pars, max_steps, hk, h_values, h_dt, h_tables, h_n, vk, v_values, v_dt, v_tables, v_n,
-    dt_out, u_out, rate_out, way_out, out,
-):  # fmt: skip
-    """`slide` for every row of `pars`; tables of pulses, histories and results row by row too."""
+def slide_all(pars, max_steps, horizontal, h_data, vertical, v_data, dt_out, histories, out):
+    """`slide` for every row of `pars`; histories, results and tables of pulses row by row too."""
     for i in range(len(pars)):
-        slide(
-            pars[i], max_steps, hk, h_values, h_dt, h_tables[i if hk > SAMPLES else 0], h_n,
-            vk, v_values, v_dt, v_tables[i if vk > SAMPLES else 0], v_n,
-            dt_out, u_out[i], rate_out[i], way_out[i], out[i],
-        )  # fmt: skip
+        ih, iv = (i if horizontal.kind == PULSES else 0), (i if vertical.kind == PULSES else 0)
+        slide(pars[i], max_steps, horizontal, h_data[ih], vertical, v_data[iv], dt_out, histories[i], out[i])

@@ -1,16 +1,40 @@
-"""The ground's acceleration at the output times."""
+"""The motion of the ground: as the kernels take it, and at the output times."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import acceleration
+from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples, acceleration
 
 Array = NDArray[np.float64]
+
+
+def channel_of(kernel: ModuleType, channel: Channel | None, n: int, cases: Any = slice(None)) -> tuple[Any, Array]:
+    """A component of the motion of a batch of n cases as a kernel module wants it: its `Channel`, and (k, m) numbers.
+
+    Of pulses k is the number of `cases`, else 1.
+    """
+    if isinstance(channel, Samples):
+        tail = np.maximum.accumulate(np.abs(channel.values)[::-1])[::-1]
+        data = np.concatenate([channel.values, tail])[None, :]
+        return kernel.Channel(SAMPLES, channel.dt, len(channel.values) - 1), data
+    if isinstance(channel, Pulses):
+        pieces = channel.table.shape[1]
+        data = np.ascontiguousarray(channel.table.reshape(n, pieces * PIECE_WIDTH)[cases])
+        return kernel.Channel(PULSES, 1.0, pieces), data
+    return kernel.Channel(NOTHING, 1.0, 0), np.zeros((1, 1))
+
+
+def factors_of(channel: Channel | None, n: int) -> Array:
+    """What the n cases multiply the numbers of a channel with, (n,)."""
+    return np.broadcast_to(channel.factor, n) if isinstance(channel, Samples) else np.ones(n)
 
 
 def ground_of_case(batch: Batch, case: int, t: Array) -> tuple[Array, Array]:

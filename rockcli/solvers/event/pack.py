@@ -1,4 +1,4 @@
-"""From a batch to the parameter vectors of the kernels (`kernels.rigid.layout`)."""
+"""From a batch to the parameter vectors of the kernels (`kernels.rigid.parameters`)."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples
 from rockcli.scene.models import MODELS, Law
 from rockcli.solvers.common.duration import durations_of
+from rockcli.solvers.common.ground import factors_of
 
 Array = NDArray[np.float64]
 
@@ -21,7 +22,7 @@ BLOCK = 2048
 
 
 def parameters_of(batch: Batch) -> Array:
-    """One row per case in the layout of `kernels.rigid.layout`."""
+    """One row per case in the layout of `kernels.rigid.parameters`."""
     model = MODELS[batch.model, batch.geometry]
     block, p = batch.block, batch.p
     law = model.law(block.alpha, block.tan_alpha)
@@ -33,7 +34,7 @@ def parameters_of(batch: Batch) -> Array:
     columns = (
         batch.g, *(x[:, LEFT] for x in edges), *(x[:, RIGHT] for x in edges), batch.theta_0, batch.theta_dot_0,
         lasts.motion, lasts.report, lasts.given,
-        _factor(batch.excitation.horizontal, batch.size), _factor(batch.excitation.vertical, batch.size),
+        factors_of(batch.excitation.horizontal, batch.size), factors_of(batch.excitation.vertical, batch.size),
     )  # fmt: skip
     rows = np.empty((batch.size, len(columns)))
     for begin in range(0, batch.size, BLOCK):  # column by column in rows that stay in the cache
@@ -57,10 +58,6 @@ def _slope(law: Law, linear: bool) -> Array:
         return -law.rs
     q = np.where(np.isfinite(law.q_star), law.q_star, 0.0)
     return np.asarray(law.rc * np.sin(q) - law.rs * np.cos(q))
-
-
-def _factor(channel: Channel | None, n: int) -> Array:
-    return channel.factor if isinstance(channel, Samples) else np.ones(n)
 
 
 def channel_of(channel: Channel | None, n: int, cases: Any = slice(None)) -> tuple[int, Any, Any, float, Any, int]:

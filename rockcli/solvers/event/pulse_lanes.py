@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import PIECE_WIDTH, Pulses
-from rockcli.scene.models import MODELS
-from rockcli.scene.numerics import Accuracy
 
 Array = NDArray[np.float64]
 
@@ -33,7 +31,7 @@ WITHIN = frozenset(
 SECONDS = 0.01
 """A case in lanes of plain Python [s]."""
 
-MAX_STEPS = 10_000.0
+MAX_STEPS = 10_000
 """Steps of a case after which it is left to the single-body kernels."""
 
 
@@ -50,22 +48,19 @@ def asked(batch: Batch) -> bool:
     )
 
 
-def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, margin: float, detail: int, cases: Any) -> Array:
+def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any) -> Array:
     """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
 
-    NaN in STATUS for a body that is left to the single-body kernels.
+    `how`: `Settings` of the single-body kernels.  NaN in STATUS for a body that is left to the single-body kernels.
     """
     channel = batch.excitation.horizontal
     assert isinstance(channel, Pulses)
     pieces = channel.table.shape[1]
     tables = channel.table[cases].reshape(len(rows), pieces * PIECE_WIDTH)
     found = np.zeros((len(rows), to.N_OUT))
-    order = _order(level.rtol)
+    how = how._replace(order=_order(how.tol), max_steps=MAX_STEPS)
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
-        lanes.sweep(
-            rows, MODELS[batch.model, batch.geometry].linear, level.rtol, level.rest_speed, margin, MAX_STEPS, order,
-            detail, tables, pieces, lanes.work_space(order), found,
-        )  # fmt: skip
+        lanes.sweep(rows, how, tables, pieces, lanes.work_space(how.order), found)
     found[found[:, to.STATUS] == lanes.LEFT_TO_MARCH, to.STATUS] = np.nan
     found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known
     found[:, to.N_MIN] = found[:, to.N_STANDING] = np.inf  # nobody looked

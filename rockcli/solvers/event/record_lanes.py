@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,6 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
-from rockcli.scene.models import MODELS
-from rockcli.scene.numerics import Accuracy
 from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.event.pulse_lanes import FINEST
 
@@ -59,10 +58,10 @@ def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite(rows[:, at.RIGHT + at.Q_STAR]) & ~(np.abs(near) <= GRAZING * guard))
 
 
-def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: int, margin: float, detail: int) -> Array:
+def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any) -> Array:
     """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
 
-    NaN in STATUS for a body that is left to the single-body kernels; `order`: of their series.
+    NaN in STATUS for a body that is left to the single-body kernels, whose `Settings` are `how`.
     """
     channel = batch.excitation.horizontal
     assert isinstance(channel, Samples)
@@ -74,9 +73,7 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, level: Accuracy, order: in
     path = bool(batch.save.scalars & PATH)
     velocity = np.empty((0, 3)) if path else velocity_of(channel.values, channel.dt)
     found = np.zeros((len(rows), to.N_OUT))
-    linear = MODELS[batch.model, batch.geometry].linear
-    how = (linear, level.rtol, level.rest_speed, margin, detail, order)
-    lanes.march_lanes(rows, *how, values, slopes, blocks, tail, velocity, channel.dt, lanes.work_space(), found)
+    lanes.march_lanes(rows, how, values, slopes, blocks, tail, velocity, channel.dt, lanes.work_space(), found)
     found[found[:, to.STATUS] == lanes.HANDED_OVER, to.STATUS] = np.nan
     return found
 

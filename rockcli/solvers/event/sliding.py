@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.kernels.constants import DONE
+from rockcli.kernels.formulas import driving, pull, restoring
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest, slides_only
-from rockcli.scene.excitation import Channel
 from rockcli.scene.models import MODELS
 from rockcli.scene.response import FAILED, NO_UPLIFT, SLIDING, UNRESOLVED, Response
 from rockcli.scene.variables import SCALARS_ASYMMETRIC
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.found import counts
-from rockcli.solvers.common.ground import ground_history
-from rockcli.solvers.event.pack import channel_of, parameters_of
+from rockcli.solvers.common.ground import channel_of, ground_history
+from rockcli.solvers.event.pack import parameters_of
 
 Array = NDArray[np.float64]
 
@@ -35,16 +35,14 @@ NOTHING = ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "mu_impact",
 
 @dataclass(frozen=True, eq=False)
 class Slid:
-    """What the kernel found for the cases `rows`: `out` (n, SLIDE_OUT); u [m], rate [m/s], way at output times (n, k).
+    """What the kernel found for the cases `rows`: `out` (n, SLIDE_OUT); `histories` (n, 3, k) at output times.
 
-    `way` is the direction of sliding, 0 where the body sticks; k = 0 without histories.
+    These are u [m], its rate [m/s] and the direction of sliding, 0 where the body sticks; k = 0 without histories.
     """
 
     rows: NDArray[np.intp]
     out: Array
-    u: Array
-    rate: Array
-    way: Array
+    histories: Array
 
 
 def with_sliding(batch: Batch, response: Response, max_steps: int) -> Response:
@@ -76,7 +74,7 @@ def with_sliding(batch: Batch, response: Response, max_steps: int) -> Response:
         reasons[row] = reason
     if histories:
         ours = _histories(batch, slid)
-        n_time = max(len(time), slid.u.shape[1])
+        n_time = max(len(time), slid.histories.shape[2])
         histories = {name: _with_rows(_padded(values, n_time), rows, _padded(ours[name], n_time))
                      for name, values in histories.items()}  # fmt: skip
         last = int(np.flatnonzero(np.isfinite(histories["theta"]).any(axis=0))[-1]) + 1
@@ -103,28 +101,19 @@ def _solved(batch: Batch, rows: NDArray[np.intp], max_steps: int, *, histories: 
     columns = [at.T_MOTION, at.T_STOP, at.HAS_DURATION, at.FACTOR_H, at.FACTOR_V]
     pars: Any = np.column_stack([batch.block.mu, batch.g, every[:, columns]])[rows]
     n_time = output_times(batch.save.dt_out, every[rows, at.T_STOP].max()) if histories else 0
-    found = Slid(rows, np.zeros((len(rows), to.SLIDE_OUT)), *(np.full((len(rows), n_time), np.nan) for _ in range(3)))
-    arrays = [found.u, found.rate, found.way, found.out]
-    outputs: list[Any] = arrays
-    horizontal, vertical = (
-        _channel(c, batch.size, rows) for c in (batch.excitation.horizontal, batch.excitation.vertical)
-    )
+    found = Slid(rows, np.zeros((len(rows), to.SLIDE_OUT)), np.full((len(rows), 3, n_time), np.nan))
+    arrays = [found.histories, found.out]
+    channels = (batch.excitation.horizontal, batch.excitation.vertical)
+    (horizontal, h_data), (vertical, v_data) = (channel_of(kernel, c, batch.size, rows) for c in channels)
+    inputs, outputs = [pars, h_data, v_data], list(arrays)
     if not kernels.compiled:
-        pars, outputs = pars.tolist(), [array.tolist() for array in arrays]
-        horizontal, vertical = (
-            [x.tolist() if isinstance(x, np.ndarray) else x for x in c] for c in (horizontal, vertical)
-        )
-    kernel.slide_all(pars, max_steps, *horizontal, *vertical, batch.save.dt_out, *outputs)
+        inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
+    pars, h_data, v_data = inputs
+    kernel.slide_all(pars, max_steps, horizontal, h_data, vertical, v_data, batch.save.dt_out, *outputs)
     if not kernels.compiled:
         for array, output in zip(arrays, outputs, strict=True):
             array[...] = output
     return found
-
-
-def _channel(channel: Channel | None, n: int, rows: NDArray[np.intp]) -> list[Any]:
-    """Kind, values, dt, tables of these cases and number of pieces."""
-    kind, values, _, dt, tables, pieces = channel_of(channel, n)
-    return [kind, values, dt, np.ascontiguousarray(tables[rows]) if len(tables) == n else tables, pieces]
 
 
 def _scalars(batch: Batch, slid: Slid) -> dict[str, Any]:
@@ -170,7 +159,7 @@ def _reasons(slid: Slid) -> list[str]:
 
 def _histories(batch: Batch, slid: Slid) -> dict[str, Array]:
     """Histories by name of the cases that slide, (n, k)."""
-    rows, u, way = slid.rows, slid.u, slid.way
+    rows, (u, rate, way) = slid.rows, slid.histories.transpose(1, 0, 2)
     t = np.arange(u.shape[1], dtype=np.float64) * np.float64(batch.save.dt_out)
     live = np.isfinite(u)
     a_g, a_v = ground_history(batch, t, live, rows)
@@ -185,7 +174,7 @@ def _histories(batch: Batch, slid: Slid) -> dict[str, Array]:
         "u_top": u,
         "M_base": -friction * h * mass,
         "slide": u,
-        "slide_dot": slid.rate,
+        "slide_dot": rate,
         "contact_mode": np.where(g + a_v <= 0.0, FREE_FLIGHT, modes),
     }
     return {name: np.where(live, values, np.nan) for name, values in found.items()}
@@ -208,8 +197,8 @@ def _modes(batch: Batch, histories: dict[str, Array]) -> Array:
     )
     q, v = np.abs(theta), s * rate
     sin_q, cos_q = (q, 1.0) if model.linear else (np.sin(q), np.cos(q))
-    pull = (1.0 + a_v / g) * (r0 + rs * sin_q + rc * cos_q) + s * a_g / g * (fc * cos_q + fs * sin_q)
-    acc = -(of_side(batch.p) ** 2) * pull
+    moments = restoring(r0, rs, rc, sin_q, cos_q), driving(fc, fs, sin_q, cos_q)
+    acc = -(of_side(batch.p) ** 2) * pull(1.0 + a_v / g, moments[0], s * a_g / g, moments[1])
     sin_b, cos_b = np.sin(alpha - q), np.cos(alpha - q)
     T = a_g + s * R * (cos_b * acc + sin_b * v * v)
     N = g + a_v + R * (sin_b * acc - cos_b * v * v)

@@ -35,9 +35,10 @@ from rockcli.solvers.common.certainty import (
     nudged,
 )
 from rockcli.solvers.common.duration import output_times
+from rockcli.solvers.common.ground import channel_of
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
-from rockcli.solvers.event.pack import channel_of, parameters_of
+from rockcli.solvers.event.pack import parameters_of
 from rockcli.solvers.event.sliding import with_sliding
 from rockcli.solvers.event.unpack import Raw, histories_of, scalars_of
 
@@ -121,7 +122,7 @@ def _judged(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy,
     def refine(rows: Index) -> Traces:
         if finer.rtol < level.rtol:
             kernel = kernels.load(compile_them=bool(kernels.compiled))
-            alone = Raw(len(rows), run.theta.shape[1], run.t_impact.shape[1])
+            alone = Raw(len(rows), run.histories.shape[2], run.impacts.shape[2])
             detail = _detail(kernel, batch, batch.save.histories)
             _march_rows(kernel, batch, np.ascontiguousarray(parameters[rows]), finer, alone, detail, cases=rows)
             run.put(rows, alone)
@@ -169,7 +170,7 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     """A map of pulses or of a record in lanes; one by one those of two different edges, with a given duration or mu,
     and those the lanes hand over."""
     rows = np.ascontiguousarray(parameters)
-    margin, detail = _margin(level), _detail(march, batch, False)
+    detail = _detail(march, batch, False)
     compiled = bool(kernels.compiled)
     run = Raw(batch.size, 0, 0)
     left_edge, right_edge = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
@@ -180,10 +181,10 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
     if pulses:
         lanes = kernels.load("lanes.pulses.march", compile_them=compiled)
-        found = lane_pulses.run(lanes, batch, rows[cases], level, margin, detail, cases)
+        found = lane_pulses.run(lanes, batch, rows[cases], _settings(lanes, batch, level, detail), cases)
     else:
         lanes = kernels.load("lanes.records.march", compile_them=compiled)
-        found = lane_records.run(lanes, batch, rows[cases], level, _order(level.rtol), margin, detail)
+        found = lane_records.run(lanes, batch, rows[cases], _settings(lanes, batch, level, detail))
     run.out[:, to.STATUS] = np.nan
     run.out[cases] = found
     left = np.flatnonzero(np.isnan(run.out[:, to.STATUS]))
@@ -192,11 +193,6 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
         _march_rows(march, batch, rows[left], level, alone, detail, cases=left)
         run.out[left] = alone.out
     return run
-
-
-def _margin(level: Accuracy) -> float:
-    """Distance from a separatrix, in units of rotation, below which the outcome is unresolved."""
-    return max(2e-14, 10.0 * level.rtol)
 
 
 def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, *, histories: bool) -> Raw:
@@ -213,31 +209,31 @@ def _march_rows(
     march: ModuleType, batch: Batch, rows: Any, level: Accuracy, run: Raw, detail: int, cases: Any = slice(None)
 ) -> None:
     """The single-body kernels for the rows of parameters of some cases of the batch, into `run`."""
-    arrays = [run.theta, run.rate, run.t_impact, run.before, run.after, run.out]
-    horizontal = channel_of(batch.excitation.horizontal, batch.size, cases)
-    vertical = channel_of(batch.excitation.vertical, batch.size, cases)
-    outputs: list[Any] = arrays
+    arrays = [run.histories, run.impacts, run.out]
+    channels = (batch.excitation.horizontal, batch.excitation.vertical)
+    (horizontal, h_data), (vertical, v_data) = (channel_of(march, c, batch.size, cases) for c in channels)
+    inputs, outputs = [rows, h_data, v_data], list(arrays)
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python
-        rows = rows.tolist()
-        horizontal, vertical = _as_lists(horizontal), _as_lists(vertical)
-        outputs = [x.tolist() for x in arrays]
-    march.march_all(
-        rows,
-        MODELS[batch.model, batch.geometry].linear,
-        level.rtol,
-        level.rest_speed,
-        _margin(level),
-        MAX_STEPS[bool(kernels.compiled)],
-        _order(level.rtol),
-        detail,
-        *horizontal,
-        *vertical,
-        batch.save.dt_out,
-        *outputs,
-    )
+        inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
+    rows, h_data, v_data = inputs
+    how = _settings(march, batch, level, detail)
+    march.march_all(rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, *outputs)
     if not kernels.compiled:
         for array, output in zip(arrays, outputs, strict=True):
             array[...] = output
+
+
+def _settings(kernel: ModuleType, batch: Batch, level: Accuracy, detail: int) -> Any:
+    """`Settings` of a kernel module."""
+    return kernel.Settings(
+        linear=MODELS[batch.model, batch.geometry].linear,
+        tol=level.rtol,
+        rest_speed=level.rest_speed,
+        margin=max(2e-14, 10.0 * level.rtol),
+        max_steps=MAX_STEPS[bool(kernels.compiled)],
+        order=_order(level.rtol),
+        detail=detail,
+    )
 
 
 def _order(rtol: float) -> int:
@@ -251,8 +247,3 @@ def _detail(march: ModuleType, batch: Batch, histories: bool) -> int:
     if histories or scalars & FORCES or np.isfinite(batch.block.mu).any():
         return int(march.ALL)
     return int(march.OUTCOME if scalars <= {"outcome", "wall_time", "reason"} else march.PEAKS)
-
-
-def _as_lists(channel: tuple[int, Any, Any, float, Any, int]) -> tuple[int, Any, Any, float, Any, int]:
-    kind, values, tail, dt, tables, pieces = channel
-    return kind, values.tolist(), tail.tolist(), dt, tables.tolist(), pieces

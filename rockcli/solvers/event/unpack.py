@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
+from rockcli.kernels.formulas import potential, restoring
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
@@ -21,13 +22,15 @@ Array = NDArray[np.float64]
 
 
 class Raw:
-    """Raw output of the kernels for a batch: `out` (n, N_OUT), columns as in `kernels.rigid.layout`."""
+    """Raw output of the kernels for a batch: `out` (n, N_OUT), columns as in `kernels.rigid.results`.
+
+    histories (n, 2, k): theta and its rate; impacts (n, 3, j): time, rate before and after.
+    """
 
     def __init__(self, n: int, n_time: int, n_impacts: int) -> None:
         self.out = np.zeros((n, to.N_OUT))
-        self.theta = np.full((n, n_time), np.nan)
-        self.rate = np.full((n, n_time), np.nan)
-        self.t_impact, self.before, self.after = (np.full((n, n_impacts), np.nan) for _ in range(3))
+        self.histories = np.full((n, 2, n_time), np.nan)
+        self.impacts = np.full((n, 3, n_impacts), np.nan)
 
     def put(self, rows: NDArray[np.int64], other: Raw) -> None:
         """Take other runs, as large, in place of those of some cases."""
@@ -132,7 +135,7 @@ def _barrier(batch: Batch) -> Array:
     if model.linear:
         energy = q * (law.r0 + 0.5 * law.rs * q)
     else:
-        energy = law.r0 * q + 2.0 * law.rs * np.sin(0.5 * q) ** 2 + law.rc * np.sin(q)
+        energy = potential(law.r0, law.rc, q, 2.0 * law.rs * np.sin(0.5 * q) ** 2, np.sin(q))
     return batch.block.of_weak_edge(batch.block.R * energy)
 
 
@@ -167,9 +170,9 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
 
 def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
-    written = np.isfinite(run.theta).any(axis=0)
+    written = np.isfinite(run.histories[:, 0]).any(axis=0)
     n_time = int(np.flatnonzero(written)[-1]) + 1 if written.any() else 1
-    theta, rate = run.theta[:, :n_time], run.rate[:, :n_time]
+    theta, rate = run.histories[:, 0, :n_time], run.histories[:, 1, :n_time]
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
     a_g, a_v = ground_history(batch, t, np.isfinite(theta))
 
@@ -184,10 +187,8 @@ def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Ar
         "v_top": -top * (1.0 - np.cos(theta)),
         "M_base": _base_moment(batch, theta, q, a_g, a_v),
     }
-    stored = np.isfinite(run.t_impact).any(axis=0)
-    n_impacts = int(stored.sum())
-    impacts = [values[:, :n_impacts] for values in (run.t_impact, run.before, run.after)]
-    return histories, dict(zip(IMPACTS, impacts, strict=True)), t
+    n_impacts = int(np.isfinite(run.impacts[:, 0]).any(axis=0).sum())
+    return histories, {name: run.impacts[:, j, :n_impacts] for j, name in enumerate(IMPACTS)}, t
 
 
 def _base_moment(batch: Batch, theta: Array, q: Array, a_g: Array, a_v: Array) -> Array:
@@ -200,7 +201,8 @@ def _base_moment(batch: Batch, theta: Array, q: Array, a_g: Array, a_v: Array) -
         return np.where(theta > 0.0, both[:, RIGHT, None], both[:, LEFT, None])
 
     r0, rs, rc, R = (of_side(x) for x in (law.r0, law.rs, law.rc, block.R))
-    shape = r0 + rs * q if model.linear else r0 + rs * np.sin(q) + rc * np.cos(q)
+    sine, cosine = (q, 1.0) if model.linear else (np.sin(q), np.cos(q))
+    shape = restoring(r0, rs, rc, sine, cosine)
     rocking = np.sign(theta) * R * (batch.g[:, None] + a_v) * shape
     moment = np.where(theta == 0.0, -a_g * block.h[:, None], rocking)
     mass = np.where(np.isfinite(block.mass), block.mass, 1.0)

@@ -13,12 +13,12 @@ from rockcli import kernels
 from rockcli.kernels.column import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.constants import REARM
-from rockcli.scene.excitation import Channel, Pulses, Samples, acceleration
+from rockcli.scene.excitation import Pulses, Samples, acceleration
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
 from rockcli.solvers.common.duration import durations_of, output_times
-from rockcli.solvers.event.pack import channel_of
+from rockcli.solvers.common.ground import channel_of, factors_of
 from rockcli.solvers.flexible.column import Prepared, RefusedError, first_state, key_of, prepare
 from rockcli.solvers.flexible.unpack import Raw, histories_of, scalars_of
 
@@ -152,8 +152,8 @@ def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved:
         at.T_MOTION: lasts.motion,
         at.T_STOP: lasts.report,
         at.HAS_DURATION: float(lasts.given),
-        at.FACTOR_H: _factor(excitation.horizontal, i),
-        at.FACTOR_V: _factor(excitation.vertical, i),
+        at.FACTOR_H: factors_of(excitation.horizontal, batch.size)[i],
+        at.FACTOR_V: factors_of(excitation.vertical, batch.size)[i],
         at.R_A: column.modes.r_a,
         at.MOBILITY: column.modes.mobility,
         at.TOL: 1e-12 * float(block.alpha[i, 0]),
@@ -166,14 +166,10 @@ def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved:
     return par
 
 
-def _factor(channel: Channel | None, i: int) -> float:
-    return float(channel.factor[i]) if isinstance(channel, Samples) else 1.0
-
-
 def _march(
     batch: Batch, columns: list[Prepared | None], fineness: float, *, histories: bool, halved: bool = False
 ) -> Raw:
-    march = _kernel().march
+    kernel = _kernel()
     n = batch.size
     parameters = [None if c is None else _parameters(batch, i, c, fineness, halved) for i, c in enumerate(columns)]
     n_time = 0
@@ -181,8 +177,8 @@ def _march(
         stop = max([0.0, *(float(par[at.T_STOP]) for par in parameters if par is not None)])
         n_time = output_times(batch.save.dt_out, stop)
     run = Raw(n, n_time, MAX_IMPACTS_STORED if histories else 0)
-    horizontal = channel_of(batch.excitation.horizontal, n)
-    vertical = channel_of(batch.excitation.vertical, n)
+    horizontal, h_data = channel_of(kernel, batch.excitation.horizontal, n)
+    vertical, v_data = channel_of(kernel, batch.excitation.vertical, n)
     N = 2 * (batch.column.elements if batch.column is not None else 1) + 1
     space = _work_space(N)
     before: Prepared | None = None
@@ -199,17 +195,12 @@ def _march(
             space["keys"][...], space["filled"][...] = -1.0, 0.0
             before = column
         space["used"][...] = 0.0
-        march(
+        kernel.march(
             par, m.lam, m.c, m.bu, m.th, m.top, m.row, m.row_v, m.T, z, v, MAX_STEPS,
-            *_of_case(horizontal, i), *_of_case(vertical, i),
+            horizontal, h_data[i if len(h_data) > 1 else 0], vertical, v_data[i if len(v_data) > 1 else 0],
             batch.save.dt_out, run.histories[i], run.landings[i], run.out[i], *space.values(),
         )  # fmt: skip
     return run
-
-
-def _of_case(channel: tuple[int, Any, Any, float, Any, int], i: int) -> tuple[int, Any, Any, float, Any, int]:
-    kind, values, tail, dt, tables, pieces = channel
-    return kind, values, tail, dt, tables[i if len(tables) > 1 else 0], pieces
 
 
 def _work_space(N: int) -> dict[str, Array]:

@@ -17,8 +17,8 @@ def histories_of(batch: Batch, diaries: list[Diary]) -> tuple[dict[str, Array], 
     """Histories by name (n, k), impacts by name (n, j), and the output times (k,) [s]; NaN-padded."""
     raw = Raw(batch.size, max(len(d.theta) for d in diaries), max(len(d.impacts) for d in diaries))
     for i, diary in enumerate(diaries):
-        raw.theta[i, : diary.written] = diary.theta[: diary.written]
-        raw.rate[i, : diary.written] = diary.rate[: diary.written]
+        raw.histories[i, 0, : diary.written] = diary.theta[: diary.written]
+        raw.histories[i, 1, : diary.written] = diary.rate[: diary.written]
         for k, impact in enumerate(diary.impacts):
-            raw.t_impact[i, k], raw.before[i, k], raw.after[i, k] = impact
+            raw.impacts[i, :, k] = impact
     return named(batch, raw)

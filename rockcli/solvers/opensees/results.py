@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels import formulas
 from rockcli.kernels.constants import FALLS, FAST, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
@@ -86,7 +87,7 @@ def _law(batch: Batch, i: int) -> tuple[float, Any]:
     r0, rs, rc = (float(x[0]) for x in (law.r0, law.rs, law.rc))
 
     def potential(q: float) -> float:
-        return r0 * q + 2.0 * rs * float(np.sin(0.5 * q)) ** 2 + rc * float(np.sin(q))
+        return float(formulas.potential(r0, rc, q, 2.0 * rs * float(np.sin(0.5 * q)) ** 2, float(np.sin(q))))
 
     return float(law.q_star[0]), potential
 

@@ -9,18 +9,20 @@ from rockcli.kernels.lanes.pulses.ground import to_come
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
+from rockcli.kernels.rigid.law import potential
 from rockcli.kernels.rigid.march import OUTCOME
 
 
 @jit_lean
-def judge(state, o, linear, margin, max_steps, detail):
+def judge(state, o, how):
     """One vector: its energy against that of the equilibrium, with what the rest of the motion can still change."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     going = (mode >= lane.REST) & (event < lane.DONE)
     if not some(going):
         return
     t, q, v = load(state, o + lane.T * WIDTH), load(state, o + lane.Q * WIDTH), load(state, o + lane.V * WIDTH)
-    if linear:
+    margin = how.margin
+    if how.linear:
         sine, cosine, bend = q, spread(1.0), 0.5 * q * q
     else:
         sine, cosine = sin_cos(q)
@@ -30,12 +32,11 @@ def judge(state, o, linear, margin, max_steps, detail):
     plus, minus = to_come(state, o, t)
     pull, right = load(state, o + lane.L_PULL * WIDTH), load(state, o + lane.S * WIDTH) > 0.0
     both, inward = pull * (plus + minus), pull * select(right, plus, minus)
-    potential = 2.0 * (
-        load(state, o + lane.L_R0 * WIDTH) * q
-        + load(state, o + lane.L_RS * WIDTH) * bend
-        + load(state, o + lane.L_RC * WIDTH) * sine
-    )
-    energy, top = v * v + potential, 2.0 * load(state, o + lane.L_TOP * WIDTH)
+    r0, rs, rc = (
+        load(state, o + lane.L_R0 * WIDTH), load(state, o + lane.L_RS * WIDTH), load(state, o + lane.L_RC * WIDTH),
+    )  # fmt: skip
+    stored = 2.0 * potential(r0, rc, q, rs * bend, sine)
+    energy, top = v * v + stored, 2.0 * load(state, o + lane.L_TOP * WIDTH)
     brim, speed = sqrt(top), sqrt(select(energy > 0.0, energy, 0.0))
     inside, doubt = q < load(state, o + lane.L_STAR * WIDTH), 100.0 * margin * brim
     returns = inside & (speed + both < brim - doubt)
@@ -47,7 +48,7 @@ def judge(state, o, linear, margin, max_steps, detail):
     returns = returns | (over & inside & (excess < 0.0))
     falls = falls | (over & ((inside & (excess > 0.0) & (v > 0.0)) | (~inside & (excess < 0.0))))
     p = load(state, o + lane.L_P * WIDTH)
-    near = 10.0 * margin * load(state, o + lane.L_ALPHA * WIDTH) * p * (abs(v) + sqrt(abs(top - potential)))
+    near = 10.0 * margin * load(state, o + lane.L_ALPHA * WIDTH) * p * (abs(v) + sqrt(abs(top - stored)))
     near = abs(excess) <= near + 1e-13 * p * p
 
     verdict = load(state, o + lane.VERDICT * WIDTH)
@@ -57,11 +58,11 @@ def judge(state, o, linear, margin, max_steps, detail):
     still = going & (mode == lane.REST) & over
     verdict = select(still, 1.0 * RETURNS, verdict)
     known = verdict >= 0.0
-    if detail > OUTCOME:
+    if how.detail > OUTCOME:
         stop = load(state, o + lane.L_STOP * WIDTH)
         known = still | (verdict == 1.0 * FALLS) | (known & (t >= stop) & (v <= 0.0))
     next_event = select(known, lane.DONE, lane.NONE)
-    doubtful = (asked & over & near) | (load(state, o + lane.N_STEPS * WIDTH) >= max_steps)
+    doubtful = (asked & over & near) | (load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps)
     next_event = select(doubtful, lane.HANDED, next_event)
     store(state, o + lane.VERDICT * WIDTH, verdict)
     store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))

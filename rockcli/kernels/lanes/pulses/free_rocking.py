@@ -9,6 +9,7 @@ from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.law import potential, restoring
 
 NODES, WEIGHTS = (np.polynomial.legendre.leggauss(10)[0] + 1.0) / 2.0, np.polynomial.legendre.leggauss(10)[1] / 2.0
 """Of Gauss and Legendre on [0, 1]."""
@@ -49,10 +50,10 @@ def swing(v, r0, rs, rc, linear):
             q = 2.0 * u / (m0 + moment)
             for _ in range(4):
                 sine, cosine = sin_cos(q)
-                moment = r0 + rs * sine + rc * cosine
-                q = q - (r0 * q + rs * (1.0 - cosine) + rc * sine - u) / moment
+                moment = restoring(r0, rs, rc, sine, cosine)
+                q = q - (potential(r0, rc, q, rs * (1.0 - cosine), sine) - u) / moment
             sine, cosine = sin_cos(q)
-            moment = r0 + rs * sine + rc * cosine
+            moment = restoring(r0, rs, rc, sine, cosine)
         total = total + WEIGHTS[i] / moment
     return 2.0 * v * total
 

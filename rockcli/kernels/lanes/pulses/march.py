@@ -22,19 +22,23 @@ from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, note, room, select, some, store
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.law import edge_of, potential
 from rockcli.kernels.rigid.march import OUTCOME
 from rockcli.kernels.rigid.rest import rest_time
+from rockcli.kernels.rigid.settings import Degrees
+from rockcli.kernels.rigid.settings import Settings as Settings
 
 LONGEST = 2.0
 """Longest step, over 1/p."""
 
 
 @jit_lean
-def sweep(pars, linear, tol, rest_speed, margin, max_steps, n, detail, tables, pieces, work, out):
-    """Solve every row of `pars` under the pulse of its row of `tables` with series of order n.
+def sweep(pars, how, tables, pieces, work, out):
+    """Solve every row of `pars` under the pulse of its row of `tables` with series of `how.order`.
 
-    `work`: `work_space(n)`; `out` zeros.  What is not done here has STATUS LEFT_TO_MARCH.
+    `work`: `work_space(how.order)`; `out` zeros.  What is not done here has STATUS LEFT_TO_MARCH.
     """
+    linear, tol, n, detail = how.linear, how.tol, how.order, how.detail
     state, scratch, waiting, backlog, lists = split(work, n)
     lanes = lane.VECTORS * WIDTH
     asking, lifting, ending, moving, slowing, bouncing = (
@@ -57,7 +61,7 @@ def sweep(pars, linear, tol, rest_speed, margin, max_steps, n, detail, tables, p
                 let_out(state, i, out)
                 busy -= 1
             upcoming, came = let_in(
-                state, i, upcoming, waiting, pars, tables, pieces, linear, 100.0 * margin, detail == OUTCOME, out
+                state, i, upcoming, waiting, pars, tables, pieces, linear, 100.0 * how.margin, detail == OUTCOME, out
             )
             busy += came
         if busy == 0:
@@ -75,7 +79,7 @@ def sweep(pars, linear, tol, rest_speed, margin, max_steps, n, detail, tables, p
         if detail > OUTCOME:
             find_tops(state, n, tol, scratch, asking)
         for o in range(0, lane.VECTORS * size, size):
-            advance(state, o, rest_speed)
+            advance(state, o, how.rest_speed)
             event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
             past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
             n_moving = note((event >= lane.NONE) & (event < lane.DONE) & past, 1.0 * o, moving, n_moving)
@@ -84,7 +88,7 @@ def sweep(pars, linear, tol, rest_speed, margin, max_steps, n, detail, tables, p
                 n_bouncing = note(only_bounces(state, o, tol, linear), 1.0 * o, bouncing, n_bouncing)
         for j in range(n_slowing):
             i = int(slowing[j])
-            come_to_rest(state, i, n, pars[int(state[i + lane.CASE * WIDTH])], rest_speed, scratch)
+            come_to_rest(state, i, n, pars[int(state[i + lane.CASE * WIDTH])], how.rest_speed, scratch)
         for j in range(n_moving):
             i = int(moving[j])
             next_piece(state, i, tables[int(state[i + lane.CASE * WIDTH])], pieces)
@@ -96,7 +100,7 @@ def sweep(pars, linear, tol, rest_speed, margin, max_steps, n, detail, tables, p
                 settle(backlog, n_aside, linear, out)
                 n_aside = 0
         for o in range(0, lane.VECTORS * size, size):
-            judge(state, o, linear, margin, max_steps, detail)
+            judge(state, o, how)
             n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
 
 
@@ -263,8 +267,10 @@ def only_bounces(state, o, tol, linear):
         if not linear:
             sine, cosine = sin_cos(q)
             bend = 1.0 - cosine
-        height = load(state, o + lane.L_R0 * WIDTH) * q + load(state, o + lane.L_RS * WIDTH) * bend
-        height = height + load(state, o + lane.L_RC * WIDTH) * sine
+        r0, rs, rc = (
+            load(state, o + lane.L_R0 * WIDTH), load(state, o + lane.L_RS * WIDTH), load(state, o + lane.L_RC * WIDTH),
+        )  # fmt: skip
+        height = potential(r0, rc, q, rs * bend, sine)
         lands = lands & (0.5 * v * v <= height * (1.0 + 1e-12 + 100.0 * tol)) & (eta <= 1.0)
     return lands
 
@@ -284,14 +290,14 @@ def lay_aside(state, i, backlog, slot):
 @jit_lean
 def come_to_rest(state, i, n, par, rest_speed, queue):
     """A slow impact of lane i, put into REST on trial: whether it stays there, or goes on rocking (`rest_time`)."""
-    e, other = (at.RIGHT, at.LEFT) if state[i + lane.S * WIDTH] > 0.0 else (at.LEFT, at.RIGHT)
+    edge = edge_of(par, at.RIGHT)  # both are alike
     v = state[i + lane.V * WIDTH]
     nothing = queue[n + 1 :]
     nothing[0] = 0.0
     for k in range(n + 1):
         queue[k] = state[series_of_a(i, n) + k * WIDTH]
     rest_at = rest_time(
-        par, e, other, state[i + lane.S * WIDTH], par[at.G], v, queue, n, nothing, 0,
+        edge, edge, state[i + lane.S * WIDTH], v, queue, nothing, Degrees(n, 0),
         state[i + lane.X * WIDTH], state[i + lane.T * WIDTH], state[i + lane.T_NEXT * WIDTH], rest_speed,
     )  # fmt: skip
     if rest_at >= 0.0:

@@ -14,6 +14,7 @@ from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos
 from rockcli.kernels.lanes.vector.plain import bits_of, load, select, some, spread, sqrt, store
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.law import potential
 
 GUARD, EVEN, ODD, RATE, MIDDLE, FROM, TO, PULL, STAR, W_R0, W_RS, W_RC, SIDE, BELL_E, WAKES, ENERGY, KNOWN = range(17)
 ROOM = 17
@@ -119,7 +120,8 @@ def _foresee(space, linear, doubt, early):
     if not linear:
         half, cosine = sin_cos(0.5 * star)
         bend, sine = 2.0 * half * half, 2.0 * half * cosine
-    energy = load(space, W_R0 * WIDTH) * star + load(space, W_RS * WIDTH) * bend + load(space, W_RC * WIDTH) * sine
+    bent = load(space, W_RS * WIDTH) * bend
+    energy = potential(load(space, W_R0 * WIDTH), load(space, W_RC * WIDTH), star, bent, sine)
     wakes = load(space, WAKES * WIDTH)
     known = wakes == math.inf
     if early:

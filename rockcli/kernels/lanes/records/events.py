@@ -22,8 +22,8 @@ from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
-from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good, separatrix
-from rockcli.kernels.rigid.ground import NOTHING, SAMPLES
+from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good
+from rockcli.kernels.rigid.law import driving, edge_of, separatrix
 from rockcli.kernels.rigid.march import OUTCOME, afterwards
 from rockcli.kernels.rigid.readings import set_peak
 from rockcli.kernels.rigid.roots import first_root, last_passage, passage, turning_point
@@ -31,18 +31,18 @@ from rockcli.kernels.rigid.series import slope, value
 
 
 @jit_lean
-def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, velocity, c, sin_q, cos_q, a, a_v, out):
+def arrive(st, i, par, how, n_values, dt, velocity, c, sin_q, cos_q, a, a_v, out):
     """A rocking lane at the end of its samples: the motion's, or the report's.
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
     """
     q, v, s = st[lane.Q + i], st[lane.V + i], st[lane.SIDE + i]
-    e, other = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
-    verdict = free_rocking(par, e, other, q, v, linear, margin * par[e + at.ALPHA])
+    edge = edge_of(par, at.RIGHT)  # both are alike
+    verdict = free_rocking(edge, edge, q, v, how.linear, how.margin * edge.alpha)
     if st[lane.END + i] < n_values - 1.0:
         out[to.FELL] = verdict
-        if detail == OUTCOME:
-            if verdict == FALLS and separatrix(par, e, q, v, linear) < 0.0:  # an impact comes first
+        if how.detail == OUTCOME:
+            if verdict == FALLS and separatrix(edge, q, v, how.linear) < 0.0:  # an impact comes first
                 st[lane.IMPACTS + i] += 1.0
             out[to.T_END] = par[at.T_MOTION]
             return finish(st, i, verdict, out)
@@ -60,15 +60,14 @@ def arrive(st, i, par, linear, tol, margin, detail, order, n_values, dt, velocit
     if verdict == FALLS:
         out[to.PEAK_SIDE] = s
     if v > 0.0 and verdict != RETURNS:
-        set_peak(par, e, s, q, t, out)
-    afterwards(par, e, s, par[at.G], q, v, t, verdict, linear, tol, order, c, sin_q, cos_q, a, a_v, out)
+        set_peak(edge.alpha, s, q, t, out)
+    afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
     return finish(st, i, verdict, out)
 
 
 @jit_lean
 def attend(
-    st, i, par, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, velocity, dt,
-    c, guard, sin_q, cos_q, a, a_v, out,
+    st, i, par, how, values, slopes, blocks, tail, velocity, dt, c, guard, sin_q, cos_q, a, a_v, out
 ):  # fmt: skip
     """Look at the step lane i tried, go as far as its first event, and see to that."""
     q, h, x0 = st[lane.Q + i], st[lane.H + i], st[lane.X + i]
@@ -82,10 +81,10 @@ def attend(
     free = piece > last
     t0 = (par[at.T_MOTION] if free else piece * dt) + x0
     s = st[lane.SIDE + i]
-    e, other = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
+    edge = edge_of(par, at.RIGHT)  # both are alike
     path = len(velocity) == 0
-    if not (path or free or q < par[e + at.Q_STAR] or c[1] <= 0.0):
-        if lost(st, i, values, slopes, velocity, linear):
+    if not (path or free or q < edge.q_star or c[1] <= 0.0):
+        if lost(st, i, values, slopes, velocity, how.linear):
             out[to.T_END], out[to.PEAK_SIDE] = t0, s
             return finish(st, i, FALLS, out)
         st[lane.LOOK + i] = min(FARTHER * max(q, st[lane.LOOK + i]), HALF_PI)
@@ -108,18 +107,17 @@ def attend(
     reach = 0.0
     for k in range(lane.ORDER, -1, -1):
         reach = reach * x + abs(c[k])
-    star = par[e + at.Q_STAR]
+    star = edge.q_star
     if reach >= HALF_PI:
         if star == math.inf:
             return hand_over(out)
         for k in range(lane.ORDER + 1):
             guard[k] = -c[k]
         guard[0] = HALF_PI - q
-        if linear:
-            if value(c, lane.ORDER, x) >= HALF_PI and lost_for_good(
-                par, e, par[at.G], value(c, lane.ORDER, x), slope(c, lane.ORDER, x), free,
-                SAMPLES, tail, tail, piece, last, NOTHING, tail, tail, 0, 0,
-            ):  # fmt: skip
+        if how.linear:
+            ground = 0.0 if free or piece >= last else tail[piece] * abs(par[at.FACTOR_H])
+            q_x, v_x = value(c, lane.ORDER, x), slope(c, lane.ORDER, x)
+            if q_x >= HALF_PI and lost_for_good(edge, q_x, v_x, ground, 0.0):
                 fell = True
                 if guard[0] > 0.0:
                     x = passage(c, lane.ORDER, HALF_PI, 0.0, x)
@@ -132,7 +130,7 @@ def attend(
     v = slope(c, lane.ORDER, x)
     if reach > out[to.PEAK] and c[1] > 0.0 >= v:
         y = turning_point(c, lane.ORDER, 0.0, x)
-        set_peak(par, e, s, value(c, lane.ORDER, y), t0 + y * h, out)
+        set_peak(edge.alpha, s, value(c, lane.ORDER, y), t0 + y * h, out)
         st[lane.PEAK + i] = out[to.PEAK]
     if path and reach >= star:
         passed = last_passage(c, lane.ORDER, star, x, 1)
@@ -142,25 +140,8 @@ def attend(
     if fell:
         out[to.T_END] = t0 + x * h
         out[to.PEAK_SIDE] = s
-        afterwards(
-            par,
-            e,
-            s,
-            par[at.G],
-            value(c, lane.ORDER, x),
-            v,
-            t0 + x * h,
-            FALLS,
-            linear,
-            tol,
-            order,
-            c,
-            sin_q,
-            cos_q,
-            a,
-            a_v,
-            out,
-        )
+        q_x = value(c, lane.ORDER, x)
+        afterwards(edge, how, s, q_x, v, t0 + x * h, FALLS, c, sin_q, cos_q, a, a_v, out)
         return finish(st, i, FALLS, out)
 
     # go there
@@ -180,16 +161,14 @@ def attend(
             st[lane.IMPACTS + i] += 1.0
             if s > 0.0:
                 st[lane.ONTO_LEFT + i] += 1.0
-        st[lane.V + i] = par[other + at.ETA] * rate
+        st[lane.V + i] = edge.eta * rate
         turn(st, i, par, -s)
         if not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
-            state = rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out)
+            state = rest(st, i, par, how.rest_speed, values, slopes, blocks, tail, dt, out)
             if state != ROCKING:
                 return state
     if at_end:
-        return arrive(
-            st, i, par, linear, tol, margin, detail, order, len(values), dt, velocity, c, sin_q, cos_q, a, a_v, out
-        )
+        return arrive(st, i, par, how, len(values), dt, velocity, c, sin_q, cos_q, a, a_v, out)
     return STANDING
 
 
@@ -205,7 +184,8 @@ def lost(st, i, values, slopes, velocity, linear):
     force, change = st[lane.FORCING_C + i], 0.0
     if not linear:
         sine, cosine = math.sin(q), math.cos(q)
-        force, change = force * cosine + st[lane.FORCING_S + i] * sine, st[lane.FORCING_S + i] * cosine - force * sine
+        forcing_s = st[lane.FORCING_S + i]
+        force, change = driving(force, forcing_s, sine, cosine), forcing_s * cosine - force * sine
         if st[lane.FREE_0 + i] + st[lane.FREE_S + i] < 0.0 or force * change > 0.0:
             return False
     now = velocity[k, 0] + x * (values[k] + 0.5 * x * slopes[k])

@@ -22,6 +22,7 @@ from rockcli.kernels.lanes.records.step import advance, advance_linear
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import lowest_bit, page_the_stack
 from rockcli.kernels.lanes.vector.plain import note, room
+from rockcli.kernels.rigid.settings import Settings as Settings
 
 STEPS_PER_SAMPLE, STEPS_AFTER = 16, 20_000
 """Steps a body may take in lanes, a sample on the average and after the motion; one that needs more is handed over."""
@@ -39,9 +40,7 @@ def work_space():
 
 
 @jit_lean
-def march_lanes(
-    pars, linear, tol, rest_speed, margin, detail, order, values, slopes, blocks, tail, velocity, dt, work, out
-):
+def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out):
     """`march_all` for bodies with two equal edges, no damper, under one sampled motion; no forces, no histories.
 
     values, slopes: of the motion, then two of zeros.  blocks: largest |value| of each block; tail: running bound.
@@ -61,7 +60,7 @@ def march_lanes(
             k = following
             following += 1
             i = place(busy)
-            state = begin(st, i, pars[k], tol, values, slopes, blocks, tail, len(velocity) == 0, dt, out[k])
+            state = begin(st, i, pars[k], how.tol, values, slopes, blocks, tail, len(velocity) == 0, dt, out[k])
             if state == STANDING:
                 st[lane.CASE + i] = k
                 busy += 1
@@ -72,7 +71,7 @@ def march_lanes(
         landing = turning = 0
         emptied = False
         for o in range(0, place(busy - 1) + 1, lane.STRIDE):
-            if linear:
+            if how.linear:
                 calls, moved, near, tops = advance_linear(st, o, values, slopes)
             else:
                 calls, moved, near, tops = advance(st, o, values, slopes)
@@ -85,13 +84,12 @@ def march_lanes(
                 k = int(st[lane.CASE + i])
                 if (moved >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], linear, tol, margin, detail, order, len(values), dt,
-                        velocity, c, sin_q, cos_q, a, a_v, out[k],
+                        st, i, pars[k], how, len(values), dt, velocity, c, sin_q, cos_q, a, a_v, out[k]
                     )  # fmt: skip
                 else:
                     state = attend(
-                        st, i, pars[k], linear, tol, rest_speed, margin, detail, order, values, slopes, blocks,
-                        tail, velocity, dt, c, guard, sin_q, cos_q, a, a_v, out[k],
+                        st, i, pars[k], how, values, slopes, blocks, tail, velocity, dt,
+                        c, guard, sin_q, cos_q, a, a_v, out[k],
                     )  # fmt: skip
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = -1.0, True
@@ -113,11 +111,10 @@ def march_lanes(
                 k = int(st[lane.CASE + i])
                 if (over >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], linear, tol, margin, detail, order, len(values), dt,
-                        velocity, c, sin_q, cos_q, a, a_v, out[k],
+                        st, i, pars[k], how, len(values), dt, velocity, c, sin_q, cos_q, a, a_v, out[k]
                     )  # fmt: skip
                 else:
-                    state = rest(st, i, pars[k], rest_speed, values, slopes, blocks, tail, dt, out[k])
+                    state = rest(st, i, pars[k], how.rest_speed, values, slopes, blocks, tail, dt, out[k])
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = -1.0, True
         rounds += 1

@@ -46,5 +46,5 @@ def top(st, i, par, n_values, dt, out):
     if h < 0.0:  # the lane is at the step's end
         q -= c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8))))
         t += h
-    set_peak(par, at.RIGHT, st[lane.SIDE + i], q + height, t + x * abs(h), out)
+    set_peak(par[at.RIGHT + at.ALPHA], st[lane.SIDE + i], q + height, t + x * abs(h), out)
     st[lane.PEAK + i] = out[to.PEAK]

@@ -11,6 +11,7 @@ from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.law import edge_of, pressed
 from rockcli.kernels.rigid.readings import set_peak
 
 FINISHED, STANDING, ROCKING = 0, 1, 2
@@ -75,7 +76,7 @@ def begin(st, i, par, tol, values, slopes, blocks, tail, path, dt, out):
     if q >= par[at.RIGHT + at.Q_STAR]:
         out[to.T_OVERTURN] = 0.0
     if v <= 0.0:
-        set_peak(par, at.RIGHT, s, q, 0.0, out)
+        set_peak(par[at.RIGHT + at.ALPHA], s, q, 0.0, out)
         st[lane.PEAK + i] = q
     st[lane.Q + i], st[lane.V + i] = q, v
     turn(st, i, par, s)
@@ -192,7 +193,7 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
     p_alpha = p * par[e + at.ALPHA]
     k, x = int(st[lane.PIECE + i]), st[lane.X + i]
     left = st[lane.LEN + i] - x
-    press = par[e + at.P2] * (par[e + at.R0] + par[e + at.RC])
+    press = pressed(edge_of(par, e), s, 0.0, 0.0)
     force = s * par[e + at.P2] * par[e + at.FC] * par[at.FACTOR_H] / par[at.G]
     u0, u1 = force * (values[k] + slopes[k] * x), force * slopes[k]
     eta = par[e + at.ETA]
