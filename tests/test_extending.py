@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import shutil
@@ -18,11 +19,16 @@ PYTHON = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.M)
 
 VARIED = """vary:
   case:
+    ratio: {damping: {scheme: damping_ratio, zeta: 0.05}}
+    dashpot: {damping: {scheme: dashpot, coefficient: %r}}
     pulse: {motion: {pulse: {shape: haversine, a_p: 1.8*g*tan_alpha, omega_p: 8}}}
     model: {model: linearized_tan}
     backend: {solver: {backend: leapfrog}}
     block: {solver: {backend: event}}
-save: {histories: false}
+    coarse: {solver: {accuracy: coarse}}
+over: case
+rules: [velocity]
+save: {histories: true}
 expect:
   - {quantity: theta_peak_over_alpha, min: 0.1}
 """
@@ -34,15 +40,83 @@ def put(file: Path, mark: str, text: str, *, before: bool = False) -> None:
     file.write_text(whole.replace(mark, text + mark if before else mark + text), encoding="utf-8")
 
 
+def lengthened(file: Path, columns: str) -> None:
+    """One column more at the end of a layout."""
+    whole = file.read_text(encoding="utf-8")
+    (n,) = re.findall(r" N_OUT,\n\) = range\((\d+)\)", whole)
+    longer = whole.replace(" N_OUT,\n", f" {columns}").replace(f"range({n})", f"range({int(n) + 1})")
+    file.write_text(longer, encoding="utf-8")
+
+
+def coefficient(zeta: float) -> float:
+    """Of the dashpot (3.3) whose c/I_O is 2 zeta p, for the study's rectangle of R = 2 m and tan(alpha) = 0.2."""
+    g, R, alpha = 9.81, 2.0, math.atan(0.2)
+    p = math.sqrt(0.75 * g / R)
+    return 2.0 * zeta * p * 4.0 / 3.0 * math.sqrt(R / g) * (0.1 / alpha) ** 2
+
+
+CHECKED = """
+import numpy as np, xarray
+(path,) = __import__("pathlib").Path("results").rglob("trial.nc")
+data = xarray.open_dataset(path)
+peak = data["theta_peak_over_alpha"]
+np.testing.assert_allclose(peak.sel(case="ratio"), peak.sel(case="dashpot"), rtol=1e-9)
+assert 0.0 < peak.sel(case="ratio") < peak.sel(case="block")
+first = data["t_first_impact"].sel(case=["ratio", "block", "model"])
+np.testing.assert_array_equal(first, data["t_impact"].isel(impact=0).sel(case=first["case"]))
+assert np.isfinite(first).all()
+assert 0.0 < abs(peak.sel(case="coarse") - peak.sel(case="block")) < 1e-4
+assert data["n_certain"].item() == data.sizes["case"]
+pgv, R, alpha = data["pgv"].sel(case="block"), 2.0, np.arctan(0.2)
+impulsive = np.sqrt(16.0 / 3.0 * 9.81 * R) * np.sin(0.5 * alpha) / np.cos(alpha)
+np.testing.assert_allclose(data["velocity_ratio"].sel(case="block"), pgv / impulsive, rtol=1e-12)
+assert np.isnan(data["t_first_impact"].sel(case="backend"))
+"""
+
+
+ROWS = dict(re.findall(r"^\| \*?([a-z -]+?)\*? \| (`.*) \|$", (ROOT / "docs" / "building.md").read_text("utf-8"), re.M))
+MOST = {"a pulse": 1, "a model of one rotation": 1, "a damping scheme": 4, "a backend": 3, "an output scalar": 3}
+MOST |= {"a suite statistic": 2, "a code rule": 1, "a level of accuracy": 1, "a command": 2, "a plot": 3}
+
+
+@pytest.mark.parametrize("change", MOST)
+def test_a_change_touches_few_files(change):
+    """As many as the page says at most, where it names two ways the longer of them."""
+    ways = ROWS[change].split("; one that")
+    assert max(len(re.findall(r"`[\w/]+\.py`", way)) for way in ways) <= MOST[change]
+
+
+def test_the_files_of_the_page_are_there():
+    files = {file for row in ROWS.values() for file in re.findall(r"`([\w/]+\.(?:py|toml))`", row)}
+    missing = {f for f in files if "NAME" not in f and not (ROOT / "rockcli" / f).exists() and not (ROOT / f).exists()}
+    assert len(files) > 25
+    assert not missing
+
+
 @pytest.mark.slow
 def test_the_recipes_work(tmp_path):
-    pulse, pulse_row, model, model_row, backend, backend_row, for_tests = PYTHON
+    pulse, pulse_row, model, model_row, scheme, scheme_row, scheme_name, *rest = PYTHON
+    scalar_row, scalar_column, scalar_first, scalar_then, level, rule, statistic, statistic_row, *rest = rest
+    backend, backend_row, for_tests = rest
     package = tmp_path / "rockcli"
     shutil.copytree(ROOT / "rockcli", package, ignore=shutil.ignore_patterns("__pycache__"))
     put(package / "scene" / "pulses.py", "_ROWS: tuple[Shape, ...] = (\n", pulse_row)
     put(package / "scene" / "pulses.py", "_ROWS: tuple[Shape, ...] = (\n", f"{pulse}\n\n", before=True)
     put(package / "scene" / "models.py", "_ROWS: tuple[Model, ...] = (\n", model_row)
     put(package / "scene" / "models.py", "_ROWS: tuple[Model, ...] = (\n", f"{model}\n\n", before=True)
+    put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", scheme_row)
+    put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", f"{scheme}\n\n", before=True)
+    put(package / "scene" / "backends.py", "_RIGID = frozenset({", f"{scheme_name.strip()} ")
+    put(package / "scene" / "variables.py", "\n_ROWS: tuple[Variable, ...] = (\n", scalar_row)
+    put(package / "scene" / "variables.py", "SCALARS: tuple[str, ...] = (\n", '    "t_first_impact",\n')
+    lengthened(package / "kernels" / "rigid" / "results.py", f"{scalar_column.strip()} N_OUT,\n")
+    march = package / "kernels" / "rigid" / "march.py"
+    put(march, "    out[to.PEAK_ALPHA] = 1.0\n", scalar_first)
+    put(march, f"{16 * ' '}out[to.N_IMPACTS] += 1\n{16 * ' '}out[to.ONTO", scalar_then, before=True)
+    put(package / "scene" / "numerics.py", "ACCURACIES: dict[str, Accuracy] = {\n", level)
+    put(package / "scene" / "rules.py", "_ROWS: tuple[Rule, ...] = (\n", rule)
+    put(package / "analysis" / "suites.py", "STATISTICS: dict[str, Callable[[Members, int], Array]] = {\n", statistic)
+    put(package / "scene" / "variables.py", "_SUITE_ROWS: tuple[Variable, ...] = (\n", statistic_row)
     (package / "solvers" / "leapfrog.py").write_text(backend, encoding="utf-8")
     put(package / "scene" / "backends.py", "_ROWS: tuple[Backend, ...] = (\n", backend_row)
     shutil.copytree(ROOT / "tests" / "cross", tmp_path / "tests" / "cross")
@@ -51,7 +125,7 @@ def test_the_recipes_work(tmp_path):
     setting, *tolerances = for_tests.splitlines(keepends=True)
     put(tmp_path / "tests" / "cross" / "test_backends.py", "\nSETTINGS = {\n", setting)
     put(tmp_path / "tests" / "cross" / "test_backends.py", "\nTOLERANCES = {\n", "".join(tolerances))
-    (tmp_path / "trial.yaml").write_text(STUDY + VARIED, encoding="utf-8")
+    (tmp_path / "trial.yaml").write_text(STUDY + VARIED % coefficient(0.05), encoding="utf-8")
 
     def rock(*words: str) -> str:
         return run("-m", "rockcli", *words)
@@ -63,7 +137,13 @@ def test_the_recipes_work(tmp_path):
         return done.stdout
 
     assert "1 of 1 met" in rock("run", "trial.yaml", "--no-plots")
-    for topic, name in (("pulses", "haversine"), ("models", "linearized_tan"), ("backends", "leapfrog")):
+    run("-c", CHECKED)
+    for topic, name in (
+        ("variables", "t_first_impact"),
+        ("pulses", "haversine"),
+        ("models", "linearized_tan"),
+        ("backends", "leapfrog"),
+    ):
         assert re.search(rf"^{name} ", rock("show", topic), re.M)
     tests = "haversine or leapfrog or linearized_tan or tolerance"
     files = ("tests/cross/test_backends.py", "tests/cross/test_lanes_pulses.py")

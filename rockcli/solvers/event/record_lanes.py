@@ -12,15 +12,27 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
-from rockcli.solvers.common.certainty import CERTAINTY
+from rockcli.scene.variables import (
+    SCALARS_ASYMMETRIC,
+    SCALARS_AUTO,
+    SCALARS_FEMA,
+    SCALARS_FLEXIBLE,
+    SCALARS_SLIDING,
+)
 from rockcli.solvers.event.pulse_lanes import FINEST
 
 Array = NDArray[np.float64]
 
 METHOD = "Taylor series of order 8 from sample to sample, many bodies in lanes, events located on the polynomial"
 
-BEYOND = CERTAINTY | {"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"}
-"""Scalars that need a look inside every step, or a second run."""
+WITHIN = frozenset(
+    {
+        "outcome", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "t_peak", "t_uplift", "t_overturn", "t_end",
+        "n_impacts", "mu_impact", "wall_time", "n_steps", "n_rhs", "reason",
+        *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO,
+    }
+)  # fmt: skip
+"""Scalars that the lanes find, or that these bodies have not; others need a look inside every step, or a second run."""
 
 PATH = frozenset({"t_overturn", "t_end"})
 """Scalars that need the path of a fall to its end."""
@@ -34,7 +46,7 @@ def asked(batch: Batch) -> bool:
         and motion.vertical is None
         and batch.damping.coefficient is None
         and not batch.save.histories
-        and not batch.save.scalars & BEYOND
+        and batch.save.scalars <= WITHIN
         and batch.numerics.tolerances.rtol >= FINEST
     )
 

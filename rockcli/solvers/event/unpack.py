@@ -14,11 +14,17 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.models import MODELS
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED
+from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.certainty import withdraw
 from rockcli.solvers.common.found import IMPACTS, Found, counts, note_unstored, rigid_top
 from rockcli.solvers.common.ground import ground_history
 
 Array = NDArray[np.float64]
+
+COLUMNS: dict[str, int] = {
+    name: getattr(to, name.upper()) for name in SCALARS if getattr(to, name.upper(), to.N_OUT) < to.N_OUT
+}
+"""Scalars that have a column of their name in the results of the kernel."""
 
 
 class Raw:
@@ -80,6 +86,7 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "n_steps": counts(out[:, to.N_STEPS]),
         "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion
     }
+    scalars |= {name: found.unless_failed(out[:, column]) for name, column in COLUMNS.items() if name not in scalars}
     return scalars, _reasons(batch, scalars, out)
 
 
