@@ -34,6 +34,9 @@ DOORS = {
     "pydantic": "study",
     "scipy": "solvers",  # but for special functions and statistics, see `FREE`
     "xarray": "storage",
+    "pandas": "storage",
+    "openpyxl": "storage",
+    "pyarrow": "storage",
     "netCDF4": "storage",
     "matplotlib": "plotting",
     "PIL": "plotting",

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from rockcli.cli import animate, check, compare, export, identify, plot, report, run, show, trade, verify
+from rockcli.cli import animate, check, compare, export, identify, plot, report, run, show, table, trade, verify
 from rockcli.cli.interrupt import INTERRUPTED, answered, tell
 from rockcli.cli.say import forget, say
 from rockcli.errors import RockError, StudyError
@@ -27,6 +27,7 @@ app.command("run")(run.run)
 app.command("check")(check.check)
 app.command("plot")(plot.plot)
 app.command("animate")(animate.animate)
+app.command("table")(table.table)
 app.command("compare")(compare.compare)
 app.command("trade")(trade.trade)
 app.command("report")(report.report)

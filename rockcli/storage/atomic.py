@@ -13,7 +13,7 @@ from rockcli.storage.places import passing, reason
 
 _MARK = ".part"
 
-_SCRATCH = re.compile(rf"\..+\.\d+{re.escape(_MARK)}\.(nc|npz|png|pdf|svg|gif|mp4|html)")
+_SCRATCH = re.compile(rf"\..+\.\d+{re.escape(_MARK)}\.(nc|npz|png|pdf|svg|gif|mp4|html|csv|xlsx|parquet)")
 """Scratch files of what is written into result folders; other files of such names are somebody's own."""
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -111,7 +113,9 @@ def _is_intact(path: Path, *unchanged: int) -> bool | None:
     return None if wanted is None else wanted == checksum.checksum(contents)
 
 
-def _read(path: Path) -> Contents:
+@contextmanager
+def open_file(path: Path) -> Iterator[Any]:
+    """Give an open netCDF4 file; `StudyError` if it is not one this program wrote, or damaged where it is read."""
     import netCDF4
 
     try:
@@ -121,16 +125,19 @@ def _read(path: Path) -> Contents:
     except Exception as error:  # the library has many words for bytes that mean nothing
         raise StudyError(f"is damaged: {error}", file=path) from None
     with file:
+        if not {_AXES, "identity"} <= set(file.ncattrs()):
+            raise StudyError("is not a dataset written by `rock run`", file=path)
+        yield file
+
+
+def _read(path: Path) -> Contents:
+    with open_file(path) as file:
         try:
             file.set_auto_mask(False)
             attrs = {name: str(file.getncattr(name)) for name in file.ncattrs()}
-            if _AXES not in attrs or "identity" not in attrs:
-                raise StudyError("is not a dataset written by `rock run`", file=path)
             axes = tuple(attrs.pop(_AXES).split())
             listed = {c for v in file.variables.values() for c in getattr(v, "coordinates", "").split()}
             fields = {name: _read_field(variable, name, listed) for name, variable in file.variables.items()}
-        except StudyError:
-            raise
         except Exception as error:
             raise StudyError(f"is damaged: {error}", file=path) from None
     return Contents(axes, fields, attrs)

@@ -1,0 +1,95 @@
+"""`rock table`: the cases of a dataset, or what a suite comes to, as a table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rockcli.cli.say import say
+
+if TYPE_CHECKING:
+    from rockcli.storage.table import Column, Table
+
+_TOLD = (
+    "overturn_share", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "slide_peak", "n_impacts", "t_overturn",
+)  # fmt: skip
+"""Columns of cases that a terminal shows beside the axes and the outcome, where they say anything."""
+
+
+def table(
+    file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="A dataset written by `rock run`.")],
+    columns: Annotated[
+        str | None,
+        typer.Option("--columns", metavar="A,B", help="Only these variables beside the axes."),
+    ] = None,
+    of: Annotated[
+        str, typer.Option("--of", metavar="TABLE", help="cases, or of a suite: suite, fragility, stripes, demand.")
+    ] = "cases",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.csv|.xlsx|.parquet", help="Write all of it to a file.")
+    ] = None,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Angles in degrees.")] = False,
+    rows: Annotated[int, typer.Option("--rows", metavar="N", help="Rows printed at most.")] = 60,
+) -> None:
+    """Print or write a dataset as a table: one row per case, axes first, outcome as a word, heads `name [unit]`.
+
+    Printed with six digits and accelerations in g; files have SI units and every digit.  Histories are in no table.
+    """
+    from rockcli.errors import StudyError
+    from rockcli.scene.units import SI
+    from rockcli.storage.places import check_folder
+    from rockcli.storage.table import CASES, opened, table_of, units_of
+    from rockcli.storage.table_files import write
+
+    if rows < 1:
+        raise StudyError(f"--rows {rows}: expected a whole number greater than 0")
+    named = None if columns is None else [name.strip() for name in columns.split(",") if name.strip()]
+    with opened(file) as (items, attrs):
+        try:
+            units = units_of(items, attrs) if out is None else SI
+            found = table_of(items, attrs, of=of, columns=named, degrees=degrees, units=units)
+        except StudyError as error:
+            raise StudyError(error.message, file=file) from None
+        if out is None:
+            _print(found, rows, brief=named is None and of == CASES)
+        else:
+            check_folder(out.parent)
+            write(found, out)
+            say(str(out))
+
+
+def _print(table: Table, rows: int, *, brief: bool) -> None:
+    from rockcli.cli.tables import table as printed
+
+    block = table.first(rows)
+    shown = [column for column in block if not brief or column.name in table.dims or _tells(column)]
+    cells = [_cells(column) for column in shown]
+    told = 0
+    while told < len(shown) and shown[-1 - told].values.dtype != object:
+        told += 1
+    say(printed([column.head for column in shown], zip(*cells, strict=True), right=told))
+    left = table.size - len(cells[0])
+    if left > 0:
+        say(f"rock: {left} more of {table.size} rows: --rows {table.size}, or --out FILE.csv", err=True)
+    hidden = [name for name in table.names if name not in {column.name for column in shown}]
+    if hidden:
+        say(f"rock: more columns (--columns A,B; a file has all): {', '.join(hidden)}", err=True)
+
+
+def _tells(column: Column) -> bool:
+    """Whether a column is among those shown unasked: it has a finite number, and no case is uncertain without it."""
+    import numpy as np
+
+    if column.name == "outcome" or column.name.endswith("_overturning"):
+        return True
+    if column.name == "overturn_share":
+        return bool(((column.values > 0.0) & (column.values < 1.0)).any())
+    return column.name in _TOLD and bool(np.isfinite(column.values).any())
+
+
+def _cells(column: Column) -> list[str]:
+    """At most six digits; nothing where there is no answer."""
+    values = column.values.tolist()
+    return [("" if v != v else f"{v:.6g}") if isinstance(v, float) else str(v) for v in values]

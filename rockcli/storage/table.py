@@ -1,0 +1,305 @@
+"""Datasets as tables, in blocks of rows: the cases, or what a suite comes to, one row for each.
+
+Histories are never in a table.  A block is read when it is asked for, so a file of any size passes through in pieces.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import StudyError
+from rockcli.scene.units import SI, Units, g_of
+from rockcli.scene.variables import LIMIT, MEASURE
+from rockcli.storage.checksum import note_opened
+from rockcli.storage.contents import COORDINATES
+from rockcli.storage.netcdf import open_file
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+CASES = "cases"
+
+TABLES: dict[str, str] = {
+    CASES: "one row per case: what was varied, what became of it, every scalar",
+    "suite": "what the suite does at every point of the other axes: shares, fractiles",
+    "fragility": "one row per body and limit state: median, beta, their standard errors",
+    "stripes": "one row per intensity and limit state: the share that exceeds it",
+    "demand": "one row per measure of the motion: its correlation with the peak",
+}
+"""Tables by name, and what they hold."""
+
+BLOCK = 65_536
+"""Rows read at a time."""
+
+_REASON, _REASONS = "reason", "reasons"
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column of numbers or words.
+
+    Attributes:
+        name: of the variable.
+        head: `name [unit]`; `name` where there is no dimension.
+        values: one for each row of the block.
+    """
+
+    name: str
+    head: str
+    values: NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class _Item:
+    """A variable, read in pieces by indexing `values`."""
+
+    dims: tuple[str, ...]
+    values: Any
+    attrs: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table that is read in blocks.
+
+    Attributes:
+        dims: dimensions of which it has a row for every point, the last one running fastest.
+        names: variables that are its columns, in order, the coordinates of `dims` first.
+        size: number of rows.
+    """
+
+    dims: tuple[str, ...]
+    names: tuple[str, ...]
+    size: int
+    _items: Mapping[str, _Item]
+    _sizes: Mapping[str, int]
+    _units: Units
+    _degrees: bool
+
+    def blocks(self, rows: int = BLOCK) -> Iterator[list[Column]]:
+        """Yield its columns in blocks of about `rows` rows, in order."""
+        for place in _places([self._sizes[dim] for dim in self.dims], rows):
+            at = dict(zip(self.dims, place, strict=True))
+            yield [self._column(name, self._items[name], self._values(name, at)) for name in self.names]
+
+    def first(self, rows: int) -> list[Column]:
+        """The columns of its first rows, all of them where there are no more."""
+        blocks = self.blocks(rows)
+        found, n = [], 0
+        while n < min(rows, self.size):
+            found.append(next(blocks))
+            n += len(found[-1][0].values)
+        whole = zip(*found, strict=True)
+        return [Column(c[0].name, c[0].head, np.concatenate([part.values for part in c])[:rows]) for c in whole]
+
+    def _values(self, name: str, at: dict[str, slice]) -> NDArray[Any]:
+        """One value for each row of a block, whatever the variable depends on."""
+        item = self._items[name]
+        shape = tuple(where.stop - where.start for where in at.values())
+        values = np.asarray(item.values[tuple(at.get(dim, slice(None)) for dim in item.dims)])
+        values = values.transpose([item.dims.index(dim) for dim in self.dims if dim in item.dims])
+        index = tuple(slice(None) if dim in item.dims else None for dim in self.dims)
+        return np.broadcast_to(values[index], shape).ravel()
+
+    def _column(self, name: str, item: _Item, values: NDArray[Any]) -> Column:
+        if "flag_meanings" in item.attrs:
+            return Column(name, name, _words(values, item.attrs))
+        if name == _REASON:
+            return Column(name, name, _sentences(values, self._items.get(_REASONS)))
+        if values.dtype.kind in "OUTS":
+            return Column(name, name, values.astype(object))
+        unit = str(item.attrs.get("units", "1"))
+        if self._degrees and unit == "rad":
+            values, unit = np.degrees(values), "deg"
+        divisor, unit = self._units.of(unit, str(item.attrs.get("long_name", "")))
+        head = name if unit == "1" else f"{name} [{unit}]"
+        return Column(name, head, values if divisor == 1.0 else values / divisor)
+
+
+def _places(sizes: Sequence[int], rows: int) -> Iterator[tuple[slice, ...]]:
+    """Boxes that cover a product of sizes in C order, of about `rows` points each."""
+    cut, inner = len(sizes), 1
+    while cut and inner * sizes[cut - 1] <= rows:
+        cut -= 1
+        inner *= sizes[cut]
+    whole = tuple(slice(0, size) for size in sizes[cut:])
+    if not cut:
+        yield whole
+        return
+    step = max(1, rows // inner)
+    for outer in np.ndindex(*sizes[: cut - 1]):
+        fixed = tuple(slice(i, i + 1) for i in outer)
+        for start in range(0, sizes[cut - 1], step):
+            yield (*fixed, slice(start, min(start + step, sizes[cut - 1])), *whole)
+
+
+def _words(values: NDArray[Any], attrs: Mapping[str, Any]) -> NDArray[Any]:
+    """Flags as their meanings."""
+    meanings = dict(zip(np.atleast_1d(attrs["flag_values"]).tolist(), str(attrs["flag_meanings"]).split(), strict=True))
+    found, inverse = np.unique(values, return_inverse=True)
+    words = np.array([meanings.get(value, "") for value in found.tolist()], dtype=object)
+    return np.asarray(words[inverse.ravel()])
+
+
+def _sentences(values: NDArray[Any], reasons: _Item | None) -> NDArray[Any]:
+    """The sentences that indices point to, "" where they point to none."""
+    known = [] if reasons is None else [str(one) for one in np.asarray(reasons.values[:])]
+    words = np.array([*known, ""], dtype=object)
+    number = np.nan_to_num(np.asarray(values, dtype=float), nan=-1.0).astype(int)
+    return np.asarray(words[np.where((number >= 0) & (number < len(known)), number, -1)])
+
+
+def table_of(
+    items: Mapping[str, _Item],
+    attrs: Mapping[str, Any],
+    *,
+    of: str = CASES,
+    columns: Sequence[str] | None = None,
+    degrees: bool = False,
+    units: Units = SI,
+) -> Table:
+    """The table of a name, with all of its columns or those asked for.
+
+    Raises:
+        StudyError: there is no such table, or no such column in it.
+    """
+    if of not in TABLES:
+        raise StudyError(f"{of!r} is no table; expected one of {', '.join(TABLES)}")
+    ensemble = json.loads(attrs.get("ensemble", "null"))
+    axes = tuple(str(attrs["axes"]).split())
+    dims = _dims(of, axes, ensemble)
+    belong = [name for name, item in items.items() if _belongs(of, name, item, axes, dims, ensemble)]
+    if dims is None or (of != CASES and not belong):
+        raise StudyError(f"has no table {of!r}; it has {', '.join(_there(items, axes, ensemble))}")
+    first = [dim for dim in dims if dim in items]
+    rest = [name for name in belong if name not in first]
+    if "outcome" in rest:  # after the coordinates, before what was computed
+        rest.remove("outcome")
+        known = [name for name in rest if name in COORDINATES]
+        rest = [*known, "outcome", *(name for name in rest if name not in known)]
+    chosen = rest if columns is None else [_known(name, items, [*first, *rest]) for name in columns]
+    names = (*first, *dict.fromkeys(name for name in chosen if name not in first))
+    sizes = {dim: size for item in items.values() for dim, size in zip(item.dims, item.values.shape, strict=True)}
+    size = int(np.prod([sizes[dim] for dim in dims], dtype=np.int64))
+    return Table(dims, names, size, items, sizes, units, degrees)
+
+
+def _dims(of: str, axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) -> tuple[str, ...] | None:
+    """Dimensions of which a table has a row each; None if this dataset has no such table."""
+    if of == CASES:
+        return axes
+    if ensemble is None:
+        return None
+    over = ensemble["axis"] if isinstance(ensemble["axis"], list) else [ensemble["axis"]]
+    rest = tuple(axis for axis in axes if axis not in over)
+    bodies = tuple(axis for axis in rest if axis != ensemble["along"])
+    return {
+        "suite": rest,
+        "fragility": (*bodies, LIMIT),
+        "stripes": (*rest, LIMIT),
+        "demand": (*rest, MEASURE),
+    }[of]
+
+
+def _belongs(
+    of: str,
+    name: str,
+    item: _Item,
+    axes: tuple[str, ...],
+    dims: tuple[str, ...] | None,
+    ensemble: Mapping[str, Any] | None,
+) -> bool:
+    if dims is None or not set(item.dims) <= set(dims):
+        return False
+    derived = ensemble is not None and name in ensemble["fields"]
+    over = () if ensemble is None else np.atleast_1d(ensemble["axis"]).tolist()
+    if of == CASES:
+        return not derived or bool(set(item.dims) & set(over)) or not item.dims
+    if of == "suite":
+        return derived
+    marks = {
+        "fragility": {LIMIT},
+        "stripes": {LIMIT, str((ensemble or {}).get("along"))},
+        "demand": {MEASURE},
+    }[of]
+    return derived and marks <= set(item.dims)
+
+
+def _there(items: Mapping[str, _Item], axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) -> list[str]:
+    return [
+        of
+        for of in TABLES
+        if (dims := _dims(of, axes, ensemble)) is not None
+        and (of == CASES or any(_belongs(of, name, item, axes, dims, ensemble) for name, item in items.items()))
+    ]
+
+
+def _known(name: str, items: Mapping[str, _Item], columns: list[str]) -> str:
+    """A column asked for; `StudyError` with what is near, or why it is none."""
+    if name in columns:
+        return name
+    if name in items:
+        dims = ", ".join(items[name].dims) or "no dimension"
+        raise StudyError(f"column {name!r} is not in this table: it is over {dims}")
+    close = get_close_matches(name, columns, n=1)
+    hint = f"did you mean {close[0]!r}?" if close else f"expected some of {', '.join(columns)}"
+    raise StudyError(f"no column {name!r}; {hint}")
+
+
+def units_of(items: Mapping[str, _Item], attrs: Mapping[str, Any]) -> Units:
+    """How the numbers of a dataset are shown to people: accelerations in g of its case."""
+    paths = {str(items[axis].attrs.get("long_name", axis)) for axis in str(attrs["axes"]).split()}
+    return Units(g_of(json.loads(attrs.get("case", "{}")), paths))
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[tuple[Mapping[str, _Item], Mapping[str, Any]]]:
+    """Variables and root attributes of a dataset file, read in pieces while it is open.
+
+    Raises:
+        StudyError: it is no dataset of this program, or damaged.
+    """
+    note_opened(path)
+    with open_file(path) as file:
+        file.set_auto_mask(False)
+        attrs = {name: file.getncattr(name) for name in file.ncattrs()}
+        items = {
+            name: _Item(tuple(item.dimensions), item, {key: item.getncattr(key) for key in item.ncattrs()})
+            for name, item in file.variables.items()
+        }
+        yield items, attrs
+
+
+def frame(block: Sequence[Column]) -> pandas.DataFrame:
+    """Columns as a pandas DataFrame, headed by name and unit; words are categories."""
+    import pandas
+
+    def one(column: Column) -> Any:
+        return pandas.Categorical(column.values) if column.values.dtype == object else column.values
+
+    return pandas.DataFrame({column.head: one(column) for column in block})
+
+
+def frame_of(
+    dataset: xarray.Dataset, *, of: str = CASES, columns: Sequence[str] | None = None, degrees: bool = False
+) -> pandas.DataFrame:
+    """A table of a dataset in memory; see `rockcli.table`."""
+    items = {
+        str(name): _Item(tuple(map(str, item.dims)), item.values, item.attrs)
+        for name, item in dataset.variables.items()
+    }
+    if "axes" not in dataset.attrs:
+        raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
+    found = table_of(items, dataset.attrs, of=of, columns=columns, degrees=degrees)
+    (block,) = found.blocks(max(found.size, 1))
+    return frame(block)

@@ -1,0 +1,110 @@
+"""Tables as files: CSV, an Excel workbook, Parquet; written in blocks, whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rockcli.errors import StudyError
+from rockcli.storage.atomic import replacing
+from rockcli.storage.table import BLOCK, Column, Table, frame
+
+Block = list[Column]
+Writer = Callable[[Path, Block], AbstractContextManager[Callable[[Block], None]]]
+
+_XLSX_ROWS = 1_048_575
+"""Rows of an Excel sheet below its head."""
+
+
+def write(table: Table, path: Path) -> None:
+    """Write a table to a file of the format that its name ends in.
+
+    Raises:
+        StudyError: the ending is none of a table, the sheet would be too long, or a library is not installed.
+        OutputError: it cannot be written.
+    """
+    writer = _FORMATS.get(path.suffix.lower())
+    if writer is None:
+        raise StudyError(f"expected a name that ends in {', '.join(_FORMATS)}", file=path)
+    if writer is _xlsx and table.size > _XLSX_ROWS:
+        raise StudyError(f"{table.size} rows: an Excel sheet has {_XLSX_ROWS}; write .csv or .parquet", file=path)
+    blocks = table.blocks(BLOCK)
+    first = next(blocks)
+    with replacing(path) as scratch, writer(scratch, first) as add:
+        add(first)
+        for block in blocks:
+            add(block)
+
+
+@contextmanager
+def _csv(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
+    """Numbers to the last bit; no answer is an empty cell, overturned `inf`."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        frame(first).iloc[:0].to_csv(file, index=False, lineterminator="\n")
+
+        def add(block: Block) -> None:
+            frame(block).to_csv(file, index=False, header=False, lineterminator="\n")
+
+        yield add
+
+
+@contextmanager
+def _xlsx(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
+    """A sheet; infinity, which Excel has no number for, is the word `inf`."""
+    try:
+        from openpyxl import Workbook
+    except ImportError:
+        raise _missing(path, "openpyxl") from None
+    book = Workbook(write_only=True)
+    sheet = book.create_sheet("table")
+    sheet.freeze_panes = "A2"
+    sheet.append([column.head for column in first])
+
+    def add(block: Block) -> None:
+        for row in zip(*(_cells(column) for column in block), strict=True):
+            sheet.append(row)
+
+    yield add
+    book.save(path)
+
+
+def _cells(column: Column) -> list[Any]:
+    values = column.values
+    cells = values.astype(object)
+    if values.dtype.kind != "f":
+        return list(cells)
+    cells[np.isnan(values)] = None
+    cells[np.isposinf(values)] = "inf"
+    cells[np.isneginf(values)] = "-inf"
+    return list(cells)
+
+
+@contextmanager
+def _parquet(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
+    """Words as plain strings, so that every block has the same schema."""
+    try:
+        import pyarrow
+        from pyarrow.parquet import ParquetWriter
+    except ImportError:
+        raise _missing(path, "pyarrow") from None
+
+    def arrow(block: Block) -> Any:
+        text = pyarrow.string()
+        arrays = [pyarrow.array(c.values, type=text if c.values.dtype == object else None) for c in block]
+        return pyarrow.Table.from_arrays(arrays, names=[column.head for column in block])
+
+    with ParquetWriter(path, arrow(first).schema) as writer:
+        yield lambda block: writer.write_table(arrow(block))
+
+
+def _missing(path: Path, library: str) -> StudyError:
+    return StudyError(
+        f"needs {library}, which is not installed: pip install 'rockcli[tables]', or write .csv", file=path
+    )
+
+
+_FORMATS: dict[str, Writer] = {".csv": _csv, ".xlsx": _xlsx, ".parquet": _parquet}
