@@ -18,7 +18,7 @@ from rockcli.scene.excitation import BELL, LINEAR, PIECE_WIDTH, WAVES
 
 MODES = ["rest", "slide", "rock", "slide_rock", "flight"]
 G = 9.81
-NOTHING = [0, [0.0], 1.0, [0.0], 0]
+NOTHING = (0, 1.0, 0, [0.0])
 
 
 def kernel(name: str):
@@ -28,6 +28,11 @@ def kernel(name: str):
 
 def array(values):
     return np.array(values, dtype=float) if kernels.compiled else list(values)
+
+
+def table(n, m):
+    nothing = np.full((n, m), np.nan)
+    return nothing if kernels.compiled else nothing.tolist()
 
 
 def body(b, h=1.0, mu=0.5, *, mu_k=None, eta=None, e_n=0.0, r_g2=None, g=G, t_motion=0.0, **initial):
@@ -52,11 +57,11 @@ def piece(t_end, kind, *numbers):
     row = [0.0] * PIECE_WIDTH
     row[1], row[2] = t_end, kind
     row[3 : 3 + len(numbers)] = numbers
-    return [2, [0.0], 1.0, row, 1]
+    return (2, 1.0, 1, row)
 
 
 def motion(words: str):
-    """A channel from words: `sine a_p omega t_end`, `constant a t_end`, `FILE first last factor`, or nothing."""
+    """A channel (kind, dt, pieces, data) from words: `sine a_p omega t_end`, `constant a t_end`, `FILE first last factor`, or nothing."""
     if not words:
         return NOTHING
     kind, *numbers = words.split()
@@ -70,7 +75,8 @@ def motion(words: str):
     path = SHARED / "records" / kind
     found = parse_at2(path.read_bytes(), path.name)
     values = [float(v) * x[2] for v in found.values[int(x[0]) : int(x[1]) + 1]]
-    return [1, values, float(found.dt), [0.0], len(values) - 1]
+    tail = np.maximum.accumulate(np.abs(values)[::-1])[::-1]
+    return (1, float(found.dt), len(values) - 1, [*values, *tail])
 
 
 @dataclass
@@ -86,17 +92,20 @@ class Run:
 
 
 def run(par, horizontal=NOTHING, vertical=NOTHING, *, tol=1e-16, order=24, rest_speed=1e-9, dt=1.0, n=0) -> Run:
-    march = kernel("march").march
-    out, t, modes = array([0.0] * to.N_OUT), array([math.nan] * 4000), array([math.nan] * 4000)
+    march = kernel("march")
+    out, events = array([0.0] * to.N_OUT), table(2, 4000)
     names = ("theta", "theta_dot", "slide", "slide_dot", "contact_mode", "lift")
-    histories = {name: array([math.nan] * n) for name in names}
-    impacts = [array([math.nan] * 1000) for _ in range(3)]
-    channels = [array(x) if isinstance(x, list) else x for c in (horizontal, vertical) for x in c]
-    march(array(par), tol, rest_speed, 1_000_000, order, *channels, dt, *histories.values(), *impacts, t, modes, out)
+    histories, impacts = table(6, n), table(3, 1000)
+    channels = []
+    for kind, spacing, pieces, data in (horizontal, vertical):
+        channels += [march.Channel(kind, spacing, pieces), array(data)]
+    march.march(array(par), tol, rest_speed, 1_000_000, order, *channels, dt, histories, impacts, events, out)
+    t, modes = events
     n_events = int(out[to.N_EVENTS])
     found = [MODES[int(m)] for m in modes[:n_events]]
     count = int(out[to.IMPACTS_STORED])
-    return Run(out, list(t[:n_events]), found, histories, [list(x[:count]) for x in impacts])
+    by_name = dict(zip(names, histories, strict=True))
+    return Run(out, list(t[:n_events]), found, by_name, [list(x[:count]) for x in impacts])
 
 
 def scenes() -> list[dict[str, str]]:

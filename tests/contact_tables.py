@@ -568,7 +568,7 @@ IMPACT_SEPARATRICES = [
     (0.2, 0.8, 1.2, 0.08484848484848487),
 ]
 
-# k = R^2/r_g^2; least friction for which A vanishes, and tan(beta) there (C7)
+# k = R^2/r_g^2; least friction for which A vanishes, and tan(beta) there (K7)
 PAINLEVE_LEAST = [
     (2.0, 1.7320508075688772, 0.5773502691896258),
     (4.0, 1.118033988749895, 0.4472135954999579),

@@ -34,6 +34,7 @@ HOMES = {
     "I": ("docs/identify.md",),
     "L": ("docs/sweeps.md",),
     "B": ("docs/sweeps.md",),
+    "K": ("docs/contact.md",),
 }
 """Pages of the equations (T4), (F3), ...; bare numbers such as (2.2) are the thesis's."""
 

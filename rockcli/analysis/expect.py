@@ -28,7 +28,7 @@ from rockcli.study.study import Expect, Study
 Mask = NDArray[np.bool_]
 
 _OF_PULSES, _OF_MOTIONS, _OF_FLEXIBLE = {"a_p", "omega_p"}, {"pga", "pgv"}, {"u_top_bending"}
-_OF_FRICTION = {"slide", "slide_dot", "contact_mode"}
+_OF_FRICTION = {"slide", "slide_dot", "lift", "contact_mode"}
 """What only studies with such cases have."""
 
 

@@ -26,3 +26,9 @@ PATIENCE = 60.0
 MEANINGFUL = 1e-2
 """Impacts slower than this fraction of p alpha say nothing about where a body goes: an impact carries (v/p alpha)^2
 less this squared, so that one just as slow changes nothing."""
+
+ILL_POSED = 2e-3
+"""A body that comes down from flight tilted less than this fraction of alpha lands on an edge that nobody can tell."""
+
+SAME = 1.0 + 4.0 * 2.220446049250313e-16
+"""mu and tan(alpha), computed in two ways, are the same number up to this factor: the body slides."""

@@ -47,6 +47,7 @@ class Batch:
         save: what is wanted back.
         warnings: sentences about the physics of these cases, for people.
         column: of the flexible model, else None.  base: what the body stands on; None = rigid.
+        slide_rate_0: initial velocity along the ground, (n,) [m/s]; None = none.
         tolerance: error of theta_peak/alpha allowed to model auto, (n,); None for all others.
     """
 
@@ -64,6 +65,7 @@ class Batch:
     column: Column | None = None
     base: Base | None = None
     tolerance: Array | None = None
+    slide_rate_0: Array | None = None
 
     @property
     def size(self) -> int:
@@ -93,6 +95,7 @@ class Batch:
             column=None if self.column is None else _taken(self.column, at),
             base=None if self.base is None else _taken(self.base, at),
             tolerance=None if self.tolerance is None else self.tolerance[at],
+            slide_rate_0=None if self.slide_rate_0 is None else self.slide_rate_0[at],
         )
 
 

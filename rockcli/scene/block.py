@@ -28,7 +28,9 @@ class Block:
         inertia: I_O/(m R^2) about each edge, (n, 2).
         top: height of the point whose displacement is reported, (n,) [m].
         mass: (n,) [kg], NaN where the study gives none.
-        mu: coefficient of friction of the base, (n,), NaN where the study gives none.
+        mu: coefficient of friction of the base, at rest, (n,), NaN where the study gives none.
+        mu_kinetic: the same in motion, (n,), NaN: as at rest.
+        e_n: restitution of a corner that strikes the ground from flight, (n,), NaN: none given, it stays down.
     """
 
     h: Array
@@ -40,6 +42,8 @@ class Block:
     top: Array
     mass: Array
     mu: Array
+    mu_kinetic: Array
+    e_n: Array
 
     @property
     def size(self) -> int:
@@ -80,6 +84,8 @@ def make_block(
     top: ArrayLike | None = None,
     mass: ArrayLike | None = None,
     mu: ArrayLike | None = None,
+    mu_kinetic: ArrayLike | None = None,
+    e_n: ArrayLike | None = None,
     n: int = 1,
 ) -> Block:
     """Build `n` bodies from height and edge distances.
@@ -122,6 +128,8 @@ def make_block(
         top=2.0 * h_ if top is None else _column(top, n),
         mass=_column(np.nan if mass is None else mass, n),
         mu=_column(np.nan if mu is None else mu, n),
+        mu_kinetic=_column(np.nan if mu_kinetic is None else mu_kinetic, n),
+        e_n=_column(np.nan if e_n is None else e_n, n),
     )
 
 

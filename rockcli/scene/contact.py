@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rockcli.kernels.constants import SAME
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import MODELS
 
@@ -25,10 +26,6 @@ MODES: dict[int, str] = {
 """Flags of the history `contact_mode`."""
 
 
-_EQUAL = 4.0 * np.finfo(float).eps
-"""Relative difference up to which mu and tan(alpha) are the same number, computed in two ways."""
-
-
 def slides_first(mu: ArrayLike, tan_alpha: ArrayLike) -> NDArray[np.bool_]:
     """Where friction lets a body slide before it can rock: mu <= tan(alpha); False where no mu is given (NaN).
 
@@ -36,7 +33,7 @@ def slides_first(mu: ArrayLike, tan_alpha: ArrayLike) -> NDArray[np.bool_]:
     needs the normal force no farther out than mu h from the middle: within the base, at mu = tan(alpha) at its edge.
     """
     with np.errstate(invalid="ignore"):
-        return np.asarray(np.asarray(mu) <= np.asarray(tan_alpha) * (1.0 + _EQUAL))
+        return np.asarray(np.asarray(mu) <= np.asarray(tan_alpha) * SAME)
 
 
 def slides_only(batch: Batch) -> NDArray[np.bool_]:

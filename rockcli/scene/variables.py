@@ -172,7 +172,18 @@ _ROWS: tuple[Variable, ...] = (
         "slide_peak", r"$|u|_{\mathrm{max}}$", CASE, "m", "largest |displacement along the ground|; NaN without mu"
     ),
     Variable(
-        "slide_residual", r"$u_{\mathrm{res}}$", CASE, "m", "displacement along the ground in the end; NaN without mu"
+        "slide_residual",
+        r"$u_{\mathrm{res}}$",
+        CASE,
+        "m",
+        "displacement along the ground in the end; NaN without mu, and of a body that overturns",
+    ),
+    Variable("n_slips", r"$n_{\mathrm{slips}}$", CASE, "1", "how often the base begins to slip; NaN without mu"),
+    Variable("n_flights", r"$n_{\mathrm{flights}}$", CASE, "1", "how often the body leaves the ground; NaN without mu"),
+    Variable("n_jams", r"$n_{\mathrm{jams}}$", CASE, "1", "how often no finite force lets it slide on; NaN without mu"),
+    Variable("t_slip", r"$t_{\mathrm{slip}}$", CASE, "s", "when the base first slips; NaN if it does not"),
+    Variable(
+        "t_flight", r"$t_{\mathrm{flight}}$", CASE, "s", "when the body first leaves the ground; NaN if it does not"
     ),
     Variable("error_estimate", r"$\epsilon$", CASE, "1", "estimated numerical error of theta_peak_over_alpha"),
     Variable(
@@ -265,6 +276,7 @@ _ROWS: tuple[Variable, ...] = (
     ),
     Variable("slide", r"$u$", TIME, "m", "displacement of the base along the ground, where mu is given"),
     Variable("slide_dot", r"$\dot u$", TIME, "m s-1", "rate of sliding along the ground, where mu is given"),
+    Variable("lift", "lift", TIME, "m", "height of the lower edge, 0 unless the body flies, where mu is given"),
     Variable("contact_mode", "contact", TIME, "1", "mode of contact, where mu is given"),
     Variable("t_impact", r"$t$", IMPACT, "s", "time of impact"),
     Variable("theta_dot_before", r"$\dot\theta^-$", IMPACT, "rad s-1", "rate of rotation just before"),
@@ -391,7 +403,9 @@ SCALARS_FLEXIBLE: tuple[str, ...] = ("landing_loss",)
 SCALARS_ASYMMETRIC: tuple[str, ...] = ("theta_peak_left", "theta_peak_right")
 """What only bodies of two different edges have."""
 
-SCALARS_SLIDING: tuple[str, ...] = ("slide_peak", "slide_residual")
+SCALARS_SLIDING: tuple[str, ...] = (
+    "slide_peak", "slide_residual", "n_slips", "n_flights", "n_jams", "t_slip", "t_flight",
+)  # fmt: skip
 """What only cases with a coefficient of friction have."""
 
 SCALARS_FEMA: tuple[str, ...] = ("fema_delta", "fema_u_top", "fema_T", "fema_beta", "fema_n_roots")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, create_model
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, create_model
 
 from rockcli.scene.auto import AUTO
 from rockcli.scene.backends import AUTOMATIC, BACKEND_NAMES
@@ -56,6 +56,19 @@ class SolidPart(Part):
     depth: Number | None = key("depth [m]; default 1")
 
 
+class FrictionPart(Part):
+    """Coulomb friction of the base at rest and in motion."""
+
+    static: Number = key("coefficient that has to be overcome [1]", ...)
+    kinetic: Number | None = key("coefficient while it slides [1]; default static")
+
+
+Friction = Annotated[
+    Annotated[Number, Tag("number")] | Annotated[FrictionPart, Tag("mapping")],
+    Discriminator(lambda value: "mapping" if isinstance(value, dict) else "number"),
+]
+
+
 class BlockPart(Part):
     """The body: a sufficient pair of R, h or height, b or width, and one of alpha, tan_alpha, slenderness; or outlines.
 
@@ -76,7 +89,8 @@ class BlockPart(Part):
         "height of the point whose displacement is reported [m]; default 2h, or the highest point of an outline"
     )
     mass: Number | None = key("mass [kg]")
-    mu: Number | None = key("coefficient of friction of the base [1]")
+    mu: Friction | None = key("coefficient of friction of the base [1], or {static, kinetic}")
+    e_n: Number | None = key("restitution of a corner that strikes the ground from flight [1]; default 0")
     outline: Outline | None = key("polygon [[x, z], ...] [m], z up, or FILE.csv beside the study")
     density: Number | None = key("density of the outline [kg/m^3]")
     depth: Number | None = key("depth of the outline [m]; default 1")
@@ -179,6 +193,7 @@ class InitialPart(Part):
 
     theta: Number = key("rotation [rad]", 0)
     theta_dot: Number = key("rate of rotation [rad/s]", 0)
+    slide_rate: Number | None = key("velocity of the base along the ground [m/s]; needs a mu")
 
 
 class ModelPart(Part):

@@ -47,7 +47,7 @@ def histories_size(study: Study, enough: float = np.inf) -> Size:
         for _, batch in buildable(study.batches, cases):
             if batch.save.histories:
                 longest = max(size.longest, _longest(batch))
-                sliding = 3 if np.isfinite(batch.block.mu).any() else 0
+                sliding = 4 if np.isfinite(batch.block.mu).any() else 0
                 variables = max(size.variables, 8 if highest(batch).model == FLEXIBLE else 7 + sliding)
                 points = longest / study.dt_out + 1.0
                 size = Size(longest, points, variables, study.size * points * variables * 8.0)

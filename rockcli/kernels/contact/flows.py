@@ -62,7 +62,7 @@ def rock(par, e, s, q, v, a, W, n, c, sin_b, cos_b, rate2, N, T):
 @jit_lean
 def slide_rock(par, e, s, sigma, q, v, u, a, W, n, c, sin_b, cos_b, rate2, N, A, held, tilt, slip):
     """Series of q (order n), of the slip velocity (n - 1), of N, A and the numerator of N (n - 2) of a foot that slips
-    (C5, C6).
+    (K5, K6).
 
     The slip velocity is that of the centre of mass, whose acceleration is -a_g + T, and the turning of the edge about
     it.  `tilt` is work space.

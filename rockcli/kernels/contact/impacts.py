@@ -14,7 +14,7 @@ from rockcli.kernels.jit import jit_lean
 
 @jit_lean
 def landing(par, i, j, w, v):
-    """A body that turns about edge i comes down on edge j (C10, C11): (rate, slip, normal impulse) just after.
+    """A body that turns about edge i comes down on edge j (K10, K11): (rate, slip, normal impulse) just after.
 
     `w` > 0 is the rate, `v` the slip velocity of the base, in the direction of the rotation.  A rate of 0 after it:
     both edges stay down.
@@ -46,7 +46,7 @@ def landing(par, i, j, w, v):
 
 @jit_lean
 def corner(par, c, d, rate, v_t, v_n):
-    """A corner at (c, d) from the centre of mass strikes the ground at v_n < 0 (C12): (theta', v_t, v_n) just after.
+    """A corner at (c, d) from the centre of mass strikes the ground at v_n < 0 (K12): (theta', v_t, v_n) just after.
 
     Compression ends where v_n vanishes, restitution where the normal force has given back e_n^2 of the work it took.
     """
@@ -109,6 +109,6 @@ def flat(par, x_rate, z_rate):
 
 @jit_lean
 def jam(par, e, q, rate, u):
-    """theta' just after a jam: an impulse at the edge that stops its slip at once (C13)."""
+    """theta' just after a jam: an impulse at the edge that stops its slip at once (K13)."""
     R = par[e + at.RADIUS]
     return rate + R * math.cos(par[e + at.ALPHA] - q) * u / (par[at.RG2] + R * R)

@@ -12,6 +12,7 @@ from rockcli.kernels.constants import (
     DONE,
     FALLS,
     FAST,
+    ILL_POSED,
     MAX_ORDER,
     MEANINGFUL,
     NO_ROOT,
@@ -19,6 +20,7 @@ from rockcli.kernels.constants import (
     OUT_OF_STEPS,
     PATIENCE,
     RETURNS,
+    SAME,
     UNDECIDED,
 )
 from rockcli.kernels.contact import flows, impacts
@@ -36,12 +38,15 @@ from rockcli.kernels.contact.rest import frequency, settles
 from rockcli.kernels.contact.results import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.contact.selection import JAM, NEITHER, on_base, on_edge, stiffness
 from rockcli.kernels.jit import jit, jit_lean, zeros_maker
-from rockcli.kernels.rigid.ground import PULSES, SAMPLES, expand, piece_at, piece_end
+from rockcli.kernels.rigid.ground import PULSES, expand, piece_at, piece_end
 from rockcli.kernels.rigid.roots import first_root, last_passage, uplift
 from rockcli.kernels.rigid.series import slope, value
-from rockcli.kernels.rigid.settings import Channel
+from rockcli.kernels.rigid.settings import Channel  # noqa: F401 - callers read it here
 
 zeros = zeros_maker()
+
+EXACT = 1e-17
+"""Truncation of the series of the motion, over the weight, where its integrals are all there is to the flow."""
 
 DOWN = 1e-9
 """A corner or a base that bounces slower than this is taken as down [m/s]."""
@@ -130,19 +135,20 @@ def note_flight(t, turns, out):
 
 @jit
 def march(
-    par, tol, rest_speed, max_steps, order,
-    hk, h_values, h_dt, h_table, h_n, vk, v_values, v_dt, v_table, v_n,
-    dt_out, theta_out, rate_out, slide_out, slide_rate_out, mode_out, lift_out,
-    t_impact, rate_before, rate_after, t_event, mode_event, out,
+    par, tol, rest_speed, max_steps, order, horizontal, h_data, vertical, v_data, dt_out,
+    histories, impacts_out, events, out,
 ):  # fmt: skip
     """Solve one case.
 
-    Motion channels as those of `rigid.march`, without bounds.  Histories at i dt_out go to the arrays `*_out` as far as
-    they are long, impacts and events (time, mode entered) likewise; the mode at t = 0 is no event.
+    Motion channels as those of `rigid.march`.  `histories` are theta, theta', slide, slide rate, mode and lift at
+    i dt_out as far as they are long, `impacts_out` t, theta' before and after, `events` time and mode entered; the mode
+    at t = 0 is no event.
     """
     n = order
-    horizontal, vertical = Channel(hk, h_dt, h_n), Channel(vk, v_dt, v_n)
-    h_data, v_data = h_values if hk == SAMPLES else h_table, v_values if vk == SAMPLES else v_table
+    theta_out, rate_out, slide_out = histories[0], histories[1], histories[2]
+    slide_rate_out, mode_out, lift_out = histories[3], histories[4], histories[5]
+    t_impact, rate_before, rate_after = impacts_out[0], impacts_out[1], impacts_out[2]
+    t_event, mode_event = events[0], events[1]
     n_hist, n_store = len(theta_out), len(t_impact)
     g, h_cm, rg2, mu_s, mu_k = par[at.G], par[at.H], par[at.RG2], par[at.MU_S], par[at.MU_K]
     t_motion, t_stop, lasts = par[at.T_MOTION], par[at.T_STOP], par[at.HAS_DURATION] == 1.0
@@ -202,10 +208,8 @@ def march(
                 else:
                     whole, angle = energy_on_edge(par, e, s, q, v, u), q
                 sure = t >= t_motion and angle < alpha_min and whole < barrier
-            if sure and (lasts or t >= t_stop + PATIENCE / p_min):
-                out[to.VERDICT] = RETURNS
-                break
             if t >= t_stop + PATIENCE / p_min:
+                out[to.VERDICT] = RETURNS if sure else UNDECIDED
                 break
         if out[to.N_STEPS] >= max_steps:
             out[to.STATUS] = OUT_OF_STEPS
@@ -219,10 +223,10 @@ def march(
         if t < t_motion:
             t_next = min(t_next, t_motion)
             ih, iv = piece_at(horizontal, h_data, ih, t), piece_at(vertical, v_data, iv, t)
-            if ih < h_n:
+            if ih < horizontal.pieces:
                 t_next = min(t_next, piece_end(horizontal, h_data, ih))
                 deg_a = expand(horizontal, h_data, par[at.FACTOR_H], ih, t, n, a)
-            if iv < v_n:
+            if iv < vertical.pieces:
                 t_next = min(t_next, piece_end(vertical, v_data, iv))
                 deg_v = expand(vertical, v_data, par[at.FACTOR_V], iv, t, n, W)
         for k in range(deg_a + 1, n + 1):
@@ -231,10 +235,11 @@ def march(
             W[k] = 0.0
         W[0] += g
         h = t_next - t
+        fine = tol if mode in (ROCK, SLIDE_ROCK) else min(tol, EXACT)
         if deg_a > 1:
-            h = within(a, n - 2, n, tol * g * math.tan(alpha_min), h)
+            h = within(a, n - 2, n, fine * g * min(max(mu_s, 0.01), math.tan(alpha_min)), h)
         if deg_v > 1:
-            h = within(W, n - 2, n, tol * g, h)
+            h = within(W, n - 2, n, fine * g, h)
 
         # the mode, with the ground motion from now on
         if pick != SETTLED:
@@ -301,6 +306,8 @@ def march(
                 sign = 1.0 if side % 2 == 1 else -1.0
                 edge = at.RIGHT if side % 2 == 1 else at.LEFT
                 hold = mu_s if side < 2 else par[edge + at.B] / h_cm
+                if side >= 2 and mu_s <= hold * SAME:
+                    continue  # it slides before it tips
                 for k in range(n + 1):
                     guard[k] = hold * W[k] + sign * a[k]
                 root = leaves(guard, n, h, g * hold)
@@ -384,7 +391,7 @@ def march(
                 root = starts(guard, n - 1, h, 0 if u != 0.0 else 1 + launch)
                 if root != NO_ROOT and (event == 0 or root < x):
                     event, x = STOPS, root
-                if mu_k * R * R / rg2 > math.sqrt(1.0 + R * R / rg2):  # (C7), half of it, to be safe
+                if mu_k * R * R / rg2 > math.sqrt(1.0 + R * R / rg2):  # (K7), half of it, to be safe
                     for k in range(n - 1):
                         guard[k] = A[k]
                     root = leaves(guard, n - 2, h, 1.0)
@@ -515,7 +522,8 @@ def march(
             break
         if event == STRIKES:
             before = energy_in_flight(par, x_rate, z, z_rate, turn)
-            if theta == 0.0 and turn == 0.0:
+            out[to.NEARLY_FLAT] = min(out[to.NEARLY_FLAT], abs(theta) / alpha_min)
+            if theta == 0.0 and turn == 0.0 and par[at.FIRST] == 0.0:
                 hit = abs(z_rate)
                 old = turn
                 turn, x_rate, z_rate = impacts.flat(par, x_rate, z_rate)
@@ -539,16 +547,15 @@ def march(
                         q, v, u, pick = 0.0, s * turn, x_rate - h_cm * turn, ON_EDGE
             else:
                 edge = at.RIGHT if way > 0.0 else at.LEFT
+                if par[at.FIRST] != 0.0 and abs(theta) < ILL_POSED * par[edge + at.ALPHA]:
+                    way, theta, z = par[at.FIRST], 0.0, h_cm
+                    edge = at.RIGHT if way > 0.0 else at.LEFT
                 sin_t, cos_t = math.sin(theta), math.cos(theta)
                 b = way * par[edge + at.B]
                 cc, dd = b * cos_t - h_cm * sin_t, -b * sin_t - h_cm * cos_t
                 old = turn
                 along, across = x_rate + dd * turn, z_rate - cc * turn
                 hit = abs(across)
-                if theta * way > 0.0:
-                    out[to.NEARLY_FLAT] = min(out[to.NEARLY_FLAT], abs(theta) / par[edge + at.ALPHA])
-                else:
-                    out[to.NEARLY_FLAT] = 0.0
                 turn, along, across = impacts.corner(par, cc, dd, turn, along, min(across, 0.0))
                 x_rate, z_rate = along - dd * turn, across + cc * turn
                 after = energy_in_flight(par, x_rate, z, z_rate, turn)
@@ -673,17 +680,13 @@ def march(
 
 @jit
 def march_all(
-    pars, tol, rest_speed, max_steps, order,
-    hk, h_values, h_dt, h_tables, h_n, vk, v_values, v_dt, v_tables, v_n,
-    dt_out, theta_out, rate_out, slide_out, slide_rate_out, mode_out, lift_out,
-    t_impact, rate_before, rate_after, t_event, mode_event, out,
+    pars, tol, rest_speed, max_steps, order, horizontal, h_data, vertical, v_data, dt_out,
+    histories, impacts_out, events, out,
 ):  # fmt: skip
-    """`march` for every row of `pars`; pulse tables, histories, impacts, events and results row by row too."""
+    """`march` for every row of `pars`; histories, impacts, events, results and tables of pulses row by row too."""
     for i in range(len(pars)):
-        ih, iv = (i if hk == PULSES else 0), (i if vk == PULSES else 0)
+        ih, iv = (i if horizontal.kind == PULSES else 0), (i if vertical.kind == PULSES else 0)
         march(
-            pars[i], tol, rest_speed, max_steps, order,
-            hk, h_values, h_dt, h_tables[ih], h_n, vk, v_values, v_dt, v_tables[iv], v_n,
-            dt_out, theta_out[i], rate_out[i], slide_out[i], slide_rate_out[i], mode_out[i], lift_out[i],
-            t_impact[i], rate_before[i], rate_after[i], t_event[i], mode_event[i], out[i],
+            pars[i], tol, rest_speed, max_steps, order, horizontal, h_data[ih], vertical, v_data[iv],
+            dt_out, histories[i], impacts_out[i], events[i], out[i],
         )  # fmt: skip

@@ -1,20 +1,21 @@
-"""The mode that follows an event: complementarity of contact forces and accelerations, in closed form (C8, C9)."""
+"""The mode that follows an event: complementarity of contact forces and accelerations, in closed form (K8, K9)."""
 
 from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import SAME
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact.results import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.jit import jit_lean
 
 JAM, NEITHER = 5, 6
-"""In place of a mode: no finite force is consistent (C13); slip and flight both are, flight is taken."""
+"""In place of a mode: no finite force is consistent (K13); slip and flight both are, flight is taken."""
 
 
 @jit_lean
 def stiffness(par, e, beta, slip):
-    """A of (C5): normal acceleration of the edge per normal force; slip = mu sgn(u) sgn(theta)."""
+    """A of (K5): normal acceleration of the edge per normal force; slip = mu sgn(u) sgn(theta)."""
     k = par[e + at.RADIUS] ** 2 / par[at.RG2]
     sin_b = math.sin(beta)
     return 1.0 + k * sin_b * (sin_b - slip * math.cos(beta))
@@ -22,7 +23,7 @@ def stiffness(par, e, beta, slip):
 
 @jit_lean
 def on_edge(par, s, q, v, u, a, W):
-    """Mode of a body on one edge: (mode, sgn of slip) (C9)."""
+    """Mode of a body on one edge: (mode, sgn of slip) (K9)."""
     e = at.RIGHT if s > 0.0 else at.LEFT
     R, rg2, mu_s, mu_k = par[e + at.RADIUS], par[at.RG2], par[at.MU_S], par[at.MU_K]
     beta = par[e + at.ALPHA] - q
@@ -54,7 +55,7 @@ def on_edge(par, s, q, v, u, a, W):
 
 @jit_lean
 def slip_rate(par, e, s, beta, v, sigma, N, a):
-    """u' of an edge that slips under the normal force N (C6)."""
+    """u' of an edge that slips under the normal force N (K6)."""
     R, rg2, mu = par[e + at.RADIUS], par[at.RG2], par[at.MU_K]
     k = R * R / rg2
     sin_b, cos_b = math.sin(beta), math.cos(beta)
@@ -63,7 +64,7 @@ def slip_rate(par, e, s, beta, v, sigma, N, a):
 
 @jit_lean
 def on_base(par, u, a, W):
-    """Mode of a body flat on the ground that does not turn: (mode, edge it tips over, sgn of slip) (C8)."""
+    """Mode of a body flat on the ground that does not turn: (mode, edge it tips over, sgn of slip) (K8)."""
     if W <= 0.0:
         return FLIGHT, 1.0, 0.0
     mu_s, mu_k = par[at.MU_S], par[at.MU_K]
@@ -73,17 +74,17 @@ def on_base(par, u, a, W):
     tan = par[e + at.B] / par[at.H]
     trips = stiffness(par, e, par[e + at.ALPHA], mu_k) > 0.0
     if u != 0.0:
-        if mu_k <= tan:
+        if mu_k <= tan * SAME:
             return SLIDE, s, s
         return (SLIDE_ROCK, s, s) if trips else (JAM, s, s)
     force = abs(a)
     if force <= W * min(mu_s, tan):
         return REST, s, 0.0
-    if force > W * tan:
+    if force > W * tan and mu_s > tan * SAME:
         inertia = 1.0 + par[at.RG2] / par[e + at.RADIUS] ** 2
         psi = (force - W * tan) / (inertia * (1.0 + tan * tan))
         if force - psi <= mu_s * (W + psi * tan):
             return ROCK, s, 0.0
-        if mu_k > tan:
+        if mu_k > tan * SAME:
             return SLIDE_ROCK, s, s
     return SLIDE, s, s

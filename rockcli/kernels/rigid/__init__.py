@@ -1,1 +1,1 @@
-"""One rigid body at a time: the rocking automaton, its flow, guards and resets (docs/theory.md); the sliding body."""
+"""One rigid body at a time: the rocking automaton, its flow, guards and resets (docs/theory.md)."""

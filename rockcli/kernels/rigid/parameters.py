@@ -13,7 +13,3 @@ of the restoring law there; restitution when landing on this edge; base damper c
 G, LEFT, RIGHT = 0, 1, 1 + EDGE
 THETA_0, THETA_DOT_0, T_MOTION, T_STOP, HAS_DURATION, FACTOR_H, FACTOR_V, N_PAR = range(1 + 2 * EDGE, 9 + 2 * EDGE)
 """T_MOTION end of the motion, T_STOP end of the report [s]; FACTOR_* multiply sampled motions; the length."""
-
-# a sliding case
-FRICTION, GRAVITY, MOTION_ENDS, REPORT_ENDS, LASTS, SCALE_H, SCALE_V = range(7)
-"""mu, g, end of the motion, longest report [s], whether that is the duration asked for, factors of sampled motions."""

@@ -12,7 +12,3 @@ alpha of that edge; MU, N_MIN over [0, T_END], *_STANDING up to the last outward
 not accounted for, over m g; ONTO_* counted impacts that landed on each edge; IMPACTS_STORED of them; PEAK_LEFT,
 PEAK_RIGHT largest |theta| to each side (of bodies of two equal edges that of the side of PEAK alone); SWINGS what the
 impacts carry, and SWINGS_T the same times their time [s] (`MEANINGFUL`; of single-body kernels); the length."""
-
-# a sliding case, beside the above
-SLIDE_PEAK, SLIDE_END, T_FLIGHT, SLIDE_OUT = range(N_OUT, N_OUT + 4)
-"""Largest displacement with its sign, that at the end [m], when the normal force vanishes [s]; the length."""

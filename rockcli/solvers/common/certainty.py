@@ -228,6 +228,7 @@ def nudged(batch: Batch, rows: Index, factors: Array) -> Batch:
         excitation=Excitation(times(motion.horizontal), times(motion.vertical), motion.duration),
         theta_0=some.theta_0 * factors,
         theta_dot_0=some.theta_dot_0 * factors,
+        slide_rate_0=None if some.slide_rate_0 is None else some.slide_rate_0 * factors,
     )
 
 

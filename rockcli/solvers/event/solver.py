@@ -26,20 +26,19 @@ from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import (
     CERTAINTY,
-    MEMBERS,
     NO_ANSWER,
     Judgement,
-    Nudge,
     Traces,
     judge,
     nudged,
 )
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.ground import channel_of
+from rockcli.solvers.contact.solver import with_contact
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
+from rockcli.solvers.event.nudges import finer_than, nudges
 from rockcli.solvers.event.pack import parameters_of
-from rockcli.solvers.event.sliding import with_sliding
 from rockcli.solvers.event.unpack import Raw, histories_of, scalars_of
 
 Array = NDArray[np.float64]
@@ -55,16 +54,6 @@ COMPILE_ABOVE = 2.0
 
 FORCES = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"})
 """Scalars that cost a look along every step; NaN when nothing of the kind is wanted."""
-
-FINER, FINEST = 1e-3, 1e-16
-"""Where two runs part, they are solved again with this many times the tolerance, down to the finest."""
-
-NUDGE, NUDGE_OF_FINER, LARGEST_NUDGE, LEAST_NUDGE = 1e3, 10.0, 1e-5, 1e-15
-"""The motion of the second run is less by this many times the tolerance, of that beside the more accurate run by so
-many, at most and at least so much."""
-
-SAFETY, FLOOR = 200.0, 5.0
-"""The error is estimated as that of a motion known to this many times the tolerance, and so many tolerances more."""
 
 
 def solve(batch: Batch) -> Response:
@@ -104,12 +93,12 @@ def solve(batch: Batch) -> Response:
     }
     histories, impacts, t = histories_of(batch, run) if batch.save.histories else ({}, {}, np.empty(0))
     response = Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
-    return with_sliding(batch, response, MAX_STEPS[bool(kernels.compiled)])
+    return with_contact(batch, response, level)
 
 
 def _judged(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, run: Raw) -> Judgement:
     """What further runs show; where two part, the more accurate one takes the place of the first in `run`."""
-    finer = replace(level, rtol=max(level.rtol * FINER, FINEST))
+    finer = finer_than(level)
     peaks = replace(batch, save=replace(batch.save, histories=False, scalars=frozenset({"theta_peak"})))
     seconds = _estimated_seconds(batch, parameters) / batch.size
 
@@ -128,14 +117,8 @@ def _judged(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy,
             run.put(rows, alone)
         return _traces(batch, run).rows(rows)
 
-    first, second = _nudge(level.rtol, NUDGE, LARGEST_NUDGE), _nudge(finer.rtol, NUDGE_OF_FINER)
-    return judge(_traces(batch, run), again, first, refine, second, max(second.size, MEMBERS * 2.0**-53))
-
-
-def _nudge(rtol: float, times: float, most: float = np.inf) -> Nudge:
-    known = max(rtol, FINEST)
-    size = max(min(times * known, most), rtol, LEAST_NUDGE)
-    return Nudge(size, SAFETY * known / size, FLOOR * known)
+    first, second, reach = nudges(level, finer)
+    return judge(_traces(batch, run), again, first, refine, second, reach)
 
 
 def _traces(batch: Batch, run: Raw) -> Traces:

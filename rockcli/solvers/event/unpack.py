@@ -167,7 +167,7 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
             said.append("on the separatrix within rounding: whether it overturns cannot be told in double precision")
         if slides[i]:
             words = "at an impact" if scalars["mu_impact"][i] > mu[i] else "while it rocks or before"
-            said.append(f"needs mu = {needs[i]:.3g}: it would slide {words}, which is not simulated")
+            said.append(f"needs mu = {needs[i]:.3g}: it would slide {words}, which this model has no forces for")
         if lifts[i]:
             said.append("the normal force vanishes: the body would leave the ground, which is not simulated")
         reasons[i] = "; ".join(said)

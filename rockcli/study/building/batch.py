@@ -72,6 +72,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         column=column,
         base=base,
         tolerance=_tolerance(numbers, numerics, damping) if model == AUTO else None,
+        slide_rate_0=_slide_rate(numbers, block),
     )
 
 
@@ -185,3 +186,13 @@ def _numerics(numbers: Numbers) -> Numerics:
         dt=dt,
         yield_rotation=yield_rotation,
     )
+
+
+def _slide_rate(numbers: Numbers, block: Block) -> Array | None:
+    """Initial velocity along the ground, (n,) [m/s]; None where the study gives none."""
+    keys: Keys = ("case", "initial", "slide_rate")
+    rate = numbers.value(keys)
+    if rate is None:
+        return None
+    numbers.require(keys, np.isfinite(block.mu), "needs a mu of the block: without one the body cannot slide")
+    return numbers.array(rate)

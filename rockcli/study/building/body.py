@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.block import Block, make_block
 from rockcli.study.building.body_outline import BLOCK, build_solid, has_outline
-from rockcli.study.document.tree import List
+from rockcli.study.document.tree import Keys, List
 
 if TYPE_CHECKING:
     from rockcli.study.building.numbers import Numbers
@@ -65,11 +65,13 @@ def make_body(numbers: Numbers, pair: Block) -> Block:
     """
     block = numbers.tree["case"]["block"]
     if has_outline(block):
-        given = {key: numbers.positive((*BLOCK, key)) for key in ("top", "mass", "mu") if block.get(key) is not None}
-        return replace(pair, **{key: numbers.array(value) for key, value in given.items() if value is not None})
-    extras = {key: block[key] for key in ("inertia", "r_g", "top", "mass", "mu") if block.get(key) is not None}
+        given = {key: numbers.positive((*BLOCK, key)) for key in ("top", "mass") if block.get(key) is not None}
+        known = {key: numbers.array(value) for key, value in given.items() if value is not None}
+        return replace(pair, **known, **_contact(numbers, block))
+    contact = _contact(numbers, block)
+    extras = {key: block[key] for key in ("inertia", "r_g", "top", "mass") if block.get(key) is not None}
     if not extras:
-        return pair
+        return replace(pair, **contact)
     if "inertia" in extras and "r_g" in extras:
         numbers.fail((*BLOCK, "r_g"), "inertia and r_g say the same thing; leave one out")
     values: dict[str, Any] = {key: numbers.positive((*BLOCK, key)) for key in extras}
@@ -86,8 +88,34 @@ def make_body(numbers: Numbers, pair: Block) -> Block:
             tan_alpha=pair.tan_alpha[:, 0],
             n=numbers.n,
             **values,
+            **contact,
         )
     return _finite(numbers, body, list(extras))
+
+
+def _contact(numbers: Numbers, block: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
+    """Friction of the base and restitution of its corners, those that are given."""
+    found: dict[str, NDArray[np.float64]] = {}
+    keys: Keys = (*BLOCK, "mu")
+    if isinstance(block.get("mu"), dict):
+        static, kinetic = (numbers.positive((*keys, name)) for name in ("static", "kinetic"))
+        assert static is not None
+        found["mu"] = numbers.array(static)
+        if kinetic is not None:
+            numbers.require((*keys, "kinetic"), np.less_equal(kinetic, static), "must not be above static")
+            found["mu_kinetic"] = numbers.array(kinetic)
+    elif block.get("mu") is not None:
+        mu = numbers.positive(keys)
+        assert mu is not None
+        found["mu"] = numbers.array(mu)
+    e_n = numbers.value((*BLOCK, "e_n"))
+    if e_n is not None:
+        inside = np.greater_equal(e_n, 0.0) & np.less_equal(e_n, 1.0)
+        numbers.require((*BLOCK, "e_n"), inside, "must be between 0 and 1")
+        if "mu" not in found:
+            numbers.fail((*BLOCK, "e_n"), "a body leaves the ground, and comes back, only where mu is given")
+        found["e_n"] = numbers.array(e_n)
+    return found
 
 
 def _outlined(numbers: Numbers) -> Block:

@@ -106,7 +106,7 @@ def _followed(tree: Any, loc: tuple[str | int, ...]) -> Keys:
         else:
             inside = isinstance(tree, list) and isinstance(item, int) and item < len(tree)
         if not inside:
-            break
+            continue  # a name of pydantic's own for one of several forms
         tree = tree[item]
         keys.append(item)
     return tuple(keys)

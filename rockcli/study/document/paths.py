@@ -16,7 +16,22 @@ Path = tuple[str, ...]
 RESERVED = frozenset({*VARIABLES, "time", "impact", "rotation", "reasons"})
 """Names in a dataset that no dimension may have."""
 
-_BLOCK = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slenderness", "inertia", "r_g", "top", "mass", "mu")
+_BLOCK = (
+    "R",
+    "h",
+    "b",
+    "height",
+    "width",
+    "alpha",
+    "tan_alpha",
+    "slenderness",
+    "inertia",
+    "r_g",
+    "top",
+    "mass",
+    "mu",
+    "e_n",
+)
 _PULSE = ("a_p", "a_p_over_g_tan_alpha", "omega_p", "T_p", "f_p", "omega_p_over_p", "cycles", "t0", "gamma", "nu", "A")
 _SCALING = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "polarity")
 _MOTIONS = (("motion",), ("motion", "vertical"))
@@ -25,11 +40,13 @@ ARRAYS: frozenset[Path] = frozenset(
     [
         ("case", "g"),
         *(("case", "block", key) for key in _BLOCK),
+        *(("case", "block", "mu", key) for key in ("static", "kinetic")),
         *(("case", *motion, "pulse", key) for motion in _MOTIONS for key in _PULSE),
         *(("case", *motion, "record", key) for motion in _MOTIONS for key in _SCALING),
         ("case", "motion", "duration"),
         ("case", "initial", "theta"),
         ("case", "initial", "theta_dot"),
+        ("case", "initial", "slide_rate"),
         ("case", "damping", "eta"),
         ("case", "damping", "r_energy"),
         *(("case", "column", key) for key in ("E", "rho", "zeta")),
@@ -45,7 +62,7 @@ UNITS: dict[str, str] = {
     **dict.fromkeys(("f_p", "highpass", "lowpass", "freq", "freqmin", "freqmax"), "s-1"),
     **dict.fromkeys(("T_p", "t0", "dt", "duration"), "s"),
     **dict.fromkeys(("g", "a_p", "pga"), "m s-2"),
-    **dict.fromkeys(("A", "pgv"), "m s-1"),
+    **dict.fromkeys(("A", "pgv", "slide_rate"), "m s-1"),
     **{"mass": "kg", "E": "Pa", "rho": "kg m-3", "density": "kg m-3", "kw": "N m-3"},
 }
 """Units of numeric coordinates by the last part of their path; all others are dimensionless."""

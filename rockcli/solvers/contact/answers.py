@@ -1,0 +1,133 @@
+"""From the raw output of the contact kernel to scalars by name, and a sentence a case."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.kernels.constants import DONE, FALLS, ILL_POSED, UNDECIDED
+from rockcli.kernels.contact import results as to
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.contact import slides_only
+from rockcli.scene.response import NO_UPLIFT, SLIDING, UNRESOLVED
+from rockcli.solvers.common.certainty import withdraw
+from rockcli.solvers.common.found import Found, counts, note_unstored
+from rockcli.solvers.contact.run import Raw
+
+Array = NDArray[np.float64]
+
+SLIDES = "slides and does not rock: mu is not above tan(alpha)"
+
+
+def frequency(batch: Batch) -> Array:
+    """p of the slower edge, (n,) [rad/s]."""
+    return np.asarray(batch.p.min(axis=1))
+
+
+def answer(
+    batch: Batch, raw: Raw, rocking: dict[str, NDArray[Any]], exact: NDArray[np.bool_]
+) -> tuple[dict[str, NDArray[Any]], list[str]]:
+    """Scalars by name and sentences.
+
+    Args:
+        rocking: the scalars of pure rocking, which tell what friction that would need.
+        exact: where flight and slide-rock are described, (n,); elsewhere a body only slides.
+    """
+    out, block = raw.out, batch.block
+    fell = out[:, to.VERDICT] == FALLS
+    found = Found(
+        moved=np.isfinite(out[:, to.T_UPLIFT]),
+        fell=fell,
+        undecided=out[:, to.VERDICT] == UNDECIDED,
+        failed=out[:, to.STATUS] != DONE,
+        n_impacts=counts(out[:, to.N_IMPACTS]),
+        peak=out[:, to.PEAK],
+        side=out[:, to.PEAK_SIDE],
+        rate=out[:, to.RATE_PEAK],
+        top=out[:, to.TOP_PEAK],
+        t_peak=out[:, to.T_PEAK],
+        t_uplift=out[:, to.T_UPLIFT],
+        t_overturn=out[:, to.T_OVERTURN],
+        t_end=out[:, to.T_END],
+    )
+    scalars = found.scalars(batch)
+    scalars |= _by_side(batch, out, scalars["theta_peak"])
+    slid = np.abs(out[:, to.SLIDE_PEAK])
+    outcome = scalars["outcome"]
+    scalars["outcome"] = np.where((outcome == NO_UPLIFT) & (slid > 0.0), SLIDING, outcome).astype(np.int8)
+    known = found.unless_failed
+    only = slides_only(batch)
+    # a body that only slides needs no more than there is; what rocks is told what rocking would have needed
+    needed = np.where(only & (out[:, to.N_SLIPS] > 0), block.mu, rocking["mu_required"])
+    scalars |= {
+        "mu_required": known(needed),
+        "mu_impact": known(np.where(only, 0.0, rocking["mu_impact"])),
+        "N_min_over_mg": known(out[:, to.N_MIN]),
+        "energy_residual": known(np.where(only, np.nan, out[:, to.BALANCE] / (batch.g * _barrier(batch)))),
+        "slide_peak": known(slid),
+        "slide_residual": known(np.where(fell, np.nan, out[:, to.SLIDE_END])),
+        "t_slip": known(out[:, to.T_SLIP]),
+        "t_flight": known(out[:, to.T_FLIGHT]),
+        "n_slips": known(out[:, to.N_SLIPS]),
+        "n_flights": known(out[:, to.N_FLIGHTS]),
+        "n_jams": known(out[:, to.N_JAMS]),
+        "n_steps": counts(out[:, to.N_STEPS]),
+        "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion
+        "error_estimate": np.full(batch.size, np.nan),
+        "overturn_share": np.full(batch.size, np.nan),
+    }
+    unknown = ~exact & (scalars["outcome"] >= NO_UPLIFT) & ((out[:, to.N_FLIGHTS] > 0) | found.moved)
+    withdraw(scalars, unknown)
+    return scalars, _reasons(batch, out, scalars, only, unknown)
+
+
+def _by_side(batch: Batch, out: Array, peak: Array) -> dict[str, Array]:
+    """Largest |theta| to the left and to the right, NaN for symmetric bodies, and the larger |theta|/alpha."""
+    symmetric, alpha, infinite = batch.block.symmetric, batch.block.alpha, np.isinf(peak)
+    sides = [
+        np.where(np.isnan(peak), np.nan, np.where(infinite & (np.sign(peak) == sign), np.inf, out[:, column]))
+        for sign, column in ((-1.0, to.PEAK_LEFT), (1.0, to.PEAK_RIGHT))
+    ]
+    ratio = np.maximum(sides[LEFT] / alpha[:, LEFT], sides[RIGHT] / alpha[:, RIGHT])
+    left, right = (np.where(symmetric, np.nan, side) for side in sides)
+    return {"theta_peak_left": left, "theta_peak_right": right, "theta_peak_over_alpha": ratio}
+
+
+def _barrier(batch: Batch) -> Array:
+    """Height the centre of mass rises to the unstable equilibrium of the weak edge, (n,) [m]."""
+    alpha = batch.block.of_weak_edge(batch.block.alpha)
+    return np.asarray(batch.block.of_weak_edge(batch.block.R) * 2.0 * np.sin(0.5 * alpha) ** 2)
+
+
+def _reasons(
+    batch: Batch, out: Array, scalars: dict[str, NDArray[Any]], only: NDArray[np.bool_], unknown: NDArray[np.bool_]
+) -> list[str]:
+    reasons = []
+    for i, row in enumerate(out):
+        said = []
+        if row[to.STATUS] != DONE:
+            said.append(f"gave up after {row[to.N_STEPS]:.0f} steps at t = {row[to.T_END]:.6g} s")
+        elif unknown[i]:
+            said.append("leaves the ground or tips while it slides: this model has no consistent contact forces")
+        elif scalars["outcome"][i] == UNRESOLVED:
+            said.append("on the separatrix within rounding: whether it overturns cannot be told in double precision")
+        elif only[i] and scalars["outcome"][i] == SLIDING:
+            said.append(SLIDES)
+        if row[to.NEARLY_FLAT] < ILL_POSED and row[to.STATUS] == DONE and not unknown[i]:
+            said.append(
+                "comes down from flight flat within 0.002 alpha: rigid bodies have no limit there, on which edge "
+                "it lands decides how it goes on"
+            )
+        if row[to.N_JAMS] > 0:
+            said.append(
+                f"jams {row[to.N_JAMS]:.0f} times: mu is so large that no finite force lets it slide on, it is stopped "
+                "at once as by a stiff contact"
+            )
+        if row[to.TWO_WAYS] > 0:
+            said.append("mu is so large that slip and flight are both consistent: flight was taken")
+        reasons.append("; ".join(said))
+    note_unstored(batch, scalars["n_impacts"], reasons)
+    return reasons

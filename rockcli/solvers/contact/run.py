@@ -1,0 +1,107 @@
+"""The kernel of contact for some cases of a batch: from bodies and motions to raw output."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli import kernels
+from rockcli.kernels.constants import OUT_OF_STEPS
+from rockcli.kernels.contact import parameters as at
+from rockcli.kernels.contact import results as to
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT, housner_eta
+from rockcli.scene.numerics import Accuracy
+from rockcli.scene.response import MAX_IMPACTS_STORED
+from rockcli.solvers.common.duration import durations_of, output_times
+from rockcli.solvers.common.ground import channel_of, factors_of
+
+Array = NDArray[np.float64]
+
+ORDER = 20
+"""Order of the Taylor series."""
+
+MAX_STEPS = {True: 5_000_000, False: 100_000}
+"""Steps a case may take, compiled or not."""
+
+
+HISTORIES = ("theta", "theta_dot", "slide", "slide_dot", "contact_mode", "lift")
+"""What the kernel writes at output times."""
+
+
+class Raw:
+    """Raw output of n cases: `out` (n, N_OUT), histories (n, 6, k), impacts (n, 3, j)."""
+
+    def __init__(self, n: int, n_time: int, n_impacts: int) -> None:
+        self.out = np.zeros((n, to.N_OUT))
+        self.histories = np.full((n, len(HISTORIES), n_time), np.nan)
+        self.impacts = np.full((n, 3, n_impacts), np.nan)
+
+    def put(self, rows: NDArray[np.int64], other: Raw) -> None:
+        """Take other runs, as large, in place of those of some cases."""
+        for name, values in vars(other).items():
+            getattr(self, name)[rows] = values
+
+
+def run(batch: Batch, level: Accuracy, *, first: float = 0.0, histories: bool = False) -> Raw:
+    """Solve every case of a batch; `first` is the edge that strikes first in nearly flat landings, 0: as they are.
+
+    A case that needs more steps than plain Python may take is solved again compiled.
+    """
+    pars = parameters_of(batch, first)
+    n_time = output_times(batch.save.dt_out, pars[:, at.T_STOP].max()) if histories else 0
+    raw = Raw(batch.size, n_time, MAX_IMPACTS_STORED if histories else 0)
+    _march(batch, pars, level, raw)
+    if not kernels.compiled and np.any(raw.out[:, to.STATUS] == OUT_OF_STEPS):
+        kernels.load("contact.march", compile_them=True)
+        raw = Raw(batch.size, n_time, MAX_IMPACTS_STORED if histories else 0)
+        _march(batch, pars, level, raw)
+    return raw
+
+
+def _march(batch: Batch, pars: Array, level: Accuracy, raw: Raw) -> None:
+    kernel = kernels.load("contact.march", compile_them=bool(kernels.compiled))
+    channels = (batch.excitation.horizontal, batch.excitation.vertical)
+    (horizontal, h_data), (vertical, v_data) = (channel_of(kernel, c, batch.size) for c in channels)
+    events = np.empty((batch.size, 2, 0))  # for tests
+    arrays = [raw.histories, raw.impacts, events, raw.out]
+    inputs: list[Any] = [pars, h_data, v_data]
+    outputs: list[Any] = list(arrays)
+    if not kernels.compiled:  # lists are three times faster than arrays for plain Python
+        inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
+    rows, h_data, v_data = inputs
+    steps, dt_out = MAX_STEPS[bool(kernels.compiled)], batch.save.dt_out
+    kernel.march_all(
+        rows, level.rtol, level.rest_speed, steps, ORDER, horizontal, h_data, vertical, v_data, dt_out, *outputs
+    )
+    if not kernels.compiled:
+        for array, output in zip(arrays, outputs, strict=True):
+            array[...] = output
+
+
+def parameters_of(batch: Batch, first: float = 0.0) -> Array:
+    """One row per case in the layout of `kernels.contact.parameters`."""
+    block, lasts = batch.block, durations_of(batch)
+    rows = np.zeros((batch.size, at.N_PAR))
+    r_g2 = ((block.inertia - 1.0) * block.R**2).mean(axis=1)  # of both edges, the same but for rounding
+    rows[:, at.G], rows[:, at.H], rows[:, at.RG2], rows[:, at.TOP] = batch.g, block.h, r_g2, block.top
+    rows[:, at.MU_S] = block.mu
+    rows[:, at.MU_K] = np.where(np.isnan(block.mu_kinetic), block.mu, block.mu_kinetic)
+    rows[:, at.E_N] = np.nan_to_num(block.e_n)
+    for edge, j, i in ((at.LEFT, LEFT, RIGHT), (at.RIGHT, RIGHT, LEFT)):
+        rows[:, edge + at.B], rows[:, edge + at.ALPHA], rows[:, edge + at.RADIUS] = (
+            block.b[:, j], block.alpha[:, j], block.R[:, j],
+        )  # fmt: skip
+        eta, inelastic = batch.damping.eta[:, j], housner_eta(block)[:, j]
+        place = (r_g2 + block.h**2) * (1.0 - eta) / (block.b[:, i] + eta * block.b[:, j])
+        # Housner's impulse acts at the new edge, also where his eta is negative and was taken as 0
+        rows[:, edge + at.PLACE] = np.where(eta == np.maximum(inelastic, 0.0), block.b[:, j], place)
+    rows[:, at.THETA_0], rows[:, at.THETA_DOT_0] = batch.theta_0, batch.theta_dot_0
+    rows[:, at.SLIDE_RATE_0] = 0.0 if batch.slide_rate_0 is None else batch.slide_rate_0
+    rows[:, at.T_MOTION], rows[:, at.T_STOP], rows[:, at.HAS_DURATION] = lasts.motion, lasts.report, lasts.given
+    for column, channel in ((at.FACTOR_H, batch.excitation.horizontal), (at.FACTOR_V, batch.excitation.vertical)):
+        rows[:, column] = factors_of(channel, batch.size)
+    rows[:, at.FIRST] = first
+    return rows

@@ -1,0 +1,169 @@
+"""Bodies with a coefficient of friction: what pure rocking cannot tell is solved with all modes of contact.
+
+The fast kernels come first; a body whose friction suffices and that stays on the ground keeps their answer, to the
+bit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.kernels.constants import DONE, FALLS, ILL_POSED, RETURNS, UNDECIDED
+from rockcli.kernels.contact import results as to
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.contact import slides_only
+from rockcli.scene.numerics import Accuracy
+from rockcli.scene.response import FAILED, NO_UPLIFT, Response
+from rockcli.scene.variables import SCALARS_SLIDING
+from rockcli.solvers.common.certainty import (
+    CERTAINTY,
+    NO_ANSWER,
+    Judgement,
+    Traces,
+    judge,
+    nudged,
+)
+from rockcli.solvers.contact.answers import answer, frequency
+from rockcli.solvers.contact.histories import held_histories, histories_of
+from rockcli.solvers.contact.run import Raw, run
+from rockcli.solvers.event.nudges import finer_than, nudges
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+SHEETS = (0.0, -1.0, 1.0)
+"""Runs that a nearly flat landing is judged by: as its tilt has it, on the left edge first, on the right one."""
+
+
+def with_contact(batch: Batch, response: Response, level: Accuracy) -> Response:
+    """The response of pure rocking with, in its place, that of bodies that slide or leave the ground.
+
+    Adds what only friction decides to all cases with a `mu`; cases without stay as they are, with NaN for it.
+    """
+    given = np.isfinite(batch.block.mu)
+    scalars: dict[str, Any] = dict(response.scalars)
+    unknown = ~given | (np.asarray(scalars["outcome"]) < NO_UPLIFT)
+    for name in SCALARS_SLIDING:
+        scalars[name] = np.where(unknown | name.startswith("t_"), np.nan, 0.0)
+    if not given.any():
+        return replace(response, scalars=scalars)
+    histories = dict(response.histories)
+    if histories:
+        histories |= held_histories(batch, histories)
+    response = replace(response, scalars=scalars, histories=histories)
+    rows = np.flatnonzero(given & _leaves_rocking(batch, scalars))
+    return _solved(batch, response, rows, level) if len(rows) else response
+
+
+def has_contact_forces(batch: Batch) -> Mask:
+    """Which cases all modes of contact can be told of, (n,): nonlinear rigid bodies whose loss is that of impacts.
+
+    The linearized block and the spring models have no consistent forces at the edge; a base damper acts on no modelled
+    surface; and a body whose mass is at one point has none left to turn.
+    """
+    exact = batch.model == "rigid"
+    losses = batch.damping.scheme in ("none", "restitution")
+    return np.asarray((batch.block.inertia > 1.0).all(axis=1) & exact & losses)
+
+
+def _leaves_rocking(batch: Batch, scalars: dict[str, Any]) -> Mask:
+    """Where pure rocking needs more friction than there is, leaves the ground, or is not what the body begins with."""
+    with np.errstate(invalid="ignore"):
+        needs = np.fmax(scalars["mu_required"], scalars["mu_impact"]) > batch.block.mu
+        lifts = scalars["N_min_over_mg"] <= 0.0
+    pushed = False if batch.slide_rate_0 is None else batch.slide_rate_0 != 0.0
+    answered = np.asarray(scalars["outcome"]) != FAILED
+    return np.asarray(slides_only(batch) | pushed | (has_contact_forces(batch) & answered & (needs | lifts)))
+
+
+def _solved(batch: Batch, response: Response, rows: Index, level: Accuracy) -> Response:
+    some = batch.rows(rows)
+    raw = run(some, level, histories=bool(response.histories))
+    judgement = _judged(some, raw, level) if batch.save.scalars & CERTAINTY else None
+    rocking = {name: np.asarray(values)[rows] for name, values in response.scalars.items()}
+    found, said = answer(some, raw, rocking, has_contact_forces(some))
+    if judgement is not None:
+        judgement.enter(found, said)
+    scalars, reasons = dict(response.scalars), list(response.reasons)
+    for name, values in found.items():
+        if name in scalars:
+            scalars[name] = _with_rows(scalars[name], rows, values)
+    for row, reason in zip(rows, said, strict=True):
+        reasons[row] = reason
+    histories, impacts, time = dict(response.histories), response.impacts, response.time
+    if histories:
+        ours, hits = histories_of(some, raw)
+        n_time = max(len(time), ours["theta"].shape[1])
+        histories = {
+            name: _with_rows(_padded(values, n_time), rows, _padded(ours[name], n_time))
+            for name, values in histories.items()
+        }
+        last = int(np.flatnonzero(np.isfinite(histories["theta"]).any(axis=0))[-1]) + 1
+        histories = {name: values[:, :last] for name, values in histories.items()}
+        time = np.arange(last, dtype=np.float64) * np.float64(batch.save.dt_out)
+        most = max([0, *(values.shape[1] for values in (*impacts.values(), *hits.values()))])
+        impacts = {
+            name: _with_rows(_padded(values, most), rows, _padded(hits[name], most)) for name, values in impacts.items()
+        }
+    return replace(response, scalars=scalars, reasons=reasons, time=time, histories=histories, impacts=impacts)
+
+
+def _with_rows(values: NDArray[Any], rows: Index, new: Any) -> NDArray[Any]:
+    copy = values.copy()
+    copy[rows] = new
+    return copy
+
+
+def _padded(values: Array, n: int) -> Array:
+    return np.pad(values, ((0, 0), (0, n - values.shape[1])), constant_values=np.nan)
+
+
+def _judged(batch: Batch, raw: Raw, level: Accuracy) -> Judgement:
+    """What further runs show; where two part, the more accurate one takes the place of the first in `raw`."""
+    finer = finer_than(level)
+    first, second, reach = nudges(level, finer)
+
+    def again(rows: Index, factors: Array, fine: bool) -> Traces:
+        others = nudged(batch, rows, factors)
+        return _traces(others, run(others, finer if fine else level))
+
+    def refine(rows: Index) -> Traces:
+        raw.put(rows, run(batch.rows(rows), finer, histories=raw.histories.shape[2] > 0))
+        return _traces(batch, raw).rows(rows)
+
+    found = judge(_traces(batch, raw), again, first, refine, second, reach)
+    _judge_flat_landings(batch, raw, level, found)
+    return found
+
+
+def _judge_flat_landings(batch: Batch, raw: Raw, level: Accuracy, found: Judgement) -> None:
+    """Runs that land on the one or the other edge first where the body comes down nearly flat."""
+    rows = np.flatnonzero((raw.out[:, to.NEARLY_FLAT] < ILL_POSED) & np.isin(found.share, (0.0, 1.0)))
+    if not len(rows):
+        return
+    some = batch.rows(rows)
+    runs = [_traces(batch, raw).rows(rows), *(_traces(some, run(some, level, first=first)) for first in SHEETS[1:])]
+    shares = np.nanmean([traces.share for traces in runs], axis=0)
+    peaks = np.array([np.where(traces.verdict == FALLS, np.inf, traces.peak) for traces in runs])
+    for i, row in enumerate(rows):
+        if 0.0 < shares[i] < 1.0:
+            found.share[row], found.error[row] = shares[i], np.inf
+            found.said[row] = "whether it overturns hangs on the edge on which it comes down first"
+        elif shares[i] == 0.0:
+            found.error[row] = max(float(found.error[row]), float(np.nanmax(np.abs(peaks[:, i] - peaks[0, i]))))
+
+
+def _traces(batch: Batch, raw: Raw) -> Traces:
+    out, p, alpha = raw.out, frequency(batch), batch.block.alpha
+    verdict = np.select([out[:, to.VERDICT] == FALLS, out[:, to.VERDICT] == RETURNS], [FALLS, RETURNS], UNDECIDED)
+    verdict = np.where(out[:, to.STATUS] == DONE, verdict, NO_ANSWER).astype(np.int8)
+    sides = np.maximum(out[:, to.PEAK_LEFT] / alpha[:, LEFT], out[:, to.PEAK_RIGHT] / alpha[:, RIGHT])
+    swings = out[:, to.SWINGS]
+    when = np.divide(out[:, to.SWINGS_T] * p, swings, out=np.zeros_like(swings), where=swings > 0.0)
+    return Traces(verdict, out[:, to.T_OVERTURN] * p, sides, swings, when)

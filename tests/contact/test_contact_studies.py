@@ -1,0 +1,111 @@
+"""Contact in study files: keys, their errors, results in the dataset."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+from contact_cases import body, motion, run
+
+import rockcli
+from rockcli.errors import StudyError
+
+BODY = {"height": 1.216 * 2, "width": 0.8438 * 2, "mu": 0.5}
+CASE = {
+    "block": {"height": 0.82, "width": 0.1738, "mu": 0.29},
+    "motion": {
+        "pulse": {"shape": "sine", "a_p": 3.997, "omega_p": 16.974, "cycles": 2},
+        "vertical": {"pulse": {"shape": "sine", "a_p": 10.188, "omega_p": 26.47, "cycles": 3}},
+    },
+    "damping": {"scheme": "restitution"},
+}
+
+
+def solved(**changes):
+    case = copy.deepcopy(CASE)
+    for path, value in changes.items():
+        at = case
+        *inside, last = path.split("__")
+        for key in inside:
+            at = at.setdefault(key, {})
+        at[last] = value
+    return rockcli.run({"name": "contact", "case": case, "save": {"histories": True, "dt_out": 0.01}})
+
+
+def test_a_study_solves_what_the_kernel_does():
+    ds = solved()
+    T = 6 * np.pi / 26.47
+    par = body(0.0869, 0.41, 0.29, t_motion=max(T, 4 * np.pi / 16.974))
+    alone = run(par, motion(f"sine 3.997 16.974 {4 * np.pi / 16.974!r}"), motion(f"sine 10.188 26.47 {T!r}"))
+    assert int(ds.n_flights) == alone["N_FLIGHTS"] > 0
+    assert float(ds.slide_peak) == pytest.approx(abs(alone["SLIDE_PEAK"]), abs=1e-7)
+    assert float(ds.theta_peak) == pytest.approx(alone["PEAK"] * alone["PEAK_SIDE"], abs=1e-7)
+    assert float(ds.t_slip) == pytest.approx(alone["T_SLIP"], abs=1e-9)
+    assert float(ds.t_flight) == pytest.approx(alone["T_FLIGHT"], abs=1e-9)
+    assert abs(float(ds.energy_residual)) < 1e-9
+    assert float(ds.lift.max()) > 0.0
+    assert float(abs(ds.slide).max()) == pytest.approx(float(ds.slide_peak), abs=1e-4)
+    np.testing.assert_allclose(ds.u_top, ds.slide + 0.82 * np.sin(ds.theta), atol=1e-12)
+    assert ds.contact_mode.attrs["flag_meanings"].split()[-1] == "free_flight"
+    assert 0.0 < float(ds.error_estimate) < 1e-3
+    assert float(ds.overturn_share) == 0.0
+
+
+def test_friction_of_two_numbers():
+    one = solved(block__mu={"static": 0.29, "kinetic": 0.29})
+    assert one.identical(solved(block__mu={"static": 0.29})) or float(one.slide_peak) == float(solved().slide_peak)
+    less = solved(block__mu={"static": 0.29, "kinetic": 0.2})
+    assert float(less.t_slip) == float(one.t_slip)
+    assert float(less.slide_peak) != float(one.slide_peak)
+    axis = rockcli.run(
+        {
+            "name": "axis",
+            "case": {**copy.deepcopy(CASE), "block": {**CASE["block"], "mu": {"static": 0.29, "kinetic": 0.1}}},
+            "vary": {"block.mu.kinetic": [0.2, 0.29], "initial.slide_rate": [0.0, 0.1], "block.e_n": [0, 0.5]},
+            "save": {"histories": False},
+        }
+    )
+    at = axis.sel(slide_rate=0.0, e_n=0.0)
+    assert float(at.slide_peak.sel(kinetic=0.2)) == pytest.approx(float(less.slide_peak), abs=1e-12)
+    assert len(np.unique(axis.slide_peak)) == 8
+    assert axis.slide_rate.attrs["units"] == "m s-1"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"block__mu": {"static": 0.2, "kinetic": 0.3}}, "case.block.mu.kinetic = 0.3: must not be above static"),
+        ({"block__mu": {"kinetic": 0.3}}, "the key 'static' is missing"),
+        ({"block__mu": {"static": 0.3, "dynamic": 0.2}}, "unknown key 'dynamic'"),
+        ({"block__mu": {"static": "a lot"}}, "case.block.mu.static"),
+        ({"block__mu": [0.3, 0.2]}, "a number or an expression is expected, not a list"),
+        ({"block__mu": 0}, "must be greater than 0"),
+        ({"block__e_n": 1.2}, "case.block.e_n = 1.2: must be between 0 and 1"),
+        ({"block__e_n": 0.2, "block__mu": None}, "only where mu is given"),
+        ({"initial__slide_rate": 0.2, "block__mu": None}, "needs a mu"),
+    ],
+)
+def test_errors(changes, message):
+    with pytest.raises(StudyError) as error:
+        solved(**changes)
+    assert message in str(error.value)
+
+
+def test_spring_models_and_dashpots_say_what_they_lack():
+    for changes in ({"model": "linearized"}, {"model": "2"}, {"damping": "dashpot"}):
+        ds = solved(block__mu=0.22, **changes)
+        assert int(ds.outcome) == -1
+        assert "forces" in str(ds.reasons.values[int(ds.reason)])
+
+
+def test_an_asymmetric_body_mirrored_is_its_mirror_image():
+    one = solved(block={"h": 0.5, "b": [0.08, 0.14], "mu": 0.25})
+    case = copy.deepcopy(CASE)
+    case["block"] = {"h": 0.5, "b": [0.14, 0.08], "mu": 0.25}
+    case["motion"]["pulse"]["a_p"] = -3.997
+    other = rockcli.run({"name": "mirror", "case": case, "save": {"histories": True, "dt_out": 0.01}})
+    assert float(one.slide_peak) > 0.0
+    assert float(other.slide_residual) == -float(one.slide_residual)
+    assert float(other.theta_peak) == -float(one.theta_peak)
+    np.testing.assert_array_equal(other.theta, -one.theta)
