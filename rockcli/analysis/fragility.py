@@ -29,7 +29,7 @@ STATUS: dict[int, str] = {
 WHY_NOT: dict[int, str] = {
     NONE_EXCEEDS: "no case exceeds it, so the range is too low",
     ALL_EXCEED: "every case exceeds it, so the range is too high",
-    SEPARABLE: "it goes from none to all at once, between two intensities: beta cannot be told, the median not well",
+    SEPARABLE: "it goes from none to all between two intensities: beta cannot be estimated, the median only roughly",
     FALLING: "it is not exceeded more often as the intensity grows",
 }
 """Why there is no curve."""

@@ -21,7 +21,7 @@ _TIMES = {LINEAR: (), WAVES: (3,), BELL: (3,)}
 
 
 def peaks(channel: Channel | None, n: int, duration: Array | None = None) -> tuple[Array, Array]:
-    """Peak ground acceleration [m/s^2] and velocity [m/s] of each of n cases; NaN without a motion.
+    """Peak ground acceleration [m/s²] and velocity [m/s] of each of n cases; NaN without a motion.
 
     `duration` (n,) [s] cuts the motion off, NaN where it does not.
     """

@@ -39,7 +39,7 @@ _SPAN = 300.0
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Ground acceleration a (k,) [m/s^2] at times t (k,) [s], straight between; zero before and after.
+    """Ground acceleration a (k,) [m/s²] at times t (k,) [s], straight between; zero before and after.
 
     Two values at one time are a jump.
     """
@@ -80,7 +80,7 @@ def with_prescreen(contents: Contents, study: Study) -> Contents:
 
 
 def critical_level(line: Line, p: Array, *, first: bool = True) -> Array:
-    """Largest |a| (m,) [m/s^2] at which blocks of frequency parameters p (m,) [rad/s] may lift and overturn by (T11).
+    """Largest |a| (m,) [m/s²] at which blocks of frequency parameters p (m,) [rad/s] may lift and overturn by (T11).
 
     A linearized block overturns without impact from the factor g alpha/|a| on, unless an impact comes first.  With
     `first` uplift is where |a| is larger than ever before, else wherever it grows; 0 where (T11) is never met.

@@ -127,7 +127,7 @@ class _Spectra:
         self._known: dict[tuple[object, ...], Array] = {}
 
     def S_a(self, case: int, zeta: float, periods: Array) -> Array:
-        """At periods (m,) [s]: (m,) [m/s^2]."""
+        """At periods (m,) [s]: (m,) [m/s²]."""
         scale, alike = self._scale(case)
         key = (alike, float(self._until[case]), zeta, periods.tobytes())
         if key not in self._known:

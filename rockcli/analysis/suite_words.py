@@ -51,7 +51,7 @@ def _left_out(contents: Contents, study: Study, over: Over) -> Iterator[str]:
     elif missing:
         yield (
             f"{missing} of {total} cases have no answer and are left out of the statistics (n_answered); if all of "
-            f"them stood, or all overturned, {_bracket(contents)}"
+            f"them remained stable, or all overturned, {_bracket(contents)}"
         )
 
 
@@ -78,8 +78,8 @@ def _divided(contents: Contents) -> Iterator[str]:
     n = int(((share > 0.0) & (share < 1.0)).sum())
     if n:
         yield (
-            f"{n} of {share.size} cases overturn in a part of their runs (overturn_share): they count by it, and enter "
-            "fractiles of peaks only where it is at least one half, as overturned"
+            f"{n} of {share.size} cases overturn in some of their perturbed runs: they count by that share "
+            "(overturn_share), and in fractiles of peaks as overturned where it is at least one half"
         )
 
 

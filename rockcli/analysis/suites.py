@@ -1,7 +1,7 @@
 """Ensemble statistics (`over`): what a suite does at every point of the other axes.
 
 Members count by the share of their runs that overturn (`overturn_share`); overturned ones count as infinite.  Those
-without an answer are left out and counted, with what they would make of it if all of them overturned or all stood.
+without an answer are left out and counted, with the statistics if all of them overturned or all remained stable.
 """
 
 from __future__ import annotations

@@ -14,20 +14,20 @@ def animate(
     file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="Dataset with histories, written by `rock run`.")],
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE.gif|.mp4", help="The film; default: animation.gif beside FILE."),
+        typer.Option("--out", metavar="FILE.gif|.mp4", help="The animation; default: animation.gif beside FILE."),
     ] = None,
     case: Annotated[int | None, typer.Option("--case", metavar="N", help="Which case, counted from 1.")] = None,
     at: Annotated[
         list[str] | None, typer.Option("--at", metavar="AXIS=VALUE", help="Which case, by its values on axes.")
     ] = None,
-    speed: Annotated[float, typer.Option("--speed", help="Seconds of the response in a second of film.")] = 1.0,
-    fps: Annotated[float, typer.Option("--fps", help="Pictures a second, at most 50.")] = 25.0,
+    speed: Annotated[float, typer.Option("--speed", help="Seconds of the response per second of animation.")] = 1.0,
+    fps: Annotated[float, typer.Option("--fps", help="Frames per second, at most 50.")] = 25.0,
     magnify: Annotated[float, typer.Option("--magnify", help="Factor on the bending of a flexible column.")] = 1.0,
-    start: Annotated[float | None, typer.Option("--start", metavar="S", help="Where the film begins [s].")] = None,
-    end: Annotated[float | None, typer.Option("--end", metavar="S", help="Where the film ends [s].")] = None,
+    start: Annotated[float | None, typer.Option("--start", metavar="S", help="Start of the part shown [s].")] = None,
+    end: Annotated[float | None, typer.Option("--end", metavar="S", help="End of the part shown [s].")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, no notes; errors only.")] = False,
 ) -> None:
-    """Film one case: the body on the ground, its rotation and the ground's acceleration."""
+    """Animate one case: the body on the ground, its rotation and the ground's acceleration."""
     from rockcli.cli.progress import Progress
     from rockcli.engine import animate as engine
     from rockcli.errors import StudyError
@@ -38,7 +38,7 @@ def animate(
         if not equals or not axis.strip() or axis.strip() in chosen:
             raise StudyError(f"--at {words}: expected AXIS=VALUE, each axis once")
         chosen[axis.strip()] = value.strip()
-    line = Progress(file.stem, shown=not quiet, what="pictures")
+    line = Progress(file.stem, shown=not quiet, what="frames")
     try:
         film = engine.animate(
             file, out, case=case, at=chosen, speed=speed, fps=fps, magnify=magnify, start=start, end=end, progress=line

@@ -32,9 +32,9 @@ def check_junit(path: Path, datasets: Sequence[Path]) -> None:
         return
     check_file(path)
     if os.path.realpath(path) in {os.path.realpath(dataset) for dataset in datasets}:
-        raise StudyError("is where a dataset goes: --junit needs a file of its own", file=path)
+        raise StudyError("is the place of a dataset: --junit needs a file of its own", file=path)
     if path.exists() and not _is_ours(path):
-        raise StudyError("is there and is no JUnit file: --junit does not replace it", file=path)
+        raise StudyError("exists and is not a JUnit file: --junit does not replace it", file=path)
 
 
 def _is_ours(path: Path) -> bool:
@@ -59,7 +59,7 @@ def write_junit(reports: Sequence[RunReport], path: Path) -> None:
         return
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.exists() and not _is_ours(path):  # made since it was checked, as a plot
-        raise OutputError("is there and is no JUnit file: --junit does not replace it", file=path)
+        raise OutputError("exists and is not a JUnit file: --junit does not replace it", file=path)
     with replacing(path) as scratch:
         tree.write(scratch, encoding="utf-8", xml_declaration=True)
 

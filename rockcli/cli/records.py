@@ -32,7 +32,7 @@ Units = Annotated[
 TimeStep = Annotated[
     float | None, typer.Option("--dt", metavar="SECONDS", help="Time step [s], where the format does not say.")
 ]
-Gravity = Annotated[float, typer.Option("--g", metavar="G", help="What 1 g is [m/s2], between values in g and m/s2.")]
+Gravity = Annotated[float, typer.Option("--g", metavar="G", help="What 1 g is [m/s²], between values in g and m/s².")]
 
 
 @app.command()
@@ -88,7 +88,7 @@ def convert(
     if kind not in (".at2", ".txt"):
         raise RecordError(f"the name ends in {target.suffix!r}; expected .AT2 or .txt, which says the format", target)
     if not g > 0.0:
-        raise RecordError(f"--g is {g}; expected m/s2, above zero", target)
+        raise RecordError(f"--g is {g}; expected m/s², above zero", target)
     check_file(target)
     if target.exists() and not force:
         raise RecordError("the file is already there; choose another name, or replace it with --force", target)

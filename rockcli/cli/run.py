@@ -35,13 +35,15 @@ def run(
     fresh: Annotated[bool, typer.Option("--fresh", help="Replace results that are there.")] = False,
     skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
     audit: Annotated[
-        bool, typer.Option("--audit", help="Solve again at a tighter accuracy and tell what disagrees.")
+        bool, typer.Option("--audit", help="Solve again at a tighter accuracy and report what disagrees.")
     ] = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
     plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary; errors only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
-    junit: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write verdicts as JUnit XML.")] = None,
+    junit: Annotated[
+        Path | None, typer.Option("--junit", metavar="FILE", help="Write the `expect` checks as JUnit XML.")
+    ] = None,
 ) -> None:
     """Solve studies, judge and draw their results.
 
@@ -74,7 +76,7 @@ def run(
     for report in reports:
         say(f"rock: skipped {report.name}: {report.warnings[0]}", err=True)
     spoken = not quiet and not as_json
-    advise("run again to go on: what is finished is not solved twice")
+    advise("run again to continue: finished cases are kept")
     for study in opened.studies:
         team = Team(workers or usable_cores(), dask)
         how: dict[str, Any] = {"plots": not no_plots, "plot_format": plot_format, "team": team, "share": share}

@@ -1,4 +1,4 @@
-"""`rock trade`: what accuracy costs on the scenes of a study, by backend, model and setting."""
+"""`rock trade`: what accuracy costs on the cases of a study, by backend, model and setting."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def trade(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table; errors only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
 ) -> None:
-    """Measure what accuracy costs on the scenes of a study.
+    """Measure what accuracy costs on the cases of a study.
 
     Every backend and setting that solves the study's model, from coarse to fine; errors of numerics, model and data
     apart; DIR/<name>-trade/<name>-trade.nc, a work-precision plot, and the Pareto front on stdout.

@@ -20,14 +20,17 @@ def report_text(report: RunReport) -> str:
         return _share_text(report)
     time = f" in {duration(report.seconds)}" if report.status == "solved" else ""
     lines = [f"{report.name}: {counted(report.cases, 'case')}, {report.status}{time}"]
-    for count, source in ((report.taken_over, "the results that were there"), (report.resumed, "earlier runs")):
+    for count, source in ((report.taken_over, "the existing results"), (report.resumed, "earlier runs")):
         if count:
             what = "trial" if report.overturns else "case"
             lines.append(_row("kept", f"{counted(count, what)} of {source}"))
     if report.refined is not None:
         share = 100.0 * report.refined / max(report.cases, 1)
         lines.append(
-            _row("refined", f"{counted(report.refined, 'case')} solved ({share:.2g} %), the outcomes between filled in")
+            _row(
+                "refined",
+                f"{counted(report.refined, 'case')} solved ({share:.2g} %), the outcomes between them filled in",
+            )
         )
     if report.outcomes:
         lines.append(
@@ -63,7 +66,7 @@ def _share_text(report: RunReport) -> str:
     assert report.share is not None
     k, n = report.share
     left = report.cases - report.resumed
-    then = f"{counted(left, 'case')} of other shares not there yet" if left else "run without --part to merge"
+    then = f"{counted(left, 'case')} of other shares still missing" if left else "run without --part to merge"
     return f"{report.name}: share {k}/{n} solved in {duration(report.seconds)}, {then}"
 
 

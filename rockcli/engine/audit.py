@@ -251,5 +251,5 @@ def _first_sentence(study: Study, found: _Findings, levels: list[str], left_out:
     if found.failed:
         words += f"; {found.failed} failed in the tighter run"
     if left_out:
-        words += f"; nothing tighter for {left_out}"
+        words += f"; no tighter setting for {left_out}"
     return words

@@ -144,10 +144,10 @@ def _with_column(batch: Batch, found: Groups, reference: int) -> Choice:
     def write(i: int) -> str:
         doing = RIGID_CLASSES[class_found[i]]
         if not seen[i]:
-            seldom = "the rigid block would seldom serve in such a scene"
-            why = "whether the body overturns is asked of it alone" if near_boundary else seldom
+            seldom = "the rigid block is seldom accurate enough in such cases"
+            why = "only it decides whether the body overturns" if near_boundary else seldom
         elif as_rigid[i]:
-            why = f"the rigid block serves: {doing}"
+            why = f"the rigid block is accurate enough: {doing}"
         else:
             why = doubt("rigid", float(of_both[i]), doing)
             why += ", partial uplift matters little" if as_column[i] else ""

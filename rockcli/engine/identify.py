@@ -74,7 +74,7 @@ def read_measured(path: Path, *, degrees: bool) -> Measured:
         if len(row) not in (1, 2) or (rows and len(row) != len(rows[0])) or not np.isfinite(row).all():
             raise StudyError("expected one column (amplitudes) or two (time, rotation)", file=path, line=number)
         if rows and len(row) == 2 and row[0] <= rows[-1][0]:
-            raise StudyError("the times do not grow", file=path, line=number)
+            raise StudyError("the times do not increase", file=path, line=number)
         rows.append(row)
     if len(rows) < 3:
         raise StudyError("holds fewer than three rows of numbers", file=path)
@@ -160,9 +160,7 @@ def _notes(names: Sequence[str], fit: Fit, missed: float) -> tuple[str, ...]:
         notes.append("the search stopped before it found a minimum")
     unknown = ", ".join(name for name, low in zip(names, fit.low, strict=True) if not np.isfinite(low))
     if unknown:
-        notes.append(
-            f"the data do not determine all of {unknown}: no intervals, and the first guess may stand unchanged"
-        )
+        notes.append(f"the data do not determine all of {unknown}: no intervals, and the first guess may be unchanged")
     return tuple(notes)
 
 

@@ -52,7 +52,7 @@ def refreshed(attrs: dict[str, str], study: Study) -> dict[str, str]:
         "study": study.resolved_yaml,
         "case": as_json(study.resolved["case"]),
         "compare_to": as_json(study.compare_to),
-        "history": f"{attrs['history']}\n{now} described anew by rockcli {__version__}",
+        "history": f"{attrs['history']}\n{now} described again by rockcli {__version__}",
     }
 
 

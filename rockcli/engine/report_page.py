@@ -47,6 +47,6 @@ def verdicts(contents: Contents) -> list[Verdict]:
 
 
 def _words(verdict: Verdict) -> str:
-    many = f"{verdict.failing} of {verdict.points} points not, worst " if verdict.failing and verdict.points > 1 else ""
+    many = f"{verdict.failing} of {verdict.points} points fail: " if verdict.failing and verdict.points > 1 else ""
     where = f" at {verdict.where}" if verdict.where else ""
     return f"{verdict.text}: {many}{verdict.worst}{where}"

@@ -114,7 +114,7 @@ def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
     check_quantities(study)
     found = netcdf.identity(path)
     if found is not None and netcdf.is_intact(path) is False:  # not to be judged, renewed or added to
-        raise StudyError(f"{path} is damaged, or was changed by another program; --fresh solves it anew", study.file)
+        raise StudyError(f"{path} is damaged, or was changed by another program; --fresh solves it again", study.file)
     if found == study.identity:
         return
     if found is None:
@@ -198,7 +198,7 @@ def run_study(
 
 def _advised(error: BaseException, path: Path) -> RockError | None:
     """An error of the machine that ends a run, with what to do then; None for others."""
-    advice = "run again when that is mended: what was kept by then is not solved twice"
+    advice = "run again once that is fixed: finished cases are kept"
     if isinstance(error, MemoryError):
         return MachineError("; ".join(filter(None, ("out of memory", str(error), advice))), path)
     if isinstance(error, OutputError | MachineError):
@@ -211,9 +211,9 @@ def _of_share(study: Study, sweep: Sweep, started: float) -> RunReport:
     assert isinstance(sweep.keeper, Parts)
     assert sweep.share is not None
     if study.search is not None:
-        raise StudyError("--part does not share out a search (`find`); --workers and --dask do", file=study.file)
+        raise StudyError("--part cannot divide a search (`find`); --workers and --dask can", file=study.file)
     if study.refine:
-        raise StudyError("--part does not share out a refined map (`refine`); --workers and --dask do", file=study.file)
+        raise StudyError("--part cannot divide a refined map (`refine`); --workers and --dask can", file=study.file)
     cases = solve_cases(study, sweep=sweep).answered
     sweep.keeper.flush()
     return RunReport(

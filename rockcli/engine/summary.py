@@ -108,7 +108,7 @@ class RunReport:
 
 
 def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any) -> RunReport:
-    """Report on a dataset of a study, whether just solved or read back; `si`: accelerations in m/s^2, not in g."""
+    """Report on a dataset of a study, whether just solved or read back; `si`: accelerations in m/s², not in g."""
     units = SI if si else units_of(contents)
     peak, peak_at = _largest(contents, "theta_peak_over_alpha", units)
     slide, slide_at = _largest(contents, "slide_peak", units)

@@ -114,7 +114,7 @@ def _uplift() -> Iterator[Check]:
     for model, threshold in (("rigid", TAN_ALPHA), ("linearized", ALPHA)):
         pulse = {"shape": "rectangular", "omega_p": 4.0 * P}
         got = _flip(model, pulse, threshold * G, 1e-12, lambda flag: flag > NO_UPLIFT)
-        yield Check(f"uplift acceleration, {model} [m/s2]", threshold * G, got, 1.01e-12)
+        yield Check(f"uplift acceleration, {model} [m/s²]", threshold * G, got, 1.01e-12)
 
 
 def _rectangular() -> Iterator[Check]:
@@ -122,7 +122,7 @@ def _rectangular() -> Iterator[Check]:
         expected = ALPHA * G * float(rectangular_without_impact(np.array(pi / duration)))
         pulse = {"shape": "rectangular", "T_p": 2.0 * duration / P}
         got = _flip("linearized", pulse, expected, 1e-7, lambda flag: flag == OVERTURNED_WITHOUT_IMPACT)
-        yield Check(f"overturning by a rectangular pulse, p t = {duration:g} [m/s2]", expected, got, 1.01e-7)
+        yield Check(f"overturning by a rectangular pulse, p t = {duration:g} [m/s²]", expected, got, 1.01e-7)
 
 
 def _one_sine() -> Check:
@@ -130,7 +130,7 @@ def _one_sine() -> Check:
     expected = ALPHA * G * float(sine_without_impact(np.array(ratio)))
     pulse = {"shape": "sine", "omega_p": ratio * P}
     got = _flip("linearized", pulse, expected, 1e-7, lambda flag: flag == OVERTURNED_WITHOUT_IMPACT)
-    return Check(f"overturning by one sine, no impact, omega/p = {ratio:g} [m/s2]", expected, got, 1.01e-7)
+    return Check(f"overturning by one sine, no impact, omega/p = {ratio:g} [m/s²]", expected, got, 1.01e-7)
 
 
 def _flip(model: str, pulse: dict[str, Any], expected: float, step: float, reached: Any) -> float:

@@ -243,7 +243,7 @@ def _stated_unit(header: list[str], name: str) -> str | None:
                 number,
             )
         if unit is None:
-            raise RecordError(f"the values are in {word!r}, which is no unit of acceleration known here", name, number)
+            raise RecordError(f"the values are in {word!r}, not a unit of acceleration known here", name, number)
         return unit
     return None
 

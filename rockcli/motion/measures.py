@@ -1,6 +1,6 @@
 """Measures of a ground motion, exact for acceleration that is linear between samples and starts at rest.
 
-All take acceleration (k,) [m/s^2] and dt [s].  References: Arias (1970); Trifunac and Brady (1975) for the
+All take acceleration (k,) [m/s²] and dt [s].  References: Arias (1970); Trifunac and Brady (1975) for the
 significant duration; EPRI (1988) for CAV; Rathje, Abrahamson and Bray (1998) for the mean period.
 """
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def pga(a: Array) -> float:
-    """Peak ground acceleration [m/s^2] (or in the units of `a`)."""
+    """Peak ground acceleration [m/s²] (or in the units of `a`)."""
     return float(np.abs(a).max())
 
 
@@ -88,7 +88,7 @@ def mean_period(a: Array, dt: float) -> float:
 
 
 def measures(a: Array, dt: float, g: float = 9.81) -> dict[str, float]:
-    """All measures by name: pga [m/s^2], pgv [m/s], pgd [m], arias [m/s], cav [m/s], d5_95 [s], t_mean [s]."""
+    """All measures by name: pga [m/s²], pgv [m/s], pgd [m], arias [m/s], cav [m/s], d5_95 [s], t_mean [s]."""
     return {
         "pga": pga(a),
         "pgv": pgv(a, dt),

@@ -16,7 +16,7 @@ class Motion:
     """One component of ground acceleration, equally spaced in time.
 
     Attributes:
-        values: acceleration, (k,), k >= 2, in g if `in_g`, else in m/s^2.
+        values: acceleration, (k,), k >= 2, in g if `in_g`, else in m/s².
         dt: time between samples [s].
         in_g: whether `values` are in g, to be multiplied by the g of whoever uses them.
         name: the file's name, without its folder.
@@ -50,5 +50,5 @@ class Motion:
         return "g" if self.in_g else "m/s2"
 
     def acceleration(self, g: float) -> NDArray[np.float64]:
-        """The values in m/s^2, (k,), values in g multiplied by this g [m/s^2]."""
+        """The values in m/s², (k,), values in g multiplied by this g [m/s²]."""
         return self.values * g if self.in_g else self.values

@@ -73,7 +73,7 @@ def read_numbers(lines: list[str], first: int, file: str, expected: int | None =
         if text:
             where, what = text[0]
             raise RecordError(
-                f"{_shown(what)} stands between the numbers: they go on at line {number}; remove what is not a number",
+                f"{_shown(what)} is between the numbers, which continue on line {number}; remove what is not a number",
                 file,
                 where,
             )

@@ -52,7 +52,7 @@ def process(
         resample: {dt, method}, method one of `lanczos` (20 samples to each side), `fourier` (periodic,
             band-limited), `linear`, `weighted_average_slopes` (a cubic without overshoot).  Downsampling without
             a low-pass below the new Nyquist frequency is warned of.
-        g: turns PGV of a motion in g into m/s, in the sentences only [m/s^2].
+        g: turns PGV of a motion in g into m/s, in the sentences only [m/s²].
 
     Returns:
         the new motion, one sentence per step appended to `processing`, e.g.

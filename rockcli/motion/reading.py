@@ -85,7 +85,7 @@ def read_record(
         dt: time step [s]; the same holds.
 
     Returns:
-        values in g where the file is in g, else in m/s^2 (calibration applied), float64.
+        values in g where the file is in g, else in m/s² (calibration applied), float64.
 
     Raises:
         RecordError: naming file, line if any, what is wrong and what to do.
@@ -212,7 +212,7 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
 
 
 def _obspy_units(format_name: str, unit: str | None, path: Path) -> str:
-    """K-NET and KiK-net state theirs (ObsPy's factor gives m/s^2); the seismological formats do not."""
+    """K-NET and KiK-net state theirs (ObsPy's factor gives m/s²); the seismological formats do not."""
     if format_name == "KNET":
         if unit not in (None, "gal", "cm/s2"):
             message = f"the file states its own units, gal per count, `units` says {unit}; leave it out"

@@ -49,7 +49,7 @@ class Stretch:
 
     Attributes:
         start: time of the beginning of the first step [s]; h: length of a step [s].
-        c: coefficients of s^0, s^1, ... with s the time since the beginning of the step, (k, d) [m/s^2, m/s^3, ...].
+        c: coefficients of s^0, s^1, ... with s the time since the beginning of the step, (k, d) [m/s², m/s^3, ...].
     """
 
     start: float

@@ -100,7 +100,7 @@ def _stated_unit(lines: list[str], given: str | None, name: str) -> str | None:
             continue
         stated = unit_named(match[1])
         if stated is None:
-            raise RecordError(f"{match[1]!r} is no unit of acceleration known here", name, number)
+            raise RecordError(f"{match[1]!r} is not a unit of acceleration known here", name, number)
         if given is not None and not same_unit(stated, given):
             message = f"the file says its units are {stated}, `units` says {given}; leave it out"
             raise OptionError("units", message, name, number)

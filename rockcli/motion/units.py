@@ -7,7 +7,7 @@ import re
 __all__ = ["FACTORS", "same_unit", "unit_named"]
 
 FACTORS = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001}
-"""What turns a value into m/s^2; `g` is not among them: a study says how large its g is."""
+"""What turns a value into m/s²; `g` is not among them: a study says how large its g is."""
 
 _NAMES = {
     "g": "g",
@@ -28,7 +28,7 @@ _NAMES = {
 
 def unit_named(word: str) -> str | None:
     """The unit a word means (`CM/SEC**2` -> `cm/s2`), None if it means none."""
-    return _NAMES.get(re.sub(r"\*\*|\^|\s", "", word.lower()))
+    return _NAMES.get(re.sub(r"\*\*|\^|\s", "", word.lower()).replace("²", "2"))
 
 
 def same_unit(a: str, b: str) -> bool:

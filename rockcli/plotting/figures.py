@@ -57,9 +57,14 @@ def _draw_histories(dataset: xarray.Dataset) -> Figure:
 
 
 _ROWS: tuple[Kind, ...] = (
-    Kind("histories", "rotation, rate and ground acceleration against time", _without_histories, _draw_histories),
+    Kind(
+        "histories",
+        "rotation, angular velocity, ground acceleration against time",
+        _without_histories,
+        _draw_histories,
+    ),
     Kind("bending", "rotation and top of flexible columns and other models", bending.without_bending, bending.draw),
-    Kind("phase", "rate against rotation, with the separatrix", _without_histories, phase.draw),
+    Kind("phase", "angular velocity against rotation, with the separatrix", _without_histories, phase.draw),
     Kind("map", "outcomes over two numeric axes, peaks over one", _without_map, _draw_map),
     Kind("ida", "peaks of a suite against intensity, with fractiles", ida.without_ida, ida.draw),
     Kind("fragility", "share of a suite that exceeds limit states", fragility.without_fragility, fragility.draw),

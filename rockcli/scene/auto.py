@@ -125,7 +125,7 @@ def on_rung(batch: Batch, rung: int) -> Batch:
 
 
 def groups_of(batch: Batch, pga: Array, pgv: Array) -> Groups:
-    """Groups of a batch; `pga` [m/s^2] and `pgv` [m/s] of each case, (n,)."""
+    """Groups of a batch; `pga` [m/s²] and `pgv` [m/s] of each case, (n,)."""
     block, n = batch.block, batch.size
     alpha, tan_alpha = block.of_weak_edge(block.alpha), block.of_weak_edge(block.tan_alpha)
     p, unknown = block.of_weak_edge(batch.p), np.full(n, np.nan)
@@ -292,7 +292,7 @@ def sentence(rung: int, reference: int, error: float, why: str) -> str:
     name, top = _name(rung), _name(reference)
     if rung == reference:
         return f"auto: {name}, the highest model of this body: {why}"
-    held = f"in {100 - EXCEEDED:g} % of such scenes"
+    held = f"in {100 - EXCEEDED:g} % of such cases"
     if rung != NONE and error == 0.0:  # it overturns: there the error is none, or infinite
         return f"auto: {name}: {why}; {top} overturns too {held}"
     return f"auto: {name}: {why}; error against {top} below {error:.2g} alpha {held}"

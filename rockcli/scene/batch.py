@@ -42,7 +42,7 @@ class Batch:
     """`size` cases that differ only in numbers.
 
     Attributes:
-        g: (n,) [m/s^2].
+        g: (n,) [m/s²].
         theta_0, theta_dot_0: initial rotation [rad] and rate [rad/s], (n,).
         save: what is wanted back.
         warnings: sentences about the physics of these cases, for people.

@@ -16,7 +16,7 @@ class Column:
 
     Attributes:
         E: modulus of elasticity, (n,) [Pa].
-        rho: mass density, (n,) [kg/m^3].
+        rho: mass density, (n,) [kg/m³].
         zeta: damping ratio of the first clamped mode, stiffness-proportional, (n,).
         elements: elements along the height; a tag, the same for all cases of a batch; 0 = as many as make the
             elements of a full mesh square.
@@ -38,7 +38,7 @@ class Base:
 
     Attributes:
         law: `rigid` (the thesis's all-or-nothing moment) or `winkler` (a no-tension elastic base).
-        kw: stiffness of the Winkler base, (n,) [N/m^3]; NaN for `rigid`.
+        kw: stiffness of the Winkler base, (n,) [N/m³]; NaN for `rigid`.
         fibres: number of fibres of a discrete base (finite-element backends); None = their default.
     """
 

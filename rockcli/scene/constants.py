@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 STANDARD_G = 9.81
-"""Acceleration of gravity where a study gives none [m/s^2]."""
+"""Acceleration of gravity where a study gives none [m/s²]."""
 
 FREE_ROCKING = 20.0
 """The report goes on this many 1/p after the motion's end, unless the study gives a duration."""
@@ -25,7 +25,7 @@ FIBRES = 21
 """Fibres of a discrete base where the study gives no number."""
 
 DENSITY = 2500.0
-"""Density where neither mass nor column is given [kg/m^3], per unit depth: it matters to a Winkler base only."""
+"""Density where neither mass nor column is given [kg/m³], per unit depth: it matters to a Winkler base only."""
 
 YIELD_ROTATION = 1e-6
 """Rotation at which a base spring opens [rad]: smaller buys nothing at the default step (docs/frame.md)."""

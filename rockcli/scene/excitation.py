@@ -36,12 +36,12 @@ class Samples:
     """A recorded motion.
 
     Attributes:
-        values: acceleration, (k,) [m/s^2], at times i dt, i = 0 ... k-1; linear between, zero after.
+        values: acceleration, (k,) [m/s²], at times i dt, i = 0 ... k-1; linear between, zero after.
         dt: time between samples [s].
         factor: what each case multiplies the values with, (n,).
         name: the record's file name, a coordinate of the dataset.
         processing: what was done to the record, one sentence each, in order.
-        measures: of the motion as processed, before `factor`: pga [m/s^2], pgv [m/s], and whatever else
+        measures: of the motion as processed, before `factor`: pga [m/s²], pgv [m/s], and whatever else
             is known of it; `pga_raw`, `pgv_raw` before any processing.
         files: those it was made from, one or two, as the study names them.
     """
@@ -67,7 +67,7 @@ class Pulses:
     Attributes:
         table: (n, m, PIECE_WIDTH), rows in time order without gaps.
         shape: its name in the study.
-        a_p, omega_p: amplitude [m/s^2] and circular frequency [rad/s] of each case, (n,).
+        a_p, omega_p: amplitude [m/s²] and circular frequency [rad/s] of each case, (n,).
     """
 
     table: Array
@@ -110,7 +110,7 @@ def scaled(channel: Channel, factor: float | Array) -> Channel:
 
 
 def acceleration(channel: Channel | None, t: Array, case: int = 0) -> Array:
-    """Ground acceleration of one case at times t (k,) [s]: (k,) [m/s^2]; at a breakpoint, the later piece."""
+    """Ground acceleration of one case at times t (k,) [s]: (k,) [m/s²]; at a breakpoint, the later piece."""
     if channel is None:
         return np.zeros_like(t)
     if isinstance(channel, Samples):

@@ -201,7 +201,7 @@ def solid(parts: Sequence[Array], weights: Sequence[Array]) -> tuple[Solid, tupl
     left = np.where(stands, every[:, :, 0], np.inf).min(axis=1)
     right = np.where(stands, every[:, :, 0], -np.inf).max(axis=1)
     if (right - left <= LEVEL * size).any():
-        raise OutlineError("stands on one point: two lowest points at the same height are needed")
+        raise OutlineError("rests on one point: two lowest points at the same height are needed")
     b = np.stack([x - left, right - x], axis=1)
     if not (b > 0.0).all():
         i = int(np.argmin((b > 0.0).all(axis=1)))

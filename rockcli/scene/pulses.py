@@ -35,7 +35,7 @@ class Shape:
 
 
 def make_pulses(shape: str, *, a_p: Array, omega_p: Array, t0: Array | None = None, **options: Array) -> Pulses:
-    """Pulses of one shape for n cases: a_p (n,) [m/s^2], omega_p (n,) [rad/s], t0 (n,) [s], options (n,)."""
+    """Pulses of one shape for n cases: a_p (n,) [m/s²], omega_p (n,) [rad/s], t0 (n,) [s], options (n,)."""
     law = SHAPES[shape]
     T_p = 2.0 * np.pi / omega_p
     if t0 is None:

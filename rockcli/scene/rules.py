@@ -30,7 +30,7 @@ class Spectra(Protocol):
     """Pseudo-acceleration of the motion of every case."""
 
     def S_a(self, case: int, zeta: float, periods: Array) -> Array:
-        """At periods (m,) [s]: (m,) [m/s^2]."""
+        """At periods (m,) [s]: (m,) [m/s²]."""
         ...
 
     def interpolated(self, case: int, zeta: float) -> tuple[Array, Array]:
@@ -107,7 +107,7 @@ def housner(S_v: Array, p: Array, alpha: Array, g: Array) -> Array:
 
 
 def asce43_capacity(theta: Array, h: float, tan_alpha: float, inertia: float, g: float) -> tuple[Array, Array]:
-    """Spectral acceleration capacity [m/s^2] and effective frequency [Hz] at rotations theta (k,) > 0.
+    """Spectral acceleration capacity [m/s²] and effective frequency [Hz] at rotations theta (k,) > 0.
 
     With a = b/h, B = cos theta + a sin theta - 1 and C_I = I_O/(m h^2): S_a = 2 B g/theta,
     f = sqrt(2 B g/(C_I theta^2 h))/(2 pi).

@@ -17,14 +17,14 @@ class DesignSpectrum:
 
     Attributes:
         shape: a key of SPECTRA.
-        values: by the keys of that shape; numbers (n,), lists (n, k); SI, accelerations in m/s^2.
+        values: by the keys of that shape; numbers (n,), lists (n, k); SI, accelerations in m/s².
     """
 
     shape: str
     values: dict[str, Array]
 
     def S_a(self, periods: Array, beta: float, case: int = 0) -> Array:
-        """Pseudo-acceleration of one case at periods (m,) [s] >= 0, damping ratio beta: (m,) [m/s^2].
+        """Pseudo-acceleration of one case at periods (m,) [s] >= 0, damping ratio beta: (m,) [m/s²].
 
         NaN where the spectrum says nothing (a table beyond its last period).
         """

@@ -13,11 +13,11 @@ from rockcli.scene.constants import STANDARD_G
 
 ACCELERATION = "m s-2"
 
-_WORDS = {"1": "", "m s-2": " m/s2", "m s-1": " m/s"}
+_WORDS = {"1": "", "m s-2": " m/s²", "m s-1": " m/s"}
 
 
 def g_of(case: Mapping[str, Any], varied: Iterable[str]) -> float:
-    """The unit of acceleration of a study [m/s^2]: g of its case; 9.81 where it is not told or is varied.
+    """The unit of acceleration of a study [m/s²]: g of its case; 9.81 where it is not told or is varied.
 
     Args:
         case: the resolved case, as datasets carry it; varied: paths of the study's axes.
@@ -30,12 +30,12 @@ def g_of(case: Mapping[str, Any], varied: Iterable[str]) -> float:
 
 @dataclass(frozen=True)
 class Units:
-    """In which units numbers are shown: `g` [m/s^2] is that of accelerations, None shows SI units."""
+    """In which units numbers are shown: `g` [m/s²] is that of accelerations, None shows SI units."""
 
     g: float | None = None
 
     def of(self, unit: str, path: str = "") -> tuple[float, str]:
-        """What a number in a unit of the dataset is divided by, and the unit it has then; g itself stays in m/s^2."""
+        """What a number in a unit of the dataset is divided by, and the unit it has then; g itself stays in m/s²."""
         in_g = self.g is not None and unit == ACCELERATION and path.rsplit(".", 1)[-1] != "g"
         return (float(self.g or 1.0), "g") if in_g else (1.0, unit)
 

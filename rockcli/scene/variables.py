@@ -318,7 +318,7 @@ _ROWS: tuple[Variable, ...] = (
     Variable("theta_over_alpha", r"$\theta/\alpha$", ROTATION, "1", "rotation over alpha, of the static curves"),
     Variable(
         "energy_ratio",
-        "energy kept per cycle",
+        "energy retained per cycle",
         ROTATION,
         "1",
         "energy after one cycle of free rocking over energy before, by amplitude; linearized for a dashpot (3.1), (3.3)",

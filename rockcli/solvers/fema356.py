@@ -234,7 +234,7 @@ def _case(body: _Body, motion: Forcing, scheme: Fema356, i: int) -> _Found:
 
 
 def _pga(motion: Forcing) -> float:
-    """Peak ground acceleration at the ends of all steps [m/s^2]."""
+    """Peak ground acceleration at the ends of all steps [m/s²]."""
     largest = 0.0
     for part in motion:
         ends = part.c @ part.h ** np.arange(part.c.shape[1])

@@ -107,8 +107,8 @@ def time_field(values: NDArray[np.float64]) -> Field:
 
 
 def reasons_field(sentences: Sequence[str]) -> Field:
-    """The sentences that `reason` points to."""
-    return Field((DIM_REASONS,), text(sentences), {"long_name": "sentences that `reason` points to"}, True)
+    """The messages that `reason` points to."""
+    return Field((DIM_REASONS,), text(sentences), {"long_name": "messages that `reason` points to"}, True)
 
 
 def text(values: Sequence[str]) -> NDArray[Any]:

@@ -19,7 +19,7 @@ _REASONS = {
     errno.EROFS: "the file system is read-only",
     errno.EACCES: "permission denied",
     errno.EPERM: "permission denied",
-    errno.ELOOP: "symbolic links that lead round in a circle",
+    errno.ELOOP: "a loop of symbolic links",
     errno.ENAMETOOLONG: "the name is too long",
 }
 
@@ -58,7 +58,7 @@ def check_folder(folder: Path) -> None:
         mode = _mode(place)
         if mode is None:
             if place.is_symlink():
-                raise StudyError("is a symbolic link to nothing: results need a folder here", file=place)
+                raise StudyError("is a broken symbolic link: results need a folder here", file=place)
             break
         if not stat.S_ISDIR(mode):
             raise StudyError("is not a folder: results cannot be put into it", file=place)

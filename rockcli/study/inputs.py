@@ -45,7 +45,7 @@ class Inputs:
             StudyError: it is there with other bytes.
         """
         if self.hashes.setdefault(name, sha256) != sha256:
-            raise StudyError("was changed while the study was at work; run again", file=path)
+            raise StudyError("was changed while the study was running; run again", file=path)
 
 
 def read_bytes(path: Path) -> bytes:

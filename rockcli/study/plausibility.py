@@ -115,7 +115,7 @@ def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | N
     if any(given.get(key) is not None and (*keys, kind, key) in meant for key in _ABSOLUTE):
         return ""
     which = "" if keys == MOTION else "vertical "
-    return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right (a_p and pga are in m/s^2)?"
+    return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right (a_p and pga are in m/s²)?"
 
 
 def _too_weak(batch: Batch) -> str:
@@ -139,7 +139,7 @@ def _too_weak(batch: Batch) -> str:
 
 
 def _pga(channel: Channel) -> Array:
-    """Peak acceleration of every case, whole motion, (n,) [m/s^2]."""
+    """Peak acceleration of every case, whole motion, (n,) [m/s²]."""
     if isinstance(channel, Samples):
         return np.abs(channel.factor) * channel.measures["pga"]
     return np.abs(channel.a_p)

@@ -52,7 +52,7 @@ class SolidPart(Part):
     """One polygon of a body made of several."""
 
     outline: Outline = key("polygon [[x, z], ...] [m], or FILE.csv beside the study", ...)
-    density: Number | None = key("density [kg/m^3]")
+    density: Number | None = key("density [kg/m³]")
     depth: Number | None = key("depth [m]; default 1")
 
 
@@ -92,7 +92,7 @@ class BlockPart(Part):
     mu: Friction | None = key("coefficient of friction of the base [1], or {static, kinetic}")
     e_n: Number | None = key("restitution of a corner that strikes the ground from flight [1]; default 0")
     outline: Outline | None = key("polygon [[x, z], ...] [m], z up, or FILE.csv beside the study")
-    density: Number | None = key("density of the outline [kg/m^3]")
+    density: Number | None = key("density of the outline [kg/m³]")
     depth: Number | None = key("depth of the outline [m]; default 1")
     parts: Annotated[list[SolidPart], Field(min_length=1)] | None = key("several outlines, rigidly joined")
 
@@ -101,7 +101,7 @@ class PulsePart(Part):
     """An analytic pulse, zero for t < 0."""
 
     shape: Literal[tuple(SHAPES)] = key("one of the shapes", ...)  # type: ignore[valid-type]
-    a_p: Number | None = key("peak acceleration [m/s^2]")
+    a_p: Number | None = key("peak acceleration [m/s²]")
     a_p_over_g_tan_alpha: Number | None = key("peak acceleration over g tan(alpha) [1]")
     omega_p: Number | None = key("circular frequency [rad/s]")
     T_p: Number | None = key("period [s]")
@@ -149,7 +149,7 @@ class RecordPart(Part):
     """A recorded motion; the keys are applied in this order, nothing by default."""
 
     file: Files = key(
-        "file name, sought beside the study, in records/ folders and in ROCK_RECORDS; two for [H1, H2] with `angle`",
+        "file name, searched for beside the study, in records/ folders, in ROCK_RECORDS; two for [H1, H2] with `angle`",
         ...,
     )
     component: str | int | list[str | int] | None = key(
@@ -165,7 +165,7 @@ class RecordPart(Part):
     bandpass: BandpassPart | None = key("[low, high] [1/s], or {freqmin, freqmax, corners, zerophase}")
     resample: ResamplePart | None = key("{dt [s], method}")
     scale: Number | None = key("factor on the processed motion [1]")
-    pga: Number | None = key("peak acceleration wanted [m/s^2]")
+    pga: Number | None = key("peak acceleration wanted [m/s²]")
     pgv: Number | None = key("peak velocity wanted [m/s]")
     pga_over_g_tan_alpha: Number | None = key("peak acceleration wanted over g tan(alpha) [1]")
     polarity: Number | None = key("1 or -1")
@@ -192,14 +192,14 @@ class InitialPart(Part):
     """State at t = 0."""
 
     theta: Number = key("rotation [rad]", 0)
-    theta_dot: Number = key("rate of rotation [rad/s]", 0)
+    theta_dot: Number = key("angular velocity [rad/s]", 0)
     slide_rate: Number | None = key("velocity of the base along the ground [m/s]; needs a mu")
 
 
 class ModelPart(Part):
     """The model by name, with what it needs."""
 
-    name: Literal[MODELS] = key("model; auto chooses what the scene requires", "rigid")  # type: ignore[valid-type]
+    name: Literal[MODELS] = key("model; auto chooses the cheapest that is accurate enough", "rigid")  # type: ignore[valid-type]
     tolerance: Number | None = key("auto: error of theta_peak_over_alpha allowed [1]; default 0.02")
 
 
@@ -207,7 +207,7 @@ class ColumnPart(Part):
     """The deformable column of the flexible models."""
 
     E: Number | None = key("Young's modulus [Pa]")
-    rho: Number | None = key("density [kg/m^3]")
+    rho: Number | None = key("density [kg/m³]")
     zeta: Number | None = key("damping ratio of the first clamped mode, stiffness-proportional [1]")
     elements: int | None = key(
         "number of elements along the height, at most 1000 (40 are converged); default 5, continuum: square elements",
@@ -222,7 +222,7 @@ class BasePart(Part):
     """What the body stands on."""
 
     law: Literal["rigid", "winkler"] = key("moment of the base", "rigid")
-    kw: Number | None = key("Winkler stiffness [N/m^3]")
+    kw: Number | None = key("Winkler stiffness [N/m³]")
     fibres: int | None = key("number of fibres", ge=1)
 
 
@@ -230,12 +230,12 @@ class SpectrumPart(Part):
     """A design spectrum of the scheme fema356."""
 
     shape: Literal[("motion", *SPECTRA)] | None = key("motion, or a shape; a mapping with periods is a table")  # type: ignore[valid-type]
-    S_a: Series | None = key("constant, table: pseudo-acceleration [m/s^2], or in g with units: g")
+    S_a: Series | None = key("constant, table: pseudo-acceleration [m/s²], or in g with units: g")
     S_v: Number | None = key("flat_S_v: spectral velocity [m/s]")
     periods: Series | None = key("table: ascending periods [s]")
-    units: Literal["g", "m/s^2"] = key("units of S_a", "m/s^2")
-    S_XS: Number | None = key("fema356: 5 % spectral acceleration at short periods [m/s^2]")
-    S_X1: Number | None = key("fema356: 5 % spectral acceleration at 1 s [m/s^2]")
+    units: Literal["g", "m/s²"] = key("units of S_a", "m/s²")
+    S_XS: Number | None = key("fema356: 5 % spectral acceleration at short periods [m/s²]")
+    S_X1: Number | None = key("fema356: 5 % spectral acceleration at 1 s [m/s²]")
 
 
 Spectrum = Annotated[SpectrumPart | None, BeforeValidator(lambda v: {"shape": "motion"} if v == "motion" else v)]
@@ -279,7 +279,7 @@ class SolverPart(Part):
 class CasePart(Part):
     """What is solved; every number is SI, radians, or an expression."""
 
-    g: Number = key("acceleration of gravity [m/s^2]", 9.81)
+    g: Number = key("acceleration of gravity [m/s²]", 9.81)
     block: BlockPart = key("the body", ...)
     motion: MotionPart = key("ground motion; none = free rocking", MotionPart.model_construct())
     initial: InitialPart = key("state at t = 0", InitialPart.model_construct())
@@ -354,11 +354,11 @@ class StudyPart(Part):
     refine: bool = key("trace the outcome boundary of a two-axis map instead of solving every pixel", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
     plots: Plots = key("kinds of plot; none or []: draw none")
-    expect: list[ExpectPart] = key("statements about the results", [])
+    expect: list[ExpectPart] = key("pass/fail checks of the results", [])
     curves: list[Literal[CURVES]] = key("static curves", [])  # type: ignore[valid-type]
     rules: list[Literal[RULES]] = key("rules of thumb and code checks beside the history", [])  # type: ignore[valid-type]
     audit: Audit = key(
-        "solve again at a tighter accuracy and tell what disagrees: true, or the share of the cases", False
+        "solve again at a tighter accuracy and report what disagrees: true, or the share of the cases", False
     )
 
 

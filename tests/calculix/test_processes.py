@@ -110,7 +110,7 @@ def test_a_run_that_ends_early_is_no_result(pretend, temp):
     rows = "\\n".join(f" {n} 0. 0. 0." for n in range(1, 6))
     block = f"\\n displacements (vx,vy,vz) for set WATCHED and time  %s\\n\\n{rows}\\n"
     pretend(f"printf '{block}{block}' 1.0 1.2 > rocking.dat")
-    assert "ended early and said nothing" in failure()
+    assert "ended early without a message" in failure()
 
 
 def test_a_hanging_process_and_its_children_are_ended(pretend, temp, tmp_path, monkeypatch):

@@ -67,7 +67,7 @@ def test_time_that_runs_backwards_is_told(tmp_path):
     path.write_text("".join(BLOCK.format(t=t) for t in (1.0, 2.0, 1.5)))
     seen = Displacements(path, nodes=2, start=1.0)
     seen.read_on()
-    with pytest.raises(Garbage, match="time does not grow"):
+    with pytest.raises(Garbage, match="time does not increase"):
         seen.arrays()
 
 

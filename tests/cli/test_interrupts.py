@@ -92,7 +92,7 @@ def interrupted(
 def test_an_interrupt_is_answered(script: str, kernels: str, wait: float, by: int, tmp_path: Path) -> None:
     code, told, seconds = interrupted(tmp_path, script, kernels, wait, by)
     assert code == 130
-    assert told.startswith("rock: interrupted; run again to go on")
+    assert told.startswith("rock: interrupted; run again to continue")
     assert told.count("\n") == 1
     assert seconds < 15.0  # below one on an idle machine; half a minute without an answer
     assert list((tmp_path / "results" / "long").iterdir()) == []

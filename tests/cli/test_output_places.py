@@ -44,7 +44,7 @@ def obstruct(folder: Path, what: str) -> list[str]:
         (place / "x").write_text("")
     elif what == "links in a circle":
         place.symlink_to(place)
-    elif what == "link to nothing":
+    elif what == "broken symbolic link":
         place.symlink_to(folder / "nothing")
     elif what == "device":
         place = Path("/dev/full")
@@ -65,8 +65,8 @@ def obstruct(folder: Path, what: str) -> list[str]:
         ("file as --out", "way: is not a folder"),
         ("file above --out", "way: is not a folder"),
         ("file as folder of the study", "x: is not a folder"),
-        ("links in a circle", "way: cannot be used: symbolic links that lead round in a circle"),
-        ("link to nothing", "way: is a symbolic link to nothing"),
+        ("links in a circle", "way: cannot be used: a loop of symbolic links"),
+        ("broken symbolic link", "way: is a broken symbolic link"),
         ("device", "/dev/full: is not a folder"),
         ("folder as dataset", "x.nc: is a folder"),
         ("folder as junit", "is a folder"),

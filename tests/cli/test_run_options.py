@@ -47,7 +47,7 @@ def test_shares_are_not_fresh(few: Path, rock: Rock, capsys: pytest.CaptureFixtu
 
 def test_shares_tell_what_is_missing_and_are_merged(few: Path, rock: Rock, capsys: pytest.CaptureFixture[str]) -> None:
     assert rock("run", few, "--part", "1/2") == 0
-    assert re.search(r"few: share 1/2 solved in .*, 2 cases of other shares not there yet", capsys.readouterr().out)
+    assert re.search(r"few: share 1/2 solved in .*, 2 cases of other shares still missing", capsys.readouterr().out)
     assert rock("run", few, "--part", "2/2", "--json") == 0
     told = json.loads(capsys.readouterr().out)["studies"][0]
     assert (told["status"], told["share"], told["resumed"], told["file"]) == ("share solved", [2, 2], 4, None)
@@ -59,7 +59,7 @@ def test_what_was_taken_over_is_told(few: Path, rock: Rock, capsys: pytest.Captu
     assert rock("run", few, "--no-plots") == 0
     few.write_text(STUDY.replace("4.0]", "4.0, 5.0]"))
     assert rock("run", few, "--no-plots", "--workers", "2") == 0
-    assert "kept      4 cases of the results that were there" in capsys.readouterr().out
+    assert "kept      4 cases of the existing results" in capsys.readouterr().out
 
 
 def test_workers_are_counted_from_one(few: Path, rock: Rock) -> None:

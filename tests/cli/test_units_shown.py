@@ -92,7 +92,7 @@ def test_a_threshold(solve, tmp_path: Path) -> None:
         assert not re.search(r"m/s2|m/s²|m s-2", shown)
     read = json.loads(run("run", file, "--no-plots", "--json", "--out", tmp_path / "results"))
     assert read["units"] == "SI"
-    assert f"{low:.6g} m/s2" in read["studies"][0]["overturns"]["motion_pulse_a_p"]
+    assert f"{low:.6g} m/s²" in read["studies"][0]["overturns"]["motion_pulse_a_p"]
     assert f" = {0.35 * G:.9g} " in read["studies"][0]["expect"][0]["clause"]
 
 
@@ -111,7 +111,7 @@ def test_a_suite_and_a_point_on_an_axis(solve, tmp_path: Path) -> None:
     for shown in (told, page.split("<h2>Study")[0]):
         assert not re.search(r"m/s2|m/s²|m s-2", shown)
     read = json.loads(run("run", file, "--no-plots", "--json", "--out", tmp_path / "results"))
-    assert f"median motion_record_pga {median:.4g} m/s2" in " ".join(read["studies"][0]["suite"])
+    assert f"median motion_record_pga {median:.4g} m/s²" in " ".join(read["studies"][0]["suite"])
 
 
 def test_check_and_compare(solve, tmp_path: Path) -> None:

@@ -142,7 +142,7 @@ def test_time_steps_and_yield_rotation_are_halved_together():
 def test_nothing_is_tighter_than_reference_and_that_is_said():
     found = solve(study(case=STUDY["case"] | {"solver": {"accuracy": "reference"}}))
     assert (found.values("audit_same_outcome") == NOT_AUDITED).all()
-    assert "nothing tighter for 4" in found.attrs["audit"]
+    assert "no tighter setting for 4" in found.attrs["audit"]
 
 
 def test_what_cannot_be_audited_is_refused_before_solving():
@@ -190,4 +190,4 @@ def test_the_error_a_run_states_is_of_the_size_of_its_error(model, solver):
 def test_a_procedure_without_settings_states_no_error_and_is_not_audited():
     found = solve(study(case=STUDY["case"] | {"damping": "fema356"}))
     assert np.isnan(found.values("error_estimate")).all()
-    assert "nothing tighter for 4" in found.attrs["audit"]
+    assert "no tighter setting for 4" in found.attrs["audit"]

@@ -89,7 +89,7 @@ def test_of_what_overturns_no_model_is_a_number_off() -> None:
     assert int(found.model_used) == FLAGS["rigid"]
     assert np.isinf(float(found.theta_peak_over_alpha))
     assert np.isnan(float(found.model_error))
-    assert said(found).endswith("flexible overturns too in 97.5 % of such scenes")
+    assert said(found).endswith("flexible overturns too in 97.5 % of such cases")
 
 
 @pytest.mark.parametrize(
@@ -170,8 +170,8 @@ def test_classes() -> None:
     ("a_p", "column", "runs", "words"),
     [
         (0.94, CONCRETE, 0, "stays at rest, also with 5 % more motion"),
-        (0.96, STIFF, 1, "none: the rigid block serves"),
-        (9.0, CONCRETE, 0, "the rigid block would seldom serve in such a scene"),
+        (0.96, STIFF, 1, "none: the rigid block is accurate enough"),
+        (9.0, CONCRETE, 0, "the rigid block is seldom accurate enough in such cases"),
         (1.5, STIFF, 1, "its peak is known to"),
     ],
 )

@@ -241,7 +241,7 @@ def test_a_scheduler_that_goes_leaves_what_is_finished(
         if finished == 2:
             workers[-1].send_signal(signal.SIGKILL)
 
-    with pytest.raises(MachineError, match="the scheduler has gone; run again"):
+    with pytest.raises(MachineError, match="the scheduler cannot be reached any more; run again"):
         run_study(real(), tmp_path / "out", plots=False, team=Team(dask=address), progress=shoot)
     report = run_study(real(), tmp_path / "out", plots=False)
     assert (report.cases, report.failed) == (9, 0)

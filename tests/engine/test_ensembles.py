@@ -149,7 +149,7 @@ def test_members_count_by_the_share_of_their_runs():
     assert np.isinf(contents.values("theta_peak_over_alpha_p84")[7])
     assert contents.values("safe_island").sum() == 0
     said = " ".join(json.loads(contents.attrs["warnings"]))
-    assert "3 of 80 cases overturn in a part of their runs" in said
+    assert "3 of 80 cases overturn in some of their perturbed runs" in said
     assert "1 of 80 cases have no answer" in said
     assert "p_overturned would be 0.8 or 1" in said
 
@@ -196,7 +196,10 @@ def test_separable_data_have_no_curve():
     outcome = np.where(np.arange(16) < 8, 1, 3) * np.ones((5, 1))
     contents, _ = handmade(outcome, np.where(outcome > 1, np.inf, 0.3))
     assert np.isnan(contents.values("fragility_median")[-1])
-    assert "no fragility curve for overturning: it goes from none to all at once" in contents.attrs["warnings"]
+    assert (
+        "no fragility curve for overturning: it goes from none to all between two intensities"
+        in contents.attrs["warnings"]
+    )
 
 
 def test_measures_of_the_motion():

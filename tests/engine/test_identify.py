@@ -126,7 +126,7 @@ def test_the_command_with_amplitudes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "options", "said"),
     [
-        ("0 .1\n1 .05\n1 .02\n", ["--alpha", ".2", "--p", "2"], "do not grow"),
+        ("0 .1\n1 .05\n1 .02\n", ["--alpha", ".2", "--p", "2"], "do not increase"),
         ("0 .1 3\n1 .05 3\n", ["--alpha", ".2", "--p", "2"], "one column"),
         ("t theta\n0 .1\nx y\n", ["--alpha", ".2", "--p", "2"], "expected numbers"),
         ("0 .1\n1 .05\n2 .02\n", ["--alpha", ".2"], "needs --p"),

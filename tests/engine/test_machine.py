@@ -69,10 +69,10 @@ def test_what_the_machine_refuses_is_solved_by_the_next_run(
     whole = solved(study())
     by(refusing(trouble), at_once=workers > 1)
     for kept in (0, CASES - 3):
-        with pytest.raises(MachineError, match=r"3 of 60 cases are not solved, for the machine refused") as caught:
+        with pytest.raises(MachineError, match=r"3 of 60 cases are not solved, because the machine refused") as caught:
             run_study(study(), tmp_path, plots=False, team=Team(workers))
         assert caught.value.exit_code == 4
-        assert "run again when that is mended: what was kept by then is not solved twice" in str(caught.value)
+        assert "run again once that is fixed: finished cases are kept" in str(caught.value)
         assert not (tmp_path / "swept" / "swept.nc").exists()
         assert list((tmp_path / "swept" / ".parts").rglob("*.npz")) or not kept
     by()
@@ -314,7 +314,7 @@ def test_a_full_disk_for_results(mounted: Callable[[str], Path], tmp_path: Path)
     place = mounted("size=24k")
     found = rock_in(tmp_path, "run", "x.yaml", "--no-plots", "--out", str(place))
     assert found.returncode == 4
-    assert "no space left on the device; run again when that is mended" in found.stderr
+    assert "no space left on the device; run again once that is fixed" in found.stderr
     subprocess.run(["mount", "-o", "remount,size=4m", str(place)], check=True)
     again = rock_in(tmp_path, "run", "x.yaml", "--no-plots", "--out", str(place))
     assert again.returncode == 0

@@ -121,7 +121,7 @@ def test_damaged_parts_are_solved_again(tmp_path: Path, counted: list[int], monk
     three.write_bytes(bytes(turned))
     report = run_study(study(), tmp_path, plots=False)
     assert 6 <= report.resumed <= 9  # the turned bit may stand where nobody reads
-    assert any("damaged in part" in warning for warning in report.warnings)
+    assert any("were damaged and were solved again" in warning for warning in report.warnings)
     assert_same(whole, netcdf.read(tmp_path / "swept" / "swept.nc"))
 
 
@@ -146,7 +146,7 @@ def test_a_full_disk_keeps_what_was_finished(
 
     with monkeypatch.context() as once:
         once.setattr(Parts, "keep", kept)
-        with pytest.raises(OutputError, match="no space left on the device; run again when that is mended"):
+        with pytest.raises(OutputError, match="no space left on the device; run again once that is fixed"):
             run_study(study(), tmp_path, plots=False)
     monkeypatch.undo()
     assert len(hidden(tmp_path)) == 5
@@ -244,7 +244,7 @@ def test_shares_work_side_by_side_and_keep_others_out(tmp_path: Path, counted: l
 
 def test_a_searched_range_has_no_shares(tmp_path: Path) -> None:
     searched = study(vary={"initial.theta": {"from": 0.01, "to": 0.3, "n": 5, "find": "overturning"}}, save={})
-    with pytest.raises(StudyError, match="--part does not share out a search"):
+    with pytest.raises(StudyError, match="--part cannot divide a search"):
         run_study(searched, tmp_path, share=(1, 2))
 
 

@@ -179,7 +179,7 @@ def test_a_broken_off_run_goes_on(tmp_path: Path, counted: list[int], monkeypatc
 
 
 def test_shares_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(StudyError, match="--part does not share out a refined map"):
+    with pytest.raises(StudyError, match="--part cannot divide a refined map"):
         run_study(study(), tmp_path, plots=False, share=(1, 2))
 
 

@@ -1,4 +1,4 @@
-"""`rock trade`: errors that fall with the tolerance, kinds of error told apart, and a dataset that can be drawn again."""
+"""`rock trade`: errors that fall with the tolerance, kinds of error separated, and a dataset that can be drawn again."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def test_what_cannot_be_traded_is_refused():
             )
         )
     poor = copy.deepcopy(STUDY["case"]) | {"damping": "fema356"}
-    with pytest.raises(StudyError, match="ladder of settings"):
+    with pytest.raises(StudyError, match="series of settings"):
         trade(study(case=poor))
 
 

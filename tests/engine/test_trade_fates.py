@@ -131,7 +131,7 @@ def test_model_auto_is_traded_as_its_highest_model():
     for one, other in zip(found.points, column.points, strict=True):
         np.testing.assert_array_equal(one.error, other.error)
     assert "numerics: flexible: event, elements, 1 element" in [p.rung.label for p in found.points]
-    assert found.notes == ["model auto: traded as flexible, the highest model that its data allow"]
+    assert found.notes == ["model auto: measured as flexible, the highest model that its data allow"]
     assert column.notes == []
 
 
@@ -147,7 +147,7 @@ def test_what_model_auto_stands_for(changed, own, name):
     case = {key: value for key, value in (COLUMN | {"model": "auto"} | changed).items() if value is not None}
     sample = Sample(of(case), 1)
     assert sample.own == [(own, None)]
-    assert sample.notes == [f"model auto: traded as {name}, the highest model that its data allow"]
+    assert sample.notes == [f"model auto: measured as {name}, the highest model that its data allow"]
 
 
 def test_along_an_axis_of_models_auto_is_no_model_of_its_own():
@@ -178,7 +178,7 @@ def test_a_column_in_some_cases_only(names, monkeypatch):
     assert judged.compared == 1
     assert np.isfinite(judged.error).tolist() == [False, True]
     assert {p.rung.model for p in on_front(found.points) if p.rung.part == "numerics"} == {"flexible", "rigid"}
-    expected = ["model auto: traded as flexible or rigid, the highest model that its data allow"]
+    expected = ["model auto: measured as flexible or rigid, the highest model that its data allow"]
     assert found.notes == (expected if "auto" in names else [])
 
 

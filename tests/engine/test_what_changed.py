@@ -301,7 +301,7 @@ def test_a_file_that_changes_while_it_is_read_is_not_taken_for_two(tmp_path: Pat
     first = inputs.read("b.csv", tmp_path / "b.csv")
     body(tmp_path / "b.csv", 1)
     assert inputs.read("b.csv", tmp_path / "b.csv") == first  # read once, whoever asks
-    with pytest.raises(StudyError, match=r"b\.csv: was changed while the study was at work"):
+    with pytest.raises(StudyError, match=r"b\.csv: was changed while the study was running"):
         inputs.note("b.csv", tmp_path / "b.csv", "0" * 64)
 
 

@@ -117,7 +117,7 @@ def test_a_worker_that_dies_costs_nothing(by, tmp_path: Path) -> None:
     team = Team(2)
     assert_same(whole, sweep_by(team))
     assert shot.exists()
-    assert team.notes == ["a worker process died; what it was at was solved again"]
+    assert team.notes == ["a worker process died; its cases were solved again"]
 
 
 def sweep_by(team: Team):  # type: ignore[no-untyped-def]
@@ -214,7 +214,7 @@ def test_workers_end_with_their_parent(sign: signal.Signals, tmp_path: Path) -> 
     process.send_signal(sign)
     _, told = process.communicate(timeout=20.0)
     assert process.returncode == (130 if sign == signal.SIGINT else -9)
-    assert told.startswith("rock: interrupted; run again to go on") == (sign == signal.SIGINT)
+    assert told.startswith("rock: interrupted; run again to continue") == (sign == signal.SIGINT)
     limit = time.monotonic() + 20.0
     while any(running(pid) for pid in pids) and time.monotonic() < limit:
         time.sleep(0.05)

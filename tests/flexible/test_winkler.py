@@ -69,6 +69,6 @@ def test_too_soft_a_base_is_refused():
 
 
 def test_partial_uplift_overturns_earlier_under_a_long_pulse():
-    """T_p 4 s: 2.50 g tan(alpha) overturns on kw = 1e12 N/m^3, not on the all-or-nothing base."""
+    """T_p 4 s: 2.50 g tan(alpha) overturns on kw = 1e12 N/m³, not on the all-or-nothing base."""
     assert scalar(rock_column(ricker(2.5, 4.0), kw=1e12), "outcome") == 3
     assert scalar(rock_column(ricker(2.5, 4.0)), "outcome") == 1

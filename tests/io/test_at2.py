@@ -112,7 +112,7 @@ REFUSED = {
     "cut at the last exponent": (GOOD.rstrip()[:-4], 6, "cut"),
     "no values": (GOOD.replace(VALUES, "\n\n"), None, "none follows"),
     "more values": (GOOD + ".1\n", None, "8 follow"),
-    "a second record": (GOOD + "next\n.1 .2\n", 7, "go on at line 8"),
+    "a second record": (GOOD + "next\n.1 .2\n", 7, "continue on line 8"),
     "a word": (GOOD.replace(".2500000E+00", ".25x"), 5, "'.25x' is not a number"),
     "not a number": (GOOD.replace(".2500000E+00", "NaN"), 5, "'NaN' is not a number"),
     "overflowed field": (GOOD.replace(".2500000E+00", "*******"), 5, "not a number"),

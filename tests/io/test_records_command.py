@@ -109,6 +109,6 @@ def test_what_is_missing_is_asked_for_as_options(tmp_path: Path) -> None:
 def test_help_is_plain() -> None:
     told = run("info", "--help")
     assert "Time step [s], where" in " ".join(told.split())
-    assert "[m/s2]" in told
+    assert "[m/s²]" in told
     assert "completion" not in run("--help")
     assert "─" not in told

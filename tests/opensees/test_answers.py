@@ -158,8 +158,8 @@ def test_the_error_estimate_is_another_step():
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ({"base": Base("winkler", array(1e10), 21)}, "fibres stand under a column of elements"),
-        ({"damping": Damping("hht", np.ones((1, 2)))}, "hht needs a base that gives way"),
+        ({"base": Base("winkler", array(1e10), 21)}, "fibres belong under a column of elements"),
+        ({"damping": Damping("hht", np.ones((1, 2)))}, "hht needs a yielding base"),
         ({"numerics": Numerics(method="linear")}, "no P-Delta"),
         ({"numerics": Numerics(method="RK45")}, "knows the methods"),
         ({"model": "flexible"}, "needs a column"),

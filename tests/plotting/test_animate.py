@@ -119,11 +119,11 @@ def test_the_response_is_shown_and_no_more_than_is_watched():
         (["--case", "1", "--magnify", "5"], "does not bend"),
         (["--start", "3", "--end", "2"], "nothing to show"),
         (["--start", "0", "--end", "90"], "goes from 0 to"),
-        (["--start", "0", "--end", "3.9", "--speed", "1e-3"], "pictures"),
+        (["--start", "0", "--end", "3.9", "--speed", "1e-3"], "frames"),
     ],
     ids=lambda x: " ".join(x) if isinstance(x, list) else "",
 )
-def test_what_cannot_be_filmed_is_said(options, words, file: Path, tmp_path: Path, monkeypatch):
+def test_what_cannot_be_animated(options, words, file: Path, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(app, ["animate", str(file), *options])
     assert isinstance(result.exception, StudyError)
@@ -154,7 +154,7 @@ def test_the_command_says_what_it_wrote_and_what_it_left_out(file: Path):
 
 def test_mp4_needs_ffmpeg(file: Path, tmp_path: Path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path / "nothing"))
-    with pytest.raises(StudyError, match="needs the program ffmpeg"):
+    with pytest.raises(StudyError, match="needs ffmpeg"):
         animate(file, tmp_path / "film.mp4")
 
 

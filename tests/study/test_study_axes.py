@@ -197,8 +197,8 @@ class TestRanges:
             study_of({"block.R": [1, "abc"]})
 
     @pytest.mark.parametrize("entry", [[1, 2, 1 + 5e-10], {"from": 1, "to": 1 + 1e-9, "n": 3}])
-    def test_values_that_cannot_be_told_apart(self, entry):
-        with pytest.raises(StudyError, match=r"cannot be told apart, 1\.0 and 1\.0000000005"):
+    def test_values_that_cannot_be_distinguished(self, entry):
+        with pytest.raises(StudyError, match=r"cannot be distinguished, 1\.0 and 1\.0000000005"):
             study_of({"block.R": entry})
 
     def test_values_a_little_apart_are_told_apart(self):

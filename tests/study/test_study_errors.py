@@ -236,9 +236,9 @@ class TestOverrides:
             ("case.block.r", "2", "did you mean 'block.R'"),
             ("case.block.R", "[1", "not YAML"),
             ("case.block.R", "big", "`big` is not known"),
-            ("nothing", "2", "no key of a study"),
+            ("nothing", "2", "not a key of a study"),
             ("save.dtout", "2", "did you mean 'dt_out'"),
-            ("", "2", "no key of a study"),
+            ("", "2", "not a key of a study"),
         ],
     )
     def test_wrong_ones_name_the_option(self, tmp_path, path, value, words):

@@ -156,7 +156,7 @@ class TestAlternatives:
             ({"motion": {"record": {"pga": 3}}}, "the key 'file' is missing in case.motion.record"),
             ({"case": {"block": {"mu": 0.5}, "block.mu": 0.4}}, "block.mu and block.mu say the same thing"),
             ({"motion": {"pulse": {"a_p": 3}, "pulse.a_p_over_g_tan_alpha": 2}}, "say the same thing"),
-            ({"motion": {"puls.a_p": 3}}, "'motion.puls.a_p' is no path inside the case"),
+            ({"motion": {"puls.a_p": 3}}, "'motion.puls.a_p' is not a path inside the case"),
         ],
     )
     def test_what_cannot_stand_together_is_said(self, vary, expected):

@@ -71,7 +71,7 @@ def on_cluster(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
             try:
                 answer, seconds = future.result()
             except KilledWorker:
-                team.note("worker processes of the cluster died; what they were at was solved again")
+                team.note("worker processes of the cluster died; their cases were solved again")
                 if len(cases) == 1:
                     yield cases, work.lost(cases, Unsolved("the solver's process died, on several workers"))
                 else:
@@ -80,7 +80,7 @@ def on_cluster(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
             except MACHINE as error:
                 yield from in_halves(work, cases, error, agenda, pace)
             except CancelledError:
-                raise MachineError(f"--dask {team.dask}: the scheduler has gone") from None
+                raise MachineError(f"--dask {team.dask}: the scheduler cannot be reached any more") from None
             else:
                 pace.learn(len(cases), seconds)
                 yield cases, answer

@@ -159,7 +159,7 @@ def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:
         results.put(fresh)
         sweep.resumed += len(fresh.cases)
     if sweep.keeper and sweep.keeper.damaged:
-        sweep.team.note("what earlier runs had kept was damaged in part; that was solved again")
+        sweep.team.note("some results kept by earlier runs were damaged and were solved again")
     return todo
 
 
@@ -201,7 +201,7 @@ def check_solved(refused: dict[str, int], cases: int) -> None:
     if refused:
         most = max(refused, key=lambda sentence: refused[sentence])
         more = f", and {len(refused) - 1} other complaints" if len(refused) > 1 else ""
-        message = f"{sum(refused.values())} of {cases} cases are not solved, for the machine refused: {most}{more}"
+        message = f"{sum(refused.values())} of {cases} cases are not solved, because the machine refused: {most}{more}"
         raise MachineError(message)
 
 

@@ -134,7 +134,7 @@ def _bury(
     how = _death(worker.process.exitcode)
     if not worker.given:
         return
-    team.note("a worker process died; what it was at was solved again")
+    team.note("a worker process died; its cases were solved again")
     cases = worker.given.popleft()
     for waiting in worker.given:
         agenda.give_back(waiting)

@@ -28,7 +28,7 @@ class Sample:
 
     def __init__(self, study: Study, sample: int) -> None:
         if study.search is not None:
-            raise StudyError("trade: needs cases, and `find` keeps none", file=study.file)
+            raise StudyError("trade: needs cases; a search (`find`) keeps none", file=study.file)
         self._highest: set[int] = set()
         ours = [axis.path.split(".")[0] in ("solver", "model", "geometry") for axis in study.axes]
         shape = [1 if own else axis.size for own, axis in zip(ours, study.axes, strict=True)]
@@ -44,13 +44,13 @@ class Sample:
         self.own = _ordered([*found, *((batch.model, batch.geometry) for _, batch in self.batches)])
         for scheme in (batch.damping.scheme for _, batch in self.batches):
             if not any(row.ladder and scheme in row.damping for row in BACKENDS.values()):
-                raise StudyError(f"trade: the scheme {scheme} has no ladder of settings", file=study.file)
+                raise StudyError(f"trade: the scheme {scheme} has no series of settings to measure", file=study.file)
 
     @property
     def notes(self) -> list[str]:
         """What model auto is traded as."""
         names = " or ".join(RUNGS[rung].replace("_", " on ") for rung in sorted(self._highest, reverse=True))
-        return [f"model auto: traded as {names}, the highest model that its data allow"] if names else []
+        return [f"model auto: measured as {names}, the highest model that its data allow"] if names else []
 
     def solvable(self, pair: Pair) -> list[tuple[Index, Batch]]:
         """Batches that can be solved with a model: a column is not made up."""

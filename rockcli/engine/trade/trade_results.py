@@ -106,7 +106,7 @@ def _attributes(study: Study, found: Trade) -> dict[str, str]:
     return root_attributes(
         title=study.title or study.name,
         source=f"rockcli {__version__}",
-        history=f"{now} traded by rockcli {__version__}",
+        history=f"{now} measured by `rock trade` of rockcli {__version__}",
         references=study.references,
         more=more,
     )

@@ -30,9 +30,9 @@ def check_output(path: Path) -> None:
     """`StudyError` if no film of that name can be made here."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise StudyError(f"--out {path}: a film is a .gif or an .mp4")
+        raise StudyError(f"--out {path}: an animation is a .gif or an .mp4")
     if suffix == ".mp4" and shutil.which("ffmpeg") is None:
-        raise StudyError(f"--out {path}: an .mp4 needs the program ffmpeg, which is not here; a .gif needs nothing")
+        raise StudyError(f"--out {path}: an .mp4 needs ffmpeg, which is not installed; a .gif needs no program")
 
 
 def interval(path: Path, fps: float) -> float:
@@ -106,4 +106,4 @@ def _write_mp4(path: Path, pictures: Iterator[Picture], step: float) -> None:
             raise
         said = ffmpeg.stderr.read().decode(errors="replace").strip()
         if ffmpeg.wait() != 0:
-            raise StudyError(f"ffmpeg cannot write an .mp4: {said.splitlines()[-1] if said else 'it says nothing'}")
+            raise StudyError(f"ffmpeg cannot write an .mp4: {said.splitlines()[-1] if said else 'no message'}")

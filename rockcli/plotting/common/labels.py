@@ -71,7 +71,7 @@ def axis_label(dataset: xarray.Dataset, axis: str) -> str:
 
 
 def unit_g(dataset: xarray.Dataset) -> float:
-    """Unit of acceleration in plots [m/s^2]: the g of the study's case; 9.81 where it is not told or is varied."""
+    """Unit of acceleration in plots [m/s²]: the g of the study's case; 9.81 where it is not told or is varied."""
     varied = {str(item.attrs.get("long_name")) for item in dataset.coords.values()}
     return g_of(resolved_case(dataset), varied)
 

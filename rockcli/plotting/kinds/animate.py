@@ -100,10 +100,10 @@ def scenes(
     count = int(np.floor((last - first) / (step * speed) + 1e-9)) + 1
     if count > MOST_PICTURES:
         raise StudyError(
-            f"the film would have {count} pictures, more than {MOST_PICTURES}: shorten it or raise --speed"
+            f"the animation would have {count} frames, more than {MOST_PICTURES}: shorten it or raise --speed"
         )
     if count < 2:
-        raise StudyError(f"from {first:g} s to {last:g} s there is but one picture: lower --speed or raise --fps")
+        raise StudyError(f"from {first:g} s to {last:g} s there is only one frame: lower --speed or raise --fps")
     times = first + step * speed * np.arange(count)
     if last - times[-1] > 1e-9 * last:
         times = np.append(times, last)

@@ -95,7 +95,7 @@ _PANELS: tuple[Panel, ...] = (
         r"$M_o\,/\,(m a_g R\,\cos\alpha)$",
         "curve_error_overturning_moment",
     ),
-    Panel("energy_ratio", "energy_ratio_block", "", 0, "energy kept per cycle", ""),
+    Panel("energy_ratio", "energy_ratio_block", "", 0, "energy retained per cycle", ""),
 )
 
 Position = tuple[int, ...]

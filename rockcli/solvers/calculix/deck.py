@@ -28,14 +28,14 @@ class Deck:
 
     Attributes:
         mesh: the body's.
-        E, nu, rho: modulus [Pa], Poisson's ratio, density [kg/m^3].
-        kw: stiffness of the base [N/m^3].
-        g: gravity [m/s^2].
+        E, nu, rho: modulus [Pa], Poisson's ratio, density [kg/m³].
+        kw: stiffness of the base [N/m³].
+        g: gravity [m/s²].
         beta: damping matrix over current stiffness matrix of the body [s].
         dissipation: alpha of the Hilber-Hughes-Taylor integrator in [-1/3, 0], 0 without numerical dissipation.
         theta_0: rotation of the base at t = 0 [rad]: pulled there by a uniform horizontal load, which is then gone.
         t_stop: end of the run [s]; dt: largest increment [s].
-        t, a_g, a_v: ground acceleration, (k,) [s, m/s^2], linear between, t from 0 to t_stop.
+        t, a_g, a_v: ground acceleration, (k,) [s, m/s²], linear between, t from 0 to t_stop.
     """
 
     mesh: Mesh

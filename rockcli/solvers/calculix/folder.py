@@ -129,7 +129,7 @@ def _solved(folder: Path, deck: Deck, text: str, enough: Callable[[Array, Array]
         complaint, result, ending = f"what CalculiX wrote cannot be read: {garbage}", None, None
     so_far = progress(folder / f"{JOB}.sta", deck.t_static)
     if result is not None and ending is not None and not ending.stopped and result.t[-1] < deck.t_stop * (1.0 - 1e-4):
-        complaint = "CalculiX ended early and said nothing"
+        complaint = "CalculiX ended early without a message"
     if complaint:
         said = f"{complaint}; it reached t = {so_far.reached:.4g} of {deck.t_stop:.4g} s"
         return Result(said, *nothing, so_far.increments, so_far.iterations)

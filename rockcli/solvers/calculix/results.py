@@ -91,7 +91,7 @@ class Displacements:
         # seven digits are printed of a time: neighbours may agree
         t[0] = max(t[0], 0.0)
         if np.any(np.diff(t) < 0.0):
-            raise Garbage(f"{self.path.name}: time does not grow")
+            raise Garbage(f"{self.path.name}: time does not increase")
         new = np.concatenate([[True], np.diff(t) > 0.0])
         return t[new], u[new]
 

@@ -116,7 +116,7 @@ def _scalars(batch: Batch, solved: list[_Solved | None], reasons: list[str]) -> 
         assert case is not None
         t, ratio = case.motion.t[-1], case.motion.theta[-1] / case.prepared.body.alpha
         reasons[which] = (
-            f"at t = {t:.6g} s theta/alpha = {ratio:.3g} and its rate leave open "
+            f"at t = {t:.6g} s theta/alpha = {ratio:.3g} and its angular velocity do not decide "
             "whether it overturns: give a longer duration"
         )
     note_unstored(batch, n_impacts, reasons)

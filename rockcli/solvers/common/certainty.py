@@ -208,11 +208,11 @@ def _ensemble(found: Judgement, rows: Index, runs: Traces, again: Again, reach: 
         elif share == 1.0:
             found.error[row], found.when_unknown[row] = 0.0, True
             early, late = (float(f(np.append(falls[i], runs.fall[i]))) for f in (np.nanmin, np.nanmax))
-            found.said[row] = f"all of {what} overturn, p t from {early:.4g} to {late:.4g}: when it does is chance"
+            found.said[row] = f"all of {what} overturn, p t from {early:.4g} to {late:.4g}: when is chance"
         else:
             apart = float(np.nanmax(np.abs(peaks[i] - runs.peak[i])))
             found.error[row] = max(float(found.error[row]), SPREAD * apart)
-            found.said[row] = f"none of {what} overturns, but they part: peaks theta/alpha up to {apart:.2g} away"
+            found.said[row] = f"none of {what} overturns, but they diverge: peaks theta/alpha differ by {apart:.2g}"
 
 
 def nudged(batch: Batch, rows: Index, factors: Array) -> Batch:

@@ -38,7 +38,7 @@ def factors_of(channel: Channel | None, n: int) -> Array:
 
 
 def ground_of_case(batch: Batch, case: int, t: Array) -> tuple[Array, Array]:
-    """Horizontal and vertical acceleration of one case at times t (k,) [s], zero after its duration: (k,) [m/s^2]."""
+    """Horizontal and vertical acceleration of one case at times t (k,) [s], zero after its duration: (k,) [m/s²]."""
     over = t > batch.excitation.duration[case]
     channels = (batch.excitation.horizontal, batch.excitation.vertical)
     a_g, a_v = (np.where(over, 0.0, acceleration(channel, t, case)) for channel in channels)
@@ -46,7 +46,7 @@ def ground_of_case(batch: Batch, case: int, t: Array) -> tuple[Array, Array]:
 
 
 def ground_history(batch: Batch, t: Array, live: NDArray[np.bool_], cases: Iterable[int] | None = None) -> Array:
-    """a_g and a_v of all, or some, cases at times t (k,) [s], NaN where `live` (n, k) is not so: (2, n, k) [m/s^2]."""
+    """a_g and a_v of all, or some, cases at times t (k,) [s], NaN where `live` (n, k) is not so: (2, n, k) [m/s²]."""
     rows = range(batch.size) if cases is None else cases
     shaken = [ground_of_case(batch, int(case), t) for case in rows]
     return np.where(live, np.array(shaken).transpose(1, 0, 2), np.nan)

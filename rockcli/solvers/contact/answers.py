@@ -113,7 +113,7 @@ def _reasons(
         elif unknown[i]:
             said.append("leaves the ground or tips while it slides: this model has no consistent contact forces")
         elif scalars["outcome"][i] == UNRESOLVED:
-            said.append("on the separatrix within rounding: whether it overturns cannot be told in double precision")
+            said.append("on the separatrix to machine precision: double precision does not decide whether it overturns")
         elif only[i] and scalars["outcome"][i] == SLIDING:
             said.append(SLIDES)
         if row[to.NEARLY_FLAT] < ILL_POSED and row[to.STATUS] == DONE and not unknown[i]:

@@ -93,7 +93,7 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any) -> Array:
 def velocity_of(values: Array, dt: float) -> Array:
     """The ground's velocity at each sample, and its largest and least from that sample on, (n, 3) [m/s].
 
-    values (n,): a_g [m/s^2], linear between samples, so that a velocity may be extreme inside one.  The bounds are
+    values (n,): a_g [m/s²], linear between samples, so that a velocity may be extreme inside one.  The bounds are
     widened by far more than rounding.
     """
     now = np.concatenate([[0.0], np.cumsum(0.5 * dt * (values[1:] + values[:-1]))])

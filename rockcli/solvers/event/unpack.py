@@ -164,7 +164,7 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
         elif status[i] != DONE:
             said.append("the solution ceased to be finite: check the motion and the block for extreme numbers")
         elif outcome[i] == UNRESOLVED and not refused[i]:
-            said.append("on the separatrix within rounding: whether it overturns cannot be told in double precision")
+            said.append("on the separatrix to machine precision: double precision does not decide whether it overturns")
         if slides[i]:
             words = "at an impact" if scalars["mu_impact"][i] > mu[i] else "while it rocks or before"
             said.append(f"needs mu = {needs[i]:.3g}: it would slide {words}, which this model has no forces for")

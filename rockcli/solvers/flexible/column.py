@@ -28,7 +28,7 @@ class Prepared:
 
     Attributes:
         modes: of both phases.
-        length, width, g: 2h, b [m], gravity [m/s^2].
+        length, width, g: 2h, b [m], gravity [m/s²].
         theta_1: rotation at which a Winkler base opens [rad]; 0 for a rigid base.
         theta_star, barrier: rotation and energy (over m L^2) of the unstable equilibrium [rad, 1/s^2].
     """

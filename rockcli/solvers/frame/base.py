@@ -19,14 +19,14 @@ def kind_of_base(batch: Batch) -> float:
     base, hht = batch.base, batch.damping.scheme == "hht"
     if base is None or base.law == "rigid":
         if hht:
-            raise SolverError("damping hht needs a base that gives way: base: {law: winkler, kw: ...}")
+            raise SolverError("damping hht needs a yielding base: base: {law: winkler, kw: ...}")
         return at.SOFTENING if batch.geometry == "negative_stiffness" else at.PLASTIC
     if batch.geometry == "negative_stiffness":
         raise SolverError("a Winkler base carries the weight: it needs geometry: corotational")
     if not (hht or base.fibres is not None):
         return at.WINKLER
     if batch.model not in ("4", "flexible"):
-        raise SolverError(f"fibres stand under a column of elements, model 4 or flexible, not model {batch.model}")
+        raise SolverError(f"fibres belong under a column of elements, model 4 or flexible, not model {batch.model}")
     return at.FIBRES
 
 

@@ -60,7 +60,7 @@ def _reason(out: Array, outcome: int, par: Array) -> str:
     if out[at.STATUS] == at.NO_STATICS:
         return "no equilibrium under its own weight to begin with: the column buckles or the base is too soft"
     if outcome == UNRESOLVED:
-        return "after the motion its energy stays at what overturning needs: whether it overturns is not told"
+        return "after the motion its energy stays at what overturning needs: whether it overturns is not decided"
     return ""
 
 

@@ -48,7 +48,7 @@ class Edge:
 
 @dataclass(frozen=True)
 class Body:
-    """A case: g [m/s^2], whether the model is linear in q, and both edges."""
+    """A case: g [m/s²], whether the model is linear in q, and both edges."""
 
     g: float
     linear: bool
@@ -71,13 +71,13 @@ class Body:
         return edge.r0 + edge.rs * math.sin(q) + edge.rc * math.cos(q)
 
     def acceleration(self, edge: Edge, q: float, v: float, a_g: float, a_v: float) -> float:
-        """q'' of q = |theta| [rad/s^2] for ground accelerations [m/s^2]."""
+        """q'' of q = |theta| [rad/s^2] for ground accelerations [m/s²]."""
         driving = edge.fc if self.linear else edge.fc * math.cos(q) + edge.fs * math.sin(q)
         moment = (1.0 + a_v / self.g) * self.restoring(edge, q) + edge.sign * a_g / self.g * driving
         return -edge.p * edge.p * moment - edge.damper * v
 
     def excess(self, edge: Edge, a_g: float, a_v: float) -> float:
-        """How much the ground exceeds the uplift threshold of this edge [m/s^2]: the body rests while both are <= 0."""
+        """How much the ground exceeds the uplift threshold of this edge [m/s²]: the body rests while both are <= 0."""
         return -edge.sign * a_g - (self.g + a_v) * edge.threshold
 
     def barrier(self, edge: Edge, q: float) -> float:

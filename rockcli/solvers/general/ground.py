@@ -24,7 +24,7 @@ AFTERWARDS = 1000.0
 
 @dataclass(frozen=True)
 class Piece:
-    """A stretch of time [t_a, t_b] s over which both accelerations a_g(t), a_v(t) [m/s^2] are smooth."""
+    """A stretch of time [t_a, t_b] s over which both accelerations a_g(t), a_v(t) [m/s²] are smooth."""
 
     t_a: float
     t_b: float
@@ -74,7 +74,7 @@ class Ground:
         return Piece(0.0, self.t_stop, *laws)
 
     def bounds(self, t: float) -> tuple[float, float]:
-        """Bounds of |a_g| and |a_v| from t on [m/s^2]."""
+        """Bounds of |a_g| and |a_v| from t on [m/s²]."""
         if t >= self.t_motion:
             return 0.0, 0.0
         return _bound(self.horizontal, self.case, t), _bound(self.vertical, self.case, t)

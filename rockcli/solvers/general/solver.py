@@ -86,7 +86,7 @@ def solve(batch: Batch) -> Response:
     used = {
         "backend": "scipy",
         "method": f"{settings.method.name}: {settings.method.reference}",
-        "events": "located" if settings.events else "none: sgn(theta) integrated as it stands",
+        "events": "located" if settings.events else "none: sgn(theta) integrated as it is",
         "rtol": repr(settings.rtol),
         "atol": repr(settings.rtol * ATOL_OVER_RTOL),
     }
@@ -157,7 +157,7 @@ def _reason(batch: Batch, i: int, diary: Diary) -> str:
     if diary.failure:
         said.append(diary.failure)
     elif diary.verdict == UNDECIDED:
-        said.append("on the separatrix within the tolerance: whether it overturns cannot be told")
+        said.append("on the separatrix within the tolerance, which does not decide whether it overturns")
     if np.isfinite(batch.block.mu[i]):
         said.append("mu is given, but the backend scipy does not find out the friction needed")
     return "; ".join(said)

@@ -84,7 +84,7 @@ def law_of(batch: Batch) -> str:
     base, hht = batch.base, batch.damping.scheme == "hht"
     if base is None or base.law == "rigid":
         if hht:
-            raise SolverError("damping hht needs a base that gives way: base: {law: winkler, kw: ...}")
+            raise SolverError("damping hht needs a yielding base: base: {law: winkler, kw: ...}")
         law = "softening" if batch.geometry == "negative_stiffness" else "plastic"
     elif batch.geometry == "negative_stiffness":
         raise SolverError("a Winkler base carries the weight: it needs geometry: corotational")
@@ -93,7 +93,7 @@ def law_of(batch: Batch) -> str:
     elif batch.model in ("4", "flexible"):
         law = "fibres"
     else:
-        raise SolverError(f"fibres stand under a column of elements, model 4 or flexible, not model {batch.model}")
+        raise SolverError(f"fibres belong under a column of elements, model 4 or flexible, not model {batch.model}")
     if batch.excitation.vertical is not None and law != "fibres":
         raise SolverError(
             "the base spring of backend opensees knows the weight at rest only: vertical motion needs fibres "

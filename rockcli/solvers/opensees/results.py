@@ -69,7 +69,7 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
     scalars: dict[str, NDArray[Any]] = {name: np.full(n, np.nan) for name in SCALARS if name != "reason"}
     reasons = [outcome if isinstance(outcome, str) else "" for outcome in outcomes]
     for which in np.flatnonzero(found.outcome == UNRESOLVED):
-        reasons[which] = "in the end its energy is about what overturning needs: whether it overturns is not told"
+        reasons[which] = "in the end its energy is about what overturning needs: whether it overturns is not decided"
     note_unstored(batch, found.n_impacts, reasons)
     return scalars | counted | found.scalars(batch), reasons
 

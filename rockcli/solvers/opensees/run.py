@@ -105,7 +105,7 @@ def run_script(script: Script, *, seconds: float | None = None) -> Answer:
         if code > 0:
             if "ImportError" in words or "cannot open shared object" in words:
                 raise PeerError(f"OpenSeesPy cannot be loaded{_quoted(words)}: {INSTALL}")
-            raise PeerError(f"OpenSees: {words}" if words else f"OpenSees ended with exit code {code} and no word")
+            raise PeerError(f"OpenSees: {words}" if words else f"OpenSees ended with exit code {code} and no message")
         table, summary = (folder / name for name in script.outputs)
         return _answer(table, summary, words)
 

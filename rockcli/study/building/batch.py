@@ -138,7 +138,7 @@ def _base(numbers: Numbers, model: str) -> Base | None:
         numbers.fail((*keys, "law"), f"winkler is a base of models {models}, or of model 4 with damping hht")
     kw = numbers.positive((*keys, "kw"))
     if kw is None:
-        numbers.fail(keys, "base law winkler needs kw [N/m^3]")
+        numbers.fail(keys, "base law winkler needs kw [N/m³]")
     fibres = given.get("fibres")
     return Base("winkler", numbers.array(kw), None if fibres is None else int(fibres))
 

@@ -43,7 +43,7 @@ def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
     if several:
         for key in ("outline", "density", "depth"):
             if block.get(key) is not None:
-                numbers.fail((*BLOCK, key), "stands beside parts, each of which has its own")
+                numbers.fail((*BLOCK, key), "is given beside parts, each of which has its own")
     at = [(*BLOCK, "parts", j) for j in range(len(block["parts"]))] if several else [BLOCK]
     densities = [numbers.positive((*keys, "density")) for keys in at]
     known = [density is not None for density in densities]

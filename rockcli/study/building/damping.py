@@ -99,9 +99,9 @@ def fema356_warnings(numbers: Numbers, scheme: Fema356, excitation: Excitation, 
         numbers.fail(("case", "damping"), "fema356 needs a ground motion, or a design spectrum under `spectrum`")
     said = [FEMA356_IS_POOR]
     if excitation.vertical is not None:
-        said.append("damping fema356 does not see the vertical motion")
+        said.append("damping fema356 ignores the vertical motion")
     if moving:
-        said.append("damping fema356 does not see the initial state")
+        said.append("damping fema356 ignores the initial state")
     if not numbers.block.symmetric.all():
-        said.append("damping fema356 knows one edge: that with the smaller alpha")
+        said.append("damping fema356 uses one edge only, the one with the smaller alpha")
     return said

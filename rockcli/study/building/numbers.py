@@ -175,7 +175,7 @@ class Numbers:
 
     @property
     def g(self) -> Value:
-        """Acceleration of gravity, a float or (n,) [m/s^2]."""
+        """Acceleration of gravity, a float or (n,) [m/s²]."""
         value = self.positive(("case", "g"))
         return STANDARD_G if value is None else value
 

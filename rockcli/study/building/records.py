@@ -83,7 +83,7 @@ class Records:
                 raise self.source.record_error(where, f"{key} is {pattern[:200]!r}, which {why}") from None
             if names:
                 return names
-        lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Sought in {', '.join(self._searched())}"]
+        lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Searched: {', '.join(self._searched())}"]
         raise self.source.record_error(where, "\n  ".join(lines + how_to_obtain(pattern)), MissingRecordError)
 
     def prepare(self, name: str, where: Where, *, reading: dict[str, Any], steps: dict[str, Any], g: float) -> Prepared:
@@ -93,7 +93,7 @@ class Records:
             name: as in the study.
             where: place in the study, for errors.
             reading: component, units, dt; steps: window ... resample, None left out.
-            g: for the PGV of values in g, in sentences [m/s^2].
+            g: for the PGV of values in g, in sentences [m/s²].
         """
         path = self.find(name, where)
         key = json.dumps([str(path), reading, steps, g], sort_keys=True)
@@ -114,7 +114,7 @@ class Records:
         lines = [f"the record {name[:200]!r} was not found"]
         if WILDCARDS & set(name):
             lines.append("A pattern stands for several files, which make an axis: vary: {motion.record.file: ...}")
-        lines.append(f"Sought in {', '.join(self._searched())}")
+        lines.append(f"Searched: {', '.join(self._searched())}")
         close = get_close_matches(Path(name).name[:200], list(self._present()), n=3, cutoff=0.6)
         if close:
             lines.append(f"Close names there: {', '.join(close)}")

@@ -218,7 +218,7 @@ class _Reader:
         close = gaps <= MATCH * np.maximum(np.abs(ordered[1:]), np.abs(ordered[:-1]))
         if close.any():
             a, b = (repr(float(ordered[int(np.argmax(close)) + k])) for k in (0, 1))
-            raise self.fail(f"has two values that cannot be told apart, {a} and {b} (they are matched to {MATCH:g})")
+            raise self.fail(f"has two values that cannot be distinguished, {a} and {b} (they are matched to {MATCH:g})")
         in_batch = varies_in_batch(self.path)
         settings = () if in_batch else tuple(self.put(v, where(i), i) for i, v in enumerate(axis.values))
         return Variation(axis, self.path, settings, {self.path: values} if in_batch else None, where)

@@ -187,7 +187,7 @@ class Cases:
             first = float(values[0]) if first is None else first
             if not (values == first).all():
                 raise ExpressionError(
-                    f"{text!r} differs from case to case, so that it is no coordinate; vary a dimensionless key "
+                    f"{text!r} differs from case to case, so it cannot be a coordinate; vary a dimensionless key "
                     "(a_p_over_g_tan_alpha, pga_over_g_tan_alpha, omega_p_over_p), or a symbol of `let`, instead"
                 )
         assert first is not None

@@ -51,7 +51,7 @@ SYMBOLS: tuple[str, ...] = ("R", "alpha", "tan_alpha", "b", "h", "p")
 """What the block of a case is called in expressions; `g` beside them is known before the block."""
 
 MEANINGS: dict[str, str] = {
-    "g": "acceleration of gravity [m/s^2], case.g",
+    "g": "acceleration of gravity [m/s²], case.g",
     "R": "distance from the edge to the centre of mass [m]",
     "alpha": "slenderness angle atan(b/h) [rad]",
     "tan_alpha": "b/h [1]",

@@ -98,7 +98,7 @@ def _parse(text: str, source: Source, label: str | None) -> Any:
         line = mark.line + 1 if mark is not None else None
         problem = (error.problem or error.context or "not YAML").strip()
         if "\\t" in problem:
-            problem = "a tab stands where only spaces may: indent with spaces"
+            problem = "a tab where only spaces are allowed: indent with spaces"
         raise source.placed(label or line, f"not YAML: {problem}") from None
     except yaml.reader.ReaderError as error:
         found = yaml.reader.Reader.NON_PRINTABLE.search(text)

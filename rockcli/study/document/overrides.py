@@ -58,13 +58,13 @@ def _keys(path: str, label: str) -> tuple[str, ...]:
         if parts[0] in ("case", "let") and len(parts) > 1:
             return resolve(path)
         if parts[0] not in StudyPart.model_fields:
-            raise StudyError(f"{parts[0][:100]!r} is no key of a study; {_hint(path)}")
+            raise StudyError(f"{parts[0][:100]!r} is not a key of a study; {_hint(path)}")
     except StudyError as error:
         raise StudyError(error.message, file=label) from None
     for i in range(1, len(parts)):
         known = fields_at(StudyPart, parts[:i])
         if known and parts[i] not in known:
-            raise StudyError(f"{path[:200]!r} is no path of a study; {nearest(parts[i], known)}", file=label)
+            raise StudyError(f"{path[:200]!r} is not a path of a study; {nearest(parts[i], known)}", file=label)
         if not known and value_at({}, parts) is None and parts[0] in ("name", "title", "references", "expect", "plots"):
             raise StudyError(f"{parts[0]!r} is set as a whole", file=label)
     return parts

@@ -94,7 +94,7 @@ def resolve(text: str) -> Path:
     for i in range(1, len(parts)):
         known = fields_at(StudyPart, parts[:i])
         if parts[i] not in known:
-            raise StudyError(f"{text[:200]!r} is no path inside the case; {_hint(text)}")
+            raise StudyError(f"{text[:200]!r} is not a path inside the case; {_hint(text)}")
     return parts
 
 
