@@ -174,3 +174,33 @@ def test_kernels_know_no_object():
     for path in (PACKAGE / "kernels").rglob("*.py"):
         for module, line in imports(path):
             assert not module.startswith("rockcli.") or module.startswith("rockcli.kernels"), f"{path}:{line}"
+
+
+BUILDERS = [path for room in ("building", "cases") for path in sorted((PACKAGE / "study" / room).rglob("*.py"))]
+
+
+@pytest.mark.parametrize("path", BUILDERS, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_a_default_stands_in_the_schema_alone(path):
+    """What is built is read from the validated case: no `or default`, no `get(key, default)`, no look into the tree."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        where = f"{path}:{getattr(node, 'lineno', 0)}"
+        if isinstance(node, ast.BoolOp) and isinstance(node.op, ast.Or):
+            assert not states_a_default(node.values[-1]), where
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "get":
+            of = node.func.value
+            table = isinstance(of, ast.Name) and of.id.isupper()
+            apart = isinstance(of, ast.Attribute) and of.attr in ("environ", "where")  # the machine, places in the file
+            assert len(node.args) < 2 or table or apart, where
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "value_at" and path.name != "numbers.py":
+            assert "numbers" not in ast.unparse(node), where
+        if isinstance(node, ast.Subscript):
+            assert ast.unparse(node.value) != "numbers.tree", where
+
+
+def states_a_default(node: ast.expr) -> bool:
+    """A constant, an empty list, a mapping, something newly made."""
+    empty = isinstance(node, ast.List | ast.Tuple) and not node.elts
+    made = isinstance(node, ast.Call) and ast.unparse(node.func) in ("Map", "dict", "list", "tuple")
+    return (
+        isinstance(node, ast.Constant | ast.Dict) or empty or made or (isinstance(node, ast.Name) and node.id.isupper())
+    )

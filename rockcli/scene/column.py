@@ -7,7 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.constants import ELEMENTS
+
 Array = NDArray[np.float64]
+
+ACROSS = 4
+"""Elements across the width of a full mesh where a study gives none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,9 +32,9 @@ class Column:
     E: Array
     rho: Array
     zeta: Array
-    elements: int = 5
+    elements: int = ELEMENTS
     mass: str = "consistent"
-    across: int = 4
+    across: int = ACROSS
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ RIGID = 1e-9
 rotation that does good."""
 
 ELEMENTS = 5
-"""Elements of model 4 where the study gives no column."""
+"""Elements along a column, and of model 4, where the study gives none."""
 
 FIBRES = 21
 """Fibres of a discrete base where the study gives no number."""

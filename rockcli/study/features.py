@@ -8,6 +8,7 @@ from typing import Any
 from rockcli.scene.auto import AUTO
 from rockcli.scene.models import DEFORMABLE, MODELS
 from rockcli.study.document.tree import Map, Source
+from rockcli.study.schema import CasePart
 
 DEFAULT_GEOMETRY = "negative_stiffness"
 
@@ -19,21 +20,19 @@ def check_curves(source: Source, study: Map, models: Iterable[tuple[str, str | N
             raise source.error(study, ("curves",), f": model {pair[0]} has no static curves")
 
 
-def model_and_geometry(source: Source, study: Map) -> tuple[str, str | None]:
+def model_and_geometry(source: Source, study: Map, case: CasePart) -> tuple[str, str | None]:
     """The model of a case and its geometry, both of which this version solves."""
-    case: dict[str, Any] = study["case"]
-    model = (case.get("model") or {}).get("name") or "rigid"
-    geometry = case.get("geometry")
+    model, geometry = case.model.name, case.geometry
     if model == AUTO:
         return model, None  # a geometry given beside it is that of the models it is compared with
-    if (case.get("model") or {}).get("tolerance") is not None:
+    if case.model.tolerance is not None:
         raise source.error(study, ("case", "model", "tolerance"), "belongs to model auto")
     if model in DEFORMABLE:
         return model, None  # corotational, whatever the models it is compared with are
     geometries = [pair[1] for pair in MODELS if pair[0] == model]
     if geometries == [None]:
         return model, None  # a geometry given beside it is that of the models it is compared with
-    chosen = geometry or DEFAULT_GEOMETRY
+    chosen = DEFAULT_GEOMETRY if geometry is None else geometry
     if chosen not in geometries:
         raise source.error(
             study, ("case", "geometry"), f": model {model} is available as {_list(str(g) for g in geometries)}"

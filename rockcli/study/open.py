@@ -34,7 +34,7 @@ from rockcli.study.cases.refined_axes import RECORDS, read_refine
 from rockcli.study.cases.searched_range import make_search, searched
 from rockcli.study.cases.suite_axes import read_over
 from rockcli.study.cases.variation import Variation
-from rockcli.study.document.check import check_case, check_study
+from rockcli.study.document.check import check_base, check_study
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.overrides import apply_overrides, without_effect
@@ -76,7 +76,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     def evaluator(known: list[Variation]) -> Evaluate:
         return Cases(where, base, known, records, provisional).evaluate
 
-    variations = read_axes(where, tree, records, evaluator)
+    variations = read_axes(where, tree, part, records, evaluator)
     sought = searched(where, tree, variations)
     if sought is not None:  # innermost, so that every other case has its points side by side
         variations = [*(v for v in variations if v is not sought), sought]
@@ -92,8 +92,8 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
     search = None if sought is None else make_search(cases, sought)
-    over = read_over(where, tree, axes, scalars, searches=search is not None)
-    refine = read_refine(where, tree, axes, scalars, searches=search is not None, over=over)
+    over = read_over(where, tree, part.over, axes, scalars, searches=search is not None)
+    refine = read_refine(where, tree, part, axes, scalars, searches=search is not None, over=over)
     expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
     compare_to = tree.get("compare_to")
@@ -144,7 +144,7 @@ def _check_top(source: Source, tree: Map) -> StudyPart:
     case = tree.get("case")
     if isinstance(case, Map):
         part = check_study(source, Map({**tree, "case": {"block": {}}}, tree.where))
-        check_case(source, tree, complete=False)
+        check_base(source, tree)
     else:
         part = check_study(source, tree)
     for name in part.let:

@@ -16,7 +16,7 @@ from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import UNITS, ExpressionError, parse
 from rockcli.study.document.paths import resolve
-from rockcli.study.document.tree import Keys, Map, dotted, value_at
+from rockcli.study.document.tree import Keys, Map, dotted
 
 Array = NDArray[np.float64]
 
@@ -108,11 +108,11 @@ def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | N
     if channel is None:
         return ""
     kind = "record" if isinstance(channel, Samples) else "pulse"
-    given = value_at(numbers.tree, (*keys, kind)) or {}
+    given = numbers.said((*keys, kind))
     largest = float((_pga(channel) / batch.g).max())
-    if largest <= STRONG or any(given.get(key) is not None for key in _RELATIVE):
+    if largest <= STRONG or any(getattr(given, key, None) is not None for key in _RELATIVE):
         return ""
-    if any(given.get(key) is not None and (*keys, kind, key) in meant for key in _ABSOLUTE):
+    if any(getattr(given, key, None) is not None and (*keys, kind, key) in meant for key in _ABSOLUTE):
         return ""
     which = "" if keys == MOTION else "vertical "
     return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right (a_p and pga are in m/s²)?"

@@ -8,6 +8,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Fiel
 
 from rockcli.scene.auto import AUTO
 from rockcli.scene.backends import AUTOMATIC, BACKEND_NAMES
+from rockcli.scene.column import ACROSS
+from rockcli.scene.constants import ELEMENTS, STANDARD_G
 from rockcli.scene.damping import DEFAULT_SCHEME, SCHEMES, Key
 from rockcli.scene.models import DEFORMABLE, MODEL_NAMES
 from rockcli.scene.numerics import ACCURACIES, STANDARD
@@ -210,11 +212,12 @@ class ColumnPart(Part):
     rho: Number | None = key("density [kg/m³]")
     zeta: Number | None = key("damping ratio of the first clamped mode, stiffness-proportional [1]")
     elements: int | None = key(
-        "number of elements along the height, at most 1000 (40 are converged); default 5, continuum: square elements",
+        "number of elements along the height, at most 1000 (40 are converged); "
+        f"default {ELEMENTS}, continuum: square elements",
         ge=1,
         le=1000,
     )
-    across: int | None = key("continuum: number of elements across the width; default 4", ge=1)
+    across: int | None = key(f"continuum: number of elements across the width; default {ACROSS}", ge=1)
     mass: Literal["consistent", "lumped"] = key("mass matrix", "consistent")
 
 
@@ -279,7 +282,7 @@ class SolverPart(Part):
 class CasePart(Part):
     """What is solved; every number is SI, radians, or an expression."""
 
-    g: Number = key("acceleration of gravity [m/s²]", 9.81)
+    g: Number = key("acceleration of gravity [m/s²]", STANDARD_G)
     block: BlockPart = key("the body", ...)
     motion: MotionPart = key("ground motion; none = free rocking", MotionPart.model_construct())
     initial: InitialPart = key("state at t = 0", InitialPart.model_construct())

@@ -10,19 +10,20 @@ from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.overlay import overlaid
 from rockcli.study.document.tree import Map, value_at
+from rockcli.study.schema import SolverPart
 
 
-def unused_solver_keys(
-    solver: dict[str, Any], backend: str, model: str, geometry: str | None, scheme: str
-) -> list[str]:
+def unused_solver_keys(solver: SolverPart, model: str, geometry: str | None, scheme: str) -> list[str]:
     """A sentence per key of `solver` that the backend, or the one that `auto` takes, does not read."""
+    backend = solver.backend
     taken = automatic(model, geometry, scheme) if backend == AUTOMATIC else BACKENDS[backend]
     chosen = taken or BACKENDS[EVENT]
     row = chosen.of_model(model)
     name = chosen.name if row is chosen else f"{chosen.name} ({model})"
     by = f"backend {name}{', which auto takes' if backend == AUTOMATIC else ''}"
     uses = f"it uses {', '.join(row.reads)}" if row.reads else "it uses none of these keys"
-    given = [key for key, value in solver.items() if key != "backend" and value is not None]
+    said = (key for key in SolverPart.model_fields if key != "backend" and key in solver.model_fields_set)
+    given = [key for key in said if getattr(solver, key) is not None]
     return [f"solver.{key} is ignored by {by}: {uses}" for key in given if key not in row.reads]
 
 

@@ -22,7 +22,7 @@ def cases_of(case, vary=None, overrides=()):
     study = {"name": "x", "case": case} | ({"vary": vary} if vary else {})
     opened = open_study(study, overrides=overrides)
     points = [(i,) for i in range(opened.size)] if opened.cases.structural else [()]
-    return [_said(opened.cases.tree(point)["case"]) for point in points]
+    return [_said(opened.cases.checked(point)[0]["case"]) for point in points]
 
 
 def _said(tree):
@@ -191,10 +191,12 @@ class TestWordsAndNothing:
         again = open_study(yaml.safe_load(first.resolved_yaml))
         assert again.identity == first.identity
         for i in range(2):
-            assert _said(again.cases.tree((i,))["case"]["motion"]) == _said(first.cases.tree((i,))["case"]["motion"])
-            assert again.cases.tree((i,))["case"]["block"].get("top") == first.cases.tree((i,))["case"]["block"].get(
-                "top"
+            assert _said(again.cases.checked((i,))[0]["case"]["motion"]) == _said(
+                first.cases.checked((i,))[0]["case"]["motion"]
             )
+            assert again.cases.checked((i,))[0]["case"]["block"].get("top") == first.cases.checked((i,))[0]["case"][
+                "block"
+            ].get("top")
 
     @pytest.mark.parametrize(
         ("path", "setting"),
@@ -206,7 +208,7 @@ class TestWordsAndNothing:
         assert any(f"the axis {path} replaces the whole record, `pga` with it" in sentence for sentence in said)
         spelt = open_study({"name": "x", "case": base, "vary": {"motion": {"a": {"record": {"file": RECORD}}}}})
         assert not any("replaces" in sentence for sentence in spelt.warnings)
-        assert spelt.cases.tree((0,))["case"]["motion"]["record"]["pga"] == 3
+        assert spelt.cases.checked((0,))[0]["case"]["motion"]["record"]["pga"] == 3
 
 
 class TestOwnSymbols:

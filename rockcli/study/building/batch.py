@@ -9,17 +9,19 @@ from rockcli.scene.auto import AUTO, TOLERANCE
 from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import RECTANGLE_INERTIA, Block
-from rockcli.scene.column import Base, Column
+from rockcli.scene.column import ACROSS, Base, Column
+from rockcli.scene.constants import ELEMENTS
 from rockcli.scene.contact import slides_first
 from rockcli.scene.damping import Damping
 from rockcli.scene.models import CONTINUUM, DEFORMABLE
-from rockcli.scene.numerics import STANDARD, Numerics
+from rockcli.scene.numerics import Numerics
 from rockcli.study.building.damping import build_damping, fema356_warnings
 from rockcli.study.building.ground_motion import build_excitation
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.records import Records
 from rockcli.study.document.tree import Keys
 from rockcli.study.features import model_and_geometry
+from rockcli.study.schema import ColumnPart
 from rockcli.study.unused import unused_solver_keys
 
 Array = NDArray[np.float64]
@@ -38,7 +40,7 @@ def build_batch(numbers: Numbers, records: Records, save: Save) -> Batch:
 
 def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
     warnings: list[str] = []
-    model, geometry = model_and_geometry(numbers.source, numbers.tree)
+    model, geometry = model_and_geometry(numbers.source, numbers.tree, numbers.case)
     numerics = _numerics(numbers)
     g = numbers.array(numbers.g)
     block = numbers.block
@@ -52,8 +54,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
             numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
         )
     warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
-    solver = numbers.tree["case"].get("solver") or {}
-    warnings += unused_solver_keys(solver, numerics.backend, model, geometry, damping.scheme)
+    warnings += unused_solver_keys(numbers.case.solver, model, geometry, damping.scheme)
     column, base = _column(numbers, model), _base(numbers, model)
     if model == CONTINUUM and damping.scheme not in ("none", "hht"):
         numbers.fail(("case", "damping"), "model continuum loses energy by itself: damping must be none or hht")
@@ -95,15 +96,15 @@ def _tolerance(numbers: Numbers, numerics: Numerics, damping: Damping) -> Array:
 def _column(numbers: Numbers, model: str) -> Column | None:
     """The column of the flexible model, or the mesh of model 4 in finite-element backends; others have none."""
     keys: Keys = ("case", "column")
-    given = numbers.tree["case"].get("column")
-    if model == "4" and given:
+    given = _column_said(numbers)
+    if model == "4" and given is not None:
         unknown = numbers.array(np.nan)
-        return Column(unknown, unknown, unknown, int(given.get("elements") or 5), given.get("mass") or "consistent")
-    if model not in DEFORMABLE and not (model == AUTO and given):
+        return Column(unknown, unknown, unknown, _elements(given, model), given.mass)
+    if model not in DEFORMABLE and not (model == AUTO and given is not None):
         return None
-    if not given or given.get("E") is None or given.get("rho") is None:
+    if given is None or given.E is None or given.rho is None:
         needs = f"model {model} needs a column with E and rho: {{E: 30*GPa, rho: 2500}}"
-        numbers.fail(keys if given else ("case",), needs)
+        numbers.fail(("case",) if given is None else keys, needs)
     E, rho, zeta = numbers.positive((*keys, "E")), numbers.positive((*keys, "rho")), numbers.value((*keys, "zeta"))
     assert E is not None
     assert rho is not None
@@ -116,22 +117,34 @@ def _column(numbers: Numbers, model: str) -> Column | None:
         E=numbers.array(E),
         rho=numbers.array(rho),
         zeta=numbers.array(0.0 if zeta is None else zeta),
-        elements=int(given.get("elements") or (0 if model == CONTINUUM else 5)),
-        mass=given.get("mass") or "consistent",
-        across=int(given.get("across") or 4),
+        elements=_elements(given, model),
+        mass=given.mass,
+        across=ACROSS if given.across is None else given.across,
     )
+
+
+def _column_said(numbers: Numbers) -> ColumnPart | None:
+    """The column of a case; one of which nothing is said is none."""
+    column = numbers.case.column
+    return column if column is not None and column.model_fields_set else None
+
+
+def _elements(column: ColumnPart, model: str) -> int:
+    """Elements along the height: those of a full mesh are square by themselves."""
+    if column.elements is not None:
+        return column.elements
+    return 0 if model == CONTINUUM else ELEMENTS
 
 
 def _base(numbers: Numbers, model: str) -> Base | None:
     """What the body stands on; None is the rigid base."""
     keys: Keys = ("case", "base")
-    given = numbers.tree["case"].get("base") or {}
-    if (given.get("law") or "rigid") == "rigid":
-        if given.get("kw") is not None:
+    given, scheme = numbers.case.base, numbers.said(("case", "damping", "scheme"))
+    if given is None or given.law == "rigid":
+        if given is not None and given.kw is not None:
             numbers.fail((*keys, "kw"), "belongs to base law winkler")
         return None
-    scheme = (numbers.tree["case"].get("damping") or {}).get("scheme")
-    if model == AUTO and not numbers.tree["case"].get("column"):
+    if model == AUTO and _column_said(numbers) is None:
         numbers.fail(keys, "a winkler base needs a column beside it: {E: 30*GPa, rho: 2500}")
     if model not in (*DEFORMABLE, AUTO) and not (model == "4" and scheme == "hht"):
         models = ", ".join(DEFORMABLE)
@@ -139,8 +152,7 @@ def _base(numbers: Numbers, model: str) -> Base | None:
     kw = numbers.positive((*keys, "kw"))
     if kw is None:
         numbers.fail(keys, "base law winkler needs kw [N/m³]")
-    fibres = given.get("fibres")
-    return Base("winkler", numbers.array(kw), None if fibres is None else int(fibres))
+    return Base("winkler", numbers.array(kw), given.fibres)
 
 
 def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[str]:
@@ -160,29 +172,29 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
 def _initial(numbers: Numbers) -> tuple[Array, Array]:
     keys: Keys = ("case", "initial")
     theta, theta_dot = numbers.value((*keys, "theta")), numbers.value((*keys, "theta_dot"))
-    if theta is not None:
-        numbers.require((*keys, "theta"), np.abs(theta) < 0.5 * np.pi, "must be between -pi/2 and pi/2 (radians)")
-    return numbers.array(0.0 if theta is None else theta), numbers.array(0.0 if theta_dot is None else theta_dot)
+    assert theta is not None
+    assert theta_dot is not None
+    numbers.require((*keys, "theta"), np.abs(theta) < 0.5 * np.pi, "must be between -pi/2 and pi/2 (radians)")
+    return numbers.array(theta), numbers.array(theta_dot)
 
 
 def _numerics(numbers: Numbers) -> Numerics:
     keys: Keys = ("case", "solver")
-    solver = numbers.tree["case"].get("solver") or {}
-    backend = solver.get("backend") or AUTOMATIC
+    solver = numbers.case.solver
     rtol, dt, yield_rotation = (numbers.constant((*keys, key)) for key in ("rtol", "dt", "yield_rotation"))
     for key, value in (("rtol", rtol), ("dt", dt), ("yield_rotation", yield_rotation)):
         numbers.require((*keys, key), value is None or value > 0.0, "must be greater than 0")
     numbers.require((*keys, "rtol"), rtol is None or rtol < 1.0, "must be below 1")
-    least = BACKENDS[EVENT if backend == AUTOMATIC else backend].least_rtol
+    least = BACKENDS[EVENT if solver.backend == AUTOMATIC else solver.backend].least_rtol
     numbers.require(
         (*keys, "rtol"), rtol is None or rtol >= least, f"must be at least {least:g}: double precision holds no more"
     )
     return Numerics(
-        backend=backend,
-        accuracy=solver.get("accuracy") or STANDARD,
+        backend=solver.backend,
+        accuracy=solver.accuracy,
         rtol=rtol,
-        method=solver.get("method"),
-        events=solver.get("events"),
+        method=solver.method,
+        events=solver.events,
         dt=dt,
         yield_rotation=yield_rotation,
     )

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from rockcli.scene.block import Block, make_block
 from rockcli.study.building.body_outline import BLOCK, build_solid, has_outline
-from rockcli.study.document.tree import Keys, List
+from rockcli.study.document.tree import Keys
+from rockcli.study.schema import BlockPart, FrictionPart
 
 if TYPE_CHECKING:
     from rockcli.study.building.numbers import Numbers
@@ -31,13 +32,13 @@ def sufficient_pair(numbers: Numbers) -> Block:
     Raises:
         StudyError: an outline of no body, over- or under-determined, not positive, not finite, alpha not below pi/2.
     """
-    block = numbers.tree["case"]["block"]
+    block = numbers.case.block
     if has_outline(block):
         return _outlined(numbers)
     for key in ("density", "depth"):
-        if block.get(key) is not None:
+        if getattr(block, key) is not None:
             numbers.fail((*BLOCK, key), "belongs to an outline; a block given by its sizes has a mass")
-    given = [[key for key in group if block.get(key) is not None] for group in GROUPS]
+    given = [[key for key in group if getattr(block, key) is not None] for group in GROUPS]
     for keys in given:
         if len(keys) > 1:
             numbers.fail((*BLOCK, keys[-1]), f"{' and '.join(keys)} say the same thing; leave one out")
@@ -63,13 +64,13 @@ def make_body(numbers: Numbers, pair: Block) -> Block:
     Raises:
         StudyError: inertia of an asymmetric body, inertia beside r_g, or a value that cannot be.
     """
-    block = numbers.tree["case"]["block"]
+    block = numbers.case.block
     if has_outline(block):
-        given = {key: numbers.positive((*BLOCK, key)) for key in ("top", "mass") if block.get(key) is not None}
+        given = {key: numbers.positive((*BLOCK, key)) for key in ("top", "mass")}
         known = {key: numbers.array(value) for key, value in given.items() if value is not None}
         return replace(pair, **known, **_contact(numbers, block))
     contact = _contact(numbers, block)
-    extras = {key: block[key] for key in ("inertia", "r_g", "top", "mass") if block.get(key) is not None}
+    extras = [key for key in ("inertia", "r_g", "top", "mass") if getattr(block, key) is not None]
     if not extras:
         return replace(pair, **contact)
     if "inertia" in extras and "r_g" in extras:
@@ -90,21 +91,21 @@ def make_body(numbers: Numbers, pair: Block) -> Block:
             **values,
             **contact,
         )
-    return _finite(numbers, body, list(extras))
+    return _finite(numbers, body, extras)
 
 
-def _contact(numbers: Numbers, block: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
+def _contact(numbers: Numbers, block: BlockPart) -> dict[str, NDArray[np.float64]]:
     """Friction of the base and restitution of its corners, those that are given."""
     found: dict[str, NDArray[np.float64]] = {}
     keys: Keys = (*BLOCK, "mu")
-    if isinstance(block.get("mu"), dict):
+    if isinstance(block.mu, FrictionPart):
         static, kinetic = (numbers.positive((*keys, name)) for name in ("static", "kinetic"))
         assert static is not None
         found["mu"] = numbers.array(static)
         if kinetic is not None:
             numbers.require((*keys, "kinetic"), np.less_equal(kinetic, static), "must not be above static")
             found["mu_kinetic"] = numbers.array(kinetic)
-    elif block.get("mu") is not None:
+    elif block.mu is not None:
         mu = numbers.positive(keys)
         assert mu is not None
         found["mu"] = numbers.array(mu)
@@ -123,11 +124,11 @@ def _outlined(numbers: Numbers) -> Block:
     body, has_mass = build_solid(numbers)
     mass = body.mass if has_mass else None
     block = make_block(h=body.h, b=body.b, r_g=body.r_g, top=body.height, mass=mass, n=numbers.n)
-    key = "parts" if numbers.tree["case"]["block"].get("parts") is not None else "outline"
+    key = "parts" if numbers.case.block.parts is not None else "outline"
     return _finite(numbers, block, [key])
 
 
-def _symmetric(numbers: Numbers, block: dict[str, Any]) -> Block:
+def _symmetric(numbers: Numbers, block: BlockPart) -> Block:
     R = numbers.positive((*BLOCK, "R"))
     h, b = _h(numbers, block), _b(numbers, block)
     tan_alpha, alpha = _angle(numbers, block)
@@ -148,9 +149,9 @@ def _symmetric(numbers: Numbers, block: dict[str, Any]) -> Block:
     return make_block(h=h, b=np.repeat(column, 2, axis=1), R=R, alpha=alpha, tan_alpha=tan_alpha, n=numbers.n)
 
 
-def _edges(numbers: Numbers, block: dict[str, Any]) -> NDArray[np.float64] | None:
+def _edges(numbers: Numbers, block: BlockPart) -> NDArray[np.float64] | None:
     """[left, right] of an asymmetric body, (n, 2); None for one number or two equal ones."""
-    if not isinstance(block.get("b"), List | list):
+    if not isinstance(block.b, list):
         return None
     left, right = (numbers.positive((*BLOCK, "b", side)) for side in (0, 1))
     assert left is not None
@@ -160,27 +161,27 @@ def _edges(numbers: Numbers, block: dict[str, Any]) -> NDArray[np.float64] | Non
     return np.stack([numbers.array(left), numbers.array(right)], axis=1)
 
 
-def _key(block: dict[str, Any], group: tuple[str, ...]) -> str:
-    return next(key for key in group if block.get(key) is not None)
+def _key(block: BlockPart, group: tuple[str, ...]) -> str:
+    return next(key for key in group if getattr(block, key) is not None)
 
 
-def _h(numbers: Numbers, block: dict[str, Any]) -> Any:
-    if block.get("h") is not None:
+def _h(numbers: Numbers, block: BlockPart) -> Any:
+    if block.h is not None:
         return numbers.positive((*BLOCK, "h"))
     height = numbers.positive((*BLOCK, "height"))
     return None if height is None else 0.5 * height
 
 
-def _b(numbers: Numbers, block: dict[str, Any]) -> Any:
-    if isinstance(block.get("b"), list):
+def _b(numbers: Numbers, block: BlockPart) -> Any:
+    if isinstance(block.b, list):
         return numbers.positive((*BLOCK, "b", 0))
-    if block.get("b") is not None:
+    if block.b is not None:
         return numbers.positive((*BLOCK, "b"))
     width = numbers.positive((*BLOCK, "width"))
     return None if width is None else 0.5 * width
 
 
-def _angle(numbers: Numbers, block: dict[str, Any]) -> tuple[Any, Any]:
+def _angle(numbers: Numbers, block: BlockPart) -> tuple[Any, Any]:
     """tan(alpha), and alpha where it is what the user gave."""
     alpha = numbers.positive((*BLOCK, "alpha"))
     if alpha is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from rockcli.errors import StudyError
 from rockcli.scene.outline import OutlineError, Solid, solid
 from rockcli.study.document.expressions import Value
-from rockcli.study.document.tree import Keys, dotted, place, value_at
+from rockcli.study.document.tree import Keys, dotted, place
+from rockcli.study.schema import BlockPart
 
 if TYPE_CHECKING:
     from rockcli.study.building.numbers import Numbers
@@ -23,9 +24,9 @@ SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slen
 """Keys of a block that follow from its outline."""
 
 
-def has_outline(block: dict[str, Any]) -> bool:
+def has_outline(block: BlockPart) -> bool:
     """Whether a block is given by polygons."""
-    return block.get("outline") is not None or block.get("parts") is not None
+    return block.outline is not None or block.parts is not None
 
 
 def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
@@ -35,21 +36,21 @@ def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
         StudyError: keys that the outline contradicts, a polygon that is none, a file that cannot be read, parts that
             overlap or of which only some have a density, a body that cannot stand.
     """
-    block = value_at(numbers.tree, BLOCK)
+    block = numbers.case.block
     for key in SAID_BY_OUTLINE:
-        if block.get(key) is not None:
+        if getattr(block, key) is not None:
             numbers.fail((*BLOCK, key), "follows from the outline; leave one of the two out")
-    several = block.get("parts") is not None
+    several = block.parts is not None
     if several:
         for key in ("outline", "density", "depth"):
-            if block.get(key) is not None:
+            if getattr(block, key) is not None:
                 numbers.fail((*BLOCK, key), "is given beside parts, each of which has its own")
-    at = [(*BLOCK, "parts", j) for j in range(len(block["parts"]))] if several else [BLOCK]
+    at = [(*BLOCK, "parts", j) for j in range(len(block.parts))] if block.parts is not None else [BLOCK]
     densities = [numbers.positive((*keys, "density")) for keys in at]
     known = [density is not None for density in densities]
     if any(known) and not all(known):
         numbers.fail(at[known.index(False)], "has no density, and other parts have one")
-    if all(known) and block.get("mass") is not None:
+    if all(known) and block.mass is not None:
         numbers.fail((*BLOCK, "mass"), "and density say the same thing; leave one out")
     weights = [
         numbers.array(_or_one(density)) * _or_one(numbers.positive((*keys, "depth")))
@@ -73,7 +74,7 @@ def _or_one(value: Value | None) -> Value:
 
 def _polygon(numbers: Numbers, keys: Keys) -> Array:
     """Points of a polygon in every case, (n, k, 2) [m]; a last point that repeats the first is left out."""
-    said = value_at(numbers.tree, keys)
+    said = numbers.said(keys)
     if isinstance(said, str):
         read = _from_file(numbers, keys, said)
         points = np.broadcast_to(read, (numbers.n, *read.shape))

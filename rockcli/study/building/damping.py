@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.damping import DEFAULT_SCHEME, SCHEMES, Damping, Fema356
+from rockcli.scene.damping import SCHEMES, Damping, Fema356
 from rockcli.scene.excitation import Excitation
 from rockcli.scene.spectra import SPECTRA, DesignSpectrum
 from rockcli.study.building.numbers import Numbers
-from rockcli.study.document.tree import Keys, value_at
+from rockcli.study.document.tree import Keys
+from rockcli.study.schema import SpectrumPart
 
 Array = NDArray[np.float64]
 
@@ -29,9 +30,9 @@ def build_damping(numbers: Numbers, warnings: list[str]) -> Damping:
     Raises:
         StudyError: a key of another scheme, two keys that say the same thing, a number that cannot be.
     """
-    said = numbers.tree["case"].get("damping") or {}
-    given = {key: value for key, value in said.items() if value is not None}
-    scheme = SCHEMES[given.pop("scheme", DEFAULT_SCHEME)]
+    said = numbers.said(KEYS)
+    given = {key: value for key in type(said).model_fields if (value := getattr(said, key)) is not None}
+    scheme = SCHEMES[given.pop("scheme")]
     known = {key.name: key for key in scheme.keys}
     for name in given:
         if name not in known:
@@ -42,7 +43,7 @@ def build_damping(numbers: Numbers, warnings: list[str]) -> Damping:
     block, g = numbers.block, numbers.array(numbers.g)
     values: dict[str, Array | None] = dict.fromkeys(known)
     for key in scheme.keys:
-        value = numbers.value((*KEYS, key.name)) if key.number and given.get(key.name) != (key.word or None) else None
+        value = numbers.value((*KEYS, key.name)) if key.number and given.get(key.name) not in (None, key.word) else None
         if value is not None:
             values[key.name] = of_case = numbers.array(value)
             for good, must in key.checks:
@@ -57,11 +58,12 @@ def build_damping(numbers: Numbers, warnings: list[str]) -> Damping:
 
 def _design_spectrum(numbers: Numbers, keys: Keys) -> DesignSpectrum | None:
     """The design spectrum, None for the motion's own."""
-    said = value_at(numbers.tree, keys)
-    if said is None or said == "motion":
+    said: SpectrumPart | None = numbers.said(keys)
+    if said is None:
         return None
-    given = [key for key, value in said.items() if key not in ("shape", "units") and value is not None]
-    shape = said.get("shape") or ("table" if "periods" in given else None)
+    fields = (key for key in SpectrumPart.model_fields if key not in ("shape", "units"))
+    given = {key: value for key in fields if (value := getattr(said, key)) is not None}
+    shape = "table" if said.shape is None and "periods" in given else said.shape
     if shape is None:
         numbers.fail(keys, f"needs a shape ({', '.join(SPECTRA)}), or periods and S_a of a table")
     wanted = () if shape == "motion" else SPECTRA[shape].keys
@@ -70,15 +72,15 @@ def _design_spectrum(numbers: Numbers, keys: Keys) -> DesignSpectrum | None:
             numbers.fail((*keys, key), f"is no key of the spectrum {shape}")
     if shape == "motion":
         return None
-    unit = numbers.g if said.get("units") == "g" else 1.0
+    unit = numbers.g if said.units == "g" else 1.0
     values: dict[str, Array] = {}
     for key in wanted:
         at = (*keys, key)
         if key not in given:
             numbers.fail(keys, f"needs {key} for the spectrum {shape}")
-        if isinstance(said[key], list) != SPECTRA[shape].lists:
+        if isinstance(given[key], list) != SPECTRA[shape].lists:
             numbers.fail(at, f"must be a {'list' if SPECTRA[shape].lists else 'number'} for the spectrum {shape}")
-        items = [numbers.positive((*at, i)) for i in range(len(said[key]))] if SPECTRA[shape].lists else []
+        items = [numbers.positive((*at, i)) for i in range(len(given[key]))] if SPECTRA[shape].lists else []
         value = np.stack([numbers.array(item) for item in items if item is not None], axis=1) if items else None
         if value is None:
             one = numbers.positive(at)
@@ -88,7 +90,7 @@ def _design_spectrum(numbers: Numbers, keys: Keys) -> DesignSpectrum | None:
         values[key] = value * (scale[:, None] if items else scale)
     if shape == "table":
         numbers.require((*keys, "periods"), np.diff(values["periods"], axis=1) > 0.0, "must ascend")
-        same = len(said["periods"]) == len(said["S_a"])
+        same = len(given["periods"]) == len(given["S_a"])
         numbers.require((*keys, "S_a"), same, "must have as many values as there are periods")
     return DesignSpectrum(shape, values)
 

@@ -15,7 +15,8 @@ from rockcli.study.building.numbers import Numbers, in_range
 from rockcli.study.building.pulse import build_pulses
 from rockcli.study.building.records import MissingRecordError, Prepared, Records
 from rockcli.study.document.expressions import Value
-from rockcli.study.document.tree import Keys, dotted, place, value_at
+from rockcli.study.document.tree import Keys, dotted, place
+from rockcli.study.schema import MotionPart, Part, RecordPart, VerticalPart
 
 Array = NDArray[np.float64]
 
@@ -33,7 +34,7 @@ def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) ->
     """
     horizontal, amplitude = _channel(numbers, MOTION, records, warnings, inherited=1.0)
     vertical = None
-    if value_at(numbers.tree, (*MOTION, "vertical")) is not None:
+    if numbers.case.motion.vertical is not None:
         vertical, _ = _channel(numbers, (*MOTION, "vertical"), records, warnings, inherited=amplitude)
     duration = numbers.positive((*MOTION, "duration"))
     if duration is None:
@@ -49,12 +50,12 @@ def _channel(
     numbers: Numbers, keys: Keys, records: Records, warnings: list[str], inherited: Value
 ) -> tuple[Channel | None, Value]:
     """A component of the motion, and what its record is multiplied with (1 for a pulse)."""
-    motion = value_at(numbers.tree, keys) or {}
-    if motion.get("pulse") is not None and motion.get("record") is not None:
+    motion: MotionPart | VerticalPart = numbers.said(keys)
+    if motion.pulse is not None and motion.record is not None:
         numbers.fail((*keys, "record"), "a motion is a pulse or a record, not both")
-    if motion.get("pulse") is not None:
+    if motion.pulse is not None:
         return build_pulses(numbers, (*keys, "pulse"), warnings), 1.0
-    if motion.get("record") is not None:
+    if motion.record is not None:
         return _samples(numbers, (*keys, "record"), records, warnings, inherited)
     if keys != MOTION:
         numbers.fail(keys, "needs a pulse or a record")
@@ -66,13 +67,13 @@ def _samples(
 ) -> tuple[Samples, Value]:
     from rockcli.motion.measures import pga, pgv
 
-    record = value_at(numbers.tree, keys)
+    record: RecordPart = numbers.said(keys)
     # where g differs from case to case it goes into the factor, so that a case does not depend on its neighbours
     g_varies = isinstance(numbers.g, np.ndarray)
     g = STANDARD_G if g_varies else float(numbers.g)
     prepared = _prepared(numbers, keys, records, g)
     motion, raw = prepared.motion, prepared.raw
-    files = (record["file"],) if isinstance(record["file"], str) else tuple(record["file"])
+    files = (record.file,) if isinstance(record.file, str) else tuple(record.file)
     values, raw_values = motion.acceleration(g), raw.acceleration(g)
     measures = {
         "pga": pga(values),
@@ -86,7 +87,7 @@ def _samples(
     if polarity is not None:
         numbers.require((*keys, "polarity"), np.abs(polarity) == 1.0, "must be 1 or -1")
     warnings.extend(sentence if len(files) > 1 else f"{motion.name}: {sentence}" for sentence in motion.warnings)
-    scaling = next((key for key in SCALING if record.get(key) is not None), "file")
+    scaling = next((key for key in SCALING if getattr(record, key) is not None), "file")
     in_range(numbers, (*keys, scaling), amplitude * of_g * max(measures["pga"], measures["pgv"]))
     factor = numbers.array(amplitude * of_g * (1.0 if polarity is None else polarity))
     samples = Samples(values, motion.dt, factor, motion.name, motion.processing, measures, files)
@@ -99,10 +100,10 @@ def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> Prepa
     Raises:
         RecordError: a file is missing or cannot be read, or two components do not fit together.
     """
-    record = value_at(numbers.tree, keys)
-    reading = {"units": record.get("units"), "dt": numbers.constant((*keys, "dt"))}
-    steps = {step: _step(numbers, (*keys, step)) for step in STEPS if record.get(step) is not None}
-    names, components = record["file"], record.get("component")
+    record: RecordPart = numbers.said(keys)
+    reading = {"units": record.units, "dt": numbers.constant((*keys, "dt"))}
+    steps = {step: _step(numbers, (*keys, step)) for step in STEPS if getattr(record, step) is not None}
+    names, components = record.file, record.component
     angle = numbers.constant((*keys, "angle"))
     try:
         if isinstance(names, str):
@@ -151,8 +152,8 @@ def _at_its_key(numbers: Numbers, keys: Keys, error: RecordError) -> RecordError
 
 def _amplitude(numbers: Numbers, keys: Keys, measures: dict[str, float], of_g: Value, inherited: Value) -> Value:
     """What the processed motion is multiplied with; its own scaling, or the one inherited."""
-    record = value_at(numbers.tree, keys)
-    given = [key for key in SCALING if record.get(key) is not None]
+    record: RecordPart = numbers.said(keys)
+    given = [key for key in SCALING if getattr(record, key) is not None]
     if not given:
         return inherited
     if len(given) > 1:
@@ -176,9 +177,9 @@ def _amplitude(numbers: Numbers, keys: Keys, measures: dict[str, float], of_g: V
 
 def _step(numbers: Numbers, keys: Keys) -> Any:
     """The options of a processing step as plain numbers and words."""
-    value = value_at(numbers.tree, keys)
-    if isinstance(value, dict):
-        return {key: _step(numbers, (*keys, key)) for key, item in value.items() if item is not None}
+    value = numbers.said(keys)
+    if isinstance(value, Part):
+        return {key: _step(numbers, (*keys, key)) for key, item in value if item is not None}
     if isinstance(value, list):
         return [_step(numbers, (*keys, i)) for i in range(len(value))]
     if isinstance(value, bool | int) or (isinstance(value, str) and keys[-1] in ("detrend", "type", "method")):

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.block import Block
-from rockcli.scene.constants import STANDARD_G
 from rockcli.study.building.body import make_body, sufficient_pair
+from rockcli.study.document.check import said_at
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, Value, parse
 from rockcli.study.document.tree import Keys, Map, Source, Where, meant, nearest, place, value_at
+from rockcli.study.schema import CasePart
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,8 @@ class Numbers:
 
     Args:
         source: for errors.
-        tree: {case, let}, checked against the schema, with `Varied` where an axis stands.
+        tree: {case, let} as it is written, with `Varied` where an axis stands: for the places of errors.
+        case: the same case, validated: what is read.
         n: number of cases.
         column: (axis, column) -> (n,) values.
         spot: (axis, i) -> place of the axis' value in case i, and the values of all axes there, as text.
@@ -65,11 +67,12 @@ class Numbers:
         self,
         source: Source,
         tree: Map,
+        case: CasePart,
         n: int,
         column: Callable[[int, int], Array],
         spot: Callable[[int | None, int], tuple[Where, str]],
     ) -> None:
-        self.source, self.tree, self.n = source, tree, n
+        self.source, self.tree, self.case, self.n = source, tree, case, n
         self._column, self._spot = column, spot
         self.remarks: list[str] = []
         self._symbols: dict[str, Value] = {}
@@ -83,7 +86,7 @@ class Numbers:
         Raises:
             StudyError: an expression that cannot be evaluated.
         """
-        found = value_at(self.tree, keys)
+        found = self.said(keys)
         if found is None:
             return None
         if isinstance(found, Varied):
@@ -94,6 +97,10 @@ class Numbers:
             return parse(found).evaluate(self.symbol)
         except ExpressionError as error:
             self.fail(keys, in_words(keys, found, str(error)), error.index)
+
+    def said(self, keys: Keys) -> Any:
+        """What the study says at `keys`, or the default of the schema."""
+        return said_at(self.case, keys[1:]) if keys[0] == "case" else value_at(self.tree, keys)
 
     def constant(self, keys: Keys) -> float | None:
         """A number that is the same in every case of the batch; None where the study gives none."""
@@ -142,7 +149,7 @@ class Numbers:
             return CONSTANTS[name]
         if name in self._symbols:
             return self._symbols[name]
-        let = self.tree.get("let") or {}
+        let = self.tree["let"]
         if name in self._busy:
             raise ExpressionError(
                 f"`{name}` needs itself: {' -> '.join([*self._busy[self._busy.index(name) :], name])}"
@@ -177,7 +184,8 @@ class Numbers:
     def g(self) -> Value:
         """Acceleration of gravity, a float or (n,) [m/s²]."""
         value = self.positive(("case", "g"))
-        return STANDARD_G if value is None else value
+        assert value is not None
+        return value
 
     def _of_block(self, name: str) -> Value:
         if name == "p":

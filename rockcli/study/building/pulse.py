@@ -11,7 +11,8 @@ from rockcli.scene.excitation import Pulses
 from rockcli.scene.pulses import SHAPES, make_pulses, mavroeidis_papageorgiou_peak
 from rockcli.study.building.numbers import Numbers, in_range
 from rockcli.study.document.expressions import Value, parse
-from rockcli.study.document.tree import Keys, nearest, value_at
+from rockcli.study.document.tree import Keys, nearest
+from rockcli.study.schema import PulsePart
 
 Array = NDArray[np.float64]
 
@@ -31,10 +32,10 @@ def build_pulses(numbers: Numbers, keys: Keys, warnings: list[str]) -> Pulses:
     Raises:
         StudyError: amplitude or frequency missing or said twice, an option the shape does not take.
     """
-    pulse = value_at(numbers.tree, keys)
-    law = SHAPES[pulse["shape"]]
+    pulse: PulsePart = numbers.said(keys)
+    law = SHAPES[pulse.shape]
     for option in OPTIONS:
-        if pulse.get(option) is not None and option not in law.options:
+        if getattr(pulse, option) is not None and option not in law.options:
             takes = nearest(option, law.options) if law.options else "it takes none"
             numbers.fail((*keys, option), f"is no option of the shape {law.name}; {takes}")
     amplitude = _one_of(numbers, keys, tuple(k for k in AMPLITUDE if k != "A" or "A" in law.options), "amplitude")
@@ -42,7 +43,7 @@ def build_pulses(numbers: Numbers, keys: Keys, warnings: list[str]) -> Pulses:
     options: dict[str, Array] = {}
     if law.name == WAVELET:
         options = _wavelet(numbers, keys)
-    elif pulse.get("cycles") is not None:
+    elif pulse.cycles is not None:
         options["cycles"] = numbers.array(_present(numbers.positive((*keys, "cycles"))))
     value = _present(numbers.value((*keys, amplitude)))
     if law.name == WAVELET:
@@ -56,7 +57,7 @@ def build_pulses(numbers: Numbers, keys: Keys, warnings: list[str]) -> Pulses:
     else:
         a_p = _a_p(numbers, amplitude, value)
     for option in (*OPTIONS, "t0"):
-        if pulse.get(option) is not None:
+        if getattr(pulse, option) is not None:
             in_range(numbers, (*keys, option), numbers.value((*keys, option)))
     t0 = numbers.value((*keys, "t0"))
     if t0 is not None:
@@ -80,7 +81,7 @@ def _a_p(numbers: Numbers, key: str, value: Value) -> Array:
 def _omega_p(numbers: Numbers, keys: Keys) -> Array:
     key = _one_of(numbers, keys, FREQUENCY, "frequency")
     value = _present(numbers.positive((*keys, key)))
-    text = value_at(numbers.tree, (*keys, key))
+    text = numbers.said((*keys, key))
     if key == "omega_p" and isinstance(text, str) and "Hz" in parse(text).names:
         numbers.fail((*keys, key), "is a circular frequency [rad/s]; a frequency in Hz is f_p")
     with np.errstate(all="ignore"):
@@ -98,8 +99,8 @@ def _omega_p(numbers: Numbers, keys: Keys) -> Array:
 
 
 def _one_of(numbers: Numbers, keys: Keys, names: tuple[str, ...], what: str) -> str:
-    pulse = value_at(numbers.tree, keys)
-    given = [name for name in names if pulse.get(name) is not None]
+    pulse: PulsePart = numbers.said(keys)
+    given = [name for name in names if getattr(pulse, name) is not None]
     if not given:
         numbers.fail(keys, f"the pulse has no {what}; give one of {', '.join(names)}")
     if len(given) > 1:

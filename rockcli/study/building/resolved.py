@@ -64,7 +64,7 @@ class Found:
             self.dt_out = min(self.dt_out, float(np.min(2.0 * np.pi / channel.omega_p)) / 200.0)
         elif isinstance(channel, Samples):
             self.dt_out = min(self.dt_out, channel.dt)
-            self._note(channel, Scaling.of(channel, batch, scaling_key(numbers.tree, keys)))
+            self._note(channel, Scaling.of(channel, batch, scaling_key(numbers, keys)))
 
     def _note(self, samples: Samples, scaling: Scaling) -> None:
         name = samples.name

@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.study.building.ground_motion import MOTION, SCALING
-from rockcli.study.document.tree import Keys, Map, value_at
+from rockcli.study.building.numbers import Numbers
+from rockcli.study.document.tree import Keys
+from rockcli.study.schema import RecordPart
 
 Range = tuple[float, float]
 
@@ -20,15 +22,16 @@ SAME = 1e-12
 """Relative spread below which factors are the same."""
 
 
-def scaling_key(tree: Map, keys: Keys) -> str:
+def scaling_key(numbers: Numbers, keys: Keys) -> str:
     """By which key the record of a component is scaled; `INHERITED`, or "" where it is not."""
-    own = _own_key(tree, keys)
-    return INHERITED if not own and keys != MOTION and _own_key(tree, MOTION) else own
+    own = _own_key(numbers, keys)
+    return INHERITED if not own and keys != MOTION and _own_key(numbers, MOTION) else own
 
 
-def _own_key(tree: Map, keys: Keys) -> str:
-    record = value_at(tree, (*keys, "record")) or {}
-    return next((key for key in SCALING if record.get(key) is not None), "")
+def _own_key(numbers: Numbers, keys: Keys) -> str:
+    record: RecordPart | None = numbers.said((*keys, "record"))
+    given = (key for key in SCALING if record is not None and getattr(record, key) is not None)
+    return next(given, "")
 
 
 @dataclass(frozen=True)

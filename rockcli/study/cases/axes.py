@@ -25,6 +25,7 @@ from rockcli.study.document.overlay import Setting, leaves, same_twice
 from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
 from rockcli.study.document.tree import List, Map, Places, Source, Where, nearest, place
 from rockcli.study.document.values import describe, is_finite, number_or_expression
+from rockcli.study.schema import StudyPart
 from rockcli.study.study import MATCH, Axis
 
 MAX_POINTS = 10_000_000
@@ -34,6 +35,8 @@ UNFIT = ("Cc", "Cs", "Zl", "Zp")
 """Categories of characters that no label may hold: control characters, lone surrogates, ends of lines."""
 
 RANGE = ("from", "to", "n", "spacing", "find")
+
+RANGE_DEFAULTS: dict[str, Any] = {"spacing": "linear", "find": None}
 
 RANGE_FORM = "{from, to, n, spacing: linear | log}"
 
@@ -57,7 +60,7 @@ class _NeedsCase(Exception):  # noqa: N818 (no error: a sign that an axis has to
 
 
 def read_axes(
-    source: Source, study: Map, records: Records, evaluator: Callable[[list[Variation]], Evaluate]
+    source: Source, study: Map, part: StudyPart, records: Records, evaluator: Callable[[list[Variation]], Evaluate]
 ) -> list[Variation]:
     """The axes of a study, outermost first.
 
@@ -67,7 +70,7 @@ def read_axes(
     Raises:
         StudyError: an unknown path, an entry that is none of the forms, no points, points that repeat.
     """
-    vary: Map = study.get("vary") or Map()
+    vary = part.vary
     read = {text: _Reader(source, study, text, records) for text in vary}
     done: dict[str, Variation] = {}
     for text, reader in read.items():
@@ -78,7 +81,7 @@ def read_axes(
         if text not in done:
             if reader.path[:2] in _SYMBOL_PATHS or reader.path[0] == "let" or reader.path == ("case",):
                 said, more = reader.waiting
-                raise reader.fail(f"is {describe(said)}; {_why_it_cannot_wait(study, said)}", *more)
+                raise reader.fail(f"is {describe(said)}; {_why_it_cannot_wait(part.let, said)}", *more)
             reader.evaluate = evaluate
             done[text] = reader.read()
     variations = [done[text] for text in vary]
@@ -90,9 +93,9 @@ def read_axes(
     return [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
 
 
-def _why_it_cannot_wait(study: Map, text: str) -> str:
+def _why_it_cannot_wait(let: dict[str, Any], text: str) -> str:
     why = "expected numbers or expressions of numbers and units: other expressions depend on it"
-    own = sorted(parse(text).names & (study.get("let") or {}).keys())
+    own = sorted(parse(text).names & let.keys())
     if own:
         why += f" (`{own[0]}` is a symbol of `let`, which axes of the block, of g and of let cannot use)"
     return why
@@ -298,7 +301,7 @@ class _Reader:
             raise self.fail(f": {error.message}", *more) from None
 
     def range(self, entry: Map) -> Variation:
-        find = entry.get("find")
+        find, spacing = ((RANGE_DEFAULTS | entry)[key] for key in ("find", "spacing"))
         if find not in (None, "overturning"):
             raise self.fail(f"is {describe(find)}; only `overturning` can be found", "find")
         ends = []
@@ -316,7 +319,7 @@ class _Reader:
             if number is None or not takes_number(self.path):
                 raise self.fail("must be a number or an expression, on a key that takes one", key)
             ends.append(number)
-        n, spacing = entry["n"], entry.get("spacing", "linear")
+        n = entry["n"]
         if type(n) is not int or not 2 <= n <= MAX_POINTS:
             raise self.fail(f"is {describe(n)}; expected a whole number from 2 to {MAX_POINTS}", "n")
         if spacing not in ("linear", "log"):

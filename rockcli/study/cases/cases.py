@@ -19,6 +19,7 @@ from rockcli.study.document.check import check_case
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.overlay import Setting, overlaid
 from rockcli.study.document.tree import Map, Source, Where
+from rockcli.study.schema import CasePart
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
@@ -28,7 +29,8 @@ Points = dict[int, NDArray[np.int64]]
 PROBED = 20_000
 """A study of at most so many cases is built whole before it is solved; of a larger one, corners and edges."""
 
-_TREES_KEPT = 256
+_KEPT = 256
+"""Combinations of structural points kept."""
 
 
 @dataclass(eq=False)
@@ -48,7 +50,7 @@ class Cases:
     records: Records
     save: Save
     histories_at: dict[int, int] = field(default_factory=dict)
-    _trees: dict[tuple[int, ...], Map] = field(default_factory=dict)
+    _checked: dict[tuple[int, ...], tuple[Map, CasePart]] = field(default_factory=dict)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -115,15 +117,16 @@ class Cases:
             at = (f"{v.axis.path} = {_shown(v.axis.values[points[a][i]])}" for a, v in enumerate(self.variations))
             return where, ", ".join(at)
 
-        return Numbers(self.source, self.tree(combination), n, column, spot)
+        return Numbers(self.source, *self.checked(combination), n, column, spot)
 
-    def tree(self, combination: tuple[int, ...]) -> Map:
-        """The tree of a combination of structural points, with `Varied` where the other axes stand; checked."""
-        if combination not in self._trees:
-            if len(self._trees) >= _TREES_KEPT:
-                self._trees.clear()
-            self._trees[combination] = self._overlaid(dict(zip(self.structural, combination, strict=True)))
-        return self._trees[combination]
+    def checked(self, combination: tuple[int, ...]) -> tuple[Map, CasePart]:
+        """The study of a combination of structural points, with `Varied` where the other axes stand, and its case."""
+        if combination not in self._checked:
+            if len(self._checked) >= _KEPT:
+                self._checked.clear()
+            study = self._overlaid(dict(zip(self.structural, combination, strict=True)))
+            self._checked[combination] = study, check_case(self.source, study)
+        return self._checked[combination]
 
     def _overlaid(self, chosen: dict[int, int]) -> Map:
         points: list[Sequence[Setting]] = []
@@ -134,9 +137,7 @@ class Cases:
                 where = variation.where(0)
                 columns = enumerate(variation.columns.items())
                 points.append([(path, Varied.of(axis, which, of[0]), where) for which, (path, of) in columns])
-        study = overlaid(self.study, *points)
-        check_case(self.source, study)
-        return study
+        return overlaid(self.study, *points)
 
     def probe(self) -> Index:
         """Flat indices that together show whatever can be wrong: all, or the corners and edges of every combination.

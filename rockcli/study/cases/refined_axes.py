@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rockcli.study.document.tree import Map, Source
+from rockcli.study.schema import StudyPart
 from rockcli.study.study import Axis, Over
 
 RECORDS = (
@@ -17,7 +18,14 @@ RECORDS = (
 
 
 def read_refine(
-    source: Source, study: Map, axes: Sequence[Axis], scalars: Sequence[str], *, searches: bool, over: Over | None
+    source: Source,
+    study: Map,
+    part: StudyPart,
+    axes: Sequence[Axis],
+    scalars: Sequence[str],
+    *,
+    searches: bool,
+    over: Over | None,
 ) -> tuple[str, ...]:
     """Names of the two axes to be refined, as they stand in `vary`; () where the study does not ask for it.
 
@@ -27,12 +35,12 @@ def read_refine(
         StudyError: there are no two numeric axes, one of them is not in order, or the study asks for what needs every
             case to be solved: histories, ensemble statistics, a search.
     """
-    if not study.get("refine"):
+    if not part.refine:
         return ()
     for asked, why in (
         (searches, "`find` does not make a map; leave out one of the two"),
         (over is not None, "`over` takes statistics of cases, of which `refine` leaves most out; drop one of the two"),
-        ((study.get("save") or {}).get("histories"), "no histories are saved of a refined map; drop save.histories"),
+        (part.save.histories, "no histories are saved of a refined map; drop save.histories"),
         ("outcome" not in scalars, "needs outcomes, and this study is one of static curves"),
     ):
         if asked:

@@ -54,7 +54,7 @@ class Search:
             axis=replace(searched.axis, values=tuple(values.tolist())),
             columns={path: np.asarray(values, dtype=float) for path in searched.columns},
         )
-        cases = replace(self._cases, variations=[*self._cases.variations[:-1], points], _trees={})
+        cases = replace(self._cases, variations=[*self._cases.variations[:-1], points], _checked={})
         k = len(values)
         wanted = indices * k + np.arange(k)
         for flat, batch in cases.batches(wanted):

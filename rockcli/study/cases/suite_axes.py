@@ -6,22 +6,20 @@ from collections.abc import Sequence
 from typing import Any
 
 from rockcli.study.document.expressions import ExpressionError, constant, parse
-from rockcli.study.document.tree import Map, Source, nearest
+from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
+from rockcli.study.schema import OverPart
 from rockcli.study.study import Axis, Over
 
 AMPLITUDES = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "a_p", "a_p_over_g_tan_alpha")
 """Last parts of paths that are an intensity unless the study names another."""
-
-LIMITS = (0.1, 0.5, 1.0)
-"""Limit states unless the study says otherwise: theta_peak_over_alpha exceeded."""
 
 NEEDED = ("outcome", "theta_peak_over_alpha")
 """Scalars of which the statistics need one."""
 
 
 def read_over(
-    source: Source, study: Map, axes: Sequence[Axis], scalars: Sequence[str], *, searches: bool
+    source: Source, study: Map, said: OverPart | None, axes: Sequence[Axis], scalars: Sequence[str], *, searches: bool
 ) -> Over | None:
     """The ensemble statistics of a study whose form has been checked.
 
@@ -29,18 +27,15 @@ def read_over(
         StudyError: no such axis, no or several axes that may be the intensity where one is needed, a limit that is no
             positive number, or nothing saved that statistics could be made of.
     """
-    said: Any = study.get("over")
     if said is None:
         return None
-    short = isinstance(said, str)
-    options: dict[str, Any] = {"axis": said} if short else dict(said)
-    where = ("over",) if short else ("over", "axis")
-    axis = _axis(source, study, where, options["axis"], axes)
+    where = ("over",) if isinstance(value_at(study, ("over",)), str) else ("over", "axis")
+    axis = _axis(source, study, where, said.axis, axes)
     if not searches and not set(NEEDED) & set(scalars):
         raise source.error(study, ("over",), f"needs {' or '.join(NEEDED)} among the saved scalars (`save`)")
     along = None
-    if options.get("along") is not None:
-        along = _axis(source, study, ("over", "along"), options["along"], axes)
+    if said.along is not None:
+        along = _axis(source, study, ("over", "along"), said.along, axes)
         if not along.numeric or along is axis:
             raise source.error(study, ("over", "along"), "must be another axis, of numbers")
     else:
@@ -49,9 +44,8 @@ def read_over(
             names = " or ".join(a.path for a in known)
             raise source.error(study, ("over",), f": the intensity may be {names}; say {{axis: ..., along: ...}}")
         along = known[0] if known else None
-    given = options.get("limits")
-    limits = [_limit(source, study, i, value) for i, value in enumerate(LIMITS if given is None else given)]
-    return Over(axis.name, along.name if along else None, tuple(sorted(set(limits))), bool(options.get("mean")))
+    limits = [_limit(source, study, i, value) for i, value in enumerate(said.limits)]
+    return Over(axis.name, along.name if along else None, tuple(sorted(set(limits))), said.mean)
 
 
 def _axis(source: Source, study: Map, keys: tuple[str, ...], text: str, axes: Sequence[Axis]) -> Axis:

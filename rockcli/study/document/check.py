@@ -32,11 +32,32 @@ def check_study(source: Source, study: Map) -> StudyPart:
     return part
 
 
-def check_case(source: Source, study: Map, *, complete: bool = True) -> None:
-    """The case of a study; if not `complete`, what is missing in it may come from the axes."""
+def check_case(source: Source, study: Map) -> CasePart:
+    """The case of a study, validated."""
+    part = _check_case(source, study, complete=True)
+    assert part is not None
+    return part
+
+
+def check_base(source: Source, study: Map) -> None:
+    """The case of a study, of which what is missing may come from the axes."""
+    _check_case(source, study, complete=False)
+
+
+def _check_case(source: Source, study: Map, *, complete: bool) -> CasePart | None:
     if not isinstance(study.get("case"), Map):
         raise source.error(study, ("case",), "must be a mapping")
-    _checked(source, study, CasePart, ("case",), complete=complete)
+    return _checked(source, study, CasePart, ("case",), complete=complete)
+
+
+def said_at(part: Part, keys: Keys) -> Any:
+    """The value at `keys` inside a validated part, its default where the study says nothing."""
+    found: Any = part
+    for key in keys:
+        if found is None:
+            return None
+        found = getattr(found, key) if isinstance(key, str) else found[key]
+    return found
 
 
 def _checked(source: Source, study: Map, part: type[P], at: Keys, *, complete: bool = True) -> P | None:
