@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rockcli.cli.progress import counted, duration
+from rockcli.scene.response import outcome_words
 
 if TYPE_CHECKING:
     from rockcli.analysis.expect import Verdict
@@ -33,9 +34,7 @@ def report_text(report: RunReport) -> str:
             )
         )
     if report.outcomes:
-        lines.append(
-            _row("outcomes", ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in report.outcomes.items()))
-        )
+        lines.append(_row("outcomes", ", ".join(f"{n} {outcome_words(name)}" for name, n in report.outcomes.items())))
     if report.peak is not None:
         where = f" at {report.peak_at}" if report.peak_at else ""
         lines.append(_row("peak", f"|theta|/alpha = {report.peak:.6g}{where}" + _survivors(report)))

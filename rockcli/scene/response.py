@@ -25,8 +25,16 @@ OUTCOMES: dict[int, str] = {
 }
 """Names of the flags, in the order for people.  SLIDING: moved along the ground and never lifted."""
 
+_MODES = {"overturned_after_impact": " (mode 1)", "overturned_without_impact": " (mode 2)"}
+"""The modes of overturning of Zhang and Makris (2001)."""
+
 MAX_IMPACTS_STORED = 1000
 """Impacts kept per case; more are counted, not stored, and said."""
+
+
+def outcome_words(name: str) -> str:
+    """The name of an outcome for people: `overturned after impact (mode 1)`."""
+    return name.replace("_", " ") + _MODES.get(name, "")
 
 
 def overturned(outcome: ArrayLike) -> NDArray[np.bool_]:

@@ -34,7 +34,7 @@ class Variable:
     sentence: str
 
 
-_FRACTILES = (("p16", "16 % fractile"), ("p50", "median"), ("p84", "84 % fractile"), ("mean", "mean"))
+_FRACTILES = (("p16", "16th percentile"), ("p50", "median"), ("p84", "84th percentile"), ("mean", "mean"))
 
 _SUITE_ROWS: tuple[Variable, ...] = (
     Variable(
@@ -42,7 +42,7 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         r"$n$",
         SUITE,
         "1",
-        "members of the suite with an answer, be it that they overturn in a part of their runs",
+        "members of the suite with an answer, also if only a share of their perturbed runs overturns",
     ),
     Variable(
         "p_overturned",
@@ -51,7 +51,9 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         "1",
         "share that overturned of those with an answer, each by its share",
     ),
-    Variable("p_overturned_low", r"$P_{\mathrm{overturned}}$", SUITE, "1", "the same if all without an answer stand"),
+    Variable(
+        "p_overturned_low", r"$P_{\mathrm{overturned}}$", SUITE, "1", "the same if all without an answer remain stable"
+    ),
     Variable(
         "p_overturned_high", r"$P_{\mathrm{overturned}}$", SUITE, "1", "the same if all without an answer overturn"
     ),
@@ -65,8 +67,20 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         for end, words in _FRACTILES
         for inf in ("inf where any overturned" if end == "mean" else "overturned counts as inf",)
     ),
-    Variable("safe_island", "safe island", CASE, "1", "1 where a case stands although a lower intensity overturned it"),
-    Variable("n_safe_islands", r"$n_{\mathrm{islands}}$", SUITE, "1", "members that stand above an overturning one"),
+    Variable(
+        "safe_island",
+        "stable island",
+        CASE,
+        "1",
+        "stable island: 1 where a case remains stable although a lower intensity overturned it",
+    ),
+    Variable(
+        "n_safe_islands",
+        r"$n_{\mathrm{islands}}$",
+        SUITE,
+        "1",
+        "members that remain stable above an overturning intensity (stable islands)",
+    ),
     Variable("limit_state", "limit state", LIMIT, "1", "theta_peak_over_alpha exceeded, or overturned"),
     Variable("p_exceeded", r"$P$", LIMIT, "1", "share that exceeds the limit state of those with an answer"),
     Variable("fragility_median", r"$\hat\theta$", LIMIT, "1", "intensity exceeded with probability 1/2; NaN: no curve"),
@@ -82,9 +96,13 @@ _SUITE_ROWS: tuple[Variable, ...] = (
     Variable("measure", "measure", MEASURE, "1", "measure of the ground motion"),
     Variable("demand_spearman", r"$\rho_S$", MEASURE, "1", "rank correlation of theta_peak_over_alpha and the measure"),
     Variable(
-        "demand_pearson", r"$\rho_P$", MEASURE, "1", "correlation of the logarithms, of members that rock and stand"
+        "demand_pearson",
+        r"$\rho_P$",
+        MEASURE,
+        "1",
+        "correlation of the logarithms, of members that rock and remain stable",
     ),
-    Variable("n_moving", r"$n_{\mathrm{rock}}$", SUITE, "1", "members that rock and stand"),
+    Variable("n_moving", r"$n_{\mathrm{rock}}$", SUITE, "1", "members that rock and remain stable"),
     Variable("p_pgv_over_g_tan_alpha", r"$p\,\mathrm{PGV}/(g\,\tan\alpha)$", CASE, "1", "dimensionless peak velocity"),
     Variable("arias", r"$I_A$", CASE, "m s-1", "Arias intensity of the record used"),
     Variable("cav", "CAV", CASE, "m s-1", "cumulative absolute velocity of the record used"),
@@ -97,7 +115,13 @@ MEASURES: tuple[str, ...] = ("pga", "pgv", "p_pgv_over_g_tan_alpha", "arias", "c
 """Measures of the ground motion that a suite's response is compared with."""
 
 _ROWS: tuple[Variable, ...] = (
-    Variable("outcome", "outcome", CASE, "1", "what became of the body"),
+    Variable(
+        "outcome",
+        "outcome",
+        CASE,
+        "1",
+        "outcome: overturned after an impact is mode 1, without impact mode 2 of Zhang and Makris (2001)",
+    ),
     Variable(
         "theta_peak",
         r"$\theta_{\mathrm{max}}$",
@@ -117,7 +141,7 @@ _ROWS: tuple[Variable, ...] = (
         r"$|\dot\theta|_{\mathrm{max}}$",
         CASE,
         "rad s-1",
-        "largest |rate of rotation|; inf overturned",
+        "largest |angular velocity|; inf overturned",
     ),
     Variable(
         "u_top_peak",
@@ -166,7 +190,7 @@ _ROWS: tuple[Variable, ...] = (
         r"$E_{\mathrm{land}}/E_{\mathrm{barrier}}$",
         CASE,
         "1",
-        "energy a captured base took at landings of a flexible body, over that of the unstable equilibrium",
+        "energy a captured base lost at impacts of a flexible body, over that of the unstable equilibrium",
     ),
     Variable(
         "slide_peak", r"$|u|_{\mathrm{max}}$", CASE, "m", "largest |displacement along the ground|; NaN without mu"
@@ -205,7 +229,7 @@ _ROWS: tuple[Variable, ...] = (
     ),
     Variable("n_steps", r"$n_{\mathrm{steps}}$", CASE, "1", "steps of the solver"),
     Variable("n_rhs", r"$n_{\mathrm{rhs}}$", CASE, "1", "evaluations of the right-hand side (docs/study.md)"),
-    Variable("reason", "reason", CASE, "1", "index into `reasons`: what there is to say about this case"),
+    Variable("reason", "reason", CASE, "1", "index into `reasons`: the message about this case"),
     Variable(
         "fema_delta",
         r"$\delta_{\mathrm{FEMA}}$",
@@ -231,7 +255,7 @@ _ROWS: tuple[Variable, ...] = (
         r"$\eta$",
         CASE,
         "1",
-        "angular velocity after / before an impact (landing on the edge with the smaller alpha)",
+        "coefficient of restitution: angular velocity after / before an impact (on the edge with the smaller alpha)",
     ),
     *(
         Variable(f"{name}_{side}", symbol, CASE, unit, f"asymmetric bodies: {sentence} the {side} edge")
@@ -249,7 +273,7 @@ _ROWS: tuple[Variable, ...] = (
     Variable("pga", "PGA", CASE, "m s-2", "peak ground acceleration of the motion used"),
     Variable("pgv", "PGV", CASE, "m s-1", "peak ground velocity of the motion used"),
     Variable("theta", r"$\theta$", TIME, "rad", "rotation"),
-    Variable("theta_dot", r"$\dot\theta$", TIME, "rad s-1", "rate of rotation"),
+    Variable("theta_dot", r"$\dot\theta$", TIME, "rad s-1", "angular velocity"),
     Variable("a_g", r"$a_g$", TIME, "m s-2", "horizontal ground acceleration"),
     Variable("a_v", r"$a_v$", TIME, "m s-2", "vertical ground acceleration, positive up"),
     Variable(
@@ -275,12 +299,12 @@ _ROWS: tuple[Variable, ...] = (
         "moment of the base on the body, opposing theta; per unit mass unless the study gives a mass (then N m)",
     ),
     Variable("slide", r"$u$", TIME, "m", "displacement of the base along the ground, where mu is given"),
-    Variable("slide_dot", r"$\dot u$", TIME, "m s-1", "rate of sliding along the ground, where mu is given"),
+    Variable("slide_dot", r"$\dot u$", TIME, "m s-1", "velocity of sliding along the ground, where mu is given"),
     Variable("lift", "lift", TIME, "m", "height of the lower edge, 0 unless the body flies, where mu is given"),
     Variable("contact_mode", "contact", TIME, "1", "mode of contact, where mu is given"),
     Variable("t_impact", r"$t$", IMPACT, "s", "time of impact"),
-    Variable("theta_dot_before", r"$\dot\theta^-$", IMPACT, "rad s-1", "rate of rotation just before"),
-    Variable("theta_dot_after", r"$\dot\theta^+$", IMPACT, "rad s-1", "rate of rotation just after"),
+    Variable("theta_dot_before", r"$\dot\theta^-$", IMPACT, "rad s-1", "angular velocity just before"),
+    Variable("theta_dot_after", r"$\dot\theta^+$", IMPACT, "rad s-1", "angular velocity just after"),
     Variable(
         "error_theta_peak_over_alpha",
         r"$\Delta|\theta|_{\mathrm{max}}/\alpha$",
@@ -304,7 +328,7 @@ _ROWS: tuple[Variable, ...] = (
     Variable("audit_disagreements", "disagreements", CASE, "1", "outcomes and peaks a tighter run does not confirm"),
     Variable("cost", "cost per case", SETTING, "s", "time per case of the sample, in one process"),
     Variable("error_median", r"median $|\epsilon|$", SETTING, "1", "median of |error_theta_peak_over_alpha|"),
-    Variable("error_p90", r"90 % $|\epsilon|$", SETTING, "1", "90 % quantile of |error_theta_peak_over_alpha|"),
+    Variable("error_p90", r"90 % $|\epsilon|$", SETTING, "1", "90th percentile of |error_theta_peak_over_alpha|"),
     Variable("wrong_outcomes", "wrong outcomes", SETTING, "1", "share of the outcomes that differ"),
     Variable("on_front", "Pareto front", SETTING, "1", "1 where no other setting is cheaper and more accurate"),
     Variable("angle_worst", r"$\varphi_{\mathrm{w}}$", CASE, "rad", "direction of the motion with the largest peak"),

@@ -174,7 +174,13 @@ def test_the_map_stands_amplitudes_upright_and_knows_spacing() -> None:
     assert figure.axes[0].get_xscale() == "log"
     assert figure.axes[0].get_yscale() == "linear"
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert legend == ["no uplift", "overturned without impact", "overturned after impact", "failed", "unresolved"]
+    assert legend == [
+        "no uplift",
+        "overturned without impact (mode 2)",
+        "overturned after impact (mode 1)",
+        "failed",
+        "unresolved",
+    ]
 
 
 def test_labels() -> None:

@@ -50,7 +50,7 @@ def case_table(dataset: xarray.Dataset) -> Table:
 
 
 def _summary(dataset: xarray.Dataset) -> Table:
-    header = ["", "smallest", "16 %", "median", "84 %", "largest", "no finite value"]
+    header = ["", "smallest", "16th percentile", "median", "84th percentile", "largest", "no finite value"]
     rows = []
     found = [name for name in _thresholds(dataset) if name.endswith(FOUND) or "prescreen" in name]
     for name in (*found, *(name for name in _SUMMED_UP if name in dataset.variables)):

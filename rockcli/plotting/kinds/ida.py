@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FRACTILES: tuple[tuple[str, str, tuple[float, ...]], ...] = (
-    ("p16", "16 %", (4, 1.5)),
+    ("p16", "16th percentile", (4, 1.5)),
     ("p50", "median", ()),
-    ("p84", "84 %", (1.5, 1.2)),
+    ("p84", "84th percentile", (1.5, 1.2)),
 )
 """End of the variable's name, word, dashes."""
 

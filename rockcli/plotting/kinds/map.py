@@ -22,7 +22,7 @@ from rockcli.plotting.common.style import (
     new_figure,
     panel_title,
 )
-from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING
+from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING, outcome_words
 
 if TYPE_CHECKING:
     import xarray
@@ -172,4 +172,4 @@ def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: boo
 
 
 def _words(flag: int) -> str:
-    return OUTCOMES[flag].replace("_", " ")
+    return outcome_words(OUTCOMES[flag])

@@ -193,7 +193,7 @@ def _values(part: xarray.Dataset, row: Row, name: str) -> Array:
 
 
 def _top(row: Row, curves: list[Array], high: list[Array] | None = None) -> float:
-    """Top of the axis: above the largest that returned, but of a suite not far above its 84 % fractile."""
+    """Top of the axis: above the largest that returned, but of a suite not far above its 84th percentile."""
     largest = _largest(curves)
     if row.name == "theta_peak_over_alpha":
         return float(np.clip(1.06 * largest, 1.1, 1.8))

@@ -20,7 +20,7 @@ from rockcli.plotting.common.labels import coordinate_words, units_of
 from rockcli.plotting.common.style import OUTCOME_COLOURS
 from rockcli.plotting.common.table import case_table
 from rockcli.plotting.figures import KINDS, default_kinds, figure, why_not
-from rockcli.scene.response import OUTCOMES
+from rockcli.scene.response import OUTCOMES, outcome_words
 from rockcli.scene.thresholds import FOUND, threshold_words
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def _outcomes(dataset: xarray.Dataset) -> str:
         if count := int((flags == flag).sum()):
             colour = OUTCOME_COLOURS[name]
             bar.append(f'<span style="flex:{count};background:{colour}"></span>')
-            words.append(f'<li><i style="background:{colour}"></i>{count} {escape(name.replace("_", " "))}</li>')
+            words.append(f'<li><i style="background:{colour}"></i>{count} {escape(outcome_words(name))}</li>')
     many = "case" if total == 1 else "cases"
     return f'<p>{total} {many}</p><div class="bar">{"".join(bar)}</div><ul class="key">{"".join(words)}</ul>\n'
 
