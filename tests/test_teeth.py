@@ -1,106 +1,217 @@
-"""The truth tests must fail on a wrong kernel: a wrong eta, a wrong sign, a missing reset."""
+"""The truth tests fail on a spoilt program: one fault at a time, in every family of kernels, a solver and the sweep.
+
+What is asked of the spoilt program is what the tests of that family ask, on a few of their cases.
+"""
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scenes import G, block, pulse, rock
+import swept
+from analytic import test_asymmetric as asymmetric
+from cli import test_sweep
+from contact import test_contact_closed_forms as contact
+from contact_tables import LANDINGS, SLIDES_UNDER_A_CONSTANT
+from cross import test_lanes_pulses as lanes_pulses
+from cross import test_lanes_records as lanes_records
+from flexible import test_column as column
+from frame import test_models as frame
+from frame.frames import ricker
+from general import test_located as general
+from literature import test_thesis_pulses as thesis
+from plain import plain as plain
+from plain import spoilt, with_record_lanes
+from scenes import G, block, make_batch, pulse
 from tables import SOURCE_PULSES
 
-from rockcli import kernels
-from rockcli.kernels.rigid import parameters as at
+
+def march() -> None:
+    thesis.test_peak_uplift_and_impacts(SOURCE_PULSES[3])
+    asymmetric.test_against_an_independent_integration([0.2, 0.3], 2)
 
 
-@pytest.fixture
-def plain(monkeypatch):
-    """The kernels as plain Python, so that they can be spoilt; loaded afresh afterwards."""
-    monkeypatch.setenv("ROCK_KERNELS", "interpreted")
-    kernels.compiled = None  # not by monkeypatch, which would put back what no longer is so
-    march = kernels.load(compile_them=False)
-    yield march
-    for name in [name for name in sys.modules if name.startswith("rockcli.kernels.") and name[16:] != "layout"]:
-        sys.modules.pop(name)
-    kernels.compiled = None
+def pulse_lanes() -> None:
+    lanes_pulses.assert_same(lanes_pulses.map_of("ricker", 3), 1e-10)
 
 
-def agrees_with_the_truth() -> bool:
-    """What the literature tests ask, on two rows."""
-    for row in (SOURCE_PULSES[0], SOURCE_PULSES[3]):
-        motion = pulse(row["shape"], 3.6 * G * row["tan_alpha"], row["omega_p_over_pi"] * np.pi)
-        response = rock(block(row["R"], row["tan_alpha"]), motion, eta=row["eta"], histories=True)
-        n = len(row["t_impact"])
-        times = response.impacts["t_impact"][0, :n]
-        if len(times) < n or not np.allclose(times, row["t_impact"], atol=1e-8, rtol=0.0):
-            return False
-        if not np.allclose(response.impacts["theta_dot_before"][0, :n], row["w_before"], atol=1e-8, rtol=0.0):
-            return False
-        if not abs(response.scalars["theta_peak_over_alpha"][0] - row["peak"]) < 1e-8:
-            return False
-    return True
+def record_lanes() -> None:
+    with_record_lanes()
+    t = np.arange(90) * 0.02
+    values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
+    with np.errstate(all="ignore"):  # idle lanes divide by zero too
+        lanes_records.assert_same(lanes_records.suite(values, 0.02, [1.1, 1.4, 1.7], [1.5], [0.2], eta=0.8))
 
 
-def test_the_right_kernel_agrees(plain):
-    assert agrees_with_the_truth()
+def planar_contact() -> None:
+    contact.test_slide_under_a_constant_acceleration(SLIDES_UNDER_A_CONSTANT[0])
+    for row in LANDINGS[:4]:
+        contact.test_landing(row)
 
 
-def spoil_parameters(monkeypatch, change):
-    from rockcli.solvers.event import solver as event
-
-    right = event.parameters_of
-
-    def wrong(batch):
-        parameters = right(batch)
-        change(parameters)
-        return parameters
-
-    monkeypatch.setattr(event, "parameters_of", wrong)
+def flexible() -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rockcli.solvers.flexible.solver.MAX_STEPS", 2000)  # a spoilt one may never come to its end
+        column.test_stiff_column_is_model_3(1e20, "housner")
+        column.test_lumped_masses_of_five_elements()
 
 
-def test_wrong_eta_is_noticed(plain, monkeypatch):
-    def change(parameters):
-        for edge in (at.LEFT, at.RIGHT):
-            parameters[:, edge + at.ETA] *= 1.01
-
-    spoil_parameters(monkeypatch, change)
-    assert not agrees_with_the_truth()
+def beam_elements() -> None:
+    motion = pulse("ricker", 3.6 * G * 0.1, 3.0 * np.pi, duration=2.4)
+    frame.error_of_step(ricker("3", "negative_stiffness", eta=0.8, excitation=motion), 2e-3)
 
 
-def test_wrong_sign_of_the_ground_motion_is_noticed(plain, monkeypatch):
-    right = plain.expand
-
-    def wrong(*args):
-        deg = right(*args)
-        out = args[-1]
-        for i in range(deg + 1):
-            out[i] = -out[i]
-        return deg
-
-    monkeypatch.setattr(plain, "expand", wrong)
-    assert not agrees_with_the_truth()
+def scipy_backend() -> None:
+    motion = pulse("sine", 2.5 * G * 0.333, 3.0 * np.pi, duration=2.0)
+    general.assert_agree(make_batch(block(2.0, 0.333), motion, histories=True, dt_out=0.02))
 
 
-def test_missing_reset_is_noticed(plain, monkeypatch):
-    def change(parameters):
-        for edge in (at.LEFT, at.RIGHT):
-            parameters[:, edge + at.ETA] = 1.0
-
-    spoil_parameters(monkeypatch, change)
-    assert not agrees_with_the_truth()
+def sweep() -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        test_sweep.test_results_stand_where_their_case_stands(patch)
 
 
-@pytest.mark.parametrize("coefficient", ["P2", "RS", "RC", "FC", "FS"])
-def test_wrong_coefficient_of_the_law_is_noticed(plain, monkeypatch, coefficient):
-    def change(parameters):
-        for edge in (at.LEFT, at.RIGHT):
-            parameters[:, edge + getattr(at, coefficient)] *= 1.0 + 1e-5
+def shares() -> None:
+    """What `test_parts` asks of the shares of a study: together they solve every case once."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rockcli.solvers.event.solver.solve", swept.made_up)
+        parts = [swept.solved(swept.study(), share=(k, 3)).values("n_impacts") for k in (1, 2, 3)]
+        assert sum(int(np.sum(part >= 0)) for part in parts) == swept.CASES
+        assert (np.max(parts, axis=0) == swept.solved(swept.study()).values("n_impacts")).all()
 
-    spoil_parameters(monkeypatch, change)
-    assert not agrees_with_the_truth()
+
+class Fault(NamedTuple):
+    """A passage of the source that stands in a module once, and what it is replaced with."""
+
+    truth: Callable[[], None]
+    module: str
+    right: str
+    wrong: str
 
 
-def test_lost_event_is_noticed(plain, monkeypatch):
-    right = plain.first_root
-    monkeypatch.setattr(plain, "first_root", lambda *args: min(right(*args) * 1.001, args[2]))
-    assert not agrees_with_the_truth()
+K = "rockcli.kernels."
+FAULTS = {
+    "march: sign": Fault(march, K + "rigid.ground", "s, c = A * math.sin(phase), A", "s, c = -A * math.sin(phase), -A"),
+    "march: restitution": Fault(march, K + "rigid.march", "v = eta * abs(rate)", "v = 1.001 * eta * abs(rate)"),
+    "march: no reset": Fault(march, K + "rigid.march", "            s = -s\n", ""),
+    "march: wrong edge": Fault(
+        march,
+        K + "rigid.march",
+        "edge, other = (right, left) if s > 0.0 else (left, right)",
+        "edge, other = (left, right) if s > 0.0 else (right, left)",
+    ),
+    "march: end of a step": Fault(
+        march, K + "rigid.march", "(event == 0 and x == t_next - t) else t + x", "(event == 0) else t + x"
+    ),
+    "march: late root": Fault(march, K + "rigid.march", "x = first_root(c, n, h, skip)", "x = first_root(c, n, h, skip) * 1.001"),
+    "law: coefficient": Fault(march, K + "rigid.law", "par[e + at.RS], par", "par[e + at.RS] * 1.00001, par"),
+    "law: moment": Fault(march, K + "formulas", "return fc * cosine + fs * sine", "return fc * cosine - fs * sine"),
+    "pulse lanes: sign": Fault(
+        pulse_lanes, K + "lanes.pulses.series", "along = along + load(state, a)", "along = along - load(state, a)"
+    ),
+    "pulse lanes: restitution": Fault(
+        pulse_lanes, K + "lanes.pulses.march", "after = load(state, o + lane.L_ETA * WIDTH) * rate", "after = rate"
+    ),
+    "pulse lanes: no reset": Fault(
+        pulse_lanes, K + "lanes.pulses.march", "s = select(lands, -s, s)", "s = select(lands, s, s)"
+    ),
+    "pulse lanes: wrong edge": Fault(
+        pulse_lanes,
+        K + "lanes.pulses.events",
+        "state[i + lane.TOP_SIDE * WIDTH] = state[i + lane.S * WIDTH]",
+        "state[i + lane.TOP_SIDE * WIDTH] = -state[i + lane.S * WIDTH]",
+    ),
+    "pulse lanes: end of a step": Fault(
+        pulse_lanes, K + "lanes.pulses.march", "(h == t_next - t), t_next, t + x)", "(h == t_next - t), t_next, t + h)"
+    ),
+    "record lanes: sign": Fault(
+        record_lanes, K + "lanes.records.rest", "-p2 * par[at.RIGHT + at.RS], -p2", "p2 * par[at.RIGHT + at.RS], -p2"
+    ),
+    "record lanes: restitution": Fault(
+        record_lanes, K + "lanes.records.impacts", "gather(st, lanes + lane.ETA) * inward", "inward"
+    ),
+    "record lanes: no reset": Fault(
+        record_lanes, K + "lanes.records.impacts", "select(hit, 0.0 * q - 1.0, 1.0)", "select(hit, 0.0 * q + 1.0, 1.0)"
+    ),
+    "record lanes: wrong edge": Fault(
+        record_lanes, K + "lanes.records.impacts", "lanes + lane.SIDE, side * turned)", "lanes + lane.SIDE, side)"
+    ),
+    "record lanes: end of a step": Fault(
+        record_lanes, K + "lanes.records.impacts", "now = fma(x, h, place)", "now = fma(0.999 * x, h, place)"
+    ),
+    "contact: sign": Fault(planar_contact, K + "contact.flows", "-(a[k] + mu * sigma * W[k])", "-(a[k] - mu * sigma * W[k])"),
+    "contact: restitution": Fault(
+        planar_contact, K + "contact.impacts", "dw = -(h * f + place) / rg2", "dw = -(h * f + 0.99 * place) / rg2"
+    ),
+    "contact: wrong edge": Fault(
+        planar_contact,
+        K + "contact.impacts",
+        "b_i, b_j, place = par[i + at.B], par[j + at.B], par[j + at.PLACE]",
+        "b_i, b_j, place = par[i + at.B], -par[j + at.B], par[j + at.PLACE]",
+    ),
+    "column: sign": Fault(flexible, K + "column.law", "- g * theta - a * cos)", "+ g * theta - a * cos)"),
+    "column: restitution": Fault(
+        flexible,
+        K + "column.automaton",
+        "v[m] *= par[at.ETA]\n                armed = False\n                s = -s\n",
+        "v[m] *= 1.0\n                armed = False\n                s = -s\n",
+    ),
+    "column: no reset": Fault(
+        flexible, K + "column.automaton", "            z[m], v[m] = z_x[m], v_x[m]\n", "            z[m] = z_x[m]\n"
+    ),
+    "column: wrong edge": Fault(flexible, K + "column.law", "        return s * full\n", "        return -s * full\n"),
+    "column: end of a step": Fault(
+        flexible,
+        K + "column.automaton",
+        "t = t_next if lands and not event else t + x",
+        "t = t_next if lands else t + h",
+    ),
+    "frame: sign": Fault(beam_elements, K + "frame.newmark", "-a_g * pull[i] - down", "a_g * pull[i] - down"),
+    "frame: restitution": Fault(beam_elements, K + "frame.march", "v[k] *= eta", "v[k] *= 0.97 * eta"),
+    "frame: no reset": Fault(
+        beam_elements, K + "frame.march", "armed = False\n            before", "armed = True\n            before"
+    ),
+    "frame: wrong edge": Fault(
+        beam_elements, K + "frame.march", "armed, side = True, 1.0 if theta > 0.0 else -1.0", "armed, side = True, 1.0"
+    ),
+    "frame: end of a step": Fault(
+        beam_elements, K + "frame.newmark", "((1.0 - gamma) * a[i] + gamma * a_1[i])", "(gamma * a_1[i] + gamma * a_1[i])"
+    ),
+    "scipy: sign": Fault(
+        scipy_backend,
+        "rockcli.solvers.general.body",
+        "edge.fc * math.cos(q) + edge.fs * math.sin(q)",
+        "edge.fc * math.cos(q) - edge.fs * math.sin(q)",
+    ),
+    "scipy: restitution": Fault(
+        scipy_backend, "rockcli.solvers.general.located", "after = other.eta * before", "after = 1.001 * other.eta * before"
+    ),
+    "scipy: no reset": Fault(
+        scipy_backend, "rockcli.solvers.general.located", "0.0, after, other.sign", "0.0, after, self.sign"
+    ),
+    "sweep: lost chunk": Fault(
+        sweep, "rockcli.engine.sweep.results", "            self.scalars[name][at] = values\n",
+        "            self.scalars[name][at] = values if self.answered < self.size else self.scalars[name][at]\n",
+    ),
+    "sweep: wrong place": Fault(
+        sweep, "rockcli.engine.sweep.results", "slice(int(cases[0]), int(cases[-1]) + 1) if contiguous else cases", "cases[::-1]"
+    ),
+    "sweep: wrong share": Fault(
+        shares, "rockcli.engine.sweep.sweep", "range((k - 1) * block, n, shares * block)", "range(k * block, n, shares * block)"
+    ),
+}  # fmt: skip
+"""By family and kind of fault."""
+
+
+@pytest.mark.parametrize("truth", dict.fromkeys(fault.truth for fault in FAULTS.values()), ids=lambda f: f.__name__)
+def test_the_program_as_it_is_passes(truth, plain):
+    truth()
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_fault_is_noticed(name, plain):
+    fault = FAULTS[name]
+    with spoilt(fault.module, fault.right, fault.wrong), pytest.raises((AssertionError, ArithmeticError)):
+        fault.truth()

@@ -31,10 +31,19 @@ def load(name: str = "rigid.march", *, compile_them: bool) -> ModuleType:
     wish = {"compiled": True, "interpreted": False}.get(os.environ.get("ROCK_KERNELS", ""), compile_them)
     if compiled is None or (wish and not compiled):
         jit = importlib.import_module(f"{__name__}.jit")
-        for module in [m for m in sys.modules if m.startswith(f"{__name__}.") and m != jit.__name__]:
-            del sys.modules[module]  # imported anew, as jit decides at import
+        forget()
         compiled = wish
         jit.decide(wish)
         if wish and announce is not None and jit.is_cold():
             announce(COMPILING if jit.cache_takes_files() else COMPILING_ALWAYS)
     return importlib.import_module(f"{__name__}.{name}")
+
+
+def forget() -> None:
+    """Have every kernel imported anew, as it is decided at import whether it is compiled."""
+    global compiled
+    for name in [name for name in sys.modules if name.startswith(f"{__name__}.") and name != f"{__name__}.jit"]:
+        parent, _, child = name.rpartition(".")
+        vars(sys.modules.get(parent, sys)).pop(child, None)  # or `from parent import child` would find the old one
+        del sys.modules[name]
+    compiled = None

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plain import plain as plain
 from scenes import G, array, block, make_batch, pulse, rock, still
 
 from rockcli import kernels
@@ -39,22 +40,7 @@ def column(*, zeta=0.0, **how):
     return replace(batch, column=Column(array(30e9), array(2500.0), array(zeta), 2, "lumped"), **how)
 
 
-@pytest.fixture
-def interpreted(monkeypatch):
-    """The kernels as plain Python, loaded afresh afterwards."""
-    monkeypatch.setenv("ROCK_KERNELS", "interpreted")
-
-    def forget() -> None:
-        for name in [name for name in sys.modules if name.startswith("rockcli.kernels.") and "layout" not in name]:
-            sys.modules.pop(name)
-        kernels.compiled = None  # not by monkeypatch, which would put back what no longer is so
-
-    forget()
-    yield
-    forget()
-
-
-def test_a_step_of_the_event_solver_is_one_expansion(interpreted, monkeypatch):
+def test_a_step_of_the_event_solver_is_one_expansion(plain, monkeypatch):
     march = kernels.load(compile_them=False)
     flow = Counter(march.flow)
     monkeypatch.setattr(march, "flow", flow)
@@ -89,7 +75,7 @@ def test_the_error_estimate_of_scipy_is_in_both_counts():
         assert twice[name][0] > 2 * once[name][0]
 
 
-def test_frame_counts_residuals_also_of_steps_that_are_divided(interpreted, monkeypatch):
+def test_frame_counts_residuals_also_of_steps_that_are_divided(plain, monkeypatch):
     from rockcli.solvers.frame import solver
 
     kernel = solver.load()
@@ -107,7 +93,7 @@ def test_frame_counts_residuals_also_of_steps_that_are_divided(interpreted, monk
     assert response.scalars["n_rhs"][0] == calls > response.scalars["n_steps"][0]
 
 
-def test_the_flexible_column_counts_evaluations_of_its_loads(interpreted, monkeypatch):
+def test_the_flexible_column_counts_evaluations_of_its_loads(plain, monkeypatch):
     from rockcli.solvers.flexible import solve
 
     kernels.load(compile_them=False)

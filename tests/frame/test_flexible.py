@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from frames import column, framed, peak
+from frame.frames import column, framed, peak
 from scenes import array
 
 from rockcli.scene.column import Base

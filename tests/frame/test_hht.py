@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from frames import framed, on_fibres, restitution
+from frame.frames import framed, on_fibres, restitution
 
 from rockcli.errors import SolverError
 from rockcli.solvers.frame.solver import solve

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from frames import column, framed, peak, ricker
+from frame.frames import column, framed, peak, ricker
 
 from rockcli.errors import SolverError
 from rockcli.kernels.frame import layout as at

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from frames import PAIRS, column, on_fibres, ricker
+from frame.frames import PAIRS, column, on_fibres, ricker
 
 from rockcli.scene.column import Column
 from rockcli.solvers.frame.structure import (
