@@ -10,6 +10,7 @@ first piece and after its last; inside a piece it is smooth, so that steps land 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,6 +108,43 @@ def scaled(channel: Channel, factor: float | Array) -> Channel:
         for column in columns:
             table[:, :, column] *= np.where(table[:, :, 2] == kind, each, 1.0)
     return replace(channel, table=table, a_p=channel.a_p * factor)
+
+
+def codes_of_motions(excitation: Excitation, n: int) -> Array:
+    """A code of the motion of each of n cases, (n,), that all motions have in common which differ in scale alone.
+
+    Whole numbers below 2^48, from a hash of what a motion is beside its scale: the same whatever the other cases are.
+    """
+    horizontal, vertical = excitation.horizontal, excitation.vertical
+    beside, above = _beside_scale(horizontal, n), _beside_scale(vertical, n)
+    ratio = [""] * n
+    if horizontal is not None and vertical is not None:
+        with np.errstate(all="ignore"):
+            ratio = [f"{share:.6g}" for share in np.broadcast_to(_scale(vertical) / _scale(horizontal), n)]
+    known: dict[tuple[bytes, bytes, str], float] = {}
+    for key in zip(beside, above, ratio, strict=True):
+        if key not in known:
+            digest = sha256(b"|".join((key[0], key[1], key[2].encode()))).digest()
+            known[key] = float(int.from_bytes(digest[:6], "big"))
+    return np.array([known[key] for key in zip(beside, above, ratio, strict=True)])
+
+
+def _scale(channel: Channel) -> Array:
+    return channel.factor if isinstance(channel, Samples) else channel.a_p
+
+
+def _beside_scale(channel: Channel | None, n: int) -> list[bytes]:
+    """Of each of n cases what its motion is beside its scale."""
+    if channel is None:
+        return [b""] * n
+    if isinstance(channel, Samples):
+        return [sha256(channel.values.tobytes() + np.float64(channel.dt).tobytes()).digest()] * n
+    table = channel.table.astype(np.float32)  # periods said in two ways differ in their last bits
+    table[:, :, PIECE_WIDTH - 1] = 0.0
+    for kind, columns in AMPLITUDES.items():
+        for column in columns:
+            table[:, :, column] *= table[:, :, 2] != kind
+    return [channel.shape.encode() + table[i].tobytes() for i in range(n)]
 
 
 def acceleration(channel: Channel | None, t: Array, case: int = 0) -> Array:

@@ -16,6 +16,9 @@ SETTING = "setting"
 PEAK = "theta_peak_over_alpha"
 """The peak that figures, suites and comparisons speak of."""
 
+MOTION = "ground_motion"
+"""Which motion of the ground a case has."""
+
 COUNTS = ("n_impacts", "n_steps", "n_rhs")
 """Scalars that are whole numbers."""
 
@@ -272,6 +275,9 @@ _ROWS: tuple[Variable, ...] = (
     Variable("omega_p", r"$\omega_p$", CASE, "rad s-1", "circular frequency of the pulse"),
     Variable("pga", "PGA", CASE, "m s-2", "peak ground acceleration of the motion used"),
     Variable("pgv", "PGV", CASE, "m s-1", "peak ground velocity of the motion used"),
+    Variable(
+        MOTION, "motion", CASE, "1", "number of the ground motion: cases of one number have the same, but for its scale"
+    ),
     Variable("theta", r"$\theta$", TIME, "rad", "rotation"),
     Variable("theta_dot", r"$\dot\theta$", TIME, "rad s-1", "angular velocity"),
     Variable("a_g", r"$a_g$", TIME, "m s-2", "horizontal ground acceleration"),

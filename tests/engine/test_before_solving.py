@@ -25,7 +25,7 @@ def study(**more: Any) -> dict[str, Any]:
 
 @pytest.fixture
 def unsolvable(monkeypatch: pytest.MonkeyPatch) -> None:
-    def never(*_: object) -> None:
+    def never(*_: object, **__: object) -> None:
         raise AssertionError("it was solved")
 
     monkeypatch.setattr("rockcli.engine.run.solve_cases", never)

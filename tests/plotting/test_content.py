@@ -132,11 +132,13 @@ def test_a_fall_is_not_followed() -> None:
 def test_a_motion_is_drawn_once_however_it_is_scaled() -> None:
     record = noise(1)
     cut = np.where(TIME < 9.0, 2.0 * record, np.nan)  # overturned early
-    same = ground.motions(shaken([cut, record, 0.5 * record], [swing(5.0, 18.0)] * 3), [(0,), (1,), (2,)])
+    one = {"ground_motion": ("case", np.zeros(3, dtype=np.int32))}
+    dataset = shaken([cut, record, 0.5 * record], [swing(5.0, 18.0)] * 3, **one)
+    same = ground.motions(dataset, [(0,), (1,), (2,)])
     assert [motion.cases for motion in same] == [[0, 1, 2]]
     assert same[0].scales == pytest.approx([2.0, 1.0, 0.5])
     assert np.isfinite(same[0].horizontal).all()
-    figure = figures.figure("histories", shaken([cut, record, 0.5 * record], [swing(5.0, 18.0)] * 3))
+    figure = figures.figure("histories", dataset)
     trace = labelled(figure, r"$a_g\,/\,\max|a_g|$")[0].lines[0]
     assert trace.get_color() == "#333333"
     assert np.abs(trace.get_ydata()).max() == pytest.approx(1.0)

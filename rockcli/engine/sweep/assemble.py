@@ -12,7 +12,7 @@ from rockcli.engine.provenance import attributes
 from rockcli.engine.sweep.results import Results
 from rockcli.engine.sweep.symbols import EDGES
 from rockcli.scene.thresholds import Thresholds
-from rockcli.scene.variables import HISTORIES, IMPACTS, VARIABLES
+from rockcli.scene.variables import HISTORIES, IMPACTS, MOTION, VARIABLES
 from rockcli.storage.contents import (
     COORDINATES,
     DIM_IMPACT,
@@ -37,6 +37,7 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
     fields |= _symbols(results, axes) | _edges(results, axes)
     if results.histories:
         fields["time"] = time_field(results.time)
+        fields |= _motions(results, axes)
     told = ("reason",) if len(results.reason) and not results.reason_asked else ()
     for name in (*study.scalars, *told):
         values = results.reason if name == "reason" else results.scalars[name]
@@ -80,6 +81,18 @@ def _symbols(results: Results, axes: tuple[str, ...]) -> dict[str, Field]:
     """The symbols over the axes they depend on; those no case has are left out."""
     found = {name: results.symbols.over(name, axes) for name in COORDINATES}
     return {name: variable_field(name, *over) for name, over in found.items() if over is not None}
+
+
+def _motions(results: Results, axes: tuple[str, ...]) -> dict[str, Field]:
+    """The number of each case's ground motion, from 0 in the order of the cases; -1 where a case has none."""
+    found = results.symbols.over(MOTION, axes)
+    if found is None:
+        return {}
+    dims, codes = found
+    known = dict.fromkeys(codes[~np.isnan(codes)].tolist())
+    number = {code: i for i, code in enumerate(known)}
+    values = [number.get(code, -1) for code in codes.ravel().tolist()]
+    return {MOTION: variable_field(MOTION, dims, np.array(values, dtype=np.int32).reshape(codes.shape))}
 
 
 def _edges(results: Results, axes: tuple[str, ...]) -> dict[str, Field]:

@@ -15,8 +15,8 @@ from rockcli.engine.sweep.results import Results
 from rockcli.engine.sweep.symbols import Symbols
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.excitation import Pulses
-from rockcli.scene.variables import LARGE
+from rockcli.scene.excitation import Pulses, codes_of_motions
+from rockcli.scene.variables import LARGE, MOTION
 from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import Index, Study
 
@@ -58,6 +58,8 @@ def describe(study: Study, built: list[tuple[Index, Batch]]) -> Description:
             values |= {"a_p": motion.a_p, "omega_p": motion.omega_p}
         if study.size <= LARGE:
             values["pga"], values["pgv"] = peaks(motion, batch.size, batch.excitation.duration)
+        if study.histories:
+            values[MOTION] = codes_of_motions(batch.excitation, batch.size)
         if len(built) == 1:
             symbols = values
             break

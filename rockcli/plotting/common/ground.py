@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, values_at
 from rockcli.plotting.common.labels import unit_g
 from rockcli.plotting.common.style import COLOURS, QUIET
+from rockcli.scene.variables import MOTION
 
 if TYPE_CHECKING:
     import xarray
@@ -20,7 +21,7 @@ MOST_PANELS = 3
 """Records up to which each has a panel of its own."""
 
 _SAME = 1e-6
-"""Difference of two motions, over the largest acceleration, up to which they are one."""
+"""Difference of scales up to which they are one."""
 
 _HORIZONTAL, _VERTICAL = "#333333", "#A9A9A9"
 
@@ -56,24 +57,30 @@ def motions(dataset: xarray.Dataset, positions: list[Position]) -> list[Motion]:
     """The different motions of some cases; none where the ground stands still in all of them."""
     if "a_g" not in dataset.variables:
         return []
-    found: list[Motion] = []
+    found: dict[float, Motion] = {}
     g = unit_g(dataset)
     for number, position in enumerate(positions):
         a = values_at(dataset, "a_g", position) / g
         v = values_at(dataset, "a_v", position) / g if "a_v" in dataset.variables else None
         v = v if v is not None and np.nanmax(np.abs(v), initial=0.0) > 0.0 else None
-        for motion in found:
-            scale = _scale(motion.horizontal, a)
-            if scale is not None and _agree(motion.vertical, v, scale):
-                motion.cases.append(number)
-                motion.scales.append(scale)
-                if np.isfinite(a).sum() > np.isfinite(motion.horizontal).sum():
-                    motion.horizontal, motion.vertical = a, v
-                    motion.scales = [s / scale for s in motion.scales]
-                break
-        else:
+        said = number_at(dataset, MOTION, position)
+        which = said if np.isfinite(said) else -1.0 - number  # of an earlier build: each case has its own
+        if which not in found:
             recorded = not np.isfinite(number_at(dataset, "omega_p", position))
-            found.append(Motion([number], [1.0], a, v, recorded=recorded))
+            found[which] = Motion([number], [1.0], a, v, recorded=recorded)
+            continue
+        motion = found[which]
+        scale = _scale(motion.horizontal, a)
+        motion.cases.append(number)
+        motion.scales.append(scale)
+        if np.isfinite(a).sum() > np.isfinite(motion.horizontal).sum():
+            motion.horizontal, motion.vertical = a, v
+            motion.scales = [s / scale for s in motion.scales]
+    return _labelled(dataset, positions, list(found.values()))
+
+
+def _labelled(dataset: xarray.Dataset, positions: list[Position], found: list[Motion]) -> list[Motion]:
+    """Motions with what tells them apart; none where the ground stands still in all of them."""
     if all(np.nanmax(np.abs(m.horizontal), initial=0.0) == 0.0 and m.vertical is None for m in found):
         return []
     for motion in found if len(found) > 1 else ():
@@ -147,24 +154,11 @@ def _stacked(panel: list[Motion]) -> bool:
     return len(panel) > 1 and any(motion.recorded for motion in panel)
 
 
-def _scale(a: Array, b: Array) -> float | None:
-    """b/a where one motion is the other up to scale, as far as both last; None where it is not."""
-    both = np.isfinite(a) & np.isfinite(b)
-    one, other = a[both], b[both]
-    if np.array_equal(one, other):
-        return 1.0
-    power = float(one @ one)
-    if power == 0.0 or not np.any(other):
-        return None
-    scale = float(one @ other) / power
-    return scale if np.abs(other - scale * one).max() <= _SAME * np.abs(other).max() else None
-
-
-def _agree(a: Array | None, b: Array | None, scale: float) -> bool:
-    if a is None or b is None:
-        return a is None and b is None
-    both = np.isfinite(a) & np.isfinite(b)
-    return bool(np.allclose(b[both], scale * a[both], rtol=0.0, atol=_SAME * float(np.abs(a[both]).max(initial=0.0))))
+def _scale(a: Array, b: Array) -> float:
+    """b/a of two sizes of one motion, where a is largest of what both last; 1 where nothing moves there."""
+    both = np.where(np.isfinite(a) & np.isfinite(b), np.abs(a), 0.0)
+    at = int(np.argmax(both))
+    return float(b[at] / a[at]) if both[at] > 0.0 and b[at] != 0.0 else 1.0
 
 
 def _distinction(dataset: xarray.Dataset, own: list[Position], every: list[Position]) -> str:
