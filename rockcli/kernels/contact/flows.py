@@ -37,11 +37,29 @@ def squared_rate(c, k):
     return total
 
 
+COARSER = 1e3
+"""Accelerations need be known to so many times the truncation of the rotation."""
+
+ENOUGH = 4
+"""Terms in a row that must be small, as sines may cancel in three."""
+
+
 @jit_lean
-def rock(par, e, s, q, v, a, W, n, c, sin_b, cos_b, rate2, N, T):
-    """Series of q (order n), of the normal force and friction at the edge (order n - 2) of a foot that holds."""
+def converged(c, k, power, h, coarse, small):
+    """Whether term k + 2 of q and term k of q'' at h are small; `power` is h^k."""
+    return abs(c[k + 2]) * power * h * h <= small and (k + 1) * (k + 2) * abs(c[k + 2]) * power <= coarse
+
+
+@jit_lean
+def rock(par, e, s, q, v, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T):
+    """Series of q, of the normal force and friction at the edge (two orders less) of a foot that holds.
+
+    Returns the order: before n it stops where the terms of q at h are below `small`, those of q'' below p^2 COARSER
+    times as much.
+    """
     R, beta = par[e + at.RADIUS], par[e + at.ALPHA] - q
     lever = R / (par[at.RG2] + R * R)
+    coarse, below, power = COARSER * small * par[at.G] * lever, 0, 1.0
     c[0], c[1] = q, v
     sin_b[0], cos_b[0] = math.sin(beta), math.cos(beta)
     for k in range(n - 1):
@@ -49,6 +67,12 @@ def rock(par, e, s, q, v, a, W, n, c, sin_b, cos_b, rate2, N, T):
             trigonometry(c, k, sin_b, cos_b)
         c[k + 2] = -lever * (product(W, sin_b, k) + s * product(a, cos_b, k)) / ((k + 1) * (k + 2))
         rate2[k] = squared_rate(c, k)
+        below = below + 1 if converged(c, k, power, h, coarse, small) else 0
+        power *= h
+        if below >= ENOUGH:
+            n = k + 2
+            break
+    trigonometry(c, n - 1, sin_b, cos_b)
     for k in range(n - 1):
         across = along = 0.0
         for j in range(k + 1):
@@ -57,18 +81,20 @@ def rock(par, e, s, q, v, a, W, n, c, sin_b, cos_b, rate2, N, T):
             along += cos_b[k - j] * acc + sin_b[k - j] * rate2[j]
         N[k] = W[k] + R * across
         T[k] = a[k] + s * R * along
+    return n
 
 
 @jit_lean
-def slide_rock(par, e, s, sigma, q, v, u, a, W, n, c, sin_b, cos_b, rate2, N, A, held, tilt, slip):
-    """Series of q (order n), of the slip velocity (n - 1), of N, A and the numerator of N (n - 2) of a foot that slips
-    (K5, K6).
+def slide_rock(par, e, s, sigma, q, v, u, a, W, h, small, n, c, sin_b, cos_b, rate2, N, A, held, tilt, slip):
+    """Series of q, of the slip velocity (an order less), of N, A and the numerator of N (two less) of a foot that slips
+    (K5, K6); returns the order, as `rock` does.
 
     The slip velocity is that of the centre of mass, whose acceleration is -a_g + T, and the turning of the edge about
     it.  `tilt` is work space.
     """
     R, beta, mu = par[e + at.RADIUS], par[e + at.ALPHA] - q, par[at.MU_K]
     k2, way = R * R / par[at.RG2], mu * s * sigma
+    coarse, below, power = COARSER * small * par[at.G] * R / (par[at.RG2] + R * R), 0, 1.0
     c[0], c[1] = q, v
     sin_b[0], cos_b[0] = math.sin(beta), math.cos(beta)
     for k in range(n - 1):
@@ -85,6 +111,12 @@ def slide_rock(par, e, s, sigma, q, v, u, a, W, n, c, sin_b, cos_b, rate2, N, A,
             taken -= A[j] * N[k - j]
         N[k] = taken / A[0]
         c[k + 2] = -k2 / R * product(N, tilt, k) / ((k + 1) * (k + 2))
+        near = abs(N[k]) * power <= COARSER * small * par[at.G]
+        below = below + 1 if near and converged(c, k, power, h, coarse, small) else 0
+        power *= h
+        if below >= ENOUGH and k >= 2:
+            n = k + 2
+            break
     trigonometry(c, n - 1, sin_b, cos_b)
     slip[0] = u
     for k in range(1, n):
@@ -92,6 +124,7 @@ def slide_rock(par, e, s, sigma, q, v, u, a, W, n, c, sin_b, cos_b, rate2, N, A,
         for j in range(k + 1):
             turning += cos_b[k - j] * (j + 1) * c[j + 1]
         slip[k] = -(a[k - 1] + mu * sigma * N[k - 1]) / k - s * R * turning
+    return n
 
 
 @jit_lean

@@ -296,6 +296,9 @@ def march(
 
         e, other = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
         R, alpha = par[e + at.RADIUS], par[e + at.ALPHA]
+        d = max(deg_a, deg_v, 1)  # of the motion
+        m, ns = n, n  # orders of q and of `slip`
+        looks = 1 if d == 1 and t < t_motion else LOOKS
         event, x, way = 0, NO_ROOT, 0.0
         if stalled > 100:
             h = min(h, max(1e-12 * (t_next - t), 4e-16 * t))
@@ -308,25 +311,26 @@ def march(
                 hold = mu_s if side < 2 else par[edge + at.B] / h_cm
                 if side >= 2 and mu_s <= hold * SAME:
                     continue  # it slides before it tips
-                for k in range(n + 1):
+                for k in range(d + 1):
                     guard[k] = hold * W[k] + sign * a[k]
-                root = leaves(guard, n, h, g * hold)
+                root = leaves(guard, d, h, g * hold)
                 if root != NO_ROOT and (event == 0 or root < x):
                     event, x, way = (SLIPS if side < 2 else LIFTS), root, sign
-            for k in range(n + 1):
+            for k in range(d + 1):
                 guard[k] = W[k]
-            root = leaves(guard, n, h, g)
+            root = leaves(guard, d, h, g)
             if root != NO_ROOT and (event == 0 or root < x):
                 event, x = LEAVES, root
         elif mode == SLIDE:
-            flows.slide(mu_k, sigma, u, a, W, n - 1, slip)
-            for k in range(n):
+            ns = d + 1
+            flows.slide(mu_k, sigma, u, a, W, ns, slip)
+            for k in range(ns + 1):
                 guard[k] = sigma * slip[k]
-            x = starts(guard, n - 1, h, 0 if u != 0.0 else 1 + launch)
+            x = starts(guard, ns, h, 0 if u != 0.0 else 1 + launch)
             event = 0 if x == NO_ROOT else STOPS
-            for k in range(n + 1):
+            for k in range(d + 1):
                 guard[k] = W[k]
-            root = leaves(guard, n, h, g)
+            root = leaves(guard, d, h, g)
             if root != NO_ROOT and (event == 0 or root < x):
                 event, x = LEAVES, root
         elif mode == FLIGHT:
@@ -356,60 +360,61 @@ def march(
         else:
             h = min(h, 1.0 / p_max)
             if mode == ROCK:
-                flows.rock(par, e, s, q, v, a, W, n, c, sin_b, cos_b, rate2, N, T)
+                m = flows.rock(par, e, s, q, v, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T)
             else:
-                flows.slide_rock(
-                    par, e, s, sigma, q, v, u, a, W, n, c, sin_b, cos_b, rate2, N, A, numerator, tilt, slip
+                m = flows.slide_rock(
+                    par, e, s, sigma, q, v, u, a, W, h, small, n, c, sin_b, cos_b, rate2, N, A, numerator, tilt, slip
                 )
-                h = within(slip, n - 3, n - 1, speed, h)
-            h = within(c, n - 2, n, small, h)
-            if not h > 0.0 or math.isnan(c[n]):
+                ns = m - 1
+                h = within(slip, m - 3, m - 1, speed, h)
+            h = within(c, m - 2, m, small, h)
+            if not h > 0.0 or math.isnan(c[m]):
                 out[to.STATUS] = NOT_FINITE
                 break
-            for k in range(n + 1):
+            for k in range(m + 1):
                 guard[k] = c[k]
             handled = 0
             if q == 0.0:
                 handled = 1 if v > 0.0 else 3
                 if v == 0.0 and guard[2] != 0.0:
                     handled = 2 if guard[2] > 1e-13 * p_max * p_max else 3
-            x = starts(guard, n, h, handled)
+            x = starts(guard, m, h, handled)
             event = 0 if x == NO_ROOT else LANDS
             if mode == ROCK:
                 for side in range(2):
                     sign = 1.0 if side == 1 else -1.0
-                    for k in range(n - 1):
+                    for k in range(m - 1):
                         guard[k] = mu_s * N[k] + sign * T[k]
-                    root = leaves(guard, n - 2, h, max(mu_s, 1e-3) * g)
+                    root = leaves(guard, m - 2, h, max(mu_s, 1e-3) * g)
                     if root != NO_ROOT and (event == 0 or root < x):
                         event, x, way = SLIPS, root, sign
-                for k in range(n - 1):
+                for k in range(m - 1):
                     guard[k] = N[k]
             else:
-                for k in range(n):
+                for k in range(m):
                     guard[k] = sigma * slip[k]
-                root = starts(guard, n - 1, h, 0 if u != 0.0 else 1 + launch)
+                root = starts(guard, m - 1, h, 0 if u != 0.0 else 1 + launch)
                 if root != NO_ROOT and (event == 0 or root < x):
                     event, x = STOPS, root
                 if mu_k * R * R / rg2 > math.sqrt(1.0 + R * R / rg2):  # (K7), half of it, to be safe
-                    for k in range(n - 1):
+                    for k in range(m - 1):
                         guard[k] = A[k]
-                    root = leaves(guard, n - 2, h, 1.0)
+                    root = leaves(guard, m - 2, h, 1.0)
                     if root != NO_ROOT and (event == 0 or root < x):
                         event, x = JAMS, root
-                for k in range(n - 1):
+                for k in range(m - 1):
                     guard[k] = numerator[k]
-            root = leaves(guard, n - 2, h, g)
+            root = leaves(guard, m - 2, h, g)
             if root != NO_ROOT and (event == 0 or root < x):
                 event, x = LEAVES, root
             reach = 0.0
-            for k in range(n, -1, -1):
+            for k in range(m, -1, -1):
                 reach = reach * (h if event == 0 else x) + abs(c[k])
             if reach >= 0.5 * math.pi:
-                for k in range(n + 1):
+                for k in range(m + 1):
                     guard[k] = -c[k]
                 guard[0] = 0.5 * math.pi - q
-                root = 0.0 if guard[0] <= 0.0 else first_root(guard, n, h, 0)
+                root = 0.0 if guard[0] <= 0.0 else first_root(guard, m, h, 0)
                 if root != NO_ROOT and (event == 0 or root < x):
                     event, x = TOPPLES, root
         if stalled > 100:
@@ -422,25 +427,25 @@ def march(
         counted = t < t_stop or not lasts
         if mode in (ROCK, SLIDE_ROCK):
             if counted:
-                extremes(c, n, x, LOOKS, found)
+                extremes(c, m, x, looks, found)
                 note_angle(found[0], s, t + found[1], out)
-                for k in range(n):
+                for k in range(m):
                     guard[k] = (k + 1) * c[k + 1]
-                extremes(guard, n - 1, x, LOOKS, found)
+                extremes(guard, m - 1, x, looks, found)
                 out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(found[0]), abs(found[2]))
-                extremes(N, n - 2, x, LOOKS, found)
+                extremes(N, m - 2, x, looks, found)
                 out[to.N_MIN] = min(out[to.N_MIN], found[2] / g)
-            if value(c, n, x) >= alpha or reach >= alpha:
-                passed = last_passage(c, n, alpha, x, LOOKS)
+            if value(c, m, x) >= alpha or reach >= alpha:
+                passed = last_passage(c, m, alpha, x, LOOKS)
                 if passed != NO_ROOT:
                     out[to.T_OVERTURN] = t + passed
             if counted:  # the top: slide + top sin(theta)
-                for k in range(n):
+                for k in range(m):
                     guard[k] = s * par[at.TOP] * (math.sin(alpha) * cos_b[k] - math.cos(alpha) * sin_b[k])
                     if mode == SLIDE_ROCK and k > 0:
                         guard[k] += slip[k - 1] / k
                 guard[0] += place
-                extremes(guard, n - 1, x, LOOKS, found)
+                extremes(guard, m - 1, x, looks, found)
                 out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(found[0]), abs(found[2]))
         elif mode == FLIGHT:
             out[to.N_MIN] = min(out[to.N_MIN], 0.0)
@@ -467,9 +472,9 @@ def march(
                     else:
                         out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(found[0]), abs(found[2]))
         elif counted:
-            extremes(W, n, x, LOOKS, found)
+            extremes(W, d, x, looks, found)
             out[to.N_MIN] = min(out[to.N_MIN], found[2] / g)
-        balance += work(par, mode, e, s, sigma, c, slip, height, n, x, a, W)
+        balance += work(par, mode, e, s, sigma, c, m, slip, ns, height, n, x, a, W, d)
 
         while i_hist < n_hist and i_hist * dt_out <= t_new:
             y = i_hist * dt_out - t
@@ -477,10 +482,10 @@ def march(
             theta_out[i_hist] = rate_out[i_hist] = slide_rate_out[i_hist] = lift_out[i_hist] = 0.0
             slide_out[i_hist] = place
             if mode in (ROCK, SLIDE_ROCK):
-                theta_out[i_hist], rate_out[i_hist] = s * max(value(c, n, y), 0.0), s * slope(c, n, y)
+                theta_out[i_hist], rate_out[i_hist] = s * max(value(c, m, y), 0.0), s * slope(c, m, y)
             if mode in (SLIDE, SLIDE_ROCK):
-                slide_out[i_hist] = place + integral(slip, n - 1, y)
-                slide_rate_out[i_hist] = value(slip, n - 1, y)
+                slide_out[i_hist] = place + integral(slip, ns, y)
+                slide_rate_out[i_hist] = value(slip, ns, y)
             if mode == FLIGHT:
                 angle = theta + turn * y
                 sin_t, cos_t = math.sin(angle), math.cos(angle)
@@ -494,12 +499,12 @@ def march(
 
         # the state at its end
         if mode in (SLIDE, SLIDE_ROCK):
-            place += integral(slip, n - 1, x)
-            u = 0.0 if event == STOPS else value(slip, n - 1, x)
+            place += integral(slip, ns, x)
+            u = 0.0 if event == STOPS else value(slip, ns, x)
             if counted:
                 note_slide(place, out)
         if mode in (ROCK, SLIDE_ROCK):
-            q, v = (0.0 if event == LANDS else value(c, n, x)), slope(c, n, x)
+            q, v = (0.0 if event == LANDS else value(c, m, x)), slope(c, m, x)
             if event == LANDS:
                 v = min(v, 0.0)
         if mode == FLIGHT:
@@ -608,7 +613,7 @@ def march(
                 v = 0.0
             pick = ON_EDGE if v > 0.0 else ON_BASE
             if v > 0.0:
-                wait, slid = settles(par, s, v, u, a, W, n, t - t_was, t_next - t, rest_speed)
+                wait, slid = settles(par, s, v, u, a, W, d, t - t_was, t_next - t, rest_speed)
                 if wait >= 0.0:
                     balance -= energy_on_edge(par, e, s, 0.0, v, u) - 0.5 * slid * slid
                     between = 0.5 * (u + slid) * wait

@@ -40,27 +40,27 @@ def energy_in_flight(par, x_rate, z, z_rate, rate):
 
 
 @jit_lean
-def power(par, mode, e, s, sigma, c, slip, height, n, y, a, W):
+def power(par, mode, e, s, sigma, c, m, slip, ns, height, n, y, a, W, d):
     """Power of the ground motion and of friction at y over m: -a_g x' - a_v z' + T v_t [W/kg]."""
-    a_g, weight, g = value(a, n, y), value(W, n, y), par[at.G]
+    a_g, weight, g = value(a, d, y), value(W, d, y), par[at.G]
     if mode == FLIGHT:
-        return -a_g * value(slip, n, y) - (weight - g) * slope(height, n, y)
+        return -a_g * value(slip, ns, y) - (weight - g) * slope(height, n, y)
     if mode == SLIDE:
-        u = value(slip, n, y)
+        u = value(slip, ns, y)
         return -(a_g + par[at.MU_K] * sigma * weight) * u
-    R, v = par[e + at.RADIUS], slope(c, n, y)
-    beta = par[e + at.ALPHA] - value(c, n, y)
+    R, v = par[e + at.RADIUS], slope(c, m, y)
+    beta = par[e + at.ALPHA] - value(c, m, y)
     sin_b, cos_b = math.sin(beta), math.cos(beta)
     x_rate, z_rate = s * R * cos_b * v, R * sin_b * v
     if mode == ROCK:
         return -a_g * x_rate - (weight - g) * z_rate
-    u, way = value(slip, n - 1, y), par[at.MU_K] * s * sigma
+    u, way = value(slip, ns, y), par[at.MU_K] * s * sigma
     N = (weight - R * cos_b * v * v) / (1.0 + R * R / par[at.RG2] * sin_b * (sin_b - way * cos_b))
     return -a_g * (x_rate + u) - (weight - g) * z_rate - par[at.MU_K] * sigma * N * u
 
 
 @jit_lean
-def work(par, mode, e, s, sigma, c, slip, height, n, x, a, W):
+def work(par, mode, e, s, sigma, c, m, slip, ns, height, n, x, a, W, d):
     """Work of the ground motion and of friction on [0, x] over m [J/kg].
 
     By quadrature of the forces times the velocities, so that the balance of energy judges the flow.
@@ -71,7 +71,7 @@ def work(par, mode, e, s, sigma, c, slip, height, n, x, a, W):
     for i in range(8):
         for side in range(2):
             y = half * (1.0 + (NODES[i] if side == 1 else -NODES[i]))
-            total += WEIGHTS[i] * power(par, mode, e, s, sigma, c, slip, height, n, y, a, W)
+            total += WEIGHTS[i] * power(par, mode, e, s, sigma, c, m, slip, ns, height, n, y, a, W, d)
     return total * half
 
 

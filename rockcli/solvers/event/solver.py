@@ -20,6 +20,7 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.contact import slides_only
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Accuracy
@@ -34,6 +35,7 @@ from rockcli.solvers.common.certainty import (
 )
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.ground import channel_of
+from rockcli.solvers.contact.screen import surely_holds
 from rockcli.solvers.contact.solver import with_contact
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
@@ -150,30 +152,37 @@ def _method(pulses: bool, in_lanes: bool, level: Accuracy) -> str:
 
 
 def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> Raw:
-    """A map of pulses or of a record in lanes; one by one those of two different edges, with a given duration or mu,
-    and those the lanes hand over."""
+    """A map of pulses or of a record in lanes.
+
+    One by one those of two different edges, with a given duration, those the lanes hand over, and those of which their
+    rotation alone does not tell that friction holds them.
+    """
     rows = np.ascontiguousarray(parameters)
-    detail = _detail(march, batch, False)
+    given = np.isfinite(batch.block.mu)
     compiled = bool(kernels.compiled)
     run = Raw(batch.size, 0, 0)
     left_edge, right_edge = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
-    fit = np.all(left_edge == right_edge, axis=1) & (rows[:, at.HAS_DURATION] == 0.0) & ~np.isfinite(batch.block.mu)
+    fit = np.all(left_edge == right_edge, axis=1) & (rows[:, at.HAS_DURATION] == 0.0)
     pulses = lane_pulses.asked(batch)
+    how_much = int(march.PEAKS) if given.any() else _detail(march, batch, False)  # how far it rocks tells of friction
     if not pulses:
         fit &= lane_records.fit(batch, rows)
     cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
     if pulses:
         lanes = kernels.load("lanes.pulses.march", compile_them=compiled)
-        found = lane_pulses.run(lanes, batch, rows[cases], _settings(lanes, batch, level, detail), cases)
+        found = lane_pulses.run(lanes, batch, rows[cases], _settings(lanes, batch, level, how_much), cases)
     else:
         lanes = kernels.load("lanes.records.march", compile_them=compiled)
-        found = lane_records.run(lanes, batch, rows[cases], _settings(lanes, batch, level, detail))
+        found = lane_records.run(lanes, batch, rows[cases], _settings(lanes, batch, level, how_much))
     run.out[:, to.STATUS] = np.nan
     run.out[cases] = found
+    if given.any():
+        held = surely_holds(batch, run.out[:, to.PEAK], run.out[:, to.FELL] == RETURNS)
+        run.out[given & ~held & ~slides_only(batch), to.STATUS] = np.nan
     left = np.flatnonzero(np.isnan(run.out[:, to.STATUS]))
     if len(left):
         alone = Raw(len(left), 0, 0)
-        _march_rows(march, batch, rows[left], level, alone, detail, cases=left)
+        _march_rows(march, batch, rows[left], level, alone, _detail(march, batch, False), cases=left)
         run.out[left] = alone.out
     return run
 

@@ -1,0 +1,51 @@
+"""Bodies of a map that are told to hold by how far they rock: never one that needs more friction than it has."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scenes import G, block, make_batch, pulse, record
+
+from rockcli.motion.reading import read_record
+from rockcli.scene.variables import SCALARS_LARGE
+from rockcli.solvers.contact.screen import surely_holds
+from rockcli.solvers.event.solver import solve
+
+
+def scene(kind, n=150, tan_alpha=0.25):
+    rng = np.random.default_rng(4)
+    body = dataclasses.replace(block(1.0, tan_alpha, n), mu=rng.uniform(0.2, 0.9, n))
+    if kind == "record":
+        motion = read_record("records/synthetic_rock_m65.AT2")
+        values = motion.acceleration(G)[400:1200]
+        factor = rng.uniform(0.9, 2.5, n) * tan_alpha * G / np.abs(values).max()
+        return make_batch(body, record(values, motion.dt, factor=factor), accuracy="standard")
+    a_p, omega = rng.uniform(0.9, 3.0, n) * tan_alpha * G, rng.uniform(6.0, 30.0, n)
+    return make_batch(body, pulse(kind, a_p, omega), accuracy="standard")
+
+
+@pytest.mark.parametrize("kind", ["ricker", "sine", "record"])
+def test_none_that_slides_is_let_through(kind):
+    batch = scene(kind)
+    free = dataclasses.replace(batch, block=dataclasses.replace(batch.block, mu=np.full(batch.size, np.nan)))
+    rocked = solve(free).scalars
+    held = surely_holds(batch, np.abs(rocked["theta_peak"]), rocked["outcome"] < 2)
+    needs = np.fmax(rocked["mu_required"], rocked["mu_impact"])
+    assert (needs[held] <= batch.block.mu[held]).all()
+    assert (rocked["N_min_over_mg"][held] > 0.0).all()
+    assert 0.15 < held.mean() < 0.95
+
+
+def test_a_map_with_friction_has_the_bits_of_one_without_where_it_holds():
+    batch = scene("ricker", 60)
+    batch = dataclasses.replace(batch, save=dataclasses.replace(batch.save, scalars=frozenset(SCALARS_LARGE)))
+    free = dataclasses.replace(batch, block=dataclasses.replace(batch.block, mu=np.full(batch.size, np.nan)))
+    one, other = solve(batch).scalars, solve(free).scalars
+    held = surely_holds(batch, np.abs(other["theta_peak"]), other["outcome"] < 2)
+    assert held.any()
+    for name in SCALARS_LARGE:
+        np.testing.assert_array_equal(one[name][held], other[name][held])
+    assert (one["slide_peak"][held] == 0.0).all()
+    assert (one["slide_peak"] > 0.0).any()
