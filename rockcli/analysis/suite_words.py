@@ -28,7 +28,7 @@ def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
 
 
 def warnings(contents: Contents, study: Study) -> list[str]:
-    """What must not be overlooked: members left out or divided, safe islands, curves refused."""
+    """What must not be overlooked: members left out or divided, stable islands, curves refused."""
     assert study.over is not None
     return [
         *_left_out(contents, study, study.over),
@@ -102,8 +102,9 @@ def _islands(contents: Contents, over: Over) -> Iterator[str]:
     if curves.any():
         where = place(contents, contents.axes, np.argwhere(island)[0], units_of(contents))
         yield (
-            f"safe islands: on {int(curves.sum())} of {curves.size} curves along {over.along} a body stands above an "
-            f"intensity that overturned it (first: {where}); the share that overturns need not grow along the curve"
+            f"stable islands: on {int(curves.sum())} of {curves.size} curves along {over.along} a body "
+            f"remains stable above an intensity that overturned it (first: {where}); the share that overturns need not "
+            "grow with it"
         )
 
 

@@ -122,7 +122,7 @@ def test_islands_and_missing_answers():
     assert contents.values("p_overturned")[10] == pytest.approx(0.8)
     said = " ".join(json.loads(contents.attrs["warnings"]))
     assert "2 of 80 cases have no answer" in said
-    assert "safe islands: on 1 of 5 curves" in said
+    assert "stable islands: on 1 of 5 curves" in said
     assert "no fragility curve for theta/alpha > 0.1: every case exceeds it" in said
     again = with_ensembles(contents, checked)  # nothing piles up
     assert again.attrs == contents.attrs

@@ -84,7 +84,7 @@ while i < STEPS:
     t = i * DT
     if not math.isfinite(theta):
         sys.exit(f"the solution ceased to be finite at t = {t:.6g} s")
-    if abs(theta) > theta_armed:  # one eta per landing: the base has to open by this much before the next
+    if abs(theta) > theta_armed:  # one eta per impact: the base has to open by this much before the next
         armed, last_armed = True, t
     if t_uplift is None and abs(theta) > theta_y:
         t_uplift = t
