@@ -17,32 +17,32 @@ def found(state, low, high, islands=0, island_low=np.nan, island_high=np.nan, ro
 @pytest.mark.parametrize(
     ("thresholds", "axes", "words"),
     [
-        (found(IN_RANGE, 2.4, 2.5), {}, "2.5 m/s2"),
-        (found(NONE, 9.0, np.inf), {}, "none up to 9 m/s2"),
-        (found(BELOW, -np.inf, 4.0), {}, "below the range, whose lowest point 4 m/s2 overturns already"),
-        (found(BRACKETED, 1.0, 4.0), {}, "above 1 m/s2 and at most 4 m/s2, as a point on the way has no answer"),
+        (found(IN_RANGE, 2.4, 2.5), {}, "2.5 m/s²"),
+        (found(NONE, 9.0, np.inf), {}, "none up to 9 m/s²"),
+        (found(BELOW, -np.inf, 4.0), {}, "below the range, whose lowest point 4 m/s² overturns already"),
+        (found(BRACKETED, 1.0, 4.0), {}, "above 1 m/s² and at most 4 m/s², as a point on the way has no answer"),
         (found(BRACKETED, -np.inf, np.inf), {}, "not known, as a point on the way has no answer"),
-        (found(IN_RANGE, 2.4, 2.5, 1, 6.0, 7.0), {}, "2.5 m/s2; stable islands above it at 6 m/s2 to 7 m/s2"),
-        (found(IN_RANGE, 2.4, 2.5, 1, 6.0, 6.0), {}, "2.5 m/s2; stable islands above it at 6 m/s2"),
+        (found(IN_RANGE, 2.4, 2.5, 1, 6.0, 7.0), {}, "2.5 m/s²; stable islands above it at 6 m/s² to 7 m/s²"),
+        (found(IN_RANGE, 2.4, 2.5, 1, 6.0, 6.0), {}, "2.5 m/s²; stable islands above it at 6 m/s²"),
         (
             found(IN_RANGE, 2.4, 2.5, rocks=1),
             {},
-            "2.5 m/s2; rocks at the lowest point of the range already, and may overturn below it",
+            "2.5 m/s²; rocks at the lowest point of the range already, and may overturn below it",
         ),
         (
             found([0, 1], [2.4, 9.0], [2.5, np.inf], rocks=[0, 1]),
             {"R": R},
-            "2.5 m/s2 (R=1); none up to 9 m/s2 (R=2) in 1 of 2 cases; "
+            "2.5 m/s² (R=1); none up to 9 m/s² (R=2) in 1 of 2 cases; "
             "rocks at the lowest point of the range already in 1 of 2 cases, and may overturn below it",
         ),
-        (found([0, 0], [2.9, 1.4], [3.0, 1.5]), {"R": R}, "1.5 m/s2 (R=2) to 3 m/s2 (R=1)"),
+        (found([0, 0], [2.9, 1.4], [3.0, 1.5]), {"R": R}, "1.5 m/s² (R=2) to 3 m/s² (R=1)"),
         (
             found([[0, 1], [2, 3]], [[2.9, 9], [-np.inf, 5]], [[3, np.inf], [1, np.inf]], [[2, 0], [0, 0]], 6.0, 7.0),
             {"record": RECORDS, "R": R},
-            "3 m/s2 (record=one.AT2, R=1); none up to 9 m/s2 (record=one.AT2, R=2) in 1 of 4 cases; "
-            "below the range, whose lowest point 1 m/s2 overturns already (record=two.AT2, R=1) in 1 of 4 cases; "
-            "above 5 m/s2, as a point on the way has no answer (record=two.AT2, R=2) in 1 of 4 cases; "
-            "stable islands above it at 6 m/s2 to 7 m/s2 (record=one.AT2, R=1) in 1 of 4 cases",
+            "3 m/s² (record=one.AT2, R=1); none up to 9 m/s² (record=one.AT2, R=2) in 1 of 4 cases; "
+            "below the range, whose lowest point 1 m/s² overturns already (record=two.AT2, R=1) in 1 of 4 cases; "
+            "above 5 m/s², as a point on the way has no answer (record=two.AT2, R=2) in 1 of 4 cases; "
+            "stable islands above it at 6 m/s² to 7 m/s² (record=one.AT2, R=1) in 1 of 4 cases",
         ),
     ],
 )
