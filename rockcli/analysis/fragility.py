@@ -1,22 +1,25 @@
-"""Fragility: a lognormal curve through the fractions of a suite that exceed a limit state, by maximum likelihood.
+"""Fragility: how the probability that a suite exceeds nested limit states grows with intensity.
 
-P(exceed | x) = Phi(ln(x/median)/beta).  The same suite is used at every intensity, so the points of a curve are not
-independent trials: the covariance of the fit is clustered by the members of the suite (Liang and Zeger 1986, with
-the factor n/(n-1)).  Binomial fit: Shinozuka et al. (2000); multiple stripes: Baker (2015), Earthq. Spectra 31(1).
+P(exceed | x) = Phi(ln((x - x_0)/(median - x_0))/beta) above x_0, 0 below: the lognormal curve for x_0 = 0, and no mass
+where nothing can move for x_0 at uplift.  Fitted by maximum likelihood, either all limit states at once with one beta
+(ordered probit: curves never cross), or each alone.  Binomial fit: Shinozuka et al. (2000); multiple stripes: Baker
+(2015), Earthq. Spectra 31(1).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.statistics import inverse_mills
+from rockcli.analysis.ordered_probit import Probit, Rows, ordered_probit
+from rockcli.scene.variables import PERCENTILES
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
-FITTED, NONE_EXCEEDS, ALL_EXCEED, SEPARABLE, FALLING = 0, 1, 2, 3, 4
+FITTED, NONE_EXCEEDS, ALL_EXCEED, SEPARABLE, FALLING, BELOW, NOT_ASKED = 0, 1, 2, 3, 4, 5, 6
 
 STATUS: dict[int, str] = {
     FITTED: "fitted",
@@ -24,6 +27,8 @@ STATUS: dict[int, str] = {
     ALL_EXCEED: "all_exceed",
     SEPARABLE: "separable",
     FALLING: "falling",
+    BELOW: "below_uplift",
+    NOT_ASKED: "not_asked",
 }
 
 WHY_NOT: dict[int, str] = {
@@ -31,17 +36,41 @@ WHY_NOT: dict[int, str] = {
     ALL_EXCEED: "every case exceeds it, so the range is too high",
     SEPARABLE: "it goes from none to all between two intensities: beta cannot be estimated, the median only roughly",
     FALLING: "it is not exceeded more often as the intensity grows",
+    BELOW: "it is exceeded where the curve begins or below (begins_at)",
 }
 """Why there is no curve."""
 
-_ITERATIONS = 100
+LOGNORMAL, ORDINAL, NONE = "lognormal", "ordinal", "none"
+
+CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
-    """Lognormal curves, (f,) each: `median` in the units of the intensity, `beta` [1], NaN where not FITTED.
+class Seen:
+    """What became of the n members of a suite at k intensities.
 
-    `se_ln_median`, `se_beta`: standard errors; `correlation`: of the two estimates; `status`: int8, a key of STATUS.
+    Attributes:
+        x: (n, k) intensity; what is not positive, or NaN, is left out.
+        low, high: (n, k) lowest and highest category a member may be in: the number of limit states it exceeds.
+        weight: (n, k) 0 left out, 1 whole.
+    """
+
+    x: Array
+    low: Index
+    high: Index
+    weight: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Curves of the limit states, (states,) each; NaN where not FITTED.
+
+    Attributes:
+        median: in units of the intensity; beta: [1], of ln(x - x_0).
+        se_ln_median, se_beta: standard errors of ln(median - x_0) and beta; correlation: of the two estimates.
+        status: int8, a key of STATUS.
+        begins_at: x_0.
+        members: with a row in the fit.
     """
 
     median: Array
@@ -50,112 +79,124 @@ class Fit:
     se_beta: Array
     correlation: Array
     status: NDArray[np.int8]
+    begins_at: float
+    members: int
+
+    @property
+    def _reach(self) -> float:
+        from scipy.stats import t
+
+        return float(t.ppf(0.5 + 0.5 * CONFIDENCE, max(self.members - 1, 1)))
+
+    def median_limits(self) -> tuple[Array, Array]:
+        """Confidence limits of the median, by Student's t of as many degrees of freedom as members less one."""
+        above = self.median - self.begins_at
+        spread = np.exp(self._reach * self.se_ln_median)
+        return self.begins_at + above / spread, self.begins_at + above * spread
+
+    def beta_limits(self) -> tuple[Array, Array]:
+        """The same of beta, on its logarithm."""
+        spread = np.exp(self._reach * self.se_beta / self.beta)
+        return self.beta / spread, self.beta * spread
+
+    def percentiles(self, beta_added: float) -> Array:
+        """Intensities exceeded with the probabilities PERCENTILES, (states, percentiles)."""
+        from scipy.special import ndtri
+
+        z = ndtri(np.array(PERCENTILES) / 100.0)
+        total = np.hypot(self.beta, beta_added)
+        return np.asarray(self.begins_at + (self.median - self.begins_at)[:, None] * np.exp(total[:, None] * z))
 
 
-def fit(intensity: Array, exceeds: Array, weight: Array) -> Fit:
-    """Fit f curves at once.
+def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.0) -> Curves:
+    """Fit the curves of nested limit states 1 ... states.
 
     Args:
-        intensity: (k,); values that are not positive have no logarithm and are left out.
-        exceeds: (f, n, k) whether member n of the suite exceeds the limit state, or the share of its runs that do.
-        weight: (f, n, k) or (1, n, k) the share of a member that is known: 0 left out, 1 whole.
+        seen: what became of the members.
+        states: number of limit states.
+        fit: ORDINAL one beta for all, so that they never cross; LOGNORMAL each alone; NONE no curve.
+        begins_at: intensity at and below which nothing can exceed any.
     """
-    positive = intensity > 0.0
-    x = np.log(intensity[positive])
-    known = np.broadcast_to(weight, exceeds.shape)[..., positive].astype(float)
-    over = exceeds[..., positive] * known
-    hits, trials = over.sum(axis=1), known.sum(axis=1)
-    status = _status(x, hits, trials)
-    centre, spread = (x.mean(), x.std() or 1.0) if len(x) else (0.0, 1.0)
-    u = (x - centre) / spread
-    solvable = status == FITTED
-    c = np.full((len(hits), 2), np.nan)
-    c[solvable] = _maximum(u, hits[solvable], trials[solvable])
-    b = c[:, 1] / spread
-    status[solvable & ~(b > 0.0)] = FALLING
-    b = np.where(status == FITTED, b, np.nan)
-    ln_median = centre - c[:, 0] / b
-    covariance = np.full((len(hits), 2, 2), np.nan)
-    good = status == FITTED
-    covariance[good] = _clustered(u, over[good], known[good], c[good])
-    # (c0, c1) -> (ln median, beta) = (centre - spread c0/c1, spread/c1)
-    jacobian = np.empty_like(covariance)
-    jacobian[:, 0, 0], jacobian[:, 0, 1] = -1.0 / b, (centre - ln_median) / (b * spread)
-    jacobian[:, 1, 0], jacobian[:, 1, 1] = 0.0, -1.0 / (b * b * spread)
-    moved = jacobian @ covariance @ np.swapaxes(jacobian, 1, 2)
-    se = np.sqrt(np.maximum(np.diagonal(moved, axis1=1, axis2=2), 0.0))
-    product = se[:, 0] * se[:, 1]
-    correlation = np.divide(moved[:, 0, 1], product, out=np.full(len(b), np.nan), where=product > 0.0)
-    return Fit(np.exp(ln_median), 1.0 / b, se[:, 0], se[:, 1], correlation, status)
+    use = (seen.weight > 0.0) & (seen.x > 0.0)
+    early = use & (seen.x <= begins_at * (1.0 + 1e-9))
+    beneath = np.array([bool((early & (seen.low > j)).any()) for j in range(states)])
+    use &= ~early
+    who = np.broadcast_to(np.arange(seen.x.shape[0])[:, None], seen.x.shape)
+    rows = Rows(np.log(seen.x[use] - begins_at)[:, None], seen.low[use], seen.high[use], seen.weight[use], who[use])
+    status = np.array([_status(rows, j) for j in range(states)], dtype=np.int8)
+    status[beneath] = BELOW
+    found = _blank(states, status, begins_at, len(np.unique(rows.member)))
+    if fit == NONE:
+        status[:] = NOT_ASKED
+    elif fit == ORDINAL:
+        _ordinal(rows, found)
+    else:
+        _each_alone(rows, found)
+    return replace(found, median=begins_at + found.median)
 
 
-def _status(x: Array, hits: Array, trials: Array) -> NDArray[np.int8]:
-    """Whether a finite maximum exists: some intensity with misses lies above some intensity with hits."""
-    some_hit, some_miss = hits > 0.0, hits < trials
-    lowest_hit = np.where(some_hit, x, np.inf).min(axis=1, initial=np.inf)
-    highest_hit = np.where(some_hit, x, -np.inf).max(axis=1, initial=-np.inf)
-    lowest_miss = np.where(some_miss, x, np.inf).min(axis=1, initial=np.inf)
-    highest_miss = np.where(some_miss, x, -np.inf).max(axis=1, initial=-np.inf)
-    status = np.full(len(hits), FITTED, dtype=np.int8)
-    status[highest_hit <= lowest_miss] = FALLING
-    status[lowest_hit >= highest_miss] = SEPARABLE
-    status[~some_miss.any(axis=1)] = ALL_EXCEED
-    status[~some_hit.any(axis=1)] = NONE_EXCEEDS
-    return status
+def _blank(states: int, status: NDArray[np.int8], begins_at: float, members: int) -> Curves:
+    a, b, c, d, e = (np.full(states, np.nan) for _ in range(5))
+    return Curves(a, b, c, d, e, status, begins_at, members)
 
 
-def _maximum(u: Array, hits: Array, trials: Array) -> Array:
-    """Newton's method with halved steps on the concave log-likelihood of z = c0 + c1 u; (f, 2)."""
-    from scipy.special import log_ndtr
-
-    misses = trials - hits
-    c = np.zeros((len(hits), 2))
-
-    def likelihood(c: Array) -> Array:
-        z = c[:, :1] + c[:, 1:] * u
-        return np.asarray((hits * log_ndtr(z) + misses * log_ndtr(-z)).sum(axis=1))
-
-    best = likelihood(c)
-    for _ in range(_ITERATIONS):
-        z = c[:, :1] + c[:, 1:] * u
-        slope, bend = _derivatives(z, hits, misses)
-        g = np.stack([slope.sum(axis=1), (slope * u).sum(axis=1)], axis=1)
-        step = np.linalg.solve(_moments(bend, u), g[..., None])[..., 0]
-        size = np.ones(len(c))
-        for _ in range(40):
-            found = likelihood(c + size[:, None] * step)
-            worse = found < best - 1e-13 * np.abs(best)
-            if not worse.any():
-                break
-            size[worse] *= 0.5
-        c = c + size[:, None] * step
-        best = np.maximum(found, best)
-        if (np.abs(size[:, None] * step) <= 1e-13 * (1.0 + np.abs(c))).all():
-            break
-    return c
+def _each_alone(rows: Rows, into: Curves) -> None:
+    """A probit of every limit state; rows that may lie on both sides of it are left out."""
+    for j in np.flatnonzero(into.status == FITTED):
+        known = (rows.low > j) | (rows.high <= j)
+        above = (rows.low[known] > j).astype(np.int64)
+        alone = Rows(rows.u[known], above, above, rows.weight[known], rows.member[known])
+        _put(into, np.array([j]), np.array([0]), ordered_probit(alone, 1))
 
 
-def _derivatives(z: Array, hits: Array, misses: Array) -> tuple[Array, Array]:
-    """First derivative, and minus the second, of the log-likelihood by z."""
-    up, down = inverse_mills(z), inverse_mills(-z)
-    return hits * up - misses * down, hits * up * (z + up) + misses * down * (down - z)
+def _ordinal(rows: Rows, into: Curves) -> None:
+    """All limit states that some exceed and some do not, with one slope; those without a row between are one."""
+    if not (into.status == FITTED).any():  # a maximum needs one at least of which the shares overlap
+        return
+    there = np.flatnonzero(np.isin(into.status, (FITTED, SEPARABLE, FALLING)))
+    exact = rows.low == rows.high
+    cut = [int(there[0])]  # the first of every group of states that no row tells apart
+    group = [0]
+    for j in there[1:]:
+        between = exact & (rows.low > cut[-1]) & (rows.low <= j)
+        if between.any():
+            cut.append(int(j))
+        group.append(len(cut) - 1)
+    # categories counted by the groups they lie above
+    low, high = (np.searchsorted(cut, of, side="left").astype(np.int64) for of in (rows.low, rows.high))
+    grouped = Rows(rows.u, low, high, rows.weight, rows.member)
+    _put(into, there, np.array(group), ordered_probit(grouped, len(cut)))
 
 
-def _moments(weight: Array, u: Array) -> Array:
-    """Sums of weight (1, u; u, u^2) over the last axis, (..., 2, 2)."""
-    sums = [(weight * u**power).sum(axis=-1) for power in range(3)]
-    return np.stack([np.stack(sums[:2], axis=-1), np.stack(sums[1:], axis=-1)], axis=-2)
+def _put(into: Curves, states: Index, cuts: Index, found: Probit | None) -> None:
+    """Put what was found into the arrays of `into`: (slope, cut) -> (ln median, beta)."""
+    if found is None:
+        into.status[states] = SEPARABLE
+        return
+    slope = float(found.slopes[0])
+    if not slope > 0.0:
+        into.status[states] = FALLING
+        return
+    into.status[states] = FITTED
+    for state, cut in zip(states, cuts, strict=True):
+        t = float(found.cuts[cut])
+        pick = [0, 1 + int(cut)]
+        jacobian = np.array([[-t / slope**2, 1.0 / slope], [-1.0 / slope**2, 0.0]])
+        moved = jacobian @ found.covariance[np.ix_(pick, pick)] @ jacobian.T
+        se = np.sqrt(np.maximum(np.diagonal(moved), 0.0))
+        into.median[state], into.beta[state] = np.exp(t / slope), 1.0 / slope
+        into.se_ln_median[state], into.se_beta[state] = se
+        into.correlation[state] = moved[0, 1] / (se[0] * se[1]) if se.all() else np.nan
 
 
-def _clustered(u: Array, over: Array, known: Array, c: Array) -> Array:
-    """Covariance of c (f, 2, 2), the scores of each member of the suite taken together."""
-    z = c[:, :1] + c[:, 1:] * u
-    missed = known - over
-    hits, misses = over.sum(axis=1), missed.sum(axis=1)
-    inverse = np.linalg.inv(_moments(_derivatives(z, hits, misses)[1], u))
-    up, down = inverse_mills(z)[:, None], inverse_mills(-z)[:, None]
-    slope = over * up - missed * down
-    score = np.stack([slope.sum(axis=-1), (slope * u).sum(axis=-1)], axis=-1)  # (f, n, 2)
-    n = (known > 0.0).any(axis=-1).sum(axis=-1).astype(float)
-    meat = np.einsum("fni,fnj->fij", score, score) * (n / np.maximum(n - 1.0, 1.0))[:, None, None]
-    return np.asarray(inverse @ meat @ inverse)
+def _status(rows: Rows, j: int) -> int:
+    """Whether a finite maximum exists for one state: some row that does not exceed lies above some that does."""
+    hit, miss = rows.low > j, rows.high <= j
+    if not hit.any():
+        return NONE_EXCEEDS
+    if not miss.any():
+        return ALL_EXCEED
+    x = rows.u[:, 0]
+    if x[hit].min() >= x[miss].max():
+        return SEPARABLE
+    return FALLING if x[hit].max() <= x[miss].min() else FITTED

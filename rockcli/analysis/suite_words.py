@@ -18,6 +18,9 @@ from rockcli.scene.variables import LIMIT, MEASURE
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Over, Study
 
+MOST_BODIES = 6
+"""Bodies of which the fragility is told in sentences; tables have all."""
+
 
 def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
     """What the statistics come to: capacity by limit state, and the measures that tell the demand best."""
@@ -126,18 +129,32 @@ def _refused(contents: Contents, over: Over) -> Iterator[str]:
 def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]:
     if "fragility_median" not in contents.fields:
         return
+    status = contents.values("fragility_status")
+    begins = contents.values("fragility_begins_at")
+    bodies = contents.fields["fragility_begins_at"].dims
     divisor, unit = units.of(str(contents.fields["fragility_median"].attrs["units"]))
     n = len(contents.values(over.axis))
-    for i, label in enumerate(contents.values(LIMIT)):
-        fitted = contents.values("fragility_status")[..., i] == FITTED
-        median, beta = (contents.values(f"fragility_{name}")[..., i][fitted] for name in ("median", "beta"))
-        if not len(median):
-            continue
-        words = (
-            f"{limit_words(label)}: median {over.along} {_span(median / divisor)}{unit_words(unit)}, beta {_span(beta)}"
-        )
-        points = "" if fitted.size == 1 else f", {len(median)} of {fitted.size} points"
-        yield f"{words} ({n} {_members(over)}{points})"
+    many = int(np.prod(status.shape[:-1], dtype=int))
+    listed = list(np.ndindex(*status.shape[:-1]))[:MOST_BODIES]
+    for at in listed:
+        where = f"{place(contents, bodies, at, units)}: " if bodies else ""
+        if begins[at] > 0.0:
+            yield f"{where}curves begin at uplift, {over.told_against} {begins[at] / divisor:.4g}{unit_words(unit)}"
+        for i, label in enumerate(contents.values(LIMIT)):
+            if status[(*at, i)] != FITTED:
+                continue
+            median, low, high, beta = (
+                float(contents.values(f"fragility_{name}")[(*at, i)])
+                for name in ("median", "median_ci_low", "median_ci_high", "beta")
+            )
+            tail = contents.values("fragility_percentile")[(*at, i)][:2] / divisor
+            yield (
+                f"{where}{limit_words(label)}: median {over.told_against} {median / divisor:.4g}{unit_words(unit)} "
+                f"(95 % {low / divisor:.4g} to {high / divisor:.4g}), beta {beta:.4g}, 5 % at {tail[1]:.4g}, "
+                f"1 % at {tail[0]:.4g}{unit_words(unit)} ({n} {_members(over)})"
+            )
+    if many > len(listed):
+        yield f"and {many - len(listed)} more bodies: rock table FILE.nc --of fragility"
 
 
 def _of_demand(contents: Contents, over: Over) -> Iterator[str]:

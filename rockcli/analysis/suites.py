@@ -15,17 +15,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility import STATUS, Fit, fit
 from rockcli.analysis.intensity_correlation import correlations, with_measures
 from rockcli.analysis.places import units_of
+from rockcli.analysis.suite_fragility import FITTED, OTHERS, fragility
 from rockcli.analysis.suite_words import sentences, warnings
 from rockcli.analysis.threshold_fields import found_by, threshold_fields
 from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
 from rockcli.scene.units import SI
-from rockcli.scene.variables import LIMIT, PEAK, VARIABLES
-from rockcli.storage.contents import Contents, Field, text, variable_field
+from rockcli.scene.variables import PEAK, VARIABLES
+from rockcli.storage.contents import Contents, Field, variable_field
 from rockcli.study.study import Over, Study
 
 Array = NDArray[np.float64]
@@ -107,6 +107,7 @@ def with_ensembles(contents: Contents, study: Study) -> Contents:
     about = {
         "axis": study.over.axis,
         "along": study.over.along,
+        "told_against": study.over.told_against,
         "limits": list(study.over.limits),
         "fields": list(added),
         "says": sentences(whole, study, SI),
@@ -128,7 +129,9 @@ def variables(study: Study) -> set[str]:
     if PEAK in study.scalars:
         found |= {"demand_spearman", "demand_pearson", "n_moving"}
     if over.along is not None:
-        found |= {"safe_island", "n_safe_islands", "p_exceeded", "fragility_status", *_FITTED}
+        found |= {"safe_island", "n_safe_islands", "p_exceeded"}
+    if over.told_against:
+        found |= {*FITTED, *OTHERS}
     return found | set(VARIABLES).intersection(("p_pgv_over_g_tan_alpha", "arias", "cav", "t_mean", "d5_95"))
 
 
@@ -159,8 +162,10 @@ def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field
             for end, reduce in _reductions(at, over).items():
                 added[f"{name}_{end}"] = variable_field(f"{name}_{end}", rest, reduce(values))
     if over.along is not None:
-        added |= _islands(contents, became, over, rest) | _fragility(contents, became, over, rest)
+        added |= _islands(contents, became, over, rest)
     measured = with_measures(contents.fields, contents, study)
+    if over.told_against:
+        added |= fragility(replace(contents, fields=contents.fields | measured), became, study, over)
     if PEAK in contents.fields:
         whole = replace(contents, fields=contents.fields | measured)
         response = became.values(contents.values(PEAK))
@@ -211,56 +216,6 @@ def _islands(contents: Contents, became: Members, over: Over, rest: tuple[str, .
         "safe_island": variable_field("safe_island", contents.axes, island.astype(np.int8)),
         "n_safe_islands": variable_field("n_safe_islands", rest, count),
     }
-
-
-_FITTED: tuple[str, ...] = (
-    "fragility_median", "fragility_beta", "fragility_se_ln_median", "fragility_se_beta", "fragility_correlation",
-    "fragility_median_low", "fragility_median_high",
-)  # fmt: skip
-
-
-def _fragility(contents: Contents, became: Members, over: Over, rest: tuple[str, ...]) -> dict[str, Field]:
-    """Shares that exceed each limit state at every intensity, and the curves through them."""
-    assert over.along is not None
-    peak = contents.fields.get(PEAK)
-    share = np.nan_to_num(became.share)
-    # of a divided member the peak where it stands is not known: below overturning it counts by the runs that overturn
-    states = [np.where(became.divided, 1.0, peak.values > limit) for limit in over.limits] if peak is not None else []
-    known = np.where(became.divided, share, became.answered)
-    weights = [known] * len(states) + [became.answered.astype(float)]
-    states = [*states, share]
-    labels = over.limit_states[-len(states) :]
-    order = (*(contents.axes.index(a) for a in rest if a != over.along), contents.axes.index(over.axis))
-    order = (*order, contents.axes.index(over.along))
-    exceeds, weight = (np.stack([one.transpose(order) for one in of], axis=-3) for of in (states, weights))
-    missing = np.broadcast_to(~became.answered.transpose(order)[..., None, :, :], exceeds.shape)
-    shape = exceeds.shape[:-2]
-    n, k = exceeds.shape[-2:]
-
-    intensity = contents.values(over.along)
-
-    def curves(exceeds: Array, weight: Array) -> Fit:
-        return fit(intensity, exceeds.reshape(-1, n, k), weight.reshape(-1, n, k))
-
-    fits = curves(exceeds, weight)
-    # NaN where all that is missing leaves no curve
-    low, high = (curves(np.where(missing, all_, exceeds), np.where(missing, 1.0, weight)) for all_ in (1.0, 0.0))
-    fitted = vars(fits) | {"median_low": low.median, "median_high": high.median}
-    share = (exceeds * weight).sum(axis=-2) / weight.sum(axis=-2)  # (others, limit, k)
-    dims = (*(axis for axis in rest if axis != over.along), LIMIT)
-    place = rest.index(over.along)
-    added = {
-        LIMIT: Field((LIMIT,), text(labels), {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True),
-        "p_exceeded": variable_field("p_exceeded", (*rest, LIMIT), np.moveaxis(share, -1, place)),
-    }
-    unit = contents.fields[over.along].attrs.get("units", "1")
-    for name in _FITTED:
-        values = fitted[name.removeprefix("fragility_")].reshape(shape)
-        more: dict[str, Any] = {"units": unit} if name.startswith("fragility_median") else {}
-        added[name] = variable_field(name, dims, values, **more)
-    flags = {"flag_values": np.array(list(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS.values())}
-    added["fragility_status"] = variable_field("fragility_status", dims, fits.status.reshape(shape), **flags)
-    return added
 
 
 def _json(value: Any) -> str:

@@ -54,6 +54,7 @@ def _variables() -> str:
 
     beside = {"case": "axes", "time": "axes, time", "impact": "axes, impact", "rotation": "axes, rotation"}
     beside |= {"suite": "axes left by over", "limit_state": "the same, limit_state", "measure": "the same, measure"}
+    beside |= {"percentile": "the same, limit_state, percentile"}
     beside |= {"setting": "setting"}
     rows = [(v.name, beside[v.over], v.unit, v.sentence) for v in VARIABLES.values()]
     outcomes = ", ".join(f"{flag} {name}" for flag, name in sorted(OUTCOMES.items()))

@@ -13,6 +13,7 @@ import numpy as np
 from rockcli.analysis.expect import Verdict, expected_failures, judge
 from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.rules import Misled, misled
+from rockcli.analysis.suite_fragility import fragility_rows
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.thresholds import FOUND, threshold_words
@@ -38,6 +39,7 @@ class RunReport:
         verdicts: of the `expect` clauses, in order.
         reasons: sentence -> number of cases, most first; sentences that differ in numbers only count as the first.
         suite: what the ensemble statistics come to, in sentences; audit: what an audit found.
+        fragility: a row of numbers per body and limit state, by the names of the dataset, in SI units.
         overturns: searched axis -> its lowest overturning values, in words.
         rules: what the rules of thumb would have said of the same cases.
         warnings: about the physics and the study.
@@ -63,6 +65,7 @@ class RunReport:
     overturns: dict[str, str] = field(default_factory=dict)
     rules: tuple[Misled, ...] = ()
     suite: tuple[str, ...] = ()
+    fragility: tuple[dict[str, Any], ...] = ()
     audit: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     plots: tuple[Path, ...] = ()
@@ -127,6 +130,7 @@ def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any
         overturns=_overturns(contents, units),
         rules=misled(contents),
         suite=tuple(json.loads(contents.attrs.get("ensemble", "{}")).get("says" if si else "shown", ())),
+        fragility=tuple(fragility_rows(contents)),
         audit=tuple(json.loads(contents.attrs.get("audit", "{}")).get("says", ())),
         **more,
     )

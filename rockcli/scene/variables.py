@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from rockcli.scene.rules import RULES
 
 CASE, TIME, IMPACT, ROTATION = "case", "time", "impact", "rotation"
-SUITE, LIMIT, MEASURE = "suite", "limit_state", "measure"
+SUITE, LIMIT, MEASURE, PERCENTILE = "suite", "limit_state", "measure", "percentile"
 SETTING = "setting"
 
 PEAK = "theta_peak_over_alpha"
@@ -18,6 +18,9 @@ PEAK = "theta_peak_over_alpha"
 
 MOTION = "ground_motion"
 """Which motion of the ground a case has."""
+
+PERCENTILES: tuple[float, ...] = (1.0, 5.0, 10.0, 16.0, 50.0, 84.0, 95.0)
+"""Percentiles of a fragility curve that are told [%]."""
 
 COUNTS = ("n_impacts", "n_steps", "n_rhs")
 """Scalars that are whole numbers."""
@@ -27,6 +30,7 @@ COUNTS = ("n_impacts", "n_steps", "n_rhs")
 class Variable:
     """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact),
     ROTATION (axes, rotation: static curves), SUITE (the axes but that of `over`), LIMIT (the same, limit_state),
+    PERCENTILE (the same, limit_state, percentile),
     MEASURE (the same, measure) or SETTING (setting: `rock trade`); unit "1" = dimensionless.
     """
 
@@ -89,12 +93,37 @@ _SUITE_ROWS: tuple[Variable, ...] = (
     Variable("fragility_median", r"$\hat\theta$", LIMIT, "1", "intensity exceeded with probability 1/2; NaN: no curve"),
     Variable("fragility_median_low", r"$\hat\theta$", LIMIT, "1", "the same if all without an answer exceed it"),
     Variable("fragility_median_high", r"$\hat\theta$", LIMIT, "1", "the same if none without an answer exceeds it"),
-    Variable("fragility_beta", r"$\beta$", LIMIT, "1", "standard deviation of the logarithm of the fragility curve"),
+    Variable("fragility_median_ci_low", r"$\hat\theta$", LIMIT, "1", "lower 95 % confidence limit of fragility_median"),
     Variable(
-        "fragility_se_ln_median", r"$s$", LIMIT, "1", "standard error of ln(fragility_median), clustered by member"
+        "fragility_median_ci_high", r"$\hat\theta$", LIMIT, "1", "upper 95 % confidence limit of fragility_median"
+    ),
+    Variable(
+        "fragility_intensity", r"$x$", CASE, "1", "intensity that fragility is told against, where no axis has it"
+    ),
+    Variable("fragility_begins_at", r"$x_0$", SUITE, "1", "intensity x_0 at and below which a curve is zero"),
+    Variable("fragility_beta", r"$\beta$", LIMIT, "1", "standard deviation of ln(x - x_0), x_0 = fragility_begins_at"),
+    Variable("fragility_beta_ci_low", r"$\beta$", LIMIT, "1", "lower 95 % confidence limit of fragility_beta"),
+    Variable("fragility_beta_ci_high", r"$\beta$", LIMIT, "1", "upper 95 % confidence limit of fragility_beta"),
+    Variable("fragility_beta_total", r"$\beta$", LIMIT, "1", "fragility_beta and beta_added in quadrature"),
+    Variable(
+        "fragility_se_ln_median",
+        r"$s$",
+        LIMIT,
+        "1",
+        "standard error of ln(fragility_median - x_0), clustered by member",
     ),
     Variable("fragility_se_beta", r"$s_\beta$", LIMIT, "1", "standard error of fragility_beta, clustered by member"),
-    Variable("fragility_correlation", r"$\rho$", LIMIT, "1", "correlation of the estimates of ln(median) and beta"),
+    Variable(
+        "fragility_correlation", r"$\rho$", LIMIT, "1", "correlation of the estimates of ln(median - x_0) and beta"
+    ),
+    Variable(
+        "fragility_percentile",
+        r"$x_p$",
+        PERCENTILE,
+        "1",
+        "intensity exceeded with a probability, by fragility_beta_total",
+    ),
+    Variable("percentile", "percentile", PERCENTILE, "%", "probability that the limit state is exceeded"),
     Variable("fragility_status", "status", LIMIT, "1", "whether there is a fragility curve, or why not"),
     Variable("measure", "measure", MEASURE, "1", "measure of the ground motion"),
     Variable("demand_spearman", r"$\rho_S$", MEASURE, "1", "rank correlation of theta_peak_over_alpha and the measure"),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.scene.units import SI, Units, g_of
-from rockcli.scene.variables import LIMIT, MEASURE
+from rockcli.scene.variables import LIMIT, MEASURE, PERCENTILE
 from rockcli.storage.checksum import note_opened
 from rockcli.storage.contents import COORDINATES
 from rockcli.storage.netcdf import open_file
@@ -32,7 +32,7 @@ CASES = "cases"
 TABLES: dict[str, str] = {
     CASES: "one row per case: what was varied, what became of it, every scalar",
     "suite": "what the suite does at every point of the other axes: shares, fractiles",
-    "fragility": "one row per body and limit state: median, beta, their standard errors",
+    "fragility": "one row per body and limit state: median, beta, their limits, percentiles",
     "stripes": "one row per intensity and limit state: the share that exceeds it",
     "demand": "one row per measure of the motion: its correlation with the peak",
 }
@@ -90,7 +90,7 @@ class Table:
         """Yield its columns in blocks of about `rows` rows, in order."""
         for place in _places([self._sizes[dim] for dim in self.dims], rows):
             at = dict(zip(self.dims, place, strict=True))
-            yield [self._column(name, self._items[name], self._values(name, at)) for name in self.names]
+            yield [column for name in self.names for column in self._columns(name, at)]
 
     def first(self, rows: int) -> list[Column]:
         """The columns of its first rows, all of them where there are no more."""
@@ -102,16 +102,27 @@ class Table:
         whole = zip(*found, strict=True)
         return [Column(c[0].name, c[0].head, np.concatenate([part.values for part in c])[:rows]) for c in whole]
 
-    def _values(self, name: str, at: dict[str, slice]) -> NDArray[Any]:
-        """One value for each row of a block, whatever the variable depends on."""
+    def _columns(self, name: str, at: dict[str, slice]) -> Iterator[Column]:
+        """One column, or one for each percentile."""
         item = self._items[name]
-        shape = tuple(where.stop - where.start for where in at.values())
+        if PERCENTILE not in item.dims:
+            yield self._column(name, item, self._values(item, at))
+            return
+        for i, percent in enumerate(np.asarray(self._items[PERCENTILE].values[:]).tolist()):
+            one = self._values(item, at | {PERCENTILE: slice(i, i + 1)})
+            yield self._column(name, item, one, f"_{percent:g}")
+
+    def _values(self, item: _Item, at: dict[str, slice]) -> NDArray[Any]:
+        """One value for each row of a block, whatever the variable depends on."""
+        shape = tuple(at[dim].stop - at[dim].start for dim in self.dims)
         values = np.asarray(item.values[tuple(at.get(dim, slice(None)) for dim in item.dims)])
-        values = values.transpose([item.dims.index(dim) for dim in self.dims if dim in item.dims])
+        order = (*self.dims, *(dim for dim in item.dims if dim not in self.dims))
+        values = values.transpose([item.dims.index(dim) for dim in order if dim in item.dims])
+        values = values.reshape(values.shape[: sum(dim in item.dims for dim in self.dims)])
         index = tuple(slice(None) if dim in item.dims else None for dim in self.dims)
         return np.broadcast_to(values[index], shape).ravel()
 
-    def _column(self, name: str, item: _Item, values: NDArray[Any]) -> Column:
+    def _column(self, name: str, item: _Item, values: NDArray[Any], end: str = "") -> Column:
         if "flag_meanings" in item.attrs:
             return Column(name, name, _words(values, item.attrs))
         if name == _REASON:
@@ -122,7 +133,7 @@ class Table:
         if self._degrees and unit == "rad":
             values, unit = np.degrees(values), "deg"
         divisor, unit = self._units.of(unit, str(item.attrs.get("long_name", "")))
-        head = name if unit == "1" else f"{name} [{unit}]"
+        head = name + end + ("" if unit == "1" else f" [{unit}]")
         return Column(name, head, values if divisor == 1.0 else values / divisor)
 
 
@@ -219,16 +230,18 @@ def _belongs(
     dims: tuple[str, ...] | None,
     ensemble: Mapping[str, Any] | None,
 ) -> bool:
-    if dims is None or not set(item.dims) <= set(dims):
+    if dims is None or not set(item.dims) - {PERCENTILE} <= set(dims) or name == PERCENTILE:
         return False
     derived = ensemble is not None and name in ensemble["fields"]
     over = () if ensemble is None else np.atleast_1d(ensemble["axis"]).tolist()
+    if PERCENTILE in item.dims and of != "fragility":
+        return False
     if of == CASES:
         return not derived or bool(set(item.dims) & set(over)) or not item.dims
-    if of == "suite":
-        return derived
+    of_curves = derived and name.startswith("fragility_") and name != "fragility_intensity"
+    if of in ("suite", "fragility"):
+        return derived and of_curves == (of == "fragility") and (LIMIT not in item.dims or of_curves)
     marks = {
-        "fragility": {LIMIT},
         "stripes": {LIMIT, str((ensemble or {}).get("along"))},
         "demand": {MEASURE},
     }[of]

@@ -7,7 +7,19 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
-from rockcli.scene.variables import CASE, IMPACT, LIMIT, MEASURE, MEASURES, ROTATION, SUITE, TIME, VARIABLES
+from rockcli.scene.variables import (
+    CASE,
+    IMPACT,
+    LIMIT,
+    MEASURE,
+    MEASURES,
+    PERCENTILE,
+    PERCENTILES,
+    ROTATION,
+    SUITE,
+    TIME,
+    VARIABLES,
+)
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Keys, Map, Source, nearest, place
 from rockcli.study.document.values import describe
@@ -57,14 +69,16 @@ def _axes_of(quantity: str, axes: Sequence[Axis], suite: Over | None) -> Sequenc
         over = VARIABLES[quantity].over
     elif suite is not None and quantity.rsplit("_", 1)[-1] in suite.ends:
         over = SUITE
-    if suite is None or over not in (SUITE, LIMIT, MEASURE):
+    if suite is None or over not in (SUITE, LIMIT, MEASURE, PERCENTILE):
         return axes
     left = [axis for axis in axes if axis.name != suite.axis]
-    if over == LIMIT:
-        single = quantity == "p_exceeded"
-        left = [axis for axis in left if single or axis.name != suite.along]
+    if over != CASE and quantity.startswith("fragility_"):
+        left = [axis for axis in left if axis.name != suite.along]
+    if over in (LIMIT, PERCENTILE):
         left.append(Axis(LIMIT, LIMIT, suite.limit_states, False))
-    elif over == MEASURE:
+    if over == PERCENTILE:
+        left.append(Axis(PERCENTILE, PERCENTILE, PERCENTILES, True))
+    if over == MEASURE:
         left.append(Axis(MEASURE, MEASURE, MEASURES, False))
     return left
 

@@ -332,6 +332,12 @@ class OverPart(Part):
     along: Text | None = key("axis of the intensity; default: the one amplitude of the motion that is varied")
     limits: list[Number] = key("limit states: theta_peak_over_alpha exceeded [1], beside overturning", [0.1, 0.5, 1])
     mean: bool = key("the mean beside the fractiles; inf where any overturned", False)
+    intensity: Text | None = key("of the fragility: pga, pgv, sa(T), pgv_over_pga, an axis; default: along")
+    fit: Literal["ordinal", "lognormal", "none"] = key(
+        "one beta for all limit states, each alone, or no curve", "ordinal"
+    )
+    begins_at: Literal["uplift", "0"] | Literal[0] = key("where curves begin; where uplift is not known at 0", "uplift")
+    beta_added: Number = key("uncertainty beside that of the suite, in quadrature [1]", 0)
 
 
 Over = Annotated[OverPart | None, BeforeValidator(lambda v: {"axis": v} if isinstance(v, str) else v)]
@@ -353,7 +359,7 @@ class StudyPart(Part):
     case: CasePart = key("the base case", ...)
     vary: dict[str, Any] = key("path inside the case -> list, range, file glob, named settings or CSV file", {})
     compare_to: dict[str, Any] | None = key("{axis: value} of the reference")
-    over: Over = key("axis of the ensemble statistics, or {axis, along, limits, mean}")
+    over: Over = key("axis of the ensemble statistics, or {axis, along, limits, intensity, fit, ...}")
     refine: bool = key("trace the outcome boundary of a two-axis map instead of solving every pixel", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
     plots: Plots = key("kinds of plot; none or []: draw none")

@@ -83,12 +83,25 @@ class Over:
         along: name of the axis of the intensity; None = there is none.
         limits: limit states, theta_peak_over_alpha exceeded, ascending; overturning is one more.
         mean: whether the mean is wanted beside the fractiles.
+        intensity: what fragility is told against; "" = the axis of the intensity.
+        fit: `ordinal` one beta for all limit states, `lognormal` each alone, `none`.
+        begins_at: `uplift` where curves begin where the body can first move, else `0`.
+        beta_added: uncertainty beside that of the suite, in quadrature, in percentiles and curves.
     """
 
     axis: str
     along: str | None
     limits: tuple[float, ...]
     mean: bool
+    intensity: str = ""
+    fit: str = "ordinal"
+    begins_at: str = "uplift"
+    beta_added: float = 0.0
+
+    @property
+    def told_against(self) -> str:
+        """Name of the intensity of the fragility curves; "" = there are none."""
+        return self.intensity or self.along or ""
 
     @property
     def ends(self) -> tuple[str, ...]:

@@ -10,8 +10,10 @@ from scenes import G
 from scipy import stats
 
 import rockcli
+from rockcli.analysis.fragility import Seen, curves
 from rockcli.analysis.suites import with_ensembles
 from rockcli.engine.run import solve
+from rockcli.engine.summary import report_on
 from rockcli.errors import StudyError
 from rockcli.motion.measures import measures
 from rockcli.scene.statistics import fractile
@@ -97,7 +99,8 @@ def test_the_mean_only_where_it_is_asked_for(data):
 
 def handmade(outcome, peak, share=None) -> tuple[Contents, rockcli.study.study.Study]:
     """The study's dataset with outcomes (5, 16) put in by hand, and shares of runs that overturn."""
-    checked = open_study(study(save={"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]}))
+    over = {"axis": "motion.pulse.omega_p", "begins_at": 0}  # what is put in by hand may move below uplift
+    checked = open_study(study(over=over, save={"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]}))
     whole = solve(checked)
     fields = dict(whole.fields)
     axes = whole.axes
@@ -313,6 +316,10 @@ def test_a_search_over_a_suite():
         ({"axis": "motion.pulse.omega_p", "along": "motion.pulse.omega_p"}, "must be another axis"),
         ({"axis": "motion.pulse.omega_p", "limits": [0.1, -1]}, "greater than 0"),
         ({"axis": "motion.pulse.omega_p", "limit": [0.1]}, "did you mean 'limits'"),
+        ({"axis": "motion.pulse.omega_p", "intensity": "sa(0)"}, "sa"),
+        ({"axis": "motion.pulse.omega_p", "intensity": "pgd"}, "expected pga, pgv"),
+        ({"axis": "motion.pulse.omega_p", "beta_added": -0.1}, "expected a number >= 0"),
+        ({"axis": "motion.pulse.omega_p", "fit": "probit"}, "fit"),
         (3, "over"),
     ],
 )
@@ -331,3 +338,49 @@ def test_two_intensities_need_a_word():
         open_study(data)
     with pytest.raises(StudyError, match="outcome or theta_peak_over_alpha"):
         open_study(study(case={"block": {"R": 1, "alpha": 0.2}}, curves=["pushover"], **CURVES))
+
+
+def test_fragility_against_other_intensities_and_of_a_cloud():
+    """PGV of a half sine of frequency omega is 2 a_p/omega: the suite told against it is the suite against that."""
+    against = rockcli.run(study(over={"axis": "motion.pulse.omega_p", "intensity": "pgv", "begins_at": 0}))
+    a_p, omega = against["motion_pulse_a_p"].values, against["motion_pulse_omega_p"].values
+    np.testing.assert_allclose(against["fragility_intensity"].values, 2.0 * a_p / omega[:, None], rtol=1e-6)
+    assert against["fragility_median"].attrs["units"] == "m s-1"
+    peak = against["theta_peak_over_alpha"].values
+    category = sum((peak > limit).astype(int) for limit in (0.1, 0.5, 1.0)) + np.isinf(peak)
+    x = 2.0 * a_p / omega[:, None]
+    expected = curves(Seen(x, category, category, np.ones(x.shape)), 4)
+    np.testing.assert_allclose(against["fragility_median"].values, expected.median, rtol=1e-5)
+    # every pulse at its one intensity: a cloud
+    cases = {f"case {i}": {"omega_p": w, "a_p": a * G * ALPHA} for i, (w, a) in enumerate(CLOUD)}
+    cloud = study(over={"axis": "motion.pulse", "intensity": "pga", "begins_at": 0}, vary={"motion.pulse": cases})
+    found = rockcli.run(cloud)
+    assert "p_exceeded" not in found
+    peak = found["theta_peak_over_alpha"].values
+    category = (sum((peak > limit).astype(int) for limit in (0.1, 0.5, 1.0)) + np.isinf(peak))[:, None]
+    x = np.array([[a * G * ALPHA] for _, a in CLOUD])
+    expected = curves(Seen(x, category, category, np.ones(x.shape)), 4)
+    np.testing.assert_allclose(found["fragility_median"].values, expected.median, rtol=1e-9)
+
+
+CLOUD = [(w, a) for w in (1.0, 2.0, 4.0) for a in (1.2, 1.6, 2.1, 2.9, 4.0, 5.5, 8.0)]
+
+
+def test_the_spectral_acceleration_of_a_stiff_oscillator_is_the_peak():
+    found = rockcli.run(study(over={"axis": "motion.pulse.omega_p", "intensity": "sa(0.001)"}))
+    plain = rockcli.run(study())
+    np.testing.assert_allclose(found["fragility_median"].values, plain["fragility_median"].values, rtol=2e-3)
+    np.testing.assert_allclose(found["fragility_begins_at"].values, G * ALPHA, rtol=2e-3)
+    np.testing.assert_allclose(plain["fragility_begins_at"].values, G * ALPHA, rtol=1e-12)
+
+
+def test_the_summary_has_the_numbers():
+    checked = open_study(study())
+    rows = report_on(checked, solve(checked), status="solved").as_dict()["fragility"]
+    data = rockcli.run(study())
+    assert [row["limit_state"] for row in rows] == ["0.1", "0.5", "1", "overturned"]
+    for row in rows:
+        one = data.sel(limit_state=row["limit_state"])
+        assert row["fragility_median"] == float(one["fragility_median"])
+        assert row["fragility_percentile_5"] == float(one["fragility_percentile"].sel(percentile=5))
+        assert row["fragility_status"] == "fitted"

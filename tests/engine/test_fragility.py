@@ -1,4 +1,4 @@
-"""Lognormal fits against scipy, their standard errors against the jackknife, and what has no fit."""
+"""Fragility curves against statsmodels and scipy, their limits by simulation, and what has no curve."""
 
 from __future__ import annotations
 
@@ -10,80 +10,216 @@ from scenes import SHARED
 from scipy import optimize, stats
 
 import rockcli
-from rockcli.analysis.fragility import ALL_EXCEED, FALLING, FITTED, NONE_EXCEEDS, SEPARABLE, fit
+from rockcli.analysis.fragility import (
+    ALL_EXCEED,
+    BELOW,
+    FALLING,
+    FITTED,
+    LOGNORMAL,
+    NONE_EXCEEDS,
+    ORDINAL,
+    SEPARABLE,
+    Curves,
+    Seen,
+    curves,
+)
 from rockcli.scene import statistics
 
-RNG = np.random.default_rng(7)
+X = np.linspace(0.5, 8.0, 30)
 
 
-def by_scipy(x, hits, trials):
-    """(median, beta) by maximising the binomial likelihood with a general optimiser."""
+def seen(category, x=X, weight=None) -> Seen:
+    category = np.asarray(category)
+    x = np.broadcast_to(np.asarray(x, dtype=float), category.shape)
+    return Seen(x, category, category, np.ones(category.shape) if weight is None else np.asarray(weight, dtype=float))
+
+
+def suite(n=42, medians=(3.0,), beta=0.4, x=X, begins=0.0, seed=7, own=0.1):
+    """Categories of members whose capacities are lognormal above `begins`, the same of a member at every intensity."""
+    rng = np.random.default_rng(seed)
+    common = np.exp(math.sqrt(beta**2 - (own**2 if len(medians) > 1 else 0.0)) * rng.standard_normal((n, 1)))
+    part = np.exp(own * rng.standard_normal((n, len(medians)))) if len(medians) > 1 else 1.0
+    capacity = np.sort(begins + (np.array(medians) - begins) * common * part, axis=1)
+    return (capacity[:, :, None] < np.asarray(x)).sum(axis=1)
+
+
+def clustered(x, exceeds):
+    """Median, beta and the standard errors of ln(median) and beta by statsmodels' probit, clustered by member."""
+    sm = pytest.importorskip("statsmodels.api")
+    n, k = exceeds.shape
+    u = sm.add_constant(np.tile(np.log(x), n))
+    model = sm.Probit(exceeds.ravel().astype(float), u)
+    group = {"groups": np.repeat(np.arange(n), k), "use_correction": False}
+    found = model.fit(disp=0, method="newton", tol=1e-12, cov_type="cluster", cov_kwds=group)
+    a, b = found.params
+    to_median, to_beta = np.array([-1.0 / b, a / b**2]), np.array([0.0, -1.0 / b**2])
+    covariance = found.cov_params() * n / (n - 1)
+    return np.exp(-a / b), 1.0 / b, *(math.sqrt(v @ covariance @ v) for v in (to_median, to_beta))
+
+
+@pytest.mark.parametrize(("median", "beta"), [(3.0, 0.4), (1.2, 0.7), (6.0, 0.2)])
+@pytest.mark.parametrize("fit", [LOGNORMAL, ORDINAL])
+def test_one_state_is_the_clustered_probit_of_statsmodels(median, beta, fit):
+    category = suite(medians=(median,), beta=beta)
+    found = curves(seen(category), 1, fit=fit)
+    expected = clustered(X, category > 0)
+    got = (found.median[0], found.beta[0], found.se_ln_median[0], found.se_beta[0])
+    np.testing.assert_allclose(got[:2], expected[:2], rtol=1e-6)
+    np.testing.assert_allclose(got[2:], expected[2:], rtol=1e-3)
+
+
+def test_nested_states_are_the_ordered_probit_of_statsmodels():
+    ordinal = pytest.importorskip("statsmodels.miscmodels.ordinal_model")
+    category = suite(medians=(1.5, 3.0, 3.6), beta=0.4)
+    found = curves(seen(category), 3)
+    u = np.tile(np.log(X), len(category))[:, None]
+    model = ordinal.OrderedModel(category.ravel(), u, distr="probit").fit(
+        method="bfgs", disp=0, gtol=1e-10, maxiter=500
+    )
+    slope = float(model.params[0])
+    cuts = model.model.transform_threshold_params(model.params[1:])[1:-1]
+    np.testing.assert_allclose(found.median, np.exp(cuts / slope), rtol=1e-6)
+    np.testing.assert_allclose(found.beta, 1.0 / slope, rtol=1e-6)
+
+
+def by_scipy(category, weight, x=X):
+    """Medians and the one beta of nested states, by a general optimiser on the likelihood as it is written in books."""
+    top = category.max()
 
     def loss(c):
-        z = (np.log(x) - c[0]) * np.exp(-c[1])
-        return -(hits * stats.norm.logcdf(z) + (trials - hits) * stats.norm.logsf(z)).sum()
+        cuts = np.concatenate([[-np.inf], c[1] + np.concatenate([[0.0], np.cumsum(np.exp(c[2:]))]), [np.inf]])
+        eta = np.exp(c[0]) * np.log(x)
+        p = stats.norm.cdf(cuts[category + 1] - eta) - stats.norm.cdf(cuts[category] - eta)
+        return -(weight * np.log(np.maximum(p, 1e-300))).sum()
 
-    start = [np.log(np.interp(0.5 * trials.max(), np.maximum.accumulate(hits), x)), -0.5]
+    start = np.concatenate([[1.0, 0.0], np.full(top - 1, 0.0)])
     found = optimize.minimize(
-        loss, start, method="Nelder-Mead", options={"xatol": 1e-11, "fatol": 1e-14, "maxiter": 10000}
+        loss, start, method="Nelder-Mead", options={"xatol": 1e-11, "fatol": 1e-13, "maxiter": 20000}
     )
-    found = optimize.root(lambda c: optimize.approx_fprime(c, loss, 1e-7), found.x) if not found.success else found
-    return np.exp(found.x)
+    cuts = found.x[1] + np.concatenate([[0.0], np.cumsum(np.exp(found.x[2:]))])
+    return np.exp(cuts / np.exp(found.x[0])), np.exp(-found.x[0])
 
 
-def suite(n=42, median=3.0, beta=0.4, x=None):
-    x = np.linspace(0.5, 8.0, 30) if x is None else x
-    capacity = median * np.exp(beta * RNG.standard_normal((1, n)))
-    exceeds = capacity[..., None] < x
-    return x, exceeds, np.ones_like(exceeds)
+def test_nested_states_with_members_missing_are_those_of_scipy():
+    category = suite(medians=(1.5, 3.0))
+    weight = (np.random.default_rng(2).random(category.shape) > 0.1).astype(float)
+    found = curves(seen(category, weight=weight), 2)
+    medians, beta = by_scipy(category, weight)
+    np.testing.assert_allclose(found.median, medians, rtol=1e-6)
+    np.testing.assert_allclose(found.beta, beta, rtol=1e-6)
 
 
-def test_fit_is_that_of_scipy():
-    for median, beta in ((3.0, 0.4), (1.2, 0.7), (6.0, 0.2)):
-        x, exceeds, answered = suite(median=median, beta=beta)
-        answered = RNG.random(exceeds.shape) > 0.1
-        found = fit(x, exceeds, answered)
-        expected = by_scipy(x, (exceeds & answered).sum(axis=1)[0], answered.sum(axis=1)[0])
-        assert found.status[0] == FITTED
-        np.testing.assert_allclose([found.median[0], found.beta[0]], expected, rtol=1e-6)
+def test_nested_curves_never_cross_where_single_ones_do():
+    rng = np.random.default_rng(4)
+    crossing = 0
+    for seed in range(40):
+        category = suite(n=12, medians=(2.0, 2.2, 2.3), beta=0.5, own=0.45, seed=seed)
+        x = np.exp(rng.uniform(-6.0, 6.0, 400))
+        for fit in (ORDINAL, LOGNORMAL):
+            found = curves(seen(category), 3, fit=fit)
+            p = stats.norm.cdf(np.log(x[:, None] / found.median) / found.beta)
+            crosses = bool((np.diff(p[:, np.isfinite(found.median)], axis=1) > 1e-12).any())
+            if fit == ORDINAL:
+                assert not crosses
+            crossing += crosses
+    assert crossing > 20  # so that the assertion above could fail
 
 
-def test_many_fits_at_once_are_the_single_ones():
-    parts = [suite(median=m)[1] for m in (2.0, 3.0, 5.0)]
-    x = np.linspace(0.5, 8.0, 30)
-    together = fit(x, np.concatenate(parts), np.ones((3, 42, 30), dtype=bool))
-    for i, part in enumerate(parts):
-        alone = fit(x, part, np.ones_like(part))
-        np.testing.assert_allclose(together.median[i], alone.median[0], rtol=1e-12)
-        np.testing.assert_allclose(together.se_beta[i], alone.se_beta[0], rtol=1e-9)
-
-
-def test_the_unit_of_the_intensity_does_not_matter():
-    x, exceeds, answered = suite()
-    one, other = fit(x, exceeds, answered), fit(9.81 * x, exceeds, answered)
-    np.testing.assert_allclose(other.median, 9.81 * one.median, rtol=1e-11)
-    for name in ("beta", "se_ln_median", "se_beta", "correlation"):
-        np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-9)
+def test_states_that_no_case_tells_apart_share_a_curve():
+    category = suite(medians=(1.5, 3.0))
+    category = np.where(category == 2, 3, category)  # whoever passes the second limit passes the third
+    found = curves(seen(category), 3)
+    two = curves(seen(np.minimum(category, 2)), 2)
+    assert found.median[1] == found.median[2]
+    np.testing.assert_allclose(found.median[:2], two.median, rtol=1e-10)
 
 
 def test_a_member_divided_in_halves_is_two_of_half_the_weight():
-    x, exceeds, answered = suite()
-    other = suite(median=4.0)[1]
-    halves = fit(x, 0.5 * (exceeds.astype(float) + other), answered)
-    whole = fit(x, np.concatenate([exceeds, other], axis=1), np.concatenate([answered, answered], axis=1))
-    np.testing.assert_allclose([halves.median[0], halves.beta[0]], [whole.median[0], whole.beta[0]], rtol=1e-9)
+    one, other = suite(medians=(1.5, 3.0), seed=1), suite(medians=(2.0, 4.0), seed=2)
+    x = np.broadcast_to(X, one.shape)
+    both = np.concatenate([one, other], axis=1)
+    halves = Seen(np.concatenate([x, x], axis=1), both, both, np.full(both.shape, 0.5))
+    found, whole = curves(halves, 2), curves(seen(np.concatenate([one, other])), 2)
+    np.testing.assert_allclose(found.median, whole.median, rtol=1e-9)
+    np.testing.assert_allclose(found.beta, whole.beta, rtol=1e-9)
+
+
+def test_a_member_known_to_stand_is_no_more_than_that():
+    """Rows in the range 0 ... top-1 tell the highest state alone: they are the probit of two categories."""
+    category = suite(medians=(1.5, 3.0))
+    fell = (category == 2).astype(np.int64)
+    ranged = Seen(np.broadcast_to(X, category.shape), 2 * fell, fell + 1, np.ones(category.shape))
+    exact = seen(suite(medians=(1.5, 3.0)))
+    joined = Seen(*(np.concatenate([getattr(a, f) for a in (exact, ranged)]) for f in ("x", "low", "high", "weight")))
+    found = curves(joined, 2)
+
+    def loss(c):
+        eta, t = np.exp(c[0]) * np.log(X), (c[1], c[1] + np.exp(c[2]))
+        cuts = np.array([-np.inf, *t, np.inf])
+        p = stats.norm.cdf(cuts[category + 1] - eta) - stats.norm.cdf(cuts[category] - eta)
+        q = np.where(fell, stats.norm.sf(t[1] - eta), stats.norm.cdf(t[1] - eta))
+        return -(np.log(np.maximum(p, 1e-300)) + np.log(np.maximum(q, 1e-300))).sum()
+
+    best = optimize.minimize(
+        loss, [1.0, 0.5, 0.0], method="Nelder-Mead", options={"xatol": 1e-11, "fatol": 1e-13, "maxiter": 9000}
+    )
+    cuts = best.x[1] + np.array([0.0, np.exp(best.x[2])])
+    np.testing.assert_allclose(found.median, np.exp(cuts * np.exp(-best.x[0])), rtol=1e-6)
+
+
+def test_curves_that_begin_at_uplift_are_those_of_the_intensity_above_it():
+    category = suite(medians=(2.0, 3.0), beta=0.6, begins=1.0)
+    found = curves(seen(category), 2, begins_at=1.0)
+    above = X > 1.0
+    moved = curves(seen(category[:, above], X[above] - 1.0), 2)
+    np.testing.assert_allclose(found.median, 1.0 + moved.median, rtol=1e-12)
+    np.testing.assert_allclose(found.percentiles(0.0), 1.0 + moved.percentiles(0.0), rtol=1e-12)
+    assert (found.percentiles(0.3) > 1.0).all()
+    low, high = found.median_limits()
+    assert (low > 1.0).all()
+    assert (high > found.median).all()
+    early = curves(seen(suite(medians=(0.8, 3.0), beta=0.2)), 2, begins_at=1.0)
+    assert early.status[0] == BELOW
+
+
+def test_percentiles_and_added_uncertainty():
+    found = curves(seen(suite()), 1)
+    p = stats.norm.cdf(np.log(found.percentiles(0.0)[0] / found.median[0]) / found.beta[0])
+    np.testing.assert_allclose(p, [0.01, 0.05, 0.1, 0.16, 0.5, 0.84, 0.95], rtol=1e-12)
+    total = math.hypot(found.beta[0], 0.3)
+    np.testing.assert_allclose(found.percentiles(0.3)[0, 0], found.median[0] * math.exp(-2.3263478740408408 * total))
+
+
+def test_the_unit_of_the_intensity_does_not_matter():
+    category = suite(medians=(1.5, 3.0))
+    one, other = curves(seen(category), 2), curves(seen(category, 9.81 * X), 2)
+    np.testing.assert_allclose(other.median, 9.81 * one.median, rtol=1e-10)
+    for name in ("beta", "se_ln_median", "se_beta", "correlation"):
+        np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-7)
 
 
 def test_standard_errors_are_those_of_the_jackknife():
     """The members are left out one by one, each with its whole curve."""
-    x, exceeds, answered = suite(n=200, median=1.5, x=np.linspace(0.4, 15.0, 40))  # far from the middle of the range
-    found = fit(x, exceeds, answered)
-    left = np.concatenate([np.delete(exceeds, i, axis=1) for i in range(200)])
-    each = fit(x, left, np.ones_like(left))
-    estimates = np.stack([np.log(each.median), each.beta])
+    x = np.linspace(0.4, 15.0, 40)  # the median is far from the middle of the range
+    category = suite(n=200, medians=(1.5, 2.5), x=x)
+    found = curves(seen(category, x), 2)
+    each = [curves(seen(np.delete(category, i, axis=0), x), 2) for i in range(200)]
+    estimates = np.array([[np.log(one.median[1]), one.beta[1]] for one in each]).T
     covariance = 199**2 / 200 * np.cov(estimates, ddof=1)
-    np.testing.assert_allclose([found.se_ln_median[0], found.se_beta[0]], np.sqrt(np.diag(covariance)), rtol=0.12)
-    assert found.correlation[0] == pytest.approx(covariance[0, 1] / np.sqrt(np.prod(np.diag(covariance))), abs=0.05)
+    np.testing.assert_allclose([found.se_ln_median[1], found.se_beta[1]], np.sqrt(np.diag(covariance)), rtol=0.12)
+    assert found.correlation[1] == pytest.approx(covariance[0, 1] / np.sqrt(np.prod(np.diag(covariance))), abs=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("n", "begins"), [(42, 1.0), (100, 0.0)])
+def test_the_limits_of_the_median_hold_it_in_95_of_100_suites(n, begins):
+    """Of 4000 synthetic suites of three states each, so that the share is known to 0.35 %."""
+    medians, held = np.array([2.0, 3.0, 4.0]), np.zeros(3)
+    for seed in range(4000):
+        category = suite(n=n, medians=medians, beta=0.5, begins=begins, seed=seed, own=1e-6)
+        low, high = curves(seen(category), 3, begins_at=begins).median_limits()
+        held += (low <= medians) & (medians <= high)
+    assert ((held >= 3760) & (held <= 3840)).all(), held / 4000
 
 
 def test_what_has_no_fit_says_why():
@@ -95,22 +231,26 @@ def test_what_has_no_fit_says_why():
         FALLING: [8, 6, 4, 2],
         FITTED: [0, 3, 6, 10],
     }
-    exceeds = np.array([[[i < k for k in row] for i in range(10)] for row in shares.values()])
-    found = fit(x, exceeds, np.ones_like(exceeds))
-    assert found.status.tolist() == list(shares)
-    assert np.isfinite(found.median).tolist() == [status == FITTED for status in shares]
-    one_mixed = np.array([[[i < k for k in (0, 4, 10, 10)] for i in range(10)]])
-    assert fit(x, one_mixed, np.ones_like(one_mixed)).status[0] == SEPARABLE  # ever steeper fits it ever better
-    reversed_ = exceeds[2:3, :, ::-1]
-    assert fit(x, reversed_, np.ones_like(reversed_)).status[0] == FALLING
+    for fit in (ORDINAL, LOGNORMAL):
+        for status, row in shares.items():
+            found = curves(seen([[int(i < k) for k in row] for i in range(10)], x), 1, fit=fit)
+            assert found.status[0] == status
+            assert np.isfinite(found.median[0]) == (status == FITTED)
+        one_mixed = curves(seen([[int(i < k) for k in (0, 4, 10, 10)] for i in range(10)], x), 1, fit=fit)
+        assert one_mixed.status[0] == SEPARABLE  # ever steeper fits it ever better
+    # with another state that tells the slope, it has a curve of that slope
+    both = [[int(i < k) + int(i < m) for k, m in zip((1, 4, 10, 10), (0, 0, 7, 9), strict=True)] for i in range(10)]
+    assert (curves(seen(both, x), 2).status == FITTED).all()
+    nothing: Curves = curves(seen(suite()), 1, fit="none")
+    assert np.isnan(nothing.median[0])
 
 
 def test_no_motion_and_no_answer_are_left_out():
-    x, exceeds, answered = suite()
-    wider = np.concatenate([[0.0], x])
-    grown = np.concatenate([np.zeros((1, 42, 1), dtype=bool), exceeds], axis=2)
-    np.testing.assert_array_equal(fit(wider, grown, np.ones_like(grown)).median, fit(x, exceeds, answered).median)
-    none = fit(x, exceeds, np.zeros_like(answered))
+    category = suite()
+    wider = np.concatenate([np.zeros((42, 1), dtype=int), category], axis=1)
+    grown = curves(seen(wider, np.concatenate([[0.0], X])), 1)
+    np.testing.assert_array_equal(grown.median, curves(seen(category), 1).median)
+    none = curves(seen(category, weight=np.zeros(category.shape)), 1)
     assert none.status[0] == NONE_EXCEEDS
     assert np.isnan(none.median[0])
 
@@ -127,9 +267,10 @@ def test_inverse_mills_ratio_by_its_definition_and_by_its_series():
 
 
 def test_ranks_and_correlations():
-    a = RNG.integers(0, 6, (5, 20)).astype(float)
+    rng = np.random.default_rng(7)
+    a = rng.integers(0, 6, (5, 20)).astype(float)
     a[0, 3] = np.inf
-    b = a * RNG.standard_normal((5, 20))
+    b = a * rng.standard_normal((5, 20))
     np.testing.assert_array_equal(
         statistics.ranks(np.array([3.0, np.nan, 1.0, np.inf, 3.0])), [2.5, np.nan, 1.0, 4.0, 2.5]
     )
@@ -149,27 +290,40 @@ FAR_FIELD = SHARED / "records/peer/p695_far_field"
 @pytest.mark.skipif(not FAR_FIELD.is_dir(), reason="the recorded motions are not here")
 def test_forty_two_far_field_components(monkeypatch):
     monkeypatch.setenv("ROCK_RECORDS", str(FAR_FIELD))
-    data = rockcli.run(
-        {
+
+    def far_field(**over):
+        return {
             "name": "far-field",
             "case": {
                 "block": {"R": 2.0, "tan_alpha": 0.2},
                 "motion": {"record": {"file": "P695FF01_NORTHR_MUL009.AT2"}},
             },
-            "over": "record",
+            "over": {"axis": "record", **over},
             "vary": {
                 "motion.record.file": "P695FF*.AT2",
                 "motion.record.pga": {"from": "0.1*g", "to": "2*g", "n": 20},
             },
             "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]},
         }
-    )
-    x = data["motion_record_pga"].values
+
+    data = rockcli.run(far_field())
     assert data.sizes["record"] == 42
+    assert (data["fragility_status"] == FITTED).all()
+    assert data["fragility_begins_at"].values == pytest.approx(0.2 * 9.81, rel=1e-12)
+    assert (np.diff(data["fragility_median"].values) >= 0.0).all()
+    assert np.ptp(data["fragility_beta"].values) == 0.0  # with ordered medians: the curves never cross
+    assert (data["fragility_percentile"] > data["fragility_begins_at"]).all()
+    # one by one against statsmodels, on the intensity above uplift
+    x = data["motion_record_pga"].values
+    above = x > 0.2 * 9.81 * (1.0 + 1e-9)
+    alone = rockcli.run(far_field(fit="lognormal"))
     states = {str(limit): data["theta_peak_over_alpha"].values > limit for limit in (0.1, 0.5, 1)}
     states["overturned"] = data["outcome"].values >= 2
-    answered = (data["outcome"].values >= 0).sum(axis=0)
+    assert (data["outcome"].values >= 0).all()
     for label, exceeds in states.items():
-        found = data.sel(limit_state=label)
-        expected = by_scipy(x, exceeds.sum(axis=0), answered)
-        np.testing.assert_allclose([found.fragility_median, found.fragility_beta], expected, rtol=1e-6)
+        assert not exceeds[:, ~above].any()
+        found = alone.sel(limit_state=label)
+        expected = clustered(x[above] - 0.2 * 9.81, exceeds[:, above])
+        assert float(found.fragility_median) - 0.2 * 9.81 == pytest.approx(expected[0], rel=1e-6)
+        got = [float(found.fragility_beta), float(found.fragility_se_ln_median), float(found.fragility_se_beta)]
+        np.testing.assert_allclose(got, expected[1:], rtol=1e-3)

@@ -78,10 +78,12 @@ def test_fragility_draws_shares_and_fits(stripes):
     figure = figures.figure("fragility", stripes)
     (axes,) = figure.axes
     lines = iter(axes.lines)
+    assert next(lines).get_xdata()[0] == pytest.approx(0.2)  # g tan(alpha): the sketch begins at uplift
     fitted = np.isfinite(stripes["fragility_median"].values)
     assert fitted.any()
     for i, label in enumerate(stripes["limit_state"].values):
         median, beta = float(stripes["fragility_median"][i]) / G, float(stripes["fragility_beta"][i])
+        begin = float(stripes["fragility_begins_at"]) / G
         markers = next(lines)
         np.testing.assert_array_equal(markers.get_ydata(), stripes["p_exceeded"].values[:, i])
         if not fitted[i]:
@@ -89,7 +91,7 @@ def test_fragility_draws_shares_and_fits(stripes):
             continue
         curve = next(lines)
         x, y = curve.get_data()
-        np.testing.assert_allclose(y, ndtr(np.log(np.asarray(x) / median) / beta), atol=1e-12)
+        np.testing.assert_allclose(y, ndtr(np.log((np.asarray(x) - begin) / (median - begin)) / beta), atol=1e-12)
         assert f"median {median:.3g} g" in curve.get_label()
         assert (label == "overturned") == curve.get_label().startswith("overturned")
     assert len(axes.collections) == fitted.sum()

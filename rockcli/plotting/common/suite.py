@@ -15,16 +15,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Suite:
-    """Axis of the ensemble, and of the intensity (None: there is none)."""
+    """Axis of the ensemble, and of the intensity (None: there is none); `told_against`: what fragility is over."""
 
     axis: str
     along: str | None
+    told_against: str
 
 
 def suite_of(dataset: xarray.Dataset) -> Suite | None:
     """The ensemble of a dataset; None if the study asks for none."""
     about = json.loads(dataset.attrs.get("ensemble", "null"))
-    return None if about is None else Suite(about["axis"], about["along"])
+    if about is None:
+        return None
+    return Suite(about["axis"], about["along"], about.get("told_against") or about["along"] or "")
 
 
 def without_intensity(dataset: xarray.Dataset) -> str:

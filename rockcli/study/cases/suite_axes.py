@@ -8,6 +8,7 @@ from typing import Any
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
+from rockcli.study.intensity import KNOWN, period_of
 from rockcli.study.schema import OverPart
 from rockcli.study.study import Axis, Over
 
@@ -45,7 +46,46 @@ def read_over(
             raise source.error(study, ("over",), f": the intensity may be {names}; say {{axis: ..., along: ...}}")
         along = known[0] if known else None
     limits = [_limit(source, study, i, value) for i, value in enumerate(said.limits)]
-    return Over(axis.name, along.name if along else None, tuple(sorted(set(limits))), said.mean)
+    return Over(
+        axis.name,
+        along.name if along else None,
+        tuple(sorted(set(limits))),
+        said.mean,
+        _intensity(source, study, said.intensity, axes),
+        said.fit,
+        str(said.begins_at),
+        _beta_added(source, study, said.beta_added),
+    )
+
+
+def _intensity(source: Source, study: Map, name: Any, axes: Sequence[Axis]) -> str:
+    """What fragility is told against, by its name in the dataset; "" = the axis of the intensity."""
+    if name is None:
+        return ""
+    keys = ("over", "intensity")
+    try:
+        known = period_of(name) is not None or name in KNOWN
+    except ValueError as error:
+        raise source.error(study, keys, f"is {name!r}: {error}; expected sa(0.5)") from None
+    if known and name != "sa(T)":
+        return str(name)
+    if not any(name in (a.name, a.path, a.path.rsplit(".", 1)[-1]) for a in axes):
+        offered = ", ".join(KNOWN)
+        raise source.error(study, keys, f"is {name!r}; expected {offered} with T in seconds, or a numeric axis")
+    found = _axis(source, study, keys, name, axes)
+    if not found.numeric:
+        raise source.error(study, keys, f"is {name!r}, an axis of words; expected numbers")
+    return found.name
+
+
+def _beta_added(source: Source, study: Map, value: Any) -> float:
+    try:
+        number = float(parse(value).evaluate(constant)) if isinstance(value, str) else float(value)
+    except ExpressionError as error:
+        raise source.error(study, ("over", "beta_added"), f": {error}") from None
+    if not 0.0 <= number < 10.0:
+        raise source.error(study, ("over", "beta_added"), f"is {describe(value)}; expected a number >= 0, as 0.2")
+    return number
 
 
 def _axis(source: Source, study: Map, keys: tuple[str, ...], text: str, axes: Sequence[Axis]) -> Axis:

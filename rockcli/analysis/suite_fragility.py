@@ -1,0 +1,186 @@
+"""Fragility of every body of a suite, as variables of its dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.analysis.fragility import STATUS, Curves, Seen, curves
+from rockcli.analysis.suite_intensity import unit_of, uplift_of, values_of
+from rockcli.scene.variables import LIMIT, PEAK, PERCENTILE, PERCENTILES, VARIABLES
+from rockcli.storage.contents import Contents, Field, text, variable_field
+from rockcli.study.cases.suite_axes import AMPLITUDES
+from rockcli.study.intensity import period_of
+from rockcli.study.study import Over, Study
+
+if TYPE_CHECKING:
+    from rockcli.analysis.suites import Members
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+FITTED: tuple[str, ...] = (
+    "fragility_median", "fragility_median_ci_low", "fragility_median_ci_high", "fragility_beta",
+    "fragility_beta_ci_low", "fragility_beta_ci_high", "fragility_beta_total", "fragility_se_ln_median",
+    "fragility_se_beta", "fragility_correlation", "fragility_median_low", "fragility_median_high",
+)  # fmt: skip
+"""Variables of a curve, one number each."""
+
+OTHERS = ("fragility_intensity", "fragility_begins_at", "fragility_status", "fragility_percentile", PERCENTILE)
+
+_IN_UNITS = ("fragility_median", "fragility_begins_at", "fragility_percentile")
+
+
+def fragility(contents: Contents, became: Members, study: Study, over: Over) -> dict[str, Field]:
+    """Shares that exceed each limit state at every intensity, and the curves through them."""
+    axes = contents.axes
+    bodies = tuple(axis for axis in axes if axis not in (over.axis, over.along))
+    order = [axes.index(axis) for axis in bodies] + [axes.index(over.axis)]
+    order += [axes.index(over.along)] if over.along is not None else []
+
+    def of_bodies(values: Array) -> NDArray[Any]:
+        """(..., n, k) with the members and the intensities last; of a cloud k = 1."""
+        moved = values.transpose(order)
+        return moved if over.along is not None else moved[..., None]
+
+    limits = over.limits if PEAK in contents.fields else ()
+    labels = over.limit_states[-len(limits) - 1 :]
+    x = values_of(over.told_against, contents, study)
+    if x is None:
+        return {}
+    top = len(limits) + 1
+    below = np.zeros(contents.shape, dtype=np.int64)
+    for limit in limits:
+        below += contents.values(PEAK) > limit
+    sure = np.where(became.share == 1.0, top, np.where(became.divided, 0, np.minimum(below, top - 1)))
+    parts = {
+        "x": of_bodies(x),
+        "low": of_bodies(sure),
+        "high": of_bodies(np.where(became.divided, top - 1, sure)),
+        "stands": of_bodies(np.where(became.divided, 1.0 - np.nan_to_num(became.share), became.answered.astype(float))),
+        "falls": of_bodies(np.where(became.divided, became.share, 0.0)),
+    }
+    begins = _begins(contents, study, over, x, of_bodies)
+    shape = parts["x"].shape[:-2]
+    dims = (*bodies, LIMIT)
+    found = {name: np.full((*shape, top), np.nan) for name in FITTED}
+    status = np.zeros((*shape, top), dtype=np.int8)
+    percentile = np.full((*shape, top, len(PERCENTILES)), np.nan)
+    for at in np.ndindex(*shape):
+        one = {name: values[at] for name, values in parts.items()}
+        made = curves(_seen(one, top), top, fit=over.fit, begins_at=float(begins[at]))
+        for name, values in _numbers(made, over.beta_added).items():
+            found[name][at] = values
+        status[at], percentile[at] = made.status, made.percentiles(over.beta_added)
+        missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
+        for end, category in (("low", top), ("high", 0)):
+            more = curves(_seen(one, top, missing, category), top, fit=over.fit, begins_at=float(begins[at]))
+            found[f"fragility_median_{end}"][at] = more.median if missing.any() else made.median
+    unit = unit_of(over.told_against, contents)
+    fields = {LIMIT: Field((LIMIT,), text(labels), {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True)}
+    if over.told_against not in axes:
+        row = variable_field("fragility_intensity", axes, x, units=unit, long_name=over.told_against)
+        fields["fragility_intensity"] = row
+    if over.along is not None:
+        fields["p_exceeded"] = _shares(contents, parts, top, bodies, over)
+    for name, values in found.items():
+        more_attrs: dict[str, Any] = {"units": unit} if name.startswith(_IN_UNITS) else {}
+        fields[name] = variable_field(name, dims, values, **more_attrs)
+    fields["fragility_begins_at"] = variable_field("fragility_begins_at", bodies, begins, units=unit)
+    coordinate = {"long_name": VARIABLES[PERCENTILE].sentence, "units": "%"}
+    fields[PERCENTILE] = Field((PERCENTILE,), np.array(PERCENTILES), coordinate, coordinate=True)
+    fields["fragility_percentile"] = variable_field("fragility_percentile", (*dims, PERCENTILE), percentile, units=unit)
+    flags = {"flag_values": np.array(list(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS.values())}
+    fields["fragility_status"] = variable_field("fragility_status", dims, status, **flags)
+    return fields
+
+
+def _seen(one: dict[str, Array], top: int, missing: NDArray[np.bool_] | None = None, category: int = 0) -> Seen:
+    """Rows of one body: a member whose runs part is two, the part that overturns and the part that stands.
+
+    `missing` members are put into a `category`.
+    """
+    low, high, weight = one["low"].astype(np.int64), one["high"].astype(np.int64), one["stands"]
+    if missing is not None:
+        low, high = (np.where(missing, category, of) for of in (low, high))
+        weight = np.where(missing, 1.0, weight)
+    over = np.full(low.shape, top, dtype=np.int64)
+    # side by side along the intensities, so that both parts are of the same member
+    return Seen(
+        np.concatenate([one["x"], one["x"]], axis=1),
+        np.concatenate([low, over], axis=1),
+        np.concatenate([high, over], axis=1),
+        np.concatenate([weight, one["falls"]], axis=1),
+    )
+
+
+def _numbers(made: Curves, beta_added: float) -> dict[str, Array]:
+    low, high = made.median_limits()
+    beta_low, beta_high = made.beta_limits()
+    return {
+        "fragility_median": made.median,
+        "fragility_median_ci_low": low,
+        "fragility_median_ci_high": high,
+        "fragility_beta": made.beta,
+        "fragility_beta_ci_low": beta_low,
+        "fragility_beta_ci_high": beta_high,
+        "fragility_beta_total": np.hypot(made.beta, beta_added),
+        "fragility_se_ln_median": made.se_ln_median,
+        "fragility_se_beta": made.se_beta,
+        "fragility_correlation": made.correlation,
+    }
+
+
+def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: Any) -> Array:
+    """Intensity at which the curves of every body begin: 0, or the lowest at which a member can lift it."""
+    shape = of_bodies(x).shape[:-2]
+    name = over.told_against
+    grows = name in ("pga", "pgv", "cav") or period_of(name) is not None
+    if name == over.along:
+        grows = str(contents.fields[name].attrs.get("long_name", name)).rsplit(".", 1)[-1] in AMPLITUDES
+    pga = values_of("pga", contents, study)
+    if over.begins_at != "uplift" or not grows or pga is None:  # what grows with the amplitude is known at uplift
+        return np.zeros(shape)
+    at_uplift = of_bodies(x * uplift_of(study).reshape(contents.shape) / pga)
+    known = ~np.isnan(of_bodies(x)) & (of_bodies(pga) > 0.0)
+    unknown = (np.isnan(at_uplift) & known).any(axis=(-2, -1))
+    lowest = np.where(known, at_uplift, np.inf).min(axis=(-2, -1))
+    return np.where(unknown | ~np.isfinite(lowest), 0.0, lowest)
+
+
+def _shares(contents: Contents, parts: dict[str, Array], top: int, bodies: tuple[str, ...], over: Over) -> Field:
+    """The share of the members with an answer that exceeds each limit state, at every intensity."""
+    stands, falls = parts["stands"], parts["falls"]
+    shares = []
+    for state in range(1, top + 1):
+        exceeds = stands * (parts["low"] >= state) + falls
+        known = stands * ((parts["low"] >= state) | (parts["high"] < state)) + falls
+        shares.append(exceeds.sum(axis=-2) / known.sum(axis=-2))
+    rest = tuple(axis for axis in contents.axes if axis != over.axis)
+    here = (*bodies, str(over.along))
+    values = np.stack(shares, axis=-1).transpose([*(here.index(axis) for axis in rest), len(here)])
+    return variable_field("p_exceeded", (*rest, LIMIT), values)
+
+
+def fragility_rows(contents: Contents) -> Iterator[dict[str, Any]]:
+    """The curves of a dataset as plain values, one row per body and limit state; None for what is no number."""
+    if "fragility_status" not in contents.fields:
+        return
+    dims = contents.fields["fragility_status"].dims
+    status = contents.values("fragility_status")
+    for at in np.ndindex(*status.shape):
+        row: dict[str, Any] = {dim: _plain(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
+        row["fragility_begins_at"] = _plain(contents.values("fragility_begins_at")[at[:-1]])
+        row |= {name: _plain(contents.values(name)[at]) for name in FITTED}
+        for percent, value in zip(PERCENTILES, contents.values("fragility_percentile")[at], strict=True):
+            row[f"fragility_percentile_{percent:g}"] = _plain(value)
+        yield row | {"fragility_status": STATUS[int(status[at])]}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    return float(value) if np.isfinite(value) else None

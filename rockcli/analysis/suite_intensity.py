@@ -1,0 +1,92 @@
+"""Intensities of a suite's motions: what fragility is told against, and where the body begins to move."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.motion.spectrum import displacement_spectrum, forcing
+from rockcli.scene.batch import Batch
+from rockcli.scene.excitation import Samples
+from rockcli.scene.models import MODELS
+from rockcli.scene.variables import VARIABLES
+from rockcli.storage.contents import Contents
+from rockcli.study.cases.buildable import buildable
+from rockcli.study.intensity import period_of
+from rockcli.study.study import Study
+
+Array = NDArray[np.float64]
+
+DAMPING = 0.05
+"""Damping ratio of Sa(T)."""
+
+
+def unit_of(name: str, contents: Contents) -> str:
+    """Unit of an intensity."""
+    if period_of(name) is not None:
+        return "m s-2"
+    if name == "pgv_over_pga":
+        return "s"
+    item = contents.fields[name]
+    return str(item.attrs.get("units", VARIABLES[name].unit if name in VARIABLES else "1"))
+
+
+def values_of(name: str, contents: Contents, study: Study) -> Array | None:
+    """An intensity of every case, over the axes; None where the dataset does not tell it."""
+    if (period := period_of(name)) is not None:
+        return _spectral(study, period).reshape(contents.shape)
+    if name == "pgv_over_pga":
+        pair = [values_of(one, contents, study) for one in ("pgv", "pga")]
+        return None if pair[0] is None or pair[1] is None else pair[0] / pair[1]
+    item = contents.fields.get(name)
+    if item is None or item.values.dtype.kind not in "fiu" or not set(item.dims) <= set(contents.axes):
+        return None
+    return np.asarray(contents.over_axes(name), dtype=float)
+
+
+def _spectral(study: Study, period: float) -> Array:
+    """Pseudo-spectral acceleration at 5 % of the horizontal motion of every case, (n,) [m/s^2]."""
+    found = np.full(study.size, np.nan)
+    known: dict[tuple[bytes, float, float], float] = {}
+    for indices, batch in buildable(study.batches, np.arange(study.size)):
+        motion = batch.excitation.horizontal
+        if motion is None:
+            continue
+        for i, index in enumerate(indices):
+            duration = batch.excitation.duration[i]
+            until = np.inf if np.isnan(duration) else float(duration)
+            size = 1.0
+            if isinstance(motion, Samples):  # of records scaled up and down the spectrum is found once
+                size = abs(float(np.broadcast_to(motion.factor, (batch.size,))[i]))
+            key = (motion.values.tobytes(), motion.dt, until) if isinstance(motion, Samples) else None
+            if key is None or key not in known or not size > 0.0:
+                S_d = displacement_spectrum(forcing(motion, i, until), np.array([period]), DAMPING)[0]
+                S_a = float((2.0 * np.pi / period) ** 2 * S_d)
+                found[index] = S_a
+                if key is not None and size > 0.0:
+                    known[key] = S_a / size
+            else:
+                found[index] = known[key] * size
+    return found
+
+
+def uplift_of(study: Study) -> Array:
+    """Peak horizontal acceleration at and below which the body of every case surely rests, (n,) [m/s^2].
+
+    NaN where that is not known: bodies that move at t = 0, vertical motion, deformable bodies.
+    """
+    found = np.full(study.size, np.nan)
+    for indices, batch in buildable(study.batches, np.arange(study.size)):
+        row = MODELS.get((batch.model, batch.geometry))
+        if row is None or batch.excitation.vertical is not None or batch.base is not None:
+            continue
+        still = (batch.theta_0 == 0.0) & (batch.theta_dot_0 == 0.0)
+        found[indices] = np.where(still, batch.g * _threshold(batch), np.nan)
+    return found
+
+
+def _threshold(batch: Batch) -> Array:
+    """Acceleration over g that lifts the body about its nearer edge, (n,)."""
+    alpha = batch.block.alpha
+    law = MODELS[(batch.model, batch.geometry)].law(alpha, np.tan(alpha))
+    return np.asarray(law.threshold.min(axis=-1))
