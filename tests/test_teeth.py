@@ -186,10 +186,10 @@ FAULTS = {
         "edge.fc * math.cos(q) - edge.fs * math.sin(q)",
     ),
     "scipy: restitution": Fault(
-        scipy_backend, "rockcli.solvers.general.located", "after = other.eta * before", "after = 1.001 * other.eta * before"
+        scipy_backend, "rockcli.solvers.general.event_located", "after = other.eta * before", "after = 1.001 * other.eta * before"
     ),
     "scipy: no reset": Fault(
-        scipy_backend, "rockcli.solvers.general.located", "0.0, after, other.sign", "0.0, after, self.sign"
+        scipy_backend, "rockcli.solvers.general.event_located", "0.0, after, other.sign", "0.0, after, self.sign"
     ),
     "sweep: lost chunk": Fault(
         sweep, "rockcli.engine.sweep.results", "            self.scalars[name][at] = values\n",

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from rockcli.analysis.compare_datasets import FLOOR
 from rockcli.analysis.places import place, units_of
 from rockcli.engine.backends import choose
-from rockcli.engine.sweep.chunk_result import Answer
-from rockcli.engine.sweep.chunks import CHUNK, Agenda, Pace
+from rockcli.engine.sweep.chunk_result import ChunkResult
+from rockcli.engine.sweep.chunks import CHUNK, Chunks, Pace
 from rockcli.engine.sweep.executors import answers
 from rockcli.engine.sweep.sweep import Solving, check_solved, note_unsolved, outlook
 from rockcli.engine.sweep.work import Team
@@ -167,7 +167,7 @@ def _solved_again(
     done = 0
     refused: dict[str, int] = {}
     work = Solving(again, compiled, described=False)
-    for cases, answer in answers(work, Agenda(study.size, todo), Pace(seconds, CHUNK), team):
+    for cases, answer in answers(work, Chunks(study.size, todo), Pace(seconds, CHUNK), team):
         _put(found, chosen, answer)
         note_unsolved(refused, answer)
         done += len(cases)
@@ -177,7 +177,7 @@ def _solved_again(
     return found
 
 
-def _put(found: dict[str, NDArray[Any]], chosen: Index, answer: Answer) -> None:
+def _put(found: dict[str, NDArray[Any]], chosen: Index, answer: ChunkResult) -> None:
     rows = np.searchsorted(chosen, answer.cases)
     for name, values in answer.scalars.items():
         found[name][rows] = values

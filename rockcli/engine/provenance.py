@@ -24,7 +24,7 @@ def attributes(study: Study, results: Results) -> dict[str, str]:
         "case": as_json(study.resolved["case"]),
         "study_name": study.name,
         "identity": study.identity,
-        "kinship": study.kinship,
+        "sweep_id": study.sweep_id,
         "compare_to": as_json(study.compare_to),
         "inputs": as_json(study.inputs),
         "processing": as_json({name: list(steps) for name, steps in study.processing.items()}),

@@ -25,7 +25,7 @@ from rockcli.engine.sweep.assemble import assemble
 from rockcli.engine.sweep.history_size import check_histories
 from rockcli.engine.sweep.parts import Parts
 from rockcli.engine.sweep.refine import solve_refined
-from rockcli.engine.sweep.reuse_results import taken_over
+from rockcli.engine.sweep.reuse_results import reuse_results
 from rockcli.engine.sweep.sweep import Progress, Sweep, solve_cases
 from rockcli.engine.sweep.symbols_of_cases import describe_cases
 from rockcli.engine.sweep.work import Team
@@ -119,7 +119,7 @@ def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
         return
     if found is None:
         what = "a file that is not a dataset of this program, or a damaged one"
-    elif taken_over(study, netcdf.read(path)) is not None:
+    elif reuse_results(study, netcdf.read(path)) is not None:
         check_answers(study)
         return
     else:
@@ -174,7 +174,7 @@ def run_study(
             if netcdf.identity(path) == study.identity:
                 contents, status = _renewed(study, path, sweep), UP_TO_DATE
                 return _told(study, contents, status, path, started, plot_format if plots else None, si=si)
-            old = taken_over(study, netcdf.read(path))
+            old = reuse_results(study, netcdf.read(path))
             assert old is not None
             known, sweep.known = len(old.cases), (old,)
         if fresh:

@@ -44,7 +44,7 @@ def identity(
     return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=True).encode()).hexdigest()
 
 
-def kinship(
+def sweep_id(
     case: dict[str, Any],
     let: dict[str, Any],
     variations: Sequence[Variation],

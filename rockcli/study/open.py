@@ -42,7 +42,7 @@ from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.features import check_curves
-from rockcli.study.identity import as_yaml, identity, kinship, lays_over, plain
+from rockcli.study.identity import as_yaml, identity, lays_over, plain, sweep_id
 from rockcli.study.plausibility import surely_meant
 from rockcli.study.schema import NO_PLOTS, CasePart, StudyPart
 from rockcli.study.study import Expect, Study
@@ -115,14 +115,14 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         resolved=resolved,
         resolved_yaml=as_yaml(resolved),
         identity=identity(*content, where.inputs.hashes, refine=bool(refine), laid=lays_over(resolved, variations)),
-        kinship="" if refine else kinship(*content, where.inputs.hashes),
+        sweep_id="" if refine else sweep_id(*content, where.inputs.hashes),
         inputs=dict(sorted(where.inputs.hashes.items())),
         processing=found.processing(),
         warnings=(
             *without_effect(base, variations, overrides),
             *unused_symbols(tree, variations),
             *replaced_records(base, variations),
-            *found.doubts(tree),
+            *found.plausibility_warnings(tree),
             *((RECORDS,) if refine and found.uses else ()),
         ),
         histories_at=at,

@@ -80,7 +80,7 @@ def _says_its_unit(value: Any) -> bool:
         return False
 
 
-def doubts_about(numbers: Numbers, batch: Batch, meant: frozenset[Keys] = frozenset()) -> list[str]:
+def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys] = frozenset()) -> list[str]:
     """Sentences about the cases of a batch; `meant`: keys whose numbers are not doubted."""
     horizontal, vertical = batch.excitation.horizontal, batch.excitation.vertical
     with np.errstate(all="ignore"):

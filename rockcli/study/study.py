@@ -177,7 +177,7 @@ class Study:
         resolved: the resolved study as a plain mapping (re-runnable when dumped as YAML).
         resolved_yaml: the same as YAML text.
         identity: SHA-256 hex of what changes numbers (case, let, vary, save, bytes of files, program version).
-        kinship: what tells whether results of another study are among these (see `identity.kinship`), JSON.
+        sweep_id: what tells whether results of another study are among these (see `identity.sweep_id`), JSON.
         inputs: name of every file read, as in the study -> SHA-256 of its bytes.
         processing: record name -> what was done to it, sentences in order, with the effect on PGA and PGV.
         warnings: sentences about the study as a whole.
@@ -205,7 +205,7 @@ class Study:
     curves: tuple[str, ...] = ()
     rules: tuple[str, ...] = ()
     search: Searched | None = None
-    kinship: str = ""
+    sweep_id: str = ""
     over: Over | None = None
     refine: tuple[str, ...] = ()
     audit: float | bool = False

@@ -116,7 +116,7 @@ def test_what_does_not_fit_at_once_is_solved_in_smaller_chunks(workers: int, by:
         def lost(self, cases: Any, why: str) -> Any:
             raise AssertionError(why)
 
-    found = list(executors.answers(Narrow(), sweep.Agenda(40), sweep.Pace(1e-9), Team(workers)))
+    found = list(executors.answers(Narrow(), sweep.Chunks(40), sweep.Pace(1e-9), Team(workers)))
     np.testing.assert_array_equal(np.sort(np.concatenate([cases for cases, _ in found])), np.arange(40))
     assert len(found) < 40 / 2
 
@@ -132,7 +132,7 @@ def test_a_machine_that_refuses_everything_is_not_asked_for_ever() -> None:
         def lost(self, cases: Any, why: str) -> str:
             return why
 
-    found = list(executors.answers(Refused(), sweep.Agenda(20_000), sweep.Pace(1e-9), Team(1)))
+    found = list(executors.answers(Refused(), sweep.Chunks(20_000), sweep.Pace(1e-9), Team(1)))
     assert sum(len(cases) for cases, _ in found) == 20_000
     assert {why for _, why in found} == {"ImportError: cannot map the library"}
     assert len(asked) < 200

@@ -19,7 +19,7 @@ from rockcli.engine.lock import LOCK_NAME, locked
 from rockcli.engine.run import run_study
 from rockcli.engine.summary import SHARE, SOLVED, UP_TO_DATE
 from rockcli.engine.sweep import parts, sweep
-from rockcli.engine.sweep.chunk_result import Answer, blank, cases_of, spans_of
+from rockcli.engine.sweep.chunk_result import ChunkResult, blank, cases_of, spans_of
 from rockcli.engine.sweep.parts import FOLDER, Parts
 from rockcli.engine.sweep.settings_used import joined
 from rockcli.errors import OutputError, StudyError
@@ -47,7 +47,7 @@ def stop_after(monkeypatch: pytest.MonkeyPatch, chunks: int, error: type[BaseExc
     """Break off a run after some chunks."""
     keep, seen = Parts.keep, []
 
-    def kept(self: Parts, answer: Answer) -> None:
+    def kept(self: Parts, answer: ChunkResult) -> None:
         keep(self, answer)
         seen.append(answer)
         if len(seen) == chunks:
@@ -138,7 +138,7 @@ def test_a_full_disk_keeps_what_was_finished(
 
     keep, seen = Parts.keep, []
 
-    def kept(self: Parts, answer: Answer) -> None:
+    def kept(self: Parts, answer: ChunkResult) -> None:
         if len(seen) == 5:
             monkeypatch.setattr(np, "savez", full)
         keep(self, answer)
@@ -156,7 +156,7 @@ def test_a_full_disk_keeps_what_was_finished(
 
 def test_a_part_holds_everything(tmp_path: Path) -> None:
     cases = np.array([0, 1, 2, 7, 9, 10], dtype=np.int64)
-    answer = Answer(cases, blank(("outcome", "theta_peak", "n_steps", "reason"), 6))
+    answer = ChunkResult(cases, blank(("outcome", "theta_peak", "n_steps", "reason"), 6))
     answer.sentences = {"naïve: a sentence": np.array([2, 9])}
     answer.used = [(7, {"backend": "x"})]
     answer.time = np.arange(4) * 0.1
@@ -223,7 +223,7 @@ class _Deaf:
     def kept(self):  # type: ignore[no-untyped-def]
         return iter(())
 
-    def keep(self, answer: Answer) -> None:
+    def keep(self, answer: ChunkResult) -> None:
         self.keeper.keep(answer)
 
 

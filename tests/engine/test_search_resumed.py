@@ -13,7 +13,7 @@ from rockcli.engine.run import run_study, solve
 from rockcli.engine.search import search
 from rockcli.engine.summary import UP_TO_DATE
 from rockcli.engine.sweep import parts, sweep
-from rockcli.engine.sweep.chunk_result import Answer
+from rockcli.engine.sweep.chunk_result import ChunkResult
 from rockcli.engine.sweep.parts import Parts
 from rockcli.errors import MachineError
 from rockcli.scene.batch import Batch
@@ -53,7 +53,7 @@ def test_a_search_goes_on(chunks: int, solved: list[float], tmp_path: Path, monk
     solved.clear()
     keep, seen = Parts.keep, []
 
-    def kept(self: Parts, answer: Answer) -> None:
+    def kept(self: Parts, answer: ChunkResult) -> None:
         keep(self, answer)
         seen.append(answer)
         if len(seen) == chunks:

@@ -15,7 +15,7 @@ import pytest
 from swept import CASES, assert_same, made_up, solved, study, write_study
 
 from rockcli.engine.sweep import executors, sweep
-from rockcli.engine.sweep.chunks import Agenda, Pace
+from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
 from rockcli.scene.batch import Batch
@@ -48,9 +48,9 @@ def test_the_same_bits_by_any_number_of_workers_and_any_chunks(by) -> None:
 def test_the_same_bits_in_any_order(by, monkeypatch: pytest.MonkeyPatch) -> None:
     by(worth=NEVER)
     whole = solved(study())
-    take = Agenda.take
+    take = Chunks.take
 
-    def from_behind(self: Agenda, most: int):  # type: ignore[no-untyped-def]
+    def from_behind(self: Chunks, most: int):  # type: ignore[no-untyped-def]
         if not hasattr(self, "kept"):
             self.kept = list(np.array_split(take(self, self.left), 9))  # type: ignore[attr-defined]
             self.left = CASES
@@ -58,7 +58,7 @@ def test_the_same_bits_in_any_order(by, monkeypatch: pytest.MonkeyPatch) -> None
         self.left -= len(cases)
         return cases
 
-    monkeypatch.setattr(Agenda, "take", from_behind)
+    monkeypatch.setattr(Chunks, "take", from_behind)
     assert_same(whole, solved(study()))
 
 
@@ -94,12 +94,12 @@ def test_a_small_study_is_solved_here(by, monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_processes_start_when_what_is_left_is_worth_it() -> None:
     pace = Pace(1e-6)
-    assert not executors._worth(Agenda(10**9), pace)  # nothing measured yet
+    assert not executors._worth(Chunks(10**9), pace)  # nothing measured yet
     pace.learn(1000, 0.5)
     pace.learn(1000, 0.001)
-    assert executors._worth(Agenda(10**6), pace)
-    assert not executors._worth(Agenda(10**5), pace)
-    assert executors._worth(Agenda(2), Pace(90.0))  # minutes per case: not even the first here
+    assert executors._worth(Chunks(10**6), pace)
+    assert not executors._worth(Chunks(10**5), pace)
+    assert executors._worth(Chunks(2), Pace(90.0))  # minutes per case: not even the first here
 
 
 def test_a_worker_that_dies_costs_nothing(by, tmp_path: Path) -> None:
@@ -235,12 +235,12 @@ class Big:
 def test_neither_end_of_a_pipe_waits_for_the_other(todo) -> None:  # type: ignore[no-untyped-def]
     from rockcli.engine.sweep.workers import on_workers
 
-    agenda, pace = Agenda(400_000, todo), Pace(1e-7, most=65536)
+    chunks, pace = Chunks(400_000, todo), Pace(1e-7, most=65536)
     wanted = np.arange(400_000) if todo is None else np.flatnonzero(todo)
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(60)  # a deadlock ends the tests rather than stopping them
     try:
-        found = [cases for cases, answer in on_workers(Big(), agenda, pace, Team(2)) if len(answer) == 8 * len(cases)]
+        found = [cases for cases, answer in on_workers(Big(), chunks, pace, Team(2)) if len(answer) == 8 * len(cases)]
     finally:
         signal.alarm(0)
     np.testing.assert_array_equal(np.sort(np.concatenate(found)), wanted)

@@ -224,7 +224,7 @@ class TestOwnSymbols:
 class TestIdentity:
     @staticmethod
     def kin(vary, **case):
-        return open_study({"name": "x", "case": {**BASE, **case}, "vary": vary}).kinship
+        return open_study({"name": "x", "case": {**BASE, **case}, "vary": vary}).sweep_id
 
     def test_what_no_point_leaves_does_not_count(self):
         vary = {"block": {"a": {"h": 1, "b": 0.2}, "b": {"h": 2, "b": 0.3}}}

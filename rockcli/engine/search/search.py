@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.search.trials import Trials, Tried
-from rockcli.engine.sweep.chunks import Agenda, Pace
+from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.executors import answers
 from rockcli.engine.sweep.sweep import Sweep, outlook
 from rockcli.scene.response import NO_UPLIFT, ROCKING, overturned
@@ -55,7 +55,7 @@ def find_overturning(study: Study, sweep: Sweep) -> tuple[Thresholds, dict[str, 
         nonlocal done
         outcomes, known = tried.before(trials)
         done += known.sum() / n
-        for rows, answer in answers(trials.work(compiled), Agenda(trials.size, ~known), pace, sweep.team):
+        for rows, answer in answers(trials.work(compiled), Chunks(trials.size, ~known), pace, sweep.team):
             outcomes[answer.cases] = answer.scalars["outcome"]
             tried.keep(trials, answer)
             done += len(rows) / n

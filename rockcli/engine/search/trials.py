@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.sweep.chunk_result import Answer
+from rockcli.engine.sweep.chunk_result import ChunkResult
 from rockcli.engine.sweep.results import of_failed
 from rockcli.engine.sweep.sweep import Solving, Sweep, check_solved, note_unsolved
 from rockcli.scene.batch import Batch
@@ -86,11 +86,11 @@ class Tried:
         self.sweep.resumed += int(known.sum())
         return found, known
 
-    def keep(self, trials: Trials, answer: Answer) -> None:
+    def keep(self, trials: Trials, answer: ChunkResult) -> None:
         """Keep the answer of some trials."""
         values = {"value": trials.values.ravel()[answer.cases], "outcome": answer.scalars["outcome"]}
         sentences = {sentence: self._numbers_of(trials, rows) for sentence, rows in of_failed(answer)}
-        numbered = Answer(self._numbers_of(trials, answer.cases), values, sentences)
+        numbered = ChunkResult(self._numbers_of(trials, answer.cases), values, sentences)
         note_unsolved(self._refused, answer)
         self._note_failed(numbered)
         if self.sweep.keeper is not None and len(numbered.cases):
@@ -105,6 +105,6 @@ class Tried:
         k = len(trials.cases)
         return self._first + self.n * (rows // k) + trials.cases[rows % k]
 
-    def _note_failed(self, answer: Answer) -> None:
+    def _note_failed(self, answer: ChunkResult) -> None:
         for sentence, where in of_failed(answer):
             self.failed[sentence] = np.union1d(self.failed.get(sentence, where[:0]), where % self.n)

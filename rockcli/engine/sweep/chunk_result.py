@@ -62,7 +62,7 @@ class Description(_Travelling):
 
 
 @dataclass(eq=False)
-class Answer(_Travelling):
+class ChunkResult(_Travelling):
     """Results of m cases.
 
     Attributes:
@@ -85,13 +85,13 @@ class Answer(_Travelling):
     described: Description | None = None
     unsolved: dict[str, Index] = field(default_factory=dict)
 
-    def among(self, wanted: NDArray[np.bool_]) -> Answer:
+    def among(self, wanted: NDArray[np.bool_]) -> ChunkResult:
         """Those of the cases that are wanted, (m,)."""
         if wanted.all():
             return self
         cases = self.cases[wanted]
         sentences = {sentence: np.intersect1d(where, cases) for sentence, where in self.sentences.items()}
-        return Answer(
+        return ChunkResult(
             cases,
             {name: values[wanted] for name, values in self.scalars.items()},
             {sentence: where for sentence, where in sentences.items() if len(where)},

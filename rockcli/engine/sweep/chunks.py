@@ -20,7 +20,7 @@ SHARES = 4
 """Chunks that are left for every worker near the end, so that none waits long for the last."""
 
 
-class Agenda:
+class Chunks:
     """Hands out the cases that are left, in order; what was lost comes back and goes first.
 
     Args:

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rockcli import version
-from rockcli.engine.sweep.chunks import Agenda, Pace
+from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.work import Team, Work, in_halves
 from rockcli.errors import MACHINE, MachineError, StudyError
 from rockcli.study.cases.buildable import Unsolved
@@ -42,7 +42,7 @@ def check_cluster(address: str) -> None:
         pass
 
 
-def on_cluster(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
+def on_cluster(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
     """Solve what is left on the cluster `team.dask`; see `executors.answers`.
 
     A worker that dies costs what it was at, which the scheduler has done again by another one.
@@ -58,8 +58,8 @@ def on_cluster(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
 
         def submit() -> list[Any]:
             new = []
-            while agenda.left and len(taken) < AHEAD * threads:
-                cases = agenda.take(pace.step(agenda.left, threads))
+            while chunks.left and len(taken) < AHEAD * threads:
+                cases = chunks.take(pace.step(chunks.left, threads))
                 future = client.submit(_solve, held, cases, pure=False, retries=0)
                 taken[future.key] = cases
                 new.append(future)
@@ -76,9 +76,9 @@ def on_cluster(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
                     yield cases, work.lost(cases, Unsolved("the solver's process died, on several workers"))
                 else:
                     for half in np.array_split(cases, 2):
-                        agenda.give_back(half)
+                        chunks.give_back(half)
             except MACHINE as error:
-                yield from in_halves(work, cases, error, agenda, pace)
+                yield from in_halves(work, cases, error, chunks, pace)
             except CancelledError:
                 raise MachineError(f"--dask {team.dask}: the scheduler cannot be reached any more") from None
             else:

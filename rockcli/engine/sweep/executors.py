@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from time import perf_counter
 from typing import TypeVar
 
-from rockcli.engine.sweep.chunks import Agenda, Pace
+from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.cluster import on_cluster
 from rockcli.engine.sweep.work import Team, Work, in_halves
 from rockcli.engine.sweep.workers import on_workers
@@ -31,32 +31,32 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def answers(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
+def answers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
     """Yield (cases, answer) until nothing is left, in no particular order.
 
     Processes are started only when what is left is worth it; the first chunks are solved here, which also compiles
     what the others then have.
     """
-    if team.dask is not None and agenda.left:
-        yield from on_cluster(work, agenda, pace, team)
+    if team.dask is not None and chunks.left:
+        yield from on_cluster(work, chunks, pace, team)
         return
-    while agenda.left:
-        if team.workers > 1 and agenda.left > 1 and _worth(agenda, pace):
-            yield from on_workers(work, agenda, pace, team)
+    while chunks.left:
+        if team.workers > 1 and chunks.left > 1 and _worth(chunks, pace):
+            yield from on_workers(work, chunks, pace, team)
             continue  # with what is left if no process could be started
-        cases = agenda.take(pace.step(agenda.left))
+        cases = chunks.take(pace.step(chunks.left))
         began = perf_counter()
         try:
             answer = work(cases)
         except MACHINE as error:
-            yield from in_halves(work, cases, error, agenda, pace)
+            yield from in_halves(work, cases, error, chunks, pace)
             continue
         pace.learn(len(cases), perf_counter() - began)
         yield cases, answer
 
 
-def _worth(agenda: Agenda, pace: Pace) -> bool:
+def _worth(chunks: Chunks, pace: Pace) -> bool:
     if not pace.measured:
         return pace.seconds_per_case > COSTLY
-    left = agenda.left * pace.seconds_per_case
+    left = chunks.left * pace.seconds_per_case
     return left > WORTH * (1.0 if pace.measured >= WARM else 20.0)

@@ -16,11 +16,11 @@ from rockcli.errors import RecordError, SolverError, StudyError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response
-from rockcli.study.cases.buildable import ATTEMPTS, Rebuild, build_apart, reason_of
+from rockcli.study.cases.buildable import ATTEMPTS, Rebuild, build_isolated, reason_of
 from rockcli.study.study import Index
 
 
-def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tuple[Index, Response | str]]:
+def solve_isolated(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tuple[Index, Response | str]]:
     """Yield responses, or the sentence of why there is none; a batch that breaks is halved to find the bad cases.
 
     `rebuild(indices)` gives the batches of some of the cases again.
@@ -44,7 +44,7 @@ def solve_apart(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[tupl
                 yield part, reason_of(error, "the solver broke")
                 continue
             for half in np.array_split(part, 2):
-                pending.extend(build_apart(rebuild, half))
+                pending.extend(build_isolated(rebuild, half))
         else:
             broken = 0
             yield from answers

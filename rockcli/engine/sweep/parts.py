@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.sweep.chunk_result import Answer, cases_of, spans_of
+from rockcli.engine.sweep.chunk_result import ChunkResult, cases_of, spans_of
 from rockcli.storage.atomic import sweep_leftovers
 from rockcli.storage.part import read_part, write_part
 from rockcli.study.study import Study
@@ -29,11 +29,11 @@ class Keeper(Protocol):
 
     damaged: int
 
-    def kept(self) -> Iterator[Answer]:
+    def kept(self) -> Iterator[ChunkResult]:
         """Answers of earlier runs."""
         ...
 
-    def keep(self, answer: Answer) -> None:
+    def keep(self, answer: ChunkResult) -> None:
         """Keep an answer, sooner or later."""
         ...
 
@@ -49,10 +49,10 @@ class Parts:
         self.folder = self.all / study.identity[:16]
         self.identity = study.identity
         self.damaged = 0
-        self._waiting: list[Answer] = []
+        self._waiting: list[ChunkResult] = []
         self._since = monotonic()
 
-    def kept(self) -> Iterator[Answer]:
+    def kept(self) -> Iterator[ChunkResult]:
         """Answers of earlier runs and of other shares; what is damaged or of another study is passed over."""
         for path in sorted(self.folder.glob("[!.]*.npz")):
             found = read_part(path)
@@ -61,7 +61,7 @@ class Parts:
             elif found[1].get("identity") == self.identity:
                 yield from _unpacked(*found)
 
-    def keep(self, answer: Answer) -> None:
+    def keep(self, answer: ChunkResult) -> None:
         """Keep an answer; it is written with others every few seconds."""
         self._waiting.append(answer)
         if monotonic() - self._since > EVERY:
@@ -105,7 +105,7 @@ class Parts:
             self.all.rmdir()
 
 
-def _packed(answers: list[Answer]) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+def _packed(answers: list[ChunkResult]) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
     arrays: dict[str, NDArray[Any]] = {}
     words: list[dict[str, Any]] = []
     for i, answer in enumerate(answers):
@@ -119,9 +119,9 @@ def _packed(answers: list[Answer]) -> tuple[dict[str, NDArray[Any]], dict[str, A
     return arrays, {"answers": words}
 
 
-def _unpacked(arrays: dict[str, NDArray[Any]], words: dict[str, Any]) -> Iterator[Answer]:
+def _unpacked(arrays: dict[str, NDArray[Any]], words: dict[str, Any]) -> Iterator[ChunkResult]:
     for i, told in enumerate(words["answers"]):
-        answer = Answer(cases_of(arrays[f"{i}.spans"]), {}, time=arrays[f"{i}.time"])
+        answer = ChunkResult(cases_of(arrays[f"{i}.spans"]), {}, time=arrays[f"{i}.time"])
         answer.used = [(int(first), dict(one)) for first, one in told["used"]]
         answer.sentences = {sentence: arrays[f"{i}.said.{j}"] for j, sentence in enumerate(told["said"])}
         for name, values in arrays.items():

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.sweep.chunks import Agenda, Pace
+from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.results import Results
 from rockcli.engine.sweep.sweep import Progress, Sweep, outlook, take_known, work_off
 from rockcli.engine.sweep.symbols_of_cases import describe_rest, symbols_of
@@ -62,7 +62,7 @@ def solve_refined(study: Study, progress: Progress | None = None, sweep: Sweep |
             cases = maps.cases(wanted)
             left = np.zeros(study.size, dtype=bool)
             left[cases[todo[cases]]] = True
-            work_off(study, sweep, results, Agenda(study.size, left), pace, compiled=compiled)
+            work_off(study, sweep, results, Chunks(study.size, left), pace, compiled=compiled)
             todo[cases] = False
             maps.take(wanted, results.scalars["outcome"][cases])
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.sweep.chunk_result import Answer, Array, Description, blank
+from rockcli.engine.sweep.chunk_result import Array, ChunkResult, Description, blank
 from rockcli.engine.sweep.settings_used import Used, joined
 from rockcli.engine.sweep.symbols import Symbols
 from rockcli.scene.response import FAILED, MAX_IMPACTS_STORED
@@ -62,7 +62,7 @@ class Results:
     solved: NDArray[np.int8] | None = None
     _warnings: set[str] = field(default_factory=set)
     _used: list[tuple[int, Used]] = field(default_factory=list)
-    _pending: list[Answer] = field(default_factory=list)
+    _pending: list[ChunkResult] = field(default_factory=list)
 
     @classmethod
     def of(cls, study: Study, symbols: Symbols, *, solved: bool = True) -> Results:
@@ -89,7 +89,7 @@ class Results:
         self.has_mass &= found.has_mass
         self.symmetric &= found.symmetric
 
-    def put(self, answer: Answer) -> None:
+    def put(self, answer: ChunkResult) -> None:
         """Take the answer of cases that were not answered before."""
         cases = answer.cases
         self.answered += len(cases)
@@ -145,7 +145,7 @@ class Results:
             values[missing] = np.nan
 
 
-def of_failed(answer: Answer) -> Iterator[tuple[str, Index]]:
+def of_failed(answer: ChunkResult) -> Iterator[tuple[str, Index]]:
     """The sentences of the cases that failed."""
     failed = answer.cases[answer.scalars["outcome"] == FAILED] if "outcome" in answer.scalars else answer.cases[:0]
     for sentence, where in answer.sentences.items() if len(failed) else ():

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from rockcli.engine.sweep.chunk_result import Answer
+from rockcli.engine.sweep.chunk_result import ChunkResult
 from rockcli.scene.variables import HISTORIES, IMPACTS
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Study
 
 
-def taken_over(study: Study, old: Contents) -> Answer | None:
+def reuse_results(study: Study, old: Contents) -> ChunkResult | None:
     """The answers that a dataset has for cases of a study; None if it is not of the same numbers.
 
     It is if case, let, save, version and the kinds of axes are the same, and every point of its axes, with the bytes
@@ -30,7 +30,7 @@ def taken_over(study: Study, old: Contents) -> Answer | None:
         values = old.values(name)
         return values.reshape(len(order), *values.shape[len(places) :])[order]
 
-    answer = Answer(cases, {name: rows(name) for name in study.scalars if name != "reason"})
+    answer = ChunkResult(cases, {name: rows(name) for name in study.scalars if name != "reason"})
     if "reason" in old.fields:
         codes, sentences = rows("reason"), old.values("reasons")
         answer.sentences = {str(sentences[code]): cases[codes == code] for code in np.unique(codes) if code}
@@ -44,8 +44,8 @@ def taken_over(study: Study, old: Contents) -> Answer | None:
 
 def _places(study: Study, old: Contents) -> list[Any] | None:
     """Of every axis, where the points of a dataset stand among those of a study; None if it is not of its kind."""
-    theirs = json.loads(old.attrs.get("kinship") or "null")
-    mine = json.loads(study.kinship or "null")
+    theirs = json.loads(old.attrs.get("sweep_id") or old.attrs.get("kinship") or "null")
+    mine = json.loads(study.sweep_id or "null")
     if mine is None or theirs is None or not study.axes or study.search is not None or mine["base"] != theirs["base"]:
         return None
     if [(name, path) for name, path, _, _ in mine["axes"]] != [(name, path) for name, path, _, _ in theirs["axes"]]:

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from rockcli import kernels
 from rockcli.engine.backends import choose
 from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
-from rockcli.engine.sweep.chunk_result import Answer, blank
+from rockcli.engine.sweep.chunk_result import ChunkResult, blank
 from rockcli.engine.sweep.chunk_symbols import Fold
-from rockcli.engine.sweep.chunks import CHUNK, Agenda, Pace
+from rockcli.engine.sweep.chunks import CHUNK, Chunks, Pace
 from rockcli.engine.sweep.executors import answers
 from rockcli.engine.sweep.history_size import cases_at_a_time
-from rockcli.engine.sweep.isolate_failures import solve_apart
+from rockcli.engine.sweep.isolate_failures import solve_isolated
 from rockcli.engine.sweep.memory import keep_freed
 from rockcli.engine.sweep.parts import Keeper
 from rockcli.engine.sweep.results import Results
@@ -29,7 +29,7 @@ from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import DEFORMABLE
 from rockcli.scene.response import Response
-from rockcli.study.cases.buildable import Unsolved, build_apart, buildable
+from rockcli.study.cases.buildable import Unsolved, build_isolated, buildable
 from rockcli.study.study import Index, Study
 
 Progress = Callable[[int, int], None]
@@ -56,7 +56,7 @@ class Sweep:
     team: Team
     keeper: Keeper | None = None
     share: tuple[int, int] | None = None
-    known: Iterable[Answer] = ()
+    known: Iterable[ChunkResult] = ()
     progress: Progress | None = None
     resumed: int = 0
 
@@ -74,7 +74,7 @@ class Solving:
     fold: Fold | None = None
     described: bool = True
 
-    def __call__(self, cases: Index) -> Answer:
+    def __call__(self, cases: Index) -> ChunkResult:
         """The answer of some cases.
 
         Raises:
@@ -83,25 +83,25 @@ class Solving:
         with np.errstate(all="ignore"):  # what is not finite is found in the results
             return self._solved(cases)
 
-    def lost(self, cases: Index, why: str) -> Answer:
+    def lost(self, cases: Index, why: str) -> ChunkResult:
         """The answer of cases that failed with a sentence, or are unsolved."""
-        answer = Answer(cases, blank(self.study.scalars, len(cases)), {why: cases})
+        answer = ChunkResult(cases, blank(self.study.scalars, len(cases)), {why: cases})
         return _left_out(answer) if isinstance(why, Unsolved) else answer
 
-    def _solved(self, cases: Index) -> Answer:
+    def _solved(self, cases: Index) -> ChunkResult:
         if self.compiled:
             kernels.load(compile_them=True)
         study = self.study
-        answer = Answer(cases, blank(study.scalars, len(cases)))
+        answer = ChunkResult(cases, blank(study.scalars, len(cases)))
         responses: list[tuple[Index, Response]] = []
         said: dict[str, list[Index]] = {}
         built: list[tuple[Index, Batch]] = []
-        for part, batch in build_apart(study.batches, cases):
+        for part, batch in build_isolated(study.batches, cases):
             if isinstance(batch, str):
                 said.setdefault(batch, []).append(part)
                 continue
             built.append((part, batch))
-            for some, response in solve_apart(study.batches, part, batch):
+            for some, response in solve_isolated(study.batches, part, batch):
                 if isinstance(response, str):
                     said.setdefault(response, []).append(some)
                 else:
@@ -137,10 +137,10 @@ def _solve_cases(study: Study, sweep: Sweep) -> Results:
     known = results.answered
     if sweep.share is not None:
         todo &= _of_share(study.size, *sweep.share)
-    agenda = Agenda(study.size, None if todo.all() else todo)
-    estimate, compiled = outlook(study, study.size) if agenda.left else (1.0, False)
+    chunks = Chunks(study.size, None if todo.all() else todo)
+    estimate, compiled = outlook(study, study.size) if chunks.left else (1.0, False)
     most = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
-    work_off(study, sweep, results, agenda, Pace(estimate, most), compiled=compiled)
+    work_off(study, sweep, results, chunks, Pace(estimate, most), compiled=compiled)
     if known and sweep.share is None:
         describe_rest(study, results, ~todo)
     results.finish()
@@ -163,8 +163,8 @@ def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:
     return todo
 
 
-def work_off(study: Study, sweep: Sweep, results: Results, agenda: Agenda, pace: Pace, *, compiled: bool) -> None:
-    """Solve the cases of an agenda into results.
+def work_off(study: Study, sweep: Sweep, results: Results, chunks: Chunks, pace: Pace, *, compiled: bool) -> None:
+    """Solve the cases of an chunks into results.
 
     Raises:
         StudyError: a solver cannot do what the study asks for.
@@ -172,11 +172,11 @@ def work_off(study: Study, sweep: Sweep, results: Results, agenda: Agenda, pace:
         MachineError: all that could be solved is; the machine refused what the rest needs.
     """
     done = results.answered
-    in_all = done + agenda.left
+    in_all = done + chunks.left
     refused: dict[str, int] = {}
     if sweep.progress is not None and done:
         sweep.progress(done, in_all)
-    for cases, answer in answers(Solving(study, compiled, results.symbols.fold), agenda, pace, sweep.team):
+    for cases, answer in answers(Solving(study, compiled, results.symbols.fold), chunks, pace, sweep.team):
         if answer.described is not None:
             results.describe(answer.described)
             answer.described = None
@@ -190,7 +190,7 @@ def work_off(study: Study, sweep: Sweep, results: Results, agenda: Agenda, pace:
     check_solved(refused, in_all)
 
 
-def note_unsolved(refused: dict[str, int], answer: Answer) -> None:
+def note_unsolved(refused: dict[str, int], answer: ChunkResult) -> None:
     """Add the cases that an answer lacks to those refused, by what the machine said."""
     for sentence, where in answer.unsolved.items():
         refused[sentence] = refused.get(sentence, 0) + len(where)
@@ -227,7 +227,7 @@ def outlook(study: Study, size: int) -> tuple[float, bool]:
     return 1e-3, False
 
 
-def _gather(answer: Answer, part: Index, response: Response, said: dict[str, list[Index]]) -> None:
+def _gather(answer: ChunkResult, part: Index, response: Response, said: dict[str, list[Index]]) -> None:
     rows = rows_of(answer.cases, part)
     for name, values in answer.scalars.items():
         if name in response.scalars:
@@ -242,7 +242,7 @@ def _gather(answer: Answer, part: Index, response: Response, said: dict[str, lis
     answer.used = joined([*answer.used, (int(part.min()), response.used)])
 
 
-def _left_out(answer: Answer) -> Answer:
+def _left_out(answer: ChunkResult) -> ChunkResult:
     """An answer without the cases that are unsolved."""
     unsolved = {str(said): where for said, where in answer.sentences.items() if isinstance(said, Unsolved)}
     if not unsolved:
@@ -251,7 +251,7 @@ def _left_out(answer: Answer) -> Answer:
     return replace(rest, described=answer.described, unsolved=unsolved)
 
 
-def _join(answer: Answer, responses: list[tuple[Index, Response]]) -> None:
+def _join(answer: ChunkResult, responses: list[tuple[Index, Response]]) -> None:
     """Histories of the batches of a chunk on the longest of their time axes, impacts padded."""
     answer.time = max((response.time for _, response in responses), key=len, default=answer.time)
     for into, kind in ((answer.histories, "histories"), (answer.impacts, "impacts")):

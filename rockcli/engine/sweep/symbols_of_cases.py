@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rockcli.analysis.measures import peaks
 from rockcli.engine.sweep.chunk_result import Description
 from rockcli.engine.sweep.chunk_symbols import Values
-from rockcli.engine.sweep.chunks import CHUNK, Agenda
+from rockcli.engine.sweep.chunks import CHUNK, Chunks
 from rockcli.engine.sweep.results import Results
 from rockcli.engine.sweep.symbols import Symbols
 from rockcli.scene.batch import Batch
@@ -33,9 +33,9 @@ def describe_cases(study: Study) -> Results:
 
 def describe_rest(study: Study, results: Results, which: NDArray[np.bool_] | None) -> None:
     """Add the symbols and warnings of some cases to results; None = of all."""
-    agenda = Agenda(study.size, which)
-    while agenda.left:
-        cases = agenda.take(CHUNK)
+    chunks = Chunks(study.size, which)
+    while chunks.left:
+        cases = chunks.take(CHUNK)
         built = list(buildable(study.batches, cases))
         results.describe(describe(study, built))
 

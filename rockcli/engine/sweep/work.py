@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from rockcli.engine.sweep.chunks import Agenda, Pace
+from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.study.cases.buildable import ATTEMPTS, Unsolved, reason_of
 from rockcli.study.study import Index
 
@@ -49,7 +49,7 @@ class Team:
 
 
 def in_halves(
-    work: Work[T], cases: Index, error: BaseException, agenda: Agenda, pace: Pace
+    work: Work[T], cases: Index, error: BaseException, chunks: Chunks, pace: Pace
 ) -> Iterator[tuple[Index, T]]:
     """Give back what the machine refused to solve at once, for smaller chunks.
 
@@ -60,9 +60,9 @@ def in_halves(
     if len(cases) > 1:
         pace.most = max(len(cases) // 2, 1)
         for half in np.array_split(cases, 2):
-            agenda.give_back(half)
+            chunks.give_back(half)
     else:
         yield cases, work.lost(cases, why)
-    while pace.refused > ATTEMPTS and agenda.left:
-        rest = agenda.take(agenda.left)
+    while pace.refused > ATTEMPTS and chunks.left:
+        rest = chunks.take(chunks.left)
         yield rest, work.lost(rest, why)

@@ -25,7 +25,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rockcli.engine.sweep.chunk_result import cases_of, spans_of
-from rockcli.engine.sweep.chunks import Agenda, Pace
+from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.work import Team, Work, in_halves
 from rockcli.errors import MACHINE
 from rockcli.study.cases.buildable import Unsolved
@@ -40,10 +40,10 @@ SMALL = 128
 """Runs of cases that fit into a pipe whose other end is not listening: more are sent only to a worker that waits, or
 both ends might wait for each other for ever."""
 
-LIVES = 2
+MAX_RETRIES = 2
 """Workers that a chunk may cost before it is halved to find the case that kills them."""
 
-DEATHS = 64
+MAX_CRASHES = 64
 """Dead workers after which what kills one more is not looked into."""
 
 OURS = {signal.SIGINT, signal.SIGTERM}
@@ -65,7 +65,7 @@ class Worker:
     given: deque[Index] = field(default_factory=deque)
 
 
-def on_workers(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
+def on_workers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
     """Solve what is left in `team.workers` processes; see `executors.answers`.
 
     The chunk of a worker that dies is solved again.  If it kills another one it is halved, until the case that does it
@@ -75,8 +75,8 @@ def on_workers(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
     killed: dict[int, int] = {}  # lowest case of a chunk -> workers it has cost
     deaths = 0
     try:
-        while agenda.left or any(worker.given for worker in crew):
-            while agenda.left and len(crew) < min(team.workers, agenda.left + len(crew)):
+        while chunks.left or any(worker.given for worker in crew):
+            while chunks.left and len(crew) < min(team.workers, chunks.left + len(crew)):
                 try:
                     crew.append(_start(work, [worker.pipe for worker in crew]))
                 except (OSError, MemoryError) as error:
@@ -85,7 +85,7 @@ def on_workers(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
                     if not crew:
                         return
                     break
-                _feed(crew[-1], agenda, pace, team)
+                _feed(crew[-1], chunks, pace, team)
             ready = wait([worker.pipe for worker in crew], timeout=60.0)
             for worker in [worker for worker in crew if worker.pipe in ready]:
                 try:
@@ -93,41 +93,41 @@ def on_workers(work: Work[T], agenda: Agenda, pace: Pace, team: Team) -> Iterato
                 except (EOFError, OSError):
                     deaths += 1
                     crew.remove(worker)
-                    yield from _bury(worker, work, agenda, killed, deaths, team)
+                    yield from _after_crash(worker, work, chunks, killed, deaths, team)
                     continue
                 if kind == "raised" and not isinstance(value, MACHINE):
                     raise value
                 cases = worker.given.popleft()
                 if kind == "raised":
-                    told = list(in_halves(work, cases, value, agenda, pace))
+                    told = list(in_halves(work, cases, value, chunks, pace))
                 else:
                     pace.learn(len(cases), seconds)
                     told = [(cases, value)]
-                _feed(worker, agenda, pace, team)
+                _feed(worker, chunks, pace, team)
                 yield from told
     finally:
         for worker in crew:
             _end(worker)
 
 
-def _feed(worker: Worker, agenda: Agenda, pace: Pace, team: Team) -> None:
+def _feed(worker: Worker, chunks: Chunks, pace: Pace, team: Team) -> None:
     """Give a worker something to do, and if that will not take long, something to do next."""
-    while agenda.left:
-        step = pace.step(agenda.left, team.workers)
+    while chunks.left:
+        step = pace.step(chunks.left, team.workers)
         if len(worker.given) >= (2 if step * pace.seconds_per_case < QUICK else 1):
             return
-        cases = agenda.take(step)
+        cases = chunks.take(step)
         spans = spans_of(cases)
         if worker.given and len(spans) > SMALL:
-            agenda.give_back(cases)
+            chunks.give_back(cases)
             return
         worker.given.append(cases)
         with contextlib.suppress(OSError):  # it is dead: the next look at its pipe tells
             worker.pipe.send(spans)
 
 
-def _bury(
-    worker: Worker, work: Work[T], agenda: Agenda, killed: dict[int, int], deaths: int, team: Team
+def _after_crash(
+    worker: Worker, work: Work[T], chunks: Chunks, killed: dict[int, int], deaths: int, team: Team
 ) -> Iterator[tuple[Index, T]]:
     """Give back what a dead worker had; yield the case that kills every worker as lost."""
     _end(worker)
@@ -137,18 +137,18 @@ def _bury(
     team.note("a worker process died; its cases were solved again")
     cases = worker.given.popleft()
     for waiting in worker.given:
-        agenda.give_back(waiting)
+        chunks.give_back(waiting)
     key = int(cases[0])
     killed[key] = killed.get(key, 0) + 1
-    if killed[key] < LIVES:
-        agenda.give_back(cases)
-    elif len(cases) == 1 or deaths > DEATHS:
+    if killed[key] < MAX_RETRIES:
+        chunks.give_back(cases)
+    elif len(cases) == 1 or deaths > MAX_CRASHES:
         told = f"the solver's process {how}"
         yield cases, work.lost(cases, told if _own_fault(worker.process.exitcode) else Unsolved(told))
     else:
         for half in np.array_split(cases, 2):
-            killed[int(half[0])] = LIVES - 1
-            agenda.give_back(half)
+            killed[int(half[0])] = MAX_RETRIES - 1
+            chunks.give_back(half)
 
 
 def _death(code: int | None) -> str:

@@ -18,12 +18,11 @@ from rockcli.scene.response import Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.found import Found, note_unstored, rigid_top
-from rockcli.solvers.general import naive
+from rockcli.solvers.general import stepwise
 from rockcli.solvers.general.body import body_of
-from rockcli.solvers.general.diary import Diary
+from rockcli.solvers.general.event_located import Located
 from rockcli.solvers.general.ground import ground_of
 from rockcli.solvers.general.histories import histories_of
-from rockcli.solvers.general.located import Located
 from rockcli.solvers.general.methods import (
     ATOL_OVER_RTOL,
     DEFAULT_METHOD,
@@ -33,6 +32,7 @@ from rockcli.solvers.general.methods import (
     StuckError,
     Walker,
 )
+from rockcli.solvers.general.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -65,24 +65,24 @@ def solve(batch: Batch) -> Response:
     """
     settings = _settings(batch)
     began = time.perf_counter()
-    diaries: list[Diary] = []
+    trajectories: list[Trajectory] = []
     columns: dict[str, list[Any]] = {"wall_time": [], "n_steps": [], "n_rhs": []}
     reasons: list[str] = []
     for i in range(batch.size):
-        diary, walker = _solve_one(batch, i, settings, histories=batch.save.histories)
-        diaries.append(diary)
-        reasons.append(_reason(batch, i, diary))
+        trajectory, walker = _solve_one(batch, i, settings, histories=batch.save.histories)
+        trajectories.append(trajectory)
+        reasons.append(_reason(batch, i, trajectory))
         now = time.perf_counter()
         for name, value in (("wall_time", now - began), ("n_steps", walker.taken), ("n_rhs", walker.evaluated)):
             columns[name].append(value)
         began = now
-    scalars = _scalars(batch, diaries)
+    scalars = _scalars(batch, trajectories)
     note_unstored(batch, scalars["n_impacts"], reasons)
     scalars["wall_time"] = np.array(columns["wall_time"])
     scalars |= {name: np.array(columns[name], dtype=np.int64) for name in ("n_steps", "n_rhs")}
     if batch.save.scalars & CERTAINTY:
         _judged(batch, settings, scalars).enter(scalars, reasons)
-    histories, impacts, t = histories_of(batch, diaries) if batch.save.histories else ({}, {}, np.empty(0))
+    histories, impacts, t = histories_of(batch, trajectories) if batch.save.histories else ({}, {}, np.empty(0))
     used = {
         "backend": "scipy",
         "method": f"{settings.method.name}: {settings.method.reference}",
@@ -114,36 +114,36 @@ def _judged(batch: Batch, settings: Settings, scalars: dict[str, NDArray[Any]]) 
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
         others = nudged(batch, rows, factors)
-        how, diaries = _compared(settings), []
+        how, trajectories = _compared(settings), []
         for i, row in enumerate(rows):
             began = time.perf_counter()
-            diary, walker = _solve_one(others, i, how, histories=False)
-            diaries.append(diary)
+            trajectory, walker = _solve_one(others, i, how, histories=False)
+            trajectories.append(trajectory)
             scalars["n_steps"][row] += walker.taken
             scalars["n_rhs"][row] += walker.evaluated
             scalars["wall_time"][row] += time.perf_counter() - began
-        return Traces.of(others, _scalars(others, diaries))
+        return Traces.of(others, _scalars(others, trajectories))
 
     first = Traces.of(batch, scalars)
     return judge(first, again, Nudge(settings.rtol, weight=1.0), first.rows, None, settings.rtol)
 
 
-def _solve_one(batch: Batch, i: int, how: Settings, *, histories: bool) -> tuple[Diary, Walker]:
-    """The diary of one case, and who counted the work."""
+def _solve_one(batch: Batch, i: int, how: Settings, *, histories: bool) -> tuple[Trajectory, Walker]:
+    """The trajectory of one case, and who counted the work."""
     body, ground = body_of(batch, i), ground_of(batch, i)
     n_time = output_times(batch.save.dt_out, ground.t_stop) if histories else 0
-    diary = Diary(body, batch.save.dt_out, np.full(n_time, np.nan), np.full(n_time, np.nan))
+    trajectory = Trajectory(body, batch.save.dt_out, np.full(n_time, np.nan), np.full(n_time, np.nan))
     margin = max(2e-14, 10.0 * how.rtol)
     theta, rate = float(batch.theta_0[i]), float(batch.theta_dot_0[i])
     walker = Walker(how.method, how.rtol, math.inf)
     try:
         if how.events:
-            Located(body, ground, walker, diary, how.rest_speed, margin).run(theta, rate)
+            Located(body, ground, walker, trajectory, how.rest_speed, margin).run(theta, rate)
         else:
-            naive.run(body, ground, walker, diary, theta, rate, margin)
+            stepwise.run(body, ground, walker, trajectory, theta, rate, margin)
     except StuckError as stuck:
-        diary.failure = str(stuck)
-    return diary, walker
+        trajectory.failure = str(stuck)
+    return trajectory, walker
 
 
 def _compared(how: Settings) -> Settings:
@@ -152,30 +152,30 @@ def _compared(how: Settings) -> Settings:
     return replace(how, rtol=finer if finer >= FLOOR else how.rtol / FINER)
 
 
-def _reason(batch: Batch, i: int, diary: Diary) -> str:
+def _reason(batch: Batch, i: int, trajectory: Trajectory) -> str:
     said = []
-    if diary.failure:
-        said.append(diary.failure)
-    elif diary.verdict == UNDECIDED:
+    if trajectory.failure:
+        said.append(trajectory.failure)
+    elif trajectory.verdict == UNDECIDED:
         said.append("on the separatrix within the tolerance, which does not decide whether it overturns")
     if np.isfinite(batch.block.mu[i]):
         said.append("mu is given, but the backend scipy does not find out the friction needed")
     return "; ".join(said)
 
 
-def _scalars(batch: Batch, diaries: list[Diary]) -> dict[str, NDArray[Any]]:
+def _scalars(batch: Batch, trajectories: list[Trajectory]) -> dict[str, NDArray[Any]]:
     """Scalars by name but for those of the run itself."""
-    failed, verdict = np.array([bool(d.failure) for d in diaries]), np.array([d.verdict for d in diaries])
+    failed, verdict = np.array([bool(d.failure) for d in trajectories]), np.array([d.verdict for d in trajectories])
     names = ("peak", "side", "rate_peak", "t_peak", "t_uplift", "t_overturn", "t_end")
     peak, side, rate, t_peak, t_uplift, t_overturn, t_end = (
-        np.array([getattr(diary, name) for diary in diaries]) for name in names
+        np.array([getattr(trajectory, name) for trajectory in trajectories]) for name in names
     )
     found = Found(
         moved=np.isfinite(t_uplift),
         fell=~failed & (verdict == FALLS),
         undecided=verdict == UNDECIDED,
         failed=failed,
-        n_impacts=np.array([d.n_impacts for d in diaries], dtype=np.int64),
+        n_impacts=np.array([d.n_impacts for d in trajectories], dtype=np.int64),
         peak=peak,
         side=side,
         rate=rate,
@@ -185,7 +185,7 @@ def _scalars(batch: Batch, diaries: list[Diary]) -> dict[str, NDArray[Any]]:
         t_overturn=t_overturn,
         t_end=t_end,
     )
-    sides = np.array([d.peaks for d in diaries]).reshape(-1, 2)
+    sides = np.array([d.peaks for d in trajectories]).reshape(-1, 2)
     sides = np.where(found.fell[:, None] & (side[:, None] == (-1.0, 1.0)), np.inf, sides)
     sides = np.where(found.outcome[:, None] < 0, np.nan, sides)
     sided = np.where(batch.block.symmetric[:, None], np.nan, sides)

@@ -13,7 +13,7 @@ from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key
 from rockcli.study.document.tree import Keys, Map, value_at
-from rockcli.study.plausibility import STILL, doubts_about
+from rockcli.study.plausibility import STILL, plausibility_warnings
 
 DT_OUT = 0.005
 """Largest output spacing by default [s]."""
@@ -34,7 +34,7 @@ class Found:
 
     `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
     `friction`: some case has a mu; `asymmetric`: some body has two different edges.  `meant`: keys whose numbers are
-    not doubted.
+    not implausible.
     """
 
     dt_out: float = DT_OUT
@@ -45,7 +45,7 @@ class Found:
     friction: bool = False
     asymmetric: bool = False
     meant: frozenset[Keys] = frozenset()
-    doubted: dict[str, None] = field(default_factory=dict)
+    implausible: dict[str, None] = field(default_factory=dict)
 
     def look(self, numbers: Numbers, batch: Batch) -> None:
         """Take note of a batch and of the numbers it was built from."""
@@ -54,7 +54,7 @@ class Found:
         self.friction |= bool(np.isfinite(batch.block.mu).any())
         self.asymmetric |= not batch.block.symmetric.all()
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
-        self.doubted |= dict.fromkeys(doubts_about(numbers, batch, self.meant))
+        self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
         self._channel(numbers, batch, batch.excitation.horizontal, MOTION)
         self._channel(numbers, batch, batch.excitation.vertical, (*MOTION, "vertical"))
 
@@ -87,8 +87,8 @@ class Found:
         """What was done to each record, sentences in order, that about its scaling last."""
         return {label: (*use.steps, use.scaling.sentence()) for label, use in self.uses.items()}
 
-    def doubts(self, study: Map) -> list[str]:
+    def plausibility_warnings(self, study: Map) -> list[str]:
         """Sentences about what is hardly meant."""
         curves: Any = value_at(study, ("curves",))
         nothing_moves = self.still and not curves and "fema356" not in self.schemes
-        return [STILL] * nothing_moves + list(self.doubted)
+        return [STILL] * nothing_moves + list(self.implausible)

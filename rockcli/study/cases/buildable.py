@@ -33,7 +33,7 @@ def reason_of(error: BaseException, what: str) -> str:
     return str(error) if isinstance(error, RockError) else f"{what}: {type(error).__name__}: {error}"
 
 
-def build_apart(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch | str]]:
+def build_isolated(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch | str]]:
     """Yield the batches of cases, or the sentence of why there is none; what cannot be built is halved to find it."""
     pending = [cases]
     broken = 0
@@ -60,7 +60,7 @@ def buildable(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch]]:
     Raises:
         MachineError: the machine refused what a case needs.
     """
-    for part, batch in build_apart(build, cases):
+    for part, batch in build_isolated(build, cases):
         if isinstance(batch, Unsolved):
             raise MachineError(batch)
         if not isinstance(batch, str):

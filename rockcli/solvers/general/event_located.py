@@ -16,17 +16,17 @@ from numpy.typing import NDArray
 from rockcli.kernels.constants import FALLS, NOT_YET, RETURNS, STANDSTILL, UNDECIDED
 from rockcli.solvers.general import roots
 from rockcli.solvers.general.body import SIDE, Body, Edge
-from rockcli.solvers.general.diary import Diary
 from rockcli.solvers.general.ground import AFTERWARDS, Ground, Piece
 from rockcli.solvers.general.methods import Step, Walker
 from rockcli.solvers.general.roots import NODES
+from rockcli.solvers.general.trajectory import Trajectory
 from rockcli.solvers.general.uplift import uplift
 
 Array = NDArray[np.float64]
 
 
 class Located:
-    """Solves one case; what it finds is in its diary.
+    """Solves one case; what it finds is in its trajectory.
 
     Args:
         body, ground: the case.
@@ -36,9 +36,9 @@ class Located:
     """
 
     def __init__(
-        self, body: Body, ground: Ground, walker: Walker, diary: Diary, rest_speed: float, margin: float
+        self, body: Body, ground: Ground, walker: Walker, trajectory: Trajectory, rest_speed: float, margin: float
     ) -> None:
-        self.body, self.ground, self.walker, self.diary = body, ground, walker, diary
+        self.body, self.ground, self.walker, self.trajectory = body, ground, walker, trajectory
         self.rest_speed, self.margin = rest_speed, margin
         self.swing = 1.0 / max(body.left.p, body.right.p)
         self.t, self.q, self.v = 0.0, 0.0, 0.0
@@ -58,7 +58,7 @@ class Located:
         if theta != 0.0 or rate != 0.0:
             self.sign = math.copysign(1.0, theta if theta != 0.0 else rate)
             self.q, self.v, self.resting = abs(theta), self.sign * rate, False
-            self.diary.begin(theta, rate)
+            self.trajectory.begin(theta, rate)
         ground = self.ground
         for piece in ground.pieces():
             after = piece.t_a >= ground.t_motion
@@ -74,16 +74,16 @@ class Located:
         self._finish()
 
     def _finish(self) -> None:
-        ground, diary = self.ground, self.diary
+        ground, trajectory = self.ground, self.trajectory
         self._decide()
-        diary.t_end = ground.t_stop if ground.has_duration else self.t
+        trajectory.t_end = ground.t_stop if ground.has_duration else self.t
         if not self.fallen and not self.resting:
             if self.v > 0.0 and ground.has_duration:
-                diary.cut_off(self.sign * self.q, self.t)
+                trajectory.cut_off(self.sign * self.q, self.t)
             self._afterwards()
-        diary.verdict = FALLS if self.fallen else (UNDECIDED if self.verdict == NOT_YET else self.verdict)
-        if diary.verdict == FALLS:
-            diary.side = self.sign
+        trajectory.verdict = FALLS if self.fallen else (UNDECIDED if self.verdict == NOT_YET else self.verdict)
+        if trajectory.verdict == FALLS:
+            trajectory.side = self.sign
 
     def _decide(self) -> None:
         """What becomes of the body left alone from now on, if that can be told."""
@@ -128,13 +128,13 @@ class Located:
             self.t = min(piece.t_b, self.t + max(1e-12 * (piece.t_b - piece.t_a), 4e-16 * self.t))
             self.stalled = 0
         t, sign = uplift(self.body, self.ground, piece, self.t)
-        self.diary.rest(t)
+        self.trajectory.rest(t)
         if sign != 0.0:
             self.stalled = self.stalled + 1 if t == self.t else 0
             self.q = self.v = 0.0
             self.sign, self.resting = sign, False
-            if math.isnan(self.diary.t_uplift):
-                self.diary.t_uplift = t
+            if math.isnan(self.trajectory.t_uplift):
+                self.trajectory.t_uplift = t
         self.t = t
 
     def _rock(self, piece: Piece, after: bool, *, once: bool = False) -> None:
@@ -155,8 +155,8 @@ class Located:
                 return
             level = 0.0 if event == "impact" else SIDE
             t, q, v = step.crossing(x, level) if event in ("impact", "side", "lost") and x < 1.0 else step.at(x)
-            self.diary.swing(step, self.sign, x, t)
-            self.diary.equilibrium(step, self.sign, self.sign, x)
+            self.trajectory.swing(step, self.sign, x, t)
+            self.trajectory.equilibrium(step, self.sign, self.sign, x)
             self.stalled = self.stalled + 1 if t == self.t else 0
             self.t, self.q, self.v = t, q, v
             if event == "impact":
@@ -208,13 +208,13 @@ class Located:
         before = max(-self.v, 0.0)
         after = other.eta * before
         if self.reported:
-            self.diary.impact(self.t, -self.sign * before, -self.sign * after)
+            self.trajectory.impact(self.t, -self.sign * before, -self.sign * after)
         self.q, self.v, self.sign = 0.0, after, other.sign
         if self.stalled > 100:
             self.v = 0.0
         at = self._rest_from(piece)
         if at is not None:
-            self.diary.rest(at)
+            self.trajectory.rest(at)
             self.t, self.v, self.resting = at, 0.0, True
         elif self.v == 0.0:
             self.resting = True

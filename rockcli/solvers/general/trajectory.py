@@ -23,7 +23,7 @@ SAME_PEAK = 1e-10
 
 
 @dataclass
-class Diary:
+class Trajectory:
     """The notes of one case.
 
     Attributes:

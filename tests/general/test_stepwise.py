@@ -14,7 +14,7 @@ from rockcli.scene.response import NO_UPLIFT, ROCKING
 from rockcli.solvers.event import solver as event
 from rockcli.solvers.general.solver import solve
 
-NAIVE = {"backend": "scipy", "events": False}
+STEPWISE = {"backend": "scipy", "events": False}
 
 
 def fig_3_errors(**how) -> list[float]:
@@ -53,7 +53,7 @@ def test_naive_converges_slowly_to_the_truth():
     body = block(2.0, 0.2)
     batch = make_batch(body, pulse("sine", 3.6 * G * 0.2, 4.44 * np.pi), eta=1.0)
     exact = event.solve(batch).scalars
-    ours = solve(replace(batch, numerics=Numerics(method="DOP853", rtol=1e-10, **NAIVE))).scalars
+    ours = solve(replace(batch, numerics=Numerics(method="DOP853", rtol=1e-10, **STEPWISE))).scalars
     assert ours["outcome"] == exact["outcome"]
     np.testing.assert_allclose(ours["theta_peak_over_alpha"], exact["theta_peak_over_alpha"], rtol=1e-4)
     np.testing.assert_allclose(ours["t_uplift"], exact["t_uplift"], rtol=1e-9)
@@ -72,14 +72,14 @@ def test_naive_stands_below_the_threshold_and_starts_where_it_is_put():
 
 def make_batch_naive(body, excitation, **more):
     return replace(
-        make_batch(body, excitation, eta=1.0, histories=True, **more), numerics=Numerics(method="RK45", **NAIVE)
+        make_batch(body, excitation, eta=1.0, histories=True, **more), numerics=Numerics(method="RK45", **STEPWISE)
     )
 
 
 def test_restitution_without_events_is_refused():
     batch = make_batch(block(2.0, 0.2), still(), theta_0=0.1)
     with pytest.raises(SolverError, match="restitution needs located impacts"):
-        solve(replace(batch, numerics=Numerics(**NAIVE)))
+        solve(replace(batch, numerics=Numerics(**STEPWISE)))
 
 
 def test_unknown_method_is_refused_with_the_list():

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from rockcli.kernels.constants import FALLS, NOT_YET, RETURNS, UNDECIDED
 from rockcli.solvers.general import roots
 from rockcli.solvers.general.body import SIDE, Body, Edge
-from rockcli.solvers.general.diary import Diary
 from rockcli.solvers.general.ground import AFTERWARDS, Ground, Law
 from rockcli.solvers.general.methods import Flow, Step, Walker
+from rockcli.solvers.general.trajectory import Trajectory
 from rockcli.solvers.general.uplift import uplift
 
 Array = NDArray[np.float64]
@@ -31,17 +31,19 @@ NUDGE = 1e-10
 """The rotation that gives the body its side, over alpha."""
 
 
-def run(body: Body, ground: Ground, walker: Walker, diary: Diary, theta: float, rate: float, margin: float) -> None:
-    """Solve one case from theta [rad] and its rate [rad/s]; arguments as for `located.Located`.
+def run(
+    body: Body, ground: Ground, walker: Walker, trajectory: Trajectory, theta: float, rate: float, margin: float
+) -> None:
+    """Solve one case from theta [rad] and its rate [rad/s]; arguments as for `event_located.Located`.
 
     Raises:
         StuckError: the method fails.
     """
     t = 0.0
     if theta != 0.0 or rate != 0.0:
-        diary.begin(theta, rate)
+        trajectory.begin(theta, rate)
     else:
-        t, theta = _first_uplift(body, ground, diary)
+        t, theta = _first_uplift(body, ground, trajectory)
         if theta == 0.0:
             return
     whole = ground.whole()
@@ -50,31 +52,31 @@ def run(body: Body, ground: Ground, walker: Walker, diary: Diary, theta: float, 
     state = (t, theta, rate)
     fallen = False
     for step in walker.walk(flow, t, (theta, rate), ground.t_stop):
-        fallen, state = _note(body, ground, diary, step, reported=True)
+        fallen, state = _note(body, ground, trajectory, step, reported=True)
         if fallen:
             break
     t, theta, rate = state
-    diary.t_end = ground.t_stop if ground.has_duration else t
-    diary.verdict = FALLS if fallen else _final(_verdict(body, state, margin))
+    trajectory.t_end = ground.t_stop if ground.has_duration else t
+    trajectory.verdict = FALLS if fallen else _final(_verdict(body, state, margin))
     if not fallen:
         if theta * rate > 0.0 and ground.has_duration:
-            diary.cut_off(theta, t)
-        state = _afterwards(body, ground, walker, diary, flow, state, margin)
-    if diary.verdict == FALLS:
-        diary.side = _edge(body, *state[1:]).sign
+            trajectory.cut_off(theta, t)
+        state = _afterwards(body, ground, walker, trajectory, flow, state, margin)
+    if trajectory.verdict == FALLS:
+        trajectory.side = _edge(body, *state[1:]).sign
 
 
-def _first_uplift(body: Body, ground: Ground, diary: Diary) -> tuple[float, float]:
+def _first_uplift(body: Body, ground: Ground, trajectory: Trajectory) -> tuple[float, float]:
     """When the body begins to rock, and the rotation it starts with; 0 if it never does."""
     for piece in ground.pieces():
         t, sign = uplift(body, ground, piece, piece.t_a)
         if sign != 0.0:
-            diary.rest(t)
-            diary.t_uplift = t
+            trajectory.rest(t)
+            trajectory.t_uplift = t
             return t, sign * NUDGE * body.edge(sign).alpha
-        diary.rest(min(piece.t_b, ground.t_stop if ground.has_duration else ground.t_motion))
-    diary.t_end = ground.t_stop if ground.has_duration else ground.t_motion
-    return diary.t_end, 0.0
+        trajectory.rest(min(piece.t_b, ground.t_stop if ground.has_duration else ground.t_motion))
+    trajectory.t_end = ground.t_stop if ground.has_duration else ground.t_motion
+    return trajectory.t_end, 0.0
 
 
 def _flow(body: Body, a_g: Law, a_v: Law) -> Flow:
@@ -91,9 +93,9 @@ def _edge(body: Body, theta: float, rate: float) -> Edge:
 
 
 def _note(
-    body: Body, ground: Ground, diary: Diary, step: Step, *, reported: bool
+    body: Body, ground: Ground, trajectory: Trajectory, step: Step, *, reported: bool
 ) -> tuple[bool, tuple[float, float, float]]:
-    """Write a step into the diary; whether the body has fallen, and (t, theta, rate) at the end."""
+    """Write a step into the trajectory; whether the body has fallen, and (t, theta, rate) at the end."""
     c = roots.coefficients(step.nodes[0])
     theta, rate = float(step.y[0]), float(step.y[1])
     x, fallen = 1.0, False
@@ -107,14 +109,14 @@ def _note(
             found = roots.first_below(level)
             fallen, x = True, 1.0 if found is None else found
     t = step.t_old + x * (step.t - step.t_old)
-    diary.swing(step, 1.0, x, t)
-    diary.equilibrium(step, math.copysign(1.0, theta), 1.0, x)
+    trajectory.swing(step, 1.0, x, t)
+    trajectory.equilibrium(step, math.copysign(1.0, theta), 1.0, x)
     if reported:
         c_rate = roots.coefficients(step.nodes[1])
         for r in roots.roots(c):
             if r <= x and step.y_old[0] != 0.0 and roots.value(c, max(r - 1e-6, 0.0)) * roots.value(c, r + 1e-6) < 0.0:
                 w = roots.value(c_rate, r)
-                diary.impact(step.t_old + r * (step.t - step.t_old), w, w)
+                trajectory.impact(step.t_old + r * (step.t - step.t_old), w, w)
     if fallen and x < 1.0:
         return True, (t, math.copysign(SIDE, theta), rate)
     return fallen, (step.t, theta, rate)
@@ -141,7 +143,7 @@ def _afterwards(
     body: Body,
     ground: Ground,
     walker: Walker,
-    diary: Diary,
+    trajectory: Trajectory,
     flow: Flow,
     state: tuple[float, float, float],
     margin: float,
@@ -162,9 +164,9 @@ def _afterwards(
 
     if not done():
         for step in walker.walk(flow, state[0], state[1:], bound):
-            fallen, state = _note(body, ground, diary, step, reported=False)
+            fallen, state = _note(body, ground, trajectory, step, reported=False)
             verdict = FALLS if fallen else _verdict(body, state, margin) if verdict == NOT_YET else verdict
             if fallen or done():
                 break
-    diary.verdict = _final(verdict)
+    trajectory.verdict = _final(verdict)
     return state
