@@ -21,6 +21,10 @@ from rockcli.kernels.rigid.settings import Channel as Channel
 SLOTS = 8
 """Step tables kept per phase."""
 
+WORK_SPACE = ("tables", "influences", "keys", "used", "paces", "filled", "work", "S", "F", "A", "about", "found")
+"""Arrays of the work space.  Kept for further cases of the same column: tables (2, SLOTS, 14, N), influences (2, SLOTS,
+24), keys and used (2, SLOTS) of the steps, paces (2, LEVELS, 7, N) and filled (2, LEVELS) of the search."""
+
 
 @jit
 def rounded(h):
@@ -66,8 +70,9 @@ def switch(T, back, z, v, z_x, v_x):
 
 
 @jit
-def write(par, phase, s, lam, c, bu, th, top, row, row_v, F, x, t, t_end, dt_out, i_hist, S, z, v, z_x, v_x, hist):
+def write(par, phase, s, mode, F, x, t, t_end, dt_out, i_hist, S, z, v, z_x, v_x, hist):
     """Histories at output times in [t, t + x]; returns the next index."""
+    lam, c, bu, th, top, row, row_v = mode
     while i_hist < hist.shape[1] and i_hist * dt_out <= min(t + x, t_end) * (1.0 + 1e-9):
         y = min(max(i_hist * dt_out - t, 0.0), x)
         advance(lam, c, bu, th, F, y, S, z, v, z_x, v_x)
@@ -88,21 +93,22 @@ def write(par, phase, s, lam, c, bu, th, top, row, row_v, F, x, t, t_end, dt_out
 
 @jit
 def march(
-    par, lams, cs, bus, ths, tops, rows, rows_v, T, z, v, max_steps,
-    horizontal, h_data, vertical, v_data, dt_out, hist, landings, out,
-    tables, influences, keys, used, paces, filled, work, S, F, A, about, found,
+    par, modes, T, z, v, max_steps, horizontal, h_data, vertical, v_data, dt_out, hist, landings, out, space
 ):  # fmt: skip
     """Solve one case.
 
-    Modal arrays (2, N), first index the phase; T (N, N) takes contact modes to open ones.  z, v the state at 0.
-    hist (4, k): theta, its rate, bending at the top over L, base moment; landings (3, j): time, rate before, after.
-    Kept for further cases of the same column: tables (2, SLOTS, 14, N), influences (2, SLOTS, 24), keys and used
-    (2, SLOTS) of the steps, paces (2, LEVELS, 7, N) and filled (2, LEVELS) of the search.  The rest is work space.
+    modes (7, 2, N), second index the phase: lam, c, components along uniform load, base rotation and top, and the two
+    rows of the guard; T (N, N) takes contact modes to open ones.  z, v the state at 0.  hist (4, k): theta, its rate,
+    bending at the top over L, base moment; landings (3, j): time, rate before, after.  space: `WORK_SPACE`, of which
+    some is kept for further cases of the same column.
     """
+    lams, cs, bus, ths, tops, rows, rows_v = modes[0], modes[1], modes[2], modes[3], modes[4], modes[5], modes[6]
+    tables, influences, keys, used, paces, filled, work, S, F, A, about, found = space
     for i in range(at.N_OUT):
         out[i] = 0.0
     out[at.T_PEAK] = out[at.T_UPLIFT] = out[at.T_OVERTURN] = math.nan
     z_1, v_1, z_x, v_x, room, peaks = work[0], work[1], work[2], work[3], work[4:8], out[at.PEAK : at.U_PEAK + 1]
+    ends = (z, v, z_1, v_1)
     phase, s, armed = int(par[at.PHASE_0]), par[at.SIDE_0], par[at.PHASE_0] == at.OPEN
     winkler = par[at.THETA_1] > 0.0
     t, t_motion, t_stop = 0.0, par[at.T_MOTION], par[at.T_STOP]
@@ -124,7 +130,8 @@ def march(
         if phase != shown:
             shown = phase
             lam, c, bu, th, top = lams[phase], cs[phase], bus[phase], ths[phase], tops[phase]
-            row, row_v, known, full = rows[phase], rows_v[phase], paces[phase], filled[phase]
+            row, row_v, known = rows[phase], rows_v[phase], (paces[phase], filled[phase])
+            mode = (lam, c, bu, th, top, row, row_v)
         if t >= t_stop and not reported:
             reported = True
             out[at.T_END] = t_stop
@@ -197,17 +204,12 @@ def march(
         stray, omega, swing, omega_rate = found[0], found[1], found[2], found[3]
         x, event = h, False
         if near <= fall:
-            y = first_event(
-                par, phase, s, armed, lam, c, bu, th, row, row_v, F, h, z, v, z_1, v_1, floor, known, full,
-                room, about, S, found, z_x, v_x,
-            )  # fmt: skip
+            y = first_event(par, phase, s, armed, mode, F, h, ends, floor, known, room, about, S, found, z_x, v_x)
             if y >= 0.0:
                 event, x = True, y
                 for m in range(len(z)):
                     z_1[m], v_1[m] = z_x[m], v_x[m]
-        i_hist = write(
-            par, phase, s, lam, c, bu, th, top, row, row_v, F, x, t, t_stop, dt_out, i_hist, S, z, v, z_x, v_x, hist
-        )
+        i_hist = write(par, phase, s, mode, F, x, t, t_stop, dt_out, i_hist, S, z, v, z_x, v_x, hist)
 
         # what is read off
         theta_0, theta_1, rate_0, rate_1 = dot(th, z), dot(th, z_1), dot(th, v), dot(th, v_1)
@@ -224,10 +226,7 @@ def march(
                 seen = seen or (sways and 1.1 * par[at.LENGTH] * (abs(dot(top, z)) + found[0]) > out[at.U_PEAK])
             if seen or quick:
                 fast = max(found[1] if seen else 0.0, omega_rate if quick else 0.0)
-                note_peaks(
-                    par, lam, c, bu, th, top, F, x, fast, seen, t, z, v, z_1, v_1, known, full, room,
-                    about, S, z_x, v_x, peaks,
-                )  # fmt: skip
+                note_peaks(par, mode, F, x, fast, seen, t, ends, known, room, about, S, z_x, v_x, peaks)
             else:
                 note(par, th, top, t + x, z_1, v_1, peaks)
         if not armed and turning and abs(theta_0) + stray > par[at.REARM]:
@@ -236,10 +235,7 @@ def march(
                 # it may have been beyond and come back
                 highest = about[12:17]
                 highest[0] = 0.0
-                note_peaks(
-                    par, lam, c, bu, th, top, F, x, omega, True, t, z, v, z_1, v_1, known, full, room,
-                    about, S, z_x, v_x, highest,
-                )  # fmt: skip
+                note_peaks(par, mode, F, x, omega, True, t, ends, known, room, about, S, z_x, v_x, highest)
                 armed = highest[0] > par[at.REARM]
         if abs(theta_0) < par[at.THETA_STAR] <= abs(theta_1):
             out[at.T_OVERTURN] = t + x

@@ -78,15 +78,14 @@ def look(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, z, v):
 
 
 @jit
-def first_event(
-    par, phase, s, armed, lam, c, bu, th, row, row_v, F, h, z, v, z_1, v_1, floor, paces, filled, room, about, S, found,
-    z_x, v_x,
-):  # fmt: skip
+def first_event(par, phase, s, armed, mode, F, h, ends, floor, known, room, about, S, found, z_x, v_x):
     """First time in [0, h] a guard turns negative, or -1; the state there is left in z_x, v_x.
 
-    z, v and z_1, v_1 are the states at 0 and h.  A pace is taken where the bound excludes an event within it, or
-    where it resolves the modes that matter; then a dip between its ends shows in the rates there.
+    `mode`: the rows of `modes` of `march` for the phase; `ends`: z, v at 0 and at h; `known`: paces and which of them
+    are filled.  A pace is taken where the bound excludes an event within it, or where it resolves the modes that
+    matter; then a dip between its ends shows in the rates there.
     """
+    (lam, c, bu, th, _, row, row_v), (z, v, z_1, v_1), (paces, filled) = mode, ends, known
     z_a, v_a, z_b, v_b = room[0], room[1], room[2], room[3]
     for m in range(len(z)):
         z_a[m], v_a[m], z_x[m], v_x[m] = z[m], v[m], z[m], v[m]
@@ -185,13 +184,12 @@ def bend(lam, c, bu, th, row, F, x, z, v):
 
 
 @jit
-def note_peaks(
-    par, lam, c, bu, th, top, F, h, omega, turns, t, z, v, z_1, v_1, paces, filled, room, about, S, z_x, v_x, peaks
-):  # fmt: skip
+def note_peaks(par, mode, F, h, omega, turns, t, ends, known, room, about, S, z_x, v_x, peaks):
     """`note` along a step, RESOLVED radians of omega apart, and where the rate turns in between.
 
     `turns`: theta and the top are looked at too, also where they turn in between; without it COARSELY does.
     """
+    (lam, c, bu, th, top, _, _), (z, v, z_1, v_1), (paces, filled) = mode, ends, known
     z_a, v_a, z_b, v_b = room[0], room[1], room[2], room[3]
     for m in range(len(z)):
         z_a[m], v_a[m] = z[m], v[m]

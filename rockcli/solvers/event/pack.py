@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.damping import dashpot_rate
-from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples
 from rockcli.scene.models import MODELS, Law
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.ground import factors_of
@@ -58,16 +55,3 @@ def _slope(law: Law, linear: bool) -> Array:
         return -law.rs
     q = np.where(np.isfinite(law.q_star), law.q_star, 0.0)
     return np.asarray(law.rc * np.sin(q) - law.rs * np.cos(q))
-
-
-def channel_of(channel: Channel | None, n: int, cases: Any = slice(None)) -> tuple[int, Any, Any, float, Any, int]:
-    """A channel as the kernels want it: kind, values, running bound, dt, tables of `cases`, number of pieces."""
-    nothing = np.zeros(1)
-    if isinstance(channel, Samples):
-        tail = np.maximum.accumulate(np.abs(channel.values)[::-1])[::-1]
-        values, tail = np.ascontiguousarray(channel.values), np.ascontiguousarray(tail)
-        return 1, values, tail, channel.dt, np.zeros((1, 1)), len(values) - 1
-    if isinstance(channel, Pulses):
-        pieces = channel.table.shape[1]
-        return 2, nothing, nothing, 1.0, channel.table.reshape(n, pieces * PIECE_WIDTH)[cases], pieces
-    return 0, nothing, nothing, 1.0, np.zeros((1, 1)), 0

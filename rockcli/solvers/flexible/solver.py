@@ -181,7 +181,9 @@ def _march(
     vertical, v_data = channel_of(kernel, batch.excitation.vertical, n)
     N = 2 * (batch.column.elements if batch.column is not None else 1) + 1
     space = _work_space(N)
+    arrays = tuple(space[name] for name in kernel.WORK_SPACE)
     before: Prepared | None = None
+    modes = np.empty(0)
     for i, (column, par) in enumerate(zip(columns, parameters, strict=True)):
         if column is None or par is None:
             continue
@@ -193,18 +195,19 @@ def _march(
         m = column.modes
         if column is not before:
             space["keys"][...], space["filled"][...] = -1.0, 0.0
+            modes = np.stack([m.lam, m.c, m.bu, m.th, m.top, m.row, m.row_v])
             before = column
         space["used"][...] = 0.0
         kernel.march(
-            par, m.lam, m.c, m.bu, m.th, m.top, m.row, m.row_v, m.T, z, v, MAX_STEPS,
+            par, modes, m.T, z, v, MAX_STEPS,
             horizontal, h_data[i if len(h_data) > 1 else 0], vertical, v_data[i if len(v_data) > 1 else 0],
-            batch.save.dt_out, run.histories[i], run.landings[i], run.out[i], *space.values(),
+            batch.save.dt_out, run.histories[i], run.landings[i], run.out[i], arrays,
         )  # fmt: skip
     return run
 
 
 def _work_space(N: int) -> dict[str, Array]:
-    """Arrays the kernel works in, in the order of its arguments."""
+    """Arrays the kernel works in, by name (`automaton.WORK_SPACE`)."""
     from rockcli.kernels.column.events import PACE_SHAPE
     from rockcli.kernels.column.oscillator import INFLUENCES, TABLE_ROWS
 
