@@ -27,6 +27,7 @@ FILES = sorted(STUDIES.rglob("*.yaml"))
 SLOW = (
     "extremes/(flexible|frame|hundred_thousand_periods).yaml",
     "(flexible/thresholds|objects/sliding|suites/fragility).yaml",
+    "contact/regimes.yaml",  # three thousand pulses
     "frame/",
     "seed/fig03.yaml",
     "seed/fig18.yaml",  # finite elements, compiled

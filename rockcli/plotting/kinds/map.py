@@ -9,6 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from numpy.typing import NDArray
 
 from rockcli.plotting.common.boundaries import boundary_handles, draw_boundaries
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
@@ -22,7 +23,7 @@ from rockcli.plotting.common.style import (
     new_figure,
     panel_title,
 )
-from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING, outcome_words
+from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING, SLIDING, outcome_words
 
 if TYPE_CHECKING:
     import xarray
@@ -34,6 +35,9 @@ _FEWEST_POINTS = 5
 """Points an axis of a map needs; fewer make better curves."""
 
 _ROCKING = LinearSegmentedColormap.from_list("rocking", ["#DCECF8", "#9CC9E6", "#3C86B8", "#0B4770"])
+
+_SLIDING = "////"
+"""Hatch of bodies that slide while they rock, or before they overturn."""
 
 _FREQUENCIES = ("omega_p_over_p", "omega_p", "f_p", "T_p")
 
@@ -94,7 +98,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
         bar = figure.colorbar(ScalarMappable(norm, _ROCKING), ax=used, shrink=0.9, aspect=28, pad=0.02, extend=beyond)
         bar.set_label("rocking: " + variable_label("theta_peak_over_alpha"))
         bar.outline.set_linewidth(0.4)
-    _legend(figure, present, bounded, shaded=peaks is not None, columns=2 if columns == 1 else 4)
+    slides = bool(_tilts_and_slides(dataset).any())
+    _legend(figure, present, bounded, shaded=peaks is not None, slides=slides, columns=2 if columns == 1 else 4)
     headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
     return figure
 
@@ -122,12 +127,23 @@ def _panel(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str], norm: No
     logs = [is_log(v) for v in values]
     edges = [_edges(v, log=log) for v, log in zip(values, logs, strict=True)]
     axes.pcolormesh(edges[0], edges[1], colours, shading="flat", rasterized=True)
+    both = _tilts_and_slides(dataset.transpose(y, x, ...))
+    if both.any():
+        axes.contourf(values[0], values[1], both, levels=[0.5, 1.5], colors="none", hatches=[_SLIDING])
     scale_axes(axes, *logs)
     axes.set_xlim(edges[0].min(), edges[0].max())
     axes.set_ylim(edges[1].min(), edges[1].max())
     for spine in axes.spines.values():
         spine.set_visible(True)
     return {int(flag) for flag in np.unique(flags)}
+
+
+def _tilts_and_slides(dataset: xarray.Dataset) -> NDArray[np.bool_]:
+    """Where a body slides that rocks or overturns, over the axes of the outcome."""
+    flags = dataset["outcome"].values
+    if "slide_peak" not in dataset:
+        return np.zeros(flags.shape, dtype=bool)
+    return np.asarray((dataset["slide_peak"].values > 0.0) & (flags >= ROCKING) & (flags != SLIDING))
 
 
 def is_log(values: Array) -> bool:
@@ -158,17 +174,21 @@ def _edges(values: Array, *, log: bool) -> Array:
     return np.asarray(np.exp(edges) if log else edges)
 
 
-def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, columns: int) -> None:
+def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool, columns: int) -> None:
     flags = [flag for flag in OUTCOMES if flag in present and not (shaded and flag == ROCKING)]
     flags.sort(key=lambda flag: flag < NO_UPLIFT)
     patches = [
         Patch(facecolor=OUTCOME_COLOURS[OUTCOMES[f]], edgecolor="#666666", linewidth=0.4, label=_words(f))
         for f in flags
     ]
+    if slides:
+        patches.append(
+            Patch(facecolor="white", edgecolor="#666666", linewidth=0.4, hatch=_SLIDING, label="also slides")
+        )
     handles: list[Artist] = [*patches, *boundary_handles(bounded)]
     if handles:
-        look = (min(len(patches), columns), 1.2) if not bounded else (2, 2.2)
-        figure.legend(handles=handles, loc="outside lower center", ncols=look[0], handlelength=look[1])
+        size = (min(len(patches), columns), 1.2) if not bounded else (2, 2.2)
+        figure.legend(handles=handles, loc="outside lower center", ncols=size[0], handlelength=size[1])
 
 
 def _words(flag: int) -> str:
