@@ -93,7 +93,8 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
     positive = _intensity(part, suite)
     divisor, unit = shown_unit(part, "fragility_median")
     begin = float(part["fragility_begins_at"]) / divisor
-    x = np.linspace(begin, positive.max(), 401)[1:] if len(positive) else np.empty(0)
+    # closer where the curves begin, so that they are smooth on a logarithmic axis too
+    x = begin + (positive.max() - begin) * np.geomspace(1e-3, 1.0, 401) if len(positive) else np.empty(0)
     stripes = "p_exceeded" in part and suite.told_against in part.dims
     if begin > 0.0:
         axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label="uplift")
@@ -104,7 +105,7 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
         words = "overturned" if label == "overturned" else rf"$|\theta|_{{\mathrm{{max}}}}/\alpha$ > {label}"
         fitted = np.isfinite(median)
         if numbers:
-            size = f"{median / divisor:.3g}{'' if unit == '1' else f' {unit}'}"
+            size = f"{median / divisor:.3g}{unit_in_brackets(unit).translate({ord('['): None, ord(']'): None})}"
             words += rf": median {size}, $\beta$ = {total:.2f}" if fitted else ": no curve"
         alone = "" if fitted else words
         style: Any = {"marker": _MARKERS[i % len(_MARKERS)], "markersize": 3.0, "markeredgewidth": 0.0}
