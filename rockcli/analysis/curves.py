@@ -1,4 +1,4 @@
-"""The static curves of a study's cases (`curves`), as variables of its dataset."""
+"""Static curves of a study's cases (`curves`: moment-rotation, pushover, ...), as variables of its dataset."""
 
 from __future__ import annotations
 

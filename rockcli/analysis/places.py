@@ -1,4 +1,4 @@
-"""Where on the axes of a dataset something is, in words."""
+"""Coordinates of a dataset in words: where on its axes something is."""
 
 from __future__ import annotations
 

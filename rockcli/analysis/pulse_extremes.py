@@ -1,4 +1,4 @@
-"""Extremes of analytic pulses, to rounding: antiderivatives in closed form, extremes where their derivatives vanish."""
+"""PGA and PGV of analytic pulses, to machine precision: closed forms, at the zeros of their derivatives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a suite has to tell, in sentences: for the run's report, and as warnings."""
+"""Suite statistics in words: for the run's report, and as warnings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a search for overturning found, as variables of a dataset, and read from them again."""
+"""Overturning thresholds (`find: overturning`) as variables of a dataset, written and read."""
 
 from __future__ import annotations
 

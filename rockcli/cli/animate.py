@@ -1,4 +1,4 @@
-"""`rock animate`: a film of a body in motion, from a dataset alone."""
+"""`rock animate`: an animation of a body in motion, from a dataset alone."""
 
 from __future__ import annotations
 

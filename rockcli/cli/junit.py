@@ -1,4 +1,4 @@
-"""The verdicts of a run as JUnit XML, for a CI service."""
+"""The `expect` checks of a run as JUnit XML, for a CI service."""
 
 from __future__ import annotations
 

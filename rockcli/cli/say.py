@@ -1,4 +1,4 @@
-"""What is printed.  Where nobody reads any more the work goes on, and its outcome is the exit code."""
+"""Prints lines to stdout and stderr.  Where nobody reads any more the work goes on; its outcome is the exit code."""
 
 from __future__ import annotations
 

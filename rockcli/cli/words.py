@@ -1,4 +1,4 @@
-"""Reports in words, for a terminal."""
+"""The summary of `rock run` in words, for a terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Makes a film of one case of a dataset file, from the file alone."""
+"""Animates one case of a dataset file, from the file alone."""
 
 from __future__ import annotations
 

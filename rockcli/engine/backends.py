@@ -1,4 +1,4 @@
-"""Which backend solves a batch."""
+"""Backend selection: which backend solves a batch."""
 
 from __future__ import annotations
 

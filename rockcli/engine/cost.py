@@ -1,4 +1,4 @@
-"""How long a batch will take, to an order of magnitude: by backend, model and motion."""
+"""Cost estimate: how long a batch will take, to an order of magnitude: by backend, model and motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who may work in a result folder: one process, or one per share; a lock dies with its process."""
+"""The lock of a result folder: one process, or one per share; a lock dies with its process."""
 
 from __future__ import annotations
 

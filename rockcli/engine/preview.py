@@ -1,4 +1,4 @@
-"""What a study is about to do, without doing it."""
+"""Preview of a study (`rock check`): what it will solve, without solving it."""
 
 from __future__ import annotations
 

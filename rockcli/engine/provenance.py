@@ -1,4 +1,4 @@
-"""Where numbers come from: versions, inputs, settings, and when."""
+"""Provenance of a dataset: versions, inputs, settings, and when."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run has to tell: counts, verdicts, files; and which exit code they amount to."""
+"""Summary of a run: counts, checks, files, and the exit code that follows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a dataset is still what was written: a checksum over its contents, kept among its attributes."""
+"""Checksum of a dataset, kept among its attributes: shows whether the contents are still those that were written."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Places for results: what is in the way, why something cannot be written, and what goes if all has to go."""
+"""Output paths: whether results can be written there, why not, and scratch files to remove."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From what the solvers said to the contents of a dataset."""
+"""Assembles the contents of a dataset from the gathered results of the solvers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a chunk of cases came to: the piece of a sweep that travels between processes and into parts."""
+"""Result of a chunk of cases: the piece of a sweep that travels between processes and into parts."""
 
 from __future__ import annotations
 

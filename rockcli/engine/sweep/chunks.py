@@ -1,4 +1,4 @@
-"""What is still to be solved, and how much of it at a time."""
+"""Chunks of a sweep: which cases are left, and how many are solved at a time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A Dask cluster that solves chunks; Dask's one door."""
+"""A Dask cluster that solves chunks; the only module that imports Dask."""
 
 from __future__ import annotations
 

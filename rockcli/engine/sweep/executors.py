@@ -1,4 +1,4 @@
-"""Who solves: this process, processes beside it, or a Dask cluster; all give the same answers."""
+"""Executors of a sweep: this process, processes beside it, or a Dask cluster; all give the same answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How large the histories of a study are, and that they fit."""
+"""Size of the histories of a study, and the limit on it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Results of a study whose axes have got more points: what was solved before is taken over."""
+"""Reuses results when axes of a study have got more points: solved cases are not solved again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is to be done with cases, and who may do it; what the machine refuses is done in halves."""
+"""Work and team of a sweep: what is done with cases, by how many processes, and in halves where the machine refuses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ladders of `rock trade`: settings of every backend from coarse to fine, and what each is held against."""
+"""Series of settings of `rock trade`: settings of every backend from coarse to fine, and what each is held against."""
 
 from __future__ import annotations
 

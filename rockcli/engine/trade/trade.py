@@ -1,4 +1,4 @@
-"""`rock trade`: speed against accuracy on the scenes of a study, with errors of numerics, model and data told apart."""
+"""`rock trade`: speed against accuracy on the cases of a study; errors of numerics, model and data apart."""
 
 from __future__ import annotations
 

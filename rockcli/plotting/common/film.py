@@ -1,4 +1,4 @@
-"""Files of moving pictures: GIF, and MP4 where the program ffmpeg is there."""
+"""Animation files: GIF, and MP4 where the program ffmpeg is there."""
 
 from __future__ import annotations
 

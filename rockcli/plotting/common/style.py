@@ -1,4 +1,4 @@
-"""How figures look: sizes of a journal column, fonts, colours told apart by everyone, files."""
+"""How figures look: sizes of a journal column, fonts, colours that everyone can distinguish, files."""
 
 from __future__ import annotations
 

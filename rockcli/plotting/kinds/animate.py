@@ -1,4 +1,4 @@
-"""A body in motion: pictures of it over the ground, and of the ground's and its own history."""
+"""Animation of a body: frames of it over the ground, with the histories of both."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rotation, its rate, sliding and the ground acceleration against time."""
+"""Histories: rotation, angular velocity, sliding and ground acceleration against time."""
 
 from __future__ import annotations
 

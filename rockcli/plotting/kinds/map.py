@@ -1,4 +1,4 @@
-"""Outcomes over two numeric axes: what only stands, what rocks and how far, what overturns and how."""
+"""Stability maps: outcomes over two numeric axes, with the peak rotation where bodies rock."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Phase portrait: rate of rotation against rotation, impacts as jumps, with the separatrix of free rocking."""
+"""Phase portrait: angular velocity against rotation, impacts as jumps, with the separatrix of free rocking."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is noted of a case while it is solved: peaks, times, impacts and the history at the output times."""
+"""Trajectory of a case as it is solved: peaks, times, impacts and the history at the output times."""
 
 from __future__ import annotations
 
