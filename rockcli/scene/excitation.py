@@ -152,18 +152,21 @@ def acceleration(channel: Channel | None, t: Array, case: int = 0) -> Array:
     if channel is None:
         return np.zeros_like(t)
     if isinstance(channel, Samples):
-        k = len(channel.values)
-        i = np.clip(np.floor(t / channel.dt).astype(int), 0, k - 2)
-        u = np.clip(t / channel.dt - i, 0.0, 1.0)
-        a = channel.values[i] * (1.0 - u) + channel.values[i + 1] * u
-        a = np.where((t >= 0.0) & (t <= channel.end), a, 0.0)
-        return np.asarray(a * channel.factor[case])
+        return np.asarray(unscaled(channel, t) * channel.factor[case])
     a = np.zeros_like(t)
     for row in channel.table[case]:
         inside = (t >= row[0]) & (t < row[1])
         if inside.any():
             a[inside] = _piece(row, t[inside])
     return a
+
+
+def unscaled(channel: Samples, t: Array) -> Array:
+    """A recorded motion before the factors of the cases, at times t (k,) [s]: (k,) [m/s²]."""
+    i = np.clip(np.floor(t / channel.dt).astype(int), 0, len(channel.values) - 2)
+    u = np.clip(t / channel.dt - i, 0.0, 1.0)
+    a = channel.values[i] * (1.0 - u) + channel.values[i + 1] * u
+    return np.where((t >= 0.0) & (t <= channel.end), a, 0.0)
 
 
 def _piece(row: Array, t: Array) -> Array:

@@ -486,5 +486,8 @@ SCALARS_LARGE: tuple[str, ...] = ("outcome", "theta_peak_over_alpha", "n_impacts
 LARGE = 100_000
 """Cases above which only SCALARS_LARGE are saved by default."""
 
+GROUND: tuple[str, ...] = ("a_g", "a_v")
+"""Histories that follow from the motion alone."""
+
 HISTORIES: tuple[str, ...] = tuple(v.name for v in _ROWS if v.over == TIME)
 IMPACTS: tuple[str, ...] = tuple(v.name for v in _ROWS if v.over == IMPACT)

@@ -162,13 +162,14 @@ def test_a_part_holds_everything(tmp_path: Path) -> None:
     answer.time = np.arange(4) * 0.1
     answer.histories = {"theta": np.arange(24.0).reshape(6, 4)}
     answer.impacts = {"t_impact": np.full((6, 1), np.nan)}
+    answer.shaken = {"a_g": np.array([4, 4, 3, 0, 1, 4])}
     keeper = Parts(tmp_path, study())
     keeper.keep(answer)
     keeper.flush()
     (found,) = Parts(tmp_path, study()).kept()
     np.testing.assert_array_equal(found.cases, cases)
     assert found.used == answer.used
-    for kind in ("scalars", "sentences", "histories", "impacts"):
+    for kind in ("scalars", "sentences", "histories", "impacts", "shaken"):
         mine, theirs = getattr(answer, kind), getattr(found, kind)
         assert mine.keys() == theirs.keys()
         for name in mine:
@@ -178,6 +179,21 @@ def test_a_part_holds_everything(tmp_path: Path) -> None:
     assert some.cases.tolist() == [2, 7]
     assert [where.tolist() for where in some.sentences.values()] == [[2]]
     assert some.histories["theta"].tolist() == [[8.0, 9.0, 10.0, 11.0], [12.0, 13.0, 14.0, 15.0]]
+    assert some.shaken["a_g"].tolist() == [3, 0]
+
+
+def test_parts_of_another_format_are_passed_over(
+    tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = solved(study())
+    monkeypatch.setattr(parts, "_FORMAT", 1)
+    run_study(study(), tmp_path, plots=False, share=(1, 2))
+    assert len(list(Parts(tmp_path / "swept", study()).kept())) > 0
+    monkeypatch.undo()
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", made_up)
+    assert list(Parts(tmp_path / "swept", study()).kept()) == []
+    assert run_study(study(), tmp_path, plots=False).resumed == 0
+    assert_same(whole, netcdf.read(tmp_path / "swept" / "swept.nc"))
 
 
 @pytest.mark.parametrize("cases", [[5], [0, 1, 2], [1, 3, 5], [0, 1, 4, 5, 6, 9]])

@@ -12,7 +12,8 @@ from rockcli.engine.provenance import attributes
 from rockcli.engine.sweep.results import Results
 from rockcli.engine.sweep.symbols import EDGES
 from rockcli.scene.thresholds import Thresholds
-from rockcli.scene.variables import HISTORIES, IMPACTS, MOTION, VARIABLES
+from rockcli.scene.variables import GROUND, HISTORIES, IMPACTS, MOTION, VARIABLES
+from rockcli.solvers.common.ground import ground_of_cases
 from rockcli.storage.contents import (
     COORDINATES,
     DIM_IMPACT,
@@ -53,13 +54,28 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
         fields |= threshold_fields(study.search, thresholds.reshaped(study.shape), axes)
         for name in {"a_p", "omega_p"} & fields.keys() if study.search.axis.path.startswith("motion") else ():
             del fields[name]  # they change along the range
-    fields |= _beside_axes(results.histories, HISTORIES, axes, study.shape, DIM_TIME)
+    fields |= _beside_axes(results.histories | _ground(study, results), HISTORIES, axes, study.shape, DIM_TIME)
     fields |= _beside_axes(results.impacts, IMPACTS, axes, study.shape, DIM_IMPACT)
     if "M_base" in fields and results.has_mass:
         unit = {"units": "N m", "long_name": "moment of the base on the body, opposing theta"}
         fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
     contents = Contents(axes, fields, attributes(study, results))
     return contents
+
+
+def _ground(study: Study, results: Results) -> dict[str, NDArray[np.float64]]:
+    """a_g and a_v of the cases at the output times, (n, k) [m/s²], as long as each case's are told."""
+    found = {name: np.full((study.size, len(results.time)), np.nan) for name in results.shaken}
+    told = np.zeros(study.size, dtype=bool)
+    for counted in results.shaken.values():
+        told |= counted > 0
+    for part, batch in study.batches(np.flatnonzero(told)) if told.any() else ():
+        for case, both in zip(part, ground_of_cases(batch, range(batch.size), results.time), strict=True):
+            for name, values in zip(GROUND, both, strict=True):
+                if name in found:
+                    length = results.shaken[name][case]
+                    found[name][case, :length] = values[:length]
+    return found
 
 
 def _beside_axes(

@@ -71,6 +71,8 @@ class ChunkResult(_Travelling):
         sentences: sentence -> flat indices of the cases that have it.
         used: settings of solvers, each with the lowest case they were used for.
         time: (k,) [s]; histories: (m, k) by name; impacts: (m, j) by name, NaN-padded.
+        shaken: (m,) by name, of a_g and a_v: at how many of the output times they are told.  They follow from the
+            motion, so that their values are not among the histories.
         described: of the same cases, None where that has still to be found.
         unsolved: what the machine refused -> cases asked for that are not among these, and have no answer.
     """
@@ -82,6 +84,7 @@ class ChunkResult(_Travelling):
     time: Array = field(default_factory=lambda: np.empty(0))
     histories: dict[str, Array] = field(default_factory=dict)
     impacts: dict[str, Array] = field(default_factory=dict)
+    shaken: dict[str, NDArray[np.int64]] = field(default_factory=dict)
     described: Description | None = None
     unsolved: dict[str, Index] = field(default_factory=dict)
 
@@ -99,6 +102,7 @@ class ChunkResult(_Travelling):
             self.time,
             {name: values[wanted] for name, values in self.histories.items()},
             {name: values[wanted] for name, values in self.impacts.items()},
+            {name: values[wanted] for name, values in self.shaken.items()},
         )
 
 

@@ -23,6 +23,11 @@ FOLDER = ".parts"
 EVERY = 5.0
 """Time between two parts [s]; what took less and was not written is solved again."""
 
+_KINDS = ("scalars", "histories", "impacts", "shaken")
+
+_FORMAT = 2
+"""Of parts; those of another are passed over and their cases solved again."""
+
 
 class Keeper(Protocol):
     """Where finished answers are kept; `damaged`: parts met that cannot be read."""
@@ -53,12 +58,12 @@ class Parts:
         self._since = monotonic()
 
     def kept(self) -> Iterator[ChunkResult]:
-        """Answers of earlier runs and of other shares; what is damaged or of another study is passed over."""
+        """Answers of earlier runs and of other shares; what is damaged, of another study or format is passed over."""
         for path in sorted(self.folder.glob("[!.]*.npz")):
             found = read_part(path)
             if found is None:
                 self.damaged += 1
-            elif found[1].get("identity") == self.identity:
+            elif (found[1].get("identity"), found[1].get("format")) == (self.identity, _FORMAT):
                 yield from _unpacked(*found)
 
     def keep(self, answer: ChunkResult) -> None:
@@ -79,7 +84,7 @@ class Parts:
             name = f"{spans[0]:012d}-{hashlib.sha256(spans.tobytes()).hexdigest()[:16]}"
             self.folder.mkdir(parents=True, exist_ok=True)
             try:
-                write_part(self.folder / f"{name}.npz", arrays, words | {"identity": self.identity})
+                write_part(self.folder / f"{name}.npz", arrays, words | {"identity": self.identity, "format": _FORMAT})
             except BaseException:
                 self._tidy()
                 raise
@@ -111,7 +116,7 @@ def _packed(answers: list[ChunkResult]) -> tuple[dict[str, NDArray[Any]], dict[s
     for i, answer in enumerate(answers):
         arrays[f"{i}.spans"] = spans_of(answer.cases)
         arrays[f"{i}.time"] = answer.time
-        for kind in ("scalars", "histories", "impacts"):
+        for kind in _KINDS:
             arrays |= {f"{i}.{kind}.{name}": values for name, values in getattr(answer, kind).items()}
         for j, where in enumerate(answer.sentences.values()):
             arrays[f"{i}.said.{j}"] = where
@@ -126,6 +131,6 @@ def _unpacked(arrays: dict[str, NDArray[Any]], words: dict[str, Any]) -> Iterato
         answer.sentences = {sentence: arrays[f"{i}.said.{j}"] for j, sentence in enumerate(told["said"])}
         for name, values in arrays.items():
             number, kind, *rest = name.split(".")
-            if number == str(i) and kind in ("scalars", "histories", "impacts"):
+            if number == str(i) and kind in _KINDS:
                 getattr(answer, kind)[".".join(rest)] = values
         yield answer

@@ -40,6 +40,7 @@ class Results:
         said: by sentence; `reasons` lists them in the order of their final codes.
         time: output times (k,) [s].
         histories: (n, k) by name, NaN after a case's t_end; impacts: (n, j), NaN-padded.
+        shaken: (n,) by name, of a_g and a_v: at how many of the output times they are told.
         has_mass: whether every case has a mass (M_base is then in N m).
         symmetric: whether every body is.
         answered: cases of which there is an answer.
@@ -56,6 +57,7 @@ class Results:
     time: Array = field(default_factory=lambda: np.empty(0))
     histories: dict[str, Array] = field(default_factory=dict)
     impacts: dict[str, Array] = field(default_factory=dict)
+    shaken: dict[str, NDArray[np.int64]] = field(default_factory=dict)
     has_mass: bool = True
     symmetric: bool = True
     answered: int = 0
@@ -99,6 +101,8 @@ class Results:
             self.scalars[name][at] = values
         for sentence, where in answer.sentences.items() if self.reason_asked else of_failed(answer):
             self.explain(sentence, where)
+        for name, counted in answer.shaken.items():
+            self.shaken.setdefault(name, np.zeros(self.size, dtype=np.int64))[at] = counted
         self._used = joined([*self._used, *answer.used])
         if answer.histories or answer.impacts:
             self._pending.append(answer)

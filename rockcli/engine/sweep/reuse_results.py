@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rockcli.engine.sweep.chunk_result import ChunkResult
-from rockcli.scene.variables import HISTORIES, IMPACTS
+from rockcli.scene.variables import GROUND, HISTORIES, IMPACTS
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Study
 
@@ -37,7 +37,8 @@ def reuse_results(study: Study, old: Contents) -> ChunkResult | None:
     answer.used = [(int(cases[0]), one) for one in json.loads(old.attrs.get("solver_settings", "[]"))]
     if "time" in old.fields:
         answer.time = old.values("time")
-    answer.histories = {name: rows(name) for name in HISTORIES if name in old.fields}
+    answer.histories = {name: rows(name) for name in HISTORIES if name in old.fields and name not in GROUND}
+    answer.shaken = {name: np.isfinite(rows(name)).sum(axis=1) for name in GROUND if name in old.fields}
     answer.impacts = {name: rows(name) for name in IMPACTS if name in old.fields}
     return answer
 

@@ -29,6 +29,7 @@ from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import DEFORMABLE
 from rockcli.scene.response import Response
+from rockcli.scene.variables import GROUND
 from rockcli.study.cases.buildable import Unsolved, build_isolated, buildable
 from rockcli.study.study import Index, Study
 
@@ -252,13 +253,17 @@ def _left_out(answer: ChunkResult) -> ChunkResult:
 
 
 def _join(answer: ChunkResult, responses: list[tuple[Index, Response]]) -> None:
-    """Histories of the batches of a chunk on the longest of their time axes, impacts padded."""
+    """Histories of the batches of a chunk on the longest of their time axes, impacts padded, the ground's counted."""
     answer.time = max((response.time for _, response in responses), key=len, default=answer.time)
     for into, kind in ((answer.histories, "histories"), (answer.impacts, "impacts")):
         found: list[tuple[Index, dict[str, Any]]] = [(part, getattr(response, kind)) for part, response in responses]
         width = max((values.shape[1] for _, named in found for values in named.values()), default=0)
         for part, named in found:
             for name, values in named.items():
+                if name in GROUND:
+                    counted = answer.shaken.setdefault(name, np.zeros(len(answer.cases), dtype=np.int64))
+                    counted[rows_of(answer.cases, part)] = np.isfinite(values).sum(axis=1)
+                    continue
                 if name not in into:
                     into[name] = np.full((len(answer.cases), width), np.nan)
                 into[name][rows_of(answer.cases, part), : values.shape[1]] = values

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from types import ModuleType
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples, acceleration
+from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples, acceleration, unscaled
 
 Array = NDArray[np.float64]
 
@@ -39,14 +39,26 @@ def factors_of(channel: Channel | None, n: int) -> Array:
 
 def ground_of_case(batch: Batch, case: int, t: Array) -> tuple[Array, Array]:
     """Horizontal and vertical acceleration of one case at times t (k,) [s], zero after its duration: (k,) [m/s²]."""
-    over = t > batch.excitation.duration[case]
+    return next(ground_of_cases(batch, (case,), t))
+
+
+def ground_of_cases(batch: Batch, cases: Iterable[int], t: Array) -> Iterator[tuple[Array, Array]]:
+    """Yield `ground_of_case` of some cases; a recorded motion is interpolated once for all of them."""
     channels = (batch.excitation.horizontal, batch.excitation.vertical)
-    a_g, a_v = (np.where(over, 0.0, acceleration(channel, t, case)) for channel in channels)
-    return a_g, a_v
+    recorded = [unscaled(channel, t) if isinstance(channel, Samples) else None for channel in channels]
+    for case in cases:
+        over = t > batch.excitation.duration[case]
+        a_g, a_v = (
+            np.where(over, 0.0, shape * channel.factor[case])
+            if isinstance(channel, Samples) and shape is not None
+            else np.where(over, 0.0, acceleration(channel, t, case))
+            for channel, shape in zip(channels, recorded, strict=True)
+        )
+        yield a_g, a_v
 
 
 def ground_history(batch: Batch, t: Array, live: NDArray[np.bool_], cases: Iterable[int] | None = None) -> Array:
     """a_g and a_v of all, or some, cases at times t (k,) [s], NaN where `live` (n, k) is not so: (2, n, k) [m/s²]."""
     rows = range(batch.size) if cases is None else cases
-    shaken = [ground_of_case(batch, int(case), t) for case in rows]
+    shaken = list(ground_of_cases(batch, map(int, rows), t))
     return np.where(live, np.array(shaken).transpose(1, 0, 2), np.nan)
