@@ -41,12 +41,13 @@ def test_onset(row):
     e = at.RIGHT if s > 0 else at.LEFT
     c, slip, N, *spare = (array([0.0] * 12) for _ in range(12))
     a, weight = array([a_g] + [0.0] * 11), array([W] + [0.0] * 11)
+    foot = flows.Foot(e, s, sigma, 0.0, 0.0, 0.0)
     if mode == "slide":
         flows.slide(mu, sigma, 0.0, a, weight, 4, slip)
     elif mode == "rock":
-        flows.rock(par, e, s, 0.0, 0.0, a, weight, 0.1, 1e-16, 8, c, *spare[:3], N, spare[3])
+        flows.rock(par, foot, a, weight, 0.1, 1e-16, 8, c, *spare[:3], N, spare[3])
     elif mode == "slide_rock":
-        flows.slide_rock(par, e, s, sigma, 0.0, 0.0, 0.0, a, weight, 0.1, 1e-16, 8, c, *spare[:3], N, *spare[3:6], slip)
+        flows.slide_rock(par, foot, a, weight, 0.1, 1e-16, 8, c, *spare[:3], N, *spare[3:6], slip)
     if theta_dd is not None:
         assert 2 * s * c[2] == pytest.approx(theta_dd, abs=NEAR)
     if slide_dd is not None:

@@ -3,9 +3,30 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.jit import jit_lean
+
+
+class Foot(NamedTuple):
+    """A body on one edge, its foot, which holds or slips, where a step begins.
+
+    Attributes:
+        e: where the numbers of the edge begin: `parameters.LEFT` or `RIGHT`.
+        s: sign of theta: -1 left, +1 right.
+        sigma: sign of the slip velocity, present or about to be; without meaning where the foot holds.
+        q: |theta| [rad].
+        v: its rate [rad/s].
+        u: slip velocity of the edge [m/s].
+    """
+
+    e: int
+    s: float
+    sigma: float
+    q: float
+    v: float
+    u: float
 
 
 @jit_lean
@@ -51,16 +72,17 @@ def converged(c, k, power, h, coarse, small):
 
 
 @jit_lean
-def rock(par, e, s, q, v, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T):
+def rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T):
     """Series of q, of the normal force and friction at the edge (two orders less) of a foot that holds.
 
     Returns the order: before n it stops where the terms of q at h are below `small`, those of q'' below p^2 COARSER
     times as much.
     """
-    R, beta = par[e + at.RADIUS], par[e + at.ALPHA] - q
+    s, q = foot.s, foot.q
+    R, beta = par[foot.e + at.RADIUS], par[foot.e + at.ALPHA] - q
     lever = R / (par[at.RG2] + R * R)
     coarse, below, power = COARSER * small * par[at.G] * lever, 0, 1.0
-    c[0], c[1] = q, v
+    c[0], c[1] = q, foot.v
     sin_b[0], cos_b[0] = math.sin(beta), math.cos(beta)
     for k in range(n - 1):
         if k > 0:
@@ -85,17 +107,18 @@ def rock(par, e, s, q, v, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T):
 
 
 @jit_lean
-def slide_rock(par, e, s, sigma, q, v, u, a, W, h, small, n, c, sin_b, cos_b, rate2, N, A, held, tilt, slip):
+def slide_rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, A, held, tilt, slip):
     """Series of q, of the slip velocity (an order less), of N, A and the numerator of N (two less) of a foot that slips
     (K5, K6); returns the order, as `rock` does.
 
     The slip velocity is that of the centre of mass, whose acceleration is -a_g + T, and the turning of the edge about
     it.  `tilt` is work space.
     """
-    R, beta, mu = par[e + at.RADIUS], par[e + at.ALPHA] - q, par[at.MU_K]
+    s, sigma, q = foot.s, foot.sigma, foot.q
+    R, beta, mu = par[foot.e + at.RADIUS], par[foot.e + at.ALPHA] - q, par[at.MU_K]
     k2, way = R * R / par[at.RG2], mu * s * sigma
     coarse, below, power = COARSER * small * par[at.G] * R / (par[at.RG2] + R * R), 0, 1.0
-    c[0], c[1] = q, v
+    c[0], c[1] = q, foot.v
     sin_b[0], cos_b[0] = math.sin(beta), math.cos(beta)
     for k in range(n - 1):
         if k > 0:
@@ -118,7 +141,7 @@ def slide_rock(par, e, s, sigma, q, v, u, a, W, h, small, n, c, sin_b, cos_b, ra
             n = k + 2
             break
     trigonometry(c, n - 1, sin_b, cos_b)
-    slip[0] = u
+    slip[0] = foot.u
     for k in range(1, n):
         turning = 0.0
         for j in range(k + 1):

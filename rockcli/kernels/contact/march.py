@@ -359,12 +359,11 @@ def march(
                     event, x = TOPPLES, max(root, 0.0)
         else:
             h = min(h, 1.0 / p_max)
+            foot = flows.Foot(e, s, sigma, q, v, u)
             if mode == ROCK:
-                m = flows.rock(par, e, s, q, v, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T)
+                m = flows.rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T)
             else:
-                m = flows.slide_rock(
-                    par, e, s, sigma, q, v, u, a, W, h, small, n, c, sin_b, cos_b, rate2, N, A, numerator, tilt, slip
-                )
+                m = flows.slide_rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, A, numerator, tilt, slip)
                 ns = m - 1
                 h = within(slip, m - 3, m - 1, speed, h)
             h = within(c, m - 2, m, small, h)
