@@ -155,6 +155,7 @@ def test_histories_of_a_slide():
     u, rate, mode = (ours.histories[name][0] for name in ("slide", "slide_dot", "contact_mode"))
     np.testing.assert_allclose(np.gradient(u, 0.001)[5:-5], rate[5:-5], atol=2e-2)
     np.testing.assert_array_equal(ours.histories["u_top"][0], u)
+    assert ours.scalars["u_top_peak"][0] == ours.scalars["slide_peak"][0] >= np.abs(u).max() > 0.0
     assert set(np.unique(mode)) == {REST, SLIDE}
     assert (mode[ours.time < np.arcsin(mu * G / a_p) / omega] == REST).all()
     np.testing.assert_array_equal(ours.histories["theta"][0], 0.0)

@@ -502,6 +502,8 @@ def march(
             u = 0.0 if event == STOPS else value(slip, ns, x)
             if counted:
                 note_slide(place, out)
+                if mode == SLIDE:
+                    out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(place))
         if mode in (ROCK, SLIDE_ROCK):
             q, v = (0.0 if event == LANDS else value(c, m, x)), slope(c, m, x)
             if event == LANDS:
