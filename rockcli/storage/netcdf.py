@@ -125,7 +125,11 @@ def open_file(path: Path) -> Iterator[Any]:
     except Exception as error:  # the library has many words for bytes that mean nothing
         raise StudyError(f"is damaged: {error}", file=path) from None
     with file:
-        if not {_AXES, "identity"} <= set(file.ncattrs()):
+        try:
+            names = set(file.ncattrs())
+        except Exception as error:  # long attributes are kept apart, where damage is met only now
+            raise StudyError(f"is damaged: {error}", file=path) from None
+        if not {_AXES, "identity"} <= names:
             raise StudyError("is not a dataset written by `rock run`", file=path)
         yield file
 

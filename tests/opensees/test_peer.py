@@ -38,7 +38,7 @@ def peer(text: str) -> Script:
     [
         ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "ended by signal SIGSEGV"),
         ("import sys\nsys.exit('no convergence at t = 1 s')", "OpenSees: no convergence at t = 1 s"),
-        ("import sys\nsys.exit(7)", "exit code 7 and no word"),
+        ("import sys\nsys.exit(7)", "exit code 7 and no message"),
         ("raise RuntimeError('bad\\x1b[31m element')", "RuntimeError: bad.31m element"),
         ("print('all is well')", "without writing its results"),
         (
