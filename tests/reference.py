@@ -1,12 +1,15 @@
 """An independent solver: scipy's DOP853, restarted at every sample of the motion and every impact.
 
-Written from (2.2) alone in theta (not in |theta|), with its own event handling; slow and simple.
+Written from (2.2) alone in theta (not in |theta|), with its own event handling; slow and simple.  `integrate` takes a
+sampled motion from rest on, with every uplift in it; `flights` smooth functions of time, from a given uplift or release.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -35,6 +38,11 @@ def body_of(block, eta, g: float = 9.81, case: int = 0) -> Body:
         eta=dict(zip(sides, np.broadcast_to(eta, (2,)), strict=True)),
         g=g,
     )
+
+
+def symmetric(alpha: float, p: float, eta: float) -> Body:
+    """A rectangular block whose accelerations are in g."""
+    return Body(*({-1: x, 1: x} for x in (0.75 / p**2, alpha, p, eta)), g=1.0)
 
 
 @dataclass
@@ -69,6 +77,52 @@ def integrate(body: Body, values, dt: float, *, vertical=None, free: float = 20.
     return h
 
 
+def flight(body, s, y, span, a_g, gravity=None, *, linear=False, fallen=0.5 * np.pi, rtol=2.3e-14, atol=1e-18) -> Any:
+    """What scipy finds from the state y over one edge: until the impact, until |theta| = `fallen`, or to the span's end.
+
+    The first event is the impact, the second the fall.
+    """
+    alpha, p = body.alpha[s], body.p[s]
+    sin, cos = ((lambda x: x), (lambda x: 1.0)) if linear else (np.sin, np.cos)
+
+    def rhs(t, u):
+        beta = alpha * s - u[0]
+        down = 1.0 if gravity is None else gravity(t) / body.g
+        return [u[1], -(p**2) * (down * sin(beta) + a_g(t) / body.g * cos(beta))]
+
+    def base(t, u):
+        return s * u[0]
+
+    def side(t, u):
+        return fallen - s * u[0]
+
+    base.terminal = side.terminal = True  # type: ignore[attr-defined]
+    base.direction = side.direction = -1  # type: ignore[attr-defined]
+    start = [y[0] if y[0] != 0.0 else s * 1e-300, y[1]]  # off the base, or the impact before is found again
+    return solve_ivp(rhs, span, start, method="DOP853", rtol=rtol, atol=atol, events=(base, side), dense_output=True)
+
+
+def flights(
+    body: Body, s: int, y, t: float, pieces: list[tuple[float, Callable]], *, rest: float = 1e-9, **how
+) -> Iterator[tuple[Any, int]]:
+    """Rocking over edge s from the state y at t on, flight by flight, each with its edge; (end, a_g) are the pieces.
+
+    Ends with the last piece, with a fall, or where the rate after an impact is below `rest` p alpha.
+    """
+    how = {"rtol": 1e-12, "atol": 1e-14} | how
+    for end, a_g in pieces:
+        while t < end:
+            sol = flight(body, s, y, (t, end), a_g, **how)
+            yield sol, s
+            t, y = float(sol.t[-1]), sol.y[:, -1]
+            if sol.t_events[1].size:
+                return
+            if sol.t_events[0].size:
+                y, s = np.array([0.0, body.eta[-s] * y[1]]), -s
+                if abs(y[1]) < rest * body.p[s] * body.alpha[s]:
+                    return
+
+
 def _over_piece(body, piece, y, s, h):
     t0, t1, a0, a1, v0, v1 = piece
     t = t0
@@ -87,22 +141,7 @@ def _over_piece(body, piece, y, s, h):
             t, s = lifted
             y = np.zeros(2)
         alpha, p = body.alpha[s], body.p[s]
-
-        def rhs(x, u, alpha=alpha, p=p, s=s):
-            beta = alpha * s - u[0]
-            return [u[1], -(p**2) * (gravity(x) / body.g * np.sin(beta) + a_g(x) / body.g * np.cos(beta))]
-
-        def base(x, u, s=s):
-            return s * u[0]
-
-        def side(x, u, s=s):
-            return 0.5 * np.pi - s * u[0]
-
-        base.terminal = side.terminal = True
-        base.direction = side.direction = -1
-        sol = solve_ivp(
-            rhs, (t, t1), y, method="DOP853", rtol=2.3e-14, atol=1e-18, events=(base, side), dense_output=True
-        )
+        sol = flight(body, s, y, (t, t1), a_g, gravity)
         _watch(sol, s, alpha, h)
         if len(sol.t_events[1]):
             h.overturned = True
@@ -116,8 +155,6 @@ def _over_piece(body, piece, y, s, h):
         pressed = all(gravity(t) * np.sin(body.alpha[k]) + k * a_g(t) * np.cos(body.alpha[k]) > 0.0 for k in (-1, 1))
         if abs(y[1]) < 1e-9 * p * alpha and pressed:
             y, s = np.zeros(2), 0
-        else:  # step off the base, or the same event is found again
-            y[0] = s * 1e-300
     return y, s
 
 
@@ -153,9 +190,15 @@ def _finish(body, y, s, h):
     """Free rocking by energy: past the top it falls; a rise under way ends at its turning point."""
     alpha, p = body.alpha[s], body.p[s]
     q, v = s * y[0], s * y[1]
-    top = p**2 * (1.0 - np.cos(alpha - q))
-    if (q >= alpha and v >= 0.0) or (v > 0.0 and 0.5 * v**2 > top):
+    if falls(body, s, y):
         h.overturned = True
     elif v > 0.0:
         q_max = alpha - np.arccos(np.cos(alpha - q) + 0.5 * v**2 / p**2)
         h.peak_over_alpha = max(h.peak_over_alpha, q_max / alpha)
+
+
+def falls(body, s, y) -> bool:
+    """Whether a body over edge s that the ground leaves alone falls: by energy, v against the separatrix."""
+    q, v = s * y[0], s * y[1]
+    top = body.p[s] * np.sqrt(2.0 * (1.0 - np.cos(body.alpha[s] - q)))
+    return bool(v > (top if q < body.alpha[s] else -top))

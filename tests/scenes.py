@@ -37,7 +37,7 @@ def unit_block(alpha: float = 0.1, p: float = 1.0) -> Block:
     return make_block(h=R * np.cos(alpha), b=R * np.sin(alpha), R=R, alpha=alpha, tan_alpha=np.tan(alpha))
 
 
-def still(duration: float = np.nan) -> Excitation:
+def still(duration: float | np.ndarray = np.nan) -> Excitation:
     return Excitation(None, None, array(duration))
 
 
@@ -58,8 +58,8 @@ def make_batch(
     *,
     eta="housner",
     model: str = "rigid",
-    theta_0: float = 0.0,
-    theta_dot_0: float = 0.0,
+    theta_0: float | np.ndarray = 0.0,
+    theta_dot_0: float | np.ndarray = 0.0,
     g: float = G,
     accuracy: str = "reference",
     histories: bool = False,

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
+from scenes import make_batch, still
 
 from rockcli.engine.sweep import isolate_failures as apart
 from rockcli.engine.sweep import sweep
-from rockcli.scene.batch import Batch, Save
+from rockcli.scene.batch import Batch
 from rockcli.scene.block import make_block
 from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Excitation
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import ROCKING, Response
 from rockcli.scene.variables import SCALARS
@@ -35,21 +35,9 @@ class Cases:
             part = np.asarray(indices)[start : start + self.most]
             n = len(part)
             block = make_block(h=np.full(n, 2.0), b=np.full(n, 0.4), n=n)
-            yield (
-                part,
-                Batch(
-                    g=np.full(n, 9.81),
-                    block=block,
-                    excitation=Excitation(None, None, np.full(n, np.nan)),
-                    theta_0=part.astype(float),
-                    theta_dot_0=np.zeros(n),
-                    model="rigid",
-                    geometry=None,
-                    damping=Damping("none", np.ones((n, 2))),
-                    numerics=Numerics(),
-                    save=Save(self.histories, 0.5, frozenset(SCALARS)),
-                ),
-            )
+            how = {"accuracy": Numerics().accuracy, "histories": self.histories, "dt_out": 0.5, "scalars": SCALARS}
+            batch = make_batch(block, still(np.full(n, np.nan)), eta=1.0, theta_0=part.astype(float), **how)
+            yield part, replace(batch, damping=Damping("none", np.ones((n, 2))))
 
 
 MODEL = Axis("model", "model", ("rigid", "linearized"), numeric=False)

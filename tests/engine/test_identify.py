@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from reference import flights, symmetric
 from typer.testing import CliRunner
 
 from rockcli.cli.main import app
@@ -20,21 +20,10 @@ P_0 = float(np.sqrt(0.75 * G / R))
 def free_rocking(theta_0: float, t: np.ndarray) -> np.ndarray:
     """Rotation of a rigid block let go at theta_0, by DOP853 restarted at impacts."""
     out = np.zeros(len(t))
-    now, y, s = 0.0, [theta_0, 0.0], np.sign(theta_0)
-    while now < t[-1] and abs(y[1]) + abs(y[0]) > 1e-4:
-
-        def rhs(_: float, u: np.ndarray, s: float = s) -> list[float]:
-            return [u[1], -(P_0**2) * np.sin(s * ALPHA_0 - u[0])]
-
-        def hits(_: float, u: np.ndarray, s: float = s) -> float:
-            return s * u[0] + (1e-12 if s * u[1] > 0 else 0.0)
-
-        hits.terminal, hits.direction = True, -1
-        run = solve_ivp(rhs, (now, t[-1]), y, "DOP853", events=hits, rtol=1e-10, atol=1e-12, dense_output=True)
-        inside = (t >= now) & (t <= run.t[-1])
-        out[inside] = run.sol(t[inside])[0]
-        now, s = float(run.t[-1]), -s
-        y = [0.0, ETA_0 * run.y[1, -1]]
+    body = symmetric(ALPHA_0, P_0, ETA_0)
+    for sol, _ in flights(body, int(np.sign(theta_0)), (theta_0, 0.0), 0.0, [(t[-1], lambda t: 0.0)], rest=1e-4):
+        inside = (t >= sol.t[0]) & (t <= sol.t[-1])
+        out[inside] = sol.sol(t[inside])[0]
     return out
 
 

@@ -1,14 +1,14 @@
 """Numbers of papers with which this program does not agree to the last printed digit: an integration of its own decides.
 
-scipy's DOP853 in |theta| under a smooth pulse, from the instant of uplift on, restarted at every impact.  The studies are in
-studies/literature, the table in docs/validation.md.
+scipy's DOP853 under a smooth pulse, from the instant of uplift on, restarted at every impact (reference.py).
+The studies are in studies/literature, the table in docs/validation.md.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from reference import flights, symmetric
 from scipy.optimize import brentq
 
 G = 9.81
@@ -16,33 +16,13 @@ G = 9.81
 
 def fate(alpha, p, a_p, omega, eta, *, shape=np.sin, uplift, linear=False, span=1.0):
     """Impacts before it overturns, or None: a block under one cycle of a_p [g] shape(omega t), up to 30/p after it."""
-    end, y, s, t, impacts = span * 2.0 * np.pi / omega, (0.0, 0.0), -1.0, uplift, 0
-
-    def rate(time, y):
-        a = a_p * shape(omega * time) if time < end else 0.0
-        if linear:
-            return (y[1], p * p * (y[0] - alpha * s - a))
-        return (y[1], -p * p * (np.sin(alpha * s - y[0]) + a * np.cos(alpha * s - y[0])))
-
-    def lands(time, y):
-        return s * y[0] if time > t + 1e-9 else 1.0
-
-    def falls(time, y):
-        return abs(y[0]) - 6.0 * alpha
-
-    lands.terminal, lands.direction, falls.terminal = True, -1, True
-    last = end + 30.0 / p
-    while t < last:
-        stop = end if t < end else last
-        found = solve_ivp(rate, (t, stop), y, "DOP853", events=(lands, falls), rtol=1e-11, atol=1e-14)
-        t, y = float(found.t[-1]), tuple(found.y[:, -1])
-        if found.t_events[1].size:
+    end, impacts = span * 2.0 * np.pi / omega, 0
+    pieces = [(end, lambda t: a_p * shape(omega * t)), (end + 30.0 / p, lambda t: 0.0)]
+    how = {"linear": linear, "fallen": 6.0 * alpha, "rest": 1e-4}
+    for sol, _ in flights(symmetric(alpha, p, eta), -1, (0.0, 0.0), uplift, pieces, **how):
+        if sol.t_events[1].size:
             return impacts
-        if found.t_events[0].size:
-            impacts += 1
-            y, s = (0.0, eta * y[1]), -s
-            if abs(y[1]) < 1e-4 * p * alpha:
-                return None
+        impacts += sol.t_events[0].size
     return None
 
 
