@@ -124,8 +124,8 @@ def undamped(rng: np.random.Generator, n: int) -> Iterator[Batch]:
     yield from trains(rng, n - n // 2, eta=1.0)
 
 
-def families(n: int, paths: list[Path]) -> dict[str, list[Batch]]:
-    """Family -> batches of about n cases altogether."""
+def families(n: int, paths: list[Path], seed: int = 15) -> dict[str, list[Batch]]:
+    """Family -> batches of about n cases altogether; another seed gives other ones."""
     makers = {
         "pulses": pulses,
         "trains of cycles": trains,
@@ -134,7 +134,7 @@ def families(n: int, paths: list[Path]) -> dict[str, list[Batch]]:
         "records with vertical": lambda rng, n: records(rng, n, paths, vertical=True),
         "asymmetric": lambda rng, n: asymmetric(rng, n, paths),
     }
-    return {name: list(make(np.random.default_rng([15, i]), n)) for i, (name, make) in enumerate(makers.items())}
+    return {name: list(make(np.random.default_rng([seed, i]), n)) for i, (name, make) in enumerate(makers.items())}
 
 
 def at(batch: Batch, accuracy: str, **more) -> Batch:

@@ -9,7 +9,7 @@ from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact.results import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.jit import jit_lean
 
-JAM, NEITHER = 5, 6
+JAM, NEITHER = -1, -2
 """In place of a mode: no finite force is consistent (K13); slip and flight both are, flight is taken."""
 
 
