@@ -81,7 +81,9 @@ def test_a_body_that_never_moves_has_a_table_and_no_plot(command, tmp_path):
     assert "note      model rigid: no sampled case uplifts" in printed
     assert all("0.0e+00  0.0e+00  0 of 1" in row for row in rows_below(printed, "error of the numerics"))
     others = rows_below(printed, "the most accurate of every other family")
-    assert [row.split(",")[0].split()[-1] for row in others] == ["RK45", "DOP853"]
+    named = {row.split(",")[0].split()[-1] for row in others}  # of equal errors the quickest, whichever that is
+    assert len(named) == len(others) == 2
+    assert named < {"event", "RK45", "DOP853"}
     assert "nothing to draw, every error is 0: model rigid: no sampled case uplifts" in complaint
     assert "bug" not in complaint
     assert not (tmp_path / "fate-trade" / "work_precision.png").exists()
