@@ -256,7 +256,7 @@ def test_help_and_a_pulse_import_only_what_they_need(tmp_path: Path) -> None:
     """Heavy libraries would make every start slow."""
     script = (
         "import sys\nfrom rockcli.cli.main import main\ntry:\n    main()\nexcept SystemExit:\n    pass\n"
-        "heavy = {'numpy', 'xarray', 'matplotlib', 'obspy', 'scipy', 'numba', 'rich', 'pydantic', 'netCDF4'}\n"
+        "heavy = {'numpy', 'xarray', 'matplotlib', 'obspy', 'scipy', 'numba', 'rich', 'pydantic', 'netCDF4', 'asyncio'}\n"
         "print('LOADED', *sorted(heavy & set(sys.modules)))\n"
     )
 
