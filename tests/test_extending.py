@@ -120,7 +120,7 @@ def test_the_recipes_work(tmp_path):
     (package / "solvers" / "leapfrog.py").write_text(backend, encoding="utf-8")
     put(package / "scene" / "backends.py", "_ROWS: tuple[Backend, ...] = (\n", backend_row)
     shutil.copytree(ROOT / "tests" / "cross", tmp_path / "tests" / "cross")
-    for file in ("pyproject.toml", "tests/scenes.py", "tests/tables.py"):
+    for file in ("pyproject.toml", "tests/reference.py", "tests/scenes.py", "tests/tables.py"):
         shutil.copy(ROOT / file, tmp_path / file)
     setting, *tolerances = for_tests.splitlines(keepends=True)
     put(tmp_path / "tests" / "cross" / "test_backends.py", "\nSETTINGS = {\n", setting)
