@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.fragility import STATUS, Curves, Seen, curves
-from rockcli.analysis.suite_intensity import unit_of, uplift_of, values_of
+from rockcli.analysis.suite_intensity import moves_at, unit_of, values_of
 from rockcli.scene.variables import LIMIT, PEAK, PERCENTILE, PERCENTILES, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.cases.suite_axes import AMPLITUDES
 from rockcli.study.intensity import period_of
-from rockcli.study.study import Over, Study
+from rockcli.study.study import Limit, Over, Study
 
 if TYPE_CHECKING:
     from rockcli.analysis.suites import Members
@@ -46,46 +46,52 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
         moved = values.transpose(order)
         return moved if over.along is not None else moved[..., None]
 
-    limits = over.limits if PEAK in contents.fields else ()
-    labels = over.limit_states[-len(limits) - 1 :]
+    limits = [limit for limit in over.limits if limit.quantity in contents.fields]
+    labels = [*(limit.label for limit in limits), over.limit_states[-1]]
     x = values_of(over.told_against, contents, study)
     if x is None:
         return {}
-    top = len(limits) + 1
-    below = np.zeros(contents.shape, dtype=np.int64)
-    for limit in limits:
-        below += contents.values(PEAK) > limit
-    sure = np.where(became.share == 1.0, top, np.where(became.divided, 0, np.minimum(below, top - 1)))
     parts = {
         "x": of_bodies(x),
-        "low": of_bodies(sure),
-        "high": of_bodies(np.where(became.divided, top - 1, sure)),
         "stands": of_bodies(np.where(became.divided, 1.0 - np.nan_to_num(became.share), became.answered.astype(float))),
         "falls": of_bodies(np.where(became.divided, became.share, 0.0)),
     }
     begins = _begins(contents, study, over, x, of_bodies)
     shape = parts["x"].shape[:-2]
     dims = (*bodies, LIMIT)
-    found = {name: np.full((*shape, top), np.nan) for name in FITTED}
-    status = np.zeros((*shape, top), dtype=np.int8)
-    percentile = np.full((*shape, top, len(PERCENTILES)), np.nan)
-    for at in np.ndindex(*shape):
-        one = {name: values[at] for name, values in parts.items()}
-        made = curves(_seen(one, top), top, fit=over.fit, begins_at=float(begins[at]))
-        for name, values in _numbers(made, over.beta_added).items():
-            found[name][at] = values
-        status[at], percentile[at] = made.status, made.percentiles(over.beta_added)
-        missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
-        for end, category in (("low", top), ("high", 0)):
-            more = curves(_seen(one, top, missing, category), top, fit=over.fit, begins_at=float(begins[at]))
-            found[f"fragility_median_{end}"][at] = more.median if missing.any() else made.median
+    found = {name: np.full((*shape, len(labels)), np.nan) for name in FITTED}
+    status = np.zeros((*shape, len(labels)), dtype=np.int8)
+    percentile = np.full((*shape, len(labels), len(PERCENTILES)), np.nan)
+    exceeded = []
+    for states, of_family in _families(limits):
+        top, keep = len(of_family) + 1, len(states)
+        below = np.zeros(contents.shape, dtype=np.int64)
+        for limit in of_family:
+            below += np.abs(contents.values(limit.quantity)) > limit.value
+        sure = np.where(became.share == 1.0, top, np.where(became.divided, 0, np.minimum(below, top - 1)))
+        parts |= {"low": of_bodies(sure), "high": of_bodies(np.where(became.divided, top - 1, sure))}
+        for at in np.ndindex(*shape):
+            one = {name: values[at] for name, values in parts.items()}
+            made = curves(_seen(one, top), top, fit=over.fit, begins_at=float(begins[at]))
+            for name, values in _numbers(made, over.beta_added).items():
+                found[name][at][states] = values[:keep]
+            status[at][states] = made.status[:keep]
+            percentile[at][states] = made.percentiles(over.beta_added)[:keep]
+            missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
+            for end, category in (("low", top), ("high", 0)):
+                more = curves(_seen(one, top, missing, category), top, fit=over.fit, begins_at=float(begins[at]))
+                median = more.median if missing.any() else made.median
+                found[f"fragility_median_{end}"][at][states] = median[:keep]
+        exceeded.append((states, _shares(parts, top)[:keep]))
     unit = unit_of(over.told_against, contents)
     fields = {LIMIT: Field((LIMIT,), text(labels), {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True)}
     if over.told_against not in axes:
         row = variable_field("fragility_intensity", axes, x, units=unit, long_name=over.told_against)
         fields["fragility_intensity"] = row
     if over.along is not None:
-        fields["p_exceeded"] = _shares(contents, parts, top, bodies, over)
+        shares = np.concatenate([share for _, share in exceeded])
+        order_of_states = np.argsort(np.concatenate([states for states, _ in exceeded]))
+        fields["p_exceeded"] = _exceeded(contents, shares[order_of_states], bodies, over)
     for name, values in found.items():
         more_attrs: dict[str, Any] = {"units": unit} if name.startswith(_IN_UNITS) else {}
         fields[name] = variable_field(name, dims, values, **more_attrs)
@@ -96,6 +102,18 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
     flags = {"flag_values": np.array(list(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS.values())}
     fields["fragility_status"] = variable_field("fragility_status", dims, status, **flags)
     return fields
+
+
+def _families(limits: list[Limit]) -> Iterator[tuple[Index, list[Limit]]]:
+    """Limits of one quantity, which are nested, with their places among the limit states.
+
+    Overturning is the last state of every family and told with the first: that of the rotation, where there is one.
+    """
+    named = list(dict.fromkeys(limit.quantity for limit in limits)) or [PEAK]
+    for quantity in named:
+        states = [i for i, limit in enumerate(limits) if limit.quantity == quantity]
+        last = [len(limits)] if quantity == named[0] else []
+        yield np.array([*states, *last], dtype=np.int64), [limits[i] for i in states]
 
 
 def _seen(one: dict[str, Array], top: int, missing: NDArray[np.bool_] | None = None, category: int = 0) -> Seen:
@@ -135,7 +153,10 @@ def _numbers(made: Curves, beta_added: float) -> dict[str, Array]:
 
 
 def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: Any) -> Array:
-    """Intensity at which the curves of every body begin: 0, or the lowest at which a member can lift it."""
+    """Intensity at which the curves of every body begin: 0, or the lowest at which a member can lift it.
+
+    With limits of its slide: can lift it or let it slip.
+    """
     shape = of_bodies(x).shape[:-2]
     name = over.told_against
     grows = name in ("pga", "pgv", "cav") or period_of(name) is not None
@@ -144,24 +165,30 @@ def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: A
     pga = values_of("pga", contents, study)
     if over.begins_at != "uplift" or not grows or pga is None:  # what grows with the amplitude is known at uplift
         return np.zeros(shape)
-    at_uplift = of_bodies(x * uplift_of(study).reshape(contents.shape) / pga)
+    slides = any(limit.quantity != PEAK for limit in over.limits)
+    at_uplift = of_bodies(x * moves_at(study, slides=slides).reshape(contents.shape) / pga)
     known = ~np.isnan(of_bodies(x)) & (of_bodies(pga) > 0.0)
     unknown = (np.isnan(at_uplift) & known).any(axis=(-2, -1))
     lowest = np.where(known, at_uplift, np.inf).min(axis=(-2, -1))
     return np.where(unknown | ~np.isfinite(lowest), 0.0, lowest)
 
 
-def _shares(contents: Contents, parts: dict[str, Array], top: int, bodies: tuple[str, ...], over: Over) -> Field:
-    """The share of the members with an answer that exceeds each limit state, at every intensity."""
+def _shares(parts: dict[str, Array], top: int) -> Array:
+    """The share of the members with an answer that exceeds each limit state, (top, ..., k)."""
     stands, falls = parts["stands"], parts["falls"]
     shares = []
     for state in range(1, top + 1):
         exceeds = stands * (parts["low"] >= state) + falls
         known = stands * ((parts["low"] >= state) | (parts["high"] < state)) + falls
         shares.append(exceeds.sum(axis=-2) / known.sum(axis=-2))
+    return np.stack(shares)
+
+
+def _exceeded(contents: Contents, shares: Array, bodies: tuple[str, ...], over: Over) -> Field:
+    """The shares (states, bodies, k) over the axes of the dataset."""
     rest = tuple(axis for axis in contents.axes if axis != over.axis)
     here = (*bodies, str(over.along))
-    values = np.stack(shares, axis=-1).transpose([*(here.index(axis) for axis in rest), len(here)])
+    values = shares.transpose([*(1 + here.index(axis) for axis in rest), 0])
     return variable_field("p_exceeded", (*rest, LIMIT), values)
 
 

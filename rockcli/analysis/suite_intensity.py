@@ -70,8 +70,10 @@ def _spectral(study: Study, period: float) -> Array:
     return found
 
 
-def uplift_of(study: Study) -> Array:
-    """Peak horizontal acceleration at and below which the body of every case surely rests, (n,) [m/s^2].
+def moves_at(study: Study, *, slides: bool) -> Array:
+    """Peak horizontal acceleration at and below which the body of every case does not lift, (n,) [m/s^2].
+
+    If `slides`, at and below which it does not slip either, which friction may allow before.
 
     NaN where that is not known: bodies that move at t = 0, vertical motion, deformable bodies.
     """
@@ -81,7 +83,11 @@ def uplift_of(study: Study) -> Array:
         if row is None or batch.excitation.vertical is not None or batch.base is not None:
             continue
         still = (batch.theta_0 == 0.0) & (batch.theta_dot_0 == 0.0)
-        found[indices] = np.where(still, batch.g * _threshold(batch), np.nan)
+        still &= True if batch.slide_rate_0 is None else batch.slide_rate_0 == 0.0
+        threshold = _threshold(batch)
+        if slides:
+            threshold = np.fmin(threshold, batch.block.mu)
+        found[indices] = np.where(still, batch.g * threshold, np.nan)
     return found
 
 

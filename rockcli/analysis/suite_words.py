@@ -14,7 +14,7 @@ from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
-from rockcli.scene.variables import LIMIT, MEASURE
+from rockcli.scene.variables import LIMIT, MEASURE, PEAK
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Over, Study
 
@@ -139,7 +139,8 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
     for at in listed:
         where = f"{place(contents, bodies, at, units)}: " if bodies else ""
         if begins[at] > 0.0:
-            yield f"{where}curves begin at uplift, {over.told_against} {begins[at] / divisor:.4g}{unit_words(unit)}"
+            first = "uplift or slip" if any(limit.quantity != PEAK for limit in over.limits) else "uplift"
+            yield f"{where}curves begin at {first}, {over.told_against} {begins[at] / divisor:.4g}{unit_words(unit)}"
         for i, label in enumerate(contents.values(LIMIT)):
             if status[(*at, i)] != FITTED:
                 continue
@@ -191,7 +192,9 @@ def _of_thresholds(contents: Contents, study: Study, over: Over, units: Units) -
 
 def limit_words(label: Any) -> str:
     """A limit state for people."""
-    return "overturning" if label == "overturned" else f"theta/alpha > {label}"
+    if label == "overturned":
+        return "overturning"
+    return str(label) if ">" in str(label) else f"theta/alpha > {label}"
 
 
 def _members(over: Over) -> str:

@@ -108,7 +108,7 @@ def with_ensembles(contents: Contents, study: Study) -> Contents:
         "axis": study.over.axis,
         "along": study.over.along,
         "told_against": study.over.told_against,
-        "limits": list(study.over.limits),
+        "limits": list(study.over.limit_states[:-1]),
         "fields": list(added),
         "says": sentences(whole, study, SI),
         "shown": sentences(whole, study, units_of(whole)),

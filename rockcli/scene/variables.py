@@ -88,7 +88,9 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         "1",
         "members that remain stable above an overturning intensity (stable islands)",
     ),
-    Variable("limit_state", "limit state", LIMIT, "1", "theta_peak_over_alpha exceeded, or overturned"),
+    Variable(
+        "limit_state", "limit state", LIMIT, "1", "theta_peak_over_alpha (or the slide named) exceeded, or overturned"
+    ),
     Variable("p_exceeded", r"$P$", LIMIT, "1", "share that exceeds the limit state of those with an answer"),
     Variable("fragility_median", r"$\hat\theta$", LIMIT, "1", "intensity exceeded with probability 1/2; NaN: no curve"),
     Variable("fragility_median_low", r"$\hat\theta$", LIMIT, "1", "the same if all without an answer exceed it"),

@@ -325,12 +325,28 @@ class ExpectPart(Part):
     references: Text = key("where the number comes from", "")
 
 
+class SlideLimitPart(Part):
+    """A limit state of a body that slides: one of the two."""
+
+    slide_peak: Number | None = key("largest displacement along the ground exceeded [m]")
+    slide_residual: Number | None = key("displacement along the ground in the end exceeded [m]")
+
+
+SomeLimit = Annotated[
+    Annotated[Number, Tag("number")] | Annotated[SlideLimitPart, Tag("mapping")],
+    Discriminator(lambda value: "mapping" if isinstance(value, dict) else "number"),
+]
+
+
 class OverPart(Part):
     """Statistics over one axis: what a suite of records, or of anything else, does."""
 
     axis: Text = key("axis of the ensemble, by name or path", ...)
     along: Text | None = key("axis of the intensity; default: the one amplitude of the motion that is varied")
-    limits: list[Number] = key("limit states: theta_peak_over_alpha exceeded [1], beside overturning", [0.1, 0.5, 1])
+    limits: list[SomeLimit] = key(
+        "limit states: theta_peak_over_alpha exceeded [1], or {slide_peak | slide_residual: m}, beside overturning",
+        [0.1, 0.5, 1],
+    )
     mean: bool = key("the mean beside the fractiles; inf where any overturned", False)
     intensity: Text | None = key("of the fragility: pga, pgv, sa(T), pgv_over_pga, an axis; default: along")
     fit: Literal["ordinal", "lognormal", "none"] = key(

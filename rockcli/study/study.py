@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
+from rockcli.scene.variables import PEAK
 
 Index = NDArray[np.int64]
 
@@ -74,6 +75,24 @@ class Expect:
     line: int | None = None
 
 
+@dataclass(frozen=True, order=True)
+class Limit:
+    """A limit state: the absolute value of a scalar exceeds `value`, or the body overturns.
+
+    Attributes:
+        value: in the scalar's unit.
+        quantity: theta_peak_over_alpha, slide_peak or slide_residual.
+    """
+
+    value: float
+    quantity: str = PEAK
+
+    @property
+    def label(self) -> str:
+        """Its name on the axis of the limit states."""
+        return f"{self.value:g}" if self.quantity == PEAK else f"{self.quantity} > {self.value:g} m"
+
+
 @dataclass(frozen=True)
 class Over:
     """Ensemble statistics.
@@ -81,7 +100,7 @@ class Over:
     Attributes:
         axis: name of the axis they are taken over.
         along: name of the axis of the intensity; None = there is none.
-        limits: limit states, theta_peak_over_alpha exceeded, ascending; overturning is one more.
+        limits: limit states by quantity, each ascending; overturning is one more.
         mean: whether the mean is wanted beside the fractiles.
         intensity: what fragility is told against; "" = the axis of the intensity.
         fit: `ordinal` one beta for all limit states, `lognormal` each alone, `none`.
@@ -91,7 +110,7 @@ class Over:
 
     axis: str
     along: str | None
-    limits: tuple[float, ...]
+    limits: tuple[Limit, ...]
     mean: bool
     intensity: str = ""
     fit: str = "ordinal"
@@ -111,7 +130,7 @@ class Over:
     @property
     def limit_states(self) -> tuple[str, ...]:
         """Labels: the limits, and overturning."""
-        return (*(f"{limit:g}" for limit in self.limits), "overturned")
+        return (*(limit.label for limit in self.limits), "overturned")
 
 
 class CaseSource(Protocol):

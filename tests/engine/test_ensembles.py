@@ -374,6 +374,79 @@ def test_the_spectral_acceleration_of_a_stiff_oscillator_is_the_peak():
     np.testing.assert_allclose(plain["fragility_begins_at"].values, G * ALPHA, rtol=1e-12)
 
 
+SLIDES = {"block": {"R": 1.0, "tan_alpha": 0.4, "mu": 0.45}}
+
+
+def sliding_study(**changes):
+    """Blocks that slide far, rock, and overturn: friction little above tan(alpha)."""
+    limits = [1, {"slide_peak": 0.02}, {"slide_residual": "1*cm"}, {"slide_peak": "5*mm"}]
+    plain = study(over={"axis": "motion.pulse.omega_p", "limits": limits})
+    pulse = {"shape": "sine", "a_p": 1.0, "omega_p": 1.0}
+    case = {"block": SLIDES["block"] | changes.pop("block", {}), "motion": {"pulse": pulse}}
+    vary = {"motion.pulse.omega_p": [2.0, 3.0, 4.5, 6.0, 8.0, 11.0, 15.0],
+            "motion.pulse.a_p": {"from": "0.3*g", "to": "1.6*g", "n": 12}}  # fmt: skip
+    scalars = ["outcome", "theta_peak_over_alpha", "slide_peak", "slide_residual"]
+    return plain | {"case": case, "vary": vary, "save": {"histories": False, "scalars": scalars}} | changes
+
+
+def test_limit_states_of_the_slide():
+    """Each quantity is a family of its own, fitted with overturning as its last state; overturning stays the rotation's."""
+    data = rockcli.run(sliding_study())
+    states = ["1", "slide_peak > 0.005 m", "slide_peak > 0.02 m", "slide_residual > 0.01 m", "overturned"]
+    assert list(data["limit_state"].values) == states
+    fell = np.isin(data["outcome"].values, (2, 3))
+    peak, residual = data["slide_peak"].values, np.abs(data["slide_residual"].values)
+    families = {
+        ("1", "overturned"): [data["theta_peak_over_alpha"].values > 1.0, fell],
+        ("slide_peak > 0.005 m", "slide_peak > 0.02 m"): [(peak > 0.005) | fell, (peak > 0.02) | fell, fell],
+        ("slide_residual > 0.01 m",): [(residual > 0.01) | fell, fell],
+    }
+    begins = float(data["fragility_begins_at"])
+    assert begins == pytest.approx(0.4 * G, rel=1e-12)  # it lifts before it slips
+    x = np.broadcast_to(data["motion_pulse_a_p"].values, fell.shape)
+    assert fell.any()
+    for labels, exceeds in families.items():
+        category = sum(one.astype(int) for one in exceeds)
+        expected = curves(Seen(x, category, category, np.ones(x.shape)), len(exceeds), begins_at=begins)
+        for i, label in enumerate(labels):
+            one = data.sel(limit_state=label)
+            np.testing.assert_array_equal(one["p_exceeded"].values, exceeds[i].mean(axis=0))
+            assert float(one["fragility_median"]) == pytest.approx(expected.median[i], rel=1e-12)
+            assert np.isfinite(expected.median[i])
+
+
+def test_curves_of_slides_begin_where_friction_gives_way():
+    low = sliding_study(block={"mu": 0.3})
+    data = rockcli.run(low | {"over": low["over"] | {"limits": [{"slide_peak": 0.05}, {"slide_peak": 0.5}]}})
+    assert float(data["fragility_begins_at"]) == pytest.approx(0.3 * G, rel=1e-12)
+    assert not np.isin(data["outcome"].values, (2, 3)).any()  # mu < tan(alpha): it cannot tip
+    medians = data["fragility_median"].values
+    assert medians[0] < medians[1]
+    assert np.isnan(medians[2])
+    # a rigid block on a plane under one sine slides farther the longer the sine: by 1/omega^2 at one amplitude
+    slide = data["slide_peak"].values[:, -1] * data["motion_pulse_omega_p"].values ** 2
+    np.testing.assert_allclose(slide, slide[0], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("limits", "words"),
+    [
+        ([{"slide_peak": 0.0}], "greater than 0"),
+        ([{"slide_peak": 0.1, "slide_residual": 0.1}], "expected {slide_peak: m} or"),
+        ([{"slide": 0.1}], "slide_peak"),
+    ],
+)
+def test_wrong_limits_of_the_slide(limits, words):
+    wrong = sliding_study()
+    with pytest.raises(StudyError, match=words):
+        open_study(wrong | {"over": wrong["over"] | {"limits": limits}})
+
+
+def test_limits_of_the_slide_need_it_saved():
+    with pytest.raises(StudyError, match="needs slide_residual among the saved"):
+        open_study(sliding_study(save={"histories": False, "scalars": ["outcome", "slide_peak"]}))
+
+
 def test_the_summary_has_the_numbers():
     checked = open_study(study())
     rows = report_on(checked, solve(checked), status="solved").as_dict()["fragility"]

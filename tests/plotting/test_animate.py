@@ -12,10 +12,11 @@ from PIL import Image
 from plotting.columns import ALPHA, LENGTH, R, columns
 from typer.testing import CliRunner
 
+import rockcli
 from rockcli.cli.main import app
 from rockcli.engine.animate import animate
 from rockcli.errors import StudyError
-from rockcli.plotting.common.shape import Body, body_of, motion_of, outline
+from rockcli.plotting.common.shape import Body, body_of, friction_marks, motion_of, outline
 from rockcli.plotting.kinds.animate import LONGEST, scenes
 
 BODY = Body(0.3, 0.5, 4.0)
@@ -67,6 +68,33 @@ def test_size_and_bending_come_from_the_dataset():
     assert motion.bends
     assert not motion_of(columns(), (0,)).bends
     assert motion_of(columns(), (2,)).theta[-1] == -0.5 * np.pi
+
+
+def test_a_sliding_body_leaves_the_track_of_its_edges():
+    """A block that slides flat scratches two tracks as long as its slide goes; what friction holds scratches none."""
+    case = {
+        "block": {"height": 2.0, "width": 0.8, "mu": 0.2},
+        "motion": {"pulse": {"shape": "sine", "a_p": 6.0, "T_p": 0.6}},
+    }
+    vary = {"block.mu": [0.2, 0.41, 1.0]}
+    dataset = rockcli.run({"name": "tracks", "case": case, "vary": vary, "save": {"histories": True}})
+    flat, held = (motion_of(dataset, (i,)) for i in (0, 2))
+    track, when = friction_marks(BODY, flat)
+    reach = [flat.slide.min(), flat.slide.max()]
+    assert np.ptp(reach) > 0.05
+    near_left = track[:, 0] < 0.5 * (BODY.right - BODY.left) + np.mean(reach)
+    for edge, made in ((-BODY.left, track[near_left]), (BODY.right, track[~near_left])):
+        np.testing.assert_allclose([made.min() - edge, made.max() - edge], reach, atol=1e-6)  # begins within a sample
+    moving = flat.time[1:][np.diff(flat.slide) != 0.0]
+    np.testing.assert_allclose([when.min(), when.max()], [moving.min(), moving.max()], atol=0.006)
+    assert len(friction_marks(BODY, held)[0]) == 0
+    # where it slides tilted, only the edge it stands on scratches
+    both = motion_of(dataset, (1,))
+    track, when = friction_marks(BODY, both)
+    tilted = np.isin(when, both.time[1:][both.mode[:-1] == 3])
+    assert tilted.any()
+    side = np.sign(both.theta[np.searchsorted(both.time, when[tilted]) - 1])
+    assert ((track[tilted].mean(axis=1) > 0.1) == (side > 0.0)).all()
 
 
 def test_a_gif_has_its_pictures_and_its_speed(file: Path, tmp_path: Path):

@@ -10,6 +10,7 @@ import numpy as np
 from rockcli.plotting.common.cases import Array, outcome_at, values_at
 from rockcli.plotting.common.response import edges
 from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.contact import SLIDE, SLIDE_ROCK
 
 if TYPE_CHECKING:
     import xarray
@@ -35,14 +36,16 @@ class Body:
 
 @dataclass(frozen=True)
 class Motion:
-    """A history of (time,) arrays: rotation, |theta| <= pi/2; displacement of the top across the axis [m]; a_g; sliding
-    along the ground [m]."""
+    """A history of (time,) arrays: rotation, |theta| <= pi/2; displacement of the top across the axis [m]; a_g; slide
+    along the ground and height of the lower edge above it [m]; the mode of contact, -1 where none is told."""
 
     time: Array
     theta: Array
     w_top: Array
     a_g: Array
     slide: Array
+    lift: Array
+    mode: Array
 
     @property
     def bends(self) -> bool:
@@ -65,17 +68,34 @@ def motion_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Motion:
     theta = theta[:last]
     if last and outcome_at(dataset, position).startswith("overturned") and abs(theta[-1]) > _LIES:
         theta = np.append(theta[:-1], np.copysign(0.5 * np.pi, theta[-1]))
-    a_g, slide = (
+    a_g, slide, lift = (
         values_at(dataset, name, position)[:last] if name in dataset.variables else np.zeros(last)
-        for name in ("a_g", "slide")
+        for name in ("a_g", "slide", "lift")
     )
+    told = "contact_mode" in dataset.variables
+    mode = values_at(dataset, "contact_mode", position)[:last] if told else np.full(last, -1.0)
     return Motion(
         np.asarray(dataset["time"].values, dtype=float)[:last],
         np.clip(theta, -0.5 * np.pi, 0.5 * np.pi),
         _bending(dataset, position, theta),
         np.nan_to_num(a_g),
         np.nan_to_num(slide),
+        np.nan_to_num(lift),
+        np.nan_to_num(mode, nan=-1.0),
     )
+
+
+def friction_marks(body: Body, motion: Motion) -> tuple[Array, Array]:
+    """What sliding edges scratch into the ground: pieces (k, 2) from x to x [m], and when each is made [s], (k,)."""
+    flat, tilted = motion.mode[:-1] == SLIDE, motion.mode[:-1] == SLIDE_ROCK
+    pieces = np.column_stack([motion.slide[:-1], motion.slide[1:]])
+    made, when = [], []
+    for edge, turned in ((-body.left, motion.theta[:-1] < 0.0), (body.right, motion.theta[:-1] > 0.0)):
+        scratches = flat | (tilted & turned)
+        made.append(edge + pieces[scratches])
+        when.append(motion.time[1:][scratches])
+    order = np.argsort(np.concatenate(when), kind="stable")
+    return np.concatenate(made)[order], np.concatenate(when)[order]
 
 
 def _bending(dataset: xarray.Dataset, position: tuple[int, ...], theta: Array) -> Array:

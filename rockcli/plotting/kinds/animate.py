@@ -18,7 +18,7 @@ from rockcli.plotting.common.cases import Array, number_at, outcome_at
 from rockcli.plotting.common.film import Picture
 from rockcli.plotting.common.labels import title_of, unit_g
 from rockcli.plotting.common.response import SHOWN_UP_TO, over_alpha, window
-from rockcli.plotting.common.shape import Body, body_of, motion_of, outline
+from rockcli.plotting.common.shape import Body, body_of, friction_marks, motion_of, outline
 from rockcli.plotting.common.style import COLOURS, QUIET, RC, headline
 
 if TYPE_CHECKING:
@@ -129,11 +129,13 @@ class _Stage:
         self.times = shown.times
         theta = np.interp(shown.times, motion.time, motion.theta)
         bending = np.interp(shown.times, motion.time, motion.w_top) * shown.magnify
-        slide = np.interp(shown.times, motion.time, motion.slide)
+        slide, lift = (np.interp(shown.times, motion.time, of) for of in (motion.slide, motion.lift))
         self.outlines = [
-            outline(body, float(q), float(w)) + np.array([u, 0.0])
-            for q, w, u in zip(theta, bending, slide, strict=True)
+            outline(body, float(q), float(w)) + np.array([u, z])
+            for q, w, u, z in zip(theta, bending, slide, lift, strict=True)
         ]
+        self.slide = slide
+        self.scratches, self.scratched_at = friction_marks(body, motion)
         self.ratio = over_alpha(dataset, position, theta)
         fell = outcome_at(dataset, position).startswith("overturned")
         self.fall = number_at(dataset, "t_overturn", position) if fell else np.inf
@@ -179,6 +181,7 @@ class _Stage:
         axes.add_patch(self.body)
         self.stamp = axes.text(0.01, 0.99, "", transform=axes.transAxes, va="top", fontsize=11.0, linespacing=1.5)
         axes.text(0.99, 0.99, words, transform=axes.transAxes, va="top", ha="right", fontsize=9.0, color="#555555")
+        (self.marks,) = axes.plot([], [], color=_GROUND, linewidth=3.5, solid_capstyle="butt", zorder=4, animated=True)
         self.body.set_animated(True)
         self.stamp.set_animated(True)
 
@@ -209,8 +212,12 @@ class _Stage:
         now = float(self.times[number])
         self.body.set_xy(self.outlines[number])
         words = f"$t$ = {now:.2f} s\n" + rf"$\theta/\alpha$ = ${self.ratio[number]:+.3f}$"
-        self.stamp.set_text(words + ("  overturns" if now >= self.fall else ""))
-        artists: list[Artist] = [self.body, self.stamp]
+        slid = rf"$u$ = ${self.slide[number]:+.3f}$ m" if self.slide.any() else ""
+        self.stamp.set_text("\n".join(filter(None, [words + ("  overturns" if now >= self.fall else ""), slid])))
+        made = self.scratches[: np.searchsorted(self.scratched_at, now, side="right")]
+        gaps = np.column_stack([made, np.full(len(made), np.nan)]).ravel()
+        self.marks.set_data(gaps, np.zeros(len(gaps)))
+        artists: list[Artist] = [self.body, self.marks, self.stamp]
         for line, dot, values in self.markers:
             line.set_xdata([now, now])
             dot.set_data([now], [values[number]])

@@ -11,11 +11,14 @@ from rockcli.plotting.common.labels import axis_label, axis_values, shown_unit, 
 from rockcli.plotting.common.style import COLOURS, DOUBLE, SINGLE, headline, new_figure, panel_title
 from rockcli.plotting.common.suite import Suite, grid_of, members_word, panels, suite_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
+from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+THETA = r"$|\theta|_{\mathrm{max}}/\alpha$"
 
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -87,6 +90,20 @@ def _intensity(part: xarray.Dataset, suite: Suite) -> Array:
     return np.asarray(values[values > 0.0])
 
 
+def _first_motion(part: xarray.Dataset) -> str:
+    """What happens where the curves begin."""
+    slides = any(">" in str(label) for label in part["limit_state"].values)
+    return "uplift or slip" if slides else "uplift"
+
+
+def _state(label: str) -> str:
+    """A limit state for people."""
+    if label == "overturned":
+        return label
+    quantity, _, value = label.rpartition(" > ")
+    return rf"{VARIABLES[quantity].symbol if quantity else THETA} > {value}"
+
+
 def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> None:
     from scipy.special import ndtr, ndtri  # late: other figures need none of it
 
@@ -97,12 +114,12 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
     x = begin + (positive.max() - begin) * np.geomspace(1e-3, 1.0, 401) if len(positive) else np.empty(0)
     stripes = "p_exceeded" in part and suite.told_against in part.dims
     if begin > 0.0:
-        axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label="uplift")
+        axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label=_first_motion(part))
     for i, label in enumerate(part["limit_state"].values):
         colour = COLOURS[i % len(COLOURS)]
         median, se, se_beta, rho, beta, total = (float(part[f"fragility_{name}"].values[i]) for name in _FITTED)
         above = median / divisor - begin
-        words = "overturned" if label == "overturned" else rf"$|\theta|_{{\mathrm{{max}}}}/\alpha$ > {label}"
+        words = _state(str(label))
         fitted = np.isfinite(median)
         if numbers:
             size = f"{median / divisor:.3g}{unit_in_brackets(unit).translate({ord('['): None, ord(']'): None})}"

@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from rockcli.scene.variables import PEAK
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.intensity import KNOWN, period_of
-from rockcli.study.schema import OverPart
-from rockcli.study.study import Axis, Over
+from rockcli.study.schema import OverPart, SlideLimitPart
+from rockcli.study.study import Axis, Limit, Over
 
 AMPLITUDES = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "a_p", "a_p_over_g_tan_alpha")
 """Last parts of paths that are an intensity unless the study names another."""
 
-NEEDED = ("outcome", "theta_peak_over_alpha")
+QUANTITIES = (PEAK, "slide_peak", "slide_residual")
+"""Scalars that limit states may be told of."""
+
+NEEDED = ("outcome", PEAK)
 """Scalars of which the statistics need one."""
 
 
@@ -46,10 +50,14 @@ def read_over(
             raise source.error(study, ("over",), f": the intensity may be {names}; say {{axis: ..., along: ...}}")
         along = known[0] if known else None
     limits = [_limit(source, study, i, value) for i, value in enumerate(said.limits)]
+    for i, limit in enumerate(limits):
+        if limit.quantity not in (PEAK, *scalars):
+            message = f"needs {limit.quantity} among the saved scalars (`save`)"
+            raise source.error(study, ("over", "limits", i), message)
     return Over(
         axis.name,
         along.name if along else None,
-        tuple(sorted(set(limits))),
+        tuple(sorted(set(limits), key=lambda limit: (QUANTITIES.index(limit.quantity), limit.value))),
         said.mean,
         _intensity(source, study, said.intensity, axes),
         said.fit,
@@ -99,11 +107,17 @@ def _axis(source: Source, study: Map, keys: tuple[str, ...], text: str, axes: Se
     return found[0]
 
 
-def _limit(source: Source, study: Map, i: int, value: Any) -> float:
+def _limit(source: Source, study: Map, i: int, value: Any) -> Limit:
+    quantity = PEAK
+    if isinstance(value, SlideLimitPart):
+        said = {name: number for name, number in value if number is not None}
+        if len(said) != 1:
+            raise source.error(study, ("over", "limits", i), "expected {slide_peak: m} or {slide_residual: m}")
+        ((quantity, value),) = said.items()
     try:
         number = float(parse(value).evaluate(constant)) if isinstance(value, str) else float(value)
     except ExpressionError as error:
         raise source.error(study, ("over", "limits", i), f": {error}") from None
     if not number > 0.0:
         raise source.error(study, ("over", "limits", i), f"is {describe(value)}; expected a number greater than 0")
-    return number
+    return Limit(number, quantity)
