@@ -17,6 +17,9 @@ PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
 PYTHON = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.M)
 (STUDY,) = re.findall(r"^```yaml\n(.*?)^```", PAGE, re.DOTALL | re.M)
 
+P = math.sqrt(0.75 * 9.81 / 2.0)
+"""Of the studies' block [rad/s]."""
+
 VARIED = """vary:
   case:
     ratio: {damping: {scheme: damping_ratio, zeta: 0.05}}
@@ -26,11 +29,12 @@ VARIED = """vary:
     backend: {solver: {backend: leapfrog}}
     block: {solver: {backend: event}}
     coarse: {solver: {accuracy: coarse}}
+    slides: {block: {mu: 0.15}}
 over: case
 rules: [velocity]
 save: {histories: true}
 expect:
-  - {quantity: theta_peak_over_alpha, min: 0.1}
+  - {quantity: theta_peak_over_alpha, at: {case: block}, min: 0.1}
 """
 
 
@@ -48,11 +52,10 @@ def lengthened(file: Path, columns: str) -> None:
     file.write_text(longer, encoding="utf-8")
 
 
-def coefficient(zeta: float) -> float:
-    """Of the dashpot (3.3) whose c/I_O is 2 zeta p, for the study's rectangle of R = 2 m and tan(alpha) = 0.2."""
+def coefficient(rate: float) -> float:
+    """Of the dashpot (3.3) whose c/I_O is `rate`, for the studies' rectangle of R = 2 m and tan(alpha) = 0.2."""
     g, R, alpha = 9.81, 2.0, math.atan(0.2)
-    p = math.sqrt(0.75 * g / R)
-    return 2.0 * zeta * p * 4.0 / 3.0 * math.sqrt(R / g) * (0.1 / alpha) ** 2
+    return rate * 4.0 / 3.0 * math.sqrt(R / g) * (0.1 / alpha) ** 2
 
 
 CHECKED = """
@@ -70,7 +73,29 @@ assert data["n_certain"].item() == data.sizes["case"]
 pgv, R, alpha = data["pgv"].sel(case="block"), 2.0, np.arctan(0.2)
 impulsive = np.sqrt(16.0 / 3.0 * 9.81 * R) * np.sin(0.5 * alpha) / np.cos(alpha)
 np.testing.assert_allclose(data["velocity_ratio"].sel(case="block"), pgv / impulsive, rtol=1e-12)
-assert np.isnan(data["t_first_impact"].sel(case="backend"))
+assert np.isnan(data["t_first_impact"].sel(case=["backend", "slides"])).all()
+assert data["outcome"].sel(case="slides") == 4
+assert 0.0 < data["t_uplift_first"].item() == data["t_uplift"].min()
+"""
+
+MAP = """name: map
+case:
+  block: {R: 2.0, tan_alpha: 0.2}
+  motion: {pulse: {shape: sine, a_p: 1.8*g*tan_alpha, omega_p: 8}}
+vary:
+  motion.pulse.a_p: [0.25*g, 0.3*g]
+  damping: {none: none, dashpot: {scheme: dashpot}, edges: {scheme: edge_dampers, left: %r, right: %r}}
+save: {histories: false, scalars: [theta_peak_over_alpha, n_impacts]}
+"""
+
+CHECKED_MAP = """
+import numpy as np, xarray
+(path,) = __import__("pathlib").Path("results").rglob("map.nc")
+data = xarray.open_dataset(path)
+assert "many bodies in lanes" in data.attrs["solver_settings"]  # those without a damper
+peak = data["theta_peak_over_alpha"]
+np.testing.assert_allclose(peak.sel(damping="edges"), peak.sel(damping="dashpot"), rtol=1e-9)
+assert (abs(peak.sel(damping="none") - peak.sel(damping="edges")) > 1e-3).all()
 """
 
 
@@ -96,8 +121,9 @@ def test_the_files_of_the_page_are_there():
 @pytest.mark.slow
 def test_the_recipes_work(tmp_path):
     pulse, pulse_row, model, model_row, scheme, scheme_row, scheme_name, *rest = PYTHON
+    field, dampers, dampers_row, dampers_name, dampers_read, *rest = rest
     scalar_row, scalar_column, scalar_first, scalar_then, level, rule, statistic, statistic_row, *rest = rest
-    backend, backend_row, for_tests = rest
+    of_scalar, of_scalar_row, backend, backend_row, for_tests = rest
     package = tmp_path / "rockcli"
     shutil.copytree(ROOT / "rockcli", package, ignore=shutil.ignore_patterns("__pycache__"))
     put(package / "scene" / "pulses.py", "_ROWS: tuple[Shape, ...] = (\n", pulse_row)
@@ -107,6 +133,20 @@ def test_the_recipes_work(tmp_path):
     put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", scheme_row)
     put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", f"{scheme}\n\n", before=True)
     put(package / "scene" / "backends.py", "_RIGID = frozenset({", f"{scheme_name.strip()} ")
+    put(package / "scene" / "damping.py", "    alpha_d: Array | None = None\n", field)
+    put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", dampers_row)
+    put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", f"{dampers}\n\n", before=True)
+    backends = (package / "scene" / "backends.py").read_text(encoding="utf-8")
+    assert backends.index("        damping=_RIGID,\n") < backends.index('"frame"')  # the first is that of `event`
+    (package / "scene" / "backends.py").write_text(
+        backends.replace("        damping=_RIGID,\n", dampers_name, 1), encoding="utf-8"
+    )
+    put(
+        package / "solvers" / "event" / "pack.py",
+        "    block, coefficient = batch.block, batch.damping.coefficient\n",
+        dampers_read,
+        before=True,
+    )
     put(package / "scene" / "variables.py", "\n_ROWS: tuple[Variable, ...] = (\n", scalar_row)
     put(package / "scene" / "variables.py", "SCALARS: tuple[str, ...] = (\n", '    "t_first_impact",\n')
     lengthened(package / "kernels" / "rigid" / "results.py", f"{scalar_column.strip()} N_OUT,\n")
@@ -115,8 +155,8 @@ def test_the_recipes_work(tmp_path):
     put(march, f"{16 * ' '}out[to.N_IMPACTS] += 1\n{16 * ' '}out[to.ONTO", scalar_then, before=True)
     put(package / "scene" / "numerics.py", "ACCURACIES: dict[str, Accuracy] = {\n", level)
     put(package / "scene" / "rules.py", "_ROWS: tuple[Rule, ...] = (\n", rule)
-    put(package / "analysis" / "suites.py", "STATISTICS: dict[str, Callable[[Members, int], Array]] = {\n", statistic)
-    put(package / "scene" / "variables.py", "_SUITE_ROWS: tuple[Variable, ...] = (\n", statistic_row)
+    put(package / "analysis" / "suites.py", "STATISTICS: dict[str, Statistic] = {\n", statistic + of_scalar)
+    put(package / "scene" / "variables.py", "_SUITE_ROWS: tuple[Variable, ...] = (\n", statistic_row + of_scalar_row)
     (package / "solvers" / "leapfrog.py").write_text(backend, encoding="utf-8")
     put(package / "scene" / "backends.py", "_ROWS: tuple[Backend, ...] = (\n", backend_row)
     shutil.copytree(ROOT / "tests" / "cross", tmp_path / "tests" / "cross")
@@ -125,7 +165,9 @@ def test_the_recipes_work(tmp_path):
     setting, *tolerances = for_tests.splitlines(keepends=True)
     put(tmp_path / "tests" / "cross" / "test_backends.py", "\nSETTINGS = {\n", setting)
     put(tmp_path / "tests" / "cross" / "test_backends.py", "\nTOLERANCES = {\n", "".join(tolerances))
-    (tmp_path / "trial.yaml").write_text(STUDY + VARIED % coefficient(0.05), encoding="utf-8")
+    (tmp_path / "trial.yaml").write_text(STUDY + VARIED % coefficient(0.1 * P), encoding="utf-8")
+    rate = 0.02 / coefficient(1.0)
+    (tmp_path / "map.yaml").write_text(MAP % (rate, rate), encoding="utf-8")
 
     def rock(*words: str) -> str:
         return run("-m", "rockcli", *words)
@@ -138,6 +180,8 @@ def test_the_recipes_work(tmp_path):
 
     assert "1 of 1 met" in rock("run", "trial.yaml", "--no-plots")
     run("-c", CHECKED)
+    rock("run", "map.yaml", "--no-plots")
+    run("-c", CHECKED_MAP)
     for topic, name in (
         ("variables", "t_first_impact"),
         ("pulses", "haversine"),

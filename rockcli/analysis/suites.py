@@ -7,8 +7,8 @@ without an answer are left out and counted, with the statistics if all of them o
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -24,7 +24,7 @@ from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
 from rockcli.scene.units import SI
-from rockcli.scene.variables import PEAK, VARIABLES
+from rockcli.scene.variables import PEAK, SCALARS, VARIABLES
 from rockcli.storage.contents import Contents, Field, variable_field
 from rockcli.study.study import Over, Study
 
@@ -35,7 +35,7 @@ ATTRIBUTE = "ensemble"
 """Root attribute, JSON: axis, along, limits, the fields that belong to it, its sentences (`says` in SI units, `shown`
 with accelerations in g) and its warnings."""
 
-SCALARS: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak")
+RANKED: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak")
 """Scalars whose fractiles are taken."""
 
 _FRACTILES: dict[str, float] = {"p16": 0.16, "p50": 0.5, "p84": 0.84}
@@ -49,9 +49,11 @@ class Members:
 
     Attributes:
         share: of its runs that overturn, 0 or 1 where that is certain, NaN without an answer.
+        scalars: what else is saved of the cases, by name.
     """
 
     share: Array
+    scalars: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def answered(self) -> Mask:
@@ -76,15 +78,26 @@ def _answered(became: Members, at: int) -> Array:
     return np.asarray(became.answered.sum(axis=at))
 
 
-STATISTICS: dict[str, Callable[[Members, int], Array]] = {
-    "n_answered": _answered,
-    "p_overturned": lambda became, at: _fell(became, at) / _answered(became, at),
-    "p_overturned_low": lambda became, at: _fell(became, at) / became.share.shape[at],
-    "p_overturned_high": lambda became, at: (
-        (_fell(became, at) + became.share.shape[at] - _answered(became, at)) / became.share.shape[at]
+@dataclass(frozen=True)
+class Statistic:
+    """A row: `of(members, axis of the members)` at every point of the other axes.
+
+    `needs`: scalars that it reads in `members.scalars`; a study that does not save them has no such statistic.
+    """
+
+    of: Callable[[Members, int], Array]
+    needs: tuple[str, ...] = ()
+
+
+STATISTICS: dict[str, Statistic] = {
+    "n_answered": Statistic(_answered),
+    "p_overturned": Statistic(lambda became, at: _fell(became, at) / _answered(became, at)),
+    "p_overturned_low": Statistic(lambda became, at: _fell(became, at) / became.share.shape[at]),
+    "p_overturned_high": Statistic(
+        lambda became, at: (_fell(became, at) + became.share.shape[at] - _answered(became, at)) / became.share.shape[at]
     ),
 }
-"""What is told of what became of the members, at every point of the other axes: `of(members, axis of the members)`."""
+"""What is told of the members of a suite, by the name of the variable."""
 
 
 def with_ensembles(contents: Contents, study: Study) -> Contents:
@@ -125,7 +138,8 @@ def variables(study: Study) -> set[str]:
     found = {"n_answered"}
     if study.search is not None:
         return found | set(study.search.results(over))
-    found |= {*STATISTICS, *(f"{name}_{end}" for name in SCALARS if name in study.scalars for end in over.ends)}
+    found |= {name for name, row in STATISTICS.items() if {*row.needs} <= {*study.scalars}}
+    found |= {*(f"{name}_{end}" for name in RANKED if name in study.scalars for end in over.ends)}
     if PEAK in study.scalars:
         found |= {"demand_spearman", "demand_pearson", "n_moving"}
     if over.along is not None:
@@ -148,15 +162,16 @@ def members(contents: Contents) -> Members:
     if "overturn_share" in contents.fields:
         known = contents.values("overturn_share")
         share = np.where(np.isnan(known), share, known)
-    return Members(share)
+    return Members(share, {name: contents.values(name) for name in SCALARS if name in contents.fields})
 
 
 def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
     axes, at = contents.axes, contents.axes.index(over.axis)
     rest = tuple(axis for axis in axes if axis != over.axis)
     became = members(contents)
-    added = {name: variable_field(name, rest, of(became, at)) for name, of in STATISTICS.items()}
-    for name in SCALARS:
+    rows = {name: row for name, row in STATISTICS.items() if became.scalars.keys() >= {*row.needs}}
+    added = {name: variable_field(name, rest, row.of(became, at)) for name, row in rows.items()}
+    for name in RANKED:
         if name in contents.fields:
             values = became.values(contents.values(name))
             for end, reduce in _reductions(at, over).items():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,12 @@ class Damping:
     coefficient: Array | None = None
     fema356: Fema356 | None = None
     alpha_d: Array | None = None
+
+    @property
+    def only_eta(self) -> bool:
+        """Whether nothing is lost but at impacts, by `eta`: all that the lanes and the contact kernel know."""
+        others = (field.name for field in fields(self) if field.name not in ("scheme", "eta"))
+        return all(getattr(self, name) is None for name in others)
 
 
 def dashpot_rate(coefficient: Array, alpha: Array, R: Array, inertia: Array, g: Array) -> Array:

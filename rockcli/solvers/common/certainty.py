@@ -17,6 +17,7 @@ from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Excitation, scaled
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED, overturned
+from rockcli.scene.variables import SCALARS_AUTO, SCALARS_FEMA, SCALARS_FLEXIBLE, SCALARS_SLIDING
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -28,6 +29,15 @@ CERTAINTY = frozenset({"error_estimate", "overturn_share"})
 
 NO_ANSWER = -1
 """In place of the verdict of a run that has none."""
+
+KEPT = frozenset(
+    {
+        "outcome", "t_uplift", "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual",
+        "error_estimate", "overturn_share", "wall_time", "n_steps", "n_rhs", "reason",
+        *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_AUTO,
+    }
+)  # fmt: skip
+"""Scalars that tell of the run, not of what became of the body: they stay where its outcome is not known."""
 
 HORIZON = 1e-2
 """Two runs have parted where their peaks theta/alpha, or what their impacts carry, are this far apart: a motion that
@@ -250,9 +260,7 @@ def _between(share: Array) -> Mask:
 
 
 def withdraw(scalars: Scalars, which: Mask) -> None:
-    """Make cases `unresolved`: what they came to is not known."""
+    """Make cases `unresolved`: what they came to is not known, and no scalar that is not in `KEPT`."""
     scalars["outcome"][which] = UNRESOLVED
-    peaks = ("theta_peak", "theta_peak_left", "theta_peak_right", "theta_peak_over_alpha", "theta_dot_peak")
-    for name in (*peaks, "u_top_peak", "t_peak", "t_overturn"):
-        if name in scalars:
-            scalars[name][which] = np.nan
+    for name in scalars.keys() - KEPT:
+        scalars[name] = np.where(which, np.nan, scalars[name])

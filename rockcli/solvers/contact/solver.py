@@ -67,9 +67,8 @@ def has_contact_forces(batch: Batch) -> Mask:
     The linearized block and the spring models have no consistent forces at the edge; a base damper acts on no modelled
     surface; and a body whose mass is at one point has none left to turn.
     """
-    exact = batch.model == "rigid"
-    losses = batch.damping.scheme in ("none", "restitution")
-    return np.asarray((batch.block.inertia > 1.0).all(axis=1) & exact & losses)
+    exact = batch.model == "rigid" and batch.damping.only_eta
+    return np.asarray((batch.block.inertia > 1.0).all(axis=1) & exact)
 
 
 def _leaves_rocking(batch: Batch, scalars: dict[str, Any]) -> Mask:
@@ -91,9 +90,8 @@ def _solved(batch: Batch, response: Response, rows: Index, level: Accuracy) -> R
     if judgement is not None:
         judgement.enter(found, said)
     scalars, reasons = dict(response.scalars), list(response.reasons)
-    for name, values in found.items():
-        if name in scalars:
-            scalars[name] = _with_rows(scalars[name], rows, values)
+    for name in scalars.keys() - {"wall_time"}:  # of what is not answered here nothing is known
+        scalars[name] = _with_rows(scalars[name], rows, found.get(name, np.nan))
     for row, reason in zip(rows, said, strict=True):
         reasons[row] = reason
     histories, impacts, time = dict(response.histories), response.impacts, response.time

@@ -41,7 +41,7 @@ def asked(batch: Batch) -> bool:
     return (
         isinstance(motion.horizontal, Pulses)
         and motion.vertical is None
-        and batch.damping.coefficient is None
+        and batch.damping.only_eta
         and not batch.save.histories
         and batch.save.scalars <= WITHIN
         and batch.numerics.tolerances.rtol >= FINEST

@@ -44,7 +44,7 @@ def asked(batch: Batch) -> bool:
     return (
         isinstance(motion.horizontal, Samples)
         and motion.vertical is None
-        and batch.damping.coefficient is None
+        and batch.damping.only_eta
         and not batch.save.histories
         and batch.save.scalars <= WITHIN
         and batch.numerics.tolerances.rtol >= FINEST
