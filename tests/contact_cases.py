@@ -30,8 +30,8 @@ def array(values):
     return np.array(values, dtype=float) if kernels.compiled else list(values)
 
 
-def table(n, m):
-    nothing = np.full((n, m), np.nan)
+def table(*shape):
+    nothing = np.full(shape, np.nan)
     return nothing if kernels.compiled else nothing.tolist()
 
 
@@ -93,14 +93,27 @@ class Run:
 
 def run(par, horizontal=NOTHING, vertical=NOTHING, *, tol=1e-16, order=24, rest_speed=1e-9, dt=1.0, n=0) -> Run:
     march = kernel("march")
-    out, events = array([0.0] * to.N_OUT), table(2, 4000)
+    out, events = array([[0.0] * to.N_OUT]), table(1, 2, 4000)
     names = ("theta", "theta_dot", "slide", "slide_dot", "contact_mode", "lift")
-    histories, impacts = table(6, n), table(3, 1000)
+    histories, impacts = table(1, 6, n), table(1, 3, 1000)
     channels = []
     for kind, spacing, pieces, data in (horizontal, vertical):
-        channels += [march.Channel(kind, spacing, pieces), array(data)]
-    march.march(array(par), tol, rest_speed, 1_000_000, order, *channels, dt, histories, impacts, events, out)
-    t, modes = events
+        channels += [march.Channel(kind, spacing, pieces), array([data])]
+    march.march_all(
+        array([par]),
+        tol,
+        rest_speed,
+        1_000_000,
+        order,
+        *channels,
+        dt,
+        histories,
+        impacts,
+        events,
+        march.work_space(),
+        out,
+    )
+    (out,), (histories,), (impacts,), ((t, modes),) = out, histories, impacts, events
     n_events = int(out[to.N_EVENTS])
     found = [MODES[int(m)] for m in modes[:n_events]]
     count = int(out[to.IMPACTS_STORED])

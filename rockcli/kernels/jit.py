@@ -88,23 +88,13 @@ def _forgive(cache: Any) -> None:
     cache.save_overload = save_if_possible
 
 
-def zeros(n: int) -> Any:
+def room(n: int) -> Any:
     """Work space of n numbers: an array for compiled code, a list (three times faster) for plain Python."""
-    return [0.0] * n
-
-
-def zeros_maker() -> Any:
-    """`zeros` for the kernels: what a kernel module calls to get its work space."""
     if not _compiled:
-        return zeros
+        return [0.0] * n
     import numpy as np
-    from numba import njit
 
-    @njit(inline="always")
-    def zeros_compiled(n: int) -> Any:
-        return np.zeros(n)
-
-    return zeros_compiled
+    return np.zeros(n)
 
 
 def _cache_dir() -> Path:

@@ -37,13 +37,11 @@ from rockcli.kernels.contact.readings import (
 from rockcli.kernels.contact.rest import frequency, settles
 from rockcli.kernels.contact.results import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.contact.selection import JAM, NEITHER, on_base, on_edge, stiffness
-from rockcli.kernels.jit import jit, jit_lean, zeros_maker
+from rockcli.kernels.jit import jit_lean, room
 from rockcli.kernels.rigid.ground import PULSES, expand, piece_at, piece_end
 from rockcli.kernels.rigid.roots import first_root, last_passage, uplift
 from rockcli.kernels.rigid.series import slope, value
 from rockcli.kernels.rigid.settings import Channel  # noqa: F401 - callers read it here
-
-zeros = zeros_maker()
 
 EXACT = 1e-17
 """Truncation of the series of the motion, over the weight, where its integrals are all there is to the flow."""
@@ -133,10 +131,15 @@ def note_flight(t, turns, out):
         out[to.T_UPLIFT] = t
 
 
-@jit
+def work_space():
+    """Work space of `march_all`: series and guards; the flow that is taken in steps of its own."""
+    return (*(room(MAX_ORDER + 2) for _ in range(15)), room(4))
+
+
+@jit_lean
 def march(
     par, tol, rest_speed, max_steps, order, horizontal, h_data, vertical, v_data, dt_out,
-    histories, impacts_out, events, out,
+    histories, impacts_out, events, spaces, out,
 ):  # fmt: skip
     """Solve one case.
 
@@ -165,10 +168,10 @@ def march(
     out[to.N_MIN] = out[to.NEARLY_FLAT] = math.inf
     out[to.VERDICT] = UNDECIDED
 
-    size = MAX_ORDER + 2
-    a, W, c, sin_b, cos_b, rate2 = zeros(size), zeros(size), zeros(size), zeros(size), zeros(size), zeros(size)
-    N, T, A, numerator, tilt, slip = zeros(size), zeros(size), zeros(size), zeros(size), zeros(size), zeros(size)
-    guard, path, height, found = zeros(size), zeros(size), zeros(size), zeros(4)
+    a, W, c, sin_b, cos_b, rate2, N, T, A, numerator, tilt, slip, guard, path, height, found = spaces
+    for space in spaces:  # nothing of the case before
+        for i in range(len(space)):
+            space[i] = 0.0
 
     t = 0.0
     ih = iv = i_hist = 0
@@ -684,15 +687,18 @@ def march(
         i_hist += 1
 
 
-@jit
+@jit_lean
 def march_all(
     pars, tol, rest_speed, max_steps, order, horizontal, h_data, vertical, v_data, dt_out,
-    histories, impacts_out, events, out,
+    histories, impacts_out, events, spaces, out,
 ):  # fmt: skip
-    """`march` for every row of `pars`; histories, impacts, events, results and tables of pulses row by row too."""
+    """`march` for every row of `pars`; histories, impacts, events, results and tables of pulses row by row too.
+
+    spaces: `work_space()`.
+    """
     for i in range(len(pars)):
         ih, iv = (i if horizontal.kind == PULSES else 0), (i if vertical.kind == PULSES else 0)
         march(
             pars[i], tol, rest_speed, max_steps, order, horizontal, h_data[ih], vertical, v_data[iv],
-            dt_out, histories[i], impacts_out[i], events[i], out[i],
+            dt_out, histories[i], impacts_out[i], events[i], spaces, out[i],
         )  # fmt: skip

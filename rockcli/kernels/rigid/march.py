@@ -23,7 +23,7 @@ from rockcli.kernels.constants import (
     RETURNS,
     UNDECIDED,
 )
-from rockcli.kernels.jit import jit, zeros_maker
+from rockcli.kernels.jit import jit_lean, room
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
@@ -38,16 +38,19 @@ from rockcli.kernels.rigid.settings import Channel as Channel
 from rockcli.kernels.rigid.settings import Degrees
 from rockcli.kernels.rigid.settings import Settings as Settings
 
-zeros = zeros_maker()
-
 REST, ROCK = 0, 1
 
 OUTCOME, PEAKS, ALL = 0, 1, 2
 """How much is wanted: the outcome; peaks and times too; forces, rates and the energy balance too."""
 
 
-@jit
-def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impacts, out):
+def work_space():
+    """Work space of `march_all`: series of q, its sine and cosine, of the ground, a guard; forces."""
+    return (*(room(MAX_ORDER + 1) for _ in range(6)), room(6))
+
+
+@jit_lean
+def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impacts, spaces, out):
     """Solve one case.
 
     Histories at i dt_out go to history (2, k), theta and its rate, as far as they are long; impacts to impacts (3, j),
@@ -69,8 +72,10 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
     out[to.N_MIN] = out[to.N_STANDING] = math.inf
     out[to.PEAK_ALPHA] = 1.0
 
-    c, sin_q, cos_q = zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1)
-    a, a_v, guard, force = zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(MAX_ORDER + 1), zeros(6)
+    c, sin_q, cos_q, a, a_v, guard, force = spaces
+    for space in spaces:  # nothing of the case before
+        for i in range(len(space)):
+            space[i] = 0.0
 
     t = 0.0
     ih = iv = i_hist = 0
@@ -308,7 +313,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
 
 
-@jit
+@jit_lean
 def afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out):
     """Beyond the report: the swing under way still has its peak, or its last passage of the equilibrium."""
     a[0] = a_v[0] = 0.0
@@ -326,11 +331,14 @@ def afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out):
         t, q, v = t + h, q_new, v_new
 
 
-@jit
-def march_all(pars, how, horizontal, h_data, vertical, v_data, dt_out, histories, impacts, out):
-    """`march` for every row of `pars`; histories, impacts, results and tables of pulses row by row too."""
+@jit_lean
+def march_all(pars, how, horizontal, h_data, vertical, v_data, dt_out, histories, impacts, spaces, out):
+    """`march` for every row of `pars`; histories, impacts, results and tables of pulses row by row too.
+
+    spaces: `work_space()`.
+    """
     for i in range(len(pars)):
         ih, iv = (i if horizontal.kind == PULSES else 0), (i if vertical.kind == PULSES else 0)
         march(
-            pars[i], how, horizontal, h_data[ih], vertical, v_data[iv], dt_out, histories[i], impacts[i], out[i]
+            pars[i], how, horizontal, h_data[ih], vertical, v_data[iv], dt_out, histories[i], impacts[i], spaces, out[i]
         )  # fmt: skip

@@ -73,9 +73,11 @@ def _march(batch: Batch, pars: Array, level: Accuracy, raw: Raw) -> None:
         inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
     rows, h_data, v_data = inputs
     steps, dt_out = MAX_STEPS[bool(kernels.compiled)], batch.save.dt_out
+    *written, out = outputs
     kernel.march_all(
-        rows, level.rtol, level.rest_speed, steps, ORDER, horizontal, h_data, vertical, v_data, dt_out, *outputs
-    )
+        rows, level.rtol, level.rest_speed, steps, ORDER, horizontal, h_data, vertical, v_data, dt_out,
+        *written, kernel.work_space(), out,
+    )  # fmt: skip
     if not kernels.compiled:
         for array, output in zip(arrays, outputs, strict=True):
             array[...] = output

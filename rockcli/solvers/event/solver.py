@@ -209,7 +209,10 @@ def _march_rows(
         inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
     rows, h_data, v_data = inputs
     how = _settings(march, batch, level, detail)
-    march.march_all(rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, *outputs)
+    histories, impacts, out = outputs
+    march.march_all(
+        rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, histories, impacts, march.work_space(), out
+    )
     if not kernels.compiled:
         for array, output in zip(arrays, outputs, strict=True):
             array[...] = output
