@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,6 @@ from rockcli.errors import RecordError
 
 Array = NDArray[np.float64]
 
-NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_NUMBER = re.compile(NUMBER)
 _PLAIN = re.compile(r"[0-9.eE+\-\s]*")
 _LETTER_D = re.compile(r"(?<=[\d.])[dD](?=[+-]?\d)")
 _NO_LETTER = re.compile(r"(?<=[\d.])([+-]\d{3})(?![\d.])")
@@ -56,6 +55,7 @@ def read_numbers(lines: list[str], first: int, file: str, expected: int | None =
     Raises:
         RecordError: a word among numbers, numbers behind text, or a number that is not finite.
     """
+    values: list[float] = []
     rows: list[list[str]] = []
     numbers_of_lines: list[int] = []
     text: list[tuple[int, str]] = []
@@ -64,8 +64,10 @@ def read_numbers(lines: list[str], first: int, file: str, expected: int | None =
         words = line.split()
         if not words:
             continue
-        tokens = words if _plain(words) else _mended(words)
-        if tokens is None:
+        tokens, found = words, _floats(line, words)
+        if found is None:
+            tokens, found = _mended(words)
+        if found is None:
             if count != expected and _has_number(words):
                 _refuse_word(words, file, number)
             text.append((number, line.strip()))
@@ -78,40 +80,51 @@ def read_numbers(lines: list[str], first: int, file: str, expected: int | None =
                 where,
             )
         rows.append(tokens)
+        values += found
         numbers_of_lines.append(number)
         count += len(tokens)
-    values = np.array([float(token) for row in rows for token in row])
-    _refuse_infinite(values, rows, numbers_of_lines, file)
-    flat = [token.lstrip("+-") for row in rows for token in row]
+    numbers = np.array(values)
+    _refuse_infinite(numbers, rows, numbers_of_lines, file)
+    *others, last = chain.from_iterable(rows) if rows else ("",)
     return Numbers(
-        values=values,
+        values=numbers,
         per_line=np.array([len(row) for row in rows], dtype=np.int64),
-        last=flat[-1] if flat else "",
-        shortest=min((len(token) for token in flat[:-1]), default=0),
+        last=last.lstrip("+-"),
+        shortest=min((len(token) - (token[0] in "+-") for token in others), default=0),
         text_after=tuple(what for _, what in text),
     )
 
 
-def _plain(words: list[str]) -> bool:
-    return all(_NUMBER.fullmatch(word) for word in words)
+def _floats(line: str, words: list[str]) -> list[float] | None:
+    """The words of a line as numbers, or None if one is none; of what these characters spell `float` takes no other."""
+    if not _PLAIN.fullmatch(line):
+        return None
+    try:
+        return [*map(float, words)]
+    except ValueError:
+        return None
 
 
-def _mended(words: list[str]) -> list[str] | None:
+def _mended(words: list[str]) -> tuple[list[str], list[float] | None]:
     """The numbers of a line with FORTRAN's exponents and touching columns, or None if it is no such line."""
     line = _LETTER_D.sub("E", " ".join(words))
     if not _PLAIN.fullmatch(line):
-        return None
+        return words, None
     line = _NO_LETTER.sub(r"E\1", line)
     tokens = _GLUED.sub(" ", line).split()
-    return tokens if _plain(tokens) else None
+    return tokens, _floats(line, tokens)
 
 
 def _has_number(words: list[str]) -> bool:
-    return any(_mended([word]) for word in words)
+    return any(_is_number(word) for word in words)
+
+
+def _is_number(word: str) -> bool:
+    return _mended([word])[1] is not None
 
 
 def _refuse_word(words: list[str], file: str, line: int) -> None:
-    word = next(word for word in words if not _mended([word]))
+    word = next(word for word in words if not _is_number(word))
     raise RecordError(f"{_shown(word)} is not a number; correct it or get the file anew", file, line)
 
 

@@ -229,6 +229,11 @@ class TestRecords:
         with pytest.raises(MissingRecordError, match=r"(?s)It is Loma Prieta, WAHO.*\n  How to get it: PEER"):
             batch_of({"record": "RSN811_LOMAP_WAH090.AT2"}, file=folder / "s.yaml")
 
+    def test_a_pattern_is_not_taken_for_one_record_of_the_catalogue(self, folder):
+        with pytest.raises(MissingRecordError) as caught:
+            batch_of({"record": "none/*.AT2"}, file=folder / "s.yaml")
+        assert "It is" not in str(caught.value)
+
     @pytest.mark.parametrize(
         ("record", "words"),
         [
