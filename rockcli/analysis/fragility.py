@@ -53,12 +53,14 @@ class Seen:
         x: (n, k) intensity; what is not positive, or NaN, is left out.
         low, high: (n, k) lowest and highest category a member may be in: the number of limit states it exceeds.
         weight: (n, k) 0 left out, 1 whole.
+        rows: (n,) which members belong together and are not independent; None = each is independent.
     """
 
     x: Array
     low: Index
     high: Index
     weight: Array
+    rows: Index | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +123,8 @@ def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.
     early = use & (seen.x <= begins_at * (1.0 + 1e-9))
     beneath = np.array([bool((early & (seen.low > j)).any()) for j in range(states)])
     use &= ~early
-    who = np.broadcast_to(np.arange(seen.x.shape[0])[:, None], seen.x.shape)
+    rows_of = np.arange(seen.x.shape[0]) if seen.rows is None else seen.rows
+    who = np.broadcast_to(rows_of[:, None], seen.x.shape)
     rows = Rows(np.log(seen.x[use] - begins_at)[:, None], seen.low[use], seen.high[use], seen.weight[use], who[use])
     status = np.array([_status(rows, j) for j in range(states)], dtype=np.int8)
     status[beneath] = BELOW

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.fragility import STATUS, Curves, Seen, curves
 from rockcli.analysis.suite_intensity import moves_at, unit_of, values_of
+from rockcli.analysis.uncertainty import independent_rows
 from rockcli.scene.variables import LIMIT, PEAK, PERCENTILE, PERCENTILES, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.cases.suite_axes import AMPLITUDES
@@ -63,6 +64,7 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
     status = np.zeros((*shape, len(labels)), dtype=np.int8)
     percentile = np.full((*shape, len(labels), len(PERCENTILES)), np.nan)
     exceeded = []
+    rows = independent_rows(study, over)
     for states, of_family in _families(limits):
         top, keep = len(of_family) + 1, len(states)
         below = np.zeros(contents.shape, dtype=np.int64)
@@ -72,14 +74,14 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
         parts |= {"low": of_bodies(sure), "high": of_bodies(np.where(became.divided, top - 1, sure))}
         for at in np.ndindex(*shape):
             one = {name: values[at] for name, values in parts.items()}
-            made = curves(_seen(one, top), top, fit=over.fit, begins_at=float(begins[at]))
+            made = curves(_seen(one, top, rows), top, fit=over.fit, begins_at=float(begins[at]))
             for name, values in _numbers(made, over.beta_added).items():
                 found[name][at][states] = values[:keep]
             status[at][states] = made.status[:keep]
             percentile[at][states] = made.percentiles(over.beta_added)[:keep]
             missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
             for end, category in (("low", top), ("high", 0)):
-                more = curves(_seen(one, top, missing, category), top, fit=over.fit, begins_at=float(begins[at]))
+                more = curves(_seen(one, top, rows, missing, category), top, fit=over.fit, begins_at=float(begins[at]))
                 median = more.median if missing.any() else made.median
                 found[f"fragility_median_{end}"][at][states] = median[:keep]
         exceeded.append((states, _shares(parts, top)[:keep]))
@@ -116,10 +118,16 @@ def _families(limits: list[Limit]) -> Iterator[tuple[Index, list[Limit]]]:
         yield np.array([*states, *last], dtype=np.int64), [limits[i] for i in states]
 
 
-def _seen(one: dict[str, Array], top: int, missing: NDArray[np.bool_] | None = None, category: int = 0) -> Seen:
+def _seen(
+    one: dict[str, Array],
+    top: int,
+    rows: Index,
+    missing: NDArray[np.bool_] | None = None,
+    category: int = 0,
+) -> Seen:
     """Rows of one body: a member whose runs part is two, the part that overturns and the part that stands.
 
-    `missing` members are put into a `category`.
+    `missing` members are put into a `category`; `rows`: which members belong together.
     """
     low, high, weight = one["low"].astype(np.int64), one["high"].astype(np.int64), one["stands"]
     if missing is not None:
@@ -132,6 +140,7 @@ def _seen(one: dict[str, Array], top: int, missing: NDArray[np.bool_] | None = N
         np.concatenate([low, over], axis=1),
         np.concatenate([high, over], axis=1),
         np.concatenate([weight, one["falls"]], axis=1),
+        rows,
     )
 
 

@@ -14,9 +14,10 @@ from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
-from rockcli.scene.variables import LIMIT, MEASURE, PEAK
+from rockcli.scene.variables import INPUT, LIMIT, MEASURE, PEAK
 from rockcli.storage.contents import Contents
-from rockcli.study.study import Over, Study
+from rockcli.study.cases.uncertain import sentence
+from rockcli.study.study import SAMPLE, Over, Study
 
 MOST_BODIES = 6
 """Bodies of which the fragility is told in sentences; tables have all."""
@@ -27,7 +28,8 @@ def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
     assert study.over is not None
     if study.search is not None:
         return list(_of_thresholds(contents, study, study.over, units))
-    return [*_of_fragility(contents, study.over, units), *_of_demand(contents, study.over)]
+    said = [*_of_fragility(contents, study.over, units), *_of_demand(contents, study.over)]
+    return [*_of_samples(contents, study, study.over, units), *said]
 
 
 def warnings(contents: Contents, study: Study) -> list[str]:
@@ -126,6 +128,50 @@ def _refused(contents: Contents, over: Over) -> Iterator[str]:
                 yield f"no fragility curve for {limit_words(label)}{at}: {why}"
 
 
+def _of_samples(contents: Contents, study: Study, over: Over, units: Units) -> Iterator[str]:
+    """The probability of overturning with its error, and what matters, at the first points of the other axes."""
+    if study.uncertain is None or "p_overturned_se" not in contents.fields:
+        return
+    dims = contents.fields["p_overturned_se"].dims
+    n = next(axis.size for axis in study.axes if axis.name == SAMPLE)
+    others = " x ".join(
+        f"{a.size} {'records' if a.name == 'record' else a.name}"
+        for a in study.axes
+        if a.name in over.axes and a.name != SAMPLE
+    )
+    yield sentence(study.uncertain, n) + (f", over {others}" if others else "")
+    shape = contents.values("p_overturned_se").shape
+    listed = list(np.ndindex(*shape))[:MOST_BODIES]
+    names = [str(path) for path in contents.values(INPUT)]
+    for at in listed:
+        where = f"{place(contents, dims, at, units)}: " if dims else ""
+        p, se, low, high = (
+            float(contents.values(f"p_overturned{end}")[at]) for end in ("", "_se", "_ci_low", "_ci_high")
+        )
+        if np.isfinite(p):
+            yield (
+                f"{where}overturned with probability {p:.4g}, standard error {se:.2g} (95 % {low:.3g} to {high:.3g})"
+            )
+        for kind, words in MATTERS.items():
+            if kind not in contents.fields or not np.isfinite(found := contents.values(kind)[at]).any():
+                continue
+            order = np.argsort(-np.abs(np.nan_to_num(found)))
+            total = contents.values(kind.replace("first", "total"))[at] if kind.startswith("sobol") else found
+            shown = (
+                f"{names[i]} {found[i]:.2f}" + (f" / {total[i]:.2f}" if kind.startswith("sobol") else "") for i in order
+            )
+            yield f"{where}{words}: {', '.join(shown)}"
+    if int(np.prod(shape, dtype=int)) > len(listed):
+        yield f"and {int(np.prod(shape)) - len(listed)} more points: rock table FILE.nc --of inputs, --of suite"
+
+
+MATTERS: dict[str, str] = {
+    "input_spearman": "which input matters, rank correlation with the peak (Spearman)",
+    "sobol_first": "which input decides whether it overturns, Sobol indices, first order / total",
+    "sobol_first_peak": "which input decides the peak, Sobol indices, first order / total",
+}
+
+
 def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]:
     if "fragility_median" not in contents.fields:
         return
@@ -198,7 +244,7 @@ def limit_words(label: Any) -> str:
 
 
 def _members(over: Over) -> str:
-    return "records" if over.axis == "record" else f"points of {over.axis}"
+    return {"record": "records", "sample": "samples"}.get(over.axis, f"points of {over.axis}")
 
 
 def _span(values: NDArray[np.float64]) -> str:

@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.intensity_correlation import correlations, with_measures
 from rockcli.analysis.places import units_of
+from rockcli.analysis.side_by_side import end_to_end, laid_out
 from rockcli.analysis.suite_fragility import FITTED, OTHERS, fragility
 from rockcli.analysis.suite_words import sentences, warnings
 from rockcli.analysis.threshold_fields import found_by, threshold_fields
+from rockcli.analysis.uncertainty import NAMES, with_samples
 from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
@@ -113,12 +115,14 @@ def with_ensembles(contents: Contents, study: Study) -> Contents:
     plain = Contents(contents.axes, fields, attrs | {"warnings": _json(said)})
     if study.over is None:
         return plain
+    row = end_to_end(plain, study.over)
     with np.errstate(all="ignore"):
-        added = _thresholds(plain, study, study.over) if study.search else _statistics(plain, study, study.over)
-    whole = replace(plain, fields=fields | added)
+        found = _thresholds(row, study, study.over) if study.search else _statistics(row, study, study.over)
+    whole = replace(row, fields=row.fields | found)
+    added = laid_out(found, plain, study.over)
     more = [s for s in warnings(whole, study) if s not in said]
     about = {
-        "axis": study.over.axis,
+        "axis": study.over.axis if len(study.over.axes) == 1 else list(study.over.axes),
         "along": study.over.along,
         "told_against": study.over.told_against,
         "limits": list(study.over.limit_states[:-1]),
@@ -127,7 +131,9 @@ def with_ensembles(contents: Contents, study: Study) -> Contents:
         "shown": sentences(whole, study, units_of(whole)),
         "warnings": more,
     }
-    return replace(whole, attrs=attrs | {"warnings": _json([*said, *more]), ATTRIBUTE: _json(about)})
+    return replace(
+        plain, fields=fields | added, attrs=attrs | {"warnings": _json([*said, *more]), ATTRIBUTE: _json(about)}
+    )
 
 
 def variables(study: Study) -> set[str]:
@@ -146,6 +152,8 @@ def variables(study: Study) -> set[str]:
         found |= {"safe_island", "n_safe_islands", "p_exceeded"}
     if over.told_against:
         found |= {*FITTED, *OTHERS}
+    if over.inputs:
+        found |= {*NAMES}
     return found | set(VARIABLES).intersection(("p_pgv_over_g_tan_alpha", "arias", "cav", "t_mean", "d5_95"))
 
 
@@ -185,7 +193,7 @@ def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field
         whole = replace(contents, fields=contents.fields | measured)
         response = became.values(contents.values(PEAK))
         measured |= correlations(response, whole, over.axis)
-    return added | measured
+    return added | measured | with_samples(contents, became, study, over)
 
 
 def _reductions(at: int, over: Over) -> dict[str, Callable[[Array], Array]]:

@@ -53,7 +53,12 @@ def _variables() -> str:
     from rockcli.scene.variables import VARIABLES
 
     beside = {"case": "axes", "time": "axes, time", "impact": "axes, impact", "rotation": "axes, rotation"}
-    beside |= {"suite": "axes left by over", "limit_state": "the same, limit_state", "measure": "the same, measure"}
+    beside |= {
+        "suite": "axes left by over",
+        "limit_state": "the same, limit_state",
+        "measure": "the same, measure",
+        "input": "the same, input",
+    }
     beside |= {"percentile": "the same, limit_state, percentile"}
     beside |= {"setting": "setting"}
     rows = [(v.name, beside[v.over], v.unit, v.sentence) for v in VARIABLES.values()]

@@ -25,7 +25,8 @@ def table(
         typer.Option("--columns", metavar="A,B", help="Only these variables beside the axes."),
     ] = None,
     of: Annotated[
-        str, typer.Option("--of", metavar="TABLE", help="cases, or of a suite: suite, fragility, stripes, demand.")
+        str,
+        typer.Option("--of", metavar="TABLE", help="cases, or of a suite: suite, fragility, stripes, demand, inputs."),
     ] = "cases",
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE.csv|.xlsx|.parquet", help="Write all of it to a file.")

@@ -12,8 +12,19 @@ import numpy as np
 
 from rockcli.plotting.common import style
 from rockcli.plotting.common.cases import axes_of, is_numeric
-from rockcli.plotting.common.suite import suite_of
-from rockcli.plotting.kinds import bending, curve, fragility, histories, ida, overlay, phase, spectrum, work_precision
+from rockcli.plotting.common.suite import end_to_end, suite_of
+from rockcli.plotting.kinds import (
+    bending,
+    curve,
+    fragility,
+    histories,
+    ida,
+    overlay,
+    phase,
+    samples,
+    spectrum,
+    work_precision,
+)
 from rockcli.plotting.kinds import map as outcomes
 from rockcli.plotting.kinds import static_curves as curves
 
@@ -66,9 +77,22 @@ _ROWS: tuple[Kind, ...] = (
     Kind("bending", "rotation and top of flexible columns and other models", bending.without_bending, bending.draw),
     Kind("phase", "angular velocity against rotation, with the separatrix", _without_histories, phase.draw),
     Kind("map", "outcomes over two numeric axes, peaks over one", _without_map, _draw_map),
-    Kind("ida", "peaks of a suite against intensity, with fractiles", ida.without_ida, ida.draw),
-    Kind("fragility", "share of a suite that exceeds limit states", fragility.without_fragility, fragility.draw),
-    Kind("spectrum", "peaks against size, 2 pi/p", spectrum.without_spectrum, spectrum.draw),
+    Kind(
+        "ida", "peaks of a suite against intensity, with fractiles", ida.without_ida, lambda d: ida.draw(end_to_end(d))
+    ),
+    Kind(
+        "fragility",
+        "share of a suite that exceeds limit states",
+        fragility.without_fragility,
+        lambda d: fragility.draw(end_to_end(d)),
+    ),
+    Kind("samples", "peaks of uncertain bodies, and which input matters", samples.without_samples, samples.draw),
+    Kind(
+        "spectrum",
+        "peaks against size, 2 pi/p",
+        lambda d: spectrum.without_spectrum(end_to_end(d)),
+        lambda d: spectrum.draw(end_to_end(d)),
+    ),
     Kind("work_precision", "error against cost (`rock trade`)", work_precision.without_trade, work_precision.draw),
     Kind("curves", "static curves of the block and its models, with their errors", curves.without_curves, curves.draw),
 )
@@ -90,8 +114,9 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
             chosen.append("phase")
     if suite_of(dataset) is not None:
         rows = {"ida": ida.without_ida, "fragility": fragility.without_fragility}
+        rows["samples"] = samples.without_samples
         chosen += [name for name, why in rows.items() if not why(dataset)]
-        if not spectrum.without_spectrum(dataset) and not {"ida", "fragility"} & set(chosen):
+        if not why_not("spectrum", dataset) and not {*rows} & set(chosen):
             chosen.append("spectrum")
     elif numeric and not _without_map(dataset):
         chosen.append("map")

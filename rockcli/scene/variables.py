@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from rockcli.scene.rules import RULES
 
 CASE, TIME, IMPACT, ROTATION = "case", "time", "impact", "rotation"
-SUITE, LIMIT, MEASURE, PERCENTILE = "suite", "limit_state", "measure", "percentile"
+SUITE, LIMIT, MEASURE, PERCENTILE, INPUT = "suite", "limit_state", "measure", "percentile", "input"
 SETTING = "setting"
 
 PEAK = "theta_peak_over_alpha"
@@ -31,7 +31,7 @@ class Variable:
     """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact),
     ROTATION (axes, rotation: static curves), SUITE (the axes but that of `over`), LIMIT (the same, limit_state),
     PERCENTILE (the same, limit_state, percentile),
-    MEASURE (the same, measure) or SETTING (setting: `rock trade`); unit "1" = dimensionless.
+    MEASURE (the same, measure), INPUT (the axes but that of `over`, input) or SETTING (setting: `rock trade`); unit "1" = dimensionless.
     """
 
     name: str
@@ -63,6 +63,34 @@ _SUITE_ROWS: tuple[Variable, ...] = (
     ),
     Variable(
         "p_overturned_high", r"$P_{\mathrm{overturned}}$", SUITE, "1", "the same if all without an answer overturn"
+    ),
+    Variable(
+        "p_overturned_se",
+        r"$s_P$",
+        SUITE,
+        "1",
+        "standard error of p_overturned over samples, at most that of as many independent ones",
+    ),
+    Variable("p_overturned_ci_low", r"$P$", SUITE, "1", "lower 95 % confidence limit of p_overturned over samples"),
+    Variable("p_overturned_ci_high", r"$P$", SUITE, "1", "upper 95 % confidence limit of p_overturned over samples"),
+    Variable("input", "input", INPUT, "1", "uncertain input"),
+    Variable(
+        "input_spearman",
+        r"$\rho_S$",
+        INPUT,
+        "1",
+        "rank correlation of theta_peak_over_alpha (overturned the largest) and the input",
+    ),
+    *(
+        Variable(
+            f"sobol_{order}{error}{of}", symbol, INPUT, "1", f"{before}{words} Sobol index of the input, {meaning}"
+        )
+        for of, meaning in (
+            ("", "for whether the body overturns"),
+            ("_peak", "for theta_peak_over_alpha; NaN where any sample overturns"),
+        )
+        for order, symbol, words in (("first", r"$S_i$", "first-order"), ("total", r"$S_{Ti}$", "total"))
+        for error, before in (("", ""), ("_se", "standard error of the "))
     ),
     *(
         Variable(f"{name}_{end}", f"{symbol}, {words}", SUITE, unit, f"{words} of {name} over the suite; {inf}")

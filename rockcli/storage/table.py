@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.scene.units import SI, Units, g_of
-from rockcli.scene.variables import LIMIT, MEASURE, PERCENTILE
+from rockcli.scene.variables import INPUT, LIMIT, MEASURE, PERCENTILE
 from rockcli.storage.checksum import note_opened
 from rockcli.storage.contents import COORDINATES
 from rockcli.storage.netcdf import open_file
@@ -35,6 +35,7 @@ TABLES: dict[str, str] = {
     "fragility": "one row per body and limit state: median, beta, their limits, percentiles",
     "stripes": "one row per intensity and limit state: the share that exceeds it",
     "demand": "one row per measure of the motion: its correlation with the peak",
+    "inputs": "one row per uncertain input: how much it matters",
 }
 """Tables by name, and what they hold."""
 
@@ -219,6 +220,7 @@ def _dims(of: str, axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) ->
         "fragility": (*bodies, LIMIT),
         "stripes": (*rest, LIMIT),
         "demand": (*rest, MEASURE),
+        "inputs": (*rest, INPUT),
     }[of]
 
 
@@ -244,6 +246,7 @@ def _belongs(
     marks = {
         "stripes": {LIMIT, str((ensemble or {}).get("along"))},
         "demand": {MEASURE},
+        "inputs": {INPUT},
     }[of]
     return derived and marks <= set(item.dims)
 

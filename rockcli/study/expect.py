@@ -10,6 +10,7 @@ from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED
 from rockcli.scene.variables import (
     CASE,
     IMPACT,
+    INPUT,
     LIMIT,
     MEASURE,
     MEASURES,
@@ -69,9 +70,9 @@ def _axes_of(quantity: str, axes: Sequence[Axis], suite: Over | None) -> Sequenc
         over = VARIABLES[quantity].over
     elif suite is not None and quantity.rsplit("_", 1)[-1] in suite.ends:
         over = SUITE
-    if suite is None or over not in (SUITE, LIMIT, MEASURE, PERCENTILE):
+    if suite is None or over not in (SUITE, LIMIT, MEASURE, PERCENTILE, INPUT):
         return axes
-    left = [axis for axis in axes if axis.name != suite.axis]
+    left = [axis for axis in axes if axis.name not in suite.axes]
     if over != CASE and quantity.startswith("fragility_"):
         left = [axis for axis in left if axis.name != suite.along]
     if over in (LIMIT, PERCENTILE):
@@ -80,6 +81,8 @@ def _axes_of(quantity: str, axes: Sequence[Axis], suite: Over | None) -> Sequenc
         left.append(Axis(PERCENTILE, PERCENTILE, PERCENTILES, True))
     if over == MEASURE:
         left.append(Axis(MEASURE, MEASURE, MEASURES, False))
+    if over == INPUT:
+        left.append(Axis(INPUT, INPUT, suite.inputs, False))
     return left
 
 

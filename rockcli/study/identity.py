@@ -78,7 +78,9 @@ def sweep_id(
     put = [value for variation in variations for point in variation.settings for _, value, _ in point]
     placed = {*_texts([base, put]), *(variation.table for variation in variations)}
     rest = sorted((name, sha256) for name, sha256 in inputs.items() if name not in placed)
-    base_hash = content([base.get("case"), base.get("let"), said, version.__version__, rest])
+    # the coordinate does not tell the samples: they are those of the same design only
+    sampled = [_axis(variation) for variation in variations if variation.sampled]
+    base_hash = content([base.get("case"), base.get("let"), said, version.__version__, rest, *sampled])
     return json.dumps({"base": base_hash, "axes": axes})
 
 

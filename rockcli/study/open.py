@@ -33,6 +33,7 @@ from rockcli.study.cases.cases import Cases
 from rockcli.study.cases.refined_axes import RECORDS, read_refine
 from rockcli.study.cases.searched_range import make_search, searched
 from rockcli.study.cases.suite_axes import read_over
+from rockcli.study.cases.uncertain import placed, read_uncertain
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_base, check_study
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
@@ -44,12 +45,15 @@ from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.features import check_curves
 from rockcli.study.identity import as_yaml, identity, lays_over, plain, sweep_id
 from rockcli.study.plausibility import surely_meant
-from rockcli.study.schema import NO_PLOTS, CasePart, StudyPart
-from rockcli.study.study import Expect, Study
+from rockcli.study.schema import NO_PLOTS, CasePart, OverPart, StudyPart
+from rockcli.study.study import SAMPLE, Expect, Study
 from rockcli.study.unused import replaced_records, unused_symbols
 
 HISTORIES_UP_TO = 100
 """Cases up to which histories are saved unless the study says otherwise."""
+
+SAMPLES_WITH_ALL = 10_000
+"""Cases of a study of uncertain inputs up to which all scalars are saved unless it says otherwise."""
 
 
 def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple[str, str]] = ()) -> Study:
@@ -77,6 +81,11 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         return Cases(where, base, known, records, provisional).evaluate
 
     variations = read_axes(where, tree, part, records, evaluator)
+    uncertain = read_uncertain(
+        where, tree, part, variations, Cases(where, base, variations, records, provisional).evaluate
+    )
+    if uncertain is not None:
+        variations = placed(variations, uncertain[0], part.over)
     sought = searched(where, tree, variations)
     if sought is not None:  # innermost, so that every other case has its points side by side
         variations = [*(v for v in variations if v is not sought), sought]
@@ -92,7 +101,10 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
     search = None if sought is None else make_search(cases, sought)
-    over = read_over(where, tree, part.over, axes, scalars, searches=search is not None)
+    wanted = part.over or (OverPart(axis=SAMPLE) if uncertain is not None else None)
+    over = read_over(where, tree, wanted, axes, scalars, searches=search is not None)
+    if over is not None and uncertain is not None and SAMPLE in over.axes:
+        over = dataclasses.replace(over, inputs=tuple(each.path for each in uncertain[1].inputs))
     refine = read_refine(where, tree, part, axes, scalars, searches=search is not None, over=over)
     expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
@@ -130,6 +142,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         rules=tuple(dict.fromkeys(part.rules)),
         search=search,
         over=over,
+        uncertain=None if uncertain is None else uncertain[1],
         refine=refine,
         audit=part.audit,
     )
@@ -188,7 +201,8 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
         histories = size <= HISTORIES_UP_TO and not curves_only and not tree.get("refine")
     wanted = save.get("scalars")
     if wanted is None:
-        wanted = () if curves_only else SCALARS if size <= LARGE and not tree.get("refine") else SCALARS_LARGE
+        most = SAMPLES_WITH_ALL if tree.get("uncertain") else LARGE
+        wanted = () if curves_only else SCALARS if size <= most and not tree.get("refine") else SCALARS_LARGE
     special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO}
     if found.friction:
         special -= set(SCALARS_SLIDING)
@@ -242,9 +256,12 @@ def _resolved(
     vary = dumped["vary"] = plain(part.vary, nothing=True)
     for variation in variations:
         path = variation.axis.path
-        if isinstance(vary[path], str) and variation.table is None:
+        if not variation.sampled and isinstance(vary[path], str) and variation.table is None:
             vary[path] = [point[0][1] for point in variation.settings]
     if part.plots == []:
         dumped["plots"] = NO_PLOTS
+    if not part.uncertain:
+        for key in ("samples", "seed", "sampling"):
+            del dumped[key]
     dumped["save"] = {key: value for key, value in saved.items() if value != []}
     return {key: value for key, value in dumped.items() if value not in ("", [], {}, None, False)}

@@ -20,6 +20,7 @@ from rockcli.study.document.values import (
     NUMBER_SCHEMA,
     PAIR_SCHEMA,
     Audit,
+    Axes,
     Edges,
     Eta,
     Files,
@@ -29,13 +30,15 @@ from rockcli.study.document.values import (
     Number,
     Outline,
     Pair,
+    Quadruple,
     Scalars,
     Series,
     Text,
+    Triple,
 )
 
 MODELS = (*MODEL_NAMES, *DEFORMABLE, AUTO)
-PLOTS = ("histories", "bending", "phase", "map", "ida", "fragility", "curves", "spectrum", "work_precision")
+PLOTS = ("histories", "bending", "phase", "map", "ida", "fragility", "samples", "curves", "spectrum", "work_precision")
 CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")
 
 
@@ -339,9 +342,9 @@ SomeLimit = Annotated[
 
 
 class OverPart(Part):
-    """Statistics over one axis: what a suite of records, or of anything else, does."""
+    """Statistics over one axis or several: what a suite of records, of samples, or of anything else, does."""
 
-    axis: Text = key("axis of the ensemble, by name or path", ...)
+    axis: Axes = key("axis of the ensemble, by name or path; or several that stand side by side", ...)
     along: Text | None = key("axis of the intensity; default: the one amplitude of the motion that is varied")
     limits: list[SomeLimit] = key(
         "limit states: theta_peak_over_alpha exceeded [1], or {slide_peak | slide_residual: m}, beside overturning",
@@ -356,7 +359,23 @@ class OverPart(Part):
     beta_added: Number = key("uncertainty beside that of the suite, in quadrature [1]", 0)
 
 
-Over = Annotated[OverPart | None, BeforeValidator(lambda v: {"axis": v} if isinstance(v, str) else v)]
+Over = Annotated[OverPart | None, BeforeValidator(lambda v: {"axis": v} if isinstance(v, str | list) else v)]
+
+
+class DistributionPart(Part):
+    """What an uncertain input may be: one distribution, and where it is cut off."""
+
+    normal: Pair | None = key("[mean, standard deviation]")
+    lognormal: Pair | None = key("[median, standard deviation of the logarithm]")
+    uniform: Pair | None = key("[lowest, highest]")
+    triangular: Triple | None = key("[lowest, most likely, highest]")
+    beta: Quadruple | None = key(
+        "[a, b, lowest, highest]: density proportional to (x - lowest)^(a-1) (highest - x)^(b-1)"
+    )
+    truncate: Pair | None = key("[from, to]: nothing outside")
+
+
+SAMPLINGS = ("latin_hypercube", "sobol", "random", "saltelli")
 
 NO_PLOTS = "none"
 
@@ -374,8 +393,18 @@ class StudyPart(Part):
     let: dict[str, Number] = key("own symbols for expressions", {})
     case: CasePart = key("the base case", ...)
     vary: dict[str, Any] = key("path inside the case -> list, range, file glob, named settings or CSV file", {})
+    uncertain: dict[str, DistributionPart] = key(
+        "path inside the case -> distribution; makes the dimension `sample`", {}
+    )
+    samples: int = key("number of samples", 200, ge=2, le=10_000_000)
+    seed: int = key("of the samples: the same seed gives the same samples", 0, ge=0)
+    sampling: Literal[SAMPLINGS] = key(  # type: ignore[valid-type]
+        "how samples are drawn; saltelli: blocks of Sobol points, for Sobol indices", SAMPLINGS[0]
+    )
     compare_to: dict[str, Any] | None = key("{axis: value} of the reference")
-    over: Over = key("axis of the ensemble statistics, or {axis, along, limits, intensity, fit, ...}")
+    over: Over = key(
+        "axis of the ensemble statistics, several, or {axis, along, limits, intensity, fit, ...}; default: `sample`"
+    )
     refine: bool = key("trace the outcome boundary of a two-axis map instead of solving every pixel", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
     plots: Plots = key("kinds of plot; none or []: draw none")
@@ -398,7 +427,7 @@ _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
     ("RecordPart", "highpass"): NUMBER_SCHEMA,
     ("RecordPart", "lowpass"): NUMBER_SCHEMA,
     ("RecordPart", "bandpass"): PAIR_SCHEMA,
-    ("StudyPart", "over"): {"type": "string"},
+    ("StudyPart", "over"): {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]},
     ("StudyPart", "plots"): {"const": NO_PLOTS},
 }
 """Short forms that `shorthands.expanded` writes out before the schema sees them."""

@@ -47,6 +47,38 @@ class Axis:
         return len(self.values)
 
 
+SAMPLE = "sample"
+"""The axis of the samples of uncertain inputs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Input:
+    """An uncertain input.
+
+    Attributes:
+        name: of its samples in the dataset.
+        path: inside the case, or `let....`.
+        unit: "1" if dimensionless or unknown.
+        words: its distribution.
+        values: of every sample, (n,).
+    """
+
+    name: str
+    path: str
+    unit: str
+    words: str
+    values: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertain:
+    """Uncertain inputs in the order of their paths, as the design has them, and how it is made (`scene/samples.py`)."""
+
+    inputs: tuple[Input, ...]
+    sampling: str
+    seed: int
+
+
 @dataclass(frozen=True)
 class Expect:
     """One clause of `expect`.
@@ -98,7 +130,7 @@ class Over:
     """Ensemble statistics.
 
     Attributes:
-        axis: name of the axis they are taken over.
+        axes: names of the axes they are taken over, side by side.
         along: name of the axis of the intensity; None = there is none.
         limits: limit states by quantity, each ascending; overturning is one more.
         mean: whether the mean is wanted beside the fractiles.
@@ -106,9 +138,10 @@ class Over:
         fit: `ordinal` one beta for all limit states, `lognormal` each alone, `none`.
         begins_at: `uplift` where curves begin where the body can first move, else `0`.
         beta_added: uncertainty beside that of the suite, in quadrature, in percentiles and curves.
+        inputs: paths of the uncertain inputs whose samples are among the members.
     """
 
-    axis: str
+    axes: tuple[str, ...]
     along: str | None
     limits: tuple[Limit, ...]
     mean: bool
@@ -116,6 +149,12 @@ class Over:
     fit: str = "ordinal"
     begins_at: str = "uplift"
     beta_added: float = 0.0
+    inputs: tuple[str, ...] = ()
+
+    @property
+    def axis(self) -> str:
+        """Name of the axis, or of the one that several make when they are laid end to end."""
+        return ", ".join(self.axes)
 
     @property
     def told_against(self) -> str:
@@ -191,6 +230,7 @@ class Study:
         rules: rules of thumb and code checks asked for.
         search: the range searched for overturning (`find`), which makes no dimension; None = none.
         over: ensemble statistics asked for; None = none.
+        uncertain: inputs of which the axis `sample` has samples; None = none.
         refine: the two axes of which the outcome boundary is traced, as in `axes`; () = every case is solved.
         audit: share of the cases that are solved again more accurately; True = all up to a limit, False = none.
         resolved: the resolved study as a plain mapping (re-runnable when dumped as YAML).
@@ -226,6 +266,7 @@ class Study:
     search: Searched | None = None
     sweep_id: str = ""
     over: Over | None = None
+    uncertain: Uncertain | None = None
     refine: tuple[str, ...] = ()
     audit: float | bool = False
 

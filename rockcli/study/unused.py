@@ -37,7 +37,7 @@ def unused_symbols(study: Map, variations: Iterable[Variation]) -> list[str]:
     for variation in variations:
         if variation.path[0] == "let":
             varied.setdefault(variation.path[1], [])
-        for point in variation.settings:
+        for point in variation.settings or variation.points():
             for path, value, _ in point:
                 if path[0] == "let":
                     varied.setdefault(path[1], []).append(value)

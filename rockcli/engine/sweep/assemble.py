@@ -25,7 +25,7 @@ from rockcli.storage.contents import (
     time_field,
     variable_field,
 )
-from rockcli.study.study import Study
+from rockcli.study.study import SAMPLE, Study
 
 
 def assemble(study: Study, results: Results, thresholds: Thresholds | None = None) -> Contents:
@@ -35,7 +35,7 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
         axis.name: axis_field(axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit)
         for axis in study.axes
     }
-    fields |= _symbols(results, axes) | _edges(results, axes)
+    fields |= _symbols(results, axes) | _edges(results, axes) | _samples(study)
     if results.histories:
         fields["time"] = time_field(results.time)
         fields |= _motions(results, axes)
@@ -61,6 +61,15 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
         fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
     contents = Contents(axes, fields, attributes(study, results))
     return contents
+
+
+def _samples(study: Study) -> dict[str, Field]:
+    """The samples of the uncertain inputs, over their axis."""
+    found = {}
+    for each in study.uncertain.inputs if study.uncertain is not None else ():
+        attrs = {"long_name": each.path, "units": each.unit, "comment": each.words}
+        found[each.name] = Field((SAMPLE,), each.values, attrs, coordinate=True)
+    return found
 
 
 def _ground(study: Study, results: Results) -> dict[str, NDArray[np.float64]]:

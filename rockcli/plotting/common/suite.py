@@ -27,7 +27,27 @@ def suite_of(dataset: xarray.Dataset) -> Suite | None:
     about = json.loads(dataset.attrs.get("ensemble", "null"))
     if about is None:
         return None
-    return Suite(about["axis"], about["along"], about.get("told_against") or about["along"] or "")
+    axis = about["axis"] if isinstance(about["axis"], str) else _BETWEEN.join(about["axis"])
+    return Suite(axis, about["along"], about.get("told_against") or about["along"] or "")
+
+
+_BETWEEN = "-"
+"""Between the names of axes that are laid end to end: no name of an axis has it."""
+
+
+def end_to_end(dataset: xarray.Dataset) -> xarray.Dataset:
+    """The dataset with the axes of its ensemble as one, where there are several."""
+    about = json.loads(dataset.attrs.get("ensemble", "null"))
+    if about is None or isinstance(about["axis"], str):
+        return dataset
+    name = _BETWEEN.join(about["axis"])
+    size = {axis: int(dataset.sizes[axis]) for axis in about["axis"]}
+    axes = [axis for axis in axes_of(dataset) if axis not in size]
+    at = axes_of(dataset).index(about["axis"][0])
+    row = dataset.drop_vars(about["axis"]).stack({name: about["axis"]}, create_index=False)
+    words = " x ".join(_members(axis, n) for axis, n in size.items())
+    attrs = {"axes": " ".join([*axes[:at], name, *axes[at:]]), "ensemble": json.dumps(about | {"axis": name})}
+    return row.assign_attrs(attrs | {"members": words})
 
 
 def without_intensity(dataset: xarray.Dataset) -> str:
@@ -40,10 +60,15 @@ def without_intensity(dataset: xarray.Dataset) -> str:
     return ""
 
 
-def panels(dataset: xarray.Dataset, suite: Suite) -> tuple[list[tuple[Shown, dict[str, int]]], int]:
-    """Points of the axes left by the ensemble and the intensity, as {axis: position}; and how many there are."""
+def panels(
+    dataset: xarray.Dataset, suite: Suite, *, along: bool = False
+) -> tuple[list[tuple[Shown, dict[str, int]]], int]:
+    """Points of the axes left by the ensemble and the intensity, as {axis: position}; and how many there are.
+
+    `along`: of the intensity too.
+    """
     every = axes_of(dataset)
-    others = tuple(axis for axis in every if axis not in (suite.axis, suite.along))
+    others = tuple(axis for axis in every if axis != suite.axis and (along or axis != suite.along))
     shown, total = pick(dataset, MOST_PANELS, others)
     places = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
     return list(zip(shown, places, strict=True)), total
@@ -57,5 +82,8 @@ def grid_of(n: int) -> tuple[int, int]:
 
 def members_word(dataset: xarray.Dataset, suite: Suite) -> str:
     """`42 records`."""
-    n = int(dataset.sizes[suite.axis])
-    return f"{n} records" if suite.axis == "record" else f"{n} points of {suite.axis}"
+    return str(dataset.attrs.get("members") or _members(suite.axis, int(dataset.sizes[suite.axis])))
+
+
+def _members(axis: str, n: int) -> str:
+    return f"{n} {axis}s" if axis in ("record", "sample") else f"{n} points of {axis}"

@@ -34,17 +34,17 @@ def read_over(
     """
     if said is None:
         return None
-    where = ("over",) if isinstance(value_at(study, ("over",)), str) else ("over", "axis")
-    axis = _axis(source, study, where, said.axis, axes)
+    where = ("over", "axis") if isinstance(value_at(study, ("over",)), dict) else ("over",)
+    chosen = _side_by_side(source, study, where, said.axis, axes)
     if not searches and not set(NEEDED) & set(scalars):
         raise source.error(study, ("over",), f"needs {' or '.join(NEEDED)} among the saved scalars (`save`)")
     along = None
     if said.along is not None:
         along = _axis(source, study, ("over", "along"), said.along, axes)
-        if not along.numeric or along is axis:
+        if not along.numeric or along in chosen:
             raise source.error(study, ("over", "along"), "must be another axis, of numbers")
     else:
-        known = [a for a in axes if a is not axis and a.numeric and a.path.rsplit(".", 1)[-1] in AMPLITUDES]
+        known = [a for a in axes if a not in chosen and a.numeric and a.path.rsplit(".", 1)[-1] in AMPLITUDES]
         if len(known) > 1:
             names = " or ".join(a.path for a in known)
             raise source.error(study, ("over",), f": the intensity may be {names}; say {{axis: ..., along: ...}}")
@@ -55,7 +55,7 @@ def read_over(
             message = f"needs {limit.quantity} among the saved scalars (`save`)"
             raise source.error(study, ("over", "limits", i), message)
     return Over(
-        axis.name,
+        tuple(axis.name for axis in chosen),
         along.name if along else None,
         tuple(sorted(set(limits), key=lambda limit: (QUANTITIES.index(limit.quantity), limit.value))),
         said.mean,
@@ -64,6 +64,20 @@ def read_over(
         str(said.begins_at),
         _beta_added(source, study, said.beta_added),
     )
+
+
+def _side_by_side(
+    source: Source, study: Map, keys: tuple[str, ...], said: str | list[str], axes: Sequence[Axis]
+) -> list[Axis]:
+    """The axes of the ensemble, in the order of the dataset."""
+    names = [said] if isinstance(said, str) else said
+    found = [_axis(source, study, keys, name, axes) for name in names]
+    at = sorted(axes.index(axis) for axis in found)
+    if at != list(range(at[0], at[0] + len(at))):
+        listed = ", ".join(axis.path for axis in axes)
+        why = "takes axes that stand side by side, each once"
+        raise source.error(study, keys, f"{why}; the study has, outermost first, {listed}: put them so in `vary`")
+    return [axes[i] for i in at]
 
 
 def _intensity(source: Source, study: Map, name: Any, axes: Sequence[Axis]) -> str:

@@ -26,6 +26,7 @@ class Variation:
         where: place of every point in the study file.
         table: name of the file the axis was read from; None = none.
         find: `overturning` for a range that is searched and makes no dimension, else None.
+        sampled: whether its points are samples of uncertain inputs, which the coordinate does not tell.
     """
 
     axis: Axis
@@ -35,6 +36,7 @@ class Variation:
     where: Callable[[int], Where]
     table: str | None = None
     find: str | None = None
+    sampled: bool = False
 
     @property
     def size(self) -> int:

@@ -65,6 +65,21 @@ def _pair(value: Any) -> Any:
     return [number_or_expression(item) for item in value]
 
 
+def _numbers(value: Any, names: str) -> Any:
+    """As many numbers as there are names."""
+    n = len(names.split(","))
+    if not isinstance(value, list) or len(value) != n:
+        raise ValueError(f"{n} numbers, [{names}], are expected, not {describe(value)}")
+    return [number_or_expression(item) for item in value]
+
+
+def _axes(value: Any) -> Any:
+    names = value if isinstance(value, list) else [value]
+    if not names or not all(isinstance(name, str) for name in names):
+        raise ValueError(f"the name of an axis, or a list of names, is expected, not {describe(value)}")
+    return value
+
+
 def _files(value: Any) -> Any:
     names = value if isinstance(value, list) and len(value) > 1 else [value]
     for name in names:
@@ -126,6 +141,21 @@ NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
 PAIR_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
 Number = Annotated[Any, BeforeValidator(number_or_expression), WithJsonSchema(NUMBER_SCHEMA)]
 Pair = Annotated[Any, BeforeValidator(_pair), WithJsonSchema(PAIR_SCHEMA)]
+Triple = Annotated[
+    Any,
+    BeforeValidator(lambda value: _numbers(value, "lowest, most likely, highest")),
+    WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "minItems": 3, "maxItems": 3}),
+]
+Quadruple = Annotated[
+    Any,
+    BeforeValidator(lambda value: _numbers(value, "a, b, lowest, highest")),
+    WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "minItems": 4, "maxItems": 4}),
+]
+Axes = Annotated[
+    Any,
+    BeforeValidator(_axes),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]}),
+]
 Edges = Annotated[Any, BeforeValidator(_edges), WithJsonSchema({"anyOf": [NUMBER_SCHEMA, PAIR_SCHEMA]})]
 Outline = Annotated[
     Any,

@@ -1,0 +1,187 @@
+"""What samples of uncertain inputs say: the probability of overturning with its own error, and which input matters.
+
+Standard errors count independent rows.  Points of a Latin hypercube or a scrambled Sobol sequence count as random ones,
+which is conservative: n points of a Latin hypercube never vary more than n - 1 random ones (Owen 1997, SIAM J. Numer.
+Anal. 34(5)).  Points of Saltelli's design that share inputs are one row, and so are the samples of one record.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.analysis.fragility import CONFIDENCE
+from rockcli.scene.samples import SALTELLI, base_points
+from rockcli.scene.statistics import spearman
+from rockcli.scene.variables import INPUT, PEAK
+from rockcli.storage.contents import Contents, Field, text, variable_field
+from rockcli.study.study import SAMPLE, Over, Study, Uncertain
+
+if TYPE_CHECKING:
+    from rockcli.analysis.suites import Members
+
+Array = NDArray[np.float64]
+
+PROBABILITY = ("p_overturned_se", "p_overturned_ci_low", "p_overturned_ci_high")
+
+RANKS = "input_spearman"
+
+SOBOL = ("sobol_first", "sobol_first_se", "sobol_total", "sobol_total_se")
+"""Indices of overturning; those of the peak end in `_peak`."""
+
+NAMES = (*PROBABILITY, RANKS, *SOBOL, *(f"{name}_peak" for name in SOBOL), INPUT)
+
+
+@dataclass(frozen=True, eq=False)
+class Probability:
+    """A probability with its standard error and confidence limits, at every point."""
+
+    value: Array
+    se: Array
+    low: Array
+    high: Array
+
+
+def probability(share: Array, rows: NDArray[np.int64]) -> Probability:
+    """The mean of shares along the last axis, NaN left out, with the error of a mean of independent rows.
+
+    Limits by Clopper and Pearson (1934) for as many members as would have this error (Korn and Graubard 1998).
+
+    Args:
+        share: (..., n) in [0, 1], NaN without an answer.
+        rows: (n,) row of every member, from 0.
+    """
+    from scipy.special import betaincinv
+
+    known = ~np.isnan(share)
+    j = int(rows.max()) + 1
+    n = known.sum(axis=-1)
+    p = np.where(known, share, 0.0).sum(axis=-1) / n
+    away = np.where(known, share - p[..., None], 0.0)
+    of_rows, answers = (np.zeros((j, *share.shape[:-1])) for _ in range(2))
+    np.add.at(of_rows, rows, np.moveaxis(away, -1, 0))
+    np.add.at(answers, rows, np.moveaxis(known.astype(float), -1, 0))
+    se = np.sqrt(j / max(j - 1, 1) * (of_rows**2).sum(axis=0)) / n
+    many = (answers > 0.0).sum(axis=0).astype(float)
+    many = np.where(se > 0.0, p * (1.0 - p) / np.where(se > 0.0, se, 1.0) ** 2, many)
+    hits, tail = p * many, 0.5 * (1.0 - CONFIDENCE)
+    low = np.where(p > 0.0, betaincinv(np.maximum(hits, 1e-300), many - hits + 1.0, tail), 0.0)
+    high = np.where(p < 1.0, betaincinv(hits + 1.0, np.maximum(many - hits, 1e-300), 1.0 - tail), 1.0)
+    empty = n == 0
+    return Probability(*(np.where(empty, np.nan, values) for values in (p, se, low, high)))
+
+
+def sobol_indices(f: Array) -> tuple[Array, Array, Array, Array]:
+    """First-order and total indices of the inputs, each with its standard error, (..., d); NaN where nothing varies.
+
+    Args:
+        f: (..., d + 2, rows) response at the blocks A, B, AB_1 ... AB_d; rows with a NaN are left out.
+
+    First order by Saltelli et al. (2010, table 2 b), total by Jansen (1999); errors to first order in the means.
+    """
+    whole = np.asarray(~np.isnan(f).any(axis=-2))
+    n = whole.sum(axis=-1)[..., None]
+
+    def mean(values: Array) -> Array:
+        return np.asarray(np.where(whole[..., None, :], values, 0.0).sum(axis=-1) / n)
+
+    a, b, ab = f[..., :1, :], f[..., 1:2, :], f[..., 2:, :]
+    centre = mean(0.5 * (a + b))[..., None]
+    spread = 0.5 * ((a - centre) ** 2 + (b - centre) ** 2)
+    variance = mean(spread)
+    found = []
+    for product in ((b - centre) * (ab - a), 0.5 * (a - ab) ** 2):
+        index = np.where(variance > 0.0, mean(product) / variance, np.nan)
+        influence = product - index[..., None] * spread
+        se = np.sqrt(mean(influence**2) / np.maximum(n - 1, 1)) / variance
+        found += [index, np.where(variance > 0.0, se, np.nan)]
+    return found[0], found[1], found[2], found[3]
+
+
+def with_samples(contents: Contents, became: Members, study: Study, over: Over) -> dict[str, Field]:
+    """What is added to the statistics of an ensemble with samples, at every point of the other axes.
+
+    `contents` have the axes of the ensemble laid end to end.
+    """
+    uncertain = study.uncertain
+    if uncertain is None or SAMPLE not in over.axes:
+        return {}
+    place = contents.axes.index(over.axis)
+    rest = tuple(axis for axis in contents.axes if axis != over.axis)
+    sizes = tuple(next(axis.size for axis in study.axes if axis.name == name) for name in over.axes)
+    which = np.unravel_index(np.arange(int(np.prod(sizes))), sizes)[over.axes.index(SAMPLE)]
+    share = np.moveaxis(became.share, place, -1)
+    found = probability(share, independent_rows(study, over))
+    added = {
+        name: variable_field(name, rest, values)
+        for name, values in zip(PROBABILITY, (found.se, found.low, found.high), strict=True)
+    }
+    paths = [each.path for each in uncertain.inputs]
+    added[INPUT] = Field((INPUT,), text(paths), {"long_name": "uncertain input"}, coordinate=True)
+    response = share
+    if PEAK in contents.fields:
+        response = np.moveaxis(became.values(contents.values(PEAK)), place, -1)
+    by_rank = [spearman(np.broadcast_to(each.values[which], response.shape), response) for each in uncertain.inputs]
+    added[RANKS] = variable_field(RANKS, (*rest, INPUT), np.stack(by_rank, axis=-1))
+    if uncertain.sampling == SALTELLI:
+        for end, values in (("", share), ("_peak", np.where(np.isinf(response), np.nan, response))):
+            some = np.asarray(np.isinf(response).any(axis=-1) & bool(end))
+            blocks = _blocks(values, uncertain, over, sizes)
+            for name, index in zip(SOBOL, sobol_indices(blocks), strict=True):
+                kept = np.where(some[..., None], np.nan, index)
+                added[name + end] = variable_field(name + end, (*rest, INPUT), kept)
+        if PEAK not in contents.fields:
+            added = {name: item for name, item in added.items() if not name.endswith("_peak")}
+    return added
+
+
+def independent_rows(study: Study, over: Over) -> NDArray[np.int64]:
+    """Of every member of an ensemble the row that it belongs to, (n,): members of one row are not independent.
+
+    Of several axes a row is a point of the first that has several points and is not that of samples (a record); else of
+    samples each is a row, of Saltelli's design those that share inputs.
+    """
+    sizes = tuple(next(axis.size for axis in study.axes if axis.name == name) for name in over.axes)
+    places = np.unravel_index(np.arange(int(np.prod(sizes))), sizes)
+    for name, size, at in zip(over.axes, sizes, places, strict=True):
+        if name != SAMPLE and size > 1:
+            return np.asarray(at)
+    at = np.asarray(places[-1] if SAMPLE not in over.axes else places[over.axes.index(SAMPLE)])
+    if study.uncertain is None or SAMPLE not in over.axes:
+        return at
+    n = sizes[over.axes.index(SAMPLE)]
+    return at % base_points(study.uncertain.sampling, n, len(study.uncertain.inputs))
+
+
+def _blocks(values: Array, uncertain: Uncertain, over: Over, sizes: tuple[int, ...]) -> Array:
+    """Responses of Saltelli's blocks, (..., d + 2, rows): of several records their mean."""
+    at = over.axes.index(SAMPLE)
+    apart = np.moveaxis(values.reshape(*values.shape[:-1], *sizes), values.ndim - 1 + at, -1)
+    whole = apart.mean(axis=tuple(range(values.ndim - 1, apart.ndim - 1)))
+    return np.asarray(whole.reshape(*whole.shape[:-1], len(uncertain.inputs) + 2, -1))
+
+
+def sample_rows(contents: Contents) -> Iterator[dict[str, Any]]:
+    """What is known of the probability at every point, as plain values; None for what is no number."""
+    if "p_overturned_se" not in contents.fields:
+        return
+    dims = contents.fields["p_overturned_se"].dims
+    names = ("n_answered", "p_overturned", *PROBABILITY)
+    inputs = [str(path) for path in contents.values(INPUT)]
+    for at in np.ndindex(*contents.values("p_overturned_se").shape):
+        row: dict[str, Any] = {dim: _plain(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
+        row |= {name: _plain(contents.values(name)[at]) for name in names}
+        for name in (RANKS, *SOBOL, *(f"{name}_peak" for name in SOBOL)):
+            if name in contents.fields:
+                row[name] = dict(zip(inputs, map(_plain, contents.values(name)[at]), strict=True))
+        yield row
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    return float(value) if np.isfinite(value) else None
