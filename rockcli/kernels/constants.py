@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-DONE, OUT_OF_STEPS, NOT_FINITE = 0, 1, 2
-"""How a run ended."""
+DONE, OUT_OF_STEPS, NOT_FINITE, LEFT_TO_MARCH = 0, 1, 2, 3
+"""How a run ended; LEFT_TO_MARCH: lanes leave the case to the kernel of a single body."""
 
-RETURNS, FALLS, UNDECIDED, NOT_YET = 0, 1, 2, -1
-"""What becomes of a body left alone; UNDECIDED: rounding decides, NOT_YET: only going on can tell."""
+RETURNS, FALLS, UNDECIDED, NOT_YET, NO_ANSWER = 0, 1, 2, -1, -2
+"""The verdict: what becomes of a body left alone.  UNDECIDED: rounding decides; NOT_YET: only going on can tell;
+NO_ANSWER: the run broke off."""
 
 FAST = 1e-6
 """Impacts faster than this fraction of p alpha are counted."""

@@ -12,7 +12,16 @@ import xarray
 from scenes import G
 
 import rockcli
-from rockcli.engine.search.search import AT_REST, FALLS, ROCKS, UNKNOWN, thresholds_of
+from rockcli.engine.search.search import thresholds_of
+from rockcli.scene.response import (
+    FAILED,
+    NO_UPLIFT,
+    OVERTURNED_AFTER_IMPACT,
+    OVERTURNED_WITHOUT_IMPACT,
+    ROCKING,
+    SLIDING,
+    UNRESOLVED,
+)
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BELOW, BESIDE, BRACKETED, IN_RANGE, NONE, Thresholds
 
@@ -21,30 +30,31 @@ ONE_SINE = {"lower": 3.0185998608717963664, "upper": 6.3180705298274460929, "aga
 """a_p/(g alpha) of the linearized block, omega_p/p = 5, eta 0.9: the first band, and where the second begins."""
 
 
-STANDS = (AT_REST, ROCKS)
+STANDS = (NO_UPLIFT, ROCKING, SLIDING)
+FALLS = (OVERTURNED_WITHOUT_IMPACT, OVERTURNED_AFTER_IMPACT)
 
 
 def by_loop(points: list[float], verdicts: list[int]) -> tuple[int, float, float, int, float, float, int]:
     """State, low, high, islands with their ends, and whether it rocks at first, of a scan read from the lowest up."""
     low, high, state = -np.inf, np.inf, NONE
     for point, verdict in zip(points, verdicts, strict=True):
-        if verdict == FALLS:
+        if verdict in FALLS:
             high = point
             state = BRACKETED if state == BRACKETED else BELOW if low == -np.inf else IN_RANGE
             break
-        if verdict == UNKNOWN:
+        if verdict in (FAILED, UNRESOLVED):
             state = BRACKETED
         elif state != BRACKETED:
             low = point
     above = [verdict if point > high else None for point, verdict in zip(points, verdicts, strict=True)]
     stable = [point for point, verdict in zip(points, above, strict=True) if verdict in STANDS]
     islands = sum(a in STANDS and b not in STANDS for a, b in zip(above, [None, *above[:-1]], strict=True))
-    return state, low, high, islands, min(stable, default=np.nan), max(stable, default=np.nan), verdicts[0] == ROCKS
+    return state, low, high, islands, min(stable, default=np.nan), max(stable, default=np.nan), verdicts[0] == ROCKING
 
 
 def test_every_scan_of_five_points_is_read_as_a_loop_reads_it():
     points = [1.0, 1.5, 2.0, 4.0, 7.0]
-    scans = np.stack(np.meshgrid(*[[AT_REST, ROCKS, FALLS, UNKNOWN]] * 5, indexing="ij"), axis=-1).reshape(-1, 5)
+    scans = np.stack(np.meshgrid(*[range(FAILED, SLIDING + 1)] * 5, indexing="ij"), axis=-1).reshape(-1, 5)
     found = thresholds_of(np.array(points), scans.astype(np.int8))
     expected = np.array([by_loop(points, scan.tolist()) for scan in scans])
     parts = (
@@ -156,8 +166,7 @@ def test_against_a_dense_scan(name):
     values = scan["motion_pulse_a_p"].values
     order = np.argsort(values)
     flags = scan["outcome"].values[order].tolist()
-    verdicts = [{-1: UNKNOWN, -2: UNKNOWN, 1: ROCKS, 2: FALLS, 3: FALLS}.get(flag, AT_REST) for flag in flags]
-    state, low, high, *beside = by_loop(values[order].tolist(), verdicts)
+    state, low, high, *beside = by_loop(values[order].tolist(), flags)
     assert int(found[f"{A_P}_state"]) == state
     np.testing.assert_array_equal([float(found[f"{A_P}_{part}"]) for part in BESIDE], beside)
     if state != IN_RANGE:
@@ -183,14 +192,16 @@ def test_a_point_without_an_answer_in_the_bisection_ends_it(monkeypatch):
     """The scan is answered, but a value inside the last bracket is not."""
     from rockcli.engine.search import search
 
-    right, calls = search._verdict, []
+    right, calls = search.answers, []
 
-    def forgetful(outcome):
-        calls.append(len(outcome))
-        verdicts = right(outcome)
-        return verdicts if len(calls) < 4 else np.full_like(verdicts, UNKNOWN)
+    def forgetful(*given):
+        calls.append(given)
+        for rows, answer in right(*given):
+            if len(calls) >= 4:
+                answer.scalars["outcome"][...] = UNRESOLVED
+            yield rows, answer
 
-    monkeypatch.setattr(search, "_verdict", forgetful)
+    monkeypatch.setattr(search, "answers", forgetful)
     found = rockcli.run(sine({"from": in_units(1.0), "to": in_units(6.0), "n": 6}))
     assert int(found[f"{A_P}_state"]) == BRACKETED
     assert np.isnan(found[A_P])

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from scenes import SHARED, G, array, block, make_batch, pulse, record, rock, still, unit_block
 
-from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
+from rockcli.kernels.constants import FALLS, NO_ANSWER, RETURNS, UNDECIDED
 from rockcli.motion.reading import read_record
 from rockcli.scene.block import make_block
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, ROCKING, UNRESOLVED
-from rockcli.solvers.common.certainty import MEMBERS, NO_ANSWER, Judgement, Nudge, Traces, compare_steps, judge
+from rockcli.solvers.common.certainty import MEMBERS, Judgement, Nudge, Traces, compare_steps, judge
 from rockcli.solvers.event.solver import solve
 from rockcli.solvers.general.solver import solve as solve_generally
 

@@ -17,13 +17,10 @@ from rockcli.scene.thresholds import BELOW, BRACKETED, IN_RANGE, NONE, Threshold
 from rockcli.study.study import Index, Study
 
 Array = NDArray[np.float64]
-Verdicts = NDArray[np.int8]
+Outcomes = NDArray[np.int8]
 
 RESOLUTION = 1e-6
 """Width of the final bracket, relative to its upper end."""
-
-AT_REST, ROCKS, FALLS, UNKNOWN = 0, 1, 2, -1
-"""What a trial comes to; AT_REST: no uplift, or sliding."""
 
 
 def find_overturning(study: Study, sweep: Sweep) -> tuple[Thresholds, dict[str, Index]]:
@@ -51,7 +48,7 @@ def find_overturning(study: Study, sweep: Sweep) -> tuple[Thresholds, dict[str, 
     done = 0.0
     tried = Tried(n, sweep)
 
-    def verdicts_of(trials: Trials) -> Verdicts:
+    def outcomes_of(trials: Trials) -> Outcomes:
         nonlocal done
         outcomes, known = tried.before(trials)
         done += known.sum() / n
@@ -62,18 +59,18 @@ def find_overturning(study: Study, sweep: Sweep) -> tuple[Thresholds, dict[str, 
             if sweep.progress is not None:
                 sweep.progress(min(int(done), steps), steps)
         tried.close(trials)
-        return _verdict(outcomes)
+        return outcomes
 
     scan = Trials(study, np.arange(n), np.broadcast_to(points[:, None], (m, n)))
-    found = thresholds_of(points, verdicts_of(scan).reshape(m, n).T)
-    return _bisected(found, lambda cases, values: verdicts_of(Trials(study, cases, values[None]))), tried.failed
+    found = thresholds_of(points, outcomes_of(scan).reshape(m, n).T)
+    return _bisected(found, lambda cases, values: outcomes_of(Trials(study, cases, values[None]))), tried.failed
 
 
-def thresholds_of(points: Array, scanned: Verdicts) -> Thresholds:
+def thresholds_of(points: Array, scanned: Outcomes) -> Thresholds:
     """What a scan of ascending points (m,) shows of cases, (n, m)."""
     m = len(points)
     edges = np.concatenate([[-np.inf], points, [np.inf]])
-    fall, unknown = _first(scanned == FALLS), _first(scanned == UNKNOWN)
+    fall, unknown = _first(overturned(scanned)), _first(scanned < NO_UPLIFT)
     state = np.select([unknown < fall, fall == m, fall == 0], [BRACKETED, NONE, BELOW], IN_RANGE)
     above = np.arange(m) > fall[:, None]
     stable = _stands(scanned) & above
@@ -87,12 +84,12 @@ def thresholds_of(points: Array, scanned: Verdicts) -> Thresholds:
         islands=begins.sum(axis=1),
         island_low=np.where(some, points[first], np.nan),
         island_high=np.where(some, points[last], np.nan),
-        rocks_at_lowest=(scanned[:, 0] == ROCKS).astype(np.int8),
+        rocks_at_lowest=(scanned[:, 0] == ROCKING).astype(np.int8),
     )
 
 
-def _stands(verdicts: Verdicts) -> NDArray[np.bool_]:
-    return np.asarray((verdicts == AT_REST) | (verdicts == ROCKS))
+def _stands(outcomes: Outcomes) -> NDArray[np.bool_]:
+    return np.asarray((outcomes >= NO_UPLIFT) & ~overturned(outcomes))
 
 
 def _first(where: NDArray[np.bool_]) -> NDArray[np.intp]:
@@ -100,26 +97,21 @@ def _first(where: NDArray[np.bool_]) -> NDArray[np.intp]:
     return np.asarray(np.where(where.any(axis=1), np.argmax(where, axis=1), where.shape[1]))
 
 
-def _bisected(found: Thresholds, verdicts_of: Callable[[Index, Array], Verdicts]) -> Thresholds:
-    """The brackets of what lies in the range closed; `verdicts_of(cases, values)` tries a value for each case."""
+def _bisected(found: Thresholds, outcomes_of: Callable[[Index, Array], Outcomes]) -> Thresholds:
+    """The brackets of what lies in the range closed; `outcomes_of(cases, values)` tries a value for each case."""
     state, low, high = found.state.copy(), found.low.copy(), found.high.copy()
     active = np.flatnonzero(state == IN_RANGE)
     while len(active := active[high[active] - low[active] > RESOLUTION * np.abs(high[active])]):
         middle = 0.5 * (low[active] + high[active])
-        verdicts = verdicts_of(active, middle)
-        high[active[verdicts == FALLS]] = middle[verdicts == FALLS]
-        low[active[_stands(verdicts)]] = middle[_stands(verdicts)]
-        state[active[verdicts == UNKNOWN]] = BRACKETED
-        active = active[verdicts != UNKNOWN]
+        outcomes = outcomes_of(active, middle)
+        falls, unknown = overturned(outcomes), outcomes < NO_UPLIFT
+        high[active[falls]] = middle[falls]
+        low[active[_stands(outcomes)]] = middle[_stands(outcomes)]
+        state[active[unknown]] = BRACKETED
+        active = active[~unknown]
     return replace(found, state=state, low=low, high=high)
 
 
 def _scale(points: Array) -> float:
     largest = float(np.max(np.abs(points)))
     return largest if largest > 0.0 else 1.0
-
-
-def _verdict(flags: NDArray[np.int8]) -> Verdicts:
-    """What outcomes mean for the search."""
-    verdicts = np.select([flags < NO_UPLIFT, overturned(flags), flags == ROCKING], [UNKNOWN, FALLS, ROCKS], AT_REST)
-    return verdicts.astype(np.int8)

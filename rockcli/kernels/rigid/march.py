@@ -256,7 +256,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         t, q, v = t_new, q_new, v_new
 
         if event == 2:
-            out[to.FELL] = 1.0
+            out[to.VERDICT] = FALLS
             break
         if event == 1:
             # reset: the body turns over to its other edge
@@ -295,11 +295,11 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
                 mode = REST
 
     out[to.T_END] = t_stop if par[at.HAS_DURATION] == 1.0 else min(t, t_stop)
-    if out[to.FELL] == 1.0:
+    if out[to.VERDICT] == FALLS:
         verdict = FALLS
     if verdict == FALLS:
         out[to.PEAK_SIDE] = s
-    out[to.FELL] = verdict if out[to.STATUS] == DONE else UNDECIDED
+    out[to.VERDICT] = verdict if out[to.STATUS] == DONE else UNDECIDED
     if mode == ROCK and v > 0.0 and detail > OUTCOME and (par[at.HAS_DURATION] == 1.0 or verdict != RETURNS):
         set_peak(edge.alpha, s, q, t, out)  # cut off while rising
     rest_energy = energy(edge, q, v, linear) if mode == ROCK else 0.0

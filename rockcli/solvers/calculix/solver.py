@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import FALLS, UNDECIDED
+from rockcli.kernels.constants import FALLS, NO_ANSWER, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import UNRESOLVED, Response
 from rockcli.scene.variables import COUNTS
@@ -19,7 +19,6 @@ from rockcli.solvers.calculix.case import Prepared, Refused, prepare
 from rockcli.solvers.calculix.folder import solve_deck
 from rockcli.solvers.calculix.run import program
 from rockcli.solvers.calculix.verdict import fallen, judge
-from rockcli.solvers.common.certainty import NO_ANSWER
 from rockcli.solvers.common.found import Found, impacts_of, note_unstored
 from rockcli.solvers.common.ground import ground_of_case
 

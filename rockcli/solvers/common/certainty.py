@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
+from rockcli.kernels.constants import DONE, FALLS, NO_ANSWER, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.excitation import Channel, Excitation, scaled
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED, overturned
 from rockcli.scene.variables import SCALARS_AUTO, SCALARS_FEMA, SCALARS_FLEXIBLE, SCALARS_SLIDING
@@ -26,9 +28,6 @@ Scalars = dict[str, NDArray[Any]]
 
 CERTAINTY = frozenset({"error_estimate", "overturn_share"})
 """Scalars that take a second run."""
-
-NO_ANSWER = -1
-"""In place of the verdict of a run that has none."""
 
 KEPT = frozenset(
     {
@@ -95,6 +94,16 @@ class Traces:
         verdict = np.select([overturned(outcome), outcome >= NO_UPLIFT], [FALLS, RETURNS], NO_ANSWER)
         fall = scalars["t_overturn"] * batch.p.min(axis=1)
         return cls(verdict.astype(np.int8), fall, scalars["theta_peak_over_alpha"], nothing, nothing)
+
+    @classmethod
+    def of_kernel(cls, batch: Batch, out: Array, to: ModuleType) -> Traces:
+        """From the results (n, N_OUT) of a kernel whose columns are those of the module `to`."""
+        p, alpha = batch.p.min(axis=1), batch.block.alpha
+        verdict = np.where(out[:, to.STATUS] == DONE, out[:, to.VERDICT], NO_ANSWER).astype(np.int8)
+        sides = np.maximum(out[:, to.PEAK_LEFT] / alpha[:, LEFT], out[:, to.PEAK_RIGHT] / alpha[:, RIGHT])
+        swings = out[:, to.SWINGS]
+        when = np.divide(out[:, to.SWINGS_T] * p, swings, out=np.zeros_like(swings), where=swings > 0.0)
+        return cls(verdict, out[:, to.T_OVERTURN] * p, sides, swings, when)
 
     def rows(self, at: Index | Mask) -> Traces:
         """Those of some of the cases."""

@@ -12,23 +12,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import DONE, FALLS, ILL_POSED, RETURNS, UNDECIDED
+from rockcli.kernels.constants import FALLS, ILL_POSED
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.contact import slides_only
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import FAILED, NO_UPLIFT, Response
 from rockcli.scene.variables import SCALARS_SLIDING
 from rockcli.solvers.common.certainty import (
     CERTAINTY,
-    NO_ANSWER,
     Judgement,
     Traces,
     judge,
     nudged,
 )
-from rockcli.solvers.contact.answers import answer, frequency
+from rockcli.solvers.contact.answers import answer
 from rockcli.solvers.contact.histories import held_histories, histories_of
 from rockcli.solvers.contact.run import Raw, run
 from rockcli.solvers.event.nudges import finer_than, nudges
@@ -129,13 +127,13 @@ def _judged(batch: Batch, raw: Raw, level: Accuracy) -> Judgement:
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
         others = nudged(batch, rows, factors)
-        return _traces(others, run(others, finer if fine else level))
+        return Traces.of_kernel(others, run(others, finer if fine else level).out, to)
 
     def refine(rows: Index) -> Traces:
         raw.put(rows, run(batch.rows(rows), finer, histories=raw.histories.shape[2] > 0))
-        return _traces(batch, raw).rows(rows)
+        return Traces.of_kernel(batch, raw.out, to).rows(rows)
 
-    found = judge(_traces(batch, raw), again, first, refine, second, reach)
+    found = judge(Traces.of_kernel(batch, raw.out, to), again, first, refine, second, reach)
     _judge_flat_landings(batch, raw, level, found)
     return found
 
@@ -146,7 +144,8 @@ def _judge_flat_landings(batch: Batch, raw: Raw, level: Accuracy, found: Judgeme
     if not len(rows):
         return
     some = batch.rows(rows)
-    runs = [_traces(batch, raw).rows(rows), *(_traces(some, run(some, level, first=first)) for first in SHEETS[1:])]
+    outs = [raw.out[rows], *(run(some, level, first=first).out for first in SHEETS[1:])]
+    runs = [Traces.of_kernel(some, out, to) for out in outs]
     shares = np.nanmean([traces.share for traces in runs], axis=0)
     peaks = np.array([np.where(traces.verdict == FALLS, np.inf, traces.peak) for traces in runs])
     for i, row in enumerate(rows):
@@ -155,13 +154,3 @@ def _judge_flat_landings(batch: Batch, raw: Raw, level: Accuracy, found: Judgeme
             found.said[row] = "whether it overturns hangs on the edge on which it comes down first"
         elif shares[i] == 0.0:
             found.error[row] = max(float(found.error[row]), float(np.nanmax(np.abs(peaks[:, i] - peaks[0, i]))))
-
-
-def _traces(batch: Batch, raw: Raw) -> Traces:
-    out, p, alpha = raw.out, frequency(batch), batch.block.alpha
-    verdict = np.select([out[:, to.VERDICT] == FALLS, out[:, to.VERDICT] == RETURNS], [FALLS, RETURNS], UNDECIDED)
-    verdict = np.where(out[:, to.STATUS] == DONE, verdict, NO_ANSWER).astype(np.int8)
-    sides = np.maximum(out[:, to.PEAK_LEFT] / alpha[:, LEFT], out[:, to.PEAK_RIGHT] / alpha[:, RIGHT])
-    swings = out[:, to.SWINGS]
-    when = np.divide(out[:, to.SWINGS_T] * p, swings, out=np.zeros_like(swings), where=swings > 0.0)
-    return Traces(verdict, out[:, to.T_OVERTURN] * p, sides, swings, when)

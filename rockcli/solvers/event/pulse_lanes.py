@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import LEFT_TO_MARCH
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import PIECE_WIDTH, Pulses
@@ -61,7 +62,7 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any) -> A
     how = how._replace(order=_order(how.tol), max_steps=MAX_STEPS)
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
         lanes.sweep(rows, how, tables, pieces, lanes.work_space(how.order), found)
-    found[found[:, to.STATUS] == lanes.LEFT_TO_MARCH, to.STATUS] = np.nan
+    found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known
     found[:, to.N_MIN] = found[:, to.N_STANDING] = np.inf  # nobody looked
     return found

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import LEFT_TO_MARCH
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
@@ -86,7 +87,7 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any) -> Array:
     velocity = np.empty((0, 3)) if path else velocity_of(channel.values, channel.dt)
     found = np.zeros((len(rows), to.N_OUT))
     lanes.march_lanes(rows, how, values, slopes, blocks, tail, velocity, channel.dt, lanes.work_space(), found)
-    found[found[:, to.STATUS] == lanes.HANDED_OVER, to.STATUS] = np.nan
+    found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
 
 

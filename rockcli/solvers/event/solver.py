@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, RETURNS, UNDECIDED
+from rockcli.kernels.constants import OUT_OF_STEPS, RETURNS
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.contact import slides_only
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
@@ -27,7 +26,6 @@ from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import (
     CERTAINTY,
-    NO_ANSWER,
     Judgement,
     Traces,
     judge,
@@ -108,7 +106,8 @@ def _judged(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy,
         # the same bits compiled or not, so that an ensemble may be compiled where one run was not
         kernel = kernels.load(compile_them=bool(kernels.compiled) or seconds * len(rows) > COMPILE_ABOVE)
         others = nudged(peaks, rows, factors)
-        return _traces(others, _march(kernel, others, parameters_of(others), finer if fine else level, histories=False))
+        raw = _march(kernel, others, parameters_of(others), finer if fine else level, histories=False)
+        return Traces.of_kernel(others, raw.out, to)
 
     def refine(rows: Index) -> Traces:
         if finer.rtol < level.rtol:
@@ -117,21 +116,10 @@ def _judged(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy,
             detail = _detail(kernel, batch, batch.save.histories)
             _march_rows(kernel, batch, np.ascontiguousarray(parameters[rows]), finer, alone, detail, cases=rows)
             run.put(rows, alone)
-        return _traces(batch, run).rows(rows)
+        return Traces.of_kernel(batch, run.out, to).rows(rows)
 
     first, second, reach = nudges(level, finer)
-    return judge(_traces(batch, run), again, first, refine, second, reach)
-
-
-def _traces(batch: Batch, run: Raw) -> Traces:
-    out, p = run.out, batch.p.min(axis=1)
-    verdict = np.select([out[:, to.FELL] == FALLS, out[:, to.FELL] == RETURNS], [FALLS, RETURNS], UNDECIDED)
-    verdict = np.where(out[:, to.STATUS] == DONE, verdict, NO_ANSWER).astype(np.int8)
-    alpha = batch.block.alpha
-    sides = np.maximum(out[:, to.PEAK_LEFT] / alpha[:, LEFT], out[:, to.PEAK_RIGHT] / alpha[:, RIGHT])
-    swings = out[:, to.SWINGS]
-    when = np.divide(out[:, to.SWINGS_T] * p, swings, out=np.zeros_like(swings), where=swings > 0.0)
-    return Traces(verdict, out[:, to.T_OVERTURN] * p, sides, swings, when)
+    return judge(Traces.of_kernel(batch, run.out, to), again, first, refine, second, reach)
 
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:
@@ -177,7 +165,7 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     run.out[:, to.STATUS] = np.nan
     run.out[cases] = found
     if given.any():
-        held = surely_holds(batch, run.out[:, to.PEAK], run.out[:, to.FELL] == RETURNS)
+        held = surely_holds(batch, run.out[:, to.PEAK], run.out[:, to.VERDICT] == RETURNS)
         run.out[given & ~held & ~slides_only(batch), to.STATUS] = np.nan
     left = np.flatnonzero(np.isnan(run.out[:, to.STATUS]))
     if len(left):

@@ -47,7 +47,7 @@ class Raw:
 def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Scalars by name and a sentence per case from the raw output."""
     out = run.out
-    status, verdict = out[:, to.STATUS], out[:, to.FELL]
+    status, verdict = out[:, to.STATUS], out[:, to.VERDICT]
     found = Found(
         moved=np.isfinite(out[:, to.T_UPLIFT]),
         fell=verdict == FALLS,

@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels import formulas
-from rockcli.kernels.constants import FALLS, FAST, RETURNS, UNDECIDED
+from rockcli.kernels.constants import FALLS, FAST, NO_ANSWER, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.models import MODELS
 from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
-from rockcli.solvers.common.certainty import NO_ANSWER
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.found import Found, impacts_of, note_unstored, rigid_top
 from rockcli.solvers.common.ground import ground_of_case

@@ -63,6 +63,6 @@ def judge(state, o, how):
         known = still | (verdict == 1.0 * FALLS) | (known & (t >= stop) & (v <= 0.0))
     next_event = select(known, lane.DONE, lane.NONE)
     doubtful = (asked & over & near) | (load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps)
-    next_event = select(doubtful, lane.HANDED, next_event)
+    next_event = select(doubtful, lane.FOR_MARCH, next_event)
     store(state, o + lane.VERDICT * WIDTH, verdict)
     store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))

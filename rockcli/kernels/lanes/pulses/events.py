@@ -50,7 +50,7 @@ def find_impacts(state, n, poly, lanes, count):
                     poly[WIDTH + j],
                 )
             else:
-                state[i + lane.EVENT * WIDTH] = lane.NONE if root == NO_ROOT else lane.HANDED
+                state[i + lane.EVENT * WIDTH] = lane.NONE if root == NO_ROOT else lane.FOR_MARCH
 
 
 @jit_lean
@@ -84,7 +84,7 @@ def find_uplifts(state, n, poly, lanes, count):
             if root >= 0.0:
                 state[i + lane.X * WIDTH], state[i + lane.S * WIDTH] = root, poly[WIDTH + j]
             else:
-                state[i + lane.EVENT * WIDTH] = lane.NONE if root == NO_ROOT else lane.HANDED
+                state[i + lane.EVENT * WIDTH] = lane.NONE if root == NO_ROOT else lane.FOR_MARCH
 
 
 @jit_lean

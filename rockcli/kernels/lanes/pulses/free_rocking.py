@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rockcli.kernels.constants import LEFT_TO_MARCH
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
@@ -22,9 +23,6 @@ MOST = 100000
 
 BACKLOG = 9
 """Numbers of a case that waits to be counted: case, end of the report, time, rate, eta, slowest, r0, rs, rc."""
-
-LEFT_TO_MARCH = 3.0
-"""STATUS of a case that `march` has to solve."""
 
 
 @jit_lean
@@ -75,7 +73,7 @@ def impacts_until(stop, t, v, eta, slowest, r0, rs, rc, linear, going):
 
 
 @jit_lean
-def settle(backlog, count, linear, out):
+def count_impacts(backlog, count, linear, out):
     """Add to the results of the cases in the backlog the impacts they still have."""
     for j in range(count, WIDTH):
         for field in range(BACKLOG):

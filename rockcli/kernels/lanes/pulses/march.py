@@ -7,16 +7,25 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import FALLS, FAST, RETURNS
+from rockcli.kernels.constants import FALLS, FAST, LEFT_TO_MARCH, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
-from rockcli.kernels.lanes.pulses.free_rocking import BACKLOG, LEFT_TO_MARCH, LOW, settle
+from rockcli.kernels.lanes.pulses.free_rocking import BACKLOG, LOW, count_impacts
 from rockcli.kernels.lanes.pulses.ground import expand
 from rockcli.kernels.lanes.pulses.series import flow, flow_linear, look_along, reach_of
 from rockcli.kernels.lanes.pulses.state import enter, leave, next_piece, put, series_of_a, series_of_q, stride
-from rockcli.kernels.lanes.pulses.uplift_screen import BELL_E, ENERGY, KNOWN, ROOM, SIDE, WAKES, call_in, turn_away
+from rockcli.kernels.lanes.pulses.uplift_screen import (
+    BELL_E,
+    ENERGY,
+    KNOWN,
+    SCREEN_FIELDS,
+    SIDE,
+    UPLIFT_T,
+    leave_screened,
+    screen,
+)
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, note, room, select, some, store
@@ -39,14 +48,14 @@ def sweep(pars, how, tables, pieces, work, out):
     `work`: `work_space(how.order)`; `out` zeros.  What is not done here has STATUS LEFT_TO_MARCH.
     """
     linear, tol, n, detail = how.linear, how.tol, how.order, how.detail
-    state, scratch, waiting, backlog, lists = split(work, n)
+    state, scratch, screened, backlog, lists = split(work, n)
     lanes = lane.VECTORS * WIDTH
     asking, lifting, ending, moving, slowing, bouncing = (
         lists[:lanes], lists[lanes : 2 * lanes], lists[2 * lanes : 3 * lanes], lists[3 * lanes : 4 * lanes],
         lists[4 * lanes : 5 * lanes], lists[5 * lanes : 6 * lanes],
     )  # fmt: skip
     size = stride(n)
-    upcoming = busy = n_aside = n_ending = 0
+    upcoming = busy = n_postponed = n_ending = 0
     for o in range(0, lane.VECTORS * size, size):
         for i in range(o, o + WIDTH):
             put(state, i, lane.MODE, lane.IDLE)
@@ -58,15 +67,15 @@ def sweep(pars, how, tables, pieces, work, out):
         for j in range(n_ending):
             i = int(ending[j])
             if state[i + lane.CASE * WIDTH] >= 0.0:
-                let_out(state, i, out)
+                finish_case(state, i, out)
                 busy -= 1
-            upcoming, came = let_in(
-                state, i, upcoming, waiting, pars, tables, pieces, linear, 100.0 * how.margin, detail == OUTCOME, out
+            upcoming, came = next_case(
+                state, i, upcoming, screened, pars, tables, pieces, linear, 100.0 * how.margin, detail == OUTCOME, out
             )
             busy += came
         if busy == 0:
-            if n_aside > 0:
-                settle(backlog, n_aside, linear, out)
+            if n_postponed > 0:
+                count_impacts(backlog, n_postponed, linear, out)
             return
         n_asking = n_lifting = n_ending = n_moving = n_slowing = n_bouncing = 0
         for o in range(0, lane.VECTORS * size, size):
@@ -94,11 +103,11 @@ def sweep(pars, how, tables, pieces, work, out):
             next_piece(state, i, tables[int(state[i + lane.CASE * WIDTH])], pieces)
         for j in range(n_bouncing):
             i = int(bouncing[j])
-            lay_aside(state, i, backlog, n_aside)
-            n_aside += 1
-            if n_aside == WIDTH:
-                settle(backlog, n_aside, linear, out)
-                n_aside = 0
+            postpone(state, i, backlog, n_postponed)
+            n_postponed += 1
+            if n_postponed == WIDTH:
+                count_impacts(backlog, n_postponed, linear, out)
+                n_postponed = 0
         for o in range(0, lane.VECTORS * size, size):
             judge(state, o, how)
             n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
@@ -106,24 +115,24 @@ def sweep(pars, how, tables, pieces, work, out):
 
 def work_space(n):
     """Work space of `sweep` for series of order n."""
-    return room(lane.VECTORS * stride(n) + (3 * n + 6) * WIDTH + (ROOM + BACKLOG + 6 * lane.VECTORS) * WIDTH)
+    return room(lane.VECTORS * stride(n) + (3 * n + 6) * WIDTH + (SCREEN_FIELDS + BACKLOG + 6 * lane.VECTORS) * WIDTH)
 
 
 @jit_lean
 def split(work, n):
-    """Work space: the lanes; room for the series of a vector; the waiting room; cases laid aside; lists of lanes."""
+    """Work space: the lanes; room for the series of a vector; what is screened; postponed cases; lists of lanes."""
     i = lane.VECTORS * stride(n)
     j = i + (3 * n + 6) * WIDTH
-    k = j + ROOM * WIDTH
+    k = j + SCREEN_FIELDS * WIDTH
     m = k + BACKLOG * WIDTH
     return work[:i], work[i:j], work[j:k], work[k:m], work[m:]
 
 
 @jit_lean
-def let_out(state, i, out):
+def finish_case(state, i, out):
     """The case in lane i has its answer, or is left to `march`."""
     case = int(state[i + lane.CASE * WIDTH])
-    if state[i + lane.EVENT * WIDTH] == lane.HANDED:
+    if state[i + lane.EVENT * WIDTH] == lane.FOR_MARCH:
         out[case][to.STATUS] = LEFT_TO_MARCH
     leave(state, i, state[i + lane.VERDICT * WIDTH], out[case])
     put(state, i, lane.CASE, -1.0)
@@ -131,18 +140,18 @@ def let_out(state, i, out):
 
 
 @jit_lean
-def let_in(state, i, upcoming, waiting, pars, tables, pieces, linear, doubt, early, out):
+def next_case(state, i, upcoming, screened, pars, tables, pieces, linear, doubt, early, out):
     """The next case that has to be followed goes into lane i: (number of the one after it, 1 or 0 if there is none)."""
     while upcoming < len(pars):
         case, place = upcoming, upcoming % WIDTH
         if place == 0:
-            call_in(waiting, case, pars, tables, pieces, linear, doubt, early)
+            screen(screened, case, pars, tables, pieces, linear, doubt, early)
         upcoming += 1
-        if waiting[place + KNOWN * WIDTH] > 0.0:
-            turn_away(waiting, place, pars[case], out[case])
+        if screened[place + KNOWN * WIDTH] > 0.0:
+            leave_screened(screened, place, pars[case], out[case])
         elif enter(
-            state, i, case, pars[case], tables[case], pieces, linear, waiting[place + ENERGY * WIDTH],
-            waiting[place + WAKES * WIDTH], waiting[place + SIDE * WIDTH], waiting[place + BELL_E * WIDTH],
+            state, i, case, pars[case], tables[case], pieces, linear, screened[place + ENERGY * WIDTH],
+            screened[place + UPLIFT_T * WIDTH], screened[place + SIDE * WIDTH], screened[place + BELL_E * WIDTH],
         ):  # fmt: skip
             next_piece(state, i, tables[case], pieces)
             return upcoming, 1
@@ -188,8 +197,8 @@ def look(state, o, n, linear, tol, work):
             maybe = far & ~sure & ((event == lane.IMPACT) | (0.5 * math.pi <= P) | ((v > 0.0) & (dP <= 0.0)))
             verdict = load(state, o + lane.VERDICT * WIDTH)
             store(state, o + lane.VERDICT * WIDTH, select(sure, 1.0 * FALLS, verdict))
-            event = select(sure, lane.DONE, select(maybe, lane.HANDED, event))
-    event = select(going & rocks & ~(h > 0.0), lane.HANDED, event)
+            event = select(sure, lane.DONE, select(maybe, lane.FOR_MARCH, event))
+    event = select(going & rocks & ~(h > 0.0), lane.FOR_MARCH, event)
     store(state, o + lane.EVENT * WIDTH, event)
     store(state, o + lane.H * WIDTH, h)
     store(state, o + lane.X * WIDTH, h)
@@ -276,7 +285,7 @@ def only_bounces(state, o, tol, linear):
 
 
 @jit_lean
-def lay_aside(state, i, backlog, slot):
+def postpone(state, i, backlog, slot):
     """Lane i is done but for its bounces, which are counted when a vector of such cases has come together."""
     state[i + lane.VERDICT * WIDTH], state[i + lane.EVENT * WIDTH] = 1.0 * RETURNS, lane.DONE
     slowest = FAST * state[i + lane.L_P * WIDTH] * state[i + lane.L_ALPHA * WIDTH]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import FALLS, NOT_YET
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
@@ -33,8 +34,8 @@ a turning point begins, and BREADTH how long that is, as shares of X.
 SINE, COSINE of q (q, 1 if linear), BELL_E exp(-y^2/2): now.
 After the fields come the coefficients of q, orders 0 to n and four more that stay zero, then those of a_g."""
 
-NONE, IMPACT, UPLIFT, DONE, HANDED = 0.0, 1.0, 2.0, 3.0, 4.0
-"""EVENT; DONE: the case leaves with its verdict; HANDED: it is left to `march`."""
+NONE, IMPACT, UPLIFT, DONE, FOR_MARCH = 0.0, 1.0, 2.0, 3.0, 4.0
+"""EVENT; DONE: the case leaves with its verdict; FOR_MARCH: it is left to `march`."""
 
 IDLE, REST, ROCK = -1.0, 0.0, 1.0
 """MODE."""
@@ -68,11 +69,11 @@ def put(state, i, field, value):
 
 
 @jit_lean
-def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_e):
+def enter(state, i, case, par, table, pieces, linear, energy, t_uplift, side, bell_e):
     """Put a case into lane i; False if it is not for lanes.
 
-    `energy` of the equilibrium; `wakes`: when a bell first lifts the body that stands, NaN if that is to be found on
-    the way, with the side it rocks to and exp(-y^2/2) then (`lane_wakes`).
+    `energy` of the equilibrium; `t_uplift`: when a bell first lifts the body that stands, NaN if that is to be found on
+    the way, with the side it rocks to and exp(-y^2/2) then (`uplift_screen`).
     A body that cannot overturn, one that starts far out, one that moves before a bell comes (far from it the series of
     the bell knows nothing of it) and a motion that grazes the threshold are left to `march`.
     """
@@ -86,8 +87,8 @@ def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_
     q, rate = abs(par[at.THETA_0]), par[at.THETA_DOT_0]
     if not star < 1.5 or not q < 1.5 or not p2 > 0.0 or abs(bound - guard) <= 1e-9 * guard:
         return False
-    woken = wakes >= 0.0
-    if not woken and (bound >= guard or q != 0.0 or rate != 0.0):
+    lifted = t_uplift >= 0.0
+    if not lifted and (bound >= guard or q != 0.0 or rate != 0.0):
         for j in range(pieces):
             if table[j * PIECE_WIDTH + 2] == BELL:
                 return False
@@ -105,7 +106,7 @@ def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_
     put(state, i, MODE, REST)
     put(state, i, EVENT, NONE)
     put(state, i, LAUNCH, 0.0)
-    put(state, i, VERDICT, -1.0)
+    put(state, i, VERDICT, 1.0 * NOT_YET)
     put(state, i, N_STEPS, 0.0)
     put(state, i, N_IMPACTS, 0.0)
     put(state, i, TOP, 0.0)
@@ -149,12 +150,12 @@ def enter(state, i, case, par, table, pieces, linear, energy, wakes, side, bell_
             sine, cosine = q, 1.0
         put(state, i, SINE, sine)
         put(state, i, COSINE, cosine)
-    elif woken:
-        put(state, i, T, wakes)
+    elif lifted:
+        put(state, i, T, t_uplift)
         put(state, i, S, side)
         put(state, i, MODE, ROCK)
         put(state, i, LAUNCH, 1.0)
-        put(state, i, UP_T, wakes)
+        put(state, i, UP_T, t_uplift)
         put(state, i, BELL_E, bell_e)
     elif bound < guard:  # nothing moves
         put(state, i, T, par[at.T_MOTION])
@@ -189,7 +190,7 @@ def next_piece(state, i, table, pieces):
 @jit_lean
 def leave(state, i, verdict, out):
     """Take the case out of lane i: its results in the layout of `march`."""
-    out[to.FELL] = verdict
+    out[to.VERDICT] = verdict
     out[to.N_IMPACTS] += state[i + N_IMPACTS * WIDTH]
     out[to.N_STEPS] = state[i + N_STEPS * WIDTH]
     top = state[i + TOP * WIDTH]
@@ -197,6 +198,6 @@ def leave(state, i, verdict, out):
     out[to.PEAK_ALPHA] = state[i + L_ALPHA * WIDTH] if top > 0.0 else 1.0
     out[to.T_PEAK], out[to.T_UPLIFT] = state[i + TOP_T * WIDTH], state[i + UP_T * WIDTH]
     out[to.T_END] = state[i + T * WIDTH]
-    if verdict == 1.0:
+    if verdict == FALLS:
         out[to.PEAK_SIDE] = state[i + S * WIDTH]
     put(state, i, MODE, IDLE)

@@ -40,7 +40,7 @@ def arrive(st, i, par, how, n_values, dt, velocity, c, sin_q, cos_q, a, a_v, out
     edge = edge_of(par, at.RIGHT)  # both are alike
     verdict = free_rocking(edge, edge, q, v, how.linear, how.margin * edge.alpha)
     if st[lane.END + i] < n_values - 1.0:
-        out[to.FELL] = verdict
+        out[to.VERDICT] = verdict
         if how.detail == OUTCOME:
             if verdict == FALLS and separatrix(edge, q, v, how.linear) < 0.0:  # an impact comes first
                 st[lane.IMPACTS + i] += 1.0
@@ -54,7 +54,7 @@ def arrive(st, i, par, how, n_values, dt, velocity, c, sin_q, cos_q, a, a_v, out
         st[lane.CAP + i] = dt
         st[lane.SLOW + i] *= BALLISTIC_AFTER / BALLISTIC
         return STANDING
-    verdict = out[to.FELL]
+    verdict = out[to.VERDICT]
     t = par[at.T_STOP]
     out[to.T_END] = t
     if verdict == FALLS:

@@ -16,7 +16,6 @@ from rockcli.kernels.lanes.records.impacts import land
 from rockcli.kernels.lanes.records.peaks import top
 from rockcli.kernels.lanes.records.rest import BLOCK as BLOCK
 from rockcli.kernels.lanes.records.rest import FINISHED, STANDING, begin, hand_over, park, rest
-from rockcli.kernels.lanes.records.rest import HANDED_OVER as HANDED_OVER
 from rockcli.kernels.lanes.records.state import place
 from rockcli.kernels.lanes.records.step import advance, advance_linear
 from rockcli.kernels.lanes.vector import WIDTH
@@ -45,7 +44,7 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
 
     values, slopes: of the motion, then two of zeros.  blocks: largest |value| of each block; tail: running bound.
     velocity: of the ground, as `lost` wants it, or nothing if the path of a fall is asked for.
-    A row of `out` whose STATUS is HANDED_OVER is for `march_all` to solve.
+    A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
     """
     page_the_stack()
     st, landings, turns, c, guard, sin_q, cos_q, a, a_v = work

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FAST as COUNTED
-from rockcli.kernels.constants import RETURNS, STANDSTILL
+from rockcli.kernels.constants import LEFT_TO_MARCH, RETURNS, STANDSTILL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.step import HALF_PI
@@ -16,9 +16,6 @@ from rockcli.kernels.rigid.readings import set_peak
 
 FINISHED, STANDING, ROCKING = 0, 1, 2
 """What becomes of a lane: its body is done, or goes on from where it is; ROCKING: it does not come to rest."""
-
-HANDED_OVER = 3
-"""STATUS of a body that needs the single-body kernels."""
 
 FARTHER = 1.25
 """Rotations at which a body beyond the equilibrium is looked at, each over the one before."""
@@ -158,7 +155,7 @@ def following(values, blocks, level, k, last):
 @jit_lean
 def finish(st, i, verdict, out):
     """Note how it ended."""
-    out[to.FELL] = verdict
+    out[to.VERDICT] = verdict
     out[to.N_STEPS], out[to.N_IMPACTS] = st[lane.STEPS + i], st[lane.IMPACTS + i]
     out[to.ONTO_LEFT], out[to.ONTO_RIGHT] = st[lane.ONTO_LEFT + i], st[lane.IMPACTS + i] - st[lane.ONTO_LEFT + i]
     return FINISHED
@@ -177,7 +174,7 @@ def park(st, i):
 @jit_lean
 def hand_over(out):
     """Leave the body to the single-body kernels."""
-    out[to.STATUS] = HANDED_OVER
+    out[to.STATUS] = LEFT_TO_MARCH
     return FINISHED
 
 
@@ -244,6 +241,6 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
     st[lane.ONTO_LEFT + i] += onto_left
     if k > len(values) - 3:
         out[to.T_END] = par[at.T_MOTION] + (x + y)
-        return finish(st, i, out[to.FELL], out)
+        return finish(st, i, out[to.VERDICT], out)
     st[lane.X + i] = x + y
     return lift(st, i, par, values, slopes, blocks, tail, dt, out)
