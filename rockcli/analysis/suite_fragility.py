@@ -208,15 +208,16 @@ def fragility_rows(contents: Contents) -> Iterator[dict[str, Any]]:
     dims = contents.fields["fragility_status"].dims
     status = contents.values("fragility_status")
     for at in np.ndindex(*status.shape):
-        row: dict[str, Any] = {dim: _plain(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
-        row["fragility_begins_at"] = _plain(contents.values("fragility_begins_at")[at[:-1]])
-        row |= {name: _plain(contents.values(name)[at]) for name in FITTED}
+        row: dict[str, Any] = {dim: plain(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
+        row["fragility_begins_at"] = plain(contents.values("fragility_begins_at")[at[:-1]])
+        row |= {name: plain(contents.values(name)[at]) for name in FITTED}
         for percent, value in zip(PERCENTILES, contents.values("fragility_percentile")[at], strict=True):
-            row[f"fragility_percentile_{percent:g}"] = _plain(value)
+            row[f"fragility_percentile_{percent:g}"] = plain(value)
         yield row | {"fragility_status": STATUS[int(status[at])]}
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """A label as it is, a number for JSON: None for what is none."""
     if isinstance(value, str):
         return value
     return float(value) if np.isfinite(value) else None

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from rockcli.analysis.fragility import FITTED, WHY_NOT
 from rockcli.analysis.intensity_correlation import LEAST
 from rockcli.analysis.places import coordinates, place, units_of
+from rockcli.analysis.suite_risk import central, largest_tail
 from rockcli.analysis.threshold_fields import found_by
+from rockcli.scene.hazard import CONSISTENT
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
-from rockcli.scene.variables import INPUT, LIMIT, MEASURE, PEAK
+from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK
 from rockcli.storage.contents import Contents
 from rockcli.study.cases.uncertain import sentence
 from rockcli.study.study import SAMPLE, Over, Study
@@ -28,12 +30,16 @@ def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
     assert study.over is not None
     if study.search is not None:
         return list(_of_thresholds(contents, study, study.over, units))
-    said = [*_of_fragility(contents, study.over, units), *_of_demand(contents, study.over)]
+    said = [
+        *_of_fragility(contents, study.over, units),
+        *_of_risk(contents, study.over, units),
+        *_of_demand(contents, study.over),
+    ]
     return [*_of_samples(contents, study, study.over, units), *said]
 
 
 def warnings(contents: Contents, study: Study) -> list[str]:
-    """What must not be overlooked: members left out or divided, stable islands, curves refused."""
+    """What must not be overlooked: members left out or divided, stable islands, curves refused, tails of hazard."""
     assert study.over is not None
     return [
         *_left_out(contents, study, study.over),
@@ -41,6 +47,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
         *_below(contents, study),
         *_islands(contents, study.over),
         *_refused(contents, study.over),
+        *_tails(contents, study.over),
     ]
 
 
@@ -202,6 +209,60 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
             )
     if many > len(listed):
         yield f"and {many - len(listed)} more bodies: rock table FILE.nc --of fragility"
+
+
+def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
+    """Annual rates under every hazard curve, and what an age makes of that of overturning."""
+    if "annual_rate" not in contents.fields:
+        return
+    rate = contents.values("annual_rate")
+    bodies = contents.fields["fragility_begins_at"].dims
+    divisor, unit = units.of(str(contents.fields["fragility_median"].attrs["units"]))
+    every = list(np.ndindex(*rate.shape[:-2]))
+    for at in every[:MOST_BODIES]:
+        where = f"{place(contents, bodies, at, units)}: " if bodies else ""
+        for i, label in enumerate(contents.values(HAZARD)):
+            told = [
+                f"{limit_words(limit)} {rate[(*at, j, i)]:.3g}"
+                for j, limit in enumerate(contents.values(LIMIT))
+                if np.isfinite(rate[(*at, j, i)])
+            ]
+            if not told:
+                continue
+            last = (*at, -1, i)
+            said = f"{where}annual rate under {label}: {', '.join(told)}"
+            if np.isfinite(rate[last]):
+                low, high = (float(contents.values(f"annual_rate_ci_{end}")[last]) for end in ("low", "high"))
+                ends = [f"{x / divisor:.3g}" for x in central(contents, last)]
+                said += f" (95 % {low:.3g} to {high:.3g}; 68 % of it from {' to '.join(ends)}{unit_words(unit)})"
+            yield said
+            if over.age is not None and np.isfinite(rate[last]):
+                survives, ratio = (float(contents.values(name)[last]) for name in ("survival", "likelihood_ratio"))
+                known = f"is consistent with {label}" if survives >= CONSISTENT else f"contradicts {label} at 5 %"
+                yield (
+                    f"{where}{over.age:g} years under {label}: overturns with probability {1.0 - survives:.3g}, "
+                    f"survives with {survives:.3g}; a body that stood so long {known} (likelihood ratio {ratio:.3g})"
+                )
+    if len(every) > MOST_BODIES:
+        yield f"and {len(every) - MOST_BODIES} more bodies: rock table FILE.nc --of risk"
+
+
+def _tails(contents: Contents, over: Over) -> Iterator[str]:
+    """Hazard curves that end where the fragility needs them, and what was changed when they were read."""
+    for curve in over.hazard:
+        for note in curve.notes:
+            yield f"hazard {curve.label}: {note}"
+    for label, end, share in largest_tail(contents):
+        if end == "above":
+            yield (
+                f"hazard {label} ends where bodies may remain stable: motions beyond its end, counted as if at it, "
+                f"can add up to {100.0 * share:.2g} % to a rate (annual_rate_above)"
+            )
+        else:
+            yield (
+                f"hazard {label} begins where a limit state is exceeded already: were its first power law to go on, "
+                f"motions below its first point would add {100.0 * share:.2g} % to a rate (annual_rate_below)"
+            )
 
 
 def _of_demand(contents: Contents, over: Over) -> Iterator[str]:

@@ -19,6 +19,8 @@ from rockcli.analysis.intensity_correlation import correlations, with_measures
 from rockcli.analysis.places import units_of
 from rockcli.analysis.side_by_side import end_to_end, laid_out
 from rockcli.analysis.suite_fragility import FITTED, OTHERS, fragility
+from rockcli.analysis.suite_risk import OF_AGE, RATES, risk
+from rockcli.analysis.suite_risk import OTHERS as RISK
 from rockcli.analysis.suite_words import sentences, warnings
 from rockcli.analysis.threshold_fields import found_by, threshold_fields
 from rockcli.analysis.uncertainty import NAMES, with_samples
@@ -126,6 +128,7 @@ def with_ensembles(contents: Contents, study: Study) -> Contents:
         "along": study.over.along,
         "told_against": study.over.told_against,
         "limits": list(study.over.limit_states[:-1]),
+        "age": study.over.age,
         "fields": list(added),
         "says": sentences(whole, study, SI),
         "shown": sentences(whole, study, units_of(whole)),
@@ -154,6 +157,8 @@ def variables(study: Study) -> set[str]:
         found |= {*FITTED, *OTHERS}
     if over.inputs:
         found |= {*NAMES}
+    if over.hazard:
+        found |= {*RATES, *RISK, *(OF_AGE if over.age is not None else ())}
     return found | set(VARIABLES).intersection(("p_pgv_over_g_tan_alpha", "arias", "cav", "t_mean", "d5_95"))
 
 
@@ -188,7 +193,8 @@ def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field
         added |= _islands(contents, became, over, rest)
     measured = with_measures(contents.fields, contents, study)
     if over.told_against:
-        added |= fragility(replace(contents, fields=contents.fields | measured), became, study, over)
+        curves = fragility(replace(contents, fields=contents.fields | measured), became, study, over)
+        added |= curves | risk(curves, over)
     if PEAK in contents.fields:
         whole = replace(contents, fields=contents.fields | measured)
         response = became.values(contents.values(PEAK))

@@ -26,7 +26,11 @@ def table(
     ] = None,
     of: Annotated[
         str,
-        typer.Option("--of", metavar="TABLE", help="cases, or of a suite: suite, fragility, stripes, demand, inputs."),
+        typer.Option(
+            "--of",
+            metavar="TABLE",
+            help="cases, or of a suite: suite, fragility, risk, deaggregation, stripes, demand, inputs.",
+        ),
     ] = "cases",
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE.csv|.xlsx|.parquet", help="Write all of it to a file.")

@@ -7,7 +7,7 @@ from pathlib import Path
 from rockcli.analysis.expect import Verdict, judge
 from rockcli.analysis.places import units_of
 from rockcli.errors import StudyError
-from rockcli.scene.variables import INPUT, LIMIT, MEASURE
+from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
 from rockcli.storage.contents import Contents
@@ -40,7 +40,7 @@ def verdicts(contents: Contents) -> list[Verdict]:
     """
     if "trade_references" in contents.attrs:
         return []
-    named = (*contents.axes, *(name for name in (LIMIT, MEASURE, INPUT) if name in contents.fields))
+    named = (*contents.axes, *(name for name in (LIMIT, MEASURE, INPUT, HAZARD) if name in contents.fields))
     axes = [(name, str(contents.fields[name].attrs.get("long_name", name)), contents.values(name)) for name in named]
     clauses = clauses_of(contents.attrs.get("study", ""), axes, tuple(contents.fields))
     return judge(contents, clauses, units_of(contents))

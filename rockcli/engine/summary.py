@@ -14,6 +14,7 @@ from rockcli.analysis.expect import Verdict, expected_failures, judge
 from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.rules import Misled, misled
 from rockcli.analysis.suite_fragility import fragility_rows
+from rockcli.analysis.suite_risk import risk_rows
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.analysis.uncertainty import sample_rows
 from rockcli.scene.response import FAILED, OUTCOMES
@@ -42,6 +43,7 @@ class RunReport:
         suite: what the ensemble statistics come to, in sentences; audit: what an audit found.
         fragility: a row of numbers per body and limit state, by the names of the dataset, in SI units.
         samples: the same of the probability of overturning and the uncertain inputs, a row per point of the other axes.
+        risk: the same of annual rates, per body, limit state and hazard curve.
         overturns: searched axis -> its lowest overturning values, in words.
         rules: what the rules of thumb would have said of the same cases.
         warnings: about the physics and the study.
@@ -69,6 +71,7 @@ class RunReport:
     suite: tuple[str, ...] = ()
     fragility: tuple[dict[str, Any], ...] = ()
     samples: tuple[dict[str, Any], ...] = ()
+    risk: tuple[dict[str, Any], ...] = ()
     audit: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     plots: tuple[Path, ...] = ()
@@ -135,6 +138,7 @@ def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any
         suite=tuple(json.loads(contents.attrs.get("ensemble", "{}")).get("says" if si else "shown", ())),
         fragility=tuple(fragility_rows(contents)),
         samples=tuple(sample_rows(contents)),
+        risk=tuple(risk_rows(contents)),
         audit=tuple(json.loads(contents.attrs.get("audit", "{}")).get("says", ())),
         **more,
     )

@@ -21,6 +21,7 @@ from rockcli.plotting.kinds import (
     ida,
     overlay,
     phase,
+    risk,
     samples,
     spectrum,
     work_precision,
@@ -86,6 +87,12 @@ _ROWS: tuple[Kind, ...] = (
         fragility.without_fragility,
         lambda d: fragility.draw(end_to_end(d)),
     ),
+    Kind(
+        "risk",
+        "hazard curves, fragility, deaggregation, survival",
+        risk.without_risk,
+        lambda d: risk.draw(end_to_end(d)),
+    ),
     Kind("samples", "peaks of uncertain bodies, and which input matters", samples.without_samples, samples.draw),
     Kind(
         "spectrum",
@@ -113,7 +120,7 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
         if moves:
             chosen.append("phase")
     if suite_of(dataset) is not None:
-        rows = {"ida": ida.without_ida, "fragility": fragility.without_fragility}
+        rows = {"ida": ida.without_ida, "fragility": fragility.without_fragility, "risk": risk.without_risk}
         rows["samples"] = samples.without_samples
         chosen += [name for name, why in rows.items() if not why(dataset)]
         if not why_not("spectrum", dataset) and not {*rows} & set(chosen):

@@ -11,6 +11,7 @@ from rockcli.scene.rules import RULES
 
 CASE, TIME, IMPACT, ROTATION = "case", "time", "impact", "rotation"
 SUITE, LIMIT, MEASURE, PERCENTILE, INPUT = "suite", "limit_state", "measure", "percentile", "input"
+HAZARD, HAZARD_POINT, INTENSITY_BIN = "hazard", "hazard_point", "intensity_bin"
 SETTING = "setting"
 
 PEAK = "theta_peak_over_alpha"
@@ -18,6 +19,8 @@ PEAK = "theta_peak_over_alpha"
 
 MOTION = "ground_motion"
 """Which motion of the ground a case has."""
+
+YEARLY = "year-1"
 
 PERCENTILES: tuple[float, ...] = (1.0, 5.0, 10.0, 16.0, 50.0, 84.0, 95.0)
 """Percentiles of a fragility curve that are told [%]."""
@@ -30,7 +33,8 @@ COUNTS = ("n_impacts", "n_steps", "n_rhs")
 class Variable:
     """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact),
     ROTATION (axes, rotation: static curves), SUITE (the axes but that of `over`), LIMIT (the same, limit_state),
-    PERCENTILE (the same, limit_state, percentile),
+    PERCENTILE (the same, limit_state, percentile), HAZARD (the same, limit_state, hazard), INTENSITY_BIN (the same,
+    limit_state, hazard, intensity_bin), HAZARD_POINT (hazard, hazard_point),
     MEASURE (the same, measure), INPUT (the axes but that of `over`, input) or SETTING (setting: `rock trade`); unit "1" = dimensionless.
     """
 
@@ -152,6 +156,46 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         PERCENTILE,
         "1",
         "intensity exceeded with a probability, by fragility_beta_total",
+    ),
+    Variable("hazard", "hazard curve", HAZARD, "1", "hazard curve that fragility is convolved with"),
+    Variable("hazard_intensity", r"$x$", HAZARD_POINT, "1", "intensity at the points of a hazard curve"),
+    Variable("hazard_rate", r"$H$", HAZARD_POINT, YEARLY, "annual rate at which the intensity is exceeded"),
+    Variable(
+        "annual_rate",
+        r"$\lambda$",
+        HAZARD,
+        YEARLY,
+        "annual rate at which the limit state is exceeded; motions beyond the end of the hazard curve as if at its end",
+    ),
+    Variable(
+        "annual_rate_ci_low", r"$\lambda$", HAZARD, YEARLY, "lower 95 % limit of annual_rate by the suite's scatter"
+    ),
+    Variable(
+        "annual_rate_ci_high", r"$\lambda$", HAZARD, YEARLY, "upper 95 % limit of annual_rate by the suite's scatter"
+    ),
+    Variable(
+        "annual_rate_above", r"$\lambda$", HAZARD, YEARLY, "most that motions beyond the end of the curve can add"
+    ),
+    Variable(
+        "annual_rate_below",
+        r"$\lambda$",
+        HAZARD,
+        YEARLY,
+        "what motions below the first point of the curve would add if its first power law went on down to zero",
+    ),
+    Variable("probability_in_age", r"$P$", HAZARD, "1", "probability that the limit state is exceeded within the age"),
+    Variable("survival", r"$S$", HAZARD, "1", "probability that the limit state is never exceeded within the age"),
+    Variable("likelihood_ratio", r"$\Lambda$", HAZARD, "1", "survival over that of the hazard curve with the largest"),
+    Variable("hazard_consistent", "consistent", HAZARD, "1", "1 where survival is at least 5 %"),
+    Variable("intensity_bin", r"$x$", INTENSITY_BIN, "1", "geometric mean of the ends of a bin of intensity"),
+    Variable("intensity_bin_low", r"$x$", INTENSITY_BIN, "1", "lower end of a bin of intensity"),
+    Variable("intensity_bin_high", r"$x$", INTENSITY_BIN, "1", "upper end of a bin of intensity"),
+    Variable(
+        "deaggregation",
+        "share of the rate",
+        INTENSITY_BIN,
+        "1",
+        "share of annual_rate from motions in a bin; those beyond the end of the curve are in the bin of its end",
     ),
     Variable("percentile", "percentile", PERCENTILE, "%", "probability that the limit state is exceeded"),
     Variable("fragility_status", "status", LIMIT, "1", "whether there is a fragility curve, or why not"),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.scene.units import SI, Units, g_of
-from rockcli.scene.variables import INPUT, LIMIT, MEASURE, PERCENTILE
+from rockcli.scene.variables import HAZARD, INPUT, INTENSITY_BIN, LIMIT, MEASURE, PERCENTILE
 from rockcli.storage.checksum import note_opened
 from rockcli.storage.contents import COORDINATES
 from rockcli.storage.netcdf import open_file
@@ -33,6 +33,8 @@ TABLES: dict[str, str] = {
     CASES: "one row per case: what was varied, what became of it, every scalar",
     "suite": "what the suite does at every point of the other axes: shares, fractiles",
     "fragility": "one row per body and limit state: median, beta, their limits, percentiles",
+    "risk": "one row per body, limit state and hazard curve: annual rate, its limits, survival",
+    "deaggregation": "one row per body, limit state, hazard curve and bin of intensity: its share of the rate",
     "stripes": "one row per intensity and limit state: the share that exceeds it",
     "demand": "one row per measure of the motion: its correlation with the peak",
     "inputs": "one row per uncertain input: how much it matters",
@@ -218,6 +220,8 @@ def _dims(of: str, axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) ->
     return {
         "suite": rest,
         "fragility": (*bodies, LIMIT),
+        "risk": (*bodies, LIMIT, HAZARD),
+        "deaggregation": (*bodies, LIMIT, HAZARD, INTENSITY_BIN),
         "stripes": (*rest, LIMIT),
         "demand": (*rest, MEASURE),
         "inputs": (*rest, INPUT),
@@ -244,6 +248,8 @@ def _belongs(
     if of in ("suite", "fragility"):
         return derived and of_curves == (of == "fragility") and (LIMIT not in item.dims or of_curves)
     marks = {
+        "risk": {LIMIT, HAZARD},
+        "deaggregation": {INTENSITY_BIN},
         "stripes": {LIMIT, str((ensemble or {}).get("along"))},
         "demand": {MEASURE},
         "inputs": {INPUT},

@@ -9,6 +9,7 @@ from typing import Any
 from rockcli.scene.response import OUTCOMES, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT
 from rockcli.scene.variables import (
     CASE,
+    HAZARD,
     IMPACT,
     INPUT,
     LIMIT,
@@ -70,12 +71,14 @@ def _axes_of(quantity: str, axes: Sequence[Axis], suite: Over | None) -> Sequenc
         over = VARIABLES[quantity].over
     elif suite is not None and quantity.rsplit("_", 1)[-1] in suite.ends:
         over = SUITE
-    if suite is None or over not in (SUITE, LIMIT, MEASURE, PERCENTILE, INPUT):
+    if suite is None or over not in (SUITE, LIMIT, MEASURE, PERCENTILE, INPUT, HAZARD):
         return axes
     left = [axis for axis in axes if axis.name not in suite.axes]
-    if over != CASE and quantity.startswith("fragility_"):
+    if over == HAZARD or (over != CASE and quantity.startswith("fragility_")):
         left = [axis for axis in left if axis.name != suite.along]
-    if over in (LIMIT, PERCENTILE):
+    if over == HAZARD:
+        left.append(Axis(HAZARD, HAZARD, tuple(curve.label for curve in suite.hazard), False))
+    if over in (LIMIT, PERCENTILE, HAZARD):
         left.append(Axis(LIMIT, LIMIT, suite.limit_states, False))
     if over == PERCENTILE:
         left.append(Axis(PERCENTILE, PERCENTILE, PERCENTILES, True))

@@ -38,6 +38,13 @@ class Inputs:
             self._kept[name] = data
         return self._kept[name]
 
+    def read_beside(self, path: Path) -> bytes:
+        """The bytes of a small file on which no result of a case depends, so that it is not on the list.
+
+        What it says must be in the dataset itself.  Raises StudyError as `read` does.
+        """
+        return read_bytes(path)
+
     def note(self, name: str, path: Path, sha256: str) -> None:
         """Put a file that was read on the list.
 

@@ -30,6 +30,7 @@ from rockcli.study.building.records import Records
 from rockcli.study.building.resolved import DT_OUT, Found
 from rockcli.study.cases.axes import Evaluate, read_axes
 from rockcli.study.cases.cases import Cases
+from rockcli.study.cases.hazard_curves import read_hazard
 from rockcli.study.cases.refined_axes import RECORDS, read_refine
 from rockcli.study.cases.searched_range import make_search, searched
 from rockcli.study.cases.suite_axes import read_over
@@ -105,11 +106,16 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     over = read_over(where, tree, wanted, axes, scalars, searches=search is not None)
     if over is not None and uncertain is not None and SAMPLE in over.axes:
         over = dataclasses.replace(over, inputs=tuple(each.path for each in uncertain[1].inputs))
+    over = read_hazard(where, tree, part, over, axes)
     refine = read_refine(where, tree, part, axes, scalars, searches=search is not None, over=over)
     expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
     compare_to = tree.get("compare_to")
     resolved = _resolved(part, base, variations, saved, expect)
+    if over is not None and over.hazard:  # in numbers, so that a dataset's study needs no file
+        resolved["hazard"] = [
+            {"label": one.label, "intensity": one.intensity.tolist(), "rate": one.rate.tolist()} for one in over.hazard
+        ]
     content = resolved["case"], resolved.get("let", {}), variations, saved
     return Study(
         name=part.name,

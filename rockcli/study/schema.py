@@ -38,7 +38,10 @@ from rockcli.study.document.values import (
 )
 
 MODELS = (*MODEL_NAMES, *DEFORMABLE, AUTO)
-PLOTS = ("histories", "bending", "phase", "map", "ida", "fragility", "samples", "curves", "spectrum", "work_precision")
+PLOTS = (
+    "histories", "bending", "phase", "map", "ida", "fragility", "risk", "samples", "curves", "spectrum",
+    "work_precision",
+)  # fmt: skip
 CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")
 
 
@@ -377,6 +380,28 @@ class DistributionPart(Part):
 
 SAMPLINGS = ("latin_hypercube", "sobol", "random", "saltelli")
 
+
+class HazardPart(Part):
+    """A hazard curve: annual rates at which an intensity is exceeded."""
+
+    file: Text | None = key("CSV beside the study: intensity and annual rate, or a hazard curve exported by OpenQuake")
+    intensity: Series | None = key("ascending intensities, of the fragility, in SI units or as 0.1*g")
+    rate: Series | None = key("annual rates of exceedance [1/year]")
+    label: Label | None = key("name of the curve; default that of the file")
+    units: Text | None = key("of the intensities: g, m/s², cm/s², m/s, cm/s, s; default as the file says, or SI units")
+    site: Pair | None = key("[longitude, latitude] of a file of several sites")
+
+
+def _hazards(value: Any) -> Any:
+    """One curve is a list of one; a name is that of a file."""
+    if value is None:
+        return None
+    entries = value if isinstance(value, list) else [value]
+    return [{"file": entry} if isinstance(entry, str) else entry for entry in entries]
+
+
+Hazards = Annotated[Annotated[list[HazardPart], Field(min_length=1)] | None, BeforeValidator(_hazards)]
+
 NO_PLOTS = "none"
 
 Plots = Annotated[list[Literal[PLOTS]] | None, BeforeValidator(lambda v: [] if v == NO_PLOTS else v)]  # type: ignore[valid-type]
@@ -405,6 +430,8 @@ class StudyPart(Part):
     over: Over = key(
         "axis of the ensemble statistics, several, or {axis, along, limits, intensity, fit, ...}; default: `sample`"
     )
+    hazard: Hazards = key("hazard curves that fragility is convolved with: FILE.csv or {intensity, rate}, or a list")
+    age: Number | None = key("years for which the probability of exceedance, and of survival, is told")
     refine: bool = key("trace the outcome boundary of a two-axis map instead of solving every pixel", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
     plots: Plots = key("kinds of plot; none or []: draw none")
@@ -427,6 +454,7 @@ _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
     ("RecordPart", "highpass"): NUMBER_SCHEMA,
     ("RecordPart", "lowpass"): NUMBER_SCHEMA,
     ("RecordPart", "bandpass"): PAIR_SCHEMA,
+    ("StudyPart", "hazard"): {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/HazardPart"}]},
     ("StudyPart", "over"): {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]},
     ("StudyPart", "plots"): {"const": NO_PLOTS},
 }

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
+from rockcli.scene.hazard import HazardCurve
 from rockcli.scene.variables import PEAK
 
 Index = NDArray[np.int64]
@@ -139,6 +140,8 @@ class Over:
         begins_at: `uplift` where curves begin where the body can first move, else `0`.
         beta_added: uncertainty beside that of the suite, in quadrature, in percentiles and curves.
         inputs: paths of the uncertain inputs whose samples are among the members.
+        hazard: curves that fragility is convolved with.
+        age: years for which the probability of exceedance is told; None = it is not.
     """
 
     axes: tuple[str, ...]
@@ -150,6 +153,8 @@ class Over:
     begins_at: str = "uplift"
     beta_added: float = 0.0
     inputs: tuple[str, ...] = ()
+    hazard: tuple[HazardCurve, ...] = ()
+    age: float | None = None
 
     @property
     def axis(self) -> str:

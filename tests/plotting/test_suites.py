@@ -144,3 +144,32 @@ def test_the_same_figure_gives_the_same_bytes(stripes, tmp_path, plot_format):
         for name in ("one", "two"):
             figures.save(figures.figure(kind, stripes), tmp_path / name, plot_format)
         assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+def test_risk_shows_hazard_shares_and_survival():
+    hazard = [
+        {"label": "one", "intensity": ["0.05*g", "0.5*g", "3*g"], "rate": [1e-2, 1e-4, 1e-7]},
+        {"label": "two", "intensity": ["0.05*g", "3*g"], "rate": [1e-1, 1e-6]},
+    ]
+    data = rockcli.run(suite(hazard=hazard, age=1000))
+    assert figures.default_kinds(data) == ("ida", "fragility", "risk")
+    assert not figures.why_not("risk", data)
+    drawn = figures.figure("risk", data)
+    left, middle, right, beside = drawn.axes
+    curve = next(line for line in left.lines if line.get_label() == "hazard one")
+    np.testing.assert_allclose(curve.get_xdata(), [0.05, 0.5, 3.0])
+    np.testing.assert_allclose(curve.get_ydata(), [1e-2, 1e-4, 1e-7])
+    assert left.get_xlabel() == "$a_p$ [g]"
+    overturned = data.sel(limit_state="overturned")
+    x, p = beside.lines[0].get_data()
+    median, begin = (float(overturned[f"fragility_{name}"]) / G for name in ("median", "begins_at"))
+    assert np.interp(median, x, p) == pytest.approx(0.5, abs=1e-3)
+    assert (p[x <= begin] == 0.0).all()
+    shares = [patch.get_data().values for patch in middle.patches]
+    np.testing.assert_allclose(np.sum(shares, axis=1), 100.0)
+    marks = [line.get_ydata()[0] for line in right.lines if len(line.get_xdata()) == 1]
+    np.testing.assert_allclose(marks, overturned["survival"])
+
+
+def test_risk_needs_a_hazard_curve(stripes):
+    assert "no hazard curve" in figures.why_not("risk", stripes)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 THETA = r"$|\theta|_{\mathrm{max}}/\alpha$"
 
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
 
 def without_fragility(dataset: xarray.Dataset) -> str:
@@ -53,7 +53,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
-            axes.set_xlabel(_label(dataset, suite))
+            axes.set_xlabel(intensity_label(dataset, suite))
             axes.tick_params(labelbottom=True)
         if number % columns == 0:
             axes.set_ylabel("probability of exceedance")
@@ -71,7 +71,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     return figure
 
 
-def _label(dataset: xarray.Dataset, suite: Suite) -> str:
+def intensity_label(dataset: xarray.Dataset, suite: Suite) -> str:
     """Symbol and unit of the intensity."""
     name = suite.told_against
     if name in dataset.dims:
@@ -125,7 +125,7 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
             size = f"{median / divisor:.3g}{unit_in_brackets(unit).translate({ord('['): None, ord(']'): None})}"
             words += rf": median {size}, $\beta$ = {total:.2f}" if fitted else ": no curve"
         alone = "" if fitted else words
-        style: Any = {"marker": _MARKERS[i % len(_MARKERS)], "markersize": 3.0, "markeredgewidth": 0.0}
+        style: Any = {"marker": MARKERS[i % len(MARKERS)], "markersize": 3.0, "markeredgewidth": 0.0}
         if stripes:
             shares = part["p_exceeded"].values[:, i]
             axes.plot(axis_values(part, suite.told_against), shares, linestyle="", color=colour, alpha=0.75, zorder=2,

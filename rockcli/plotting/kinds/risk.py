@@ -1,0 +1,138 @@
+"""Risk: hazard curves with the fragility on them, what intensities it comes from, and survival over the years."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.ticker import LogLocator
+
+from rockcli.plotting.common.cases import Array, selection_note
+from rockcli.plotting.common.labels import escape, shown_unit, title_of
+from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, headline, new_figure, panel_title
+from rockcli.plotting.common.suite import panels, suite_of
+from rockcli.plotting.kinds.fragility import MARKERS, intensity_label
+from rockcli.plotting.kinds.map import scale_axes
+from rockcli.scene.hazard import CONSISTENT
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
+
+_MOST_BODIES = 3
+
+
+def without_risk(dataset: xarray.Dataset) -> str:
+    """Why a dataset cannot be drawn so; "" if it can."""
+    return "" if "annual_rate" in dataset else "the study gives no hazard curve (hazard: FILE.csv, beside over)"
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """A row of three panels for each body: of overturning."""
+    suite = suite_of(dataset)
+    if suite is None or "annual_rate" not in dataset:
+        raise ValueError("risk needs an ensemble and a hazard curve")
+    shown, total = panels(dataset, suite)
+    shown = shown[:_MOST_BODIES]
+    figure = new_figure(DOUBLE, 0.85 + 2.3 * len(shown))
+    grid = figure.subplots(len(shown), 3, squeeze=False)
+    label = intensity_label(dataset, suite)
+    for row, (case, place) in zip(grid, shown, strict=True):
+        part = dataset.isel(place).isel(limit_state=-1)
+        _hazard(row[0], part)
+        _deaggregation(row[1], part)
+        _survival(row[2], part)
+        for axes in row[:2]:
+            axes.set_xlabel(label)
+        if case.label:
+            panel_title(row[0], case.label, DOUBLE / 3.0)
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4), columnspacing=1.4)
+    note = "of overturning; bands: 95 % by the scatter of the suite"
+    headline(figure, title_of(dataset), "; ".join(filter(None, [note, selection_note(len(shown), total, "bodies")])))
+    return figure
+
+
+def _style(i: int) -> dict[str, Any]:
+    return {"color": COLOURS[i % len(COLOURS)], "linestyle": _LINES[i % len(_LINES)]}
+
+
+def _hazard(axes: Axes, part: xarray.Dataset) -> None:
+    """Hazard curves, and the fragility of the body on an axis of its own."""
+    from scipy.special import ndtr  # late: other figures need none of it
+
+    divisor = shown_unit(part, "hazard_intensity")[0]
+    for i, label in enumerate(part["hazard"].values):
+        x, rate = (part[name].values[i] for name in ("hazard_intensity", "hazard_rate"))
+        axes.plot(x / divisor, rate, marker=MARKERS[i % len(MARKERS)], markersize=2.6, markeredgewidth=0.0,
+                  label=f"hazard {escape(str(label))}", **_style(i))  # fmt: skip
+    scale_axes(axes, x_log=True)
+    axes.set_yscale("log")
+    axes.set_ylabel("annual rate of exceedance")
+    median, beta, begin = (float(part[f"fragility_{name}"]) for name in ("median", "beta_total", "begins_at"))
+    beside = axes.twinx()
+    beside.set_ylim(0.0, 1.05)
+    beside.spines["right"].set_visible(True)
+    beside.set_ylabel("probability of overturning")
+    if np.isfinite(median):
+        low, high = axes.get_xlim()
+        x = np.geomspace(low, high, 400) * divisor
+        with np.errstate(divide="ignore", invalid="ignore"):
+            p = np.where(x > begin, ndtr(np.log((x - begin) / (median - begin)) / beta), 0.0)
+        beside.plot(x / divisor, p, color="black", linewidth=1.4)
+        axes.plot([], [], color="black", linewidth=1.4, label="fragility")
+        axes.set_xlim(low, high)
+
+
+def _deaggregation(axes: Axes, part: xarray.Dataset) -> None:
+    """Of which intensities the rate is made."""
+    divisor = shown_unit(part, "intensity_bin_low")[0]
+    edges = np.append(part["intensity_bin_low"].values, part["intensity_bin_high"].values[-1]) / divisor
+    there: Array = np.zeros(len(edges) - 1)
+    for i in range(part.sizes["hazard"]):
+        share = np.nan_to_num(part["deaggregation"].values[i])
+        axes.stairs(100.0 * share, edges, **_style(i))
+        there = np.maximum(there, share)
+    scale_axes(axes, x_log=True)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    if (there > 0.0).any():
+        seen = np.flatnonzero(there > 1e-3)
+        axes.set_xlim(edges[seen[0]], edges[seen[-1] + 1])
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel("share of the rate [%]")
+
+
+def _survival(axes: Axes, part: xarray.Dataset) -> None:
+    """Probability of standing over the years, and the age of the body."""
+    age = json.loads(part.attrs.get("ensemble", "{}")).get("age")
+    rate = part["annual_rate"].values
+    known = rate[np.isfinite(rate) & (rate > 0.0)]
+    ends = [*(1.0 / known), *([age] if age else [])]
+    years = np.geomspace(0.02 * min(ends, default=1.0), 20.0 * max(ends, default=1.0), 300)
+    for i, one in enumerate(rate):
+        low, high = (float(part[f"annual_rate_ci_{end}"].values[i]) for end in ("low", "high"))
+        axes.fill_between(
+            years, np.exp(-high * years), np.exp(-low * years), color=_style(i)["color"], alpha=0.12, linewidth=0.0
+        )
+        axes.plot(years, np.exp(-one * years), **_style(i))
+        if age:
+            axes.plot(
+                [age],
+                [np.exp(-one * age)],
+                color=_style(i)["color"],
+                marker=MARKERS[i % len(MARKERS)],
+                markersize=4.0,
+            )
+    axes.axhline(CONSISTENT, color=QUIET, linewidth=0.7, linestyle=(0, (1.5, 1.5)))
+    axes.text(years[0], CONSISTENT + 0.01, " 5 %", color=QUIET, fontsize=7.0, va="bottom")
+    if age:
+        axes.axvline(age, color=QUIET, linewidth=0.7)
+    axes.set_xscale("log")
+    axes.set_xlim(years[0], years[-1])
+    axes.set_ylim(0.0, 1.02)
+    axes.set_xlabel("age [years]")
+    axes.set_ylabel("probability of survival")

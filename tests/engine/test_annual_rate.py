@@ -1,0 +1,271 @@
+"""Fragility convolved with hazard curves: closed forms, quadrature of scipy, tails, files, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scenes import G
+from scipy import integrate, stats
+
+import rockcli
+from rockcli.analysis.annual_rate import Fragility, annual_rate
+from rockcli.errors import StudyError
+from rockcli.scene.hazard import HazardCurve
+
+
+def power_law(k=2.5, at=3.0, rate=1e-3, low=1e-8, high=1e5, n=14) -> HazardCurve:
+    x = np.geomspace(low, high, n)
+    return HazardCurve("power", x, rate * (x / at) ** -k)
+
+
+BENT = HazardCurve("bent", np.array([0.05, 0.1, 0.3, 1.0, 3.0]), np.array([0.1, 2e-2, 1e-3, 2e-5, 1e-8]))
+
+
+@pytest.mark.parametrize("k", [1.0, 2.5, 4.0])
+@pytest.mark.parametrize("beta", [0.02, 0.2, 0.6, 1.1])
+@pytest.mark.parametrize("median", [0.7, 3.0, 20.0])
+def test_a_lognormal_curve_and_a_power_law_have_a_closed_form(k, beta, median):
+    found = annual_rate(Fragility(median, beta), power_law(k))
+    expected = 1e-3 * (median / 3.0) ** -k * math.exp(0.5 * (k * beta) ** 2)
+    assert found.total == pytest.approx(expected, rel=1e-6)
+    assert found.above < 1e-6 * found.total
+    assert found.below < 1e-6 * found.total
+
+
+@pytest.mark.parametrize(
+    ("median", "beta", "begins"), [(0.5, 0.4, 0.2), (0.5, 0.9, 0.2), (1.0, 0.3, 0.0), (0.12, 0.05, 0.1)]
+)
+def test_curves_that_begin_at_uplift_are_those_of_scipys_quadrature(median, beta, begins):
+    """The density of the capacity times the hazard curve, integrated by parts: another form of the same integral."""
+    dist = stats.lognorm(beta, loc=begins, scale=median - begins)
+    first, last = BENT.intensity[0], BENT.intensity[-1]
+    breaks = BENT.intensity[1:-1]
+    parts = [
+        integrate.quad(lambda x: dist.pdf(x) * np.exp(np.interp(np.log(x), np.log(BENT.intensity), np.log(BENT.rate))), a, b,
+                       epsabs=0.0, epsrel=1e-11, limit=400, points=[c for c in (begins, median) if a < c < b] or None)[0]
+        for a, b in zip([first, *breaks], [*breaks, last], strict=True)
+    ]  # fmt: skip
+    expected = dist.cdf(first) * BENT.rate[0] + sum(parts)
+    found = annual_rate(Fragility(median, beta, begins), BENT)
+    assert found.total == pytest.approx(expected, rel=1e-8)
+    assert found.above == pytest.approx(dist.sf(last) * BENT.rate[-1], rel=1e-9)
+    if begins >= first:
+        assert found.below == 0.0
+
+
+def test_tails_are_those_of_the_power_law_that_goes_on():
+    """Cut off below and above, the rate and its tails bracket the whole."""
+    curve, whole = Fragility(3.0, 0.6), power_law()
+    cut = power_law(low=2.0, high=5.0, n=2)
+    found, expected = annual_rate(curve, cut), annual_rate(curve, whole).total
+    assert found.total < expected < found.total + found.above + found.below
+    beneath = integrate.quad(lambda x: stats.norm.cdf(np.log(x / 3.0) / 0.6) * 2.5 * 1e-3 / 3.0 * (x / 3.0) ** -3.5, 0.0, 2.0,
+                             epsabs=0.0, epsrel=1e-10)[0]  # fmt: skip
+    assert found.below == pytest.approx(beneath, rel=1e-7)
+
+
+def test_the_parts_of_a_rate_are_those_between_their_edges():
+    curve = Fragility(0.5, 0.4, 0.2)
+    edges = np.geomspace(0.04, 4.0, 13)
+    found = annual_rate(curve, BENT, edges)
+    assert found.parts.sum() == pytest.approx(found.total, rel=1e-14)
+    x = np.unique(np.concatenate([np.geomspace(0.05, 3.0, 400_001), edges[(edges > 0.05) & (edges < 3.0)]]))
+    p = 0.5 * (curve(x[1:]) + curve(x[:-1]))
+    at = np.searchsorted(edges, np.sqrt(x[1:] * x[:-1]), side="right") - 1
+    expected = np.bincount(at, -np.diff(BENT(x)) * p, minlength=12)
+    expected[np.searchsorted(edges, 3.0) - 1] += curve(np.array([3.0]))[0] * BENT.rate[-1]
+    np.testing.assert_allclose(found.parts, expected, rtol=1e-5, atol=1e-16)
+
+
+SINES = [1.0, 1.5, 2.0, 3.0, 4.0]
+
+
+def study(**more):
+    return {
+        "name": "risk",
+        "case": {
+            "block": {"R": 0.75 * G, "alpha": 0.1},
+            "motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "omega_p": 1.0}},
+        },
+        "over": {"axis": "motion.pulse.omega_p", "along": "a_p", "limits": [0.5]},
+        "hazard": [
+            {"label": "one", "intensity": ["0.02*g", "0.1*g", "0.5*g", "2*g"], "rate": [1e-1, 1e-2, 2e-4, 1e-6]},
+            {"intensity": ["0.02*g", "2*g"], "rate": [1e-2, 1e-6]},
+        ],
+        "age": 500,
+        "vary": {
+            "motion.pulse.omega_p": SINES,
+            "motion.pulse.a_p": {"from": 0.5 * G * 0.1, "to": 8.0 * G * 0.1, "n": 16},
+        },
+        "save": {"histories": False},
+    } | more
+
+
+@pytest.fixture(scope="module")
+def data():
+    return rockcli.run(study())
+
+
+def test_the_dataset_has_rates_survival_and_where_they_come_from(data):
+    assert data["annual_rate"].dims == ("limit_state", "hazard")
+    assert data["hazard"].values.tolist() == ["one", "hazard 2"]
+    for i, hazard in enumerate(
+        [HazardCurve("", np.array([0.02, 0.1, 0.5, 2.0]) * G, np.array([1e-1, 1e-2, 2e-4, 1e-6])),
+         HazardCurve("", np.array([0.02, 2.0]) * G, np.array([1e-2, 1e-6]))]
+    ):  # fmt: skip
+        for j in range(2):
+            curve = Fragility(
+                *(float(data[f"fragility_{name}"][j]) for name in ("median", "beta")),
+                float(data["fragility_begins_at"]),
+            )
+            assert float(data["annual_rate"][j, i]) == pytest.approx(annual_rate(curve, hazard).total, rel=1e-12)
+    rate = data["annual_rate"]
+    assert (rate.sel(limit_state="0.5") > rate.sel(limit_state="overturned")).all()
+    assert (data["annual_rate_ci_low"] < rate).all()
+    assert (rate < data["annual_rate_ci_high"]).all()
+    np.testing.assert_allclose(data["survival"], np.exp(-500.0 * rate), rtol=1e-12)
+    np.testing.assert_allclose(data["probability_in_age"] + data["survival"], 1.0, rtol=1e-12)
+    np.testing.assert_allclose(data["likelihood_ratio"], data["survival"] / data["survival"].max("hazard"), rtol=1e-12)
+    np.testing.assert_array_equal(data["hazard_consistent"], data["survival"] >= 0.05)
+    np.testing.assert_allclose(data["deaggregation"].sum("intensity_bin"), 1.0, rtol=1e-12)
+
+
+def test_limits_of_a_rate_are_those_of_curves_drawn_from_the_estimates():
+    """Rates of medians and betas drawn from their normal distribution: their scatter in logarithms."""
+    data = rockcli.run(study(over={"axis": "motion.pulse.omega_p", "along": "a_p", "limits": [], "begins_at": 0}))
+    hazard = HazardCurve("", np.array([0.02, 0.1, 0.5, 2.0]) * G, np.array([1e-1, 1e-2, 2e-4, 1e-6]))
+    value = {
+        name: float(data[f"fragility_{name}"][0])
+        for name in ("median", "beta", "se_ln_median", "se_beta", "correlation")
+    }
+    # so little scatter that the rate is linear in it
+    scale, (a, b) = 1e-3, (value["se_ln_median"], value["se_beta"])
+    covariance = scale**2 * np.array([[a * a, value["correlation"] * a * b], [value["correlation"] * a * b, b * b]])
+    draws = np.random.default_rng(3).multivariate_normal([np.log(value["median"]), value["beta"]], covariance, 4000)
+    rates = [annual_rate(Fragility(math.exp(m), beta), hazard).total for m, beta in draws]
+    expected = float(np.std(np.log(rates))) / scale
+    told = float(np.log(data["annual_rate_ci_high"][0, 0] / data["annual_rate"][0, 0])) / stats.t.ppf(0.975, 4)
+    assert told == pytest.approx(expected, rel=0.04)
+
+
+def test_uncertainty_that_is_added_counts(data):
+    more = rockcli.run(study(over={"axis": "motion.pulse.omega_p", "along": "a_p", "limits": [0.5], "beta_added": 0.4}))
+    assert (more["annual_rate"].sel(limit_state="overturned") > data["annual_rate"].sel(limit_state="overturned")).all()
+
+
+def test_a_dataset_runs_again_without_its_files(data):
+    assert "hazard" in data.attrs["study"]
+    import yaml
+
+    again = rockcli.run(yaml.safe_load(data.attrs["study"]))
+    np.testing.assert_array_equal(again["annual_rate"], data["annual_rate"])
+
+
+def test_tables_have_a_row_per_limit_state_and_curve(data):
+    table = rockcli.table(data, of="risk")
+    assert len(table) == 4
+    assert list(table.columns[:3]) == ["limit_state", "hazard", "annual_rate [year-1]"]
+    assert len(rockcli.table(data, of="deaggregation")) == 4 * data.sizes["intensity_bin"]
+
+
+def test_a_clause_may_name_a_hazard_curve(tmp_path):
+    clause = {"quantity": "survival", "at": {"limit_state": "overturned", "hazard": "one"}, "min": 0.0, "max": 1.0}
+    del clause["max"]
+    assert rockcli.run(study(expect=[clause]))["survival"].size
+    with pytest.raises(StudyError, match="hazard"):
+        rockcli.run(study(expect=[clause | {"at": {"hazard": "three"}}]))
+
+
+def test_tails_outside_the_curve_are_a_warning():
+    short = {"label": "short", "intensity": ["0.11*g", "0.15*g"], "rate": [1e-2, 3e-3]}
+    data = rockcli.run(study(hazard=short))
+    said = " ".join(json.loads(data.attrs["warnings"]))
+    assert "hazard short ends where bodies may remain stable" in said
+    assert (data["annual_rate_above"].sel(limit_state="overturned") > 0.0).all()
+
+
+def test_a_curve_that_begins_too_late_is_a_warning():
+    late = {"label": "late", "intensity": ["0.15*g", "0.3*g"], "rate": [1e-2, 1e-3]}
+    said = " ".join(json.loads(rockcli.run(study(hazard=late)).attrs["warnings"]))
+    assert "hazard late begins where a limit state is exceeded already" in said
+
+
+OPENQUAKE = """\
+#,,,,,"generated_by='OpenQuake engine 3.18.0', start_date='2023-10-03T06:09:08', checksum=2107362341, kind='mean', investigation_time=50.0, imt='{imt}'"
+lon,lat,depth,poe-0.0100000,poe-0.1000000,poe-0.5000000,poe-2.0000000,poe-3.0000000
+10.00000,45.00000,0.00000,1.000000E+00,3.354511E-01,1.500000E-02,1.000000E-03,0.000000E+00
+10.50000,45.00000,0.00000,9.000000E-01,2.354511E-01,1.000000E-02,1.000000E-04,1.000000E-06
+"""
+
+
+def of_file(tmp_path, text, **more):
+    (tmp_path / "curve.csv").write_text(text, encoding="utf-8")
+    base = study(hazard={"file": str(tmp_path / "curve.csv"), **more})
+    base["over"] = base["over"] | {"intensity": "pga"}
+    return rockcli.run(base)
+
+
+def test_the_curves_openquake_exports(tmp_path):
+    data = of_file(tmp_path, OPENQUAKE.format(imt="PGA"), site=[10, 45], label="mean")
+    np.testing.assert_allclose(data["hazard_intensity"][0], np.array([0.1, 0.5, 2.0]) * G, rtol=1e-12)
+    np.testing.assert_allclose(
+        data["hazard_rate"][0], -np.log(1.0 - np.array([3.354511e-1, 1.5e-2, 1e-3])) / 50.0, rtol=1e-12
+    )
+    said = " ".join(json.loads(data.attrs["warnings"]))
+    assert "1 point of probability 1" in said
+    assert "1 point of rate 0" in said
+    other = of_file(tmp_path, OPENQUAKE.format(imt="PGA"), site=[10.5, 45])
+    assert other["hazard"].values.tolist() == ["curve"]
+    assert other.sizes["hazard_point"] == 5
+
+
+def test_a_table_of_intensity_and_rate(tmp_path):
+    data = of_file(tmp_path, "# made up\npga [g],rate\n0.02,0.1\n0.1,0.01\n0.5,2e-4\n2,1e-6\n")
+    np.testing.assert_allclose(data["hazard_intensity"][0], np.array([0.02, 0.1, 0.5, 2.0]) * G, rtol=1e-12)
+    plain = of_file(tmp_path, "intensity,rate\n0.2,0.1\n1,0.01\n20,1e-6\n")  # SI units, as everywhere
+    np.testing.assert_allclose(plain["hazard_intensity"][0], [0.2, 1.0, 20.0])
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "words"),
+    [
+        (OPENQUAKE.format(imt="PGA"), {}, "holds 2 sites"),
+        (OPENQUAKE.format(imt="PGA"), {"site": [11, 45]}, "has no site 11, 45; the nearest is 10.5"),
+        (OPENQUAKE.format(imt="SA(0.3)"), {"site": [10, 45]}, r"is a hazard curve of SA\(0.3\), the fragility is told against pga"),
+        (OPENQUAKE.replace("investigation_time", "time"), {"site": [10, 45]}, "investigation_time"),
+        ("pga [g],rate\n0.1,0.01\n", {}, "a line per point"),
+        ("0.1,0.01\n0.2,0.001\n0.3,1e-4\n", {}, "the first line names the columns"),
+        ("pgv [m/s],rate\n0.1,0.01\n0.2,0.001\n", {}, "is a hazard curve of pgv"),
+        ("pga [km],rate\n0.1,0.01\n0.2,0.001\n", {}, "no unit of pga"),
+        ("pga [g],rate\n0.1,0.01\n0.2,0.02\n", {}, "never grow"),
+        ("pga [g],rate\n0.2,0.01\n0.1,0.001\n", {}, "ascend"),
+        ("pga [g],rate\n0.1,0.01\n0.2,abc\n", {}, "'abc' is no number"),
+        ("pga [g],return period\n0.1,100\n0.2,1000\n", {}, "expected rate"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_no_hazard_curve_is_refused(tmp_path, text, more, words):
+    with pytest.raises(StudyError, match=words):
+        of_file(tmp_path, text, **more)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"over": None}, "hazard needs fragility curves"),
+        ({"over": {"axis": "motion.pulse.omega_p", "fit": "none"}}, "hazard needs fragility curves"),
+        ({"hazard": None}, "age belongs to `hazard`"),
+        ({"hazard": {"intensity": [1, 2]}}, "expected FILE.csv, or"),
+        ({"hazard": {"intensity": [1, 2], "rate": [0.1]}}, "2 intensities and 1 rates"),
+        ({"hazard": {"intensity": [1, 2], "rate": [0.1, 0]}}, "fewer than two points"),
+        ({"hazard": [{"label": "a", "intensity": [1, 2], "rate": [0.1, 0.01]}] * 2}, "second curve named 'a'"),
+        ({"hazard": "nowhere.csv"}, "no such file"),
+        ({"age": -3}, "age is -3"),
+    ],
+)
+def test_what_is_wrong_with_a_study_of_risk_is_one_sentence(more, words):
+    asked = {name: value for name, value in study(**more).items() if value is not None}
+    with pytest.raises(StudyError, match=words):
+        rockcli.run(asked)
