@@ -98,6 +98,12 @@ def test_a_door_per_reason(path):
             assert own == DOORS[top], f"{path}:{line}: {top} is imported in {DOORS[top]} only"
 
 
+def test_programs_are_run_in_one_place():
+    """Watched, limited in time, and ended with what they have started; a film is written by ffmpeg alone."""
+    runners = {path.name for path in FILES if any(module == "subprocess" for module, _ in imports(path))}
+    assert runners == {"programs.py", "film.py"}
+
+
 def name_of(path: Path) -> str:
     parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)

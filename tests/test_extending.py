@@ -101,6 +101,7 @@ assert (abs(peak.sel(damping="none") - peak.sel(damping="edges")) > 1e-3).all()
 
 ROWS = dict(re.findall(r"^\| \*?([a-z -]+?)\*? \| (`.*) \|$", (ROOT / "docs" / "building.md").read_text("utf-8"), re.M))
 MOST = {"a pulse": 1, "a model of one rotation": 1, "a damping scheme": 4, "a backend": 3, "an output scalar": 3}
+MOST |= {"a backend that runs an external program": 4}
 MOST |= {"a suite statistic": 2, "a code rule": 1, "a level of accuracy": 1, "a command": 2, "a plot": 3}
 
 

@@ -18,7 +18,8 @@ from rockcli.engine.backends import choose
 from rockcli.errors import MachineError, SolverError
 from rockcli.scene.backends import BACKENDS
 from rockcli.scene.response import FAILED
-from rockcli.solvers.calculix import folder, run, solve
+from rockcli.solvers.calculix import folder, solve
+from rockcli.solvers.common import programs
 
 
 @pytest.fixture
@@ -117,7 +118,7 @@ def test_a_hanging_process_and_its_children_are_ended(pretend, temp, tmp_path, m
     monkeypatch.setenv(folder.LIMIT, "1.0")
     note = tmp_path / "pids"
     pretend(f"trap '' TERM; sleep 600 & echo $$ $! > {note}; wait; sleep 600")
-    monkeypatch.setattr(run, "GRACE", 0.2)
+    monkeypatch.setattr(programs, "GRACE", 0.2)
     began = time.monotonic()
     assert "time limit of 1 s" in failure()
     assert time.monotonic() - began < 20.0

@@ -13,6 +13,7 @@ from columns import rigid
 
 from rockcli.errors import MachineError, SolverError
 from rockcli.scene.response import FAILED
+from rockcli.solvers.common import programs
 from rockcli.solvers.opensees import run, solver
 from rockcli.solvers.opensees.script import Script, script_of
 
@@ -120,8 +121,8 @@ def test_an_interruption_leaves_nothing(monkeypatch):
             raise KeyboardInterrupt
         return original(self, timeout)
 
-    original = run.subprocess.Popen.wait
-    monkeypatch.setattr(run.subprocess.Popen, "wait", interrupted)
+    original = programs.subprocess.Popen.wait
+    monkeypatch.setattr(programs.subprocess.Popen, "wait", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run.run_script(peer("import time\ntime.sleep(600)"))
     with pytest.raises(ProcessLookupError):

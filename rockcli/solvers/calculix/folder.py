@@ -121,14 +121,14 @@ def _solved(folder: Path, deck: Deck, text: str, enough: Callable[[Array, Array]
         return bool(t[-1] > 0.0) and enough(t, rotation(deck.mesh.x_base, u[:, :-2]))
 
     nothing = np.empty(0), np.empty((0, len(deck.mesh.base) + 2, 3))
+    stopped = False
     try:
-        ending = run(folder, limit=_limit(), enough=look)
-        result = None if ending.complaint else _read(folder, deck)
-        complaint = ending.complaint
+        complaint, stopped = run(folder, limit=_limit(), enough=look)
+        result = None if complaint else _read(folder, deck)
     except Garbage as garbage:
-        complaint, result, ending = f"what CalculiX wrote cannot be read: {garbage}", None, None
+        complaint, result = f"what CalculiX wrote cannot be read: {garbage}", None
     so_far = progress(folder / f"{JOB}.sta", deck.t_static)
-    if result is not None and ending is not None and not ending.stopped and result.t[-1] < deck.t_stop * (1.0 - 1e-4):
+    if result is not None and not stopped and result.t[-1] < deck.t_stop * (1.0 - 1e-4):
         complaint = "CalculiX ended early without a message"
     if complaint:
         said = f"{complaint}; it reached t = {so_far.reached:.4g} of {deck.t_stop:.4g} s"

@@ -1,10 +1,19 @@
-"""Other programs that solve: when their end is the machine's doing, and says nothing about the case."""
+"""Runs another program that solves a case: in a folder, watched, limited in time, and ended with all it has started.
+
+What its end says of the case is the solver's to tell; what it says of the machine is told here.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import signal
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 from rockcli.errors import MachineError
 
@@ -12,13 +21,125 @@ _NO_SPACE, _NO_MEMORY = (os.strerror(code) for code in (errno.ENOSPC, errno.ENOM
 REFUSALS = (_NO_SPACE, _NO_MEMORY, "MemoryError", "bad_alloc", "error allocating memory")
 """Words of a program that was refused memory or space: the system's, Python's, C++'s and CalculiX's own."""
 
+ALONE = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+"""Environment of a program that takes one processor."""
+
+LOOK_EVERY = 0.25
+"""Time between two looks at a running process [s]."""
+
+GRACE = 2.0
+"""Time a process is given to end when asked to, before it is killed [s]."""
+
+WITH_ITS_PARENT = """\
+exec 3<&0
+"$@" 3<&- </dev/null &
+child=$!
+(read -r nothing <&3; kill -9 $child) >/dev/null 2>&1 &
+guard=$!
+wait $child
+code=$?
+kill -9 $guard 2>/dev/null
+exit $code
+"""
+"""Shell that runs a program and kills it when the other end of its standard input closes: when this process dies."""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a watched process ended.
+
+    Attributes:
+        code: its exit code, 128 + n if it died of signal n; None if it was ended here.
+        late: whether its time was up; without a code and not late it had done `enough`.
+    """
+
+    code: int | None
+    late: bool = False
+
+    @property
+    def signal(self) -> str:
+        """Name of the signal it died of, "" if of none."""
+        number = (self.code or 0) - 128
+        try:
+            return signal.Signals(number).name if number > 0 else ""
+        except ValueError:
+            return ""
+
+
+def watch(
+    command: Sequence[str],
+    folder: Path,
+    *,
+    log: Path,
+    limit: float,
+    printed: bool = True,
+    environment: Mapping[str, str] | None = None,
+    enough: Callable[[], bool] = lambda: False,
+) -> Ending:
+    """Run a command in a folder to its end.
+
+    The process has a session of its own: whatever happens, the whole group is gone when this returns, or this process
+    dies.
+
+    Args:
+        command: the program and its words; folder: where it works.
+        log: file for what it complains of, and, if `printed`, for what it prints.
+        limit: wall time after which it is ended [s].
+        environment: beside `ALONE` and that of this process.
+        enough: looked at several times per second; True ends the run.  What it raises ends the run and is passed on.
+    """
+    shell = ["/bin/sh", "-c", WITH_ITS_PARENT, "rock", *command]
+    end = time.monotonic() + limit
+    with log.open("wb") as said:
+        process = subprocess.Popen(
+            shell,
+            cwd=folder,
+            env={**os.environ, **ALONE, **(environment or {})},
+            stdin=subprocess.PIPE,
+            stdout=said if printed else subprocess.DEVNULL,
+            stderr=said,
+            start_new_session=True,
+        )
+        try:
+            while not _ended(process, min(LOOK_EVERY, max(end - time.monotonic(), 0.0))):
+                if enough():
+                    return Ending(None)
+                if time.monotonic() >= end:
+                    return Ending(None, late=True)
+        finally:
+            _end_group(process)
+    code = process.returncode
+    return Ending(code if code >= 0 else 128 - code)
+
+
+def _ended(process: subprocess.Popen[bytes], timeout: float) -> bool:
+    try:
+        process.wait(timeout)
+    except subprocess.TimeoutExpired:
+        return False
+    return True
+
+
+def _end_group(process: subprocess.Popen[bytes]) -> None:
+    """End the process and whatever it has started, by its process group."""
+    for sign in (signal.SIGTERM, signal.SIGKILL):
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, sign)
+        if _ended(process, GRACE):
+            break
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, signal.SIGKILL)  # children that outlived it
+    process.wait()
+    if process.stdin is not None:
+        process.stdin.close()
+
 
 def check_machine(program: str, code: int | None, words: str) -> None:
     """`MachineError` if a process that ended with a code and some last words got no memory or no space.
 
     Nobody here has sent SIGKILL to a process that has ended by then: the system does where memory has run out.
     """
-    if code in (-signal.SIGKILL, 128 + signal.SIGKILL):  # the latter is a shell's way of saying it
+    if code == 128 + signal.SIGKILL:
         raise MachineError(f"{program} was killed by the system, as it does where memory has run out")
     for refusal in REFUSALS:
         if code and refusal in words:

@@ -1,19 +1,14 @@
 """Runs a script in a process of its own, with a time limit, and reads back what it wrote.
 
 OpenSees keeps one model per process, prints at exit, and a mistake in it can end the process: none of this may reach
-the program.  The process lives in a temporary folder, which goes with it; it is killed as a group when its time is
-up or the program is interrupted, and does not outlive the program.
+the program.  The process lives in a temporary folder, which goes with it.
 """
 
 from __future__ import annotations
 
-import contextlib
 import importlib.util
 import json
 import math
-import os
-import signal
-import subprocess
 import sys
 import tempfile
 import warnings
@@ -25,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
-from rockcli.solvers.common.programs import check_machine
+from rockcli.solvers.common.programs import check_machine, watch
 from rockcli.solvers.opensees.script import Script
 
 Array = NDArray[np.float64]
@@ -45,19 +40,6 @@ _NUMBERS = ("t_end", "theta", "theta_dot", "theta_peak", "t_peak", "theta_dot_pe
 
 _WORDS = 300
 """Letters of a process's last words that are passed on."""
-
-_BOOTSTRAP = """\
-import ctypes, os, runpy, signal, sys
-parent = int(sys.argv[1])
-try:
-    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: Linux only
-except (AttributeError, OSError):
-    pass
-if os.getppid() != parent:
-    sys.exit("the program that asked for this is gone")
-sys.argv = sys.argv[2:]
-runpy.run_path(sys.argv[0], run_name="__main__")
-"""
 
 
 class PeerError(Exception):
@@ -96,43 +78,24 @@ def run_script(script: Script, *, seconds: float | None = None) -> Answer:
         folder = Path(place)
         for name, text in script.files.items():
             (folder / name).write_text(text, encoding="utf-8")
-        code, words = _run(folder / f"{script.name}.py", folder, seconds)
-        if code is None:
+        log = folder / "stderr.txt"
+        command = [sys.executable, str(folder / f"{script.name}.py")]
+        ending = watch(
+            command, folder, log=log, limit=seconds, printed=False, environment={"PYTHONDONTWRITEBYTECODE": "1"}
+        )
+        words = _last_words(log)
+        if ending.late:
             raise PeerError(f"OpenSees did not finish within {seconds:.0f} s and was stopped{_quoted(words)}")
-        check_machine("OpenSees", code, words)
-        if code < 0:
-            raise PeerError(f"OpenSees was ended by signal {_signal(-code)}{_quoted(words)}")
-        if code > 0:
+        check_machine("OpenSees", ending.code, words)
+        if ending.signal:
+            raise PeerError(f"OpenSees was ended by signal {ending.signal}{_quoted(words)}")
+        if ending.code:
             if "ImportError" in words or "cannot open shared object" in words:
                 raise PeerError(f"OpenSeesPy cannot be loaded{_quoted(words)}: {INSTALL}")
-            raise PeerError(f"OpenSees: {words}" if words else f"OpenSees ended with exit code {code} and no message")
+            nothing = f"OpenSees ended with exit code {ending.code} and no message"
+            raise PeerError(f"OpenSees: {words}" if words else nothing)
         table, summary = (folder / name for name in script.outputs)
         return _answer(table, summary, words)
-
-
-def _run(path: Path, folder: Path, seconds: float) -> tuple[int | None, str]:
-    """Exit code (None: out of time) and last words of a script run in `folder`; nothing of it is left running."""
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1"}
-    said = folder / "stderr.txt"
-    with said.open("wb") as errors:
-        process = subprocess.Popen(
-            [sys.executable, "-c", _BOOTSTRAP, str(os.getpid()), str(path)],
-            cwd=folder,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=errors,
-            start_new_session=True,
-        )
-        code: int | None = None
-        try:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                code = process.wait(timeout=seconds)
-        finally:
-            with contextlib.suppress(ProcessLookupError, PermissionError):  # the group may outlive its leader
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-    return code, _last_words(said)
 
 
 def _last_words(file: Path) -> str:
@@ -147,13 +110,6 @@ def _last_words(file: Path) -> str:
 
 def _quoted(words: str) -> str:
     return f" ({words})" if words else ""
-
-
-def _signal(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return str(number)
 
 
 def _answer(table: Path, summary: Path, words: str) -> Answer:
