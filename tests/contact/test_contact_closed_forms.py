@@ -86,6 +86,7 @@ def test_slide_under_a_constant_acceleration(row):
     assert found.histories["slide_dot"][1] == pytest.approx(rate, abs=NEAR)
     assert found["T_REST"] == pytest.approx(t_rest, abs=NEAR)
     assert (found.modes, found["N_SLIPS"], found["PEAK"]) == (["rest"], 1, 0.0)
+    assert abs(found["BALANCE"]) < NEAR
 
 
 @pytest.mark.parametrize("row", SLIDES_UNDER_A_SINE)
@@ -95,6 +96,7 @@ def test_slide_under_a_sine(row):
     found = run(body(b, h, mu, t_motion=T), piece(T, WAVES, 0.0, a_p, omega, 0.0))
     assert (found["T_SLIP"], found.t[1], found["T_REST"]) == pytest.approx((t_slip, t_stop, t_rest), abs=NEAR)
     assert (found["SLIDE_PEAK"], found["SLIDE_END"]) == pytest.approx((at_stop, slide), abs=NEAR)
+    assert abs(found["BALANCE"]) < NEAR
 
 
 @pytest.mark.parametrize("row", FLAT_FLIGHTS)
@@ -106,6 +108,8 @@ def test_flat_flight(row):
     landed = found.modes.index("flight") if "flight" in found.modes else -1
     assert found.t[landed + 1] == pytest.approx(t, abs=NEAR)
     assert found.histories["slide"][1] == pytest.approx(slide, abs=NEAR)
+    assert abs(found["BALANCE"]) < NEAR
+    assert found["GAIN"] < 1e-12
     after = kernel("impacts").flat(array(par), -a_g * until, (G + a_v) * -until - G * (t - until))
     assert after[0] == pytest.approx(turning, abs=NEAR)
     assert after[1] - h * after[0] == pytest.approx(rate, abs=NEAR)
@@ -166,6 +170,7 @@ def test_jam(b, h, mu, ratio, to_overturn):
     stands, falls = (run(body(b, h, mu, slide_rate_0=to_overturn * f)) for f in (1 - 1e-9, 1 + 1e-9))
     assert (stands["VERDICT"], falls["VERDICT"]) == (0.0, 1.0)
     assert stands["N_JAMS"] == falls["N_JAMS"] == 1
+    assert max(abs(stands["BALANCE"]), abs(falls["BALANCE"])) < NEAR
 
 
 def test_impacts_never_gain_energy():

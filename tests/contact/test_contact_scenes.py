@@ -55,6 +55,7 @@ def test_scene(name):
     assert found.t[: len(events)] == pytest.approx([float(t) for t, _ in events], abs=near)
     assert abs(found["BALANCE"]) < 1e-9  # J/kg
     assert found["GAIN"] < 1e-12
+    assert found["N_JAMS"] == 0
 
 
 def test_same_bits_compiled_and_plain():
