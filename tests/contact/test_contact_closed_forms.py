@@ -173,6 +173,25 @@ def test_jam(b, h, mu, ratio, to_overturn):
     assert max(abs(stands["BALANCE"]), abs(falls["BALANCE"])) < NEAR
 
 
+@pytest.mark.parametrize(("b", "mu", "slide_rate"), [(0.4, 1.9, 0.2), (0.35, 1.0, 0.3), (0.5, 1.2, 0.4)])
+def test_impacts_that_stop_the_rotation_and_leave_a_slip_end(b, mu, slide_rate):
+    """With eta = 0 a body that tripped comes down, slips on, trips again: an accumulation, in geometric ratio.
+
+    Each impact stops the rotation and leaves the base the slip (h - mu b) w of (K11); what that trips the body to
+    turns back into the rate of the next.
+    """
+    found = run(body(b, 1.0, mu, eta=0.0, slide_rate_0=slide_rate), rest_speed=1e-9)
+    assert (found["STATUS"], found["VERDICT"]) == (0.0, 0.0)
+    rates = np.abs(found.impacts[1])
+    ratios = rates[2:6] / rates[1:5]
+    np.testing.assert_allclose(ratios, ratios[0], rtol=1e-3)
+    times = np.array(found.impacts[0])
+    end = times[5] + (times[5] - times[4]) * ratios[-1] / (1.0 - ratios[-1])
+    assert found["T_REST"] == pytest.approx(end, rel=1e-4)
+    assert abs(found["BALANCE"]) < NEAR
+    assert found["N_STEPS"] < 500
+
+
 def test_impacts_never_gain_energy():
     """Random landings and corner impacts, of asymmetric bodies too, whatever the friction."""
     rng = np.random.default_rng(5)

@@ -11,6 +11,9 @@ import math
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.jit import jit_lean
 
+STOPPED = 1e-9
+"""A base that slips slower than this after an impact that stopped the rotation has stopped [m/s]."""
+
 
 @jit_lean
 def landing(par, i, j, w, v):
@@ -40,7 +43,9 @@ def landing(par, i, j, w, v):
         break
     if w < 0.0:
         impulse = b_i * w_0
-        return 0.0, math.copysign(max(abs(whole) - mu_k * impulse, 0.0), whole), impulse
+        left = abs(whole) - mu_k * impulse
+        # a slip that trips, stops and lets the body down again would follow, smaller each time, without end
+        return 0.0, (math.copysign(left, whole) if left > STOPPED else 0.0), impulse
     return w, v, impulse
 
 

@@ -114,7 +114,7 @@ def _reasons(
             said.append("leaves the ground or tips while it slides: this model has no consistent contact forces")
         elif scalars["outcome"][i] == UNRESOLVED:
             said.append("on the separatrix to machine precision: double precision does not decide whether it overturns")
-        elif only[i] and scalars["outcome"][i] == SLIDING:
+        elif only[i] and scalars["outcome"][i] == SLIDING and row[to.N_FLIGHTS] == 0:
             said.append(SLIDES)
         if row[to.NEARLY_FLAT] < ILL_POSED and row[to.STATUS] == DONE and not unknown[i]:
             said.append(
