@@ -122,6 +122,8 @@ def _islands(contents: Contents, over: Over) -> Iterator[str]:
 
 def _refused(contents: Contents, over: Over) -> Iterator[str]:
     if "fragility_status" not in contents.fields:
+        if over.told_against and over.along is not None:
+            yield f"no fragility curves: the intensity {over.told_against} is not known of these motions"
         return
     item = contents.fields["fragility_status"]
     points = item.values[..., 0].size

@@ -1,4 +1,4 @@
-"""`rock export`: the cases of a study as scripts to carry on from."""
+"""`rock export`: the cases of a study as scripts, or its fragility curves, for other programs to carry on from."""
 
 from __future__ import annotations
 
@@ -21,26 +21,34 @@ MOST = 100
 
 
 def export(
-    study_file: Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="The study.")],
-    to: Annotated[str, typer.Option("--to", metavar="opensees", help="What to write for.")] = "opensees",
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the scripts go.")] = Path("results"),
+    study_file: Annotated[
+        Path, typer.Argument(metavar="STUDY.yaml|FILE.nc", help="The study; for openquake its dataset.")
+    ],
+    to: Annotated[str, typer.Option("--to", metavar="opensees|openquake", help="What to write for.")] = "opensees",
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the files go.")] = Path("results"),
     case: Annotated[int | None, typer.Option("--case", metavar="N", help="Only this case, counted from 1.")] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
     ] = None,
 ) -> None:
-    """Write each case as a plain OpenSeesPy script.
+    """Write each case as a plain OpenSeesPy script, or the fragility curves of a dataset for OpenQuake.
 
-    Scripts and their ground motions go to DIR/<name>/opensees/; they run with OpenSeesPy alone.  Solves nothing.
+    Scripts and their ground motions go to DIR/<name>/opensees/; they run with OpenSeesPy alone.  A fragility model goes
+    to DIR/<name>/openquake/fragility_model.xml.  Solves nothing.
     """
     from rockcli.cli.sources import overrides
     from rockcli.errors import SolverError, StudyError
     from rockcli.storage.places import check_folder
     from rockcli.study.open import open_study
 
+    if to == "openquake":
+        if case is not None or settings:
+            raise StudyError("--case and --set belong to --to opensees")
+        _openquake(study_file, out)
+        return
     if to != "opensees":
-        raise StudyError(f"--to {to}: expected opensees")
+        raise StudyError(f"--to {to}: expected opensees or openquake")
     study = open_study(study_file, overrides=overrides(settings or ()))
     if case is not None and not 1 <= case <= study.size:
         raise StudyError(f"--case {case}: the study has the cases 1 to {study.size}", file=study.file)
@@ -61,6 +69,30 @@ def export(
         written += 1
     if not written:
         raise StudyError("no case of it can be written for OpenSees", file=study.file)
+
+
+def _openquake(file: Path, out: Path) -> None:
+    """Write the fragility model of a dataset."""
+    from rockcli.analysis.nrml import fragility_model
+    from rockcli.errors import StudyError
+    from rockcli.storage import netcdf
+    from rockcli.storage.atomic import write_text
+    from rockcli.storage.places import check_folder
+
+    if file.suffix != ".nc":
+        raise StudyError("--to openquake writes the fragility curves of a dataset: expected FILE.nc", file=file)
+    contents = netcdf.read(file)
+    try:
+        model = fragility_model(contents)
+    except StudyError as error:
+        raise StudyError(error.message, file=file) from None
+    folder = out / contents.attrs.get("study_name", file.stem) / "openquake"
+    check_folder(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(folder / "fragility_model.xml", model.text)
+    for why in model.left_out:
+        say(f"rock: left out: {why}", err=True)
+    say(str(folder / "fragility_model.xml"))
 
 
 def _cases(study: Study, case: int | None) -> Iterator[tuple[int, Batch, int]]:
