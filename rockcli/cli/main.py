@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from rockcli.cli import animate, check, compare, export, identify, plot, report, run, show, table, trade, verify
+from rockcli.cli import animate, cache, check, compare, export, identify, plot, report, run, show, table, trade, verify
 from rockcli.cli.interrupt import INTERRUPTED, answered, tell
 from rockcli.cli.say import forget, say
 from rockcli.errors import RockError, StudyError
@@ -35,6 +35,7 @@ app.command("identify")(identify.identify)
 app.command("export")(export.export)
 app.command("show")(show.show)
 app.command("verify")(verify.verify)
+app.command("cache")(cache.cache)
 
 
 def _version(asked: bool) -> None:

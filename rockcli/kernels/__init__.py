@@ -1,7 +1,8 @@
 """Scalar physics: floats in, floats out; one source that runs compiled by numba or as plain Python.
 
-Compiling costs half a second from a warm cache, so one case is faster uncompiled and a sweep compiled.
-`load` is the only way in: it decides before the kernels are first imported.
+Where the kernels were compiled ahead of time, with the program or by `rock cache --fill`, they need no compiler; else
+they are compiled just in time, which costs half a second from a warm cache and far more from a cold one.  One case is
+faster as plain Python.  `load` is the only way in: it decides before the kernels are first imported.
 """
 
 from __future__ import annotations
@@ -13,36 +14,64 @@ from collections.abc import Callable
 from types import ModuleType
 
 compiled: bool | None = None
-"""How the kernels in use were loaded; None before the first `load`."""
+"""Whether the kernels in use were loaded compiled; None before the first `load`."""
 
 announce: Callable[[str], None] | None = None
 """Told when kernels are about to be compiled of which nothing is in the cache."""
 
-COMPILING = "compiling the kernels, once: about 15 s"
-COMPILING_ALWAYS = "compiling the kernels: about 15 s in every run, as there is no place to keep them (ROCK_CACHE_DIR)"
+COMPILING = "compiling the kernels, once: 15 to 50 s (`rock cache --fill` does it beforehand)"
+COMPILING_ALWAYS = "compiling the kernels: 15 to 50 s in every run, as there is no place to keep them (ROCK_CACHE_DIR)"
+
+ENTRIES = (
+    "contact.march", "lanes.pulses.march", "column.automaton", "lanes.records.march", "rigid.march", "frame.march",
+    "frame.newmark", "frame.elements",
+)  # fmt: skip
+"""Modules with functions that Python calls, those first that take long to compile."""
 
 
 def load(name: str = "rigid.march", *, compile_them: bool) -> ModuleType:
     """A module of kernels by its name below this package, compiled if asked; once compiled, so for the process's life.
 
-    The environment variable ROCK_KERNELS = compiled | interpreted overrules the caller.
+    The environment variable ROCK_KERNELS overrules the caller: interpreted, compiled, or compiled in one way only, jit
+    or ahead.
+
+    Raises:
+        ImportError: kernels compiled ahead of time are demanded, and there are none for this machine.
     """
     global compiled
-    wish = {"compiled": True, "interpreted": False}.get(os.environ.get("ROCK_KERNELS", ""), compile_them)
+    word = os.environ.get("ROCK_KERNELS", "")
+    wish = {"compiled": True, "jit": True, "ahead": True, "interpreted": False}.get(word, compile_them)
     if compiled is None or (wish and not compiled):
         jit = importlib.import_module(f"{__name__}.jit")
+        way = _way(word) if wish else jit.PLAIN
         forget()
         compiled = wish
-        jit.decide(wish)
-        if wish and announce is not None and jit.is_cold():
-            announce(COMPILING if jit.cache_takes_files() else COMPILING_ALWAYS)
+        jit.decide(way)
+        if way == jit.JUST_IN_TIME and announce is not None and jit.is_cold():
+            announce(COMPILING if jit.places.cache_takes_files() else COMPILING_ALWAYS)
     return importlib.import_module(f"{__name__}.{name}")
+
+
+def _way(word: str) -> str:
+    """How kernels are to be compiled that ROCK_KERNELS says this of."""
+    jit = importlib.import_module(f"{__name__}.jit")
+    there = word != "jit" and jit.ahead.objects() is not None
+    if word == "ahead" and not there:
+        raise ImportError(
+            "ROCK_KERNELS is ahead, and no kernels of this version were compiled ahead of time for "
+            f"{jit.ahead.level()}; `rock cache --fill` does it"
+        )
+    return str(jit.AHEAD if there else jit.JUST_IN_TIME)
+
+
+KEPT = ("jit", "ahead", "places")
 
 
 def forget() -> None:
     """Have every kernel imported anew, as it is decided at import whether it is compiled."""
     global compiled
-    for name in [name for name in sys.modules if name.startswith(f"{__name__}.") and name != f"{__name__}.jit"]:
+    kept = {f"{__name__}.{name}" for name in KEPT}
+    for name in [name for name in sys.modules if name.startswith(f"{__name__}.") and name not in kept]:
         parent, _, child = name.rpartition(".")
         vars(sys.modules.get(parent, sys)).pop(child, None)  # or `from parent import child` would find the old one
         del sys.modules[name]

@@ -1,80 +1,86 @@
-"""numba's one door."""
+"""Numba's one door, and how the functions of the kernels come to be what they are: plain or compiled."""
 
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import os
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar, cast
+
+from rockcli.kernels import ahead, places
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_compiled = False
+PLAIN, JUST_IN_TIME, AHEAD = "plain Python", "compiled just in time", "compiled ahead of time"
+"""How kernels run."""
+
+_way = PLAIN
 _cached = False
 
+entries: dict[str, tuple[Any, tuple[Any, ...], Any]] = {}
+"""Just-in-time functions that Python calls, by name, with what they take and give."""
 
-def decide(compile_them: bool) -> None:
-    """Say, before a kernel module is imported, whether its functions are to be compiled.
 
-    What is compiled is kept in the cache, if there is a place for it.  Without one numba would keep it beside the
-    sources, where it does not notice that a callee in another file has changed.
+def decide(way: str, *, keep: bool = True) -> None:
+    """Say, before a kernel module is imported, what becomes of its functions.
+
+    What is compiled just in time is kept in the cache, if asked and if there is a place for it.  Without one numba
+    would keep it beside the sources, where it does not notice that a callee in another file has changed.
     """
-    global _compiled, _cached
-    _compiled = compile_them
-    if compile_them:
+    global _way, _cached
+    _way = way
+    if way == JUST_IN_TIME:
         from numba import config
 
-        _cached = cache_takes_files()
-        setattr(config, "CACHE_DIR", str(_cache_dir()))  # noqa: B010 - the checker does not know it
+        _cached = keep and places.cache_takes_files()
+        setattr(config, "CACHE_DIR", str(places.cache_dir()))  # noqa: B010 - the checker does not know it
 
 
 def compiling() -> bool:
-    """What was decided."""
-    return _compiled
-
-
-def cache_takes_files() -> bool:
-    """Whether compiled kernels can be kept."""
-    try:
-        _cache_dir().mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=_cache_dir()) as file:
-            file.write(bytes(4096))
-    except OSError:
-        return False
-    return True
+    """Whether functions are compiled as they are called."""
+    return _way == JUST_IN_TIME
 
 
 def is_cold() -> bool:
-    """Whether nothing compiled is in the cache."""
-    return next(_cache_dir().rglob("*.nbi"), None) is None
+    """Whether nothing compiled just in time is in the cache."""
+    return next(places.cache_dir().rglob("*.nbi"), None) is None
 
 
 def jit(function: F) -> F:
     """Compile a kernel, cached on disk, or leave it as it is.
 
     No fast-math: the same operations in the same order give the same bits compiled or not.  Other threads may run
-    meanwhile, such as the one that hears an interrupt.
+    meanwhile, such as the one that hears an interrupt.  A kernel makes no arrays: those it is given are not counted, as
+    that costs more than its work.
     """
-    return _compile(function)
-
-
-def jit_lean(function: F) -> F:
-    """`jit` for a kernel that makes no arrays: those it is given are not counted, as that costs more than its work."""
-    return _compile(function, _nrt=False)
-
-
-def _compile(function: F, **options: Any) -> F:
-    if not _compiled:
+    if not compiling():
         return function
     from numba import njit
 
-    compiled = njit(cache=_cached, error_model="numpy", nogil=True, **options)(function)
+    options: dict[str, Any] = {"cache": _cached, "error_model": "numpy", "nogil": True, "_nrt": False}
+    compiled: Any = njit(**options)(function)
     if _cached:
         _forgive(compiled._cache)
     return cast(F, compiled)
+
+
+jit_lean = jit
+
+
+def entry(*takes: Any, gives: Any = None) -> Callable[[F], F]:
+    """`jit` for a function that Python calls: only such a one can be compiled ahead of time, for these arguments.
+
+    takes: bool, int, float, an `ahead.Array`, or a tuple of these, a class of named values among them; gives: a scalar.
+    """
+
+    def made(function: F) -> F:
+        if _way == AHEAD:
+            return cast(F, ahead.Entry(function, takes, gives))
+        compiled = jit(function)
+        if compiling():
+            entries[ahead.name_of(function)] = compiled, takes, gives
+        return compiled
+
+    return made
 
 
 def _forgive(cache: Any) -> None:
@@ -90,19 +96,8 @@ def _forgive(cache: Any) -> None:
 
 def room(n: int) -> Any:
     """Work space of n numbers: an array for compiled code, a list (three times faster) for plain Python."""
-    if not _compiled:
+    if _way == PLAIN:
         return [0.0] * n
     import numpy as np
 
     return np.zeros(n)
-
-
-def _cache_dir() -> Path:
-    """A folder named by all kernel sources: numba does not notice an edit in a callee of another file."""
-    digest = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(source.read_bytes())
-    base = os.environ.get("ROCK_CACHE_DIR") or os.path.join(
-        os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache"), "rockcli"
-    )
-    return Path(base) / f"kernels-{digest.hexdigest()[:16]}"

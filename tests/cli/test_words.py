@@ -105,7 +105,8 @@ def test_a_note_in_a_terminal_only(monkeypatch: pytest.MonkeyPatch, capsys: pyte
 def test_compiling_is_announced_once(tmp_path: Path) -> None:
     """Nothing in the cache: before; something there, or nothing to compile: not at all."""
     script = (
-        "import sys\nfrom rockcli import kernels\nkernels.announce = lambda words: print('compiling')\n"
+        "import sys\nfrom pathlib import Path\nfrom rockcli import kernels\nfrom rockcli.kernels import places\n"
+        "places.INSTALLED = Path('nowhere')\nkernels.announce = lambda words: print('compiling')\n"
         "kernels.load(compile_them=False)\nkernels.load(compile_them=sys.argv[1] == 'compiled')\n"
         "kernels.load(compile_them=True)\n"
     )

@@ -221,10 +221,10 @@ def test_whatever_ends_a_run_what_is_finished_is_kept(
 
 
 KERNEL = """\
-from rockcli.kernels import jit
-jit.decide(True)
+from rockcli.kernels import jit, places
+jit.decide(jit.JUST_IN_TIME)
 import kernel
-print(kernel.twice(21.0), len(list(jit._cache_dir().rglob("*.nbc"))) if jit.cache_takes_files() else "nowhere")
+print(kernel.twice(21.0), len(list(places.cache_dir().rglob("*.nbc"))) if places.cache_takes_files() else "nowhere")
 """
 
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.ahead import CUBE, MATRIX, TABLES, VECTOR
 from rockcli.kernels.column import layout as at
 from rockcli.kernels.column.events import drop, first_event, look, note, note_peaks
 from rockcli.kernels.column.law import along, base_moment, dot, energy, gap, ground, ground_loads, limit, step, work_of
 from rockcli.kernels.column.oscillator import advance, fill, wander
 from rockcli.kernels.constants import FALLS, FAST, NOT_FINITE, OUT_OF_STEPS, RETURNS, UNDECIDED
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import entry, jit
 from rockcli.kernels.rigid.ground import PULSES, piece_at, piece_end
 from rockcli.kernels.rigid.ground import WIDTH as PIECE
 from rockcli.kernels.rigid.settings import Channel as Channel
@@ -91,7 +92,10 @@ def write(par, phase, s, mode, F, x, t, t_end, dt_out, i_hist, S, z, v, z_x, v_x
     return i_hist
 
 
-@jit
+@entry(
+    VECTOR, CUBE, MATRIX, VECTOR, VECTOR, int, Channel, VECTOR, Channel, VECTOR, float, MATRIX, MATRIX, VECTOR,
+    (TABLES, CUBE, MATRIX, MATRIX, TABLES, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
+)  # fmt: skip
 def march(
     par, modes, T, z, v, max_steps, horizontal, h_data, vertical, v_data, dt_out, hist, landings, out, space
 ):  # fmt: skip

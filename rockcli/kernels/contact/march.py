@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.ahead import CUBE, MATRIX, VECTOR
 from rockcli.kernels.constants import (
     DONE,
     FALLS,
@@ -37,11 +38,11 @@ from rockcli.kernels.contact.readings import (
 from rockcli.kernels.contact.rest import frequency, settles
 from rockcli.kernels.contact.results import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.contact.selection import JAM, NEITHER, on_base, on_edge, stiffness
-from rockcli.kernels.jit import jit_lean, room
+from rockcli.kernels.jit import entry, jit_lean, room
 from rockcli.kernels.rigid.ground import PULSES, expand, piece_at, piece_end
 from rockcli.kernels.rigid.roots import first_root, last_passage, uplift
 from rockcli.kernels.rigid.series import slope, value
-from rockcli.kernels.rigid.settings import Channel  # noqa: F401 - callers read it here
+from rockcli.kernels.rigid.settings import Channel
 
 EXACT = 1e-17
 """Truncation of the series of the motion, over the weight, where its integrals are all there is to the flow."""
@@ -687,7 +688,9 @@ def march(
         i_hist += 1
 
 
-@jit_lean
+@entry(
+    MATRIX, float, float, int, int, Channel, MATRIX, Channel, MATRIX, float, CUBE, CUBE, CUBE, (VECTOR,) * 16, MATRIX,
+)  # fmt: skip
 def march_all(
     pars, tol, rest_speed, max_steps, order, horizontal, h_data, vertical, v_data, dt_out,
     histories, impacts_out, events, spaces, out,

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.frame import layout as at
 from rockcli.kernels.frame.banded import clear_band
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import entry, jit
 
 
 @jit
@@ -128,7 +129,7 @@ def base_moment(par, u, factor, fibres):
     return M
 
 
-@jit
+@entry(VECTOR, float, gives=float)
 def spring_energy(par, theta):
     """Energy stored in a rotational base spring [J]."""
     q = abs(theta)
@@ -150,7 +151,7 @@ def spring_energy(par, theta):
     return stored
 
 
-@jit
+@entry(VECTOR, VECTOR, int, VECTOR, MATRIX, MATRIX, gives=float)
 def stored_energy(par, u, n, weights, fibres, B):
     """Strain energy of elements and base, and potential of the weights where they are loads [J] (E8)."""
     total = 0.0

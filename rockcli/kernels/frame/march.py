@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.ahead import CUBE, MATRIX, VECTOR
 from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
 from rockcli.kernels.frame import layout as at
 from rockcli.kernels.frame.banded import clear, copy, times
 from rockcli.kernels.frame.elements import base_moment, damping, spring, stored_energy
 from rockcli.kernels.frame.newmark import accelerate, load, settle, step
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import entry, jit
 
 DIVISIONS = 4
 """A step that does not converge is divided by ten, up to this many times over."""
@@ -59,7 +60,10 @@ def record(par, t, h, old, new, history, written):
     return written
 
 
-@jit
+@entry(
+    VECTOR, int, MATRIX, VECTOR, VECTOR, MATRIX, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, CUBE, MATRIX, MATRIX,
+    MATRIX, MATRIX, VECTOR,
+)  # fmt: skip
 def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, rows, history, impacts, out):
     """Solve one case.
 

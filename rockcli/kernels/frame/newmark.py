@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from rockcli.kernels.ahead import CUBE, MATRIX, VECTOR
 from rockcli.kernels.frame import layout as at
 from rockcli.kernels.frame.banded import clear, clear_band, copy, hold, solve, times
 from rockcli.kernels.frame.elements import add_base, add_elements
-from rockcli.kernels.jit import jit
+from rockcli.kernels.jit import entry, jit
 
 MAX_ITERATIONS = 12
 """Iterations after which a step is divided."""
@@ -120,7 +121,7 @@ def accelerate(par, n, mass, damped, pull, weights, fibres, a_g, a_v, u, v, a, w
     copy(r, a)
 
 
-@jit
+@entry(VECTOR, int, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX, CUBE, MATRIX, gives=bool)
 def settle(par, n, pull, weights, fibres, u, work, bands, B):
     """Find the equilibrium under the weights with the base held at its rotation u[2]; True if there is a stable one."""
     f, r, A = work[at.FORCE], work[at.REST], bands[at.SYSTEM]

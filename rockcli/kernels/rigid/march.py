@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.ahead import CUBE, MATRIX, VECTOR
 from rockcli.kernels.constants import (
     DONE,
     FALLS,
@@ -23,7 +24,7 @@ from rockcli.kernels.constants import (
     RETURNS,
     UNDECIDED,
 )
-from rockcli.kernels.jit import jit_lean, room
+from rockcli.kernels.jit import entry, jit_lean, room
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
@@ -331,7 +332,7 @@ def afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out):
         t, q, v = t + h, q_new, v_new
 
 
-@jit_lean
+@entry(MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, float, CUBE, CUBE, (VECTOR,) * 7, MATRIX)
 def march_all(pars, how, horizontal, h_data, vertical, v_data, dt_out, histories, impacts, spaces, out):
     """`march` for every row of `pars`; histories, impacts, results and tables of pulses row by row too.
 

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.constants import FALLS, FAST, LEFT_TO_MARCH, RETURNS
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import entry, jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
@@ -41,7 +42,7 @@ LONGEST = 2.0
 """Longest step, over 1/p."""
 
 
-@jit_lean
+@entry(MATRIX, Settings, MATRIX, int, VECTOR, MATRIX)
 def sweep(pars, how, tables, pieces, work, out):
     """Solve every row of `pars` under the pulse of its row of `tables` with series of `how.order`.
 

@@ -8,8 +8,9 @@ the next one.  Nothing a body gets depends on the others.
 
 from __future__ import annotations
 
+from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.constants import MAX_ORDER
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import entry
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.events import arrive, attend
 from rockcli.kernels.lanes.records.impacts import land
@@ -38,7 +39,7 @@ def work_space():
     )  # fmt: skip
 
 
-@jit_lean
+@entry(MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, float, (VECTOR,) * 9, MATRIX)
 def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out):
     """`march_all` for bodies with two equal edges, no damper, under one sampled motion; no forces, no histories.
 
