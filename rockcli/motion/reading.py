@@ -1,6 +1,6 @@
 """A file of a record -> a Motion, whatever the format; units and time step are never guessed.
 
-AT2 and plain text are read here; for all other formats ObsPy is asked.
+AT2, plain text and the formats of agencies (`agencies`) are read here; for all others ObsPy is asked.
 """
 
 from __future__ import annotations
@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
+from rockcli.motion.agencies.channel import Channel
+from rockcli.motion.agencies.formats import FORMATS, channels_of, format_of
 from rockcli.motion.at2 import looks_like_at2, parse_at2
 from rockcli.motion.file import record_bytes
 from rockcli.motion.motion import Motion
 from rockcli.motion.options import OptionError
 from rockcli.motion.text import is_numeric_text, parse_text
-from rockcli.motion.units import FACTORS, unit_named
+from rockcli.motion.units import FACTORS, same_unit, unit_named
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -37,17 +39,8 @@ MAX_VALUE = 1e30
 LARGE = 10.0
 """Peak [g] above which the units are doubted aloud: no earthquake has been recorded that shook so hard."""
 
-FOREIGN = {
-    b"(Format v01.": "COSMOS",
-    b"1 UNCORRECTED ACCELEROGRAM": "USGS SMC",
-    b"2 CORRECTED ACCELEROGRAM": "USGS SMC",
-    b"CORRECTED ACCELEROGRAM": "CSMIP V2",
-    b"Uncorrected Accelerogram Data": "CSMIP V1",
-    b"Corrected accelerogram": "GeoNet V2A",
-    b"EVENT_NAME:": "ESM ASCII",
-    b"Station Code / Name": "RESORCE ASCII",
-}
-"""Formats that are not read, by words at the beginning of their files: to name them to the user."""
+STATED = 0.01
+"""Relative difference of the peak of the values from that in the header above which it is mentioned."""
 
 SLOW = 0.5
 """Time step from which the units of time are doubted aloud [s]: strong motion is sampled ten times as often."""
@@ -76,8 +69,9 @@ def read_record(
     """Read one component of a ground-motion record.
 
     Args:
-        path: of the file: AT2, text in one column (acceleration), two (time, acceleration) or as many as one
-            likes (acceleration, line by line), or any format ObsPy reads; compressed files are not.
+        path: of the file: AT2, a format of `agencies.formats`, text in one column (acceleration), two (time,
+            acceleration) or as many as one likes (acceleration, line by line), or any format ObsPy reads;
+            compressed files are not.
         component: which one, if the file holds several: its name as the file gives it, or its place from 0.
             If the file holds one, it must be that one.
         units: of the values: `g`, `m/s2`, `cm/s2`, `gal`, `mm/s2`; needed where the format does not state
@@ -97,6 +91,8 @@ def read_record(
     data = _bytes(path)
     if looks_like_at2(data):
         found = _at2(data, path, component, unit)
+    elif (one := format_of(data)) is not None:
+        found = _of_agency(channels_of(data, one, str(path)), one.name, path, component, unit)
     elif is_numeric_text(data):
         _only_component("", component, path)
         text = parse_text(data, str(path), unit, dt)
@@ -180,6 +176,19 @@ def _at2(data: bytes, path: Path, component: str | int | None, unit: str | None)
     return Found(record.values, record.dt, record.units, "AT2", record.component, header, warnings=record.warnings)
 
 
+def _of_agency(channels: list[Channel], name: str, path: Path, component: str | int | None, unit: str | None) -> Found:
+    """A component of a file that states everything itself."""
+    names = [channel.component for channel in channels]
+    one = channels[_chosen(names, names, component, path)]
+    if unit is not None and not same_unit(unit, one.units):
+        raise OptionError("units", f"the file says its units are {one.units}, `units` says {unit}; leave it out", path)
+    peak = float(np.abs(one.values).max(initial=0.0))
+    differs = abs(peak - one.peak) > STATED * one.peak  # False where the header states none
+    said = f"the header says the peak is {one.peak:.5g} {one.units}, that of the values is {peak:.5g}"
+    header = {"station": one.station, **one.header}
+    return Found(one.values, one.dt, one.units, name, one.component, header, warnings=(said,) if differs else ())
+
+
 def _same_name(name: str, asked: str | int) -> bool:
     asked = str(asked)
     return name.casefold() == asked.casefold() or (name.isdigit() and asked.isdigit() and int(name) == int(asked))
@@ -238,17 +247,15 @@ def _obspy_format(path: Path) -> str:
     from obspy.core.util.base import ENTRY_POINTS
 
     declared = entry_points()
+    not_asked = ("PICKLE", "AT2", *(one.name for one in FORMATS))
     for name in ENTRY_POINTS["waveform"]:
         asked = declared.select(group=f"obspy.plugin.waveform.{name}", name="isFormat")
-        if name not in ("PICKLE", "AT2") and any(_says_yes(entry, path) for entry in asked):
+        if name not in not_asked and any(_says_yes(entry, path) for entry in asked):
             return str(name)
-    with path.open("rb") as file:
-        head = file.read(400)
-    foreign = next((name for words, name in FOREIGN.items() if words in head), None)
-    what = f"{foreign} files are not read" if foreign else "the format is not known"
+    agencies = ", ".join(one.name for one in FORMATS)
     raise RecordError(
-        f"{what} (read are AT2, columns of numbers, and what ObsPy reads); write the record as AT2, or as two "
-        "columns, time [s] and acceleration, without other text, and give `units`",
+        f"the format is not known (read are AT2, {agencies}, columns of numbers, and what ObsPy reads); write the "
+        "record as AT2, or as two columns, time [s] and acceleration, without other text, and give `units`",
         path,
     )
 
@@ -282,17 +289,21 @@ def _obspy_traces(path: Path, format_name: str) -> list[Any]:
 
 
 def _chosen_trace(traces: list[Any], component: str | int | None, path: Path) -> Any:
-    names = [str(trace.stats.channel) for trace in traces]
-    listed = ", ".join(f"{i}: {trace.id}" for i, trace in enumerate(traces))
-    if not traces:
+    return traces[_chosen([str(t.stats.channel) for t in traces], [t.id for t in traces], component, path)]
+
+
+def _chosen(names: list[str], ids: list[str], component: str | int | None, path: Path) -> int:
+    """Place of the one component of a file that is meant."""
+    listed = ", ".join(f"{i}: {one}" for i, one in enumerate(ids))
+    if not names:
         raise RecordError("the file holds no component", path)
     if component is None:
-        chosen = list(range(len(traces)))
+        chosen = list(range(len(names)))
     else:
-        chosen = [i for i, name in enumerate(names) if _same_name(name, component) or traces[i].id == component]
-        if not chosen and isinstance(component, int) and 0 <= component < len(traces):
+        chosen = [i for i, name in enumerate(names) if _same_name(name, component) or ids[i] == component]
+        if not chosen and isinstance(component, int) and 0 <= component < len(names):
             chosen = [component]
     if len(chosen) != 1:
         what = "choose one with `component`" if component is None else f"`component` is {component!r}"
         raise OptionError("component", f"{what}; the file holds {listed}", path)
-    return traces[chosen[0]]
+    return chosen[0]

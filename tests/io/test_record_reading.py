@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from rockcli.errors import RecordError
+from rockcli.motion.agencies.formats import format_of
 from rockcli.motion.at2 import read_at2
 from rockcli.motion.reading import read_record
 from rockcli.motion.writing import two_columns
@@ -79,7 +80,7 @@ def test_what_no_format_can_be_read_from(write, tmp_path: Path) -> None:
     refused(tmp_path / "none.AT2", "no such file")
     refused(tmp_path, "folder")
     refused(write(b""), "empty")
-    refused(write("Corrected acceleration    (Format v01.20)\n 1 2 3\n"), "COSMOS files are not read")
+    refused(write("Corrected acceleration    (Format v01.20)\n 1 2 3\n"), "the format is not known")
     refused(write("some words\n1 2\n"), "format is not known")
     refused(write(bytes(range(256)) * 40), "ObsPy")
 
@@ -246,33 +247,15 @@ def test_other_real_files_match_their_index(shared_records: Path) -> None:
             assert motion.dt == float(rows[name]["dt_s"]), name
 
 
-def test_other_real_files_are_refused_with_one_clear_sentence(shared_records: Path) -> None:
-    read = set(SETTINGS)
+def test_other_real_files_are_read_or_refused_for_what_they_do_not_say(shared_records: Path) -> None:
+    """Those of agencies are in test_agencies.py; what is left does not state its units, or its time step."""
     refusals = 0
     for path in sorted((shared_records / "other").iterdir()):
-        if path.name in read or "_SF_" in path.name:
-            continue
-        with pytest.raises(RecordError) as caught:
-            read_record(path, units="gal", dt=0.01)
-        assert "AT2" in caught.value.message or "two columns" in caught.value.message
-        refusals += 1
-    assert refusals >= 13
-
-
-@pytest.mark.parametrize(
-    ("first", "name"),
-    [
-        ("2 CORRECTED ACCELEROGRAM                                    ", "USGS SMC"),
-        ("1 UNCORRECTED ACCELEROGRAM", "USGS SMC"),
-        ("CORRECTED ACCELEROGRAM   36456-S4384-83123.01       CHAN  1:  90 DEG", "CSMIP V2"),
-        ("Uncorrected Accelerogram Data             Processed: 02/13/12, CGS", "CSMIP V1"),
-    ],
-)
-def test_foreign_formats_are_called_by_their_names(tmp_path: Path, first: str, name: str) -> None:
-    path = tmp_path / "record.txt"
-    path.write_text(first + "\n*\n*\n")
-    with pytest.raises(RecordError, match=f"{name} files are not read"):
-        read_record(path)
+        if format_of(path.read_bytes()) is None and path.suffix not in (".knet", ".EW", ".EW2"):
+            with pytest.raises(RecordError, match=r"do not state their units|state neither units nor time step"):
+                read_record(path)
+            refusals += 1
+    assert refusals == 10
 
 
 @pytest.mark.parametrize("device", ["/dev/null", "/dev/zero"])

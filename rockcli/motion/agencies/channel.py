@@ -1,0 +1,108 @@
+"""One component of a strong-motion file, and what the readers of all agencies need."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.errors import RecordError
+from rockcli.motion.numbers import read_numbers
+from rockcli.motion.units import unit_named
+
+Array = NDArray[np.float64]
+
+_NUMERIC = re.compile(r"[\s0-9.eEdD+\-]*[0-9][\s0-9.eEdD+\-]*")
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One component as its file has it.
+
+    Attributes:
+        values: acceleration, (k,), in `units`, a name of `motion.units`.
+        dt: time between samples [s].
+        component: as the file names it, "" if it does not.
+        station: its code or name.
+        peak: of |values| as the header states it, in `units`; NaN where it does not.
+        header: what else the file says.
+    """
+
+    values: Array
+    dt: float
+    units: str
+    component: str
+    station: str = ""
+    peak: float = math.nan
+    header: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format: its name, whether the first lines of a file are its own, and its reader.
+
+    `parse(lines, name of the file)` gives the components and raises RecordError, naming the line.
+    """
+
+    name: str
+    recognises: Callable[[list[str]], bool]
+    parse: Callable[[list[str], str], list[Channel]]
+
+
+def counted(lines: list[str], first: int, count: int, name: str, times: int = 1) -> tuple[Array, int]:
+    """The `count` numbers from a line on, the first of `times` series that follow each other, and the line behind.
+
+    Raises:
+        RecordError: fewer or more numbers than announced.
+    """
+    end = first
+    while end < len(lines) and (not lines[end].strip() or _NUMERIC.fullmatch(lines[end])):
+        end += 1
+    values = read_numbers(lines[first:end], first + 1, name).values
+    if len(values) != count * times:
+        message = (
+            f"the header announces {count * times} values and {len(values)} follow: the file is damaged; get it anew"
+        )
+        raise RecordError(message, name, first + 1)
+    return values[:count], end
+
+
+def sought(pattern: str, line: str, what: str, name: str, number: int) -> re.Match[str]:
+    """What a pattern finds on a line, which is told in words where it does not."""
+    match = re.search(pattern, line, re.I)
+    if match is None:
+        raise RecordError(f"expected {what}, not {line.strip()[:60]!r}", name, number)
+    return match
+
+
+def unit_of(words: str, name: str, number: int) -> str:
+    """The unit of acceleration that the file states."""
+    unit = unit_named(words.strip(" ()."))
+    if unit is None:
+        raise RecordError(f"the values are in {words.strip()!r}, not a unit of acceleration known here", name, number)
+    return unit
+
+
+def number_in(text: str) -> float:
+    """The number at the beginning of a text, NaN where there is none."""
+    match = re.match(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)", text)
+    return float(match[1]) if match else math.nan
+
+
+def whole(text: str, what: str, name: str, number: int) -> int:
+    """A number of values, two or more."""
+    if not re.fullmatch(r"\s*\d{1,9}\s*", text) or int(text) < 2:
+        raise RecordError(f"{what} is {text.strip()!r}; expected two or more", name, number)
+    return int(text)
+
+
+def step(value: float, name: str, number: int) -> float:
+    """A time step [s], above zero."""
+    if not 0.0 < value < math.inf:
+        raise RecordError(f"the time step is {value:g} s; expected seconds, above zero", name, number)
+    return value
