@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rockcli.cli.say import say
+from rockcli.cli.tables import facts
 
 if TYPE_CHECKING:
     from rockcli.engine.preview import Preview
@@ -59,28 +60,20 @@ IN_SI = "[m/s2]"
 def _text(found: Preview) -> str:
     from rockcli.cli.progress import duration
 
-    lines = [f"{found.name}: {found.title}" if found.title else found.name]
     axes = " x ".join(f"{points} {name}" for name, _, points in found.axes)
-    lines.append(_row("cases", f"{found.cases}" + (f" = {axes}" if axes else "")))
+    rows = [("cases", f"{found.cases}" + (f" = {axes}" if axes else ""))]
     first = " (first case)" if found.cases > 1 else ""
-    said = {"body": found.body, "model": found.model, "motion": found.motion}
-    sections = {name: [row for row in rows if not row.words.endswith(IN_SI)] for name, rows in said.items()}
-    width = max(len(row.words) for rows in sections.values() for row in rows)
-    for name, rows in sections.items():
-        lines.append(f"  {name}{first}")
-        lines += [f"    {row.words:<{width}}  {_shown(row.value)}" for row in rows]
+    for name, section in (("body", found.body), ("model", found.model), ("motion", found.motion)):
+        rows.append((f"{name}{first}", ""))
+        rows += [(f"  {row.words}", _shown(row.value)) for row in section if not row.words.endswith(IN_SI)]
     for name, steps in found.processing.items():
-        lines.append(f"  record {name}")
-        lines += [f"    {step}" for step in steps]
-    lines.append(_row("backend", found.backend))
+        rows.append(("record", name))
+        rows += [("", step) for step in steps]
     size = f", {found.megabytes:.3g} MB of histories at most" if found.megabytes else ""
-    lines.append(_row("cost", f"about {duration(found.seconds)}{size}"))
-    return "\n".join(lines)
+    rows += [("backend", found.backend), ("cost", f"about {duration(found.seconds)}{size}")]
+    title = f"{found.name}: {found.title}" if found.title else found.name
+    return f"{title}\n{facts(rows)}"
 
 
 def _shown(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:.6g}"
-
-
-def _row(name: str, words: str) -> str:
-    return f"  {name:<9} {words}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rockcli.cli.say import say
+from rockcli.cli.tables import facts
 from rockcli.scene.constants import STANDARD_G
 
 if TYPE_CHECKING:
@@ -181,11 +182,11 @@ LINES = (
 
 
 def _table(row: dict[str, Any]) -> str:
-    lines = [row["file"]]
+    rows = []
     for key, words, unit in LINES:
         value = f"{row[key]:.6g}" if isinstance(row[key], float) else str(row[key])
         if value:
-            lines.append(f"  {words:<16} {value} {unit}".rstrip())
-    lines += [f"  processing       {sentence}" for sentence in row["processing"]]
-    lines += [f"  remark           {sentence}" for sentence in row["warnings"]]
-    return "\n".join(lines)
+            rows.append((words, f"{value} {unit}".rstrip()))
+    rows += [("processing", sentence) for sentence in row["processing"]]
+    rows += [("remark", sentence) for sentence in row["warnings"]]
+    return f"{row['file']}\n{facts(rows)}"

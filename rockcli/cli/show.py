@@ -50,18 +50,9 @@ def _backends() -> str:
 
 def _variables() -> str:
     from rockcli.scene.response import OUTCOMES
-    from rockcli.scene.variables import VARIABLES
+    from rockcli.scene.variables import DIMENSIONS, VARIABLES
 
-    beside = {"case": "axes", "time": "axes, time", "impact": "axes, impact", "rotation": "axes, rotation"}
-    beside |= {
-        "suite": "axes left by over",
-        "limit_state": "the same, limit_state",
-        "measure": "the same, measure",
-        "input": "the same, input",
-    }
-    beside |= {"percentile": "the same, limit_state, percentile"}
-    beside |= {"setting": "setting"}
-    rows = [(v.name, beside[v.over], v.unit, v.sentence) for v in VARIABLES.values()]
+    rows = [(v.name, DIMENSIONS[v.over], v.unit, v.sentence) for v in VARIABLES.values()]
     outcomes = ", ".join(f"{flag} {name}" for flag, name in sorted(OUTCOMES.items()))
     return f"{table(('variable', 'over', 'unit', 'meaning'), rows)}\n\noutcome: {outcomes}"
 

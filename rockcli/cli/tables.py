@@ -13,7 +13,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, right: int = 0,
     """Rows below a head, columns aligned by blanks.
 
     Args:
-        head: names of the columns.
+        head: names of the columns; blank ones print no head.
         rows: cells, as many in each as in `head`.
         right: number of columns, the last ones, whose cells are numbers and end at the same place.
         indent: blanks before every line.
@@ -24,7 +24,8 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, right: int = 0,
 
     seen = sys.stdout.isatty()
     console = Console(width=None if seen else _UNBOUNDED, markup=False, highlight=False, emoji=False)
-    made = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold" if seen else "none")
+    style = "bold" if seen else "none"
+    made = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style=style, show_header=any(head))
     for number, name in enumerate(head):
         numeric = number >= len(head) - right
         made.add_column(name, justify="right" if numeric else "left", no_wrap=numeric, overflow="fold")
@@ -33,3 +34,8 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, right: int = 0,
     with console.capture() as printed:
         console.print(Padding(made, (0, 0, 0, indent), expand=False))
     return "\n".join(line.rstrip() for line in printed.get().splitlines())
+
+
+def facts(rows: Iterable[tuple[str, str]], *, indent: int = 2) -> str:
+    """What something is called, and what it is: a table without a head."""
+    return table(("", ""), rows, indent=indent)

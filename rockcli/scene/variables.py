@@ -14,6 +14,23 @@ SUITE, LIMIT, MEASURE, PERCENTILE, INPUT = "suite", "limit_state", "measure", "p
 HAZARD, HAZARD_POINT, INTENSITY_BIN = "hazard", "hazard_point", "intensity_bin"
 SETTING = "setting"
 
+DIMENSIONS: dict[str, str] = {
+    CASE: "axes",
+    TIME: "axes, time",
+    IMPACT: "axes, impact",
+    ROTATION: "axes, rotation",
+    SUITE: "axes left by over",
+    LIMIT: "axes left by over, limit_state",
+    MEASURE: "axes left by over, measure",
+    PERCENTILE: "axes left by over, limit_state, percentile",
+    INPUT: "axes left by over, input",
+    HAZARD: "axes left by over, limit_state, hazard",
+    INTENSITY_BIN: "axes left by over, limit_state, hazard, intensity_bin",
+    HAZARD_POINT: "hazard, hazard_point",
+    SETTING: "setting",
+}
+"""What a variable extends over, and the dimensions that come to."""
+
 PEAK = "theta_peak_over_alpha"
 """The peak that figures, suites and comparisons speak of."""
 
@@ -31,12 +48,7 @@ COUNTS = ("n_impacts", "n_steps", "n_rhs")
 
 @dataclass(frozen=True)
 class Variable:
-    """A row: `over` is CASE (the axes), TIME (axes, time), IMPACT (axes, impact),
-    ROTATION (axes, rotation: static curves), SUITE (the axes but that of `over`), LIMIT (the same, limit_state),
-    PERCENTILE (the same, limit_state, percentile), HAZARD (the same, limit_state, hazard), INTENSITY_BIN (the same,
-    limit_state, hazard, intensity_bin), HAZARD_POINT (hazard, hazard_point),
-    MEASURE (the same, measure), INPUT (the axes but that of `over`, input) or SETTING (setting: `rock trade`); unit "1" = dimensionless.
-    """
+    """A row: `over` is a key of `DIMENSIONS`; unit "1" = dimensionless."""
 
     name: str
     symbol: str

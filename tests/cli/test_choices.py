@@ -53,6 +53,22 @@ def test_a_row_of_a_table_is_one_line_where_nobody_looks_on(monkeypatch: pytest.
     assert len(table(("name", "sentence", "number"), rows, right=1).splitlines()) > 4
 
 
+def test_what_is_told_by_name_stays_beside_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    from rockcli.cli.tables import facts
+
+    rows = [("title", "word " * 40), ("  time step [s]", "0.01")]
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "60")
+    plain = facts(rows).splitlines()
+    assert [line.split()[0] for line in plain] == ["title", "time"]
+    column = plain[1].index("0.01")
+    assert plain[0].index("word") == column
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    seen = facts(rows).splitlines()
+    assert len(seen) > 4
+    assert all(line.index("word") == column and len(line) <= 60 for line in seen[:-1])
+
+
 @pytest.mark.parametrize("command", ["run", "check", "export"])
 def test_set_may_be_repeated(command: str) -> None:
     assert "may be repeated" in " ".join(shown(command, "--help").split())
