@@ -187,12 +187,23 @@ class VerticalPart(Part):
     record: RecordPart | None = key("recorded motion; without its own scaling it takes the horizontal factor")
 
 
+class OscillatorPart(Part):
+    """A floor or an isolator: a linear oscillator."""
+
+    T: Number | None = key("undamped natural period [s]")
+    f: Number | None = key("natural frequency [1/s]")
+    zeta: Number | None = key("damping ratio [1]")
+
+
 class MotionPart(Part):
     """Ground motion: a pulse or a record, or neither for free rocking."""
 
     pulse: PulsePart | None = key("analytic pulse")
     record: RecordPart | None = key("recorded motion")
     vertical: VerticalPart | None = key("vertical motion, upward positive")
+    through: list[OscillatorPart] | None = key("floors and isolators between the ground and the body, from below")
+    floor_scale: Number | None = key("factor on what arrives through them [1]")
+    floor_pga: Number | None = key("peak acceleration wanted of what arrives through them [m/s²]")
     duration: Number | None = key("end of the motion and of the response, from t = 0 [s]")
 
 

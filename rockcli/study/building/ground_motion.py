@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rockcli.errors import RecordError
 from rockcli.scene.constants import STANDARD_G
 from rockcli.scene.excitation import Channel, Excitation, Samples
+from rockcli.study.building.floors import OF_ARRIVAL, goes_through, of_pulse, of_record
 from rockcli.study.building.numbers import Numbers, in_range
 from rockcli.study.building.pulse import build_pulses
 from rockcli.study.building.records import MissingRecordError, Prepared, Records
@@ -32,6 +33,12 @@ def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) ->
         StudyError: more than one motion, a scaling that cannot be.
         RecordError: a record is missing or cannot be read.
     """
+    for key in ("through", *OF_ARRIVAL):
+        said = getattr(numbers.case.motion, key)
+        if said and numbers.case.motion.pulse is None and numbers.case.motion.record is None:
+            numbers.fail((*MOTION, key), "needs a motion of the ground: a pulse or a record")
+        if said and not goes_through(numbers):
+            numbers.fail((*MOTION, key), "is of what arrives through floors: it needs `through: [{T, zeta}, ...]`")
     horizontal, amplitude = _channel(numbers, MOTION, records, warnings, inherited=1.0)
     vertical = None
     if numbers.case.motion.vertical is not None:
@@ -53,10 +60,14 @@ def _channel(
     motion: MotionPart | VerticalPart = numbers.said(keys)
     if motion.pulse is not None and motion.record is not None:
         numbers.fail((*keys, "record"), "a motion is a pulse or a record, not both")
+    between = keys == MOTION and goes_through(numbers)
     if motion.pulse is not None:
+        if between:
+            return of_pulse(numbers, records, warnings), 1.0
         return build_pulses(numbers, (*keys, "pulse"), warnings), 1.0
     if motion.record is not None:
-        return _samples(numbers, (*keys, "record"), records, warnings, inherited)
+        ground, amplitude = _samples(numbers, (*keys, "record"), records, warnings, inherited)
+        return (of_record(numbers, records, ground, warnings) if between else ground), amplitude
     if keys != MOTION:
         numbers.fail(keys, "needs a pulse or a record")
     return None, 1.0

@@ -32,6 +32,15 @@ def build_pulses(numbers: Numbers, keys: Keys, warnings: list[str]) -> Pulses:
     Raises:
         StudyError: amplitude or frequency missing or said twice, an option the shape does not take.
     """
+    return _pulses(numbers, keys, warnings)[0]
+
+
+def unit_pulses(numbers: Numbers, keys: Keys) -> tuple[Pulses, Array]:
+    """The same pulses with an amplitude of 1 m/s², and their amplitudes with sign, (n,) [m/s²]."""
+    return _pulses(numbers, keys, [], unit=True)
+
+
+def _pulses(numbers: Numbers, keys: Keys, warnings: list[str], *, unit: bool = False) -> tuple[Pulses, Array]:
     pulse: PulsePart = numbers.said(keys)
     law = SHAPES[pulse.shape]
     for option in OPTIONS:
@@ -54,6 +63,8 @@ def build_pulses(numbers: Numbers, keys: Keys, warnings: list[str]) -> Pulses:
         else:
             a_p = _a_p(numbers, amplitude, value)
             options["A"] = a_p / unit_peak
+        if unit:
+            options["A"] = 1.0 / unit_peak
     else:
         a_p = _a_p(numbers, amplitude, value)
     for option in (*OPTIONS, "t0"):
@@ -65,10 +76,14 @@ def build_pulses(numbers: Numbers, keys: Keys, warnings: list[str]) -> Pulses:
     in_range(numbers, (*keys, amplitude), a_p)
     with np.errstate(all="ignore"):
         pulses = make_pulses(
-            law.name, a_p=a_p, omega_p=omega_p, t0=None if t0 is None else numbers.array(t0), **options
+            law.name,
+            a_p=np.ones_like(a_p) if unit else a_p,
+            omega_p=omega_p,
+            t0=None if t0 is None else numbers.array(t0),
+            **options,
         )
     numbers.require(keys, np.isfinite(pulses.table), "amplitude and frequency give no finite motion")
-    return pulses
+    return pulses, a_p
 
 
 def _a_p(numbers: Numbers, key: str, value: Value) -> Array:

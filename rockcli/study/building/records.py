@@ -16,6 +16,7 @@ from rockcli.study.catalog import how_to_obtain
 from rockcli.study.document.tree import Source, Where
 
 if TYPE_CHECKING:
+    from rockcli.motion.floors import Arrival
     from rockcli.motion.motion import Motion
 
 
@@ -39,6 +40,7 @@ class Records:
     source: Source
     prepared: dict[str, Prepared] = field(default_factory=dict)
     found: dict[str, Path] = field(default_factory=dict)
+    arrivals: dict[tuple[bytes, float, bytes, bytes], Arrival] = field(default_factory=dict)
 
     def folders(self) -> list[Path]:
         """Where records are sought, first to last."""

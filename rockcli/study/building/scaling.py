@@ -57,14 +57,16 @@ class Scaling:
         """The scaling of the cases of a batch."""
         measures, size = samples.measures, np.abs(samples.factor)
         g = float(batch.g[0])
-        pga = size * measures["pga"] / batch.g
+        ground = "_ground" if "pga_ground" in measures else ""  # what was scaled, before floors
+        ground_pga, ground_pgv = measures[f"pga{ground}"], measures[f"pgv{ground}"]
+        pga = size * ground_pga / batch.g
         return cls(
             key=key,
             factor=_range(samples.factor),
             pga=_range(pga),
-            pgv=_range(size * measures["pgv"]),
+            pgv=_range(size * ground_pgv),
             over=_range(pga / batch.block.of_weak_edge(batch.block.tan_alpha)),
-            before=(_range(measures["pga"] / g), _range(measures["pgv"])),
+            before=(_range(ground_pga / g), _range(ground_pgv)),
             raw=(_range(measures["pga_raw"] / g), _range(measures["pgv_raw"])),
         )
 

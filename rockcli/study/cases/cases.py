@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
 from rockcli.study.building.batch import build_batch
+from rockcli.study.building.floors import waveforms
 from rockcli.study.building.numbers import Numbers, Varied
 from rockcli.study.building.records import Records
 from rockcli.study.cases.variation import Variation
@@ -87,7 +88,20 @@ class Cases:
                 yield rows, save
 
     def groups(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points]]:
-        """Split flat indices by the points on the structural axes; keep the points on the others."""
+        """Split flat indices by the points on the structural axes, and by waveform; keep the points on the others."""
+        for part, combination, points in self._by_structure(indices):
+            if not self.checked(combination)[1].motion.through:
+                yield part, combination, points
+                continue
+            said = waveforms(self.numbers(combination, points, len(part)))
+            assert said is not None
+            _, which = np.unique(said, axis=0, return_inverse=True)
+            order = np.argsort(which.ravel(), kind="stable")
+            for rows in np.split(order, np.flatnonzero(np.diff(which.ravel()[order])) + 1):
+                yield part[rows], combination, {i: p[rows] for i, p in points.items()}
+
+    def _by_structure(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points]]:
+        """Split flat indices by the points on the structural axes."""
         if not len(indices):
             return
         if not self.variations:

@@ -13,7 +13,7 @@ from rockcli.study.intensity import KNOWN, period_of
 from rockcli.study.schema import OverPart, SlideLimitPart
 from rockcli.study.study import Axis, Limit, Over
 
-AMPLITUDES = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "a_p", "a_p_over_g_tan_alpha")
+AMPLITUDES = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "a_p", "a_p_over_g_tan_alpha", "floor_scale", "floor_pga")
 """Last parts of paths that are an intensity unless the study names another."""
 
 QUANTITIES = (PEAK, "slide_peak", "slide_residual")

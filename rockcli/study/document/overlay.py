@@ -25,6 +25,7 @@ ALTERNATIVES: tuple[frozenset[str], ...] = (
     frozenset({"a_p", "a_p_over_g_tan_alpha", "A"}),
     frozenset({"omega_p", "T_p", "f_p", "omega_p_over_p"}),
     frozenset({"scale", "pga", "pgv", "pga_over_g_tan_alpha"}),
+    frozenset({"floor_scale", "floor_pga"}),
     frozenset({"eta", "r_energy"}),
     frozenset({"alpha", "tan_alpha", "slenderness"}),
     frozenset({"h", "height"}),

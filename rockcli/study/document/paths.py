@@ -44,6 +44,8 @@ ARRAYS: frozenset[Path] = frozenset(
         *(("case", *motion, "pulse", key) for motion in _MOTIONS for key in _PULSE),
         *(("case", *motion, "record", key) for motion in _MOTIONS for key in _SCALING),
         ("case", "motion", "duration"),
+        ("case", "motion", "floor_scale"),
+        ("case", "motion", "floor_pga"),
         ("case", "initial", "theta"),
         ("case", "initial", "theta_dot"),
         ("case", "initial", "slide_rate"),
@@ -61,7 +63,7 @@ UNITS: dict[str, str] = {
     **dict.fromkeys(("omega_p", "theta_dot"), "rad s-1"),
     **dict.fromkeys(("f_p", "highpass", "lowpass", "freq", "freqmin", "freqmax"), "s-1"),
     **dict.fromkeys(("T_p", "t0", "dt", "duration"), "s"),
-    **dict.fromkeys(("g", "a_p", "pga"), "m s-2"),
+    **dict.fromkeys(("g", "a_p", "pga", "floor_pga"), "m s-2"),
     **dict.fromkeys(("A", "pgv", "slide_rate"), "m s-1"),
     **{"mass": "kg", "E": "Pa", "rho": "kg m-3", "density": "kg m-3", "kw": "N m-3"},
 }

@@ -1,0 +1,186 @@
+"""`motion.through`: floors and isolators against independent integrations, and their two limits."""
+
+from __future__ import annotations
+
+import json
+from itertools import chain, pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import G
+from scipy.integrate import solve_ivp
+
+import rockcli
+from rockcli.errors import StudyError
+from rockcli.motion.floors import BETWEEN, Chain
+from rockcli.motion.reading import read_record
+from rockcli.motion.spectrum import forcing
+from rockcli.scene.excitation import Samples, acceleration
+from rockcli.scene.pulses import make_pulses
+from rockcli.study.open import open_study
+
+RECORD = Path(__file__).parents[2] / "records" / "synthetic_rock_m65.AT2"
+
+
+@pytest.fixture(scope="module")
+def ground():
+    motion = read_record(RECORD)
+    return Samples(motion.acceleration(G), motion.dt, np.ones(1))
+
+
+def integrated(u, T, zeta, times, kinks=()):
+    """Absolute acceleration on top at some times, by DOP853 from kink to kink of the ground u(t)."""
+    w, m = 2.0 * np.pi / np.asarray(T), len(T)
+
+    def rates(t, y):
+        below, found = u(t), np.empty(2 * m)
+        for j in range(m):
+            x, v = y[2 * j], y[2 * j + 1]
+            above = -(2.0 * zeta[j] * w[j] * v + w[j] ** 2 * x)
+            found[2 * j], found[2 * j + 1] = v, above - below
+            below = above
+        return found
+
+    ends = np.unique(np.concatenate([times, [k for k in kinks if k < times[-1]]]))
+    y, at = np.zeros(2 * m), {0.0: np.zeros(2 * m)}
+    for a, b in pairwise(ends):
+        y = solve_ivp(rates, (a, b), y, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+        at[float(b)] = y
+    top = np.array([at[float(t)] for t in times])
+    return -(2.0 * zeta[-1] * w[-1] * top[:, -1] + w[-1] ** 2 * top[:, -2])
+
+
+@pytest.mark.parametrize(
+    ("T", "zeta"), [([0.3], [0.05]), ([2.5], [0.15]), ([0.3, 2.5], [0.05, 0.15]), ([0.4, 0.4], [0.02, 0.02]), ([0.5], [1.5])]
+)  # fmt: skip
+def test_of_a_record_it_is_exact(ground, T, zeta):
+    times = ground.dt * np.arange(1001)
+    want = integrated(lambda t: np.interp(t, times, ground.values[:1001]), T, zeta, times)
+    got = Chain(np.array(T), np.array(zeta)).run(forcing(ground), times)
+    assert np.abs(got - want).max() < 1e-9 * np.abs(want).max()
+
+
+@pytest.mark.parametrize("shape", ["ricker", "sine", "half_sine"])
+def test_of_a_pulse_it_is_that_of_an_integration(shape):
+    pulse = make_pulses(
+        shape, a_p=np.array([2.0]), omega_p=np.array([7.0]), **({"cycles": np.ones(1)} if shape == "sine" else {})
+    )
+    times = np.linspace(0.0, 2.0 * float(pulse.end[0]), 101)
+    kinks = np.unique(pulse.table[0][:, :2])
+    want = integrated(lambda t: float(acceleration(pulse, np.array([t]))[0]), [0.5], [0.05], times, kinks)
+    got = Chain(np.array([0.5]), np.array([0.05])).run(forcing(pulse), times)
+    assert np.abs(got - want).max() < 1e-8 * np.abs(want).max()
+
+
+def test_between_samples_it_is_as_straight_as_it_says(ground):
+    floor = Chain(np.array([0.3]), np.array([0.05]))
+    arrival = floor.arrival(forcing(ground), ground.dt)
+    thirds = np.arange(0.5, 6.0, 1.0 / 3.0) + 1000.0
+    exact = floor.run(forcing(ground), thirds * arrival.dt)
+    line = np.interp(thirds, np.arange(len(arrival.values)), arrival.values)
+    assert np.abs(exact - line).max() < BETWEEN * np.abs(arrival.values).max()
+    assert arrival.between < BETWEEN
+    assert arrival.left < 0.01
+
+
+def test_short_periods_are_the_ground_and_long_ones_rest_in_space(ground):
+    moving = forcing(ground)
+    times = ground.dt * np.arange(len(ground.values))
+    peak = np.abs(ground.values).max()
+    off = [
+        np.abs(Chain(np.array([T]), np.array([0.05])).run(moving, times) - ground.values).max() / peak
+        for T in (4e-3, 1e-3)
+    ]
+    assert off[1] < off[0] < 0.05
+    assert off[1] < 0.01
+    still = [np.abs(Chain(np.array([T]), np.array([0.05])).run(moving, times)).max() / peak for T in (1e2, 1e3, 1e4)]
+    assert still[1] == pytest.approx(0.1 * still[0], rel=0.3)  # (2 zeta omega) times the velocity of the ground
+    assert still[2] == pytest.approx(0.1 * still[1], rel=0.1)
+    assert still[2] < 1e-5
+
+
+def study(**more):
+    base = {
+        "name": "through",
+        "case": {
+            "block": {"h": 0.9, "b": 0.2},
+            "motion": {"record": {"file": RECORD.name, "pga": "0.6*g"}},
+        },
+        "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]},
+    }
+    return base | more
+
+
+NAMED = {
+    "fixed": None,
+    "stiff": [{"T": "1*ms", "zeta": 0.05}],
+    "far": [{"T": 1e4, "zeta": 0.05}],
+    "floor": [{"f": 3, "zeta": 0.05}],
+}
+
+
+def test_a_body_on_a_stiff_floor_is_one_on_the_ground_and_on_a_soft_one_it_rests(monkeypatch):
+    monkeypatch.chdir(RECORD.parent)
+    found = rockcli.run(study(vary={"motion.through": NAMED}))
+    peak = {name: float(found.theta_peak_over_alpha.sel(through=name)) for name in NAMED}
+    assert peak["stiff"] == pytest.approx(peak["fixed"], rel=0.02)
+    assert peak["far"] == 0.0
+    assert found.pga.sel(through="fixed") == pytest.approx(0.6 * G)
+    said = json.loads(found.attrs["processing"])
+    assert any(
+        "T = 0.333333 s, zeta = 0.05" in sentence and "exact at samples" in sentence
+        for sentence in chain(*said.values())
+    )
+
+
+def test_what_arrives_is_scaled_by_its_own_words(monkeypatch):
+    monkeypatch.chdir(RECORD.parent)
+    motion = {"record": {"file": RECORD.name}, "through": NAMED["floor"]}
+    case = study()["case"]
+    of = lambda **more: rockcli.run(study(case=case | {"motion": motion | more}))  # noqa: E731
+    assert float(of(floor_pga="0.5*g").pga) == pytest.approx(0.5 * G, rel=1e-12)
+    assert float(of(floor_scale=3).pga) == pytest.approx(3.0 * float(of().pga), rel=1e-12)
+
+
+def test_pulses_of_many_periods_go_through_one_by_one():
+    pulse = {"shape": "ricker", "a_p": "0.5*g", "T_p": 0.5}
+    case = {"block": {"h": 0.9, "b": 0.2}, "motion": {"pulse": pulse, "through": NAMED["floor"]}}
+    vary = {"motion.pulse.T_p": [0.3, 0.6], "motion.pulse.a_p": ["-0.4*g", "0.4*g", "0.8*g"]}
+    found = rockcli.run(study(case=case, vary=vary))
+    assert np.allclose(found.pga[:, 0], found.pga[:, 1], rtol=1e-14)
+    assert np.allclose(found.pga[:, 2], 2.0 * found.pga[:, 1], rtol=1e-14)
+    alone = rockcli.run(
+        study(case=case | {"motion": {"pulse": pulse | {"T_p": 0.6, "a_p": "0.8*g"}, "through": NAMED["floor"]}})
+    )
+    assert float(alone.theta_peak_over_alpha) == float(found.theta_peak_over_alpha[1, 2])
+    uncertain = {"let.T": {"uniform": [0.2, 0.5]}}
+    through = [{"T": "T", "zeta": 0.05}]
+    many = rockcli.run(
+        study(
+            case=case | {"motion": {"pulse": pulse, "through": through}}, let={"T": 0.3}, uncertain=uncertain, samples=4
+        )
+    )
+    assert len(np.unique(many.pga)) == 4
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        ({"through": [{"zeta": 0.05}]}, "neither T nor f"),
+        ({"through": [{"T": 1, "f": 1, "zeta": 0.05}]}, "say the same thing"),
+        ({"through": [{"T": 1}]}, "no zeta"),
+        ({"through": [{"T": -1, "zeta": 0.05}]}, "greater than 0"),
+        ({"through": [{"T": 1, "zeta": -0.05}]}, "between 0 and 10"),
+        ({"through": [{"T": 1, "zeta": 0.05}], "floor_pga": 1}, "leave one out"),
+        ({"floor_scale": 2}, "needs `through"),
+        ({"through": [{"T": 1, "zeta": 0.05}], "floor_pga": 1, "floor_scale": 1}, "say the same thing"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_a_floor_is_said(motion, words, monkeypatch):
+    monkeypatch.chdir(RECORD.parent)
+    case = study()["case"]
+    with pytest.raises(StudyError, match=words):
+        open_study(study(case=case | {"motion": case["motion"] | motion}))
+    with pytest.raises(StudyError, match="needs a motion of the ground"):
+        open_study(study(case={"block": case["block"], "motion": {"through": NAMED["floor"]}}))
