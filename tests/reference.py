@@ -1,7 +1,8 @@
-"""An independent solver: scipy's DOP853, restarted at every sample of the motion and every impact.
+"""Independent solvers: scipy's DOP853, restarted at every sample of the motion and every impact.
 
-Written from (2.2) alone in theta (not in |theta|), with its own event handling; slow and simple.  `integrate` takes a
-sampled motion from rest on, with every uplift in it; `flights` smooth functions of time, from a given uplift or release.
+A block is written from (2.2) alone in theta (not in |theta|), with its own event handling; slow and simple.  `integrate`
+takes a sampled motion from rest on, with every uplift in it; `flights` smooth functions of time, from a given uplift or
+release.  `oscillator` is the linear one of a response spectrum.
 """
 
 from __future__ import annotations
@@ -77,7 +78,9 @@ def integrate(body: Body, values, dt: float, *, vertical=None, free: float = 20.
     return h
 
 
-def flight(body, s, y, span, a_g, gravity=None, *, linear=False, fallen=0.5 * np.pi, rtol=2.3e-14, atol=1e-18) -> Any:
+def flight(
+    body, s, y, span, a_g, gravity=None, *, linear=False, fallen=0.5 * np.pi, rtol=2.3e-14, atol=1e-18, **how
+) -> Any:
     """What scipy finds from the state y over one edge: until the impact, until |theta| = `fallen`, or to the span's end.
 
     The first event is the impact, the second the fall.
@@ -99,7 +102,8 @@ def flight(body, s, y, span, a_g, gravity=None, *, linear=False, fallen=0.5 * np
     base.terminal = side.terminal = True  # type: ignore[attr-defined]
     base.direction = side.direction = -1  # type: ignore[attr-defined]
     start = [y[0] if y[0] != 0.0 else s * 1e-300, y[1]]  # off the base, or the impact before is found again
-    return solve_ivp(rhs, span, start, method="DOP853", rtol=rtol, atol=atol, events=(base, side), dense_output=True)
+    how |= {"method": "DOP853", "rtol": rtol, "atol": atol, "dense_output": True}
+    return solve_ivp(rhs, span, start, events=(base, side), **how)
 
 
 def flights(
@@ -202,3 +206,22 @@ def falls(body, s, y) -> bool:
     q, v = s * y[0], s * y[1]
     top = body.p[s] * np.sqrt(2.0 * (1.0 - np.cos(body.alpha[s] - q)))
     return bool(v > (top if q < body.alpha[s] else -top))
+
+
+def oscillator(pieces: list[tuple[float, Callable]], T: float, zeta: float, *, rtol=1e-11, atol=1e-14) -> float:
+    """Largest |x| of the linear oscillator at rest at t = 0: x'' + 2 zeta w x' + w^2 x = -a_g, extrema located.
+
+    (end, a_g) are pieces of the motion, one after the other; after the last one it swings freely for one period.
+    """
+    w = 2.0 * np.pi / T
+    t, y, largest = 0.0, np.zeros(2), 0.0
+    for end, a_g in [*pieces, (pieces[-1][0] + T, lambda t: 0.0)]:
+
+        def rhs(t, u, a_g=a_g):
+            return [u[1], -2.0 * zeta * w * u[1] - w**2 * u[0] - a_g(t)]
+
+        how = {"method": "DOP853", "rtol": rtol, "atol": atol, "max_step": T / 8.0}
+        sol = solve_ivp(rhs, (t, end), y, events=lambda t, u: u[1], **how)
+        largest = max(largest, np.max(np.abs(sol.y[0])), *(abs(state[0]) for state in sol.y_events[0]))
+        t, y = end, sol.y[:, -1]
+    return float(largest)

@@ -30,7 +30,10 @@ def restoring(model: str, geometry: str, alpha: float, theta: float, s: float) -
 
 
 def independent(model, geometry, alpha, eta, c, a_of_t, breaks, *, until):
-    """Peak |theta| and whether it passes pi/2, in theta itself, DOP853 restarted at breaks and impacts."""
+    """Peak |theta| and whether it passes pi/2, in theta itself, DOP853 restarted at breaks and impacts.
+
+    Not tests/reference.py, which knows the law of the block alone, not those of the springs, and no damper.
+    """
     p2 = 0.75 * G_ / R
     damper = c * 3.0 / (4.0 * R**2)  # c/(m) over I_O/m
     threshold = G_ * np.tan(alpha)

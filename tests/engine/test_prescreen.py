@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from reference import flight, symmetric
 from scenes import SHARED, G, overturns, pulse, record, rock, unit_block
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 from tables import HALF_SINE
 
 import rockcli
@@ -95,26 +96,14 @@ RECORDS = sorted((SHARED / "records/peer/p695_far_field").glob("*.AT2"))
 
 
 def comes_back(a: np.ndarray, dt: float, factor: float) -> bool:
-    """Whether the forced linear equation returns to theta = 0 after its first uplift, by general integration."""
-    t, f = dt * np.arange(len(a)), factor * a / (G * ALPHA)
-    i = int(np.argmax(np.abs(f) > 1.0))
-    side = np.sign(f[i])
-    t_u = t[i - 1] + dt * (1.0 - side * f[i - 1]) / (side * (f[i] - f[i - 1]))
-
-    def base(_, y):
-        return y[0] if y[1] < 0.0 else 1.0
-
-    def fallen(_, y):
-        return y[0] - 50.0
-
-    base.terminal = fallen.terminal = True
-
-    def slope(s, y):
-        return [y[1], y[0] - 1.0 + side * np.interp(s, t, f, right=0.0)]
-
-    found = solve_ivp(
-        slope, (t_u, t[-1] + 40.0), [0.0, 0.0], rtol=1e-11, atol=1e-13, max_step=dt, events=(base, fallen)
-    )
+    """Whether the forced linear block returns to theta = 0 after its first uplift, by general integration."""
+    t, f = dt * np.arange(len(a)), factor * a / G
+    i = int(np.argmax(np.abs(f) > ALPHA))
+    side = int(np.sign(f[i]))
+    t_u = t[i - 1] + dt * (ALPHA - side * f[i - 1]) / (side * (f[i] - f[i - 1]))
+    how = {"linear": True, "fallen": 50.0 * ALPHA, "rtol": 1e-11, "atol": 1e-13, "max_step": dt}
+    ground = lambda now: np.interp(now, t, f, right=0.0)  # noqa: E731
+    found = flight(symmetric(ALPHA, 1.0, 1.0), -side, np.zeros(2), (t_u, t[-1] + 40.0), ground, **how)
     return bool(len(found.t_events[0]))
 
 

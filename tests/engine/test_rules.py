@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from reference import oscillator
 from scipy.optimize import brentq
 
 from rockcli.analysis.rules import misled
@@ -69,15 +69,7 @@ def test_the_impulsive_velocity_overturns(tan_alpha: float) -> None:
 
 def spectral_displacement(f: float, zeta: float, a_p: float) -> float:
     """Of one sine cycle of 2 Hz, by integration."""
-    w = 2.0 * np.pi * f
-
-    def rhs(t: float, y: np.ndarray) -> list[float]:
-        a_g = a_p * np.sin(4.0 * np.pi * t) if t < 0.5 else 0.0
-        return [y[1], -2.0 * zeta * w * y[1] - w**2 * y[0] - a_g]
-
-    first = solve_ivp(rhs, (0.0, 0.5), [0.0, 0.0], rtol=1e-7, atol=1e-10, max_step=0.02)
-    after = solve_ivp(rhs, (0.5, 0.5 + 2.0 / f), first.y[:, -1], rtol=1e-7, atol=1e-10, max_step=0.02 / f)
-    return float(max(np.abs(first.y[0]).max(), np.abs(after.y[0]).max()))
+    return oscillator([(0.5, lambda t: a_p * np.sin(4.0 * np.pi * t))], 1.0 / f, zeta, rtol=1e-7, atol=1e-10)
 
 
 def test_asce43_meets_an_integrated_spectrum() -> None:

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import yaml
-from scipy.integrate import solve_ivp
+from reference import integrate, symmetric
 from typer.testing import CliRunner
 
 from rockcli.cli.main import app
@@ -73,12 +73,8 @@ def test_an_error_is_the_distance_to_an_independent_solution(two_methods):
         vary={},
     )
     found = trade(given, backends=frozenset({"scipy"}))
-    alpha, p = np.arctan(0.2), np.sqrt(3.0 * 9.81 / 8.0)
-    sol = solve_ivp(
-        lambda t, y: [y[1], -(p**2) * np.sin(alpha - y[0])], (0.0, 1.0), [0.1, 0.1], "DOP853", rtol=1e-13, atol=1e-15,
-        events=[lambda t, y: y[1]],
-    )  # fmt: skip
-    truth = sol.y_events[0][0][0] / alpha
+    body = symmetric(np.arctan(0.2), np.sqrt(3.0 * 9.81 / 8.0), 1.0)
+    truth = integrate(body, np.zeros(2), 1.0, theta_0=0.1, rate_0=0.1).peak_over_alpha
     assert len(found.points) > 3
     for point in found.points:
         assert point.error[0] == pytest.approx(point.answers.peak[0] - truth, rel=1e-6, abs=1e-12)

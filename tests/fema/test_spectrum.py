@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from reference import oscillator
 from scenes import array, record
-from scipy.integrate import solve_ivp
 
 from rockcli.motion import measures, spectrum
 from rockcli.motion.spectrum import displacement_spectrum, forcing, history, peaks
@@ -25,22 +27,12 @@ def wave(shape: str, **options):
 
 
 def integrated(channel, cuts, T: float, zeta: float) -> float:
-    """Largest |x| of the oscillator by DOP853, piece by piece, extrema located, one period beyond the end."""
-    omega = 2.0 * np.pi / T
-    y, largest = np.zeros(2), 0.0
-    for t_a, t_b in zip(cuts, [*cuts[1:], cuts[-1] + T], strict=True):
-        free = t_a == cuts[-1]
+    """Largest |x| of the oscillator by DOP853 under a motion that is smooth between the cuts."""
 
-        def flow(t, y, t_a=t_a, t_b=t_b, free=free):
-            a = 0.0 if free else acceleration(channel, np.clip([t], t_a + 1e-13, t_b - 1e-13))[0]
-            return [y[1], -2.0 * zeta * omega * y[1] - omega**2 * y[0] - a]
+    def between(t_a, t_b):
+        return lambda t: acceleration(channel, np.clip([t], t_a + 1e-13, t_b - 1e-13))[0]
 
-        run = solve_ivp(
-            flow, (t_a, t_b), y, "DOP853", rtol=1e-11, atol=1e-14, events=lambda t, y: y[1], max_step=T / 8.0
-        )
-        largest = max(largest, np.max(np.abs(run.y[0])), *(abs(state[0]) for state in run.y_events[0]))
-        y = run.y[:, -1]
-    return largest
+    return oscillator([(t_b, between(t_a, t_b)) for t_a, t_b in pairwise(cuts)], T, zeta)
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.4])

@@ -1,4 +1,7 @@
-"""The Rosenbrock pair: its order, its answer on a linear problem, its stability."""
+"""The Rosenbrock pair: its order, its answer on a linear problem, its stability.
+
+By `solve_ivp` itself, as it is a method of it that is tested here, and no body.
+"""
 
 from __future__ import annotations
 

@@ -84,7 +84,10 @@ def test_a_rectangular_pulse_is_newmark_s_block():
 
 
 def reference(values, up, dt, mu):
-    """Displacement at the samples: DOP853 restarted at every sample, stop and start; friction written in sgn(u')."""
+    """Displacement at the samples: DOP853 restarted at every sample, stop and start; friction written in sgn(u').
+
+    Not tests/reference.py, which knows bodies that turn and none that slides.
+    """
     u = w = 0.0
     d = 0.0
     places = [0.0]
