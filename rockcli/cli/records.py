@@ -38,34 +38,125 @@ Gravity = Annotated[float, typer.Option("--g", metavar="G", help="What 1 g is [m
 
 @app.command()
 def info(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Records.", show_default=False)],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE|FOLDER", help="Records.", show_default=False)],
     component: Component = None,
     units: Units = None,
     dt: TimeStep = None,
     g: Gravity = STANDARD_G,
+    sa: Annotated[
+        list[float] | None, typer.Option("--sa", metavar="T", help="Sa(T) at 5 % [s]; may be given several times.")
+    ] = None,
+    rotd: Annotated[
+        bool, typer.Option("--rotd", help="The files are pairs of components: RotD50 and RotD100 of each.")
+    ] = False,
+    spectrum: Annotated[
+        Path | None, typer.Option("--spectrum", metavar="FILE", help="Draw the response spectra: .png, .pdf, .svg.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON list instead of a table.")] = False,
 ) -> None:
-    """Say what records are: length, time step and measures as they stand in their files, without any processing."""
+    """Say what records are: length, time step and measures as they stand in their files, without any processing.
+
+    Of a folder, with --sa or with --rotd one row each.
+    """
     import json as json_module
 
+    from rockcli.cli.record_tables import listed, pair_facts, rows_table, spectral
     from rockcli.errors import RecordError
 
+    periods = _periods(sa or [])
+    _check_spectrum(spectrum)
+    chosen = listed(files)
+    if rotd and len(chosen) % 2:
+        raise RecordError(f"--rotd needs pairs of components; these are {len(chosen)} files")
     rows: list[dict[str, Any]] = []
+    motions: list[Motion] = []
     complaints: list[RecordError] = []
-    for file in files:
+    brief = any(inside for _, inside in chosen) or bool(periods) or rotd
+    for file, inside in chosen:
         try:
-            rows.append({"file": str(file), **_facts(_read(file, component, units, dt), g)})
+            found = _components(file, component, units, dt, every=brief)
         except RecordError as error:
-            complaints.append(error)
+            if inside and not rotd:  # others may stand in a folder of records
+                say(f"rock: left out: {error}", err=True)
+            else:
+                complaints.append(error)
             continue
-        if not json:
-            say(("\n" if len(rows) > 1 else "") + _table(rows[-1]))
+        for motion in found:
+            row = {"file": str(file), **_facts(motion, g), **_beside(file, motion), **spectral(motion, g, periods)}
+            if not json and not brief:
+                say(("\n" if rows else "") + _table(row))
+            rows.append(row)
+            motions.append(motion)
+    if rotd and not complaints:
+        pairs = list(zip(motions[::2], motions[1::2], strict=True))
+        rows = [
+            {"file": f"{one.name}, {two.name}", "dt": one.dt, **pair_facts(one, two, g, periods)} for one, two in pairs
+        ]
+    if brief and rows and not json:
+        say(rows_table(rows, g))
     if json:
         say(json_module.dumps(rows, indent=2))
+    if spectrum is not None and motions:
+        _draw(spectrum, motions, g)
+    if not rows and not complaints:
+        raise RecordError("no record in it can be read", files[0])
     for complaint in complaints[:-1]:
         say(f"rock: {complaint}", err=True)
     if complaints:
         raise complaints[-1]
+
+
+def _periods(said: list[float]) -> list[float]:
+    from rockcli.errors import RecordError
+
+    for period in said:
+        if not 0.0 < period < 1e3:
+            raise RecordError(f"--sa is {period:g}; expected a period in seconds, above zero")
+    return list(dict.fromkeys(said))
+
+
+def _check_spectrum(path: Path | None) -> None:
+    from rockcli.errors import RecordError
+    from rockcli.storage.places import check_file
+
+    if path is None:
+        return
+    if path.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise RecordError(f"--spectrum ends in {path.suffix!r}; expected .png, .pdf or .svg", path)
+    check_file(path)
+
+
+def _components(file: Path, component: str | None, units: str | None, dt: float | None, *, every: bool) -> list[Motion]:
+    """All components of a file, or the one that is asked for."""
+    from rockcli.motion.reading import components_of
+
+    if component is not None or not every:
+        return [_read(file, _component(component), units, dt)]
+    return [_read(file, one, units, dt) for one in components_of(file)]
+
+
+def _beside(file: Path, motion: Motion) -> dict[str, float]:
+    """Magnitude, distance, site and period of the pulse, where the file or the table beside it says them."""
+    from rockcli.motion.flatfile import COLUMNS, metadata_beside
+
+    own = {key: motion.header[key] for key in COLUMNS if key in motion.header}
+    return own | metadata_beside(file)
+
+
+def _draw(path: Path, motions: list[Motion], g: float) -> None:
+    import numpy as np
+
+    from rockcli.cli.record_tables import LONGEST, POINTS, SHORTEST, spectrum_of
+    from rockcli.plotting.record_spectra import draw
+    from rockcli.storage.atomic import replacing
+
+    periods = np.geomspace(SHORTEST, LONGEST, POINTS)
+    names = [" ".join(filter(None, (motion.name, motion.component))) for motion in motions]
+    spectra = {name: spectrum_of(motion, g, periods) / g for name, motion in zip(names, motions, strict=True)}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as scratch:
+        draw(scratch, periods, spectra, "Response spectra, 5 % damping")
+    say(str(path), err=True)
 
 
 @app.command()
@@ -93,7 +184,7 @@ def convert(
     check_file(target)
     if target.exists() and not force:
         raise RecordError("the file is already there; choose another name, or replace it with --force", target)
-    motion = _read(source, component, units, dt)
+    motion = _read(source, _component(component), units, dt)
     if kind == ".txt":
         title = f"converted from {motion.name} ({motion.format})"
         text = two_columns(motion.values, motion.dt, motion.units, title)
@@ -107,7 +198,7 @@ def convert(
     say(f"{target}: {len(motion.values)} values, dt {motion.dt:g} s", err=True)
 
 
-def _read(file: Path, component: str | None, units: str | None, dt: float | None) -> Motion:
+def _read(file: Path, component: str | int | None, units: str | None, dt: float | None) -> Motion:
     """The record; what is wrong with it is said in the words of the command line.
 
     Raises:
@@ -118,7 +209,7 @@ def _read(file: Path, component: str | None, units: str | None, dt: float | None
     from rockcli.motion.reading import read_record
 
     try:
-        return read_record(file, component=_component(component), units=units, dt=dt)
+        return read_record(file, component=component, units=units, dt=dt)
     except OptionError as error:
         message = re.sub(r"`(units|dt|component):?`", r"--\1", error.message)
         raise RecordError(message, error.file, error.line) from None

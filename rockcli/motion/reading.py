@@ -26,7 +26,7 @@ from rockcli.motion.units import FACTORS, same_unit, unit_named
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["read_record"]
+__all__ = ["components_of", "read_record"]
 
 KNOWN_UNITS = "g, m/s2, cm/s2, gal, mm/s2"
 
@@ -103,6 +103,27 @@ def read_record(
         message = f"the file says its time step is {found.dt:g} s, `dt` says {dt:g} s; leave `dt` out"
         raise OptionError("dt", message, path)
     return _motion(found, path, hashlib.sha256(data).hexdigest())
+
+
+def components_of(path: str | Path) -> list[str | int | None]:
+    """What chooses each component of a file: its name, or its place where names are not told apart; [None] for one.
+
+    Raises:
+        RecordError: it cannot be read.
+    """
+    path = Path(path)
+    data = _bytes(path)
+    if looks_like_at2(data):
+        return [None]
+    if (one := format_of(data)) is not None:
+        names = [channel.component for channel in channels_of(data, one, str(path))]
+    elif is_numeric_text(data):
+        return [None]
+    else:
+        names = [str(trace.id) for trace in _obspy_traces(path, _obspy_format(path))]
+    if len(names) == 1:
+        return [None]
+    return list(names) if len(set(names)) == len(names) and all(names) else list(range(len(names)))
 
 
 def _known_unit(units: str | None, path: Path) -> str | None:

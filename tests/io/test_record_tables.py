@@ -1,0 +1,151 @@
+"""Tables of records, spectra, two components in every direction, and what the PEER database says of its records."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete, lfilter
+from typer.testing import CliRunner
+
+from rockcli.cli.records import app
+from rockcli.errors import RecordError
+from rockcli.motion.flatfile import NAME, metadata_beside
+from rockcli.motion.measures import velocity
+from rockcli.motion.reading import read_record
+from rockcli.motion.rotated import rotated, rotated_measures, rotated_spectrum
+
+RECORDS = Path(__file__).parents[2] / "records"
+ONE, TWO = (RECORDS / f"synthetic_{name}.AT2" for name in ("rock_m65", "soil_m70"))
+G = 9.80665
+
+
+def run(*arguments: object) -> tuple[str, str]:
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.stdout, result.stderr
+
+
+def pair(n: int = 3000) -> tuple[np.ndarray, np.ndarray, float]:
+    """Two motions alike in what they hold and shifted, from rest to rest."""
+    motion = read_record(ONE)
+    a, fades = motion.acceleration(G), np.sin(np.pi * np.arange(n) / (n - 1))
+    return a[:n] * fades, 0.8 * a[700 : 700 + n] * fades, motion.dt
+
+
+def spectral(a: np.ndarray, dt: float, period: float, zeta: float = 0.05) -> np.ndarray:
+    """Sa of many motions (m, k), linear between samples, by scipy's exact discretisation of the oscillator's filter."""
+    parts = max(int(np.ceil(200 * dt / period)), 1)
+    t = np.arange((a.shape[1] - 1) * parts + 1 + int(np.ceil(period / dt)) * parts) / parts
+    fine = np.array([np.interp(t, np.arange(len(row)), row, right=0.0) for row in a])
+    omega = 2.0 * np.pi / period
+    b, c, _ = cont2discrete(([1.0], [1.0, 2.0 * zeta * omega, omega**2]), dt / parts, method="foh")
+    return omega**2 * np.abs(lfilter(np.ravel(b), c, -fine)).max(axis=1)
+
+
+@pytest.mark.parametrize("period", [0.05, 0.3, 1.0, 4.0])
+def test_rotd_of_a_spectrum_against_rotating_first(period: float) -> None:
+    """The ground motion turned into each of 180 directions, then an oscillator in it."""
+    one, two, dt = pair(1500)
+    angles = np.radians(np.arange(180))[:, None]
+    peaks = spectral(np.cos(angles) * one + np.sin(angles) * two, dt, period)
+    rotd50, rotd100 = rotated_spectrum(one, two, dt, np.array([period]))
+    assert rotd50[0] == pytest.approx(np.median(peaks), rel=1e-3)
+    assert rotd100[0] == pytest.approx(peaks.max(), rel=1e-3)
+
+
+def test_rotd_of_pga_and_pgv_and_closed_forms() -> None:
+    one, two, dt = pair()
+    angles = np.radians(np.arange(180))[:, None]
+    found = rotated_measures(one, two, dt)
+    turned = np.cos(angles) * one + np.sin(angles) * two
+    assert found["pga"] == pytest.approx((np.median(np.abs(turned).max(axis=1)), np.abs(turned).max()), rel=1e-12)
+    speeds = [np.abs(velocity(row, dt)).max() for row in turned]
+    assert found["pgv"] == pytest.approx((np.median(speeds), max(speeds)), rel=1e-9)
+    t = np.linspace(0.0, 2.0 * np.pi, 100_001)
+    assert rotated(np.cos(t), np.sin(t)) == pytest.approx((1.0, 1.0), rel=1e-8)  # a circle
+    assert rotated(np.cos(t), 0.0 * t) == pytest.approx((np.sqrt(0.5), 1.0), rel=1e-2)  # a line: |cos(45 deg)|
+
+
+def test_one_row_for_each_record_of_a_folder(tmp_path: Path) -> None:
+    for path in (ONE, TWO):
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    (tmp_path / "notes.txt").write_text("not a record\n")
+    (tmp_path / "_SearchResults.csv").write_text("")
+    said, left_out = run("info", tmp_path, "--sa", "0.5", "--sa", "2")
+    head, *rows = said.splitlines()
+    assert head.split("  ")[0] == "record"
+    assert head.rstrip().endswith("Sa(2) [g]")
+    assert [row.split()[0] for row in rows] == sorted([ONE.name, TWO.name])
+    for row, path in zip(rows, sorted([ONE, TWO]), strict=True):
+        motion = read_record(path)
+        expected = [spectral(motion.values[None, :], motion.dt, T)[0] for T in (0.5, 2.0)]
+        np.testing.assert_allclose([float(word) for word in row.split()[-2:]], expected, rtol=1e-3)
+    assert "left out" in left_out
+    assert "notes.txt" in left_out
+    parsed = json.loads(run("info", tmp_path, "--sa", "0.5", "--json")[0])
+    assert [row["sa(0.5)"] > 0.0 for row in parsed] == [True, True]
+
+
+def test_pairs_in_every_direction(tmp_path: Path) -> None:
+    one, two, dt = pair()
+    paths = []
+    for name, values in (("a", one), ("b", two)):
+        paths.append(tmp_path / f"{name}.txt")
+        paths[-1].write_text("# units: m/s2\n" + "".join(f"{x:.12e}\n" for x in values))
+    said, _ = run("info", *paths, "--rotd", "--dt", dt, "--sa", "1")
+    head, row = said.splitlines()
+    assert "PGA RotD50 [g]" in head
+    assert "Sa(1) RotD100 [g]" in head
+    sa = rotated_spectrum(one, two, dt, np.array([1.0]))
+    measures = rotated_measures(one, two, dt)
+    expected = [*(np.array(measures["pga"]) / G), *measures["pgv"], sa[0][0] / G, sa[1][0] / G]
+    np.testing.assert_allclose([float(word) for word in row.split()[-6:]], expected, rtol=1e-3)
+    with pytest.raises(RecordError, match="pairs of components; these are 1"):
+        run("info", paths[0], "--rotd", "--dt", dt)
+    paths[1].write_text("# units: m/s2\n1\n2\n3\n")
+    with pytest.raises(RecordError, match="need the same times"):
+        run("info", *paths, "--rotd", "--dt", dt)
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg"])
+def test_spectra_are_drawn(tmp_path: Path, suffix: str) -> None:
+    out = tmp_path / "new" / f"spectra.{suffix}"
+    run("info", ONE, TWO, "--spectrum", out)
+    first = out.read_bytes()
+    run("info", ONE, TWO, "--spectrum", out)
+    assert first == out.read_bytes()
+    with pytest.raises(RecordError, match=r"expected \.png, \.pdf or \.svg"):
+        run("info", ONE, "--spectrum", tmp_path / "spectra.txt")
+    with pytest.raises(RecordError, match="expected a period"):
+        run("info", ONE, "--sa", "0")
+
+
+SEARCH = """\
+PEER Ground Motion Database - test,,,
+ -- Summary of Metadata of Selected Records --
+ Result ID, Spectral Ordinate, Record Sequence Number, Tp-Pulse (sec), Earthquake Name, Year, Station Name, Magnitude, Mechanism, \
+Rjb (km), Rrup (km), Vs30 (m/sec), Lowest Useable Frequency (Hz), Horizontal-1 Acc. Filename, Horizontal-2 Acc. Filename, Vertical Acc. Filename
+1, SRSS, 900, 7.504, "Landers, a test",1992,"Yermo",7.28, strike slip,23.62,23.62,353.63,0.07,RSN900_A_YER270.AT2,RSN900_A_YER360.AT2,-----
+2, SRSS, 901, -999, "Another",1999,"Place",6.9, reverse,1.0,-999,-999,0.1,RSN901_B_X.AT2,RSN901_B_Y.AT2,RSN901_B_UP.AT2
+
+-- Scaled Spectra used in Search & Scaling --
+"""
+
+
+def test_what_the_database_says_of_a_record(tmp_path: Path) -> None:
+    (tmp_path / NAME).write_text(SEARCH)
+    known = {"magnitude": 7.28, "r_jb": 23.62, "r_rup": 23.62, "vs30": 353.63, "pulse_period": 7.504}
+    assert metadata_beside(tmp_path / "RSN900_A_YER270.AT2") == known
+    assert metadata_beside(tmp_path / "rsn900_a_yer360.at2") == known
+    assert metadata_beside(tmp_path / "RSN900_renamed.AT2") == known
+    assert metadata_beside(tmp_path / "RSN901_B_Y.AT2") == {"magnitude": 6.9, "r_jb": 1.0}
+    assert metadata_beside(tmp_path / "other.AT2") == {}
+    assert metadata_beside(tmp_path / "elsewhere" / "RSN900_A_YER270.AT2") == {}
+    (tmp_path / "RSN900_A_YER270.AT2").write_bytes(ONE.read_bytes())
+    said, _ = run("info", tmp_path)
+    head, row = said.splitlines()
+    assert [one.strip() for one in head.split("  ")[-4:]] == ["M", "R_rup [km]", "Vs30 [m/s]", "T_pulse [s]"]
+    assert row.split()[-4:] == ["7.28", "23.62", "353.6", "7.504"]
