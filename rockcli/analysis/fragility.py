@@ -1,8 +1,9 @@
 """Fragility: how the probability that a suite exceeds nested limit states grows with intensity.
 
 P(exceed | x) = Phi(ln((x - x_0)/(median - x_0))/beta) above x_0, 0 below: the lognormal curve for x_0 = 0, and no mass
-where nothing can move for x_0 at uplift.  Fitted by maximum likelihood, either all limit states at once with one beta
-(ordered probit: curves never cross), or each alone.  Binomial fit: Shinozuka et al. (2000); multiple stripes: Baker
+where nothing can move for x_0 at uplift.  With a second intensity y the median is that at a reference y_r and goes
+with (y/y_r)^-exponent.  Fitted by maximum likelihood, either all limit states at once with one beta (ordered probit:
+curves never cross), or each alone.  Binomial fit: Shinozuka et al. (2000); multiple stripes: Baker
 (2015), Earthq. Spectra 31(1).
 """
 
@@ -19,7 +20,7 @@ from rockcli.scene.variables import PERCENTILES
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-FITTED, NONE_EXCEEDS, ALL_EXCEED, SEPARABLE, FALLING, BELOW, NOT_ASKED = 0, 1, 2, 3, 4, 5, 6
+FITTED, NONE_EXCEEDS, ALL_EXCEED, SEPARABLE, FALLING, BELOW, NOT_ASKED, COLLINEAR = 0, 1, 2, 3, 4, 5, 6, 7
 
 STATUS: dict[int, str] = {
     FITTED: "fitted",
@@ -29,6 +30,7 @@ STATUS: dict[int, str] = {
     FALLING: "falling",
     BELOW: "below_uplift",
     NOT_ASKED: "not_asked",
+    COLLINEAR: "collinear",
 }
 
 WHY_NOT: dict[int, str] = {
@@ -37,6 +39,7 @@ WHY_NOT: dict[int, str] = {
     SEPARABLE: "it goes from none to all between two intensities: beta cannot be estimated, the median only roughly",
     FALLING: "it is not exceeded more often as the intensity grows",
     BELOW: "it is exceeded where the curve begins or below (begins_at)",
+    COLLINEAR: "one of the two intensities is the same for all motions, or follows from the other",
 }
 """Why there is no curve."""
 
@@ -54,6 +57,7 @@ class Seen:
         low, high: (n, k) lowest and highest category a member may be in: the number of limit states it exceeds.
         weight: (n, k) 0 left out, 1 whole.
         rows: (n,) which members belong together and are not independent; None = each is independent.
+        second: (n, k) a second intensity, of which only what is positive counts; None = there is none.
     """
 
     x: Array
@@ -61,6 +65,7 @@ class Seen:
     high: Index
     weight: Array
     rows: Index | None = None
+    second: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +78,8 @@ class Curves:
         status: int8, a key of STATUS.
         begins_at: x_0.
         members: with a row in the fit.
+        exponent, se_exponent: of the second intensity and its standard error, NaN without one.
+        second_at: the value of the second intensity of which `median` is: the geometric mean of those in the fit.
     """
 
     median: Array
@@ -83,6 +90,9 @@ class Curves:
     status: NDArray[np.int8]
     begins_at: float
     members: int
+    exponent: Array
+    se_exponent: Array
+    second_at: float
 
     @property
     def _reach(self) -> float:
@@ -100,6 +110,10 @@ class Curves:
         """The same of beta, on its logarithm."""
         spread = np.exp(self._reach * self.se_beta / self.beta)
         return self.beta / spread, self.beta * spread
+
+    def exponent_limits(self) -> tuple[Array, Array]:
+        """The same of the exponent of the second intensity."""
+        return self.exponent - self._reach * self.se_exponent, self.exponent + self._reach * self.se_exponent
 
     def percentiles(self, beta_added: float) -> Array:
         """Intensities exceeded with the probabilities PERCENTILES, (states, percentiles)."""
@@ -120,15 +134,23 @@ def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.
         begins_at: intensity at and below which nothing can exceed any.
     """
     use = (seen.weight > 0.0) & (seen.x > 0.0)
+    if seen.second is not None:
+        use &= seen.second > 0.0
     early = use & (seen.x <= begins_at * (1.0 + 1e-9))
     beneath = np.array([bool((early & (seen.low > j)).any()) for j in range(states)])
     use &= ~early
     rows_of = np.arange(seen.x.shape[0]) if seen.rows is None else seen.rows
     who = np.broadcast_to(rows_of[:, None], seen.x.shape)
-    rows = Rows(np.log(seen.x[use] - begins_at)[:, None], seen.low[use], seen.high[use], seen.weight[use], who[use])
+    u, second_at = np.log(seen.x[use] - begins_at)[:, None], np.nan
+    if seen.second is not None and use.any():
+        y = np.log(seen.second[use])
+        u, second_at = np.column_stack([u, y - y.mean()]), float(np.exp(y.mean()))
+    rows = Rows(u, seen.low[use], seen.high[use], seen.weight[use], who[use])
     status = np.array([_status(rows, j) for j in range(states)], dtype=np.int8)
     status[beneath] = BELOW
-    found = _blank(states, status, begins_at, len(np.unique(rows.member)))
+    if u.shape[1] == 2 and np.linalg.matrix_rank(u - u.mean(axis=0), tol=1e-9 * len(u) ** 0.5) < 2:
+        status[:] = COLLINEAR
+    found = _blank(states, status, begins_at, len(np.unique(rows.member)), second_at)
     if fit == NONE:
         status[:] = NOT_ASKED
     elif fit == ORDINAL:
@@ -138,9 +160,9 @@ def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.
     return replace(found, median=begins_at + found.median)
 
 
-def _blank(states: int, status: NDArray[np.int8], begins_at: float, members: int) -> Curves:
-    a, b, c, d, e = (np.full(states, np.nan) for _ in range(5))
-    return Curves(a, b, c, d, e, status, begins_at, members)
+def _blank(states: int, status: NDArray[np.int8], begins_at: float, members: int, second_at: float) -> Curves:
+    a, b, c, d, e, f, g = (np.full(states, np.nan) for _ in range(7))
+    return Curves(a, b, c, d, e, status, begins_at, members, f, g, second_at)
 
 
 def _each_alone(rows: Rows, into: Curves) -> None:
@@ -183,13 +205,18 @@ def _put(into: Curves, states: Index, cuts: Index, found: Probit | None) -> None
     into.status[states] = FITTED
     for state, cut in zip(states, cuts, strict=True):
         t = float(found.cuts[cut])
-        pick = [0, 1 + int(cut)]
+        pick = [0, len(found.slopes) + int(cut)]
         jacobian = np.array([[-t / slope**2, 1.0 / slope], [-1.0 / slope**2, 0.0]])
         moved = jacobian @ found.covariance[np.ix_(pick, pick)] @ jacobian.T
         se = np.sqrt(np.maximum(np.diagonal(moved), 0.0))
         into.median[state], into.beta[state] = np.exp(t / slope), 1.0 / slope
         into.se_ln_median[state], into.se_beta[state] = se
         into.correlation[state] = moved[0, 1] / (se[0] * se[1]) if se.all() else np.nan
+        if len(found.slopes) == 2:
+            other = float(found.slopes[1])
+            gradient = np.array([-other / slope**2, 1.0 / slope])
+            into.exponent[state] = other / slope
+            into.se_exponent[state] = np.sqrt(max(gradient @ found.covariance[:2, :2] @ gradient, 0.0))
 
 
 def _status(rows: Rows, j: int) -> int:

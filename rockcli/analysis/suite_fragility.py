@@ -32,6 +32,9 @@ FITTED: tuple[str, ...] = (
 
 OTHERS = ("fragility_intensity", "fragility_begins_at", "fragility_status", "fragility_percentile", PERCENTILE)
 
+OF_SECOND: tuple[str, ...] = ("fragility_exponent", "fragility_exponent_ci_low", "fragility_exponent_ci_high")
+"""What a second intensity adds to a curve."""
+
 _IN_UNITS = ("fragility_median", "fragility_begins_at", "fragility_percentile")
 
 
@@ -57,10 +60,17 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
         "stands": of_bodies(np.where(became.divided, 1.0 - np.nan_to_num(became.share), became.answered.astype(float))),
         "falls": of_bodies(np.where(became.divided, became.share, 0.0)),
     }
+    y = values_of(over.second, contents, study) if over.second else None
+    if over.second and y is None:
+        return {}
+    if y is not None:
+        parts["second"] = of_bodies(np.broadcast_to(y, contents.shape))
     begins = _begins(contents, study, over, x, of_bodies)
     shape = parts["x"].shape[:-2]
     dims = (*bodies, LIMIT)
-    found = {name: np.full((*shape, len(labels)), np.nan) for name in FITTED}
+    names = (*FITTED, *(OF_SECOND if over.second else ()))
+    found = {name: np.full((*shape, len(labels)), np.nan) for name in names}
+    second_at = np.full(shape, np.nan)
     status = np.zeros((*shape, len(labels)), dtype=np.int8)
     percentile = np.full((*shape, len(labels), len(PERCENTILES)), np.nan)
     exceeded = []
@@ -75,8 +85,10 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
         for at in np.ndindex(*shape):
             one = {name: values[at] for name, values in parts.items()}
             made = curves(_seen(one, top, rows), top, fit=over.fit, begins_at=float(begins[at]))
+            second_at[at] = made.second_at
             for name, values in _numbers(made, over.beta_added).items():
-                found[name][at][states] = values[:keep]
+                if name in found:
+                    found[name][at][states] = values[:keep]
             status[at][states] = made.status[:keep]
             percentile[at][states] = made.percentiles(over.beta_added)[:keep]
             missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
@@ -90,6 +102,13 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
     if over.told_against not in axes:
         row = variable_field("fragility_intensity", axes, x, units=unit, long_name=over.told_against)
         fields["fragility_intensity"] = row
+    if y is not None:
+        second_unit = unit_of(over.second, contents)
+        attrs = {"units": second_unit, "long_name": over.second}
+        fields["fragility_intensity_second"] = variable_field(
+            "fragility_intensity_second", axes, np.broadcast_to(y, contents.shape), **attrs
+        )
+        fields["fragility_second"] = variable_field("fragility_second", bodies, second_at, units=second_unit)
     if over.along is not None:
         shares = np.concatenate([share for _, share in exceeded])
         order_of_states = np.argsort(np.concatenate([states for states, _ in exceeded]))
@@ -141,6 +160,7 @@ def _seen(
         np.concatenate([high, over], axis=1),
         np.concatenate([weight, one["falls"]], axis=1),
         rows,
+        np.concatenate([one["second"], one["second"]], axis=1) if "second" in one else None,
     )
 
 
@@ -158,6 +178,7 @@ def _numbers(made: Curves, beta_added: float) -> dict[str, Array]:
         "fragility_se_ln_median": made.se_ln_median,
         "fragility_se_beta": made.se_beta,
         "fragility_correlation": made.correlation,
+        **dict(zip(OF_SECOND, (made.exponent, *made.exponent_limits()), strict=True)),
     }
 
 
@@ -210,7 +231,9 @@ def fragility_rows(contents: Contents) -> Iterator[dict[str, Any]]:
     for at in np.ndindex(*status.shape):
         row: dict[str, Any] = {dim: plain(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
         row["fragility_begins_at"] = plain(contents.values("fragility_begins_at")[at[:-1]])
-        row |= {name: plain(contents.values(name)[at]) for name in FITTED}
+        if "fragility_second" in contents.fields:
+            row["fragility_second"] = plain(contents.values("fragility_second")[at[:-1]])
+        row |= {name: plain(contents.values(name)[at]) for name in (*FITTED, *OF_SECOND) if name in contents.fields}
         for percent, value in zip(PERCENTILES, contents.values("fragility_percentile")[at], strict=True):
             row[f"fragility_percentile_{percent:g}"] = plain(value)
         yield row | {"fragility_status": STATUS[int(status[at])]}

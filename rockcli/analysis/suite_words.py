@@ -123,7 +123,8 @@ def _islands(contents: Contents, over: Over) -> Iterator[str]:
 def _refused(contents: Contents, over: Over) -> Iterator[str]:
     if "fragility_status" not in contents.fields:
         if over.told_against and over.along is not None:
-            yield f"no fragility curves: the intensity {over.told_against} is not known of these motions"
+            names = " or ".join(filter(None, (over.told_against, over.second)))
+            yield f"no fragility curves: the intensity {names} is not known of these motions"
         return
     item = contents.fields["fragility_status"]
     points = item.values[..., 0].size
@@ -209,6 +210,18 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
                 f"(95 % {low / divisor:.4g} to {high / divisor:.4g}), beta {beta:.4g}, 5 % at {tail[1]:.4g}, "
                 f"1 % at {tail[0]:.4g}{unit_words(unit)} ({n} {_members(over)})"
             )
+            if over.second:
+                c, c_low, c_high = (
+                    float(contents.values(f"fragility_{name}")[(*at, i)])
+                    for name in ("exponent", "exponent_ci_low", "exponent_ci_high")
+                )
+                size, shown = units.of(str(contents.fields["fragility_second"].attrs["units"]))
+                yield (
+                    f"{where}{limit_words(label)}: this at {over.second} "
+                    f"{contents.values('fragility_second')[at] / size:.4g}{unit_words(shown)}; "
+                    f"{'the median' if begins[at] == 0.0 else 'what it is above uplift'} goes with its power {-c:.3g} "
+                    f"(95 % {-c_high:.3g} to {-c_low:.3g})"
+                )
     if many > len(listed):
         yield f"and {many - len(listed)} more bodies: rock table FILE.nc --of fragility"
 

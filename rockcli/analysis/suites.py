@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rockcli.analysis.intensity_correlation import correlations, with_measures
 from rockcli.analysis.places import units_of
 from rockcli.analysis.side_by_side import end_to_end, laid_out
-from rockcli.analysis.suite_fragility import FITTED, OTHERS, fragility
+from rockcli.analysis.suite_fragility import FITTED, OF_SECOND, OTHERS, fragility
 from rockcli.analysis.suite_risk import OF_AGE, RATES, risk
 from rockcli.analysis.suite_risk import OTHERS as RISK
 from rockcli.analysis.suite_words import sentences, warnings
@@ -127,6 +127,7 @@ def with_ensembles(contents: Contents, study: Study) -> Contents:
         "axis": study.over.axis if len(study.over.axes) == 1 else list(study.over.axes),
         "along": study.over.along,
         "told_against": study.over.told_against,
+        "second": study.over.second,
         "limits": list(study.over.limit_states[:-1]),
         "age": study.over.age,
         "fields": list(added),
@@ -155,6 +156,7 @@ def variables(study: Study) -> set[str]:
         found |= {"safe_island", "n_safe_islands", "p_exceeded"}
     if over.told_against:
         found |= {*FITTED, *OTHERS}
+        found |= {*OF_SECOND, "fragility_second", "fragility_intensity_second"} if over.second else set()
     if over.inputs:
         found |= {*NAMES}
     if over.hazard:

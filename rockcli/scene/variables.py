@@ -146,6 +146,17 @@ _SUITE_ROWS: tuple[Variable, ...] = (
     Variable(
         "fragility_intensity", r"$x$", CASE, "1", "intensity that fragility is told against, where no axis has it"
     ),
+    Variable("fragility_intensity_second", r"$y$", CASE, "1", "second intensity that fragility is told against"),
+    Variable("fragility_second", r"$y_r$", SUITE, "1", "second intensity y_r of which medians and percentiles are"),
+    Variable(
+        "fragility_exponent",
+        r"$c$",
+        LIMIT,
+        "1",
+        "median - x_0 goes with (y/y_r)^-c of the second intensity y; y_r = fragility_second",
+    ),
+    Variable("fragility_exponent_ci_low", r"$c$", LIMIT, "1", "lower 95 % confidence limit of fragility_exponent"),
+    Variable("fragility_exponent_ci_high", r"$c$", LIMIT, "1", "upper 95 % confidence limit of fragility_exponent"),
     Variable("fragility_begins_at", r"$x_0$", SUITE, "1", "intensity x_0 at and below which a curve is zero"),
     Variable("fragility_beta", r"$\beta$", LIMIT, "1", "standard deviation of ln(x - x_0), x_0 = fragility_begins_at"),
     Variable("fragility_beta_ci_low", r"$\beta$", LIMIT, "1", "lower 95 % confidence limit of fragility_beta"),

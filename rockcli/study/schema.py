@@ -355,6 +355,22 @@ SomeLimit = Annotated[
 ]
 
 
+def _intensities(value: Any) -> Any:
+    names = value if isinstance(value, list) else [value]
+    if not 1 <= len(names) <= 2 or not all(isinstance(name, str) and name for name in names):
+        raise ValueError("the name of an intensity, or a list of two, is expected")
+    return value
+
+
+Intensities = Annotated[
+    Any,
+    BeforeValidator(_intensities),
+    WithJsonSchema(
+        {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 2}]}
+    ),
+]
+
+
 class OverPart(Part):
     """Statistics over one axis or several: what a suite of records, of samples, or of anything else, does."""
 
@@ -365,7 +381,9 @@ class OverPart(Part):
         [0.1, 0.5, 1],
     )
     mean: bool = key("the mean beside the fractiles; inf where any overturned", False)
-    intensity: Text | None = key("of the fragility: pga, pgv, sa(T), pgv_over_pga, an axis; default: along")
+    intensity: Intensities | None = key(
+        "of the fragility: pga, pgv, sa(T), pgv_over_pga, an axis, or a list of two of them; default: along"
+    )
     fit: Literal["ordinal", "lognormal", "none"] = key(
         "one beta for all limit states, each alone, or no curve", "ordinal"
     )

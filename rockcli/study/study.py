@@ -136,6 +136,7 @@ class Over:
         limits: limit states by quantity, each ascending; overturning is one more.
         mean: whether the mean is wanted beside the fractiles.
         intensity: what fragility is told against; "" = the axis of the intensity.
+        second: a second intensity that fragility is told against; "" = there is none.
         fit: `ordinal` one beta for all limit states, `lognormal` each alone, `none`.
         begins_at: `uplift` where curves begin where the body can first move, else `0`.
         beta_added: uncertainty beside that of the suite, in quadrature, in percentiles and curves.
@@ -155,6 +156,7 @@ class Over:
     inputs: tuple[str, ...] = ()
     hazard: tuple[HazardCurve, ...] = ()
     age: float | None = None
+    second: str = ""
 
     @property
     def axis(self) -> str:

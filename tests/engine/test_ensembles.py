@@ -457,3 +457,32 @@ def test_the_summary_has_the_numbers():
         assert row["fragility_median"] == float(one["fragility_median"])
         assert row["fragility_percentile_5"] == float(one["fragility_percentile"].sel(percentile=5))
         assert row["fragility_status"] == "fitted"
+
+
+def test_fragility_of_two_intensities_is_the_fit_of_their_values():
+    """PGA and PGV/PGA of pulses of several periods: by hand from the dataset's own columns."""
+    over = {"axis": "motion.pulse.omega_p", "along": "a_p", "intensity": ["pga", "pgv_over_pga"], "limits": []}
+    sines = {  # of a body that may remain stable above what overturned it, so that the outcomes overlap
+        "case": {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": 1, "omega_p": 3}}},
+        "vary": {
+            "motion.pulse.omega_p": {"from": 2, "to": 10, "n": 10},
+            "motion.pulse.a_p": {"from": "0.2*g", "to": "4*g", "n": 24},
+        },
+    }
+    found = rockcli.run(study(over=over, **sines))
+    x, y = found["fragility_intensity"].values, found["fragility_intensity_second"].values
+    np.testing.assert_allclose(y, np.broadcast_to(found["pgv"].values / found["pga"].values, y.shape), rtol=1e-12)
+    category = (found["outcome"].values >= 2).astype(int)
+    begins = float(found["fragility_begins_at"])
+    assert begins == pytest.approx(0.2 * G, rel=1e-12)
+    by_hand = curves(Seen(x, category, category, np.ones(x.shape), second=y), 1, begins_at=begins)
+    for name, values in (("median", by_hand.median), ("exponent", by_hand.exponent), ("beta", by_hand.beta)):
+        np.testing.assert_allclose(found[f"fragility_{name}"].values, values, rtol=1e-9)
+    assert float(found["fragility_second"]) == pytest.approx(by_hand.second_at, rel=1e-12)
+    assert float(found["fragility_exponent"][0]) > 0.0  # the longer the pulse the weaker it may be
+    assert "at pgv_over_pga" in " ".join(json.loads(found.attrs["ensemble"])["says"])
+    assert "fragility_second [s]" in rockcli.table(found, of="fragility").columns
+    with pytest.raises(StudyError, match="twice"):
+        rockcli.run(study(over=over | {"intensity": ["pga", "pga"]}))
+    with pytest.raises(StudyError, match="is of one intensity"):
+        rockcli.run(study(over=over, hazard={"intensity": [1, 2], "rate": [0.1, 0.01]}))

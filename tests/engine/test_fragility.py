@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import rockcli
 from rockcli.analysis.fragility import (
     ALL_EXCEED,
     BELOW,
+    COLLINEAR,
     FALLING,
     FITTED,
     LOGNORMAL,
@@ -281,6 +283,63 @@ def test_ranks_and_correlations():
     a[2, :4] = np.nan
     assert statistics.spearman(a[2], b[2]) == pytest.approx(stats.spearmanr(a[2, 4:], b[2, 4:])[0], rel=1e-12)
     assert np.isnan(statistics.pearson(np.ones(9), np.arange(9.0)))
+
+
+def two_intensities(n=60, seed=5, exponent=0.8):
+    """Capacities of members in x that go with y^-exponent; y is a member's own."""
+    rng = np.random.default_rng(seed)
+    y = np.exp(0.5 * rng.standard_normal((n, 1)))
+    capacity = 3.0 * y**-exponent * np.exp(0.35 * rng.standard_normal((n, 1)))
+    return (capacity < X).astype(int), np.broadcast_to(y, (n, len(X)))
+
+
+def test_two_intensities_are_the_clustered_probit_of_two_regressors_of_statsmodels():
+    sm = pytest.importorskip("statsmodels.api")
+    category, y = two_intensities()
+    n, k = category.shape
+    found = curves(replace(seen(category), second=y), 1)
+    u = sm.add_constant(np.column_stack([np.tile(np.log(X), n), np.log(y).ravel()]))
+    group = {"groups": np.repeat(np.arange(n), k), "use_correction": False}
+    model = sm.Probit(category.ravel().astype(float), u)
+    fitted = model.fit(disp=0, method="newton", tol=1e-12, cov_type="cluster", cov_kwds=group)
+    a, s1, s2 = fitted.params
+    at = np.log(found.second_at)
+    assert found.second_at == pytest.approx(np.exp(np.log(y).mean()), rel=1e-12)
+    np.testing.assert_allclose(found.median[0], np.exp(-(a + s2 * at) / s1), rtol=1e-6)
+    np.testing.assert_allclose([found.beta[0], found.exponent[0]], [1.0 / s1, s2 / s1], rtol=1e-6)
+    covariance = fitted.cov_params() * n / (n - 1)
+    gradients = {
+        "se_ln_median": [-1.0 / s1, (a + s2 * at) / s1**2, -at / s1],
+        "se_beta": [0.0, -1.0 / s1**2, 0.0],
+        "se_exponent": [0.0, -s2 / s1**2, 1.0 / s1],
+    }
+    for name, gradient in gradients.items():
+        expected = math.sqrt(np.array(gradient) @ covariance @ np.array(gradient))
+        assert getattr(found, name)[0] == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_second_intensity_that_matters_narrows_the_curve():
+    """The scatter that y explains is no scatter of the curve; of the exponent 95 % limits hold the true one."""
+    held = 0
+    for seed in range(200):
+        category, y = two_intensities(seed=seed)
+        alone, both = curves(seen(category), 1), curves(replace(seen(category), second=y), 1)
+        assert both.beta[0] < alone.beta[0]
+        low, high = both.exponent_limits()
+        held += int(low[0] <= 0.8 <= high[0])
+    assert 184 <= held <= 197  # 190 expected, 2 sigma = 6
+
+
+def test_two_intensities_that_are_one_have_no_curve():
+    category, y = two_intensities()
+    for second in (np.ones(y.shape), np.broadcast_to(X**2, y.shape)):
+        assert curves(replace(seen(category), second=second), 1).status[0] == COLLINEAR
+    no_second = curves(
+        replace(seen(category), second=np.where(y > 1.0, y, np.nan)), 1
+    )  # left out where it is not known
+    kept = (y > 1.0)[:, 0]
+    few = curves(replace(seen(category[kept]), second=y[kept]), 1)
+    assert no_second.median[0] == pytest.approx(few.median[0], rel=1e-10)
 
 
 FAR_FIELD = SHARED / "records/peer/p695_far_field"

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 THETA = r"$|\theta|_{\mathrm{max}}/\alpha$"
 
+_NAMES = {"pga": "PGA", "pgv": "PGV", "pgv_over_pga": "PGV/PGA", "arias": r"$I_A$", "cav": "CAV"}
+
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
 
@@ -66,9 +68,21 @@ def draw(dataset: xarray.Dataset) -> Figure:
     first.set_xlim(float(x.min()) if log else 0.0, float(x.max()))
     handles, labels = first.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=1 if single else 3, columnspacing=1.4)
-    words = f"{members_word(dataset, suite)}; maximum likelihood, 95 % band clustered by member"
+    second = _second_words(dataset) if single else ""
+    words = f"{members_word(dataset, suite)}; {second}maximum likelihood, 95 % band clustered by member"
     headline(figure, title_of(dataset), "; ".join(filter(None, [words, selection_note(len(shown), total, "panels")])))
     return figure
+
+
+def _second_words(dataset: xarray.Dataset) -> str:
+    """At which value of a second intensity the curves are drawn."""
+    if "fragility_second" not in dataset:
+        return ""
+    divisor, unit = shown_unit(dataset, "fragility_second")
+    name = str(dataset["fragility_intensity_second"].attrs["long_name"]).rsplit(".", 1)[-1]
+    at = float(dataset["fragility_second"].values.ravel()[0]) / divisor
+    symbol, bare = _NAMES.get(name, name.replace("_", " ")), unit_in_brackets(unit).strip(" []")
+    return f"at {symbol} = {at:.3g} {bare}; "
 
 
 def intensity_label(dataset: xarray.Dataset, suite: Suite) -> str:
@@ -76,9 +90,8 @@ def intensity_label(dataset: xarray.Dataset, suite: Suite) -> str:
     name = suite.told_against
     if name in dataset.dims:
         return axis_label(dataset, name)
-    known = {"pga": "PGA", "pgv": "PGV", "pgv_over_pga": "PGV/PGA", "arias": r"$I_A$", "cav": "CAV"}
     spectral = name.lower().replace("sa(", r"$S_a$(").replace(")", " s, 5 %)")
-    return known.get(name, spectral) + unit_in_brackets(shown_unit(dataset, "fragility_median")[1])
+    return _NAMES.get(name, spectral) + unit_in_brackets(shown_unit(dataset, "fragility_median")[1])
 
 
 def _intensity(part: xarray.Dataset, suite: Suite) -> Array:

@@ -63,6 +63,10 @@ def read_hazard(source: Source, study: Map, part: StudyPart, over: Over | None, 
         raise source.error(
             study, ("hazard",), "needs fragility curves: `over` an axis, with an intensity that is varied"
         )
+    if over.second:
+        raise source.error(
+            study, ("hazard",), f"is of one intensity, the fragility of two ({over.told_against}, {over.second})"
+        )
     g = g_of(study["case"], {axis.path for axis in axes})
     against = _against(over, axes)
     curves: list[HazardCurve] = []

@@ -54,15 +54,17 @@ def read_over(
         if limit.quantity not in (PEAK, *scalars):
             message = f"needs {limit.quantity} among the saved scalars (`save`)"
             raise source.error(study, ("over", "limits", i), message)
+    first, second = _intensities(source, study, said.intensity, axes)
     return Over(
         tuple(axis.name for axis in chosen),
         along.name if along else None,
         tuple(sorted(set(limits), key=lambda limit: (QUANTITIES.index(limit.quantity), limit.value))),
         said.mean,
-        _intensity(source, study, said.intensity, axes),
+        first,
         said.fit,
         str(said.begins_at),
         _beta_added(source, study, said.beta_added),
+        second=second,
     )
 
 
@@ -80,8 +82,19 @@ def _side_by_side(
     return [axes[i] for i in at]
 
 
+def _intensities(source: Source, study: Map, said: Any, axes: Sequence[Axis]) -> tuple[str, str]:
+    """The intensity that fragility is told against, and a second one, as `_intensity` names them."""
+    names = said if isinstance(said, list) else [said]
+    found = [_intensity(source, study, name, axes) for name in names]
+    if len(found) == 1:
+        return found[0], ""
+    if found[0] == found[1]:
+        raise source.error(study, ("over", "intensity"), f"is {names[0]!r} twice; expected two intensities")
+    return found[0], found[1]
+
+
 def _intensity(source: Source, study: Map, name: Any, axes: Sequence[Axis]) -> str:
-    """What fragility is told against, by its name in the dataset; "" = the axis of the intensity."""
+    """An intensity by its name in the dataset; "" = the axis of the intensity."""
     if name is None:
         return ""
     keys = ("over", "intensity")
