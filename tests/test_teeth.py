@@ -141,7 +141,7 @@ FAULTS = {
     "record lanes: end of a step": Fault(
         record_lanes, K + "lanes.records.impacts", "now = fma(x, h, place)", "now = fma(0.999 * x, h, place)"
     ),
-    "contact: sign": Fault(planar_contact, K + "contact.flows", "-(a[k] + mu * sigma * W[k])", "-(a[k] - mu * sigma * W[k])"),
+    "contact: sign": Fault(planar_contact, K + "contact.flows", "-(a[k] + mu * foot.sigma * W[k])", "-(a[k] - mu * foot.sigma * W[k])"),
     "contact: restitution": Fault(
         planar_contact, K + "contact.impacts", "dw = -(h * f + place) / rg2", "dw = -(h * f + 0.99 * place) / rg2"
     ),

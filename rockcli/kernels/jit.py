@@ -101,3 +101,12 @@ def room(n: int) -> Any:
     import numpy as np
 
     return np.zeros(n)
+
+
+def rows(n_rows: int, n: int) -> Any:
+    """The same in rows of n numbers each."""
+    if _way == PLAIN:
+        return [[0.0] * n for _ in range(n_rows)]
+    import numpy as np
+
+    return np.zeros((n_rows, n))

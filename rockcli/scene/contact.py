@@ -9,19 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rockcli.kernels.constants import SAME
+from rockcli.kernels.contact.codes import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import MODELS
 
 Array = NDArray[np.float64]
-
-REST, SLIDE, ROCK, SLIDE_ROCK, FREE_FLIGHT = range(5)
 
 MODES: dict[int, str] = {
     REST: "rest",
     SLIDE: "slide",
     ROCK: "rock",
     SLIDE_ROCK: "slide_rock",
-    FREE_FLIGHT: "free_flight",
+    FLIGHT: "free_flight",
 }
 """Flags of the history `contact_mode`."""
 
@@ -63,4 +62,4 @@ def mode_from_rest(
     begins = np.where(mu_rock > mu, SLIDE_ROCK, ROCK)
     mode = np.where(a > weight * tan_alpha, begins, REST)
     mode = np.where(slides_first(mu, tan_alpha), np.where(a > weight * mu, SLIDE, REST), mode)
-    return np.where(weight <= 0.0, FREE_FLIGHT, mode)
+    return np.where(weight <= 0.0, FLIGHT, mode)

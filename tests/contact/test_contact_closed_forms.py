@@ -23,6 +23,7 @@ from contact_tables import (
 from scipy.optimize import brentq, minimize_scalar
 
 from rockcli.kernels.contact import parameters as at
+from rockcli.kernels.contact import workspace as row_of
 from rockcli.scene.excitation import LINEAR, WAVES
 
 NEAR = 1e-9
@@ -38,16 +39,16 @@ def test_onset(row):
     if needed is not None:
         above, below = (selection.on_base(array(body(b, mu=needed * f)), 0.0, a_g, W)[0] for f in (1 + 1e-9, 1 - 1e-9))
         assert (MODES[above], MODES[below] != "rock") == ("rock", True)
-    e = at.RIGHT if s > 0 else at.LEFT
-    c, slip, N, *spare = (array([0.0] * 12) for _ in range(12))
-    a, weight = array([a_g] + [0.0] * 11), array([W] + [0.0] * 11)
-    foot = flows.Foot(e, s, sigma, 0.0, 0.0, 0.0)
+    w = kernel("march").work_space()
+    w[row_of.A_G][0], w[row_of.WEIGHT][0] = a_g, W
+    c, slip, N = w[row_of.Q], w[row_of.SLIP], w[row_of.NORMAL]
+    foot = kernel("state").Foot(s, sigma, 0.0, 0.0, 0.0, 0.0)
     if mode == "slide":
-        flows.slide(mu, sigma, 0.0, a, weight, 4, slip)
+        flows.slide(mu, foot, 4, w)
     elif mode == "rock":
-        flows.rock(par, foot, a, weight, 0.1, 1e-16, 8, c, *spare[:3], N, spare[3])
+        flows.rock(par, foot, 0.1, 1e-16, 8, w)
     elif mode == "slide_rock":
-        flows.slide_rock(par, foot, a, weight, 0.1, 1e-16, 8, c, *spare[:3], N, *spare[3:6], slip)
+        flows.slide_rock(par, foot, 0.1, 1e-16, 8, w)
     if theta_dd is not None:
         assert 2 * s * c[2] == pytest.approx(theta_dd, abs=NEAR)
     if slide_dd is not None:
@@ -62,9 +63,9 @@ def test_landing(row):
     par = array(body(b, mu=mu, eta=eta))
     found = kernel("impacts").landing(par, at.LEFT, at.RIGHT, w, v)
     assert found == pytest.approx((w_after, v_after, impulse), abs=NEAR)
-    energy = kernel("readings").energy_on_edge
-    before = energy(par, at.LEFT, -1.0, 0.0, -w, v)
-    assert energy(par, at.RIGHT, 1.0, 0.0, found[0], found[1]) - before == pytest.approx(change, abs=NEAR)
+    energy, foot = kernel("readings").energy_on_edge, kernel("state").Foot
+    before = energy(par, foot(-1.0, 0.0, 0.0, -w, v, 0.0))
+    assert energy(par, foot(1.0, 0.0, 0.0, found[0], found[1], 0.0)) - before == pytest.approx(change, abs=NEAR)
 
 
 @pytest.mark.parametrize("row", CORNER_IMPACTS)
@@ -195,15 +196,15 @@ def test_impacts_that_stop_the_rotation_and_leave_a_slip_end(b, mu, slide_rate):
 def test_impacts_never_gain_energy():
     """Random landings and corner impacts, of asymmetric bodies too, whatever the friction."""
     rng = np.random.default_rng(5)
-    impacts, readings = kernel("impacts"), kernel("readings")
+    impacts, energy_on_edge, foot = kernel("impacts"), kernel("readings").energy_on_edge, kernel("state").Foot
     for _ in range(3000):
         b = tuple(rng.uniform(0.05, 1.2, 2))
         r_g2 = (0.25 * sum(b) ** 2 + 1.0) / 3 * rng.uniform(0.7, 1.3)
         par = array(body(b, mu=rng.uniform(0.0, 2.0), eta=None, r_g2=r_g2, e_n=rng.choice([0.0, rng.uniform()])))
         w, v = rng.uniform(0.01, 2.0), rng.normal() * rng.choice([0.0, 0.3, 2.0])
-        before = readings.energy_on_edge(par, at.LEFT, -1.0, 0.0, -w, v)
+        before = energy_on_edge(par, foot(-1.0, 0.0, 0.0, -w, v, 0.0))
         w_after, v_after, impulse = impacts.landing(par, at.LEFT, at.RIGHT, w, v)
-        assert readings.energy_on_edge(par, at.RIGHT, 1.0, 0.0, w_after, v_after) <= before + 1e-12
+        assert energy_on_edge(par, foot(1.0, 0.0, 0.0, w_after, v_after, 0.0)) <= before + 1e-12
         assert w_after >= 0.0
         assert impulse >= 0.0
         c, d, rate, along, across = rng.normal(), -rng.uniform(0.2, 1.5), *rng.normal(size=2), -rng.uniform(0.01, 2.0)

@@ -11,8 +11,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import rockcli
+from rockcli.kernels.contact.codes import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.scene.block import make_block
-from rockcli.scene.contact import FREE_FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest
+from rockcli.scene.contact import mode_from_rest
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, ROCKING, SLIDING, UNRESOLVED
 from rockcli.scene.variables import SCALARS, SCALARS_SLIDING
 from rockcli.solvers.event.solver import solve
@@ -207,7 +208,7 @@ class TestShenton:
         assert mode_from_rest(t, 4 / 3, 0.9, 0.39) == REST
         assert mode_from_rest(t, 4 / 3, 0.9, 0.41) == ROCK
         assert mode_from_rest(t, 4 / 3, 0.45, 3.0) == SLIDE_ROCK
-        assert mode_from_rest(t, 4 / 3, 0.9, 0.41, -1.0) == FREE_FLIGHT
+        assert mode_from_rest(t, 4 / 3, 0.9, 0.41, -1.0) == FLIGHT
 
     def test_the_friction_a_rectangle_needs_to_rock(self):
         """mu = [a (1 + 4 r^2) + 3 r]/[3 a r + (4 + r^2)], r = b/h: Shenton's critical value, written out from T and N."""
@@ -285,7 +286,7 @@ class TestMoreThanSliding:
         assert ours.scalars["outcome"][0] == SLIDING  # it flies flat
         assert ours.scalars["n_flights"][0] >= 1.0
         assert "comes down from flight flat" in ours.reasons[0]
-        flies = ours.histories["contact_mode"][0] == FREE_FLIGHT
+        flies = ours.histories["contact_mode"][0] == FLIGHT
         assert (ours.histories["lift"][0][flies][1:] > 0.0).any()
         assert (ours.histories["lift"][0][~flies & np.isfinite(ours.histories["lift"][0])] == 0.0).all()
         assert ours.scalars["N_min_over_mg"][0] <= 0.0

@@ -3,30 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from rockcli.kernels.contact import parameters as at
+from rockcli.kernels.contact import workspace as row
+from rockcli.kernels.contact.state import edge_under
 from rockcli.kernels.jit import jit_lean
-
-
-class Foot(NamedTuple):
-    """A body on one edge, its foot, which holds or slips, where a step begins.
-
-    Attributes:
-        e: where the numbers of the edge begin: `parameters.LEFT` or `RIGHT`.
-        s: sign of theta: -1 left, +1 right.
-        sigma: sign of the slip velocity, present or about to be; without meaning where the foot holds.
-        q: |theta| [rad].
-        v: its rate [rad/s].
-        u: slip velocity of the edge [m/s].
-    """
-
-    e: int
-    s: float
-    sigma: float
-    q: float
-    v: float
-    u: float
 
 
 @jit_lean
@@ -72,14 +53,16 @@ def converged(c, k, power, h, coarse, small):
 
 
 @jit_lean
-def rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T):
-    """Series of q, of the normal force and friction at the edge (two orders less) of a foot that holds.
+def rock(par, foot, h, small, n, w):
+    """Series of q, of the normal force and friction at the edge (two orders less) of a foot that holds, into `w`.
 
     Returns the order: before n it stops where the terms of q at h are below `small`, those of q'' below p^2 COARSER
     times as much.
     """
-    s, q = foot.s, foot.q
-    R, beta = par[foot.e + at.RADIUS], par[foot.e + at.ALPHA] - q
+    a, W, c, sin_b, cos_b, rate2 = w[row.A_G], w[row.WEIGHT], w[row.Q], w[row.SIN_B], w[row.COS_B], w[row.RATE2]
+    N, T = w[row.NORMAL], w[row.FRICTION]
+    s, q, e = foot.s, foot.q, edge_under(foot.s)
+    R, beta = par[e + at.RADIUS], par[e + at.ALPHA] - q
     lever = R / (par[at.RG2] + R * R)
     coarse, below, power = COARSER * small * par[at.G] * lever, 0, 1.0
     c[0], c[1] = q, foot.v
@@ -107,15 +90,17 @@ def rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T):
 
 
 @jit_lean
-def slide_rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, A, held, tilt, slip):
+def slide_rock(par, foot, h, small, n, w):
     """Series of q, of the slip velocity (an order less), of N, A and the numerator of N (two less) of a foot that slips
-    (K5, K6); returns the order, as `rock` does.
+    (K5, K6), into `w`; returns the order, as `rock` does.
 
     The slip velocity is that of the centre of mass, whose acceleration is -a_g + T, and the turning of the edge about
-    it.  `tilt` is work space.
+    it.
     """
-    s, sigma, q = foot.s, foot.sigma, foot.q
-    R, beta, mu = par[foot.e + at.RADIUS], par[foot.e + at.ALPHA] - q, par[at.MU_K]
+    a, W, c, sin_b, cos_b, rate2 = w[row.A_G], w[row.WEIGHT], w[row.Q], w[row.SIN_B], w[row.COS_B], w[row.RATE2]
+    N, A, held, tilt, slip = w[row.NORMAL], w[row.STIFFNESS], w[row.HELD], w[row.TILT], w[row.SLIP]
+    s, sigma, q, e = foot.s, foot.sigma, foot.q, edge_under(foot.s)
+    R, beta, mu = par[e + at.RADIUS], par[e + at.ALPHA] - q, par[at.MU_K]
     k2, way = R * R / par[at.RG2], mu * s * sigma
     coarse, below, power = COARSER * small * par[at.G] * R / (par[at.RG2] + R * R), 0, 1.0
     c[0], c[1] = q, foot.v
@@ -151,17 +136,19 @@ def slide_rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, A, held,
 
 
 @jit_lean
-def slide(mu, sigma, u, a, W, n, slip):
+def slide(mu, foot, n, w):
     """Series (order n) of the velocity of a body that slides and does not turn."""
-    slip[0] = u
+    a, W, slip = w[row.A_G], w[row.WEIGHT], w[row.SLIP]
+    slip[0] = foot.u
     for k in range(n):
-        slip[k + 1] = -(a[k] + mu * sigma * W[k]) / (k + 1)
+        slip[k + 1] = -(a[k] + mu * foot.sigma * W[k]) / (k + 1)
 
 
 @jit_lean
-def fly(x_rate, z, z_rate, a, W, n, along, height):
+def fly(air, n, w):
     """Series (order n) of the horizontal velocity and the height of the centre of mass in flight."""
-    along[0], height[0], height[1] = x_rate, z, z_rate
+    a, W, along, height = w[row.A_G], w[row.WEIGHT], w[row.SLIP], w[row.HEIGHT]
+    along[0], height[0], height[1] = air.x_rate, air.z, air.z_rate
     for k in range(n):
         along[k + 1] = -a[k] / (k + 1)
         if k + 2 <= n:
@@ -169,9 +156,9 @@ def fly(x_rate, z, z_rate, a, W, n, along, height):
 
 
 @jit_lean
-def turning(of_sin, of_cos, theta, rate, n, out):
+def turning(of_sin, of_cos, air, n, out):
     """Series (order n) of of_sin sin(theta) + of_cos cos(theta) while theta grows at a constant rate."""
-    sin_t, cos_t = math.sin(theta), math.cos(theta)
+    rate, sin_t, cos_t = air.turn, math.sin(air.theta), math.cos(air.theta)
     f, df, power = of_sin * sin_t + of_cos * cos_t, of_sin * cos_t - of_cos * sin_t, 1.0
     for k in range(n + 1):
         out[k] = f * power

@@ -1,707 +1,352 @@
 """The body on the ground as a hybrid automaton with five modes: flow, guard, mode by complementarity (docs/contact.md).
 
 Steps land on the breakpoints of the motion; flows are Taylor series, guards their polynomials, so that an event is
-known to rounding.  After an event the mode is chosen anew, with the ground motion just after it.
+known to rounding (`steps`).  After an event the mode is chosen anew, with the ground motion just after it (`events`).
 """
 
 from __future__ import annotations
 
 import math
 
-from rockcli.kernels.ahead import CUBE, MATRIX, VECTOR
+from rockcli.kernels.ahead import CUBE, MATRIX
 from rockcli.kernels.constants import (
     DONE,
     FALLS,
     FAST,
-    ILL_POSED,
     MAX_ORDER,
     MEANINGFUL,
-    NO_ROOT,
     NOT_FINITE,
+    NOT_YET,
     OUT_OF_STEPS,
     PATIENCE,
     RETURNS,
-    SAME,
     UNDECIDED,
 )
-from rockcli.kernels.contact import flows, impacts
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
+from rockcli.kernels.contact import workspace as row
+from rockcli.kernels.contact.codes import (
+    DIVERGES,
+    FLIGHT,
+    JAMS,
+    LANDS,
+    LEAVES,
+    LIFTS,
+    NO_EDGE,
+    NO_EVENT,
+    ON_BASE,
+    ON_EDGE,
+    REST,
+    ROCK,
+    SETTLED,
+    SLIDE,
+    SLIDE_ROCK,
+    SLIPS,
+    STOPS,
+    STRIKES,
+    TOPPLES,
+)
+from rockcli.kernels.contact.events import (
+    FROM_GROUND,
+    chosen,
+    flown,
+    landed,
+    moved,
+    struck_corner,
+    struck_flat,
+    take_off,
+)
 from rockcli.kernels.contact.readings import (
+    LOOKS,
     energy_in_flight,
     energy_on_edge,
     extremes,
     note_angle,
+    note_event,
+    note_flight,
+    note_flying,
+    note_impact,
+    note_passage,
+    note_rocking,
     note_slide,
+    note_slip,
+    note_uplift,
+    slide_in_flight,
     work,
+    write_bounces,
+    write_rest,
+    write_step,
 )
 from rockcli.kernels.contact.rest import frequency, settles
-from rockcli.kernels.contact.results import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
-from rockcli.kernels.contact.selection import JAM, NEITHER, on_base, on_edge, stiffness
-from rockcli.kernels.jit import entry, jit_lean, room
-from rockcli.kernels.rigid.ground import PULSES, expand, piece_at, piece_end
-from rockcli.kernels.rigid.roots import first_root, last_passage, uplift
-from rockcli.kernels.rigid.series import slope, value
+from rockcli.kernels.contact.selection import stiffness
+from rockcli.kernels.contact.state import Air, Foot, Scales, Settings, edge_under
+from rockcli.kernels.contact.steps import STALLED, ground_ahead, next_step
+from rockcli.kernels.jit import entry, jit_lean, rows
+from rockcli.kernels.rigid.ground import PULSES, piece_at
 from rockcli.kernels.rigid.settings import Channel
 
-EXACT = 1e-17
-"""Truncation of the series of the motion, over the weight, where its integrals are all there is to the flow."""
-
-DOWN = 1e-9
-"""A corner or a base that bounces slower than this is taken as down [m/s]."""
-
-LOOKS = 8
-"""Parts of a step in which extremes are looked for."""
-
-SETTLED, ON_EDGE, ON_BASE = 0, 1, 2
-"""What the next mode is to be chosen for."""
-
-LANDS, TOPPLES, SLIPS, LEAVES, STOPS, JAMS, LIFTS, STRIKES = range(1, 9)
-"""Events."""
-
-
-@jit_lean
-def within(c, lo, hi, small, h):
-    """The step cut so that terms lo ... hi of a series are below `small`."""
-    for k in range(lo, hi + 1):
-        if abs(c[k]) > 0.0:
-            h = min(h, (small / abs(c[k])) ** (1.0 / k))
-    return h
-
-
-@jit_lean
-def integral(c, n, x):
-    """Integral of a polynomial from 0 to x."""
-    y = c[n] / (n + 1)
-    for k in range(n - 1, -1, -1):
-        y = y * x + c[k] / (k + 1)
-    return y * x
-
-
-@jit_lean
-def leaves(c, n, h, scale):
-    """First x in [0, h] where a guard of forces turns negative, or NO_ROOT; what rounding of `scale` hides is zero."""
-    if abs(c[0]) <= 1e-13 * scale:
-        c[0] = 0.0
-    return uplift(c, n, h, scale)
-
-
-@jit_lean
-def starts(c, n, h, handled):
-    """First x in (0, h] where a guard reaches zero, or NO_ROOT; 0 where it turns negative at once.
-
-    `handled` leading coefficients are zero but for rounding, and none of them can point the wrong way.
-    """
-    for k in range(handled):
-        c[k] = max(c[k], 0.0) if k == handled - 1 else 0.0
-    skip = 0
-    while skip < min(n, 4) and c[skip] == 0.0:
-        skip += 1
-    if c[skip] <= 0.0:
-        return 0.0
-    return first_root(c, n, h, skip)
-
-
-@jit_lean
-def note_event(t, mode, t_event, mode_event, out):
-    """Write down that a mode was entered, and count it."""
-    k = int(out[to.N_EVENTS])
-    if k < len(t_event):
-        t_event[k], mode_event[k] = t, mode
-    out[to.N_EVENTS] += 1
-
-
-@jit_lean
-def note_slip(t, turns, slipped, out):
-    """The foot begins to slip, or goes on slipping another way."""
-    if not slipped:
-        out[to.N_SLIPS] += 1
-    if math.isnan(out[to.T_SLIP]):
-        out[to.T_SLIP] = t
-    if turns and math.isnan(out[to.T_SLIDE_ROCK]):
-        out[to.T_SLIDE_ROCK] = t
-
-
-@jit_lean
-def note_flight(t, turns, out):
-    """The body leaves the ground, tilted or turning, or flat."""
-    out[to.N_FLIGHTS] += 1
-    if math.isnan(out[to.T_FLIGHT]):
-        out[to.T_FLIGHT] = t
-    if turns and math.isnan(out[to.T_UPLIFT]):
-        out[to.T_UPLIFT] = t
+SAME_INSTANT = 3
+"""Events at one instant up to which the mode is chosen anew; after that they are taken as they come."""
 
 
 def work_space():
-    """Work space of `march_all`: series and guards; the flow that is taken in steps of its own."""
-    return (*(room(MAX_ORDER + 2) for _ in range(15)), room(4))
+    """Work space of `march_all`, the rows of `workspace`."""
+    return rows(row.N_ROWS, MAX_ORDER + 2)
 
 
 @jit_lean
-def march(
-    par, tol, rest_speed, max_steps, order, horizontal, h_data, vertical, v_data, dt_out,
-    histories, impacts_out, events, spaces, out,
-):  # fmt: skip
-    """Solve one case.
-
-    Motion channels as those of `rigid.march`.  `histories` are theta, theta', slide, slide rate, mode and lift at
-    i dt_out as far as they are long, `impacts_out` t, theta' before and after, `events` time and mode entered; the mode
-    at t = 0 is no event.
-    """
-    n = order
-    theta_out, rate_out, slide_out = histories[0], histories[1], histories[2]
-    slide_rate_out, mode_out, lift_out = histories[3], histories[4], histories[5]
-    t_impact, rate_before, rate_after = impacts_out[0], impacts_out[1], impacts_out[2]
-    t_event, mode_event = events[0], events[1]
-    n_hist, n_store = len(theta_out), len(t_impact)
-    g, h_cm, rg2, mu_s, mu_k = par[at.G], par[at.H], par[at.RG2], par[at.MU_S], par[at.MU_K]
-    t_motion, t_stop, lasts = par[at.T_MOTION], par[at.T_STOP], par[at.HAS_DURATION] == 1.0
-    p_min = min(frequency(par, at.LEFT), frequency(par, at.RIGHT))
-    p_max = max(frequency(par, at.LEFT), frequency(par, at.RIGHT))
+def scales_of(par, tol):
+    """`Scales` of a case."""
+    p_left, p_right = frequency(par, at.LEFT), frequency(par, at.RIGHT)
     alpha_min = min(par[at.LEFT + at.ALPHA], par[at.RIGHT + at.ALPHA])
     R_min = min(par[at.LEFT + at.RADIUS], par[at.RIGHT + at.RADIUS])
-    small = tol * alpha_min
-    speed = small * p_max * R_min
+    p_max, small = max(p_left, p_right), tol * alpha_min
+    return Scales(min(p_left, p_right), p_max, alpha_min, R_min, small, small * p_max * R_min)
+
+
+@jit_lean
+def begin(par, out):
+    """Results of a case of which nothing is known but how it starts; returns (foot, what the mode is chosen for)."""
     for i in range(to.N_OUT):
         out[i] = 0.0
     for i in (to.T_PEAK, to.T_UPLIFT, to.T_OVERTURN, to.T_REST, to.T_SLIP, to.T_SLIDE_ROCK, to.T_FLIGHT):
         out[i] = math.nan
     out[to.N_MIN] = out[to.NEARLY_FLAT] = math.inf
     out[to.VERDICT] = UNDECIDED
-
-    a, W, c, sin_b, cos_b, rate2, N, T, A, numerator, tilt, slip, guard, path, height, found = spaces
-    for space in spaces:  # nothing of the case before
-        for i in range(len(space)):
-            space[i] = 0.0
-
-    t = 0.0
-    ih = iv = i_hist = 0
-    stalled, launch, contact = 0, 0, 0
-    mode = REST
-    s, q, v, u, place, sigma = 1.0, abs(par[at.THETA_0]), 0.0, par[at.SLIDE_RATE_0], 0.0, 0.0
-    x_rate, z, z_rate, theta, turn, x_0 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    pick = ON_BASE
+    s, q, v, pick = 1.0, abs(par[at.THETA_0]), 0.0, ON_BASE
     if par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0:
         lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
         s = 1.0 if lead > 0.0 else -1.0
-        v = s * par[at.THETA_DOT_0]
+        v, pick = s * par[at.THETA_DOT_0], ON_EDGE
         out[to.T_UPLIFT] = 0.0
         note_angle(q, s, 0.0, out)
-        pick = ON_EDGE
-        if q >= par[(at.RIGHT if s > 0.0 else at.LEFT) + at.ALPHA]:
+        if q >= par[edge_under(s) + at.ALPHA]:
             out[to.T_OVERTURN] = 0.0
     out[to.RATE_PEAK] = abs(v)
     out[to.TOP_PEAK] = par[at.TOP] * math.sin(min(q, 0.5 * math.pi))
-    balance = energy_on_edge(par, at.RIGHT if s > 0.0 else at.LEFT, s, q, v, u)
+    return Foot(s, 0.0, q, v, par[at.SLIDE_RATE_0], 0.0), pick
+
+
+@jit_lean
+def ended(par, scales, t, mode, foot, air):
+    """What becomes of a body by now, or NOT_YET."""
+    t_motion, t_stop, lasts = par[at.T_MOTION], par[at.T_STOP], par[at.HAS_DURATION] == 1.0
+    if t >= t_motion and mode == REST and (not lasts or t >= t_stop):
+        return RETURNS
+    if t < t_stop + PATIENCE / scales.p_min:
+        return NOT_YET
+    if mode in (REST, SLIDE):
+        return RETURNS if t >= t_motion else UNDECIDED
+    R_min = min(par[at.LEFT + at.RADIUS], par[at.RIGHT + at.RADIUS])
+    barrier = par[at.G] * R_min - par[at.G] * par[at.H]
+    if mode == FLIGHT:
+        energy, angle = energy_in_flight(par, air), abs(air.theta)
+    else:
+        energy, angle = energy_on_edge(par, foot), foot.q
+    return RETURNS if t >= t_motion and angle < scales.alpha_min and energy < barrier else UNDECIDED
+
+
+@jit_lean
+def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, impacts, events, w, out):
+    """Solve one case.
+
+    Motion channels as those of `rigid.march`.  `histories` are theta, theta', slide, slide rate, mode and lift at
+    i dt_out as far as they are long, `impacts` t, theta' before and after, `events` time and mode entered; the mode
+    at t = 0 is no event.
+    """
+    n, lasts, t_stop = how.order, par[at.HAS_DURATION] == 1.0, par[at.T_STOP]
+    scales = scales_of(par, how.tol)
+    for i in range(row.N_ROWS):  # nothing of the case before
+        for k in range(MAX_ORDER + 2):
+            w[i][k] = 0.0
+    foot, pick = begin(par, out)
+    air = Air(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, NO_EDGE)
+    balance = energy_on_edge(par, foot)
+    t, mode, launch = 0.0, REST, 0
+    ih = iv = i_hist = stalled = 0
     slipped = jumped = False
-    reach = 0.0
 
     while True:
-        # the end
-        if t >= t_motion and pick == SETTLED and mode == REST and (not lasts or t >= t_stop):
-            out[to.VERDICT] = RETURNS
-            break
-        if t >= t_stop and pick == SETTLED:
-            e = at.RIGHT if s > 0.0 else at.LEFT
-            if mode in (REST, SLIDE):
-                sure = t >= t_motion
-            else:
-                barrier = g * min(par[at.LEFT + at.RADIUS], par[at.RIGHT + at.RADIUS]) - g * h_cm
-                if mode == FLIGHT:
-                    whole, angle = energy_in_flight(par, x_rate, z, z_rate, turn), abs(theta)
-                else:
-                    whole, angle = energy_on_edge(par, e, s, q, v, u), q
-                sure = t >= t_motion and angle < alpha_min and whole < barrier
-            if t >= t_stop + PATIENCE / p_min:
-                out[to.VERDICT] = RETURNS if sure else UNDECIDED
+        if pick == SETTLED:
+            verdict = ended(par, scales, t, mode, foot, air)
+            if verdict != NOT_YET:
+                out[to.VERDICT] = verdict
                 break
-        if out[to.N_STEPS] >= max_steps:
+        if out[to.N_STEPS] >= how.max_steps:
             out[to.STATUS] = OUT_OF_STEPS
             break
         out[to.N_STEPS] += 1
-
-        # the piece of the motion we are in, and its end
-        t_next = t_stop if t < t_stop else t_stop + PATIENCE / p_min
-        deg_a = deg_v = 0
-        a[0] = W[0] = 0.0
-        if t < t_motion:
-            t_next = min(t_next, t_motion)
+        if t < par[at.T_MOTION]:
             ih, iv = piece_at(horizontal, h_data, ih, t), piece_at(vertical, v_data, iv, t)
-            if ih < horizontal.pieces:
-                t_next = min(t_next, piece_end(horizontal, h_data, ih))
-                deg_a = expand(horizontal, h_data, par[at.FACTOR_H], ih, t, n, a)
-            if iv < vertical.pieces:
-                t_next = min(t_next, piece_end(vertical, v_data, iv))
-                deg_v = expand(vertical, v_data, par[at.FACTOR_V], iv, t, n, W)
-        for k in range(deg_a + 1, n + 1):
-            a[k] = 0.0
-        for k in range(deg_v + 1, n + 1):
-            W[k] = 0.0
-        W[0] += g
-        h = t_next - t
-        fine = tol if mode in (ROCK, SLIDE_ROCK) else min(tol, EXACT)
-        if deg_a > 1:
-            h = within(a, n - 2, n, fine * g * min(max(mu_s, 0.01), math.tan(alpha_min)), h)
-        if deg_v > 1:
-            h = within(W, n - 2, n, fine * g, h)
+        t_end = t_stop if t < t_stop else t_stop + PATIENCE / scales.p_min
+        ahead = ground_ahead(
+            par, how, scales, mode, t, t_end, stalled, ih, iv, horizontal, h_data, vertical, v_data, w
+        )  # fmt: skip
 
         # the mode, with the ground motion from now on
         if pick != SETTLED:
-            first = t == 0.0 and out[to.N_STEPS] == 1
-            if pick == ON_BASE:
-                q = v = 0.0
-                new, s, sigma = on_base(par, u, a[0], W[0])
-            else:
-                new, sigma = on_edge(par, s, q, v, u, a[0], W[0])
-            e = at.RIGHT if s > 0.0 else at.LEFT
-            if new == JAM:
-                before = energy_on_edge(par, e, s, q, v, u)
-                v = s * impacts.jam(par, e, q, s * v, u)
-                u = 0.0
-                out[to.N_JAMS] += 1
-                change = energy_on_edge(par, e, s, q, v, u) - before
-                balance += change
-                out[to.GAIN] = max(out[to.GAIN], change)
-                if q == 0.0 and v < 0.0:
-                    v = 0.0
-                new, sigma = on_edge(par, s, q, v, u, a[0], W[0])
-            if new == NEITHER:
-                out[to.TWO_WAYS] += 1
-                new = FLIGHT
+            new, foot, change = chosen(par, pick, foot, w[row.A_G][0], w[row.WEIGHT][0], out)
+            balance += change
+            launch = 0
             if new == FLIGHT:
-                if pick == ON_BASE:
-                    theta = turn = 0.0
-                    x_rate, z, z_rate, x_0, contact = u, h_cm, 0.0, place, 3
-                else:
-                    beta = par[e + at.ALPHA] - q
-                    z, z_rate = par[e + at.RADIUS] * math.cos(beta), par[e + at.RADIUS] * math.sin(beta) * v
-                    x_rate = u + s * z * v
-                    x_0 = place + s * par[e + at.B] - s * par[e + at.RADIUS] * math.sin(beta)
-                    theta, turn, contact = s * q, s * v, (1 if e == at.LEFT else 2)
-                launch = 3
+                air, launch = take_off(par, pick == ON_BASE, foot), FROM_GROUND
+                note_flight(t, air, out)
             elif new in (SLIDE, SLIDE_ROCK):
-                launch = 1 if u == 0.0 else 0
-            else:
-                launch = 0
+                launch = 1 if foot.u == 0.0 else 0
+                note_slip(t, new == SLIDE_ROCK, slipped, out)
+            if new in (ROCK, SLIDE_ROCK):
+                note_uplift(t, out)
             unchanged = jumped and new == mode  # only rounding made a guard of it
-            mode, pick, jumped = new, SETTLED, False
-            if not first and not unchanged:
-                note_event(t, mode, t_event, mode_event, out)
-            if (mode in (ROCK, SLIDE_ROCK)) and math.isnan(out[to.T_UPLIFT]):
-                out[to.T_UPLIFT] = t
-            if mode == FLIGHT:
-                note_flight(t, theta != 0.0 or turn != 0.0, out)
-            if mode in (SLIDE, SLIDE_ROCK):
-                note_slip(t, mode == SLIDE_ROCK, slipped, out)
-            slipped = mode in (SLIDE, SLIDE_ROCK)
-            if mode == REST and not unchanged:
+            if not (unchanged or (t == 0.0 and out[to.N_STEPS] == 1)):
+                note_event(t, new, events, out)
+            if new == REST and not unchanged:
                 out[to.T_REST] = t
+            mode, pick, jumped, slipped = new, SETTLED, False, new in (SLIDE, SLIDE_ROCK)
             continue  # expanded again, as the step may begin with this mode's own guards
 
-        e, other = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
-        R, alpha = par[e + at.RADIUS], par[e + at.ALPHA]
-        d = max(deg_a, deg_v, 1)  # of the motion
-        m, ns = n, n  # orders of q and of `slip`
-        looks = 1 if d == 1 and t < t_motion else LOOKS
-        event, x, way = 0, NO_ROOT, 0.0
-        if stalled > 100:
-            h = min(h, max(1e-12 * (t_next - t), 4e-16 * t))
-
-        # flow and guards
-        if mode == REST:
-            for side in range(4):
-                sign = 1.0 if side % 2 == 1 else -1.0
-                edge = at.RIGHT if side % 2 == 1 else at.LEFT
-                hold = mu_s if side < 2 else par[edge + at.B] / h_cm
-                if side >= 2 and mu_s <= hold * SAME:
-                    continue  # it slides before it tips
-                for k in range(d + 1):
-                    guard[k] = hold * W[k] + sign * a[k]
-                root = leaves(guard, d, h, g * hold)
-                if root != NO_ROOT and (event == 0 or root < x):
-                    event, x, way = (SLIPS if side < 2 else LIFTS), root, sign
-            for k in range(d + 1):
-                guard[k] = W[k]
-            root = leaves(guard, d, h, g)
-            if root != NO_ROOT and (event == 0 or root < x):
-                event, x = LEAVES, root
-        elif mode == SLIDE:
-            ns = d + 1
-            flows.slide(mu_k, sigma, u, a, W, ns, slip)
-            for k in range(ns + 1):
-                guard[k] = sigma * slip[k]
-            x = starts(guard, ns, h, 0 if u != 0.0 else 1 + launch)
-            event = 0 if x == NO_ROOT else STOPS
-            for k in range(d + 1):
-                guard[k] = W[k]
-            root = leaves(guard, d, h, g)
-            if root != NO_ROOT and (event == 0 or root < x):
-                event, x = LEAVES, root
-        elif mode == FLIGHT:
-            flows.fly(x_rate, z, z_rate, a, W, n, slip, height)
-            if turn != 0.0:
-                h = min(h, 1.0 / abs(turn))
-            for side in range(2):
-                sign, edge = (1.0, at.RIGHT) if side == 1 else (-1.0, at.LEFT)
-                flows.turning(-sign * par[edge + at.B], -h_cm, theta, turn, n, guard)
-                h = within(guard, n - 1, n, small * R_min, h)
-            for side in range(2):
-                sign, edge = (1.0, at.RIGHT) if side == 1 else (-1.0, at.LEFT)
-                flows.turning(-sign * par[edge + at.B], -h_cm, theta, turn, n, guard)
-                for k in range(n + 1):
-                    guard[k] += height[k]
-                touched = (contact == 3) or (contact == 1 + side)
-                handled = launch if touched else 0
-                if handled == 0 and guard[0] <= 0.0:
-                    guard[0] = 0.0
-                root = starts(guard, n, h, handled)
-                if root != NO_ROOT and (event == 0 or root < x):
-                    event, x, way = STRIKES, root, sign
-            if turn != 0.0:
-                root = (0.5 * math.pi - math.copysign(1.0, turn) * theta) / abs(turn)
-                if root <= h and (event == 0 or root < x):
-                    event, x = TOPPLES, max(root, 0.0)
-        else:
-            h = min(h, 1.0 / p_max)
-            foot = flows.Foot(e, s, sigma, q, v, u)
-            if mode == ROCK:
-                m = flows.rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, T)
-            else:
-                m = flows.slide_rock(par, foot, a, W, h, small, n, c, sin_b, cos_b, rate2, N, A, numerator, tilt, slip)
-                ns = m - 1
-                h = within(slip, m - 3, m - 1, speed, h)
-            h = within(c, m - 2, m, small, h)
-            if not h > 0.0 or math.isnan(c[m]):
-                out[to.STATUS] = NOT_FINITE
-                break
-            for k in range(m + 1):
-                guard[k] = c[k]
-            handled = 0
-            if q == 0.0:
-                handled = 1 if v > 0.0 else 3
-                if v == 0.0 and guard[2] != 0.0:
-                    handled = 2 if guard[2] > 1e-13 * p_max * p_max else 3
-            x = starts(guard, m, h, handled)
-            event = 0 if x == NO_ROOT else LANDS
-            if mode == ROCK:
-                for side in range(2):
-                    sign = 1.0 if side == 1 else -1.0
-                    for k in range(m - 1):
-                        guard[k] = mu_s * N[k] + sign * T[k]
-                    root = leaves(guard, m - 2, h, max(mu_s, 1e-3) * g)
-                    if root != NO_ROOT and (event == 0 or root < x):
-                        event, x, way = SLIPS, root, sign
-                for k in range(m - 1):
-                    guard[k] = N[k]
-            else:
-                for k in range(m):
-                    guard[k] = sigma * slip[k]
-                root = starts(guard, m - 1, h, 0 if u != 0.0 else 1 + launch)
-                if root != NO_ROOT and (event == 0 or root < x):
-                    event, x = STOPS, root
-                if mu_k * R * R / rg2 > math.sqrt(1.0 + R * R / rg2):  # (K7), half of it, to be safe
-                    for k in range(m - 1):
-                        guard[k] = A[k]
-                    root = leaves(guard, m - 2, h, 1.0)
-                    if root != NO_ROOT and (event == 0 or root < x):
-                        event, x = JAMS, root
-                for k in range(m - 1):
-                    guard[k] = numerator[k]
-            root = leaves(guard, m - 2, h, g)
-            if root != NO_ROOT and (event == 0 or root < x):
-                event, x = LEAVES, root
-            reach = 0.0
-            for k in range(m, -1, -1):
-                reach = reach * (h if event == 0 else x) + abs(c[k])
-            if reach >= 0.5 * math.pi:
-                for k in range(m + 1):
-                    guard[k] = -c[k]
-                guard[0] = 0.5 * math.pi - q
-                root = 0.0 if guard[0] <= 0.0 else first_root(guard, m, h, 0)
-                if root != NO_ROOT and (event == 0 or root < x):
-                    event, x = TOPPLES, root
-        if stalled > 100:
-            event, x, stalled = 0, h, 0
-        if event == 0:
-            x = h
+        step = next_step(par, how, scales, mode, foot, air, launch, ahead, w)
+        if step.event == DIVERGES:
+            out[to.STATUS] = NOT_FINITE
+            break
 
         # what happened on the way
-        t_new = t_next if x == t_next - t else t + x
+        x, event = step.x, step.event
+        t_was, t_new = t, (ahead.t_next if x == ahead.t_next - t else t + x)
         counted = t < t_stop or not lasts
+        looks = 1 if ahead.degree == 1 and t < par[at.T_MOTION] else LOOKS
+        if how.balance:
+            balance += work(par, mode, foot, step, n, ahead.degree, w)
         if mode in (ROCK, SLIDE_ROCK):
+            note_passage(par[edge_under(foot.s) + at.ALPHA], step, t, w, out)
             if counted:
-                extremes(c, m, x, looks, found)
-                note_angle(found[0], s, t + found[1], out)
-                for k in range(m):
-                    guard[k] = (k + 1) * c[k + 1]
-                extremes(guard, m - 1, x, looks, found)
-                out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(found[0]), abs(found[2]))
-                extremes(N, m - 2, x, looks, found)
-                out[to.N_MIN] = min(out[to.N_MIN], found[2] / g)
-            if value(c, m, x) >= alpha or reach >= alpha:
-                passed = last_passage(c, m, alpha, x, LOOKS)
-                if passed != NO_ROOT:
-                    out[to.T_OVERTURN] = t + passed
-            if counted:  # the top: slide + top sin(theta)
-                for k in range(m):
-                    guard[k] = s * par[at.TOP] * (math.sin(alpha) * cos_b[k] - math.cos(alpha) * sin_b[k])
-                    if mode == SLIDE_ROCK and k > 0:
-                        guard[k] += slip[k - 1] / k
-                guard[0] += place
-                extremes(guard, m - 1, x, looks, found)
-                out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(found[0]), abs(found[2]))
+                note_rocking(par, mode, foot, step, t, looks, w, out)
         elif mode == FLIGHT:
-            out[to.N_MIN] = min(out[to.N_MIN], 0.0)
-            end = abs(theta + turn * x)
-            tilted = 1.0 if theta + turn * x > 0.0 else -1.0
-            limit = par[(at.RIGHT if tilted > 0.0 else at.LEFT) + at.ALPHA]
-            if end >= limit and tilted * theta < limit:
-                out[to.T_OVERTURN] = t + (limit - tilted * theta) / abs(turn)
-            if counted:
-                note_angle(end, tilted, t + x, out)
-                out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(turn))
-                for part in range(2):  # the slide of the lower edge, then the top
-                    up = -h_cm if part == 0 else par[at.TOP] - h_cm
-                    lower = 1.0 if theta + 0.5 * turn * x >= 0.0 else -1.0
-                    b = lower * par[(at.RIGHT if lower > 0.0 else at.LEFT) + at.B]
-                    flows.turning(up, b, theta, turn, n, path)
-                    path[0] += x_0 - b
-                    for k in range(1, n + 1):
-                        path[k] += slip[k - 1] / k
-                    extremes(path, n, x, LOOKS, found)
-                    if part == 0:
-                        note_slide(found[0], out)
-                        note_slide(found[2], out)
-                    else:
-                        out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(found[0]), abs(found[2]))
+            note_flying(par, air, n, x, t, counted, w, out)
+        elif counted and ahead.level:
+            out[to.N_MIN] = min(out[to.N_MIN], 1.0)
         elif counted:
-            extremes(W, d, x, looks, found)
-            out[to.N_MIN] = min(out[to.N_MIN], found[2] / g)
-        balance += work(par, mode, e, s, sigma, c, m, slip, ns, height, n, x, a, W, d)
-
-        while i_hist < n_hist and i_hist * dt_out <= t_new:
-            y = i_hist * dt_out - t
-            mode_out[i_hist] = mode
-            theta_out[i_hist] = rate_out[i_hist] = slide_rate_out[i_hist] = lift_out[i_hist] = 0.0
-            slide_out[i_hist] = place
-            if mode in (ROCK, SLIDE_ROCK):
-                theta_out[i_hist], rate_out[i_hist] = s * max(value(c, m, y), 0.0), s * slope(c, m, y)
-            if mode in (SLIDE, SLIDE_ROCK):
-                slide_out[i_hist] = place + integral(slip, ns, y)
-                slide_rate_out[i_hist] = value(slip, ns, y)
-            if mode == FLIGHT:
-                angle = theta + turn * y
-                sin_t, cos_t = math.sin(angle), math.cos(angle)
-                lower = 1.0 if angle > 0.0 else -1.0
-                b = lower * par[(at.RIGHT if lower > 0.0 else at.LEFT) + at.B]
-                theta_out[i_hist], rate_out[i_hist] = angle, turn
-                slide_out[i_hist] = x_0 + integral(slip, n, y) + b * cos_t - h_cm * sin_t - b
-                slide_rate_out[i_hist] = value(slip, n, y) - turn * (b * sin_t + h_cm * cos_t)
-                lift_out[i_hist] = max(value(height, n, y) - b * sin_t - h_cm * cos_t, 0.0)
-            i_hist += 1
+            extremes(w[row.WEIGHT], ahead.degree, x, looks, w[row.FOUND])
+            out[to.N_MIN] = min(out[to.N_MIN], w[row.FOUND][2] / par[at.G])
+        i_hist = write_step(par, mode, foot, air, step, t, t_new, n, w, dt_out, i_hist, histories)
 
         # the state at its end
-        if mode in (SLIDE, SLIDE_ROCK):
-            place += integral(slip, ns, x)
-            u = 0.0 if event == STOPS else value(slip, ns, x)
-            if counted:
-                note_slide(place, out)
-                if mode == SLIDE:
-                    out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(place))
-        if mode in (ROCK, SLIDE_ROCK):
-            q, v = (0.0 if event == LANDS else value(c, m, x)), slope(c, m, x)
-            if event == LANDS:
-                v = min(v, 0.0)
         if mode == FLIGHT:
-            x_0 += integral(slip, n, x)
-            x_rate, z, z_rate = value(slip, n, x), value(height, n, x), slope(height, n, x)
-            theta += turn * x
-            if x > 0.0:
-                contact = 0
+            air = flown(air, n, x, w)
+        else:
+            foot = moved(mode, foot, step, event == STOPS, event == LANDS, w)
+            if counted and mode in (SLIDE, SLIDE_ROCK):
+                note_slide(foot.place, out)
+                if mode == SLIDE:
+                    out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(foot.place))
+        stalled = 0 if ahead.stuck else stalled
         stalled = stalled + 1 if t_new == t else 0
-        t_was, t = t, t_new
-        if event == 0:
+        t = t_new
+        if event == NO_EVENT:
             if x > 0.0:
                 launch = 0
             continue
 
         # the event
+        reported = t <= t_stop or not lasts
         if event == TOPPLES:
             out[to.VERDICT] = FALLS
-            out[to.PEAK_SIDE] = s if mode != FLIGHT else math.copysign(1.0, theta)
+            out[to.PEAK_SIDE] = foot.s if mode != FLIGHT else math.copysign(1.0, air.theta)
             break
         if event == STRIKES:
-            before = energy_in_flight(par, x_rate, z, z_rate, turn)
-            out[to.NEARLY_FLAT] = min(out[to.NEARLY_FLAT], abs(theta) / alpha_min)
-            if theta == 0.0 and turn == 0.0 and par[at.FIRST] == 0.0:
-                hit = abs(z_rate)
-                old = turn
-                turn, x_rate, z_rate = impacts.flat(par, x_rate, z_rate)
-                after = energy_in_flight(par, x_rate, z, z_rate, turn)
-                place = x_0
-                if turn == 0.0:
-                    if z_rate > DOWN:
-                        contact, launch, z = 3, 1, h_cm
-                        pick = SETTLED
-                    else:
-                        z_rate, u, pick = 0.0, x_rate, ON_BASE
-                else:
-                    s = 1.0 if turn > 0.0 else -1.0
-                    if math.isnan(out[to.T_UPLIFT]):
-                        out[to.T_UPLIFT] = t
-                    e = at.RIGHT if s > 0.0 else at.LEFT
-                    lifts = z_rate - s * par[e + at.B] * turn
-                    if lifts > DOWN:
-                        contact, launch = (2 if s > 0.0 else 1), 1
-                    else:
-                        q, v, u, pick = 0.0, s * turn, x_rate - h_cm * turn, ON_EDGE
+            out[to.NEARLY_FLAT] = min(out[to.NEARLY_FLAT], abs(air.theta) / scales.alpha_min)
+            rate = air.turn
+            if air.theta == 0.0 and rate == 0.0 and par[at.FIRST] == 0.0:
+                pick, foot, air, hit, change = struck_flat(par, t, foot, air, out)
             else:
-                edge = at.RIGHT if way > 0.0 else at.LEFT
-                if par[at.FIRST] != 0.0 and abs(theta) < ILL_POSED * par[edge + at.ALPHA]:
-                    way, theta, z = par[at.FIRST], 0.0, h_cm
-                    edge = at.RIGHT if way > 0.0 else at.LEFT
-                sin_t, cos_t = math.sin(theta), math.cos(theta)
-                b = way * par[edge + at.B]
-                cc, dd = b * cos_t - h_cm * sin_t, -b * sin_t - h_cm * cos_t
-                old = turn
-                along, across = x_rate + dd * turn, z_rate - cc * turn
-                hit = abs(across)
-                turn, along, across = impacts.corner(par, cc, dd, turn, along, min(across, 0.0))
-                x_rate, z_rate = along - dd * turn, across + cc * turn
-                after = energy_in_flight(par, x_rate, z, z_rate, turn)
-                if across > DOWN:
-                    contact, launch = (2 if way > 0.0 else 1), 1
-                    z = -dd
-                else:
-                    s, q = way, max(way * theta, 0.0)
-                    v, u, pick = s * turn, along, ON_EDGE
-                    place = x_0 + cc - b
-            balance += after - before
-            out[to.GAIN] = max(out[to.GAIN], after - before)
-            if hit > FAST * p_min * alpha_min * R_min and (t <= t_stop or not lasts):
-                out[to.N_IMPACTS] += 1
-                k = int(out[to.IMPACTS_STORED])
-                if k < n_store:
-                    t_impact[k], rate_before[k], rate_after[k] = t, old, turn
-                    out[to.IMPACTS_STORED] += 1
-            if pick == SETTLED:  # it bounces
-                note_event(t, FLIGHT, t_event, mode_event, out)
-                continue
-            if not (pick == ON_EDGE and q == 0.0 and v < 0.0):
-                continue
-            event, mode = LANDS, ROCK  # the other edge at once
-            e, other = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
-        if event == LANDS:
-            before = energy_on_edge(par, e, s, 0.0, v, u)
-            if v == 0.0:
-                pick = ON_BASE
-                continue
-            w, slid, _ = impacts.landing(par, e, other, -v, -s * u)
-            hit = -v
-            s, u = -s, -s * slid
-            e, other = other, e
-            change = energy_on_edge(par, e, s, 0.0, w, u) - before
+                pick, foot, air, hit, change = struck_corner(par, step.way, foot, air)
             balance += change
             out[to.GAIN] = max(out[to.GAIN], change)
-            carried = (hit / (p_min * alpha_min)) ** 2 - MEANINGFUL**2
+            if hit > FAST * scales.p_min * scales.alpha_min * scales.R_min and reported:
+                note_impact(t, rate, air.turn, impacts, out)
+            if pick == SETTLED:  # it bounces
+                launch = 1
+                note_event(t, FLIGHT, events, out)
+                continue
+            if not (pick == ON_EDGE and foot.q == 0.0 and foot.v < 0.0):
+                continue
+            event, mode = LANDS, ROCK  # the other edge at once
+        if event == LANDS:
+            hit = -foot.v
+            if hit == 0.0:
+                pick = ON_BASE
+                continue
+            foot, change = landed(par, foot, out)
+            balance += change
+            carried = (hit / (scales.p_min * scales.alpha_min)) ** 2 - MEANINGFUL**2
             if carried > 0.0:
                 out[to.SWINGS] += carried
                 out[to.SWINGS_T] += carried * t
-            if hit > FAST * p_min * alpha_min and (t <= t_stop or not lasts):
-                out[to.N_IMPACTS] += 1
-                k = int(out[to.IMPACTS_STORED])
-                if k < n_store:
-                    t_impact[k], rate_before[k], rate_after[k] = t, s * hit, s * w
-                    out[to.IMPACTS_STORED] += 1
-            q, v = 0.0, w
-            if stalled > 100:
-                v = 0.0
-            pick = ON_EDGE if v > 0.0 else ON_BASE
-            if v > 0.0:
-                wait, slid = settles(par, s, v, u, a, W, d, t - t_was, t_next - t, rest_speed)
+            if hit > FAST * scales.p_min * scales.alpha_min and reported:
+                note_impact(t, foot.s * hit, foot.s * foot.v, impacts, out)
+            if stalled > STALLED:
+                foot = Foot(foot.s, foot.sigma, 0.0, 0.0, foot.u, foot.place)
+            pick = ON_EDGE if foot.v > 0.0 else ON_BASE
+            if foot.v > 0.0:
+                wait, slid = settles(par, foot, w, ahead.degree, t - t_was, ahead.t_next - t, how.rest_speed)
                 if wait >= 0.0:
-                    balance -= energy_on_edge(par, e, s, 0.0, v, u) - 0.5 * slid * slid
-                    between = 0.5 * (u + slid) * wait
-                    while i_hist < n_hist and i_hist * dt_out <= t + wait:
-                        theta_out[i_hist] = rate_out[i_hist] = lift_out[i_hist] = 0.0
-                        slide_out[i_hist] = place + u * (i_hist * dt_out - t)
-                        slide_rate_out[i_hist], mode_out[i_hist] = u, (ROCK if u == 0.0 else SLIDE_ROCK)
-                        i_hist += 1
+                    balance -= energy_on_edge(par, foot) - 0.5 * slid * slid
+                    i_hist = write_bounces(foot, t, t + wait, dt_out, i_hist, histories)
                     t += wait
-                    place += between
-                    note_slide(place, out)
-                    u, v, pick = slid, 0.0, ON_BASE
+                    foot = Foot(foot.s, foot.sigma, 0.0, 0.0, slid, foot.place + 0.5 * (foot.u + slid) * wait)
+                    note_slide(foot.place, out)
+                    pick = ON_BASE
             continue
         if event == STOPS:
-            u = 0.0
+            foot = Foot(foot.s, foot.sigma, foot.q, foot.v, 0.0, foot.place)
             pick = ON_BASE if mode == SLIDE else ON_EDGE
             continue
         if event == JAMS or x == 0.0:  # also a jump of the ground: what holds is told by complementarity
             pick = ON_BASE if mode in (REST, SLIDE) else ON_EDGE
             jumped = event != JAMS
-            if event == JAMS or stalled <= 3:
+            if event == JAMS or stalled <= SAME_INSTANT:
                 continue
         pick, jumped = SETTLED, False
         if event == SLIPS:
-            sigma, u, launch = way, 0.0, (1 if mu_s == mu_k else 0)
-            if mode == ROCK and stiffness(par, e, alpha - q, mu_k * s * sigma) <= 0.0:
+            foot = Foot(foot.s, step.way, foot.q, foot.v, 0.0, foot.place)
+            launch = 1 if par[at.MU_S] == par[at.MU_K] else 0
+            beta = par[edge_under(foot.s) + at.ALPHA] - foot.q
+            if mode == ROCK and stiffness(par, edge_under(foot.s), beta, par[at.MU_K] * foot.s * step.way) <= 0.0:
                 event = LEAVES  # as it gives way it leaves, as W < R cos(beta) q'^2: no slip is consistent
             mode = SLIDE if mode == REST else SLIDE_ROCK
             note_slip(t, mode == SLIDE_ROCK, False, out)
             slipped = True
-            note_event(t, mode, t_event, mode_event, out)
+            note_event(t, mode, events, out)
         if event == LEAVES:
-            launch, slipped = 3, False
-            if mode in (REST, SLIDE):
-                theta = turn = 0.0
-                x_rate, z, z_rate, x_0, contact = u, h_cm, 0.0, place, 3
-            else:
-                beta = alpha - q
-                z, z_rate = R * math.cos(beta), R * math.sin(beta) * v
-                x_rate = u + s * z * v
-                x_0 = place + s * par[e + at.B] - s * R * math.sin(beta)
-                theta, turn, contact = s * q, s * v, (1 if e == at.LEFT else 2)
+            air, launch, slipped = take_off(par, mode in (REST, SLIDE), foot), FROM_GROUND, False
             mode = FLIGHT
-            note_flight(t, theta != 0.0 or turn != 0.0, out)
-            note_event(t, mode, t_event, mode_event, out)
+            note_flight(t, air, out)
+            note_event(t, mode, events, out)
         elif event == LIFTS:
-            s, q, v, u, mode, launch = way, 0.0, 0.0, 0.0, ROCK, 0
-            if math.isnan(out[to.T_UPLIFT]):
-                out[to.T_UPLIFT] = t
-            note_event(t, mode, t_event, mode_event, out)
+            foot = Foot(step.way, foot.sigma, 0.0, 0.0, 0.0, foot.place)
+            mode, launch = ROCK, 0
+            note_uplift(t, out)
+            note_event(t, mode, events, out)
 
     out[to.T_END] = t_stop if lasts else min(t, t_stop)
     if out[to.STATUS] != DONE:
         out[to.VERDICT] = UNDECIDED
-    e = at.RIGHT if s > 0.0 else at.LEFT
+    left, place = (energy_on_edge(par, foot) if mode != REST else 0.0), foot.place
     if mode == FLIGHT:
-        last = energy_in_flight(par, x_rate, z, z_rate, turn)
-        b = math.copysign(par[(at.RIGHT if theta > 0.0 else at.LEFT) + at.B], theta)
-        place = x_0 + b * math.cos(theta) - h_cm * math.sin(theta) - b
-    else:
-        last = energy_on_edge(par, e, s, q, v, u) if mode != REST else 0.0
-    out[to.BALANCE] = balance - last
-    out[to.SLIDE_END] = place
-    while i_hist < n_hist and i_hist * dt_out <= out[to.T_END] and mode == REST:
-        theta_out[i_hist] = rate_out[i_hist] = slide_rate_out[i_hist] = lift_out[i_hist] = mode_out[i_hist] = 0.0
-        slide_out[i_hist] = place
-        i_hist += 1
+        left, place = energy_in_flight(par, air), slide_in_flight(par, air.x, air.theta)
+    out[to.BALANCE], out[to.SLIDE_END] = (balance - left if how.balance else math.nan), place
+    if mode == REST:
+        write_rest(foot, out[to.T_END], dt_out, i_hist, histories)
 
 
-@entry(
-    MATRIX, float, float, int, int, Channel, MATRIX, Channel, MATRIX, float, CUBE, CUBE, CUBE, (VECTOR,) * 16, MATRIX,
-)  # fmt: skip
-def march_all(
-    pars, tol, rest_speed, max_steps, order, horizontal, h_data, vertical, v_data, dt_out,
-    histories, impacts_out, events, spaces, out,
-):  # fmt: skip
+@entry(MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, float, CUBE, CUBE, CUBE, MATRIX, MATRIX)
+def march_all(pars, how, horizontal, h_data, vertical, v_data, dt_out, histories, impacts, events, w, out):
     """`march` for every row of `pars`; histories, impacts, events, results and tables of pulses row by row too.
 
-    spaces: `work_space()`.
+    w: `work_space()`.
     """
     for i in range(len(pars)):
         ih, iv = (i if horizontal.kind == PULSES else 0), (i if vertical.kind == PULSES else 0)
         march(
-            pars[i], tol, rest_speed, max_steps, order, horizontal, h_data[ih], vertical, v_data[iv],
-            dt_out, histories[i], impacts_out[i], events[i], spaces, out[i],
+            pars[i], how, horizontal, h_data[ih], vertical, v_data[iv], dt_out, histories[i], impacts[i], events[i],
+            w, out[i],
         )  # fmt: skip

@@ -1,14 +1,18 @@
-"""What is read off a step: energy, work, extremes."""
+"""What is read off a step: energy, work, extremes, histories."""
 
 from __future__ import annotations
 
 import math
 
+from rockcli.kernels.constants import NO_ROOT
+from rockcli.kernels.contact import flows
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
-from rockcli.kernels.contact.results import FLIGHT, REST, ROCK, SLIDE
+from rockcli.kernels.contact import workspace as row
+from rockcli.kernels.contact.codes import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
+from rockcli.kernels.contact.state import edge_under
 from rockcli.kernels.jit import jit_lean
-from rockcli.kernels.rigid.roots import lowest_point, turning_point
+from rockcli.kernels.rigid.roots import last_passage, lowest_point, turning_point
 from rockcli.kernels.rigid.series import slope, value
 
 # half of the nodes of Gauss and Legendre on [-1, 1], and their weights
@@ -22,27 +26,35 @@ WEIGHTS = (
 )  # fmt: skip
 
 
+LOOKS = 8
+"""Parts of a step in which extremes are looked for."""
+
+
 @jit_lean
-def energy_on_edge(par, e, s, q, v, u):
+def energy_on_edge(par, foot):
     """Energy of a body on an edge over m: kinetic, that of sliding included, and height [J/kg]."""
+    q, v, e = foot.q, foot.v, edge_under(foot.s)
     R, beta = par[e + at.RADIUS], par[e + at.ALPHA] - q
-    x_rate, z_rate = u + s * R * math.cos(beta) * v, R * math.sin(beta) * v
+    x_rate, z_rate = foot.u + foot.s * R * math.cos(beta) * v, R * math.sin(beta) * v
     half = math.sin(0.5 * q)
     rise = R * (math.sin(par[e + at.ALPHA]) * math.sin(q) - 2.0 * math.cos(par[e + at.ALPHA]) * half * half)
     return 0.5 * (x_rate * x_rate + z_rate * z_rate + par[at.RG2] * v * v) + par[at.G] * rise
 
 
 @jit_lean
-def energy_in_flight(par, x_rate, z, z_rate, rate):
+def energy_in_flight(par, air):
     """Energy of a body in flight over m [J/kg]."""
+    x_rate, z_rate, rate = air.x_rate, air.z_rate, air.turn
     kinetic = 0.5 * (x_rate * x_rate + z_rate * z_rate + par[at.RG2] * rate * rate)
-    return kinetic + par[at.G] * (z - par[at.H])
+    return kinetic + par[at.G] * (air.z - par[at.H])
 
 
 @jit_lean
-def power(par, mode, e, s, sigma, c, m, slip, ns, height, n, y, a, W, d):
+def power(par, mode, foot, step, n, d, y, w):
     """Power of the ground motion and of friction at y over m: -a_g x' - a_v z' + T v_t [W/kg]."""
-    a_g, weight, g = value(a, d, y), value(W, d, y), par[at.G]
+    c, slip, height = w[row.Q], w[row.SLIP], w[row.HEIGHT]
+    a_g, weight, g = value(w[row.A_G], d, y), value(w[row.WEIGHT], d, y), par[at.G]
+    s, sigma, m, ns, e = foot.s, foot.sigma, step.order, step.slip_order, edge_under(foot.s)
     if mode == FLIGHT:
         return -a_g * value(slip, ns, y) - (weight - g) * slope(height, n, y)
     if mode == SLIDE:
@@ -60,18 +72,18 @@ def power(par, mode, e, s, sigma, c, m, slip, ns, height, n, y, a, W, d):
 
 
 @jit_lean
-def work(par, mode, e, s, sigma, c, m, slip, ns, height, n, x, a, W, d):
-    """Work of the ground motion and of friction on [0, x] over m [J/kg].
+def work(par, mode, foot, step, n, d, w):
+    """Work of the ground motion and of friction on a step over m [J/kg].
 
     By quadrature of the forces times the velocities, so that the balance of energy judges the flow.
     """
-    if mode == REST or x == 0.0:
+    if mode == REST or step.x == 0.0:
         return 0.0
-    total, half = 0.0, 0.5 * x
+    total, half = 0.0, 0.5 * step.x
     for i in range(8):
         for side in range(2):
             y = half * (1.0 + (NODES[i] if side == 1 else -NODES[i]))
-            total += WEIGHTS[i] * power(par, mode, e, s, sigma, c, m, slip, ns, height, n, y, a, W, d)
+            total += WEIGHTS[i] * power(par, mode, foot, step, n, d, y, w)
     return total * half
 
 
@@ -115,3 +127,186 @@ def note_slide(place, out):
     """Raise the largest slide."""
     if abs(place) > abs(out[to.SLIDE_PEAK]):
         out[to.SLIDE_PEAK] = place
+
+
+@jit_lean
+def note_top(found, out):
+    """Raise the largest displacement of the top to the extremes found."""
+    out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(found[0]), abs(found[2]))
+
+
+@jit_lean
+def note_rocking(par, mode, foot, step, t, looks, w, out):
+    """Extremes of a step on one edge: rotation, its rate, the normal force, the top."""
+    c, guard, found, m, x = w[row.Q], w[row.GUARD], w[row.FOUND], step.order, step.x
+    extremes(c, m, x, looks, found)
+    note_angle(found[0], foot.s, t + found[1], out)
+    for k in range(m):
+        guard[k] = (k + 1) * c[k + 1]
+    extremes(guard, m - 1, x, looks, found)
+    out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(found[0]), abs(found[2]))
+    extremes(w[row.NORMAL], m - 2, x, looks, found)
+    out[to.N_MIN] = min(out[to.N_MIN], found[2] / par[at.G])
+    # the top: slide + top sin(theta)
+    alpha, sin_b, cos_b, slip = par[edge_under(foot.s) + at.ALPHA], w[row.SIN_B], w[row.COS_B], w[row.SLIP]
+    for k in range(m):
+        guard[k] = foot.s * par[at.TOP] * (math.sin(alpha) * cos_b[k] - math.cos(alpha) * sin_b[k])
+        if mode == SLIDE_ROCK and k > 0:
+            guard[k] += slip[k - 1] / k
+    guard[0] += foot.place
+    extremes(guard, m - 1, x, looks, found)
+    note_top(found, out)
+
+
+@jit_lean
+def note_passage(alpha, step, t, w, out):
+    """When the body last passes its unstable equilibrium outwards."""
+    if value(w[row.Q], step.order, step.x) >= alpha or step.reach >= alpha:
+        passed = last_passage(w[row.Q], step.order, alpha, step.x, LOOKS)
+        if passed != NO_ROOT:
+            out[to.T_OVERTURN] = t + passed
+
+
+@jit_lean
+def note_flying(par, air, n, x, t, counted, w, out):
+    """Extremes of a step in flight: rotation, its rate, the slide of the lower edge, the top."""
+    path, slip, found, theta, turn = w[row.PATH], w[row.SLIP], w[row.FOUND], air.theta, air.turn
+    out[to.N_MIN] = min(out[to.N_MIN], 0.0)
+    end = abs(theta + turn * x)
+    tilted = 1.0 if theta + turn * x > 0.0 else -1.0
+    limit = par[edge_under(tilted) + at.ALPHA]
+    if end >= limit and tilted * theta < limit:
+        out[to.T_OVERTURN] = t + (limit - tilted * theta) / abs(turn)
+    if not counted:
+        return
+    note_angle(end, tilted, t + x, out)
+    out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(turn))
+    lower = 1.0 if theta + 0.5 * turn * x >= 0.0 else -1.0
+    b = lower * par[edge_under(lower) + at.B]
+    for part in range(2):
+        up = -par[at.H] if part == 0 else par[at.TOP] - par[at.H]
+        flows.turning(up, b, air, n, path)
+        path[0] += air.x - b
+        for k in range(1, n + 1):
+            path[k] += slip[k - 1] / k
+        extremes(path, n, x, LOOKS, found)
+        if part == 0:
+            note_slide(found[0], out)
+            note_slide(found[2], out)
+        else:
+            note_top(found, out)
+
+
+@jit_lean
+def integral(c, n, x):
+    """Integral of a polynomial from 0 to x."""
+    y = c[n] / (n + 1)
+    for k in range(n - 1, -1, -1):
+        y = y * x + c[k] / (k + 1)
+    return y * x
+
+
+@jit_lean
+def slide_in_flight(par, air_x, theta):
+    """Slide of the lower edge of a body in flight whose centre of mass is at `air_x` [m]."""
+    lower = 1.0 if theta > 0.0 else -1.0
+    b = lower * par[edge_under(lower) + at.B]
+    return air_x + b * math.cos(theta) - par[at.H] * math.sin(theta) - b
+
+
+@jit_lean
+def write_step(par, mode, foot, air, step, t, t_new, n, w, dt_out, i, histories):
+    """Write the histories at the output times up to t_new, from number i on; returns the number of the next."""
+    theta_out, rate_out, slide_out = histories[0], histories[1], histories[2]
+    slide_rate_out, mode_out, lift_out = histories[3], histories[4], histories[5]
+    c, slip, m, ns = w[row.Q], w[row.SLIP], step.order, step.slip_order
+    while i < len(theta_out) and i * dt_out <= t_new:
+        y = i * dt_out - t
+        mode_out[i] = mode
+        theta_out[i] = rate_out[i] = slide_rate_out[i] = lift_out[i] = 0.0
+        slide_out[i] = foot.place
+        if mode in (ROCK, SLIDE_ROCK):
+            theta_out[i], rate_out[i] = foot.s * max(value(c, m, y), 0.0), foot.s * slope(c, m, y)
+        if mode in (SLIDE, SLIDE_ROCK):
+            slide_out[i] = foot.place + integral(slip, ns, y)
+            slide_rate_out[i] = value(slip, ns, y)
+        if mode == FLIGHT:
+            angle = air.theta + air.turn * y
+            sin_t, cos_t = math.sin(angle), math.cos(angle)
+            lower = 1.0 if angle > 0.0 else -1.0
+            b = lower * par[edge_under(lower) + at.B]
+            theta_out[i], rate_out[i] = angle, air.turn
+            slide_out[i] = slide_in_flight(par, air.x + integral(slip, n, y), angle)
+            slide_rate_out[i] = value(slip, n, y) - air.turn * (b * sin_t + par[at.H] * cos_t)
+            lift_out[i] = max(value(w[row.HEIGHT], n, y) - b * sin_t - par[at.H] * cos_t, 0.0)
+        i += 1
+    return i
+
+
+@jit_lean
+def write_bounces(foot, t, until, dt_out, i, histories):
+    """The same during bounces that end in rest, or in sliding, at `until`: upright, at the present slip velocity."""
+    while i < len(histories[0]) and i * dt_out <= until:
+        histories[0][i] = histories[1][i] = histories[5][i] = 0.0
+        histories[2][i] = foot.place + foot.u * (i * dt_out - t)
+        histories[3][i], histories[4][i] = foot.u, (ROCK if foot.u == 0.0 else SLIDE_ROCK)
+        i += 1
+    return i
+
+
+@jit_lean
+def write_rest(foot, until, dt_out, i, histories):
+    """The same of a body that rests until the report ends."""
+    while i < len(histories[0]) and i * dt_out <= until:
+        for j in range(6):
+            histories[j][i] = 0.0
+        histories[2][i] = foot.place
+        i += 1
+    return i
+
+
+@jit_lean
+def note_event(t, mode, events, out):
+    """Write down that a mode was entered, and count it."""
+    k = int(out[to.N_EVENTS])
+    if k < len(events[0]):
+        events[0][k], events[1][k] = t, mode
+    out[to.N_EVENTS] += 1
+
+
+@jit_lean
+def note_impact(t, before, after, impacts, out):
+    """Count an impact, and write down the rates before and after it."""
+    out[to.N_IMPACTS] += 1
+    k = int(out[to.IMPACTS_STORED])
+    if k < len(impacts[0]):
+        impacts[0][k], impacts[1][k], impacts[2][k] = t, before, after
+        out[to.IMPACTS_STORED] += 1
+
+
+@jit_lean
+def note_uplift(t, out):
+    """The body begins to tilt."""
+    if math.isnan(out[to.T_UPLIFT]):
+        out[to.T_UPLIFT] = t
+
+
+@jit_lean
+def note_slip(t, turns, slipped, out):
+    """The foot begins to slip, or goes on slipping another way."""
+    if not slipped:
+        out[to.N_SLIPS] += 1
+    if math.isnan(out[to.T_SLIP]):
+        out[to.T_SLIP] = t
+    if turns and math.isnan(out[to.T_SLIDE_ROCK]):
+        out[to.T_SLIDE_ROCK] = t
+
+
+@jit_lean
+def note_flight(t, air, out):
+    """The body leaves the ground, tilted or turning, or flat."""
+    out[to.N_FLIGHTS] += 1
+    if math.isnan(out[to.T_FLIGHT]):
+        out[to.T_FLIGHT] = t
+    if air.theta != 0.0 or air.turn != 0.0:
+        note_uplift(t, out)

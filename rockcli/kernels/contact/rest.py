@@ -6,8 +6,10 @@ import math
 
 from rockcli.kernels.constants import STANDSTILL
 from rockcli.kernels.contact import parameters as at
-from rockcli.kernels.contact.results import REST, SLIDE
+from rockcli.kernels.contact import workspace as row
+from rockcli.kernels.contact.codes import REST, SLIDE
 from rockcli.kernels.contact.selection import on_base, stiffness
+from rockcli.kernels.contact.state import edge_beyond, edge_under
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid.series import value
 
@@ -23,13 +25,14 @@ def frequency(par, e):
 
 
 @jit_lean
-def settles(par, s, v, u, a, W, n, x, left, rest_speed):
-    """How long a body goes on bouncing that has just come down on an edge at rate v, slipping at u: (time, slip then).
+def settles(par, foot, w, n, x, left, rest_speed):
+    """How long a body goes on bouncing that has just come down on an edge: (time, slip velocity then).
 
-    Slow enough, the bounces are those of constant accelerations, their times a geometric series.  A time of -1: it goes
-    on rocking, or the series does not end within `left`.
+    The ground is as `w` has it (degree n) at x.  Slow enough, the bounces are those of constant accelerations, their
+    times a geometric series.  A time of -1: it goes on rocking, or the series does not end within `left`.
     """
-    e, other = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
+    a, W = w[row.A_G], w[row.WEIGHT]
+    s, v, u, e, other = foot.s, foot.v, foot.u, edge_under(foot.s), edge_beyond(foot.s)
     p, alpha = frequency(par, e), par[e + at.ALPHA]
     if v > rest_speed * p * math.sin(alpha):
         return -1.0, u

@@ -1,9 +1,6 @@
-"""Where a number stands in the vector of results of the contact kernel, and its modes."""
+"""Where a number stands in the vector of results of the contact kernel."""
 
 from __future__ import annotations
-
-REST, SLIDE, ROCK, SLIDE_ROCK, FLIGHT = range(5)
-"""Modes of contact, as the history `contact_mode` has them."""
 
 (
     STATUS, VERDICT, PEAK, PEAK_SIDE, PEAK_LEFT, PEAK_RIGHT, T_PEAK, RATE_PEAK, TOP_PEAK, T_UPLIFT, T_OVERTURN, T_REST,
@@ -14,6 +11,6 @@ REST, SLIDE, ROCK, SLIDE_ROCK, FLIGHT = range(5)
 PEAK_LEFT, PEAK_RIGHT by side [rad]; RATE_PEAK; TOP_PEAK largest displacement of the top [m]; times [s], NaN for what
 did not happen; SLIDE_PEAK with its sign, SLIDE_END [m]; N_SLIPS, N_FLIGHTS, N_JAMS how often it began to slip, left the
 ground, jammed; MU friction needed, MU_IMPACT at landings; N_MIN smallest normal force over m g; BALANCE energy not
-accounted for, GAIN the largest an impact gained [J/kg]; NEARLY_FLAT least |theta|/alpha at which it came down from
-flight; TWO_WAYS how often slip and flight were both consistent; SWINGS what impacts carry, SWINGS_T the same times
-their time; the length."""
+accounted for, NaN if not asked for, GAIN the largest an impact gained [J/kg]; NEARLY_FLAT least |theta|/alpha at which
+it came down from flight; TWO_WAYS how often slip and flight were both consistent; SWINGS what impacts carry, SWINGS_T
+the same times their time; the length."""

@@ -6,11 +6,9 @@ import math
 
 from rockcli.kernels.constants import SAME
 from rockcli.kernels.contact import parameters as at
-from rockcli.kernels.contact.results import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
+from rockcli.kernels.contact.codes import FLIGHT, JAM, NEITHER, REST, ROCK, SLIDE, SLIDE_ROCK
+from rockcli.kernels.contact.state import edge_under
 from rockcli.kernels.jit import jit_lean
-
-JAM, NEITHER = -1, -2
-"""In place of a mode: no finite force is consistent (K13); slip and flight both are, flight is taken."""
 
 
 @jit_lean
@@ -22,9 +20,9 @@ def stiffness(par, e, beta, slip):
 
 
 @jit_lean
-def on_edge(par, s, q, v, u, a, W):
+def on_edge(par, foot, a, W):
     """Mode of a body on one edge: (mode, sgn of slip) (K9)."""
-    e = at.RIGHT if s > 0.0 else at.LEFT
+    s, q, v, u, e = foot.s, foot.q, foot.v, foot.u, edge_under(foot.s)
     R, rg2, mu_s, mu_k = par[e + at.RADIUS], par[at.RG2], par[at.MU_S], par[at.MU_K]
     beta = par[e + at.ALPHA] - q
     sin_b, cos_b = math.sin(beta), math.cos(beta)
@@ -70,7 +68,7 @@ def on_base(par, u, a, W):
     mu_s, mu_k = par[at.MU_S], par[at.MU_K]
     lead = u if u != 0.0 else -a
     s = -1.0 if lead < 0.0 else 1.0
-    e = at.RIGHT if s > 0.0 else at.LEFT
+    e = edge_under(s)
     tan = par[e + at.B] / par[at.H]
     trips = stiffness(par, e, par[e + at.ALPHA], mu_k) > 0.0
     if u != 0.0:

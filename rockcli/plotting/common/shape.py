@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockcli.kernels.contact.codes import SLIDE, SLIDE_ROCK
 from rockcli.plotting.common.cases import Array, outcome_at, values_at
 from rockcli.plotting.common.response import edges
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.contact import SLIDE, SLIDE_ROCK
 
 if TYPE_CHECKING:
     import xarray

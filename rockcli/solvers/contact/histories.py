@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.contact.codes import FLIGHT, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.formulas import driving, pull, restoring
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.contact import FREE_FLIGHT, ROCK, SLIDE, SLIDE_ROCK, mode_from_rest
+from rockcli.scene.contact import mode_from_rest
 from rockcli.scene.models import MODELS
 from rockcli.solvers.common.found import IMPACTS
 from rockcli.solvers.common.ground import ground_history
@@ -39,7 +40,7 @@ def histories_of(batch: Batch, raw: Raw) -> tuple[dict[str, Array], dict[str, Ar
         "a_v": a_v,
         "u_top": slide + top * np.sin(theta),
         "v_top": found["lift"] - top * (1.0 - np.cos(theta)),
-        "M_base": np.where(mode == FREE_FLIGHT, 0.0, moment) * mass,
+        "M_base": np.where(mode == FLIGHT, 0.0, moment) * mass,
     }
     n_impacts = int(np.isfinite(raw.impacts[:, 0]).any(axis=0).sum())
     impacts = {name: raw.impacts[:, i, :n_impacts] for i, name in enumerate(IMPACTS)}
@@ -77,5 +78,5 @@ def _modes(batch: Batch, histories: dict[str, Array]) -> Array:
     T = a_g + s * R * (cos_b * acc + sin_b * v * v)
     N = g + a_v + R * (sin_b * acc - cos_b * v * v)
     mu = block.mu[:, None]
-    rocking = np.where(N <= 0.0, FREE_FLIGHT, np.where(np.abs(T) > mu * N, SLIDE_ROCK, ROCK))
+    rocking = np.where(N <= 0.0, FLIGHT, np.where(np.abs(T) > mu * N, SLIDE_ROCK, ROCK))
     return np.where(still, mode_from_rest(rise, inertia, mu, a_g / g, a_v / g), rocking)

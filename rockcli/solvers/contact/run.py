@@ -72,12 +72,17 @@ def _march(batch: Batch, pars: Array, level: Accuracy, raw: Raw) -> None:
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python
         inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
     rows, h_data, v_data = inputs
-    steps, dt_out = MAX_STEPS[bool(kernels.compiled)], batch.save.dt_out
+    how = kernel.Settings(
+        tol=level.rtol,
+        rest_speed=level.rest_speed,
+        max_steps=MAX_STEPS[bool(kernels.compiled)],
+        order=ORDER,
+        balance="energy_residual" in batch.save.scalars,
+    )
     *written, out = outputs
     kernel.march_all(
-        rows, level.rtol, level.rest_speed, steps, ORDER, horizontal, h_data, vertical, v_data, dt_out,
-        *written, kernel.work_space(), out,
-    )  # fmt: skip
+        rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, *written, kernel.work_space(), out
+    )
     if not kernels.compiled:
         for array, output in zip(arrays, outputs, strict=True):
             array[...] = output
