@@ -38,6 +38,7 @@ SLOW = (
     "seed/fig5.*.yaml",
     "seed/fig6[12].yaml",
     "spectra/",  # eighty thousand pulses each, compiled
+    "tutorials/",  # run as their pages say, by test_tutorials.py
     "seed/mesh/",  # CalculiX: minutes each
 )
 """Patterns of the studies that take longer."""

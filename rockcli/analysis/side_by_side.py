@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rockcli.storage.contents import Contents, Field
+from rockcli.storage.contents import Contents, Field, text
 from rockcli.storage.reduced import reduce
 from rockcli.study.study import Over
+
+NAMED = 100_000
+"""Members up to which they have names."""
 
 
 def end_to_end(contents: Contents, over: Over) -> Contents:
@@ -34,8 +40,18 @@ def end_to_end(contents: Contents, over: Over) -> Contents:
             values = np.broadcast_to(item.values[(*(slice(None),) * len(before), *index)], whole)
             shape = (*whole[:first], -1, *whole[first + len(sizes) :])
             fields[name] = replace(item, dims=(*before, over.axis, *after), values=values.reshape(shape))
-    fields[over.axis] = Field((over.axis,), np.arange(float(np.prod(list(sizes.values())))), {"long_name": over.axis})
+    fields[over.axis] = Field((over.axis,), _labels(contents, over), {"long_name": over.axis})
     return Contents(axes, fields, contents.attrs)
+
+
+def _labels(contents: Contents, over: Over) -> NDArray[Any]:
+    """What the members are called, `a.AT2, 1`; of very many their number."""
+    points = [contents.values(axis) for axis in over.axes]
+    n = int(np.prod([len(values) for values in points]))
+    if n > NAMED:
+        return np.arange(float(n))
+    words = [[value if isinstance(value, str) else f"{value:.6g}" for value in values] for values in points]
+    return text([", ".join(one) for one in product(*words)])
 
 
 def laid_out(fields: dict[str, Field], contents: Contents, over: Over) -> dict[str, Field]:

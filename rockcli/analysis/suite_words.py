@@ -151,7 +151,8 @@ def _of_samples(contents: Contents, study: Study, over: Over, units: Units) -> I
     )
     yield sentence(study.uncertain, n) + (f", over {others}" if others else "")
     shape = contents.values("p_overturned_se").shape
-    listed = list(np.ndindex(*shape))[:MOST_BODIES]
+    every = list(np.ndindex(*shape))
+    listed = [every[int(i)] for i in np.unique(np.linspace(0, len(every) - 1, min(len(every), MOST_BODIES)).round())]
     names = [str(path) for path in contents.values(INPUT)]
     for at in listed:
         where = f"{place(contents, dims, at, units)}: " if dims else ""

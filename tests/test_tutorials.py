@@ -1,0 +1,68 @@
+"""The tutorials do what they say: their commands run from a new folder, print what is shown, and leave table and figure."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from rockcli.cli.main import app
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = sorted(path for path in (ROOT / "docs" / "tutorials").glob("*.md") if path.name != "README.md")
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d+)?(e[-+]?\d+)?(?![\w.]*[a-z_]\w)")
+
+
+def blocks(page: Path, kind: str) -> list[str]:
+    text = page.read_text(encoding="utf-8")
+    return [
+        line for block in re.findall(rf"^```{kind}\n(.*?)^```", text, re.DOTALL | re.M) for line in block.splitlines()
+    ]
+
+
+def without_numbers(text: str) -> str:
+    """Digits change from machine to machine; words do not."""
+    return NUMBER.sub("#", re.sub(r"\s+", " ", text))
+
+
+def commands(page: Path) -> list[list[str]]:
+    return [shlex.split(line)[1:] for line in blocks(page, "sh")]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_tutorial_runs_and_ends_in_its_table_and_figure(page, tmp_path, monkeypatch):
+    for folder in ("studies/tutorials", "records"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    monkeypatch.chdir(tmp_path)
+    said = ""
+    for command in commands(page):
+        assert command[0] in ("check", "run", "table", "plot")
+        found = CliRunner().invoke(app, command)
+        assert found.exit_code == 0, (command, found.output)
+        said += found.output
+    for line in blocks(page, "text"):
+        assert without_numbers(line.strip()) in without_numbers(said), line
+    figures = re.findall(r"`(results/\S+\.png)`", page.read_text(encoding="utf-8"))
+    assert figures
+    for name in figures:
+        assert (tmp_path / name).stat().st_size > 10_000, name
+    tables = [command for command in commands(page) if command[0] == "table"]
+    assert tables
+    for command in tables:
+        if "--out" in command:
+            assert len(Path(command[command.index("--out") + 1]).read_text(encoding="utf-8").splitlines()) > 2
+
+
+def test_every_study_of_the_tutorials_is_in_one_and_links_lead_somewhere():
+    text = {page.name: page.read_text(encoding="utf-8") for page in [*PAGES, ROOT / "docs" / "tutorials" / "README.md"]}
+    whole = "".join(text.values())
+    for study in (ROOT / "studies" / "tutorials").glob("*.yaml"):
+        assert study.name in whole
+    for page in PAGES:
+        assert f"({page.name})" in text["README.md"]
+    for target in re.findall(r"\]\(([^)#]+)[^)]*\)", whole):
+        assert (ROOT / "docs" / "tutorials" / target).exists(), target
