@@ -62,6 +62,7 @@ def info(
 
     from rockcli.cli.record_tables import listed, pair_facts, rows_table, spectral
     from rockcli.errors import RecordError
+    from rockcli.motion.flatfile import metadata_of
 
     periods = _periods(sa or [])
     _check_spectrum(spectrum)
@@ -82,7 +83,12 @@ def info(
                 complaints.append(error)
             continue
         for motion in found:
-            row = {"file": str(file), **_facts(motion, g), **_beside(file, motion), **spectral(motion, g, periods)}
+            row = {
+                "file": str(file),
+                **_facts(motion, g),
+                **metadata_of(file, motion.header),
+                **spectral(motion, g, periods),
+            }
             if not json and not brief:
                 say(("\n" if rows else "") + _table(row))
             rows.append(row)
@@ -133,14 +139,6 @@ def _components(file: Path, component: str | None, units: str | None, dt: float 
     if component is not None or not every:
         return [_read(file, _component(component), units, dt)]
     return [_read(file, one, units, dt) for one in components_of(file)]
-
-
-def _beside(file: Path, motion: Motion) -> dict[str, float]:
-    """Magnitude, distance, site and period of the pulse, where the file or the table beside it says them."""
-    from rockcli.motion.flatfile import COLUMNS, metadata_beside
-
-    own = {key: motion.header[key] for key in COLUMNS if key in motion.header}
-    return own | metadata_beside(file)
 
 
 def _draw(path: Path, motions: list[Motion], g: float) -> None:

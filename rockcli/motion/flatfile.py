@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
-__all__ = ["COLUMNS", "NAME", "metadata_beside"]
+__all__ = ["COLUMNS", "NAME", "metadata_beside", "metadata_of"]
 
 NAME = "_SearchResults.csv"
 
@@ -22,6 +24,11 @@ COLUMNS = {
 
 _FILES = re.compile(r"(?:Horizontal|Vertical)\S*\s+Acc\.? Filename", re.I)
 _NUMBER = re.compile(r"Record Sequence Number", re.I)
+
+
+def metadata_of(path: Path, header: Mapping[str, Any]) -> dict[str, float]:
+    """What a record's own header says, by the keys of COLUMNS, and the table beside it, which goes before."""
+    return {key: float(header[key]) for key in COLUMNS if key in header} | metadata_beside(path)
 
 
 def metadata_beside(path: Path) -> dict[str, float]:

@@ -37,6 +37,9 @@ PEAK = "theta_peak_over_alpha"
 MOTION = "ground_motion"
 """Which motion of the ground a case has."""
 
+OF_SOURCE = ("magnitude", "r_rup", "r_jb", "vs30", "pulse_period")
+"""What is known of the earthquake and the site of a record, where the file or its database says it."""
+
 YEARLY = "year-1"
 
 PERCENTILES: tuple[float, ...] = (1.0, 5.0, 10.0, 16.0, 50.0, 84.0, 95.0)
@@ -401,6 +404,21 @@ _ROWS: tuple[Variable, ...] = (
     Variable("omega_p", r"$\omega_p$", CASE, "rad s-1", "circular frequency of the pulse"),
     Variable("pga", "PGA", CASE, "m s-2", "peak ground acceleration of the motion used"),
     Variable("pgv", "PGV", CASE, "m s-1", "peak ground velocity of the motion used"),
+    Variable("magnitude", r"$M$", CASE, "1", "magnitude of the earthquake, as the record or its database says"),
+    Variable(
+        "r_rup",
+        r"$R_{\mathrm{rup}}$",
+        CASE,
+        "km",
+        "closest distance to the rupture, as the record or its database says",
+    ),
+    Variable(
+        "r_jb", r"$R_{\mathrm{JB}}$", CASE, "km", "distance of Joyner and Boore, as the record or its database says"
+    ),
+    Variable(
+        "vs30", r"$V_{S30}$", CASE, "m s-1", "shear-wave velocity of the site, as the record or its database says"
+    ),
+    Variable("pulse_period", r"$T_{\mathrm{pulse}}$", CASE, "s", "period of the velocity pulse, as its database says"),
     Variable(
         MOTION, "motion", CASE, "1", "number of the ground motion: cases of one number have the same, but for its scale"
     ),

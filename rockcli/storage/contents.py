@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from rockcli.scene.auto import RUNGS
 from rockcli.scene.contact import MODES
 from rockcli.scene.response import OUTCOMES
-from rockcli.scene.variables import VARIABLES
+from rockcli.scene.variables import OF_SOURCE, VARIABLES
 
 CONVENTIONS = "CF-1.11"
 
 DIM_TIME, DIM_IMPACT, DIM_REASONS = "time", "impact", "reasons"
 
-COORDINATES: tuple[str, ...] = ("R", "alpha", "p", "eta", "a_p", "omega_p", "pga", "pgv")
+COORDINATES: tuple[str, ...] = ("R", "alpha", "p", "eta", "a_p", "omega_p", "pga", "pgv", *OF_SOURCE)
 """What a plot needs beside the axes, over the axes they depend on."""
 
 

@@ -10,6 +10,7 @@ import pytest
 from scipy.signal import cont2discrete, lfilter
 from typer.testing import CliRunner
 
+import rockcli
 from rockcli.cli.records import app
 from rockcli.errors import RecordError
 from rockcli.motion.flatfile import NAME, metadata_beside
@@ -149,3 +150,30 @@ def test_what_the_database_says_of_a_record(tmp_path: Path) -> None:
     head, row = said.splitlines()
     assert [one.strip() for one in head.split("  ")[-4:]] == ["M", "R_rup [km]", "Vs30 [m/s]", "T_pulse [s]"]
     assert row.split()[-4:] == ["7.28", "23.62", "353.6", "7.504"]
+
+
+def test_what_is_known_of_records_is_in_the_dataset(tmp_path: Path) -> None:
+    """Coordinates over the axis of the records, NaN where nothing is known of one; absent where nobody knows."""
+    (tmp_path / NAME).write_text(SEARCH)
+    for name in ("RSN900_A_YER270.AT2", "RSN901_B_X.AT2", "another.AT2"):
+        (tmp_path / name).write_bytes(ONE.read_bytes())
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"record": {"file": "x", "pga": "0.3*g"}}}
+    study = {
+        "name": "known",
+        "case": case,
+        "vary": {"motion.record.file": str(tmp_path / "*.AT2"), "block.R": [1.0, 2.0]},
+        "save": {"histories": False},
+    }
+    data = rockcli.run(study)
+    records = [str(name) for name in data["record"].values]
+    assert data["magnitude"].dims == data["pulse_period"].dims == ("record",)
+    known = dict(zip(records, data["magnitude"].values, strict=True))
+    assert known["RSN900_A_YER270.AT2"] == 7.28
+    assert known["RSN901_B_X.AT2"] == 6.9
+    assert np.isnan(known["another.AT2"])
+    assert float(data["pulse_period"].max()) == 7.504
+    assert data["vs30"].attrs["units"] == "m s-1"
+    assert data["r_rup"].attrs["units"] == "km"
+    assert {"magnitude", "r_jb"} <= set(data.coords)
+    case["motion"]["record"]["file"] = str(ONE)
+    assert not {"magnitude", "vs30"} & set(rockcli.run({"name": "unknown", "case": case}).variables)

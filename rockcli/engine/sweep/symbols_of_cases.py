@@ -15,8 +15,8 @@ from rockcli.engine.sweep.results import Results
 from rockcli.engine.sweep.symbols import Symbols
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.excitation import Pulses, codes_of_motions
-from rockcli.scene.variables import LARGE, MOTION
+from rockcli.scene.excitation import Pulses, Samples, codes_of_motions
+from rockcli.scene.variables import LARGE, MOTION, OF_SOURCE
 from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import Index, Study
 
@@ -56,6 +56,9 @@ def describe(study: Study, built: list[tuple[Index, Batch]]) -> Description:
             values |= {f"{name}_{side}": of[:, at] for name, of in both.items() for at, side in SIDES}
         if isinstance(motion, Pulses):
             values |= {"a_p": motion.a_p, "omega_p": motion.omega_p}
+        if isinstance(motion, Samples):
+            known = {name: motion.measures[name] for name in OF_SOURCE if name in motion.measures}
+            values |= {name: np.full(batch.size, value) for name, value in known.items()}
         if study.size <= LARGE:
             values["pga"], values["pgv"] = peaks(motion, batch.size, batch.excitation.duration)
         if study.histories:

@@ -76,6 +76,7 @@ def _channel(
 def _samples(
     numbers: Numbers, keys: Keys, records: Records, warnings: list[str], inherited: Value
 ) -> tuple[Samples, Value]:
+    from rockcli.motion.flatfile import metadata_of
     from rockcli.motion.measures import pga, pgv
 
     record: RecordPart = numbers.said(keys)
@@ -91,6 +92,7 @@ def _samples(
         "pgv": pgv(values, motion.dt),
         "pga_raw": pga(raw_values),
         "pgv_raw": pgv(raw_values, raw.dt),
+        **metadata_of(prepared.path, raw.header),
     }
     of_g: Value = numbers.g / STANDARD_G if g_varies and motion.in_g else 1.0
     amplitude = _amplitude(numbers, keys, measures, of_g, inherited)
