@@ -2,7 +2,7 @@
 
     nice -n 19 python benchmarks/calibrate_auto.py [--raw FILE.npz]
 
-Random scenes (auto_scenes.py, seed 1) are solved by every rung.  They are sorted into bins by a group (p T_1, the
+Random scenes (auto_scenes.py, seed 1) are solved by every candidate.  They are sorted into bins by a group (p T_1, the
 rotation at which a Winkler base opens) and by what the cheap model does in the scene; the table holds the error that
 a further scene of a bin exceeds with a chance of 2.5 %, made to grow with the group, and how often the cheap model does
 what, by amplitude/rate.  --raw keeps the measured scenes, or reads them if the file is there.  Writes
@@ -51,14 +51,14 @@ SPEEDS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.2, 2.0, 4.0, np.inf)
 
 
 def measured(scenes: Scenes) -> dict[str, Array]:
-    """Groups, and peaks over alpha by every rung, of some scenes."""
+    """Groups, and peaks over alpha by every candidate, of some scenes."""
     ((_, batch),) = open_study(scenes.study()).batches()
     found = groups(batch)
     rigid, tried = try_rigid(batch)
-    flexible = peak_of(auto.on_rung(batch, auto.COLUMN))
+    flexible = peak_of(auto.as_candidate(batch, auto.COLUMN))
     winkler = np.full(batch.size, np.nan)
     some = np.arange(0, batch.size, WINKLER_EVERY)
-    winkler[some] = peak_of(auto.on_rung(batch.rows(some), auto.WINKLER))
+    winkler[some] = peak_of(auto.as_candidate(batch.rows(some), auto.WINKLER))
     inside = np.array([not reason for reason in auto.outside(batch, found)])
     return {
         **{name: np.asarray(getattr(found, name)) for name in TRIED},
@@ -194,7 +194,18 @@ def main() -> None:
     write_table(tables, raw)
     with RESULTS.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        head = ["rung", "against", "motion", "group", "from", "to", "cheap model", "scenes", "median error", "error"]
+        head = [
+            "candidate",
+            "against",
+            "motion",
+            "group",
+            "from",
+            "to",
+            "cheap model",
+            "scenes",
+            "median error",
+            "error",
+        ]
         writer.writerow([*head, "measured", "machine"])
         for row in rows:
             shown = [f"{v:.4g}" if isinstance(v, float) else v for v in row]

@@ -23,7 +23,7 @@ from machine import machine
 
 import rockcli
 from rockcli import kernels
-from rockcli.scene.auto import RUNGS
+from rockcli.scene.auto import CANDIDATES
 
 RESULTS = Path(__file__).resolve().parent / "results" / "cost_auto.csv"
 
@@ -102,7 +102,7 @@ def spent(study: dict[str, Any]) -> float:
 
 
 def measured(study: dict[str, Any], highest: str) -> dict[str, Any]:
-    """CPU times of auto and of the highest model, and the share of the cases on each rung."""
+    """CPU times of auto and of the highest model, and the share of the cases on each candidate."""
     by = {"auto": "auto", "highest": highest}
     studies = {name: {**study, "case": {**study["case"], "model": model}} for name, model in by.items()}
     warm = {name: spent(one) for name, one in studies.items()}
@@ -117,7 +117,7 @@ def measured(study: dict[str, Any], highest: str) -> dict[str, Any]:
         row["cases"] = found["outcome"].size
     if "model_used" in found:
         used = found["model_used"].values.astype(int)
-        row |= {name: int((used == flag).sum()) for flag, name in RUNGS.items() if flag >= 0}
+        row |= {name: int((used == flag).sum()) for flag, name in CANDIDATES.items() if flag >= 0}
     return row
 
 

@@ -23,7 +23,7 @@ from machine import machine
 
 import rockcli
 from rockcli import kernels
-from rockcli.scene.auto import COLUMN, RIGID, RUNGS, WINKLER
+from rockcli.scene.auto import CANDIDATES, COLUMN, RIGID, WINKLER
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results" / "trial_auto.csv"
@@ -44,11 +44,11 @@ BODIES: dict[str, tuple[tuple[str, ...], str]] = {
 """Body: what is left out of its scenes, and its highest model."""
 
 HIGHEST = dict(zip(BODIES, (WINKLER, COLUMN, RIGID), strict=True))
-"""Body: its highest rung."""
+"""Body: its highest candidate."""
 
 
 def solved(scenes: Scenes, without: tuple[str, ...], every: int, model: Any) -> dict[str, Array]:
-    """Outcomes and peaks (and rungs) of every so many of some scenes, some of whose columns are left out."""
+    """Outcomes and peaks (and candidates) of every so many of some scenes, some of whose columns are left out."""
     study = scenes.study(model=model)
     study["save"]["scalars"] = ["outcome", "theta_peak_over_alpha"]
     if isinstance(model, dict):
@@ -76,7 +76,7 @@ def kept(auto: dict[str, Array], reference: dict[str, Array], tolerance: float) 
 def trial(
     seed: int, per_shape: int, records: int, per_record: int, tolerances: dict[str, tuple[float, ...]], every: int
 ) -> list[dict[str, Any]]:
-    """A row per body, kind of motion and tolerance: scenes, promises kept, scenes on each rung."""
+    """A row per body, kind of motion and tolerance: scenes, promises kept, scenes on each candidate."""
     found: dict[tuple[str, str, float], list[tuple[dict[str, Array], dict[str, Array]]]] = {}
     with TemporaryDirectory() as folder:
         for scenes in draw(seed, per_shape, records, per_record, Path(folder)):
@@ -91,7 +91,7 @@ def trial(
     for (body, motion, tolerance), pairs in found.items():
         autos, references = ({k: np.concatenate([p[w][k] for p in pairs]) for k in pairs[0][w]} for w in (0, 1))
         good, cheap = kept(autos, references, tolerance), autos["model_used"] < HIGHEST[body]
-        rungs = {name: int((autos["model_used"] == flag).sum()) for flag, name in RUNGS.items() if flag >= 0}
+        candidates = {name: int((autos["model_used"] == flag).sum()) for flag, name in CANDIDATES.items() if flag >= 0}
         rows.append(
             {
                 "body": body,
@@ -101,7 +101,7 @@ def trial(
                 "kept": int(good.sum()),
                 "on a cheaper model": int(cheap.sum()),
                 "of these kept": int((good & cheap).sum()),
-                **rungs,
+                **candidates,
             }
         )
     return rows

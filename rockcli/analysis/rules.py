@@ -35,14 +35,14 @@ class Misled:
 
     Attributes:
         name: of the rule; cases: where both have an answer.
-        unsafe: the rule lets stand what the history overturns; wary: the opposite.  A case of which a part of the runs
-            overturns counts by that part.
+        unconservative: the rule lets stand what the history overturns; false_alarms: the opposite.  A case of which a
+            part of the runs overturns counts by that part.
     """
 
     name: str
     cases: int
-    unsafe: float
-    wary: float
+    unconservative: float
+    false_alarms: float
 
 
 def check_rules(study: Study) -> None:
@@ -83,8 +83,8 @@ def misled(contents: Contents) -> tuple[Misled, ...]:
         values = contents.values(rule.variable)
         both = ~np.isnan(share) & ~np.isnan(values)
         predicted = np.isinf(values) | (values > rule.limit)
-        unsafe, wary = share[both & ~predicted].sum(), (1.0 - share)[both & predicted].sum()
-        found.append(Misled(rule.name, int(both.sum()), float(unsafe), float(wary)))
+        unconservative, false_alarms = share[both & ~predicted].sum(), (1.0 - share)[both & predicted].sum()
+        found.append(Misled(rule.name, int(both.sum()), float(unconservative), float(false_alarms)))
     return tuple(found)
 
 

@@ -56,13 +56,13 @@ class Progress:
 
         line = self
 
-        class Told(logging.Handler):
+        class Logged(logging.Handler):
             def emit(self, record: logging.LogRecord) -> None:
                 line.note(record.getMessage())
 
         logger = logging.getLogger("rockcli.solvers")
         logger.setLevel(logging.INFO)
-        logger.handlers = [Told()]
+        logger.handlers = [Logged()]
 
     def close(self) -> None:
         """Wipe the bar."""

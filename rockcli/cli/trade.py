@@ -107,7 +107,7 @@ def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, ev
     lines = [f"{study.name}: {len(found.cases)} of {found.size} cases, {len(found.points)} settings"]
     lines += [f"  reference {name}: {words}" for name, words in found.references.items()]
     lines += [f"  note      {note}" for note in found.notes]
-    parts = {part: [p for p in found.points if p.rung.part == part] for part in (MODEL, DATA, NUMERICS)}
+    parts = {part: [p for p in found.points if p.setting.part == part] for part in (MODEL, DATA, NUMERICS)}
     lines += _headed("error of the model, against a better one", parts[MODEL])
     lines += _headed("error of the data, against the record as it is", parts[DATA])
     for against, points in by_reference(parts[NUMERICS]).items():
@@ -149,10 +149,10 @@ def _table(points: Iterable[Point]) -> str:
     head = ("model", "setting", "median", "90 %", "wrong", "per case", "steps", "rhs")
     rows = []
     for p in points:
-        setting = f"against {p.rung.against}" if p.rung.part == MODEL else f"{p.rung.family}, {p.rung.setting}"
+        setting = f"against {p.setting.against}" if p.setting.part == MODEL else f"{p.setting.family}, {p.setting.step}"
         rows.append(
             (
-                p.rung.model_word,
+                p.setting.model_word,
                 setting,
                 _error(p.quantile(0.5)),
                 _error(p.quantile(0.9)),

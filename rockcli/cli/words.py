@@ -76,8 +76,8 @@ def _rules(report: RunReport) -> list[str]:
         return [_row("rules", "not applicable: they need a ground motion and an outcome")]
     lines = []
     for number, rule in enumerate(speaking):
-        unsafe = f"{rule.unsafe:.4g} unconservative (stable by the rule, overturned by the history)"
-        words = f"{rule.name}: {unsafe}, {rule.wary:.4g} false alarms, of {rule.cases}"
+        missed = f"{rule.unconservative:.4g} unconservative (stable by the rule, overturned by the history)"
+        words = f"{rule.name}: {missed}, {rule.false_alarms:.4g} false alarms, of {rule.cases}"
         lines.append(_row("rules" if number == 0 else "", words))
     return lines
 

@@ -69,7 +69,7 @@ def tighter(batch: Batch) -> Numerics | None:
         backend = choose(batch)
     except SolverError:
         return None
-    if backend.slow or not backend.ladder:
+    if backend.slow or not backend.settings:
         return None
     given, level = batch.numerics, batch.numerics.level.tighter
     if "yield_rotation" in backend.reads:

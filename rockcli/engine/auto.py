@@ -25,15 +25,15 @@ from rockcli.scene.auto import (
     STILL,
     WINKLER,
     Groups,
+    as_candidate,
     bending_at_uplift,
+    candidate_of_reference,
     chance,
     class_of_rigid,
     doubt,
     expected_errors,
     groups_of,
-    on_rung,
     outside,
-    rung_of_reference,
     sentence,
     sentences,
     still,
@@ -53,11 +53,11 @@ class Choice:
     """What was decided of n cases.
 
     Attributes:
-        rung: of each, (n,); error: expected, (n,), NaN where the reference itself is chosen or none is known.
+        candidate: of each, (n,); error: expected, (n,), NaN where the reference itself is chosen or none is known.
         said: a sentence for each.
     """
 
-    rung: NDArray[np.int8]
+    candidate: NDArray[np.int8]
     error: Array
     said: list[str]
 
@@ -70,17 +70,19 @@ def settled(batch: Batch) -> Iterator[tuple[Index, Response]]:
     choice = decide(batch)
     spent = (perf_counter() - began) / batch.size
     asked = replace(batch, save=replace(batch.save, scalars=batch.save.scalars - frozenset(SCALARS_AUTO)))
-    solved_as = np.where(choice.rung == NONE, RIGID, choice.rung)  # what stays at rest is a rigid block as well
-    for rung in np.unique(solved_as):
-        rows = np.flatnonzero(solved_as == rung)
-        part = on_rung(asked if len(rows) == batch.size else asked.rows(rows), int(rung))
+    solved_as = np.where(
+        choice.candidate == NONE, RIGID, choice.candidate
+    )  # what stays at rest is a rigid block as well
+    for candidate in np.unique(solved_as):
+        rows = np.flatnonzero(solved_as == candidate)
+        part = as_candidate(asked if len(rows) == batch.size else asked.rows(rows), int(candidate))
         response = choose(part).load()(part)
-        at_rest = (choice.rung[rows] == NONE) | ((rung == RIGID) & (response.scalars["outcome"] == NO_UPLIFT))
+        at_rest = (choice.candidate[rows] == NONE) | ((candidate == RIGID) & (response.scalars["outcome"] == NO_UPLIFT))
         unknown = at_rest & np.isnan(choice.error[rows])  # before it was solved
         error = np.where(unknown, 0.0, choice.error[rows])
         scalars: dict[str, NDArray[Any]] = {
             **response.scalars,
-            "model_used": np.where(at_rest, NONE, rung).astype(np.int8),
+            "model_used": np.where(at_rest, NONE, candidate).astype(np.int8),
             "model_error": np.where(overturned(response.scalars["outcome"]), np.nan, error),
         }
         if "wall_time" in scalars:
@@ -96,12 +98,12 @@ def groups(batch: Batch) -> Groups:
 
 
 def decide(batch: Batch) -> Choice:
-    """Choose a rung for every case: the cheapest whose expected error is within the case's tolerance."""
+    """Choose a candidate for every case: the cheapest whose expected error is within the case's tolerance."""
     assert batch.tolerance is not None
-    reference, n = rung_of_reference(batch), batch.size
-    rung, error = np.full(n, reference, dtype=np.int8), np.full(n, np.nan)
+    reference, n = candidate_of_reference(batch), batch.size
+    candidate, error = np.full(n, reference, dtype=np.int8), np.full(n, np.nan)
     if reference == RIGID:
-        return Choice(rung, error, [sentence(RIGID, RIGID, np.nan, "it has no column")] * n)
+        return Choice(candidate, error, [sentence(RIGID, RIGID, np.nan, "it has no column")] * n)
     found = groups(batch)
     why = outside(batch, found)
     rows = np.array([i for i, reason in enumerate(why) if not reason], dtype=np.int64)
@@ -110,10 +112,10 @@ def decide(batch: Batch) -> Choice:
     said = sentences(lambda i: sentence(reference, reference, np.nan, why[i]), np.array(why))
     if len(rows):
         inside = _with_column(batch.rows(rows), found.rows(rows), reference)
-        rung[rows], error[rows] = inside.rung, inside.error
+        candidate[rows], error[rows] = inside.candidate, inside.error
         for i, words in zip(rows.tolist(), inside.said, strict=True):
             said[i] = words
-    return Choice(rung, error, said)
+    return Choice(candidate, error, said)
 
 
 def _with_column(batch: Batch, found: Groups, reference: int) -> Choice:
@@ -138,7 +140,7 @@ def _with_column(batch: Batch, found: Groups, reference: int) -> Choice:
     of_both = of_bending + of_opening
     as_rigid, as_column = of_both <= batch.tolerance, of_opening <= batch.tolerance
     as_column &= reference == WINKLER
-    rung = np.select([as_rigid & ~moves, as_rigid, as_column], [NONE, RIGID, COLUMN], reference).astype(np.int8)
+    candidate = np.select([as_rigid & ~moves, as_rigid, as_column], [NONE, RIGID, COLUMN], reference).astype(np.int8)
     error = np.select([as_rigid, as_column], [of_both, of_opening], np.nan)
 
     def write(i: int) -> str:
@@ -151,9 +153,9 @@ def _with_column(batch: Batch, found: Groups, reference: int) -> Choice:
         else:
             why = doubt("rigid", float(of_both[i]), doing)
             why += ", partial uplift matters little" if as_column[i] else ""
-        return sentence(int(rung[i]), reference, float(error[i]), why)
+        return sentence(int(candidate[i]), reference, float(error[i]), why)
 
-    return Choice(rung, error, sentences(write, rung, seen, class_found, of_both, error))
+    return Choice(candidate, error, sentences(write, candidate, seen, class_found, of_both, error))
 
 
 def _some(batch: Batch, which: NDArray[np.bool_]) -> Batch:
@@ -198,7 +200,7 @@ def try_rigid(batch: Batch) -> tuple[Array, Array]:
 
     The neighbours have 5 % more and less motion, and the law (2.10) that a column tends to as E grows.
     """
-    rigid, n = on_rung(batch, RIGID), batch.size
+    rigid, n = as_candidate(batch, RIGID), batch.size
     thrice = rigid.rows(np.tile(np.arange(n), 3))
     channel = thrice.excitation.horizontal
     assert channel is not None

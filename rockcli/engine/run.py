@@ -173,7 +173,7 @@ def run_study(
         if path.exists() and not fresh:
             if netcdf.identity(path) == study.identity:
                 contents, status = _renewed(study, path, sweep), UP_TO_DATE
-                return _told(study, contents, status, path, started, plot_format if plots else None, si=si)
+                return _reported(study, contents, status, path, started, plot_format if plots else None, si=si)
             old = reuse_results(study, netcdf.read(path))
             assert old is not None
             known, sweep.known = len(old.cases), (old,)
@@ -192,7 +192,7 @@ def run_study(
                 raise advised from error
             raise
         parts.remove()
-        report = _told(study, contents, SOLVED, path, started, plot_format if plots else None, si=si)
+        report = _reported(study, contents, SOLVED, path, started, plot_format if plots else None, si=si)
     return replace(report, taken_over=known, resumed=sweep.resumed, warnings=(*report.warnings, *team.notes))
 
 
@@ -227,7 +227,7 @@ def _of_share(study: Study, sweep: Sweep, started: float) -> RunReport:
     )
 
 
-def _told(
+def _reported(
     study: Study, contents: Contents, status: str, path: Path, started: float, plot_format: str | None, *, si: bool
 ) -> RunReport:
     seconds = perf_counter() - started  # of solving and writing, not of drawing

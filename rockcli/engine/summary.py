@@ -112,7 +112,7 @@ class RunReport:
         ]
         del plain["verdicts"]
         for rule in plain["rules"]:  # the old names of the two stay for one release
-            rule |= {"unconservative": rule["unsafe"], "false_alarms": rule["wary"]}
+            rule |= {"unsafe": rule["unconservative"], "wary": rule["false_alarms"]}
         return plain
 
 

@@ -1,4 +1,4 @@
-"""Two horizontal components of a motion as one, in a given direction."""
+"""Rotates two horizontal components of a recorded motion into one direction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bytes of the file of a record, whatever its format."""
+"""Reads the bytes of a record file, whatever its format, and refuses what is no record."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a floor or an isolator makes of a ground motion: linear oscillators one on the other, the body on the last.
+"""Floor and isolator response (`motion.through`): linear oscillators one on the other, the body on the last.
 
 Each has x'' + 2 zeta omega x' + omega^2 x = -u, x its displacement relative to what it stands on, u the absolute
 acceleration of that; its own absolute acceleration is u + x'' = -(2 zeta omega x' + omega^2 x).  The body does not act

@@ -1,4 +1,4 @@
-"""A recorded motion: values, time step, and everything that was ever done to them."""
+"""`Motion`, a recorded ground motion: values, time step, and everything that was ever done to them."""
 
 from __future__ import annotations
 

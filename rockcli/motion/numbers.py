@@ -1,4 +1,4 @@
-"""Numbers as programs of sixty years have printed them: FORTRAN exponents, columns that touch, text behind.
+"""Parses numbers of record files: FORTRAN exponents, columns that touch, text behind.
 
 Nothing here guesses: whatever is not a finite decimal number is an error that names file and line.
 """

@@ -1,4 +1,4 @@
-"""The options of the processing steps, from what a study says to numbers that are checked."""
+"""Options of record processing (filters, taper, resampling, ...), from the study's words to numbers."""
 
 from __future__ import annotations
 

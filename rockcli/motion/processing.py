@@ -1,4 +1,4 @@
-"""What may be done to a record before it is used; every step says what it did to PGA and PGV.
+"""Record processing: window, detrend, taper, filter, resample, scale; every step says what it did to PGA and PGV.
 
 In this order, whatever the order in the study: window, detrend, taper, filters, resample.  Nothing is done that
 is not asked for.  The steps are ObsPy's, except the Fourier method of resampling (see `_fourier`).

@@ -1,4 +1,4 @@
-"""A file of a record -> a Motion, whatever the format; units and time step are never guessed.
+"""Reads a record file of any format into a `Motion`; units and time step are never guessed.
 
 AT2, plain text and the formats of agencies (`agencies`) are read here; for all others ObsPy is asked.
 """

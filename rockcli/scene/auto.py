@@ -1,7 +1,7 @@
-"""Model auto: which model a scene requires, by its dimensionless groups and a table of measured errors (docs/auto.md).
+"""Model auto: which model a case requires, by its dimensionless groups and a table of measured errors (docs/auto.md).
 
-Rungs, cheapest first: none (the body does not move), rigid, flexible, winkler (flexible with partial uplift).  The
-reference is the highest rung that a body's data allow.  The error of a rung is |its theta_peak/alpha minus the
+Candidates, cheapest first: none (the body does not move), rigid, flexible, winkler (flexible with partial uplift).  The
+reference is the highest one that a body's data allow.  The error of a candidate is |its theta_peak/alpha minus the
 reference's|, 0 where both overturn, infinite where one does.
 """
 
@@ -28,7 +28,7 @@ TOLERANCE = 0.02
 
 NONE, RIGID, COLUMN, WINKLER = 0, 2, 3, 4
 
-RUNGS: dict[int, str] = {
+CANDIDATES: dict[int, str] = {
     -1: "not_auto",
     NONE: "none",
     1: "linearized",
@@ -108,18 +108,18 @@ def highest(batch: Batch) -> Batch:
     return replace(batch, model="rigid" if batch.column is None else FLEXIBLE)
 
 
-def rung_of_reference(batch: Batch) -> int:
+def candidate_of_reference(batch: Batch) -> int:
     """Rung of `highest`."""
     if batch.column is None:
         return RIGID
     return COLUMN if batch.base is None else WINKLER
 
 
-def on_rung(batch: Batch, rung: int) -> Batch:
-    """The batch with the model of a rung; `none` is the rigid block, which stays at rest."""
-    if rung == WINKLER:
+def as_candidate(batch: Batch, candidate: int) -> Batch:
+    """The batch with the model of a candidate; `none` is the rigid block, which stays at rest."""
+    if candidate == WINKLER:
         return replace(batch, model=FLEXIBLE)
-    if rung == COLUMN:
+    if candidate == COLUMN:
         return replace(batch, model=FLEXIBLE, base=None)
     return replace(batch, model="rigid", column=None, base=None)
 
@@ -255,7 +255,7 @@ def sentences(write: Callable[[int], str], *columns: NDArray[np.generic]) -> lis
 def prospect(batch: Batch, groups: Groups) -> str:
     """What would be chosen for the first case of a batch, as far as the table says it before anything is solved."""
     assert batch.tolerance is not None
-    reference, tolerance = rung_of_reference(batch), float(batch.tolerance[0])
+    reference, tolerance = candidate_of_reference(batch), float(batch.tolerance[0])
     top, why = _name(reference), outside(batch, groups)[0]
     if reference == RIGID:
         return f"{top}, the highest model of this body: it has no column"
@@ -277,8 +277,8 @@ def still(groups: Groups) -> NDArray[np.bool_]:
     return np.asarray(groups.amplitude * (1.0 + NUDGE) <= 1.0)
 
 
-def _name(rung: int) -> str:
-    return RUNGS[rung].replace("_", " on ")
+def _name(candidate: int) -> str:
+    return CANDIDATES[candidate].replace("_", " on ")
 
 
 def doubt(model: str, error: float, doing: str) -> str:
@@ -287,12 +287,12 @@ def doubt(model: str, error: float, doing: str) -> str:
     return f"the {model} block {off} ({doing})"
 
 
-def sentence(rung: int, reference: int, error: float, why: str) -> str:
+def sentence(candidate: int, reference: int, error: float, why: str) -> str:
     """What was chosen, why, and the error expected."""
-    name, top = _name(rung), _name(reference)
-    if rung == reference:
+    name, top = _name(candidate), _name(reference)
+    if candidate == reference:
         return f"auto: {name}, the highest model of this body: {why}"
     held = f"in {100 - EXCEEDED:g} % of such cases"
-    if rung != NONE and error == 0.0:  # it overturns: there the error is none, or infinite
+    if candidate != NONE and error == 0.0:  # it overturns: there the error is none, or infinite
         return f"auto: {name}: {why}; {top} overturns too {held}"
     return f"auto: {name}: {why}; error against {top} below {error:.2g} alpha {held}"

@@ -54,7 +54,7 @@ class Backend:
         reads: keys of `solver` that it takes notice of.
         automatic: whether `backend: auto` may take it.
         least_rtol: smallest tolerance that it can keep to.
-        ladder: settings of `rock trade`, coarse to fine: its rtol or, if `stepping`, what its time step is multiplied
+        settings: of `rock trade`, coarse to fine: its rtol or, if `stepping`, what its time step is multiplied
             with.  Without any it has no settings, and an audit has nothing tighter to offer.
         stepping: whether steps of equal length are what makes it accurate, and not a tolerance.
         slow: minutes per case: no audit takes it, and `rock trade` solves its finer settings last.
@@ -71,7 +71,7 @@ class Backend:
     reads: tuple[str, ...] = ("accuracy",)
     automatic: bool = True
     least_rtol: float = 1e-16
-    ladder: tuple[float, ...] = ()
+    settings: tuple[float, ...] = ()
     stepping: bool = False
     slow: bool = False
     needs: str = ""
@@ -120,7 +120,7 @@ _ROWS: tuple[Backend, ...] = (
         damping=_RIGID,
         sentence="event-driven Taylor (flexible: modal) steps: impacts, uplift and rest are located",
         reads=("accuracy", "rtol"),
-        ladder=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14),
+        settings=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14),
         cost=Cost(1e-4, 1.2e-7),
         flexible=Backend(
             EVENT,
@@ -129,7 +129,7 @@ _ROWS: tuple[Backend, ...] = (
             damping=frozenset({"none", "restitution"}),  # beside the column's own zeta
             sentence="event-driven modal steps",
             reads=("accuracy", "dt"),
-            ladder=(4.0, 2.0, 1.0, 0.5, 0.25),  # over the step of accuracy `draft`
+            settings=(4.0, 2.0, 1.0, 0.5, 0.25),  # over the step of accuracy `draft`
             stepping=True,
             cost=Cost(0.05, 1e-4),
         ),
@@ -142,7 +142,7 @@ _ROWS: tuple[Backend, ...] = (
         sentence="beam elements on a yielding base stepped in time, as the thesis did: 3-10 us per step",
         reads=_OF_BEAMS,
         automatic=False,
-        ladder=_STEPS,
+        settings=_STEPS,
         stepping=True,
         cost=Cost(step=5e-6),
     ),
@@ -154,7 +154,7 @@ _ROWS: tuple[Backend, ...] = (
         sentence="OpenSees, one plain script per case (`rock export` writes it) in its own process",
         reads=_OF_BEAMS,
         automatic=False,
-        ladder=_STEPS,
+        settings=_STEPS,
         stepping=True,
         needs="rockcli.solvers.opensees.run:require_opensees",
         cost=Cost(0.3, step=2.5e-5, dt=2e-4),
@@ -168,7 +168,7 @@ _ROWS: tuple[Backend, ...] = (
         reads=("accuracy", "rtol", "method", "events"),
         automatic=False,
         least_rtol=2.5e-14,
-        ladder=(1e-3, 1e-5, 1e-7, 1e-9, 1e-11),
+        settings=(1e-3, 1e-5, 1e-7, 1e-9, 1e-11),
     ),
     Backend(
         "calculix",
@@ -177,7 +177,7 @@ _ROWS: tuple[Backend, ...] = (
         damping=frozenset({"none", "hht"}),
         sentence="full mesh of bricks on a no-tension base, solved by CalculiX (ccx): minutes per case",
         reads=("accuracy", "dt"),
-        ladder=(8.0, 4.0, 2.0, 1.0, 0.5),
+        settings=(8.0, 4.0, 2.0, 1.0, 0.5),
         stepping=True,
         slow=True,
         needs="rockcli.solvers.calculix.run:program",

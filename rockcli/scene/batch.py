@@ -1,4 +1,4 @@
-"""The solver contract: a batch of fully resolved cases in, a response out.
+"""`Batch`, the input of every solver: fully resolved cases as arrays; a `Response` comes out.
 
 Cases of one batch share every tag (model, geometry, damping scheme, kinds of motion, numerics) and differ
 only in numbers, which are arrays over the cases.

@@ -1,4 +1,4 @@
-"""How a body that stands on the ground answers an acceleration: the five modes of contact, and when it only slides.
+"""Friction and contact of a body on the ground: the five modes of contact, and when it only slides.
 
 Friction is Coulomb's, one coefficient `mu` at rest and in motion.
 """

@@ -1,4 +1,4 @@
-"""Damping: what is lost at impacts or between them, a row a scheme."""
+"""Damping schemes, a row each: restitution at impacts, base dashpot, numerical (HHT), FEMA-356."""
 
 from __future__ import annotations
 

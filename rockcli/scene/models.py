@@ -1,4 +1,4 @@
-"""The models: what restores and what drives a rocking body, one row of a table each.
+"""Models of a rocking body (rigid, linearized, springs 1-4): restoring and driving law, one row of a table each.
 
 In bounce coordinates q = |theta|, s = sgn(theta), every law of the thesis has the form
 

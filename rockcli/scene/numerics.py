@@ -1,4 +1,4 @@
-"""How well: solver settings, and what a named accuracy means to every backend."""
+"""Accuracy and other solver settings: tolerances, steps, and what a named accuracy means to every backend."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What a solver returns: results by name, over the cases of its batch.
+"""`Response`, the output of every solver: outcomes and other results by name, over the cases of its batch.
 
-A failure is a result with a sentence; overturning is a result; neither is an exception.
+A failure is a result with a message; overturning is a result; neither is an exception.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _MODES = {"overturned_after_impact": " (mode 1)", "overturned_without_impact": "
 """The modes of overturning of Zhang and Makris (2001)."""
 
 MAX_IMPACTS_STORED = 1000
-"""Impacts kept per case; more are counted, not stored, and said."""
+"""Impacts kept per case; more are counted, not stored, and a message says so."""
 
 
 def outcome_words(name: str) -> str:

@@ -1,4 +1,4 @@
-"""What a search for overturning found: the lowest overturning value of a range, or on which side of what it lies."""
+"""Overturning thresholds of `find: overturning`: the lowest value of a range, or on which side of what it lies."""
 
 from __future__ import annotations
 

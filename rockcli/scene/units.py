@@ -1,4 +1,4 @@
-"""Numbers as people read them: accelerations in g of the case, all else in SI units.
+"""Units in which numbers are shown: accelerations in g of the case, all else in SI units.
 
 Datasets and what programs read (`--json`) are in SI units throughout.
 """

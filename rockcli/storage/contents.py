@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.auto import RUNGS
+from rockcli.scene.auto import CANDIDATES
 from rockcli.scene.contact import MODES
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.variables import OF_SOURCE, VARIABLES
@@ -93,7 +93,10 @@ def variable_field(name: str, dims: tuple[str, ...], values: NDArray[Any], **att
             "flag_meanings": " ".join(OUTCOMES[flag] for flag in sorted(OUTCOMES)),
         }
     elif name == "model_used":
-        described |= {"flag_values": np.array(list(RUNGS), dtype=np.int8), "flag_meanings": " ".join(RUNGS.values())}
+        described |= {
+            "flag_values": np.array(list(CANDIDATES), dtype=np.int8),
+            "flag_meanings": " ".join(CANDIDATES.values()),
+        }
     elif name == "contact_mode":
         described |= {"flag_values": np.array(list(MODES), dtype=float), "flag_meanings": " ".join(MODES.values())}
     elif name != "reason":

@@ -1,4 +1,4 @@
-"""What this version can solve: a feature that comes later is one row here (models have their table in the scene)."""
+"""Model and geometry of a case as the study asks for them, and which models have static curves."""
 
 from __future__ import annotations
 

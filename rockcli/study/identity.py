@@ -1,4 +1,4 @@
-"""What identifies results, and the resolved study that a dataset carries."""
+"""Identity of results, by which they are reused: a hash of what changes numbers; and the resolved study."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The files a study reads: through one door, and all on one list, by which results know what they depend on."""
+"""Input files of a study and their hashes: opened through one door, listed for the identity of results."""
 
 from __future__ import annotations
 

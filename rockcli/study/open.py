@@ -1,4 +1,4 @@
-"""The front door: a study file in, a checked `Study` out."""
+"""Opens a study: a YAML file or a mapping in, a checked `Study` out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands in a study and is hardly meant: wrong units, motions too weak to do anything."""
+"""Plausibility warnings about a study: wrong units, motions too weak to do anything."""
 
 from __future__ import annotations
 

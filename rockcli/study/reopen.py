@@ -1,4 +1,4 @@
-"""What a dataset still knows of its study: the clauses of `expect`, from the resolved study it carries."""
+"""Reads back from a dataset what its study said: the clauses of `expect`, from the resolved study it carries."""
 
 from __future__ import annotations
 

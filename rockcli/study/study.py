@@ -235,7 +235,7 @@ class Study:
         histories_at: {axis name: coordinate value} of the only cases whose histories are saved; None = all.
         curves: kinds of static curve asked for.
         rules: rules of thumb and code checks asked for.
-        search: the range searched for overturning (`find`), which makes no dimension; None = none.
+        search: the range searched for overturning (`find`), which adds no dimension; None = none.
         over: ensemble statistics asked for; None = none.
         uncertain: inputs of which the axis `sample` has samples; None = none.
         refine: the two axes of which the outcome boundary is traced, as in `axes`; () = every case is solved.

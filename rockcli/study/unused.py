@@ -1,4 +1,4 @@
-"""What a study says and nobody reads: keys of the solver that its backend does not use, symbols without a use."""
+"""Warnings about unused keys of a study: keys of the solver that its backend does not use, symbols without a use."""
 
 from __future__ import annotations
 

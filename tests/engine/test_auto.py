@@ -26,7 +26,7 @@ STOUT = {"R": 2.0, "tan_alpha": 0.4}
 MONUMENT = {"height": 50, "width": 5}
 CONCRETE = {"E": "30*GPa", "rho": 2500, "zeta": 0.01}
 STIFF = {"E": "30e4*GPa", "rho": 2500, "zeta": 0.01}
-FLAGS = {name: flag for flag, name in auto.RUNGS.items()}
+FLAGS = {name: flag for flag, name in auto.CANDIDATES.items()}
 
 
 def study(model: Any = "auto", histories: bool = False, **case: Any) -> dict[str, Any]:
@@ -50,18 +50,18 @@ def said(found: Any) -> str:
 
 
 @pytest.mark.parametrize(
-    ("case", "rung"),
+    ("case", "candidate"),
     [
         ({"block": SLENDER, "motion": {"pulse": {**RICKER, "a_p_over_g_tan_alpha": 0.99}}}, "none"),
         ({"block": SLENDER}, "rigid"),
         ({"block": STOUT}, "rigid"),
     ],
 )
-def test_a_body_without_a_column_is_a_rigid_block(case: dict[str, Any], rung: str) -> None:
+def test_a_body_without_a_column_is_a_rigid_block(case: dict[str, Any], candidate: str) -> None:
     found = rockcli.run(study(**case))
-    assert int(found.model_used) == FLAGS[rung]
-    assert said(found).startswith(f"auto: {rung}")
-    model = "rigid" if rung == "none" else rung
+    assert int(found.model_used) == FLAGS[candidate]
+    assert said(found).startswith(f"auto: {candidate}")
+    model = "rigid" if candidate == "none" else candidate
     alone = rockcli.run(study(model, **case))
     assert float(found.theta_peak_over_alpha) == float(alone.theta_peak_over_alpha)
     assert int(found.outcome) == int(alone.outcome)
@@ -108,7 +108,7 @@ def test_outside_the_calibrated_range_the_highest_model_is_taken_and_that_is_sai
 ) -> None:
     batch = batch_of(**{"block": MONUMENT, "column": CONCRETE, **more})
     choice = decide(batch)
-    assert choice.rung[0] == (auto.WINKLER if "base" in more else auto.COLUMN)
+    assert choice.candidate[0] == (auto.WINKLER if "base" in more else auto.COLUMN)
     assert np.isnan(choice.error[0])
     assert why in choice.said[0]
 
@@ -119,8 +119,8 @@ def test_what_is_chosen_for_a_case_does_not_depend_on_the_cases_beside_it() -> N
     batch = batch_of(**case)
     whole = decide(batch)
     alone = [decide(batch.rows(np.array([i]))) for i in range(batch.size)]
-    assert len(set(whole.rung.tolist())) > 1
-    assert whole.rung.tolist() == [int(one.rung[0]) for one in alone]
+    assert len(set(whole.candidate.tolist())) > 1
+    assert whole.candidate.tolist() == [int(one.candidate[0]) for one in alone]
     np.testing.assert_array_equal(whole.error, [one.error[0] for one in alone])
 
 
@@ -129,7 +129,7 @@ def test_a_sweep_mixes_models_and_says_which() -> None:
     case = {"block": SLENDER, "vary": {a: [0.5, 2.0], "model": ["auto", "rigid"]}}
     found = rockcli.run(study(**case))
     assert found.model_used.values.tolist() == [[FLAGS["none"], -1], [FLAGS["rigid"], -1]]
-    assert found.model_used.attrs["flag_meanings"].split() == list(auto.RUNGS.values())
+    assert found.model_used.attrs["flag_meanings"].split() == list(auto.CANDIDATES.values())
     np.testing.assert_array_equal(found.model_error.values, [[0.0, NAN], [NAN, NAN]])
 
 
@@ -206,8 +206,8 @@ def test_shares_of_what_a_rigid_block_does_are_shares() -> None:
 
 def test_cases_alike_share_a_sentence() -> None:
     written = []
-    rung, error = np.array([2, 2, 3, 2, 2]), np.array([0.1, NAN, 0.1, 0.1, NAN])
-    said = auto.sentences(lambda i: written.append(i) or f"case {i}", rung, error)  # type: ignore[func-returns-value]
+    candidate, error = np.array([2, 2, 3, 2, 2]), np.array([0.1, NAN, 0.1, 0.1, NAN])
+    said = auto.sentences(lambda i: written.append(i) or f"case {i}", candidate, error)  # type: ignore[func-returns-value]
     assert said == ["case 0", "case 1", "case 2", "case 0", "case 1"]
     assert sorted(written) == [0, 1, 2]
 
@@ -237,7 +237,7 @@ def test_rows_of_a_batch_are_those_cases() -> None:
     some = np.array([4, 1])
     part = batch.rows(some)
     assert part.size == 2
-    rigid, of_part = (peak_of(auto.on_rung(b, auto.RIGID)) for b in (batch, part))
+    rigid, of_part = (peak_of(auto.as_candidate(b, auto.RIGID)) for b in (batch, part))
     np.testing.assert_array_equal(of_part, rigid[some])
     np.testing.assert_array_equal(part.column.E, batch.column.E[some])
 

@@ -114,7 +114,7 @@ def test_how_often_a_rule_misleads_is_counted_and_said() -> None:
     opened = open_study(study(vary=vary))
     contents = solve(opened)
     counted = {m.name: m for m in misled(contents)}
-    assert (counted["west"].cases, counted["west"].unsafe, counted["west"].wary) == (3, 0, 1)
+    assert (counted["west"].cases, counted["west"].unconservative, counted["west"].false_alarms) == (3, 0, 1)
     report = report_on(opened, contents, status="solved")
     assert "west: 0 unconservative" in report_text(report)
     row = report.as_dict()["rules"][0]

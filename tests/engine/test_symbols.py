@@ -31,10 +31,10 @@ def test_chunks_in_any_order_give_the_table(hidden, seed):
     symbols = Symbols(SHAPE, lambda cases: {name: as_told(values[cases]) for name, values in table.items()})
     rng = np.random.default_rng(seed)
     n = int(np.prod(SHAPE))
-    fold = symbols.fold
+    reduction = symbols.reduction
     for number, cases in enumerate(rng.permutation(np.arange(n).reshape(10, -1))):
         told = {name: as_told(values[cases]) for name, values in table.items()}
-        symbols.put(cases, fold(cases, told) if number % 3 else told)
+        symbols.put(cases, reduction(cases, told) if number % 3 else told)
     for name, values in table.items():
         dims, found = symbols.over(name, AXES)
         full = values.reshape(SHAPE)

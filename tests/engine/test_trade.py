@@ -46,14 +46,14 @@ def study(**more):
 
 
 def medians(found, part, family):
-    return [p.quantile(0.5) for p in found.points if (p.rung.part, p.rung.family) == (part, family)]
+    return [p.quantile(0.5) for p in found.points if (p.setting.part, p.setting.family) == (part, family)]
 
 
 @pytest.fixture
 def two_methods(monkeypatch):
     few = {name: methods.METHODS[name] for name in ("RK45", "DOP853")}
     monkeypatch.setattr(methods, "METHODS", few)
-    monkeypatch.setitem(BACKENDS, "scipy", replace(BACKENDS["scipy"], ladder=(1e-3, 1e-6, 1e-9)))
+    monkeypatch.setitem(BACKENDS, "scipy", replace(BACKENDS["scipy"], settings=(1e-3, 1e-6, 1e-9)))
 
 
 def test_errors_fall_with_the_tolerance(two_methods):
@@ -63,7 +63,7 @@ def test_errors_fall_with_the_tolerance(two_methods):
         assert len(errors) >= 3
         assert all(fine < coarse for coarse, fine in pairwise(errors)), (family, errors)
         assert errors[-1] < least
-    assert all(p.wrong == 0 and p.compared == 2 for p in found.points if p.rung.part == "numerics")
+    assert all(p.wrong == 0 and p.compared == 2 for p in found.points if p.setting.part == "numerics")
 
 
 def test_an_error_is_the_distance_to_an_independent_solution(two_methods):
@@ -82,11 +82,11 @@ def test_an_error_is_the_distance_to_an_independent_solution(two_methods):
 
 def test_models_with_the_same_equations_have_the_same_error():
     found = trade(study(), backends=EVENT)
-    error = {(p.rung.model, p.rung.geometry): p for p in found.points if p.rung.part == "model"}
+    error = {(p.setting.model, p.setting.geometry): p for p in found.points if p.setting.part == "model"}
     same = [error[str(number), "negative_stiffness"] for number in (1, 2, 3, 4)]
     assert all((p.error == same[0].error).all() for p in same)
     assert 0.0 < error["1", "corotational"].quantile(0.5) < error["linearized", None].quantile(0.5)
-    assert all(p.rung.against == "rigid" for p in error.values())
+    assert all(p.setting.against == "rigid" for p in error.values())
 
 
 def under(tmp_path, values, **more):
@@ -101,7 +101,7 @@ def under(tmp_path, values, **more):
 
 
 def halved(found):
-    return next(p for p in found.points if p.rung.sampling == "every 2nd sample")
+    return next(p for p in found.points if p.setting.sampling == "every 2nd sample")
 
 
 def test_a_record_linear_between_its_even_samples_loses_nothing_when_halved(tmp_path):
@@ -117,7 +117,7 @@ def test_a_spike_on_an_odd_sample_is_the_whole_error_when_halved(tmp_path):
     values[21] = 25.0
     given = under(tmp_path, values)
     point = halved(trade(given, backends=EVENT))
-    truth = next(p for p in trade(given, backends=EVENT).points if p.rung.setting == "rtol 1e-14").answers.peak[0]
+    truth = next(p for p in trade(given, backends=EVENT).points if p.setting.step == "rtol 1e-14").answers.peak[0]
     assert truth > 0.05
     assert point.answers.outcome[0] == NO_UPLIFT
     assert point.error[0] == pytest.approx(-truth, rel=1e-9)
@@ -181,7 +181,7 @@ def test_contents_and_picture():
     lines = {line.get_label(): line for line in drawn.axes[0].get_lines()}
     assert {"event", "Pareto front"} <= set(lines)
     np.testing.assert_array_equal(
-        lines["event"].get_xdata(), [p.cost for p in found.points if p.rung.part == "numerics"]
+        lines["event"].get_xdata(), [p.cost for p in found.points if p.setting.part == "numerics"]
     )
     (again,) = (line for line in drawn.axes[2].get_lines() if line.get_label() == "event")
     np.testing.assert_array_equal(again.get_xdata(), np.median(dataset["n_rhs"][dataset["part"] == "numerics"], axis=1))
@@ -232,6 +232,6 @@ def test_the_flexible_column_converges_in_time_and_space_and_is_the_better_model
     assert len(steps) == len(elements) == 5
     assert steps[-1] < 1e-2 * steps[0]
     assert elements[-1] < 0.1 * elements[0]
-    rigid = next(p for p in found.points if p.rung.part == "model" and p.rung.model == "rigid")
-    assert rigid.rung.against == "flexible"
+    rigid = next(p for p in found.points if p.setting.part == "model" and p.setting.model == "rigid")
+    assert rigid.setting.against == "flexible"
     assert rigid.quantile(0.5) > elements[-1]

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 import rockcli
 from rockcli.cli.main import app
-from rockcli.engine.trade import settings as ladder
+from rockcli.engine.trade import settings as made_of
 from rockcli.engine.trade import trade as measuring
 from rockcli.engine.trade.measurements import on_front
 from rockcli.engine.trade.sampled_cases import Sample
@@ -56,7 +56,7 @@ def command(tmp_path, monkeypatch):
     """Trades a mapping by the command, with two general methods beside `event`; stdout and stderr."""
     monkeypatch.setattr("rockcli.engine.trade.trade.peers", lambda: frozenset({"event", "scipy"}))
     monkeypatch.setattr(methods, "METHODS", {name: methods.METHODS[name] for name in ("RK45", "DOP853")})
-    monkeypatch.setitem(BACKENDS, "scipy", replace(BACKENDS["scipy"], ladder=(1e-3, 1e-6)))
+    monkeypatch.setitem(BACKENDS, "scipy", replace(BACKENDS["scipy"], settings=(1e-3, 1e-6)))
 
     def run(made, *options):
         path = tmp_path / f"{made['name']}.yaml"
@@ -129,10 +129,10 @@ def test_model_auto_is_traded_as_its_highest_model():
     found = trade(of(COLUMN | {"model": "auto"}), backends=EVENT)
     column = trade(of(COLUMN | {"model": "flexible"}), backends=EVENT)
     assert found.references == column.references
-    assert [p.rung.label for p in found.points] == [p.rung.label for p in column.points]
+    assert [p.setting.label for p in found.points] == [p.setting.label for p in column.points]
     for one, other in zip(found.points, column.points, strict=True):
         np.testing.assert_array_equal(one.error, other.error)
-    assert "numerics: flexible: event, elements, 1 element" in [p.rung.label for p in found.points]
+    assert "numerics: flexible: event, elements, 1 element" in [p.setting.label for p in found.points]
     assert found.notes == ["model auto: measured as flexible, the highest model that its data allow"]
     assert column.notes == []
 
@@ -165,9 +165,9 @@ def test_a_column_in_some_cases_only(names, monkeypatch):
     """The full mesh, which nothing is measured of here, has its time foretold from a case that has a column."""
     foretold = measuring._expected
 
-    def never_a_mesh(scene, rung, before, left):
-        seconds = foretold(scene, rung, before, left)
-        return np.inf if rung.numerics.backend == "calculix" and seconds > 0.0 else seconds
+    def never_a_mesh(scene, setting, before, left):
+        seconds = foretold(scene, setting, before, left)
+        return np.inf if setting.numerics.backend == "calculix" and seconds > 0.0 else seconds
 
     monkeypatch.setattr(measuring, "_expected", never_a_mesh)
     body = {key: value for key, value in COLUMN.items() if key != "column"}
@@ -176,10 +176,10 @@ def test_a_column_in_some_cases_only(names, monkeypatch):
     assert Sample(given, 2).own == [("flexible", None), ("rigid", None)]
     found = trade(given, backends=EVENT | {"calculix"}, budget=600.0)
     assert ("numerics: continuum: calculix, elements, 8 across", "the budget is used up") in found.skipped
-    (judged,) = [p for p in found.points if p.rung.part == "model" and p.rung.model == "rigid"]
+    (judged,) = [p for p in found.points if p.setting.part == "model" and p.setting.model == "rigid"]
     assert judged.compared == 1
     assert np.isfinite(judged.error).tolist() == [False, True]
-    assert {p.rung.model for p in on_front(found.points) if p.rung.part == "numerics"} == {"flexible", "rigid"}
+    assert {p.setting.model for p in on_front(found.points) if p.setting.part == "numerics"} == {"flexible", "rigid"}
     expected = ["model auto: measured as flexible or rigid, the highest model that its data allow"]
     assert found.notes == (expected if "auto" in names else [])
 
@@ -187,10 +187,12 @@ def test_a_column_in_some_cases_only(names, monkeypatch):
 def test_partial_uplift_judges_the_column_on_a_rigid_base():
     case = COLUMN | {"model": "flexible", "base": {"law": "winkler", "kw": 1e9}}
     scene = Sample(of(case), 1)
-    (rung,) = [rung for rung, _ in ladder.models(scene.first(scene.own[0]), scene.own[0]) if rung.rigid_base]
-    assert rung.label == "model: flexible on a rigid base: event, standard"
+    (setting,) = [
+        setting for setting, _ in made_of.models(scene.first(scene.own[0]), scene.own[0]) if setting.rigid_base
+    ]
+    assert setting.label == "model: flexible on a rigid base: event, standard"
     found = trade(of(case), backends=EVENT)
-    (point,) = [p for p in found.points if p.rung.rigid_base]
+    (point,) = [p for p in found.points if p.setting.rigid_base]
     fine = {"solver": {"accuracy": "reference"}}
     rigid = rockcli.run({"case": COLUMN | {"model": "flexible"}, "save": {"histories": False}})
     sprung = rockcli.run({"case": case | fine, "save": {"histories": False}})
@@ -201,7 +203,8 @@ def test_partial_uplift_judges_the_column_on_a_rigid_base():
 
 def test_skipped_settings_of_a_family_share_a_line(command, monkeypatch):
     monkeypatch.setattr(
-        "rockcli.engine.trade.trade._expected", lambda _, rung, *__: np.inf if rung.numerics.backend == "scipy" else 0.0
+        "rockcli.engine.trade.trade._expected",
+        lambda _, setting, *__: np.inf if setting.numerics.backend == "scipy" else 0.0,
     )
     printed, _ = command(under(1.5), "--no-plots")
     skipped = [line.split(maxsplit=1)[1] for line in printed.splitlines() if line.startswith("  skipped")]
@@ -241,7 +244,9 @@ def test_a_setting_that_solves_no_case_is_said(monkeypatch):
         )
 
     right = measuring._solver
-    monkeypatch.setattr(measuring, "_solver", lambda rung: fails if rung.numerics.rtol == 1e-4 else right(rung))
+    monkeypatch.setattr(
+        measuring, "_solver", lambda setting: fails if setting.numerics.rtol == 1e-4 else right(setting)
+    )
     label = "numerics: rigid: event, rtol 0.0001"
     assert [left for left in trade(open_study(under(1.5)), backends=EVENT).skipped if "numerics" in left[0]] == [
         (label, "no sampled case has an outcome")
@@ -251,13 +256,20 @@ def test_a_setting_that_solves_no_case_is_said(monkeypatch):
 def test_every_family_has_its_first_setting_before_any_has_a_second():
     def made(backend, family, size):
         how = Numerics(backend)
-        return measuring.Ladder([ladder.Rung("numerics", family, str(i), "1", None, how) for i in range(size)])
+        return measuring.Series([made_of.Setting("numerics", family, str(i), "1", None, how) for i in range(size)])
 
-    ladders = [made("calculix", "mesh", 2), made("frame", "frame", 3), made("event", "event", 2), made("scipy", "a", 2)]
-    order = [f"{rung.family} {rung.setting}" for _, rung in measuring._order(ladders)]
+    families = [
+        made("calculix", "mesh", 2),
+        made("frame", "frame", 3),
+        made("event", "event", 2),
+        made("scipy", "a", 2),
+    ]
+    order = [f"{setting.family} {setting.step}" for _, setting in measuring._order(families)]
     first = ["event 0", "event 1", "mesh 0", "frame 0", "a 0"]
     assert order == [*first, "frame 1", "a 1", "frame 2", "mesh 1"]
-    assert all(ladders[number].rungs[int(rung.setting)] is rung for number, rung in measuring._order(ladders))
+    assert all(
+        families[number].settings[int(setting.step)] is setting for number, setting in measuring._order(families)
+    )
 
 
 def test_errors_against_different_references_have_tables_and_fronts_of_their_own(command, tmp_path):

@@ -1,4 +1,4 @@
-"""`rock trade` and the full mesh: its ladders, what they are held against, what the budget leaves out."""
+"""`rock trade` and the full mesh: its families, what they are held against, what the budget leaves out."""
 
 from __future__ import annotations
 
@@ -61,30 +61,30 @@ def made_up(monkeypatch):
 
     monkeypatch.setattr(trade, "perf_counter", lambda: clock[0])
     right = trade._solver
-    monkeypatch.setattr(trade, "_solver", lambda rung: mesh if rung.model == "continuum" else right(rung))
+    monkeypatch.setattr(trade, "_solver", lambda setting: mesh if setting.model == "continuum" else right(setting))
     return asked
 
 
 def points(found, family):
-    return [p for p in found.points if p.rung.family == family]
+    return [p for p in found.points if p.setting.family == family]
 
 
 def test_a_ladder_is_held_against_its_finest(made_up):
     given = study()
     found = trade.trade(given, backends=BOTH)
     elements, steps = points(found, "calculix, elements"), points(found, "calculix")
-    across = np.array([p.rung.across for p in elements])
+    across = np.array([p.setting.across for p in elements])
     assert across.tolist() == [1, 2, 4, 6, 8]
     np.testing.assert_allclose([p.error[0] for p in elements[:-1]], 0.1 / across[:-1] ** 2 - 0.1 / 64, rtol=1e-9)
     factors = np.array([8.0, 4.0, 2.0, 1.0, 0.5])
     np.testing.assert_allclose([p.error[0] for p in steps[:-1]], (factors[:-1] - 0.5) * OWN_STEP, rtol=1e-6)
-    for ladder in (elements, steps):
-        assert np.isnan(ladder[-1].error[0])
-        assert not ladder[-1].on_front
-        assert ladder[-1].compared == 0
+    for series in (elements, steps):
+        assert np.isnan(series[-1].error[0])
+        assert not series[-1].on_front
+        assert series[-1].compared == 0
     assert found.references["continuum"] == "calculix, dt x 0.5: the finest measured"
     assert found.references["continuum, elements"] == "calculix, elements, 8 across: the finest measured"
-    assert {p.rung.against for p in steps} == {"calculix, dt x 0.5"}
+    assert {p.setting.against for p in steps} == {"calculix, dt x 0.5"}
     dataset = to_xarray(contents_of(given, found)).set_index(setting="setting")
     one = dataset.sel(setting="numerics: continuum: calculix, dt x 1")
     assert (one["n_steps"].item(), one["n_rhs"].item()) == (10, 25)
@@ -93,7 +93,7 @@ def test_a_ladder_is_held_against_its_finest(made_up):
 def test_the_mesh_judges_the_models(made_up):
     found = trade.trade(study(), backends=BOTH)
     best = 0.6 + 0.1 / 64 + 2.0 * OWN_STEP
-    judged = {p.rung.model: p for p in found.points if p.rung.against == "continuum"}
+    judged = {p.setting.model: p for p in found.points if p.setting.against == "continuum"}
     assert set(judged) == {"flexible", "rigid"}
     for point in judged.values():
         assert point.error[0] == pytest.approx(point.answers.peak[0] - best, rel=1e-6)
@@ -103,10 +103,10 @@ def test_a_column_is_made_a_mesh_without_eta(made_up):
     column = {"E": 30e9, "rho": 2500, "zeta": 0.01}
     found = trade.trade(study(model="flexible", damping="restitution", column=column), backends=BOTH)
     assert not points(found, "calculix")
-    assert [p.rung.across for p in points(found, "calculix, elements")] == [1, 2, 4, 6, 8]
+    assert [p.setting.across for p in points(found, "calculix, elements")] == [1, 2, 4, 6, 8]
     assert {batch.damping.scheme for batch in made_up} == {"none"}
     assert {batch.column.elements for batch in made_up} == {0}  # square ones, not the five of the column
-    judged = [p.rung.model for p in found.points if p.rung.against == "continuum"]
+    judged = [p.setting.model for p in found.points if p.setting.against == "continuum"]
     assert judged == ["flexible"]
 
 
@@ -116,7 +116,7 @@ def test_a_study_of_both_has_all_ladders(made_up):
     found = trade.trade(open_study(given | {"vary": {"model": ["continuum", "flexible"]}}), backends=BOTH)
     assert len(points(found, "calculix")) == len(points(found, "calculix, elements")) == 5
     assert len(points(found, "event, elements")) == 5
-    assert {(p.rung.model, p.rung.against) for p in found.points if p.rung.model in ("flexible", "rigid")} >= {
+    assert {(p.setting.model, p.setting.against) for p in found.points if p.setting.model in ("flexible", "rigid")} >= {
         ("flexible", "continuum"),
         ("rigid", "flexible"),
     }
@@ -131,20 +131,20 @@ def test_elements_along_go_with_those_across(made_up):
 
 def test_a_budget_too_small_for_a_mesh_of_the_study_s_own_leaves_its_verdict_out(made_up):
     found = trade.trade(study(column=STUDY["case"]["column"] | {"across": 6}), backends=BOTH, budget=20.0)
-    measured = [p.rung.across for p in points(found, "calculix, elements")]
+    measured = [p.setting.across for p in points(found, "calculix, elements")]
     assert measured == [1, 2]  # 0.9 + 3.5 s, and 8 s for a coarse step between them: 14 s more are too many
     assert len(points(found, "calculix")) == 1
     assert found.skipped[0] == ("model: rigid: event, against continuum", "no mesh as fine as the study's was measured")
     assert ("numerics: continuum: calculix, elements, 8 across", "the budget is used up") in found.skipped
-    assert not [p for p in found.points if p.rung.against == "continuum"]
+    assert not [p for p in found.points if p.setting.against == "continuum"]
 
 
 def test_the_cost_foretold_goes_with_elements_and_increments():
     _, batch = next(study().batches(np.array([0])))
-    elements, steps = meshes.ladders(batch, 0)
-    cost = [seconds_per_case(rung.of(batch), "calculix") for rung in elements]
+    elements, steps = meshes.families(batch, 0)
+    cost = [seconds_per_case(setting.of(batch), "calculix") for setting in elements]
     np.testing.assert_allclose(np.array(cost) / cost[0], np.array([1, 2, 4, 6, 8]) ** 2)
-    coarse, fine = (seconds_per_case(rung.of(batch), "calculix") for rung in (steps[0], steps[-1]))
+    coarse, fine = (seconds_per_case(setting.of(batch), "calculix") for setting in (steps[0], steps[-1]))
     assert fine == pytest.approx(16.0 * coarse)
     assert 2.0 < seconds_per_case(steps[2].of(batch), "calculix") < 20.0  # 40 elements, 350 increments
 
@@ -181,6 +181,6 @@ def test_calculix_itself(monkeypatch):
     ]
     assert coarse.error[0] == pytest.approx(alone[0] - alone[1], rel=1e-3)
     assert fine.answers.rhs[0] == pytest.approx(alone[2], rel=0.01)
-    assert all((p.answers.rhs > p.answers.steps).all() for p in found.points if p.rung.model == "continuum")
-    error = {p.rung.model: abs(p.error[0]) for p in found.points if p.rung.against == "continuum"}
+    assert all((p.answers.rhs > p.answers.steps).all() for p in found.points if p.setting.model == "continuum")
+    error = {p.setting.model: abs(p.error[0]) for p in found.points if p.setting.against == "continuum"}
     assert error["flexible"] < 0.02 < error["rigid"]

@@ -48,7 +48,7 @@ class Description(_Travelling):
 
     Attributes:
         cases: flat indices, ascending, of those that could be built.
-        symbols: (m,) by name, or folded along axes on which it does not depend, or one number where all cases have it;
+        symbols: (m,) by name, or reduced along axes on which it does not depend, or one number where all cases have it;
             NaN where a case has none.
         warnings: sentences about the physics.
         has_mass: whether every case has a mass; symmetric: whether every body is.

@@ -14,24 +14,24 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Folded:
+class Reduced:
     """A symbol of some cases: values (k,) at flat places (k,), ascending, among the points of some axes."""
 
     axes: tuple[int, ...]
     places: Index
     values: Array
 
-    def unfolded(self, cases: Index, shape: tuple[int, ...]) -> Array:
+    def expanded(self, cases: Index, shape: tuple[int, ...]) -> Array:
         """One value a case, of the same cases."""
         return self.values[np.searchsorted(self.places, places_of(cases, self.axes, shape))]
 
 
-Values = dict[str, Array | Folded | float]
+Values = dict[str, Array | Reduced | float]
 
 
 @dataclass(frozen=True, eq=False)
-class Fold:
-    """Folds symbols along the axes on which they do not depend; one that does depend on them is left as it is.
+class Reduction:
+    """Reduces symbols along the axes on which they do not depend; one that does depend on them is left as it is.
 
     Attributes:
         shape: points of every axis; kept: symbol -> axes it is known to depend on.
@@ -41,17 +41,17 @@ class Fold:
     kept: dict[str, tuple[int, ...]]
 
     def __call__(self, cases: Index, symbols: Values) -> Values:
-        """The symbols of some flat cases, folded where they can be."""
+        """The symbols of some flat cases, reduced where they can be."""
         places: dict[tuple[int, ...], Index] = {}
-        return {name: self._folded(self.kept.get(name), cases, values, places) for name, values in symbols.items()}
+        return {name: self._reduced(self.kept.get(name), cases, values, places) for name, values in symbols.items()}
 
-    def _folded(
+    def _reduced(
         self,
         kept: tuple[int, ...] | None,
         cases: Index,
-        values: Array | Folded | float,
+        values: Array | Reduced | float,
         places: dict[tuple[int, ...], Index],
-    ) -> Array | Folded | float:
+    ) -> Array | Reduced | float:
         if not isinstance(values, np.ndarray) or kept is None or len(kept) == len(self.shape):
             return values
         if kept not in places:
@@ -63,7 +63,7 @@ class Fold:
         table, said = np.full(points, np.nan), np.zeros(points, dtype=bool)
         table[at], said[at] = values, True
         where = np.flatnonzero(said)
-        return Folded(kept, where, table[where]) if same(table[at], values).all() else values
+        return Reduced(kept, where, table[where]) if same(table[at], values).all() else values
 
 
 def places_of(cases: Index, kept: tuple[int, ...], shape: tuple[int, ...]) -> Index:

@@ -1,6 +1,6 @@
 """Solves cases so that one bad case never loses the others: what breaks is halved to find the culprits.
 
-A case that breaks is failed, with a sentence.  A machine that refuses what a case needs has said nothing about it: that
+A case that breaks is failed, with a message.  A machine that refuses what a case needs has said nothing about it: that
 case is `Unsolved`, and solved again by the next run.
 """
 

@@ -13,7 +13,7 @@ from rockcli import kernels
 from rockcli.engine.backends import choose
 from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
 from rockcli.engine.sweep.chunk_result import ChunkResult, blank
-from rockcli.engine.sweep.chunk_symbols import Fold
+from rockcli.engine.sweep.chunk_symbols import Reduction
 from rockcli.engine.sweep.chunks import CHUNK, Chunks, Pace
 from rockcli.engine.sweep.executors import answers
 from rockcli.engine.sweep.history_size import cases_at_a_time
@@ -67,12 +67,12 @@ class Solving:
     """Solves some cases of a study, wherever it is called (`work.Work`).
 
     Attributes:
-        described: whether it also tells their symbols and warnings; `fold`: how.
+        described: whether it also tells their symbols and warnings; `reduction`: how.
     """
 
     study: Study
     compiled: bool = False
-    fold: Fold | None = None
+    reduction: Reduction | None = None
     described: bool = True
 
     def __call__(self, cases: Index) -> ChunkResult:
@@ -85,7 +85,7 @@ class Solving:
             return self._solved(cases)
 
     def lost(self, cases: Index, why: str) -> ChunkResult:
-        """The answer of cases that failed with a sentence, or are unsolved."""
+        """The answer of cases that failed with a message, or are unsolved."""
         answer = ChunkResult(cases, blank(self.study.scalars, len(cases)), {why: cases})
         return _left_out(answer) if isinstance(why, Unsolved) else answer
 
@@ -112,8 +112,8 @@ class Solving:
         answer.sentences = {sentence: np.sort(np.concatenate(where)) for sentence, where in said.items()}
         if self.described:
             answer.described = describe(study, built)
-        if self.fold is not None and answer.described is not None:
-            answer.described.symbols = self.fold(answer.described.cases, answer.described.symbols)
+        if self.reduction is not None and answer.described is not None:
+            answer.described.symbols = self.reduction(answer.described.cases, answer.described.symbols)
         _join(answer, responses)
         return _left_out(answer)
 
@@ -177,7 +177,7 @@ def work_off(study: Study, sweep: Sweep, results: Results, chunks: Chunks, pace:
     refused: dict[str, int] = {}
     if sweep.progress is not None and done:
         sweep.progress(done, in_all)
-    for cases, answer in answers(Solving(study, compiled, results.symbols.fold), chunks, pace, sweep.team):
+    for cases, answer in answers(Solving(study, compiled, results.symbols.reduction), chunks, pace, sweep.team):
         if answer.described is not None:
             results.describe(answer.described)
             answer.described = None

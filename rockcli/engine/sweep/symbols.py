@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.sweep.chunk_symbols import Fold, Folded, Values, places_of
+from rockcli.engine.sweep.chunk_symbols import Reduced, Reduction, Values, places_of
 from rockcli.storage.reduced import reduce, same
 from rockcli.study.study import Index
 
@@ -51,9 +51,9 @@ class Symbols:
         return np.asarray(np.ravel_multi_index(tuple(points), self.shape), dtype=np.int64)
 
     @property
-    def fold(self) -> Fold:
-        """Folds the symbols of other cases as far as is known by now."""
-        return Fold(self.shape, dict(self._kept))
+    def reduction(self) -> Reduction:
+        """Reduces the symbols of other cases as far as is known by now."""
+        return Reduction(self.shape, dict(self._kept))
 
     def put(self, cases: Index, found: Values) -> None:
         """Take the symbols of some flat cases; one that is not among them has no value there."""
@@ -62,17 +62,17 @@ class Symbols:
             self._put(name, cases, places, found.get(name, float("nan")))
 
     def _put(
-        self, name: str, cases: Index, places: dict[tuple[int, ...], Index], values: Array | Folded | float
+        self, name: str, cases: Index, places: dict[tuple[int, ...], Index], values: Array | Reduced | float
     ) -> None:
         kept = self._kept.setdefault(name, tuple(range(len(self.shape))))
         if name not in self._values:
             size = [self.shape[axis] for axis in kept]
             self._values[name], self._known[name] = np.full(size, np.nan), np.zeros(size, dtype=bool)
         held = self._values[name].reshape(-1)
-        if isinstance(values, Folded) and values.axes != kept:  # by now it is known to depend on more
-            values = values.unfolded(cases, self.shape)
+        if isinstance(values, Reduced) and values.axes != kept:  # by now it is known to depend on more
+            values = values.expanded(cases, self.shape)
         said: Array | float
-        if isinstance(values, Folded):
+        if isinstance(values, Reduced):
             at, said = values.places, values.values
         elif len(kept) == len(self.shape):
             held[cases] = values

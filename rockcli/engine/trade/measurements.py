@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.trade.settings import NUMERICS, Rung
+from rockcli.engine.trade.settings import NUMERICS, Setting
 from rockcli.scene.backends import Pair
 from rockcli.scene.response import FAILED, NO_UPLIFT, SLIDING, Response, overturned
 from rockcli.study.study import Index
@@ -63,7 +63,7 @@ class Point:
         on_front: whether no other setting of its part and model is both cheaper and more accurate.
     """
 
-    rung: Rung
+    setting: Setting
     answers: Answers
     error: Array
     same: NDArray[np.int8]
@@ -100,7 +100,7 @@ class Trade:
     """What was measured.
 
     Attributes:
-        points: in the order of the ladders; cases: flat indices of the sample; size: cases the study has.
+        points: in the order of the families; cases: flat indices of the sample; size: cases the study has.
         references: model -> how its reference was found.
         skipped: (setting, backend or kind of error, why there is no error of it).
         notes: sentences about the sample: what model auto was taken as, why no peak tells anything.
@@ -114,14 +114,14 @@ class Trade:
     notes: list[str] = field(default_factory=list)
 
 
-def point_of(rung: Rung, found: Answers, best: Answers | None) -> Point:
+def point_of(setting: Setting, found: Answers, best: Answers | None) -> Point:
     """A setting with its error; `best` None: it is the reference itself, with nothing to be held against."""
     if best is None:
         best = Answers.none(len(found.peak))
     both = np.isfinite(found.peak) & np.isfinite(best.peak)
     error = np.subtract(found.peak, best.peak, out=np.full(len(both), np.nan), where=both)
     decided = (found.outcome >= NO_UPLIFT) & (best.outcome >= NO_UPLIFT)
-    return Point(rung, found, error, np.where(decided, found.outcome == best.outcome, -1).astype(np.int8))
+    return Point(setting, found, error, np.where(decided, found.outcome == best.outcome, -1).astype(np.int8))
 
 
 def middle(counts: Array) -> float:
@@ -138,8 +138,8 @@ def mark_fronts(points: list[Point]) -> None:
     groups: dict[tuple[str, Pair | None, str], list[Point]] = {}
     for point in points:
         if point.answers.complete:
-            pair = (point.rung.model, point.rung.geometry) if point.rung.part == NUMERICS else None
-            groups.setdefault((point.rung.part, pair, point.rung.against), []).append(point)
+            pair = (point.setting.model, point.setting.geometry) if point.setting.part == NUMERICS else None
+            groups.setdefault((point.setting.part, pair, point.setting.against), []).append(point)
     for group in groups.values():
         known = _known(group)
         for (point, _), kept in zip(known, front([(p.cost, error) for p, error in known]), strict=True):
@@ -161,21 +161,21 @@ def by_reference(points: list[Point]) -> dict[str, list[Point]]:
     """Reference -> points whose errors are against it."""
     groups: dict[str, list[Point]] = {}
     for point in points:
-        groups.setdefault(point.rung.against, []).append(point)
+        groups.setdefault(point.setting.against, []).append(point)
     return groups
 
 
 def on_front(points: list[Point]) -> list[Point]:
     """Points on their fronts, cheapest first within each model."""
     chosen = [p for p in points if p.on_front]
-    names = list(dict.fromkeys((p.rung.model, p.rung.geometry) for p in points))
-    return sorted(chosen, key=lambda p: (names.index((p.rung.model, p.rung.geometry)), p.cost))
+    names = list(dict.fromkeys((p.setting.model, p.setting.geometry) for p in points))
+    return sorted(chosen, key=lambda p: (names.index((p.setting.model, p.setting.geometry)), p.cost))
 
 
 def best_of_others(points: list[Point]) -> list[Point]:
     """The most accurate point of every family, of each model, that has none on the front."""
     families: dict[tuple[Pair, str], list[Point]] = {}
     for p in points:
-        families.setdefault(((p.rung.model, p.rung.geometry), p.rung.family), []).append(p)
+        families.setdefault(((p.setting.model, p.setting.geometry), p.setting.family), []).append(p)
     others = [_known(own) for own in families.values() if not any(p.on_front for p in own)]
     return [min(known, key=lambda one: (one[1], one[0].cost))[0] for known in others if known]

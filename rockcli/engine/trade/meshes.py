@@ -1,11 +1,11 @@
-"""The full mesh in `rock trade`: its ladders of steps and of elements, and the models it judges."""
+"""The full mesh in `rock trade`: its families of steps and of elements, and the models it judges."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
 
-from rockcli.engine.trade.settings import ELEMENTS_REFERENCE, MODEL, NUMERICS, Rung, model_word
+from rockcli.engine.trade.settings import ELEMENTS_REFERENCE, MODEL, NUMERICS, Setting, model_word
 from rockcli.scene.backends import BACKENDS, Pair
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import CONTINUUM, FLEXIBLE
@@ -13,7 +13,7 @@ from rockcli.scene.numerics import Numerics
 
 MESH: Pair = (CONTINUUM, None)
 
-STEPS = BACKENDS["calculix"].ladder
+STEPS = BACKENDS["calculix"].settings
 """Largest time steps over the backend's own at accuracy `standard`."""
 
 ACROSS = (1, 2, 4, 6, 8)
@@ -30,32 +30,32 @@ def refusal(batch: Batch) -> str:
     from rockcli.solvers.calculix.case import Refused, prepare
 
     try:
-        prepare(Rung(NUMERICS, "calculix", "", *MESH, HOW).of(batch), 0)
+        prepare(Setting(NUMERICS, "calculix", "", *MESH, HOW).of(batch), 0)
     except Refused as refused:
         return str(refused)
     return ""
 
 
-def ladders(batch: Batch, along: int) -> tuple[list[Rung], list[Rung]]:
-    """Ladders of elements and of steps; `along`: elements along the height that the study asks for, 0 = square ones.
+def families(batch: Batch, along: int) -> tuple[list[Setting], list[Setting]]:
+    """Families of elements and of steps; `along`: elements along the height that the study asks for, 0 = square ones.
 
     What they are held against is known when they have been climbed.
     """
     assert batch.column is not None
     own = batch.column.across
 
-    def rung(family: str, words: str, across: int, factor: float) -> Rung:
+    def setting(family: str, words: str, across: int, factor: float) -> Setting:
         elements = round(along * across / own) or int(along > 0)
-        return Rung(NUMERICS, family, words, *MESH, HOW, factor, elements, across)
+        return Setting(NUMERICS, family, words, *MESH, HOW, factor, elements, across)
 
     def mesh(across: int) -> str:
         return f"{across} x {round(along * across / own) or 1}" if along else f"{across} across"
 
-    elements = [rung("calculix, elements", mesh(n), n, DRAFT) for n in sorted({*ACROSS, own})]
-    return elements, [rung("calculix", f"dt x {factor:g}", own, factor) for factor in STEPS]
+    elements = [setting("calculix, elements", mesh(n), n, DRAFT) for n in sorted({*ACROSS, own})]
+    return elements, [setting("calculix", f"dt x {factor:g}", own, factor) for factor in STEPS]
 
 
-def judged(batch: Batch, own: Pair) -> Iterator[Rung]:
+def judged(batch: Batch, own: Pair) -> Iterator[Setting]:
     """Models whose error is told against the mesh: the flexible column, and of a study of the mesh the block too.
 
     At accuracy `standard`, under the study's damping.
@@ -65,4 +65,4 @@ def judged(batch: Batch, own: Pair) -> Iterator[Rung]:
         asked = replace(batch, model=pair[0], geometry=pair[1], numerics=Numerics("event"))
         if BACKENDS["event"].supports(asked):
             words = f"against {model_word(MESH)}"
-            yield Rung(MODEL, "event", words, *pair, Numerics("event"), elements=elements, against=model_word(MESH))
+            yield Setting(MODEL, "event", words, *pair, Numerics("event"), elements=elements, against=model_word(MESH))

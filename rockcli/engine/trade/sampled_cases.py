@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from rockcli.errors import StudyError
-from rockcli.scene.auto import AUTO, RUNGS, highest, rung_of_reference
+from rockcli.scene.auto import AUTO, CANDIDATES, candidate_of_reference, highest
 from rockcli.scene.backends import BACKENDS, Pair
 from rockcli.scene.batch import Batch
 from rockcli.scene.models import CONTINUUM, DEFORMABLE, FLEXIBLE
@@ -43,13 +43,13 @@ class Sample:
         self.batches = [(np.searchsorted(self.cases, part), batch) for part, batch in self._taken(study, self.cases)]
         self.own = _ordered([*found, *((batch.model, batch.geometry) for _, batch in self.batches)])
         for scheme in (batch.damping.scheme for _, batch in self.batches):
-            if not any(row.ladder and scheme in row.damping for row in BACKENDS.values()):
+            if not any(row.settings and scheme in row.damping for row in BACKENDS.values()):
                 raise StudyError(f"trade: the scheme {scheme} has no series of settings to measure", file=study.file)
 
     @property
     def notes(self) -> list[str]:
         """What model auto is traded as."""
-        names = " or ".join(RUNGS[rung].replace("_", " on ") for rung in sorted(self._highest, reverse=True))
+        names = " or ".join(CANDIDATES[setting].replace("_", " on ") for setting in sorted(self._highest, reverse=True))
         return [f"model auto: measured as {names}, the highest model that its data allow"] if names else []
 
     def solvable(self, pair: Pair) -> list[tuple[Index, Batch]]:
@@ -65,7 +65,7 @@ class Sample:
         """Batches of some cases, those of model auto with the highest model."""
         for rows, batch in study.batches(indices):
             if batch.model == AUTO:
-                self._highest.add(rung_of_reference(batch))
+                self._highest.add(candidate_of_reference(batch))
             yield rows, highest(batch)
 
     def _models_of(self, study: Study, ours: list[bool]) -> tuple[dict[Pair, tuple[int, ...]], int]:

@@ -19,21 +19,21 @@ NUMERICS, MODEL, DATA = "numerics", "model", "data"
 """Kinds of error: against the same equations solved better, against a better model, against another sampling."""
 
 MODAL_REFERENCE = 0.0625
-"""Step of the flexible column over that of accuracy `draft`, as in the ladder of its backend."""
+"""Step of the flexible column over that of accuracy `draft`, as in the series of its backend."""
 
 ELEMENTS = (1, 2, 3, 5, 10)
 ELEMENTS_REFERENCE = 20
 
 
 @dataclass(frozen=True)
-class Rung:
+class Setting:
     """One setting.
 
     Attributes:
-        part: kind of its error; family: what is drawn as one curve; setting: which point of it.
+        part: kind of its error; family: what is drawn as one curve; step: which point of it.
         model, geometry: solved.
         numerics: tolerances; `dt` and `yield_rotation` are set by `factor` where that is given.
-        factor: of the time step (see `Backend.ladder`).
+        factor: of the time step (see `Backend.settings`).
         elements, across: of the column, None = the study's.
         sampling: of records, "" = as they are.
         rigid_base: whether the base is taken as rigid, whatever the study's.
@@ -42,7 +42,7 @@ class Rung:
 
     part: str
     family: str
-    setting: str
+    step: str
     model: str
     geometry: str | None
     numerics: Numerics
@@ -56,7 +56,7 @@ class Rung:
     @property
     def label(self) -> str:
         """The coordinate of the dataset."""
-        return f"{self.part}: {self.model_word}: {self.family}, {self.setting}"
+        return f"{self.part}: {self.model_word}: {self.family}, {self.step}"
 
     @property
     def model_word(self) -> str:
@@ -111,7 +111,7 @@ def _stepping(numerics: Numerics, batch: Batch, factor: float) -> Numerics:
     return replace(numerics, dt=factor * dt, yield_rotation=factor * YIELD_ROTATION)
 
 
-def reference(batch: Batch, pair: Pair, elements: int | None = None) -> Rung | None:
+def reference(batch: Batch, pair: Pair, elements: int | None = None) -> Setting | None:
     """The best there is for a model under the batch's damping; None if nothing solves it."""
     model, geometry = pair
     fine = Numerics("event", "reference")
@@ -119,23 +119,25 @@ def reference(batch: Batch, pair: Pair, elements: int | None = None) -> Rung | N
     if BACKENDS["event"].supports(asked):
         if model == FLEXIBLE:
             words = f"dt/{1.0 / MODAL_REFERENCE:g} of draft" + (f", {elements} elements" if elements else "")
-            return Rung(NUMERICS, "event", words, model, geometry, fine, MODAL_REFERENCE, elements)
-        return Rung(NUMERICS, "event", f"rtol {ACCURACIES['reference'].rtol:g}", model, geometry, fine)
+            return Setting(NUMERICS, "event", words, model, geometry, fine, MODAL_REFERENCE, elements)
+        return Setting(NUMERICS, "event", f"rtol {ACCURACIES['reference'].rtol:g}", model, geometry, fine)
     if BACKENDS["frame"].supports(asked):
-        return Rung(NUMERICS, "frame", "dt/4", model, geometry, Numerics("frame"), 0.25)
+        return Setting(NUMERICS, "frame", "dt/4", model, geometry, Numerics("frame"), 0.25)
     return None
 
 
-def numerical(batch: Batch, pair: Pair, peers: frozenset[str]) -> Iterator[list[Rung]]:
-    """A ladder, coarse to fine, per family that solves a model under the damping; `peers`: backends there are."""
+def numerical(batch: Batch, pair: Pair, peers: frozenset[str]) -> Iterator[list[Setting]]:
+    """A series, coarse to fine, per family that solves a model under the damping; `peers`: backends there are."""
     model, geometry = pair
     best = reference(batch, pair)
     if best is None:
         return
-    against = f"{best.family}, {best.setting}"
+    against = f"{best.family}, {best.step}"
 
-    def ladder(family: str, rungs: Sequence[tuple[str, Numerics, float | None]]) -> list[Rung]:
-        return [Rung(NUMERICS, family, words, *pair, how, factor, against=against) for words, how, factor in rungs]
+    def series(family: str, settings: Sequence[tuple[str, Numerics, float | None]]) -> list[Setting]:
+        return [
+            Setting(NUMERICS, family, words, *pair, how, factor, against=against) for words, how, factor in settings
+        ]
 
     for name, backend in BACKENDS.items():
         row = backend.of_model(model)
@@ -143,33 +145,33 @@ def numerical(batch: Batch, pair: Pair, peers: frozenset[str]) -> Iterator[list[
             continue
         if name == EVENT and row.stepping:
             levels = {0.5 * level.wave_step: f" ({word})" for word, level in ACCURACIES.items()}
-            yield ladder(name, [(f"dt x {f:g}{levels.get(f, '')}", Numerics(name), f) for f in row.ladder])
+            yield series(name, [(f"dt x {f:g}{levels.get(f, '')}", Numerics(name), f) for f in row.settings])
             yield _elements(batch, pair)
         elif name == EVENT:
-            yield ladder(name, [(_rtol(rtol), Numerics(name, _level(rtol), rtol), None) for rtol in row.ladder])
+            yield series(name, [(_rtol(rtol), Numerics(name, _level(rtol), rtol), None) for rtol in row.settings])
         elif row.stepping:
-            ends = row.ladder if best.family == EVENT else row.ladder[:-1]
-            yield ladder(name, [(f"dt x {f:g}", Numerics(name), f) for f in ends])
+            ends = row.settings if best.family == EVENT else row.settings[:-1]
+            yield series(name, [(f"dt x {f:g}", Numerics(name), f) for f in ends])
         elif "method" in row.reads:
             from rockcli.solvers.general.methods import METHODS
 
             for method in METHODS:
-                rungs = [(f"rtol {r:g}", Numerics(name, STANDARD, r, method), None) for r in row.ladder]
-                yield ladder(f"{name} {method}", rungs)
+                settings = [(f"rtol {r:g}", Numerics(name, STANDARD, r, method), None) for r in row.settings]
+                yield series(f"{name} {method}", settings)
             if (batch.damping.eta == 1.0).all():
-                blind = [(f"rtol {r:g}", Numerics(name, STANDARD, r, "RK45", False), None) for r in row.ladder]
-                yield ladder(f"{name} RK45, impacts not located", blind)
-        elif row.ladder:
-            yield ladder(name, [(f"rtol {r:g}", Numerics(name, STANDARD, r), None) for r in row.ladder])
+                blind = [(f"rtol {r:g}", Numerics(name, STANDARD, r, "RK45", False), None) for r in row.settings]
+                yield series(f"{name} RK45, impacts not located", blind)
+        elif row.settings:
+            yield series(name, [(f"rtol {r:g}", Numerics(name, STANDARD, r), None) for r in row.settings])
 
 
-def _elements(batch: Batch, pair: Pair) -> list[Rung]:
+def _elements(batch: Batch, pair: Pair) -> list[Setting]:
     best = reference(batch, pair, ELEMENTS_REFERENCE)
     assert best is not None
     how = Numerics("event", "reference")
-    against = f"{best.family}, {best.setting}"
+    against = f"{best.family}, {best.step}"
     words = {n: f"{n} element" + ("s" if n > 1 else "") for n in ELEMENTS}
-    return [Rung(NUMERICS, "event, elements", words[n], *pair, how, elements=n, against=against) for n in ELEMENTS]
+    return [Setting(NUMERICS, "event, elements", words[n], *pair, how, elements=n, against=against) for n in ELEMENTS]
 
 
 def _level(rtol: float) -> str:
@@ -181,24 +183,24 @@ def _rtol(rtol: float) -> str:
     return f"rtol {rtol:g}" + (f" ({named[0]})" if named else "")
 
 
-def models(batch: Batch, own: Pair) -> Iterator[tuple[Rung, Pair]]:
-    """(rung, the better model): simpler models of the same body, at accuracy standard."""
+def models(batch: Batch, own: Pair) -> Iterator[tuple[Setting, Pair]]:
+    """(setting, the better model): simpler models of the same body, at accuracy standard."""
     rigid: Pair = ("rigid", None)
     how = Numerics("event")
     if own[0] == FLEXIBLE and batch.base is not None:
-        yield Rung(MODEL, "event", "standard", *own, how, rigid_base=True, against=model_word(own)), own
+        yield Setting(MODEL, "event", "standard", *own, how, rigid_base=True, against=model_word(own)), own
     pairs: list[tuple[Pair, Pair]] = [(pair, rigid) for pair in MODELS if pair != rigid]
     if own[0] == FLEXIBLE:
         pairs.insert(0, (rigid, own))
     for pair, better in pairs:
         if BACKENDS["event"].supports(replace(batch, model=pair[0], geometry=pair[1], numerics=how)):
-            yield Rung(MODEL, "event", "standard", *pair, how, against=model_word(better)), better
+            yield Setting(MODEL, "event", "standard", *pair, how, against=model_word(better)), better
 
 
-def data(batch: Batch, own: Pair) -> Iterator[Rung]:
+def data(batch: Batch, own: Pair) -> Iterator[Setting]:
     """Other samplings of the records of a batch, at accuracy reference: nothing of the numerics is in the error."""
     how_well = Numerics("event", "reference")
     asked = replace(batch, model=own[0], geometry=own[1], numerics=how_well)
     if has_samples(batch.excitation) and BACKENDS["event"].supports(asked):
         for how in SAMPLINGS:
-            yield Rung(DATA, "event", how, *own, how_well, sampling=how, against="the record as it is")
+            yield Setting(DATA, "event", how, *own, how_well, sampling=how, against="the record as it is")

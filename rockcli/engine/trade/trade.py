@@ -20,7 +20,7 @@ from rockcli.engine.trade.settings import (
     DATA,
     ELEMENTS_REFERENCE,
     NUMERICS,
-    Rung,
+    Setting,
     data,
     model_word,
     models,
@@ -41,31 +41,31 @@ AT_ONCE, REPEATS = 0.05, 3
 UNSURE = 0.05
 """Share of what is left of the budget above which a rough guess is not enough."""
 
-TRADED = frozenset(name for name, row in BACKENDS.items() if row.ladder)
+TRADED = frozenset(name for name, row in BACKENDS.items() if row.settings)
 """Backends that have settings to trade."""
 
 NO_CCX = "there is no `ccx` in PATH"
 
 COSTLIER = {"dt": 2.0, "rtol": 2.5}
-"""How much dearer the next rung of a ladder is expected to be."""
+"""How much dearer the next setting of a series is expected to be."""
 
 
 @dataclass(frozen=True, eq=False)
-class Ladder:
-    """Rungs, coarse to fine, and the answers they are held against.
+class Series:
+    """Settings, coarse to fine, and the answers they are held against.
 
-    `best` None: those of the finest rung measured of `meshes` with `least` elements across, or of the ladder itself.
+    `best` None: those of the finest setting measured of `meshes` with `least` elements across, or of the series itself.
     """
 
-    rungs: list[Rung]
+    settings: list[Setting]
     best: Answers | None = None
-    meshes: list[Rung] | None = None
+    meshes: list[Setting] | None = None
     least: int = 0
 
     @property
     def backend(self) -> str:
-        """Of its rungs."""
-        return self.rungs[0].numerics.backend
+        """Of its settings."""
+        return self.settings[0].numerics.backend
 
 
 def peers() -> frozenset[str]:
@@ -107,8 +107,8 @@ def trade(
         scene = Sample(study, sample)
         known = peers() if backends is None else backends
         found = Trade(scene.cases, study.size, notes=list(scene.notes))
-        ladders = _ladders(scene, known, found)
-        if not ladders:
+        families = _series_of(scene, known, found)
+        if not families:
             why = "no backend solves its model with its damping"
             if meshes.MESH in scene.own and "calculix" not in known:
                 why = f"the full mesh needs CalculiX: {NO_CCX}"
@@ -122,7 +122,7 @@ def trade(
             found.skipped.append(("opensees", "OpenSeesPy is not installed"))
         if "calculix" not in known and backends is None and any(pair[0] in DEFORMABLE for pair in scene.own):
             found.skipped.append(("calculix", NO_CCX))
-        _climb(scene, ladders, found, budget, progress)
+        _measure_all(scene, families, found, budget, progress)
     mark_fronts(found.points)
     return found
 
@@ -130,7 +130,7 @@ def trade(
 def _unable(scene: Sample, name: str) -> str:
     """Which of the study's models a backend does not solve, by the table of backends; "" if it solves each."""
     if name == meshes.HOW.backend and scene.solvable(meshes.MESH):
-        return ""  # it has ladders of its own beside the study's model
+        return ""  # it has families of its own beside the study's model
     row = BACKENDS[name]
     whys, foreign = [], []
     for pair in scene.own:
@@ -145,167 +145,173 @@ def _unable(scene: Sample, name: str) -> str:
     return "; ".join(whys)
 
 
-def _ladders(scene: Sample, known: frozenset[str], found: Trade) -> list[Ladder]:
-    """Every ladder, each rung with the answers it is held against, which are solved here."""
+def _series_of(scene: Sample, known: frozenset[str], found: Trade) -> list[Series]:
+    """Every series, each setting with the answers it is held against, which are solved here."""
     solved: dict[tuple[Pair, str], Answers] = {}
 
     def best(batch: Batch, pair: Pair, elements: int | None = None) -> Answers:
-        rung = reference(batch, pair, elements)
-        assert rung is not None
-        key = (pair, rung.setting)
+        setting = reference(batch, pair, elements)
+        assert setting is not None
+        key = (pair, setting.step)
         if key not in solved:
-            solved[key] = _measured(scene, rung, Answers.none(len(scene.cases)))
+            solved[key] = _measured(scene, setting, Answers.none(len(scene.cases)))
             what = model_word(pair) + (", elements" if elements else "")
-            found.references[what] = f"{rung.family}, {rung.setting}"
+            found.references[what] = f"{setting.family}, {setting.step}"
         return solved[key]
 
-    ladders: list[Ladder] = []
+    families: list[Series] = []
     for number, pair in enumerate(scene.own):
         for _, batch in scene.solvable(pair)[:1]:
-            for rungs in numerical(batch, pair, known):
-                ladders.append(Ladder(rungs, best(batch, pair, ELEMENTS_REFERENCE if rungs[0].elements else None)))
-            ladders += [Ladder([rung], best(batch, better)) for rung, better in models(batch, pair) if number == 0]
-            ladders += [Ladder([rung], best(batch, pair)) for rung in data(batch, pair)]
-    return ladders + (_of_meshes(scene, found) if "calculix" in known else [])
+            for settings in numerical(batch, pair, known):
+                families.append(
+                    Series(settings, best(batch, pair, ELEMENTS_REFERENCE if settings[0].elements else None))
+                )
+            families += [
+                Series([setting], best(batch, better)) for setting, better in models(batch, pair) if number == 0
+            ]
+            families += [Series([setting], best(batch, pair)) for setting in data(batch, pair)]
+    return families + (_of_meshes(scene, found) if "calculix" in known else [])
 
 
-def _of_meshes(scene: Sample, found: Trade) -> list[Ladder]:
-    """Ladders of the full mesh, and the models it judges; none where there is no column to make it from."""
+def _of_meshes(scene: Sample, found: Trade) -> list[Series]:
+    """Families of the full mesh, and the models it judges; none where there is no column to make it from."""
     for _, batch in scene.solvable(meshes.MESH)[:1]:
-        if not BACKENDS["calculix"].supports(Rung(NUMERICS, "", "", *meshes.MESH, meshes.HOW).of(batch)):
+        if not BACKENDS["calculix"].supports(Setting(NUMERICS, "", "", *meshes.MESH, meshes.HOW).of(batch)):
             continue
         if why := meshes.refusal(batch):
             found.skipped.append(("calculix", why))
             continue
-        elements, steps = meshes.ladders(batch, scene.along)
+        elements, steps = meshes.families(batch, scene.along)
         least = steps[0].across or 0
-        judged = [Ladder([rung], meshes=elements, least=least) for rung in meshes.judged(batch, scene.own[0])]
+        judged = [Series([setting], meshes=elements, least=least) for setting in meshes.judged(batch, scene.own[0])]
         asked = meshes.MESH in scene.own  # else it is only there to judge other models
-        return [Ladder(elements), *([Ladder(steps)] if asked else []), *judged]
+        return [Series(elements), *([Series(steps)] if asked else []), *judged]
     return []
 
 
-def _climb(
+def _measure_all(
     scene: Sample,
-    ladders: list[Ladder],
+    families: list[Series],
     found: Trade,
     budget: float,
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    """Rung by rung: first what costs next to nothing, then all other ladders side by side (see `_order`)."""
-    total = sum(len(ladder.rungs) for ladder in ladders)
+    """Setting by setting: first what costs next to nothing, then all other families side by side (see `_order`)."""
+    total = sum(len(series.settings) for series in families)
     began = perf_counter()
-    last: dict[int, tuple[Rung, float]] = {}
+    last: dict[int, tuple[Setting, float]] = {}
     over: set[int] = set()
     answers: dict[str, Answers] = {}
-    for done, (number, rung) in enumerate(_order(ladders), start=1):
+    for done, (number, setting) in enumerate(_order(families), start=1):
         left = budget - (perf_counter() - began)
         try:
-            expected = 0.0 if number in over else _expected(scene, rung, last.get(number), left)
+            expected = 0.0 if number in over else _expected(scene, setting, last.get(number), left)
             if number in over or expected > left:
                 over.add(number)
-                found.skipped.append((rung.label, "the budget is used up"))
+                found.skipped.append((setting.label, "the budget is used up"))
             else:
-                measured = _measured(scene, rung, Answers.none(len(scene.cases)))
-                last[number] = rung, measured.seconds
-                answers[rung.label] = measured
+                measured = _measured(scene, setting, Answers.none(len(scene.cases)))
+                last[number] = setting, measured.seconds
+                answers[setting.label] = measured
                 if (measured.outcome < NO_UPLIFT).all():  # it has no error, so no table shows it
-                    found.skipped.append((rung.label, "no sampled case has an outcome"))
+                    found.skipped.append((setting.label, "no sampled case has an outcome"))
         except SolverError as refused:
-            found.skipped.append((rung.label, str(refused)))
+            found.skipped.append((setting.label, str(refused)))
         if progress is not None:
             progress(done, total)
-    for ladder in ladders:
-        found.points += _points(ladder, answers, found)
+    for series in families:
+        found.points += _points(series, answers, found)
 
 
-def _points(ladder: Ladder, answers: dict[str, Answers], found: Trade) -> list[Point]:
-    """The rungs of a ladder that were measured, with their errors."""
-    rungs = [rung for rung in ladder.rungs if rung.label in answers]
-    if ladder.best is not None:
-        _tell(found, ladder.rungs[0], ladder.best)
-        return [point_of(rung, answers[rung.label], ladder.best) for rung in rungs]
-    candidates = [r for r in ladder.meshes or ladder.rungs if r.label in answers and (r.across or 0) >= ladder.least]
+def _points(series: Series, answers: dict[str, Answers], found: Trade) -> list[Point]:
+    """The settings of a series that were measured, with their errors."""
+    settings = [setting for setting in series.settings if setting.label in answers]
+    if series.best is not None:
+        _tell(found, series.settings[0], series.best)
+        return [point_of(setting, answers[setting.label], series.best) for setting in settings]
+    candidates = [r for r in series.meshes or series.settings if r.label in answers and (r.across or 0) >= series.least]
     if not candidates:
-        found.skipped[:0] = [(rung.label, "no mesh as fine as the study's was measured") for rung in rungs]
+        found.skipped[:0] = [(setting.label, "no mesh as fine as the study's was measured") for setting in settings]
         return []
-    finest = max(reversed(candidates), key=lambda rung: int(np.sum(answers[rung.label].outcome != FAILED)))
+    finest = max(reversed(candidates), key=lambda setting: int(np.sum(answers[setting.label].outcome != FAILED)))
     best = answers[finest.label]
-    if ladder.meshes is None:
+    if series.meshes is None:
         _tell(found, finest, best)
-        words = f"{finest.family}, {finest.setting}"
+        words = f"{finest.family}, {finest.step}"
         found.references[finest.family.replace("calculix", model_word(meshes.MESH))] = f"{words}: the finest measured"
-        return [point_of(replace(r, against=words), answers[r.label], best if r != finest else None) for r in rungs]
-    return [point_of(rung, answers[rung.label], best) for rung in rungs]
+        return [point_of(replace(r, against=words), answers[r.label], best if r != finest else None) for r in settings]
+    return [point_of(setting, answers[setting.label], best) for setting in settings]
 
 
-def _tell(found: Trade, rung: Rung, best: Answers) -> None:
+def _tell(found: Trade, setting: Setting, best: Answers) -> None:
     """Note what all cases of the sample do under a model of the study, if peaks tell nothing then."""
-    note = f"model {model_word((rung.model, rung.geometry))}: {best.fate}"
-    if rung.part == NUMERICS and best.fate and note not in found.notes:
+    note = f"model {model_word((setting.model, setting.geometry))}: {best.fate}"
+    if setting.part == NUMERICS and best.fate and note not in found.notes:
         found.notes.append(note)
 
 
-def _order(ladders: list[Ladder]) -> Iterator[tuple[int, Rung]]:
-    """(number of the ladder, rung) in the order they are climbed.
+def _order(families: list[Series]) -> Iterator[tuple[int, Setting]]:
+    """(number of the series, setting) in the order they are measured.
 
-    `event`, which costs next to nothing; of every other family its first rung before any has a second one.
+    `event`, which costs next to nothing; of every other family its first setting before any has a second one.
     """
-    numbered = list(enumerate(ladders))
-    for number, ladder in numbered:
-        if ladder.backend == "event":
-            yield from ((number, rung) for rung in ladder.rungs)
-    others = [(number, ladder) for number, ladder in numbered if ladder.backend != "event"]
-    yield from ((number, ladder.rungs[0]) for number, ladder in others)
+    numbered = list(enumerate(families))
+    for number, series in numbered:
+        if series.backend == "event":
+            yield from ((number, setting) for setting in series.settings)
+    others = [(number, series) for number, series in numbered if series.backend != "event"]
+    yield from ((number, series.settings[0]) for number, series in others)
     for late in (False, True):
-        own = [(number, ladder.rungs[1:]) for number, ladder in others if BACKENDS[ladder.backend].slow == late]
-        for step in zip_longest(*(rungs for _, rungs in own)):
-            yield from ((number, rung) for (number, _), rung in zip(own, step, strict=True) if rung is not None)
+        own = [(number, series.settings[1:]) for number, series in others if BACKENDS[series.backend].slow == late]
+        for step in zip_longest(*(settings for _, settings in own)):
+            yield from (
+                (number, setting) for (number, _), setting in zip(own, step, strict=True) if setting is not None
+            )
 
 
-def _expected(scene: Sample, rung: Rung, before: tuple[Rung, float] | None, left: float) -> float:
-    """Time a rung is likely to take [s]: from the rung before; of a first one a guess, and a case if it matters."""
-    if rung.numerics.backend == "event":
+def _expected(scene: Sample, setting: Setting, before: tuple[Setting, float] | None, left: float) -> float:
+    """Time a setting is likely to take [s]: from the one before; of a first one a guess, and a case if it matters."""
+    if setting.numerics.backend == "event":
         return 0.0
 
-    first = scene.first((rung.model, rung.geometry))
-    cases = sum(batch.size for _, batch in _parts(scene, rung))
+    first = scene.first((setting.model, setting.geometry))
+    cases = sum(batch.size for _, batch in _parts(scene, setting))
 
-    def guessed(rung: Rung) -> float:
-        return seconds_per_case(rung.of(first), rung.numerics.backend) * cases
+    def guessed(setting: Setting) -> float:
+        return seconds_per_case(setting.of(first), setting.numerics.backend) * cases
 
-    guess = guessed(rung)
-    if rung.numerics.backend == "calculix":  # the cost goes with elements and increments
+    guess = guessed(setting)
+    if setting.numerics.backend == "calculix":  # the cost goes with elements and increments
         return guess if before is None else before[1] * guess / guessed(before[0])
     if before is None and guess < UNSURE * left:
         return guess
     if before is not None:
-        return before[1] * COSTLIER["dt" if rung.factor else "rtol"]
+        return before[1] * COSTLIER["dt" if setting.factor else "rtol"]
     seconds = 0.0
     for _ in range(2):  # the first also imports and compiles
         began = perf_counter()
-        _solver(rung)(rung.of(first))
+        _solver(setting)(setting.of(first))
         seconds = perf_counter() - began
         if seconds * cases < left:
             break
     return seconds * cases
 
 
-def _parts(scene: Sample, rung: Rung) -> list[tuple[Index, Batch]]:
-    return scene.solvable((rung.model, rung.geometry))
+def _parts(scene: Sample, setting: Setting) -> list[tuple[Index, Batch]]:
+    return scene.solvable((setting.model, setting.geometry))
 
 
-def _solver(rung: Rung) -> Callable[[Batch], Response]:
-    return BACKENDS[rung.numerics.backend].of_model(rung.model).load()
+def _solver(setting: Setting) -> Callable[[Batch], Response]:
+    return BACKENDS[setting.numerics.backend].of_model(setting.model).load()
 
 
-def _measured(scene: Sample, rung: Rung, answers: Answers) -> Answers:
+def _measured(scene: Sample, setting: Setting, answers: Answers) -> Answers:
     """Solve the sample with a setting; the time is the least of a few runs where one takes next to nothing."""
-    solver = _solver(rung)
-    for run in range(1 if BACKENDS[rung.numerics.backend].slow else REPEATS):
+    solver = _solver(setting)
+    for run in range(1 if BACKENDS[setting.numerics.backend].slow else REPEATS):
         spent, cases = 0.0, 0
-        for rows, batch in _parts(scene, rung):
-            given = rung.of(batch)
+        for rows, batch in _parts(scene, setting):
+            given = setting.of(batch)
             began = perf_counter()
             response = solver(given)
             spent += perf_counter() - began
@@ -313,6 +319,6 @@ def _measured(scene: Sample, rung: Rung, answers: Answers) -> Answers:
             answers.put(rows, response)
         answers.seconds = min(spent, answers.seconds) if answers.cases else spent
         answers.cases = cases
-        if spent > AT_ONCE and (run or rung.numerics.backend != "event"):
+        if spent > AT_ONCE and (run or setting.numerics.backend != "event"):
             break  # the event-driven solvers load kernels the first time
     return answers

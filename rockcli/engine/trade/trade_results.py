@@ -38,18 +38,18 @@ def contents_of(study: Study, found: Trade) -> Contents:
     """Scalars over (setting, case), what they come to over (setting)."""
     points = found.points
     fields = {
-        "setting": Field(("setting",), text([p.rung.label for p in points]), {"long_name": "setting"}, True),
+        "setting": Field(("setting",), text([p.setting.label for p in points]), {"long_name": "setting"}, True),
         "case": Field(("case",), text(_places(study, found)), {"long_name": "case of the sample"}, True),
     }
 
     def words(name: str, values: list[str], sentence: str) -> None:
         fields[name] = Field(("setting",), text(values), {"long_name": sentence}, True)
 
-    words("part", [p.rung.part for p in points], "kind of error: of numerics, of the model, of the data")
-    words("model", [p.rung.model_word for p in points], "model and geometry")
-    words("family", [p.rung.family for p in points], "backend, and its method")
-    words("step", [p.rung.setting for p in points], "setting within its family")
-    words("against", [p.rung.against for p in points], "reference of the error")
+    words("part", [p.setting.part for p in points], "kind of error: of numerics, of the model, of the data")
+    words("model", [p.setting.model_word for p in points], "model and geometry")
+    words("family", [p.setting.family for p in points], "backend, and its method")
+    words("step", [p.setting.step for p in points], "setting within its family")
+    words("against", [p.setting.against for p in points], "reference of the error")
     stacked: dict[str, Any] = {
         "outcome": np.array([p.answers.outcome for p in points]),
         "theta_peak_over_alpha": np.array([p.answers.peak for p in points]),
@@ -126,7 +126,7 @@ def as_dict(found: Trade, path: Path, drawn: tuple[Path, ...]) -> dict[str, Any]
 
 
 def _point_as_dict(point: Point) -> dict[str, Any]:
-    rung, answers = point.rung, point.answers
+    setting, answers = point.setting, point.answers
     numbers = {
         "median": point.quantile(0.5),
         "p90": point.quantile(0.9),
@@ -137,11 +137,11 @@ def _point_as_dict(point: Point) -> dict[str, Any]:
         "n_rhs": middle(answers.rhs),
     }
     return {
-        "part": rung.part,
-        "model": rung.model_word,
-        "family": rung.family,
-        "setting": rung.setting,
-        "against": rung.against,
+        "part": setting.part,
+        "model": setting.model_word,
+        "family": setting.family,
+        "setting": setting.step,
+        "against": setting.against,
         **{name: value if np.isfinite(value) else None for name, value in numbers.items()},
         "on_front": point.on_front,
     }

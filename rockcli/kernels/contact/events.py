@@ -1,4 +1,4 @@
-"""What an event makes of the state: take-off, landings, corners that strike, and the mode chosen after it."""
+"""What an event makes of the state: take-off, impacts, corners that strike, and the mode chosen after it."""
 
 from __future__ import annotations
 

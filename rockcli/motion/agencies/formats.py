@@ -1,4 +1,4 @@
-"""All formats of agencies, and the one a file is in."""
+"""The table of agencies' record formats (COSMOS, CSMIP, SMC, GeoNet, ESM, ...), and which of them a file is in."""
 
 from __future__ import annotations
 

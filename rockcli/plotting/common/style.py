@@ -79,7 +79,7 @@ MOST_PANELS, MOST_COLUMNS, PANELS_ACROSS = 6, 3, 3
 """Panels of a figure; columns of a dataset drawn beside one another; panels beside one another, more go below."""
 
 MOST_CURVES, MOST_LINES = 8, 7
-"""Curves told apart by colour in one panel; lines that differ in style too."""
+"""Curves distinguished by colour in one panel; lines that differ in style too."""
 
 
 def new_figure(width: float, height: float) -> Figure:

@@ -59,7 +59,7 @@ FORCES = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_re
 def solve(batch: Batch) -> Response:
     """Solve every case of the batch with the event-driven kernels; see `Response` for what comes back.
 
-    A case that cannot be solved is `failed` with a sentence; an outcome that rounding would decide, or that differs
+    A case that cannot be solved is `failed` with a message; an outcome that rounding would decide, or that differs
     within the tolerance, is `unresolved`.
     """
     began = time.perf_counter()

@@ -45,7 +45,7 @@ DECIDE = 200.0
 def solve(batch: Batch) -> Response:
     """Solve every case of the batch; see `Response` for what comes back.
 
-    A column that cannot stand, or is none, is `failed` with a sentence.
+    A column that cannot stand, or is none, is `failed` with a message.
     """
     began = time.perf_counter()
     numerics = batch.numerics

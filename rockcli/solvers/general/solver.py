@@ -57,7 +57,7 @@ class Settings:
 def solve(batch: Batch) -> Response:
     """Solve every case of the batch with a general method.
 
-    The scalars about contact forces and energy are NaN.  A case in which the method fails is `failed` with a sentence;
+    The scalars about contact forces and energy are NaN.  A case in which the method fails is `failed` with a message;
     one on a separatrix within the tolerance, or whose outcome differs within it, is `unresolved`.
 
     Raises:

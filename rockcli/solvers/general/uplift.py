@@ -12,7 +12,7 @@ PARTS = 16
 """Parts of a smooth piece of the motion, on each of which the ground is a polynomial for the uplift condition."""
 
 ROUNDING = 4e-16
-"""A ground that reaches the threshold to rounding lifts nothing."""
+"""A ground that reaches the threshold to machine precision lifts nothing."""
 
 
 def uplift(body: Body, ground: Ground, piece: Piece, t: float) -> tuple[float, float]:

@@ -21,7 +21,7 @@ from rockcli.solvers.opensees.script import script_of
 def solve(batch: Batch) -> Response:
     """Solve every case of the batch with OpenSees; see `Response` for what comes back.
 
-    A case whose process crashes, hangs or writes no results is `failed` with a sentence.
+    A case whose process crashes, hangs or writes no results is `failed` with a message.
 
     Raises:
         SolverError: OpenSeesPy is absent, or the batch asks for what the backend cannot do.

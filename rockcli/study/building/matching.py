@@ -1,4 +1,4 @@
-"""The files that a pattern means, sought no farther than somebody would wait for."""
+"""Glob patterns of files (`records/*.AT2`) in a study, searched no farther than somebody would wait for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What building the cases of a study shows: spacing, what was done to records, and what is hardly meant."""
+"""Collects what building the cases shows: output time step, processing of records, plausibility warnings."""
 
 from __future__ import annotations
 

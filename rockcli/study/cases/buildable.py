@@ -1,6 +1,6 @@
-"""Builds the batches of cases so that one bad case never loses the others: what breaks is halved to find the culprits.
+"""Isolates cases that cannot be built, by bisection, so that one bad case never loses the others.
 
-A case that cannot be built is failed, with a sentence.  A machine that refuses what a case needs has said nothing about
+A case that cannot be built is failed, with a message.  A machine that refuses what a case needs has said nothing about
 it: that case is `Unsolved`.
 """
 

@@ -1,4 +1,4 @@
-"""An axis of a study and what its points put into a case."""
+"""`Variation`, one axis of a study (`vary`): its coordinates, and what each puts into a case."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Variation:
             within a batch; None for others.
         where: place of every point in the study file.
         table: name of the file the axis was read from; None = none.
-        find: `overturning` for a range that is searched and makes no dimension, else None.
+        find: `overturning` for a range that is searched and adds no dimension, else None.
         sampled: whether its points are samples of uncertain inputs, which the coordinate does not tell.
     """
 

@@ -1,4 +1,4 @@
-"""Holds a study against the schema, and says in one sentence what does not fit."""
+"""Checks a study against the schema: unknown keys, wrong types, missing values, one message each."""
 
 from __future__ import annotations
 

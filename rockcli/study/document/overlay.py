@@ -1,8 +1,8 @@
-"""What an axis, a named setting or `--set` makes of a study: one rule, `laid`.
+"""Lays settings (of an axis, a named setting, `--set`) over a case and merges them: one rule, `laid`.
 
 A mapping is laid over what stands at its place key by key, at every level; anything else (a number, a word, a list)
 takes the place of what stands there, a word also of the mapping that it is short for.  null takes a key away.
-A key displaces those that it cannot stand beside (`displaced`).
+A key overrides those that it cannot stand beside (`displaced`).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What stands in a study file, with the place of every value kept beside it."""
+"""The YAML tree of a study file, with the line and column of every value."""
 
 from __future__ import annotations
 

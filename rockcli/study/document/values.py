@@ -1,4 +1,4 @@
-"""What may stand at a key of a study file: numbers, names, lists, each with the sentence for what does not fit."""
+"""Types of the values of a study file: numbers, names, lists, each with the sentence for what does not fit."""
 
 from __future__ import annotations
 
