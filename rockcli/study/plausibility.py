@@ -15,7 +15,7 @@ from rockcli.scene.models import MODELS
 from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import UNITS, ExpressionError, parse
-from rockcli.study.document.paths import resolve
+from rockcli.study.document.paths import is_path, resolve
 from rockcli.study.document.tree import Keys, Map, dotted
 
 Array = NDArray[np.float64]
@@ -50,6 +50,8 @@ def surely_meant(study: Map, searched: str | None) -> frozenset[Keys]:
     """
     found = {keys for keys, value in _leaves(study.get("case"), ("case",)) if _says_its_unit(value)}
     for text, entry in (study.get("vary") or {}).items():
+        if not is_path(text):  # names of files
+            continue
         path = resolve(text)
         points = isinstance(entry, list) or (isinstance(entry, dict) and "from" in entry)
         settings = [] if points or not isinstance(entry, dict) else [_leaves(value, path) for value in entry.values()]

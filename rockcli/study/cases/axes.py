@@ -18,6 +18,7 @@ from rockcli.errors import StudyError
 from rockcli.study.building.matching import WILDCARDS
 from rockcli.study.building.numbers import in_words
 from rockcli.study.building.records import Records
+from rockcli.study.cases.file_names import LABELS, names_in
 from rockcli.study.cases.table import Table, read_table
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
@@ -86,6 +87,10 @@ def read_axes(
             done[text] = reader.read()
     variations = [done[text] for text in vary]
     names = dimension_names(list(vary))
+    for name in sorted(names_in(study["case"]) - set(names)):
+        raise source.error(
+            study, ("case",), f"has a file name with {{{name}}}, which is no axis; {nearest(name, names)}"
+        )
     _check_apart(source, study, variations, names)
     total = float(np.prod([float(v.size) for v in variations]))
     if total > MAX_CASES:
@@ -122,7 +127,8 @@ class _Reader:
         try:
             if text.startswith("case."):
                 raise StudyError(f"paths of axes begin inside the case: {text.removeprefix('case.')!r}")
-            self.path = resolve(text)
+            named = not is_path(text) and text in names_in([study["case"], study["vary"]])
+            self.path = (LABELS, text) if named else resolve(text)
         except StudyError as error:
             several = (
                 ""
@@ -136,6 +142,8 @@ class _Reader:
 
     def read(self) -> Variation:
         entry = self.study["vary"][self.text]
+        if self.path[0] == LABELS:
+            return self.of_names(entry)
         if isinstance(entry, List):
             return self.listed(entry)
         if isinstance(entry, Map):
@@ -148,6 +156,20 @@ class _Reader:
             "a list, a range {from, to, n, spacing}, named settings {label: value}, a CSV file or a glob of records"
         )
         raise self.fail(f"is {describe(entry)}; expected {expected}")
+
+    def of_names(self, entry: Any) -> Variation:
+        """An axis that is only names, which stand in names of files; of a glob what its `*` stands for."""
+        line = place(self.study, ("vary", self.text))
+        if isinstance(entry, str) and entry.count("*") == 1:
+            before, after = entry.split("*")
+            names = self.records.match(f"vary.{self.text}", entry, line)
+            entry = List([name[len(before) : len(name) - len(after)] for name in names], [line] * len(names))
+        if not isinstance(entry, List) or not all(isinstance(name, str | int) for name in entry):
+            expected = "a list of names, as it fills in the name of a file, or a glob with one `*`"
+            raise self.fail(f"is {describe(entry)}; expected {expected}")
+        where = Places(tuple(entry.where))
+        settings: list[tuple[Setting, ...]] = [((self.path, str(name), where(i)),) for i, name in enumerate(entry)]
+        return self.labelled([str(name) for name in entry], settings, where)
 
     @property
     def is_file(self) -> bool:
@@ -342,10 +364,24 @@ class _Reader:
     def named(self, entry: Map) -> Variation:
         if not entry:
             raise self.fail("has no values")
+        entry = self.globbed(entry)
         places = [entry.where.get(label) for label in entry]
         settings = [self.put(v, places[i], label) for i, (label, v) in enumerate(entry.items())]
         settings = [tuple((p, self.as_number(p, v), w) for p, v, w in point) for point in settings]
         return self.labelled(list(entry), settings, Places(tuple(places)))
+
+    def globbed(self, entry: Map) -> Map:
+        """The entry with a point for every file that a glob matches, `label file`."""
+        if not self.is_file:
+            return entry
+        whole = Map()
+        for label, value in entry.items():
+            glob = isinstance(value, str) and bool(set(value) & WILDCARDS)
+            where = entry.where.get(label)
+            for name in self.records.match(f"vary.{self.text}.{label}", value, where) if glob else [value]:
+                point = f"{label} {PurePosixPath(name).name}" if glob else label
+                whole[point], whole.where[point] = name, where
+        return whole
 
     @staticmethod
     def as_number(path: Path, value: Any) -> Any:

@@ -15,6 +15,7 @@ from rockcli.study.building.batch import build_batch
 from rockcli.study.building.floors import waveforms
 from rockcli.study.building.numbers import Numbers, Varied
 from rockcli.study.building.records import Records
+from rockcli.study.cases.file_names import filled_in
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_case
 from rockcli.study.document.expressions import ExpressionError, parse
@@ -151,7 +152,9 @@ class Cases:
                 where = variation.where(0)
                 columns = enumerate(variation.columns.items())
                 points.append([(path, Varied.of(axis, which, of[0]), where) for which, (path, of) in columns])
-        return overlaid(self.study, *points)
+        axes = (v.axis for i, v in enumerate(self.variations) if i in chosen)
+        labels = {axis.name: str(axis.values[chosen[i]]) for axis, i in zip(axes, sorted(chosen), strict=True)}
+        return filled_in(overlaid(self.study, *points), labels)
 
     def probe(self) -> Index:
         """Flat indices that together show whatever can be wrong: all, or the corners and edges of every combination.

@@ -1,0 +1,52 @@
+"""The figure of samples: what it draws is what the dataset has."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rockcli
+from rockcli.plotting.figures import default_kinds, figure, why_not
+
+
+def study(**more):
+    return {
+        "name": "free",
+        "case": {"block": {"R": 2.0, "alpha": 0.2}, "initial": {"theta_dot": 0.5}, "damping": "none"},
+        "uncertain": {"block.R": {"lognormal": [2.0, 0.3]}, "initial.theta_dot": {"normal": [0.5, 0.1]}},
+        "samples": 64,
+        "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]},
+    } | more
+
+
+def test_exceedance_ends_at_the_probability_and_bars_are_correlations():
+    data = rockcli.run(study())
+    assert default_kinds(data) == ("samples",)
+    left, right = figure("samples", data).axes
+    x, y = left.lines[0].get_data()
+    peaks = data.theta_peak_over_alpha.values
+    assert y[0] == 1.0
+    assert y[-1] == pytest.approx(float(data.p_overturned))
+    assert y[np.searchsorted(x, 0.8, side="right") - 1] == pytest.approx(np.mean(peaks > 0.8))
+    assert sorted(bar.get_width() for bar in right.patches) == pytest.approx(sorted(data.input_spearman.values))
+    assert "Spearman" in right.get_xlabel()
+
+
+def test_sobol_indices_are_drawn_where_the_design_has_them():
+    data = rockcli.run(study(sampling="saltelli"))
+    _, right = figure("samples", data).axes
+    outer = [bar.get_width() for bar in right.patches][:2]
+    assert outer == pytest.approx(data.sobol_total.values)
+    assert "Sobol" in right.get_xlabel()
+
+
+def test_several_axes_of_an_ensemble_are_one_in_every_figure_of_suites():
+    vary = {"block.mass": [1.0, 2.0, 3.0], "initial.theta": [0.0, 0.01]}
+    data = rockcli.run(study(vary=vary, over=["mass", "initial.theta", "sample"]))
+    left, _ = figure("samples", data).axes
+    assert left.lines[0].get_ydata()[-1] == pytest.approx(float(data.p_overturned))
+
+
+def test_without_samples_it_says_why():
+    data = rockcli.run({k: v for k, v in study().items() if k not in ("uncertain", "samples")})
+    assert "uncertain" in why_not("samples", data)
