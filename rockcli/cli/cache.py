@@ -85,8 +85,8 @@ def _fill(levels: list[str]) -> None:
     say(f"compiling the kernels for {', '.join(missing)}: minutes", err=True)
     try:
         build(places.cache_dir(), missing)
-    except OSError as error:
-        raise OutputError(f"{places.cache_dir()}: {error.strerror or error}") from error
+    except (OSError, RuntimeError) as error:
+        raise OutputError(f"{places.cache_dir()}: {getattr(error, 'strerror', None) or error}") from error
 
 
 def _prune(base: Path, own: Path) -> None:
