@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.analysis.capacity_fit import Capacities
+from rockcli.analysis.capacity_fit import fit as fit_capacities
 from rockcli.analysis.ordered_probit import Probit, Rows, ordered_probit
 from rockcli.scene.variables import PERCENTILES
 
@@ -157,6 +159,38 @@ def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.
         _ordinal(rows, found)
     else:
         _each_alone(rows, found)
+    return replace(found, median=begins_at + found.median)
+
+
+def curve_of_capacities(low: Array, high: Array, member: Index, begins_at: float = 0.0) -> Curves:
+    """The curve of one limit state from the capacities of members: the intensities from which they exceed it.
+
+    Args:
+        low, high: (n,) each is above `low` and at most `high`, the same where it is known; NaN is left out.
+        member: (n,) which belong together.
+        begins_at: intensity at and below which nothing can exceed it.
+    """
+    use = ~(np.isnan(low) | np.isnan(high))
+    low, high, member = low[use], high[use], member[use]
+    status = FITTED
+    if not np.isfinite(high).any():
+        status = NONE_EXCEEDS
+    elif (low <= begins_at).all():
+        status = ALL_EXCEED
+    elif (high <= begins_at * (1.0 + 1e-9)).any():
+        status = BELOW
+    found = _blank(1, np.array([status], dtype=np.int8), begins_at, len(np.unique(member)), np.nan)
+    if status != FITTED:
+        return found
+    with np.errstate(divide="ignore"):
+        ends = [np.log(np.maximum(end - begins_at, 0.0)) for end in (low, high)]
+    fitted = fit_capacities(Capacities(ends[0], ends[1], member))
+    if fitted is None:
+        found.status[0] = SEPARABLE
+        return found
+    (a, b), covariance = fitted
+    # a probit of slope a and cut b
+    _put(found, np.array([0]), np.array([0]), Probit(np.array([a]), np.array([b]), covariance))
     return replace(found, median=begins_at + found.median)
 
 

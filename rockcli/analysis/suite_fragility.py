@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility import STATUS, Curves, Seen, curves
+from rockcli.analysis.fragility import STATUS, Curves, Seen, curve_of_capacities, curves
 from rockcli.analysis.suite_intensity import moves_at, unit_of, values_of
+from rockcli.analysis.threshold_fields import found_by
 from rockcli.analysis.uncertainty import independent_rows
 from rockcli.scene.variables import LIMIT, PEAK, PERCENTILE, PERCENTILES, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
@@ -113,9 +114,80 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
         shares = np.concatenate([share for _, share in exceeded])
         order_of_states = np.argsort(np.concatenate([states for states, _ in exceeded]))
         fields["p_exceeded"] = _exceeded(contents, shares[order_of_states], bodies, over)
-    for name, values in found.items():
-        more_attrs: dict[str, Any] = {"units": unit} if name.startswith(_IN_UNITS) else {}
-        fields[name] = variable_field(name, dims, values, **more_attrs)
+    return fields | _fields(bodies, dims, unit, found, begins, percentile, status)
+
+
+def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
+    """The curve of overturning through the lowest overturning values that a search found, one of every member.
+
+    What lies outside the range, or in a bracket, enters as the interval that it lies in.
+    """
+    search = study.search
+    if search is None or not over.told_against:
+        return {}
+    bodies = tuple(axis for axis in contents.axes if axis != over.axis)
+    order = [contents.axes.index(axis) for axis in (*bodies, over.axis)]
+    found = found_by(contents, search.name)
+    per_point = np.broadcast_to(_per_point(contents, study, over), contents.shape)
+    low, high = (end * per_point for end in found.bounds())
+    low = np.where(low > 0.0, low, 0.0)
+    begins = _begins_of_search(contents, study, over, per_point, order)
+    low, high = low.transpose(order), high.transpose(order)
+    shape, rows = begins.shape, independent_rows(study, over)
+    dims = (*bodies, LIMIT)
+    numbers = {name: np.full((*shape, 1), np.nan) for name in FITTED}
+    status = np.zeros((*shape, 1), dtype=np.int8)
+    percentile = np.full((*shape, 1, len(PERCENTILES)), np.nan)
+    for at in np.ndindex(*shape):
+        made = curve_of_capacities(low[at], high[at], rows, float(begins[at]))
+        told = _numbers(made, over.beta_added)
+        for name in FITTED:
+            numbers[name][at] = told.get(name, made.median)  # no member is left out: the same with `_low` and `_high`
+        status[at], percentile[at] = made.status, made.percentiles(over.beta_added)
+    unit = search.axis.unit if over.told_against == search.axis.name else unit_of(over.told_against, contents)
+    known = np.where(np.isfinite(found.value), found.value * per_point, np.nan)
+    capacity = {"units": unit, "long_name": f"{over.told_against} from which a member overturns"}
+    labels = text([over.limit_states[-1]])
+    return {
+        LIMIT: Field((LIMIT,), labels, {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True),
+        "fragility_intensity": variable_field("fragility_intensity", contents.axes, known, **capacity),
+    } | _fields(bodies, dims, unit, numbers, begins, percentile, status)
+
+
+def _per_point(contents: Contents, study: Study, over: Over) -> Array:
+    """What the intensity is for one unit of the searched amplitude, over the axes."""
+    assert study.search is not None
+    if over.told_against == study.search.axis.name:
+        return np.ones(contents.shape)
+    first = values_of(over.told_against, contents, study)  # of the cases at the first point
+    return np.full(contents.shape, np.nan) if first is None else first / study.search.axis.values[0]
+
+
+def _begins_of_search(contents: Contents, study: Study, over: Over, per_point: Array, order: list[int]) -> Array:
+    """As `_begins`, of members whose amplitude is searched: 0, or the lowest intensity that can lift one."""
+    assert study.search is not None
+    pga = values_of("pga", contents, study)
+    if over.begins_at != "uplift" or pga is None:
+        return np.zeros([contents.shape[i] for i in order[:-1]])
+    amplitude = study.search.axis.values[0] * moves_at(study, slides=False).reshape(contents.shape) / pga
+    lowest = (amplitude * per_point).transpose(order).min(axis=-1)
+    return np.where(np.isfinite(lowest), lowest, 0.0)
+
+
+def _fields(
+    bodies: tuple[str, ...],
+    dims: tuple[str, ...],
+    unit: str,
+    numbers: dict[str, Array],
+    begins: Array,
+    percentile: Array,
+    status: NDArray[np.int8],
+) -> dict[str, Field]:
+    """Curves as variables."""
+    fields = {}
+    for name, values in numbers.items():
+        attrs: dict[str, Any] = {"units": unit} if name.startswith(_IN_UNITS) else {}
+        fields[name] = variable_field(name, dims, values, **attrs)
     fields["fragility_begins_at"] = variable_field("fragility_begins_at", bodies, begins, units=unit)
     coordinate = {"long_name": VARIABLES[PERCENTILE].sentence, "units": "%"}
     fields[PERCENTILE] = Field((PERCENTILE,), np.array(PERCENTILES), coordinate, coordinate=True)

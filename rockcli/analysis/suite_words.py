@@ -29,7 +29,11 @@ def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
     """What the statistics come to: capacity by limit state, and the measures that tell the demand best."""
     assert study.over is not None
     if study.search is not None:
-        return list(_of_thresholds(contents, study, study.over, units))
+        return [
+            *_of_thresholds(contents, study, study.over, units),
+            *_of_fragility(contents, study.over, units),
+            *_of_risk(contents, study.over, units),
+        ]
     said = [
         *_of_fragility(contents, study.over, units),
         *_of_risk(contents, study.over, units),

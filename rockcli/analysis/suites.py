@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rockcli.analysis.intensity_correlation import correlations, with_measures
 from rockcli.analysis.places import units_of
 from rockcli.analysis.side_by_side import end_to_end, laid_out
-from rockcli.analysis.suite_fragility import FITTED, OF_SECOND, OTHERS, fragility
+from rockcli.analysis.suite_fragility import FITTED, OF_SECOND, OTHERS, fragility, fragility_of_thresholds
 from rockcli.analysis.suite_risk import OF_AGE, RATES, risk
 from rockcli.analysis.suite_risk import OTHERS as RISK
 from rockcli.analysis.suite_words import sentences, warnings
@@ -147,7 +147,8 @@ def variables(study: Study) -> set[str]:
         return set()
     found = {"n_answered"}
     if study.search is not None:
-        return found | set(study.search.results(over))
+        found |= set(study.search.results(over)) | ({*FITTED, *OTHERS} if over.told_against else set())
+        return found | ({*RATES, *RISK, *(OF_AGE if over.age is not None else ())} if over.hazard else set())
     found |= {name for name, row in STATISTICS.items() if {*row.needs} <= {*study.scalars}}
     found |= {*(f"{name}_{end}" for name in RANKED if name in study.scalars for end in over.ends)}
     if PEAK in study.scalars:
@@ -230,7 +231,8 @@ def _thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field
             one = contents.fields[name]
             attrs = one.attrs | {"long_name": words + one.attrs["long_name"]}
             added[f"{name}_{end}"] = Field(rest, reduce(one.values), attrs)
-    return added
+    curves = fragility_of_thresholds(contents, study, over)
+    return added | curves | risk(curves, over)
 
 
 def _islands(contents: Contents, became: Members, over: Over, rest: tuple[str, ...]) -> dict[str, Field]:

@@ -28,6 +28,7 @@ from rockcli.plotting.kinds import (
 )
 from rockcli.plotting.kinds import map as outcomes
 from rockcli.plotting.kinds import static_curves as curves
+from rockcli.scene.thresholds import FOUND
 
 if TYPE_CHECKING:
     import xarray
@@ -121,6 +122,8 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
             chosen.append("phase")
     if suite_of(dataset) is not None:
         rows = {"ida": ida.without_ida, "fragility": fragility.without_fragility, "risk": risk.without_risk}
+        if any(str(name).endswith(FOUND) for name in dataset.data_vars):  # what is searched has its spectrum
+            del rows["fragility"]
         rows["samples"] = samples.without_samples
         chosen += [name for name, why in rows.items() if not why(dataset)]
         if not why_not("spectrum", dataset) and not {*rows} & set(chosen):

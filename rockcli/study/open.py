@@ -33,7 +33,7 @@ from rockcli.study.cases.cases import Cases
 from rockcli.study.cases.hazard_curves import read_hazard
 from rockcli.study.cases.refined_axes import RECORDS, read_refine
 from rockcli.study.cases.searched_range import make_search, searched
-from rockcli.study.cases.suite_axes import read_over
+from rockcli.study.cases.suite_axes import of_search, read_over
 from rockcli.study.cases.uncertain import placed, read_uncertain
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_base, check_study
@@ -106,7 +106,9 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     over = read_over(where, tree, wanted, axes, scalars, searches=search is not None)
     if over is not None and uncertain is not None and SAMPLE in over.axes:
         over = dataclasses.replace(over, inputs=tuple(each.path for each in uncertain[1].inputs))
-    over = read_hazard(where, tree, part, over, axes)
+    if over is not None and search is not None:
+        over = of_search(where, tree, over, search)
+    over = read_hazard(where, tree, part, over, axes if search is None else (*axes, search.axis))
     refine = read_refine(where, tree, part, axes, scalars, searches=search is not None, over=over)
     expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)

@@ -486,3 +486,28 @@ def test_fragility_of_two_intensities_is_the_fit_of_their_values():
         rockcli.run(study(over=over | {"intensity": ["pga", "pga"]}))
     with pytest.raises(StudyError, match="is of one intensity"):
         rockcli.run(study(over=over, hazard={"intensity": [1, 2], "rate": [0.1, 0.01]}))
+
+
+def test_fragility_of_a_search_is_the_sample_of_its_thresholds():
+    """One lowest overturning value of every member: mean and scatter of their logarithms above uplift."""
+    vary = {"motion.pulse.omega_p": SINES, "motion.pulse.a_p": {"from": 0.5, "to": 9.0, "n": 9, "find": "overturning"}}
+    found = rockcli.run(study(vary=vary))
+    u = np.log(found["motion_pulse_a_p_overturning"].values - G * ALPHA)
+    assert float(found["fragility_begins_at"]) == pytest.approx(G * ALPHA, rel=1e-12)
+    assert found["limit_state"].values.tolist() == ["overturned"]
+    assert float(found["fragility_median"][0]) == pytest.approx(G * ALPHA + np.exp(u.mean()), rel=1e-9)
+    assert float(found["fragility_beta"][0]) == pytest.approx(u.std(), rel=1e-9)
+    told = rockcli.run(study(vary=vary, over={"axis": "motion.pulse.omega_p", "intensity": "pgv"}))
+    factor = told["pgv"].values / 0.5  # PGV for one m/s² of the amplitude, of every member
+    np.testing.assert_allclose(
+        told["fragility_intensity"].values, told["motion_pulse_a_p_overturning"].values * factor, rtol=1e-9
+    )
+    assert float(told["fragility_begins_at"]) == pytest.approx((G * ALPHA * factor).min(), rel=1e-9)
+    hazard = {"intensity": [0.2, 20], "rate": [0.1, 1e-6]}
+    risk = rockcli.run(study(vary=vary, hazard=hazard))
+    assert float(risk["annual_rate"][0, 0]) > 0.0
+    short = {**vary, "motion.pulse.a_p": {"from": 0.5, "to": 1.8, "n": 5, "find": "overturning"}}
+    censored = rockcli.run(study(vary=short))  # some overturn nowhere in the range: they still count
+    assert np.isinf(censored["motion_pulse_a_p_overturning"].values).any()
+    with pytest.raises(StudyError, match="of a search is one of pga"):
+        rockcli.run(study(vary=vary, over={"axis": "motion.pulse.omega_p", "intensity": "pgv_over_pga"}))

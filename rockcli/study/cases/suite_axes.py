@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from rockcli.scene.variables import PEAK
@@ -11,7 +12,7 @@ from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.intensity import KNOWN, period_of
 from rockcli.study.schema import OverPart, SlideLimitPart
-from rockcli.study.study import Axis, Limit, Over
+from rockcli.study.study import Axis, Limit, Over, Searched
 
 AMPLITUDES = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "a_p", "a_p_over_g_tan_alpha", "floor_scale", "floor_pga")
 """Last parts of paths that are an intensity unless the study names another."""
@@ -66,6 +67,25 @@ def read_over(
         _beta_added(source, study, said.beta_added),
         second=second,
     )
+
+
+def of_search(source: Source, study: Map, over: Over, search: Searched) -> Over:
+    """The statistics of a searched amplitude: of its lowest overturning values there is a curve of overturning.
+
+    Raises:
+        StudyError: the intensity does not grow in proportion to what is searched.
+    """
+    amplitude = search.axis.path.rsplit(".", 1)[-1] in AMPLITUDES
+    if over.intensity and not amplitude:
+        raise source.error(
+            study, ("over", "intensity"), f": {search.axis.path} is searched, no amplitude of the motion"
+        )
+    if not amplitude or over.fit == "none":
+        return replace(over, limits=(), intensity="")
+    grows = not over.intensity or over.intensity in ("pga", "pgv", "cav") or period_of(over.intensity) is not None
+    if over.second or not grows:
+        raise source.error(study, ("over", "intensity"), "of a search is one of pga, pgv, cav, sa(T)")
+    return replace(over, limits=(), intensity=over.intensity or search.axis.name)
 
 
 def _side_by_side(
