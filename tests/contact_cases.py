@@ -99,7 +99,7 @@ def run(par, horizontal=NOTHING, vertical=NOTHING, *, tol=1e-16, order=24, rest_
     channels = []
     for kind, spacing, pieces, data in (horizontal, vertical):
         channels += [march.Channel(kind, spacing, pieces), array([data])]
-    how = march.Settings(tol=tol, rest_speed=rest_speed, max_steps=1_000_000, order=order, balance=True)
+    how = march.Settings(tol=tol, rest_speed=rest_speed, max_steps=1_000_000, order=order, balance=True, extremes=True)
     march.march_all(array([par]), how, *channels, dt, histories, impacts, events, march.work_space(), out)
     (out,), (histories,), (impacts,), ((t, modes),) = out, histories, impacts, events
     n_events = int(out[to.N_EVENTS])

@@ -49,3 +49,19 @@ def test_a_map_with_friction_has_the_bits_of_one_without_where_it_holds():
         np.testing.assert_array_equal(one[name][held], other[name][held])
     assert (one["slide_peak"][held] == 0.0).all()
     assert (one["slide_peak"] > 0.0).any()
+
+
+def test_bodies_that_only_rock_have_the_bits_of_a_map_without_friction():
+    """Also those of which the bound does not tell: what all modes of contact say is only whether they slide."""
+    batch = scene("ricker", 60)
+    free = dataclasses.replace(batch, block=dataclasses.replace(batch.block, mu=np.full(batch.size, np.nan)))
+    rocked = solve(free).scalars  # one by one, with the forces
+    needs = np.fmax(rocked["mu_required"], rocked["mu_impact"])
+    rocks = (needs < batch.block.mu) & (rocked["N_min_over_mg"] > 0.0) & (rocked["outcome"] < 2)
+    held = surely_holds(batch, np.abs(rocked["theta_peak"]), rocked["outcome"] < 2)
+    assert (rocks & ~held).sum() > 3
+    save = dataclasses.replace(batch.save, scalars=frozenset(SCALARS_LARGE))
+    one, other = (solve(dataclasses.replace(x, save=save)).scalars for x in (batch, free))
+    for name in SCALARS_LARGE:
+        np.testing.assert_array_equal(one[name][rocks], other[name][rocks])
+    np.testing.assert_array_equal(one["slide_peak"][one["outcome"] < 2] > 0.0, ~rocks[one["outcome"] < 2])

@@ -68,6 +68,7 @@ from rockcli.kernels.contact.readings import (
     note_impact,
     note_passage,
     note_rocking,
+    note_rotation,
     note_slide,
     note_slip,
     note_uplift,
@@ -80,9 +81,9 @@ from rockcli.kernels.contact.readings import (
 from rockcli.kernels.contact.rest import frequency, settles
 from rockcli.kernels.contact.selection import stiffness
 from rockcli.kernels.contact.state import Air, Foot, Scales, Settings, edge_under
-from rockcli.kernels.contact.steps import STALLED, ground_ahead, next_step
+from rockcli.kernels.contact.steps import FAR, STALLED, ground_ahead, next_step
 from rockcli.kernels.jit import entry, jit_lean, rows
-from rockcli.kernels.rigid.ground import PULSES, piece_at
+from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, piece_at, piece_end
 from rockcli.kernels.rigid.settings import Channel
 
 SAME_INSTANT = 3
@@ -147,6 +148,19 @@ def ended(par, scales, t, mode, foot, air):
 
 
 @jit_lean
+def still_until(par, horizontal, h_data, i):
+    """The first piece from i on in which a sampled motion might move a body at rest, or that is not its whole."""
+    hold = min(par[at.MU_S], par[at.LEFT + at.B] / par[at.H], par[at.RIGHT + at.B] / par[at.H])
+    quiet, end = par[at.G] * hold * (1.0 - FAR), min(par[at.T_MOTION], par[at.T_STOP])
+    factor = abs(par[at.FACTOR_H])
+    while i < horizontal.pieces and piece_end(horizontal, h_data, i) <= end:
+        if max(abs(h_data[i]), abs(h_data[i + 1])) * factor >= quiet:
+            return i
+        i += 1
+    return i
+
+
+@jit_lean
 def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, impacts, events, w, out):
     """Solve one case.
 
@@ -165,6 +179,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, imp
     t, mode, launch = 0.0, REST, 0
     ih = iv = i_hist = stalled = 0
     slipped = jumped = False
+    skims = horizontal.kind == SAMPLES and vertical.kind == NOTHING and len(histories[0]) == 0
 
     while True:
         if pick == SETTLED:
@@ -172,6 +187,14 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, imp
             if verdict != NOT_YET:
                 out[to.VERDICT] = verdict
                 break
+        if skims and mode == REST and pick == SETTLED and t < par[at.T_MOTION]:
+            ih = piece_at(horizontal, h_data, ih, t)
+            still = still_until(par, horizontal, h_data, ih)
+            if still > ih:
+                out[to.N_STEPS] += still - ih
+                out[to.N_MIN] = min(out[to.N_MIN], 1.0)
+                t, ih, stalled, launch = piece_end(horizontal, h_data, still - 1), still, 0, 0
+                continue
         if out[to.N_STEPS] >= how.max_steps:
             out[to.STATUS] = OUT_OF_STEPS
             break
@@ -219,7 +242,9 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, imp
         if mode in (ROCK, SLIDE_ROCK):
             note_passage(par[edge_under(foot.s) + at.ALPHA], step, t, w, out)
             if counted:
-                note_rocking(par, mode, foot, step, t, looks, w, out)
+                note_rotation(foot, step, t, looks, w, out)
+                if how.extremes:
+                    note_rocking(par, mode, foot, step, looks, w, out)
         elif mode == FLIGHT:
             note_flying(par, air, n, x, t, counted, w, out)
         elif counted and ahead.level:

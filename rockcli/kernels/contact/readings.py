@@ -136,11 +136,17 @@ def note_top(found, out):
 
 
 @jit_lean
-def note_rocking(par, mode, foot, step, t, looks, w, out):
-    """Extremes of a step on one edge: rotation, its rate, the normal force, the top."""
-    c, guard, found, m, x = w[row.Q], w[row.GUARD], w[row.FOUND], step.order, step.x
-    extremes(c, m, x, looks, found)
+def note_rotation(foot, step, t, looks, w, out):
+    """Largest rotation of a step on one edge."""
+    found = w[row.FOUND]
+    extremes(w[row.Q], step.order, step.x, looks, found)
     note_angle(found[0], foot.s, t + found[1], out)
+
+
+@jit_lean
+def note_rocking(par, mode, foot, step, looks, w, out):
+    """Extremes of a step on one edge: rate of the rotation, the normal force, the top."""
+    c, guard, found, m, x = w[row.Q], w[row.GUARD], w[row.FOUND], step.order, step.x
     for k in range(m):
         guard[k] = (k + 1) * c[k + 1]
     extremes(guard, m - 1, x, looks, found)

@@ -17,6 +17,7 @@ class Settings(NamedTuple):
         max_steps: most steps of a case.
         order: of the Taylor series.
         balance: the balance of energy is wanted, for which the work along every step is integrated.
+        extremes: peaks of the rate and of the top, and the smallest normal force, are wanted.
     """
 
     tol: float
@@ -24,6 +25,7 @@ class Settings(NamedTuple):
     max_steps: int
     order: int
     balance: bool
+    extremes: bool
 
 
 class Scales(NamedTuple):

@@ -27,6 +27,9 @@ MAX_STEPS = {True: 5_000_000, False: 100_000}
 """Steps a case may take, compiled or not."""
 
 
+EXTREMES = frozenset({"theta_dot_peak", "N_min_over_mg", "u_top_peak"})
+"""Scalars that cost a look along every step."""
+
 HISTORIES = ("theta", "theta_dot", "slide", "slide_dot", "contact_mode", "lift")
 """What the kernel writes at output times."""
 
@@ -38,6 +41,13 @@ class Raw:
         self.out = np.zeros((n, to.N_OUT))
         self.histories = np.full((n, len(HISTORIES), n_time), np.nan)
         self.impacts = np.full((n, 3, n_impacts), np.nan)
+
+    def rows(self, kept: NDArray[np.bool_]) -> Raw:
+        """Of some cases."""
+        some = Raw(0, 0, 0)
+        for name, values in vars(self).items():
+            setattr(some, name, values[kept])
+        return some
 
     def put(self, rows: NDArray[np.int64], other: Raw) -> None:
         """Take other runs, as large, in place of those of some cases."""
@@ -78,6 +88,7 @@ def _march(batch: Batch, pars: Array, level: Accuracy, raw: Raw) -> None:
         max_steps=MAX_STEPS[bool(kernels.compiled)],
         order=ORDER,
         balance="energy_residual" in batch.save.scalars,
+        extremes=bool(batch.save.scalars & EXTREMES),
     )
     *written, out = outputs
     kernel.march_all(

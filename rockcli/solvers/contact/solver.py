@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import FALLS, ILL_POSED
+from rockcli.kernels.constants import DONE, FALLS, ILL_POSED
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.contact import slides_only
@@ -39,10 +39,13 @@ SHEETS = (0.0, -1.0, 1.0)
 """Runs that a nearly flat landing is judged by: as its tilt has it, on the left edge first, on the right one."""
 
 
-def with_contact(batch: Batch, response: Response, level: Accuracy) -> Response:
+def with_contact(batch: Batch, response: Response, level: Accuracy, open_: Mask) -> Response:
     """The response of pure rocking with, in its place, that of bodies that slide or leave the ground.
 
     Adds what only friction decides to all cases with a `mu`; cases without stay as they are, with NaN for it.
+
+    Args:
+        open_: where nobody looked at the forces of pure rocking, (n,): all modes of contact tell whether it holds.
     """
     given = np.isfinite(batch.block.mu)
     scalars: dict[str, Any] = dict(response.scalars)
@@ -55,8 +58,9 @@ def with_contact(batch: Batch, response: Response, level: Accuracy) -> Response:
     if histories:
         histories |= held_histories(batch, histories)
     response = replace(response, scalars=scalars, histories=histories)
-    rows = np.flatnonzero(given & _leaves_rocking(batch, scalars))
-    return _solved(batch, response, rows, level) if len(rows) else response
+    leaves = _leaves_rocking(batch, scalars)
+    rows = np.flatnonzero(given & (leaves | open_))
+    return _solved(batch, response, rows, level, open_[rows] & ~leaves[rows]) if len(rows) else response
 
 
 def has_contact_forces(batch: Batch) -> Mask:
@@ -79,9 +83,15 @@ def _leaves_rocking(batch: Batch, scalars: dict[str, Any]) -> Mask:
     return np.asarray(slides_only(batch) | pushed | (has_contact_forces(batch) & answered & (needs | lifts)))
 
 
-def _solved(batch: Batch, response: Response, rows: Index, level: Accuracy) -> Response:
+def _solved(batch: Batch, response: Response, rows: Index, level: Accuracy, open_: Mask) -> Response:
+    """The response with that of all modes of contact for some cases; not of those `open_` that only rock, (rows,)."""
     some = batch.rows(rows)
     raw = run(some, level, histories=bool(response.histories))
+    if open_.any():  # in a map: no histories, no further runs
+        kept = ~(open_ & _only_rocks(raw.out))
+        rows, some, raw = rows[kept], some.rows(np.flatnonzero(kept)), raw.rows(kept)
+        if not len(rows):
+            return response
     judgement = _judged(some, raw, level) if batch.save.scalars & CERTAINTY else None
     rocking = {name: np.asarray(values)[rows] for name, values in response.scalars.items()}
     found, said = answer(some, raw, rocking, has_contact_forces(some))
@@ -108,6 +118,13 @@ def _solved(batch: Batch, response: Response, rows: Index, level: Accuracy) -> R
             name: _with_rows(_padded(values, most), rows, _padded(hits[name], most)) for name, values in impacts.items()
         }
     return replace(response, scalars=scalars, reasons=reasons, time=time, histories=histories, impacts=impacts)
+
+
+def _only_rocks(out: Array) -> Mask:
+    """Where no foot slips and none leaves the ground, (n,), or but on the way to the ground, beyond the equilibrium."""
+    first = np.fmin(out[:, to.T_SLIP], out[:, to.T_FLIGHT])
+    falling = (out[:, to.VERDICT] == FALLS) & (out[:, to.T_OVERTURN] <= first)
+    return np.asarray((out[:, to.STATUS] == DONE) & (np.isnan(first) | falling))
 
 
 def _with_rows(values: NDArray[Any], rows: Index, new: Any) -> NDArray[Any]:

@@ -34,7 +34,7 @@ from rockcli.solvers.common.certainty import (
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.ground import channel_of
 from rockcli.solvers.contact.screen import surely_holds
-from rockcli.solvers.contact.solver import with_contact
+from rockcli.solvers.contact.solver import has_contact_forces, with_contact
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
 from rockcli.solvers.event.nudges import finer_than, nudges
@@ -43,6 +43,7 @@ from rockcli.solvers.event.unpack import Raw, histories_of, scalars_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 MAX_STEPS = {True: 20_000_000, False: 30_000}
 """Steps a case may take, compiled or not; a case that needs more uncompiled is solved again compiled."""
@@ -70,15 +71,16 @@ def solve(batch: Batch) -> Response:
     march = kernels.load(compile_them=records or seconds > COMPILE_ABOVE)
     in_lanes = pulses or (records and bool(kernels.compiled))
 
-    def attempt() -> Raw:
+    def attempt() -> tuple[Raw, Mask]:
         if in_lanes:
             return _lanes(march, batch, parameters, level)
-        return _march(march, batch, parameters, level, histories=batch.save.histories)
+        run = _march(march, batch, parameters, level, histories=batch.save.histories)
+        return run, np.zeros(batch.size, dtype=bool)
 
-    run = attempt()
+    run, open_ = attempt()
     if not kernels.compiled and np.any(run.out[:, to.STATUS] == OUT_OF_STEPS):
         march = kernels.load(compile_them=True)
-        run = attempt()  # by the same kernels, so that no case depends on those it is solved with
+        run, open_ = attempt()  # by the same kernels, so that no case depends on those it is solved with
 
     judgement = _judged(march, batch, parameters, level, run) if batch.save.scalars & CERTAINTY else None
     scalars, reasons = scalars_of(batch, run)
@@ -93,7 +95,7 @@ def solve(batch: Batch) -> Response:
     }
     histories, impacts, t = histories_of(batch, run) if batch.save.histories else ({}, {}, np.empty(0))
     response = Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
-    return with_contact(batch, response, level)
+    return with_contact(batch, response, level, open_)
 
 
 def _judged(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, run: Raw) -> Judgement:
@@ -139,11 +141,12 @@ def _method(pulses: bool, in_lanes: bool, level: Accuracy) -> str:
     return lane_pulses.METHOD if pulses else lane_records.METHOD
 
 
-def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> Raw:
-    """A map of pulses or of a record in lanes.
+def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> tuple[Raw, Mask]:
+    """A map of pulses or of a record in lanes, and where it is open whether friction holds a body.
 
-    One by one those of two different edges, with a given duration, those the lanes hand over, and those of which their
-    rotation alone does not tell that friction holds them.
+    One by one those of two different edges, with a given duration, and those the lanes hand over.  Open is what the
+    rotation alone does not tell; of bodies without consistent contact forces it is told from the forces of pure
+    rocking, one by one.
     """
     rows = np.ascontiguousarray(parameters)
     given = np.isfinite(batch.block.mu)
@@ -164,15 +167,18 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
         found = lane_records.run(lanes, batch, rows[cases], _settings(lanes, batch, level, how_much))
     run.out[:, to.STATUS] = np.nan
     run.out[cases] = found
+    open_ = np.zeros(batch.size, dtype=bool)
     if given.any():
         held = surely_holds(batch, run.out[:, to.PEAK], run.out[:, to.VERDICT] == RETURNS)
-        run.out[given & ~held & ~slides_only(batch), to.STATUS] = np.nan
+        open_ = given & ~held & ~slides_only(batch)
+        run.out[open_ & ~has_contact_forces(batch), to.STATUS] = np.nan
+        open_ &= ~np.isnan(run.out[:, to.STATUS])
     left = np.flatnonzero(np.isnan(run.out[:, to.STATUS]))
     if len(left):
         alone = Raw(len(left), 0, 0)
         _march_rows(march, batch, rows[left], level, alone, _detail(march, batch, False), cases=left)
         run.out[left] = alone.out
-    return run
+    return run, open_
 
 
 def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, *, histories: bool) -> Raw:
