@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 import yaml
 
 from rockcli.engine.run import solve
@@ -47,6 +49,18 @@ def made_up(batch: Batch) -> Response:
     }
     reasons = [f"number {r} is unlucky" if r % 7 == 0 else "even" if r % 2 == 0 else "" for r in rank.tolist()]
     return Response(scalars=scalars, reasons=reasons, used={"backend": "made up", "model": batch.model})
+
+
+def counting(monkeypatch: pytest.MonkeyPatch, answer: Callable[[Batch], Response] = made_up) -> list[int]:
+    """Have made-up answers in place of the event-driven solver; sizes of the batches, as they are solved."""
+    sizes: list[int] = []
+
+    def solver(batch: Batch) -> Response:
+        sizes.append(batch.size)
+        return answer(batch)
+
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
+    return sizes
 
 
 def study(**more: Any) -> Study:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from swept import CASES, assert_same, made_up, solved, study, write_study
+from swept import CASES, assert_same, counting, made_up, solved, study, write_study
 
 from rockcli.engine.lock import LOCK_NAME, locked
 from rockcli.engine.run import run_study
@@ -23,24 +23,15 @@ from rockcli.engine.sweep.chunk_result import ChunkResult, blank, cases_of, span
 from rockcli.engine.sweep.parts import FOLDER, Parts
 from rockcli.engine.sweep.settings_used import joined
 from rockcli.errors import OutputError, StudyError
-from rockcli.scene.batch import Batch
-from rockcli.scene.response import Response
 from rockcli.storage import netcdf
 
 
 @pytest.fixture
 def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Cases solved, batch by batch; three at a time, every one kept at once."""
-    sizes: list[int] = []
-
-    def solver(batch: Batch) -> Response:
-        sizes.append(batch.size)
-        return made_up(batch)
-
-    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
     monkeypatch.setattr(sweep, "CHUNK", 3)
     monkeypatch.setattr(parts, "EVERY", -1.0)
-    return sizes
+    return counting(monkeypatch)
 
 
 def stop_after(monkeypatch: pytest.MonkeyPatch, chunks: int, error: type[BaseException]) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from swept import assert_same
+from swept import assert_same, counting
 
 from rockcli.cli.words import report_text
 from rockcli.engine.run import run_study, solve
@@ -60,14 +60,7 @@ def unlucky(batch: Batch) -> Response:
 @pytest.fixture
 def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Sizes of the batches solved by `made_up`."""
-    sizes: list[int] = []
-
-    def solver(batch: Batch) -> Response:
-        sizes.append(batch.size)
-        return made_up(batch)
-
-    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
-    return sizes
+    return counting(monkeypatch, made_up)
 
 
 def study(**more: Any) -> Study:

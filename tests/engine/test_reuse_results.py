@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from swept import STUDY, assert_same, made_up, solved, study
+from swept import STUDY, assert_same, counting, solved, study
 
 from rockcli.engine.run import check_study, run_study
 from rockcli.errors import StudyError
@@ -21,14 +21,7 @@ from rockcli.study.open import open_study
 
 @pytest.fixture
 def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    sizes: list[int] = []
-
-    def solver(batch: Batch) -> Response:
-        sizes.append(batch.size)
-        return made_up(batch)
-
-    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
-    return sizes
+    return counting(monkeypatch)
 
 
 def with_axis(path: str, points: Any) -> Any:

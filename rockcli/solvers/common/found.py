@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import DONE, OUT_OF_STEPS
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
 from rockcli.scene.response import (
@@ -92,6 +93,17 @@ class Found:
 def rigid_top(batch: Batch, peak: Array) -> Array:
     """Largest displacement of the top of bodies that do not bend, their largest |theta| given, (n,) [m]."""
     return np.asarray(batch.block.top * np.sin(np.minimum(peak, 0.5 * np.pi)))
+
+
+ON_SEPARATRIX = "on the separatrix to machine precision: double precision does not decide whether it overturns"
+
+
+def broke_off(status: float, steps: float, t: float | None = None) -> str:
+    """Why a run of a kernel broke off after `steps` at `t` [s] if known, by its STATUS; "" if it came to its end."""
+    if status == OUT_OF_STEPS:
+        return f"gave up after {steps:.0f} steps" + ("" if t is None else f" at t = {t:.6g} s")
+    finite = "the solution ceased to be finite: check the motion and the body for extreme numbers"
+    return "" if status == DONE else finite
 
 
 def counts(values: Array) -> NDArray[np.int64]:

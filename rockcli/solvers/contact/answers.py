@@ -14,7 +14,7 @@ from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.contact import slides_only
 from rockcli.scene.response import NO_UPLIFT, SLIDING, UNRESOLVED
 from rockcli.solvers.common.certainty import withdraw
-from rockcli.solvers.common.found import Found, counts, note_unstored
+from rockcli.solvers.common.found import ON_SEPARATRIX, Found, broke_off, counts, note_unstored
 from rockcli.solvers.contact.run import Raw
 
 Array = NDArray[np.float64]
@@ -109,11 +109,11 @@ def _reasons(
     for i, row in enumerate(out):
         said = []
         if row[to.STATUS] != DONE:
-            said.append(f"gave up after {row[to.N_STEPS]:.0f} steps at t = {row[to.T_END]:.6g} s")
+            said.append(broke_off(row[to.STATUS], row[to.N_STEPS], row[to.T_END]))
         elif unknown[i]:
             said.append("leaves the ground or tips while it slides: this model has no consistent contact forces")
         elif scalars["outcome"][i] == UNRESOLVED:
-            said.append("on the separatrix to machine precision: double precision does not decide whether it overturns")
+            said.append(ON_SEPARATRIX)
         elif only[i] and scalars["outcome"][i] == SLIDING and row[to.N_FLIGHTS] == 0:
             said.append(SLIDES)
         if row[to.NEARLY_FLAT] < ILL_POSED and row[to.STATUS] == DONE and not unknown[i]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
+from rockcli.kernels.constants import DONE, FALLS, UNDECIDED
 from rockcli.kernels.formulas import potential, restoring
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
@@ -16,7 +16,7 @@ from rockcli.scene.models import MODELS
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.certainty import withdraw
-from rockcli.solvers.common.found import IMPACTS, Found, counts, note_unstored, rigid_top
+from rockcli.solvers.common.found import IMPACTS, ON_SEPARATRIX, Found, broke_off, counts, note_unstored, rigid_top
 from rockcli.solvers.common.ground import ground_history
 
 Array = NDArray[np.float64]
@@ -159,12 +159,10 @@ def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list
     withdraw(scalars, refused)
     for i in np.flatnonzero((outcome < 0) | slides | lifts):
         said = []
-        if status[i] == OUT_OF_STEPS:
-            said.append(f"gave up after {scalars['n_steps'][i]} steps at t = {out[i, to.T_END]:.6g} s")
-        elif status[i] != DONE:
-            said.append("the solution ceased to be finite: check the motion and the block for extreme numbers")
+        if status[i] != DONE:
+            said.append(broke_off(status[i], out[i, to.N_STEPS], out[i, to.T_END]))
         elif outcome[i] == UNRESOLVED and not refused[i]:
-            said.append("on the separatrix to machine precision: double precision does not decide whether it overturns")
+            said.append(ON_SEPARATRIX)
         if slides[i]:
             words = "at an impact" if scalars["mu_impact"][i] > mu[i] else "while it rocks or before"
             said.append(f"needs mu = {needs[i]:.3g}: it would slide {words}, which this model has no forces for")

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels.column import layout as at
-from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
+from rockcli.kernels.constants import DONE, FALLS, UNDECIDED
 from rockcli.scene.batch import Batch
-from rockcli.solvers.common.found import IMPACTS, Found, counts, note_unstored
+from rockcli.solvers.common.found import IMPACTS, Found, broke_off, counts, note_unstored
 from rockcli.solvers.common.ground import ground_history
 from rockcli.solvers.flexible.column import Prepared
 
@@ -63,11 +63,8 @@ def scalars_of(
     }
     reasons = list(refusals)
     for i in np.flatnonzero((found.outcome < 0) & ~refused):
-        if out[i, at.STATUS] == OUT_OF_STEPS:
-            reasons[i] = f"gave up after {scalars['n_steps'][i]} steps"
-        elif out[i, at.STATUS] != DONE:
-            reasons[i] = "the solution ceased to be finite: check the motion and the column for extreme numbers"
-        else:
+        reasons[i] = broke_off(out[i, at.STATUS], scalars["n_steps"][i])
+        if out[i, at.STATUS] == DONE:
             reasons[i] = "vibration keeps its energy above that of overturning: free rocking did not decide"
     note_unstored(batch, found.n_impacts, reasons)
     return scalars, reasons
