@@ -14,7 +14,8 @@ from rockcli.motion.spectrum import displacement_spectrum, forcing
 from rockcli.scene.batch import Batch
 from rockcli.scene.damping import Fema356
 from rockcli.scene.excitation import Channel, Samples
-from rockcli.scene.rules import RULES, Facts
+from rockcli.scene.rules import RULES, Facts, Spectra
+from rockcli.scene.spectra import DesignSpectrum
 from rockcli.solvers import fema356
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.cases.buildable import buildable
@@ -25,6 +26,9 @@ Array = NDArray[np.float64]
 MOST = 20_000
 """Cases for which a response spectrum each is reasonable."""
 
+GIVEN = "given by the study, taken as it stands whatever the damping"
+"""Attribute `spectrum` of what a rule read on it."""
+
 _PERIODS = np.geomspace(0.05, 16.0, 160)
 """Periods [s] between which a record's spectrum is interpolated (a pulse scales them by its own period)."""
 
@@ -34,7 +38,7 @@ class Misled:
     """A rule against the histories of a study.
 
     Attributes:
-        name: of the rule; cases: where both have an answer.
+        name: of the rule; edition: of its standard, or the year of its paper; cases: where both have an answer.
         unconservative: the rule lets stand what the history overturns; false_alarms: the opposite.  A case of which a
             part of the runs overturns counts by that part.
     """
@@ -43,6 +47,7 @@ class Misled:
     cases: int
     unconservative: float
     false_alarms: float
+    edition: str = ""
 
 
 def check_rules(study: Study) -> None:
@@ -62,10 +67,12 @@ def with_rules(contents: Contents, study: Study) -> Contents:
         with np.errstate(all="ignore"):
             for indices, batch in buildable(study.batches, np.arange(study.size)):
                 for name in study.rules:
-                    values[name][indices] = _evaluate(name, batch)
+                    values[name][indices] = _evaluate(name, batch, study.rules_spectrum)
         for name, flat in values.items():
             rule = RULES[name]
-            said = {"references": rule.source, "comment": rule.caveat}
+            said = {"references": rule.source, "comment": rule.caveat, "edition": rule.edition}
+            if rule.takes_given and study.rules_spectrum is not None:
+                said["spectrum"] = GIVEN
             field = variable_field(rule.variable, contents.axes, flat.reshape(study.shape), **said)
             fields[rule.variable] = field
     return Contents(contents.axes, fields, contents.attrs)
@@ -78,22 +85,36 @@ def misled(contents: Contents) -> tuple[Misled, ...]:
     share = members(contents).share
     found = []
     for rule in RULES.values():
-        if rule.variable not in contents.fields:
+        if rule.variable not in contents.fields or not rule.of_overturning:
             continue
         values = contents.values(rule.variable)
         both = ~np.isnan(share) & ~np.isnan(values)
         predicted = np.isinf(values) | (values > rule.limit)
         unconservative, false_alarms = share[both & ~predicted].sum(), (1.0 - share)[both & predicted].sum()
-        found.append(Misled(rule.name, int(both.sum()), float(unconservative), float(false_alarms)))
+        counted = float(unconservative), float(false_alarms)
+        found.append(Misled(rule.name, int(both.sum()), *counted, rule.edition))
     return tuple(found)
 
 
-def _evaluate(name: str, batch: Batch) -> Array:
-    """One rule for every case of a batch, (n,), about the edge that gives way first; NaN without a motion."""
+def _evaluate(name: str, batch: Batch, given: DesignSpectrum | None) -> Array:
+    """One rule for every case of a batch, (n,), about the edge that gives way first.
+
+    NaN without a motion, or the spectrum that is given for it.
+    """
     block, motion, n = batch.block, batch.excitation.horizontal, batch.size
-    if motion is None:
+    given = given if RULES[name].takes_given else None
+    if motion is None and given is None:
         return np.full(n, np.nan)
     pga, pgv = peaks(motion, n, batch.excitation.duration)
+    spectra: Spectra
+    if given is not None:
+        spectra = _Given(*(given.values[key][0] for key in ("periods", "S_a")))
+        pga = np.full(n, spectra.interpolated(0, 0.0)[1][0])  # of the spectrum, at its shortest period
+    else:
+        assert motion is not None
+        spectra = _Spectra(motion, batch.excitation.duration)
+    up = batch.excitation.vertical
+    a_v = np.zeros(n) if up is None else peaks(up, n, batch.excitation.duration)[0]
     return RULES[name].of(
         Facts(
             R=block.of_weak_edge(block.R),
@@ -103,7 +124,9 @@ def _evaluate(name: str, batch: Batch) -> Array:
             g=batch.g,
             pga=pga,
             pgv=pgv,
-            spectra=_Spectra(motion, batch.excitation.duration),
+            mu=block.mu,
+            a_v=a_v,
+            spectra=spectra,
             fema356=lambda: _fema356(batch),
         )
     )
@@ -116,6 +139,21 @@ def _fema356(batch: Batch) -> Array:
     damping = replace(batch.damping, scheme="fema356", fema356=scheme)
     found = fema356.solve(replace(batch, model="rigid", geometry=None, damping=damping, save=wanted)).scalars
     return np.asarray(found["theta_peak_over_alpha"], dtype=np.float64)
+
+
+class _Given:
+    """A floor response spectrum that the study gives: every case's, taken as it stands whatever the damping."""
+
+    def __init__(self, periods: Array, S_a: Array) -> None:
+        self._periods, self._S_a = periods, S_a
+
+    def S_a(self, case: int, zeta: float, periods: Array) -> Array:
+        """At periods (m,) [s]: (m,) [m/s²]."""
+        return np.interp(periods, self._periods, self._S_a)
+
+    def interpolated(self, case: int, zeta: float) -> tuple[Array, Array]:
+        """Periods [s], ascending, and values to interpolate between."""
+        return self._periods, self._S_a
 
 
 class _Spectra:

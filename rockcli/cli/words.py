@@ -77,7 +77,7 @@ def _rules(report: RunReport) -> list[str]:
     lines = []
     for number, rule in enumerate(speaking):
         missed = f"{rule.unconservative:.4g} unconservative (stable by the rule, overturned by the history)"
-        words = f"{rule.name}: {missed}, {rule.false_alarms:.4g} false alarms, of {rule.cases}"
+        words = f"{rule.name}: {missed}, {rule.false_alarms:.4g} false alarms, of {rule.cases} ({rule.edition})"
         lines.append(_row("rules" if number == 0 else "", words))
     return lines
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from rockcli.scene.auto import highest
 from rockcli.scene.backends import BACKENDS, EVENT
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
+from rockcli.scene.rules import RULES
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
@@ -25,6 +28,12 @@ PLAIN = 100.0
 REFINED = 30.0
 """Cases that a refined map of n x n pixels solves, over n."""
 
+SPECTRUM = 0.02
+"""A response spectrum that a rule takes [s]."""
+
+FEMA = "fema356"
+"""The rule, and the backend, of that name."""
+
 HISTORY = 2e-7
 """An output time of a case whose histories are saved [s]."""
 
@@ -34,6 +43,12 @@ def seconds_per_case(batch: Batch, backend: str) -> float:
     motion = batch.excitation.horizontal
     samples = len(motion.values) if isinstance(motion, Samples) else 0
     return _solving(batch, backend, samples) + (_length(batch) / batch.save.dt_out * HISTORY * batch.save.histories)
+
+
+def seconds_of_rules(rules: Sequence[str], batch: Batch) -> float:
+    """Time that the rules beside the history need for a case of a batch, typically [s]."""
+    spectra = sum(RULES[name].spectral for name in rules) * SPECTRUM
+    return spectra + (seconds_per_case(batch, FEMA) if FEMA in rules else 0.0)
 
 
 def seconds_in_plain_python(batch: Batch) -> float:

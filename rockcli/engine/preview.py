@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rockcli.analysis.measures import peaks
 from rockcli.engine.auto import prospect
 from rockcli.engine.backends import choose
-from rockcli.engine.cost import STARTING, seconds_per_case, share_refined
+from rockcli.engine.cost import STARTING, seconds_of_rules, seconds_per_case, share_refined
 from rockcli.engine.sweep.history_size import HISTORIES_AT_MOST, histories_size
 from rockcli.errors import SolverError
 from rockcli.scene.auto import AUTO
@@ -103,7 +103,7 @@ def _preview(study: Study) -> Preview:
     seconds = 0.0
     for indices, part in study.batches(np.arange(looked_at)):
         said += part.warnings
-        seconds += len(indices) * seconds_per_case(part, _backend(part))
+        seconds += len(indices) * (seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part))
     return Preview(
         name=study.name,
         title=study.title,

@@ -42,7 +42,8 @@ class Spectra(Protocol):
 class Facts:
     """What a rule may ask about n cases: body about the edge that gives way first, and motion, (n,) each, SI.
 
-    `spectra`: of the motions.  `fema356()`: rotation over alpha by the damping scheme of that name.
+    `mu`: friction of the base; `a_v`: peak vertical acceleration.  `spectra`: of the motions.  `fema356()`: rotation
+    over alpha by the damping scheme of that name.
     """
 
     R: Array
@@ -52,6 +53,8 @@ class Facts:
     g: Array
     pga: Array
     pgv: Array
+    mu: Array
+    a_v: Array
     spectra: Spectra
     fema356: Callable[[], Array]
 
@@ -61,11 +64,13 @@ class Rule:
     """A row.
 
     Attributes:
-        name: in the study; variable, symbol, meaning: of what it fills in the dataset.
+        name: in the study; variable, symbol, unit, meaning: of what it fills in the dataset.
         limit: values above it predict overturning (inf: only an infinite value does).
         of: the value of every case, (n,).
         sentence, source, caveat: what it is, where it is from, what it leaves out.
-        spectral: whether it takes a response spectrum per case.
+        edition: of the standard, or the year of the paper.
+        spectral: whether it takes a response spectrum per case; takes_given: one that the study gives, in its place.
+        of_overturning: whether it tells if the body overturns.
     """
 
     name: str
@@ -77,7 +82,11 @@ class Rule:
     sentence: str
     source: str
     caveat: str
+    edition: str
     spectral: bool = False
+    takes_given: bool = False
+    of_overturning: bool = True
+    unit: str = "1"
 
 
 def impulsive_velocity(R: Array, alpha: Array, inertia: Array, g: Array) -> Array:
@@ -151,6 +160,43 @@ def _asce43(facts: Facts) -> Array:
     return out
 
 
+def asce43_friction(mu: Array, a_v: Array, g: Array) -> Array:
+    """Effective coefficient of friction under a peak vertical acceleration a_v [m/s²]: mu (1 - 0.4 a_v/g)."""
+    return np.maximum(mu * (1.0 - 0.4 * a_v / g), 0.0)
+
+
+SLIDING_ZETA = 0.1
+"""Damping ratio of the spectrum that sliding is read on."""
+
+
+def _asce43_sliding(facts: Facts) -> Array:
+    out = np.empty(len(facts.g))
+    effective = asce43_friction(facts.mu, facts.a_v, facts.g)
+    for i, (mu, g, pga) in enumerate(zip(effective, facts.g, facts.pga, strict=True)):
+        if np.isnan(mu) or pga <= mu * g:
+            out[i] = np.nan if np.isnan(mu) else 0.0
+            continue
+        T, S_a = facts.spectra.interpolated(i, SLIDING_ZETA)
+        out[i] = asce43_slide(T, S_a, 2.0 * mu * g)
+    return out
+
+
+def asce43_slide(T: Array, S_a: Array, c_s: float) -> float:
+    """Sliding distance c_s/(2 pi f)² [m] at the lowest frequency f at which the spectrum has the value c_s [m/s²].
+
+    0 where the spectrum is below it throughout; NaN where it is still above at the longest of the periods T (m,) [s].
+    """
+    above = np.flatnonzero(S_a >= c_s)
+    if not len(above):
+        return 0.0
+    last = int(above[-1])
+    if last == len(T) - 1:
+        return float("nan")
+    share = (S_a[last] - c_s) / (S_a[last] - S_a[last + 1])
+    period = T[last] + share * (T[last + 1] - T[last])
+    return float(c_s * (period / (2.0 * np.pi)) ** 2)
+
+
 def _largest_root(excess: Array) -> float:
     """theta/alpha from which on the capacity is enough; inf if it is not at alpha."""
     over = np.flatnonzero(excess > 0.0)
@@ -174,6 +220,7 @@ _ROWS: tuple[Rule, ...] = (
         "PGA over g b/h",
         "West, in Milne (1885), Trans. Seismological Society of Japan 8",
         "the acceleration at which a body lifts, not at which it overturns: on the safe side",
+        "1885",
     ),
     Rule(
         "ishiyama",
@@ -185,6 +232,7 @@ _ROWS: tuple[Rule, ...] = (
         "the smaller of PGA over g b/h and PGV over 0.4 of the impulsive velocity that overturns",
         "Ishiyama (1982), Earthq. Eng. Struct. Dyn. 10; (1984), 8th WCEE",
         "lower limits from simulations and tests: overturning needs both, and may not happen beyond them",
+        "1982, 1984",
     ),
     Rule(
         "housner",
@@ -197,6 +245,7 @@ _ROWS: tuple[Rule, ...] = (
         "Housner (1963), Bull. Seism. Soc. Am. 53(2)",
         "a probability of 50 %, for a constant velocity spectrum and slender bodies; S_v is taken as the mean "
         "pseudo-velocity of 5 % damping over periods of 0.1 to 2.5 s",
+        "1963",
         spectral=True,
     ),
     Rule(
@@ -210,7 +259,26 @@ _ROWS: tuple[Rule, ...] = (
         "ASCE/SEI 43-05, appendix A.2",
         "an equivalent oscillator on the response spectrum; horizontal motion alone; where several rotations "
         "satisfy it, the largest",
+        "ASCE/SEI 43-05",
         spectral=True,
+        takes_given=True,
+    ),
+    Rule(
+        "asce43_sliding",
+        "asce43_slide",
+        r"$\delta_{\mathrm{ASCE\\ 43}}$",
+        "ASCE 43-05: best-estimate sliding distance",
+        np.inf,
+        _asce43_sliding,
+        "best-estimate sliding distance c_s/(2 pi f)², c_s = 2 mu (1 - 0.4 a_v/g) g, f the lowest frequency at which "
+        "the 10 %-damped spectrum has the value c_s; 0 below the acceleration of sliding",
+        "ASCE/SEI 43-05, appendix A.1 (recalled, not re-read)",
+        "one horizontal component in the place of the vector of two; a body that does not tip",
+        "ASCE/SEI 43-05",
+        spectral=True,
+        takes_given=True,
+        of_overturning=False,
+        unit="m",
     ),
     Rule(
         "fema356",
@@ -223,6 +291,7 @@ _ROWS: tuple[Rule, ...] = (
         "FEMA-356 (2000), section 4.4.2 and the thesis's (3.4)-(3.7)",
         "an equivalent oscillator on the response spectrum, known to be poor (docs/fema356.md); the whole weight "
         "at the base",
+        "FEMA-356 (2000)",
         spectral=True,
     ),
 )

@@ -563,7 +563,7 @@ _ROWS: tuple[Variable, ...] = (
         "1",
         "largest |model - block| of the overturning moment over the block's at 0",
     ),
-    *(Variable(rule.variable, rule.symbol, CASE, "1", rule.meaning) for rule in RULES.values()),
+    *(Variable(rule.variable, rule.symbol, CASE, rule.unit, rule.meaning) for rule in RULES.values()),
 )
 
 VARIABLES: dict[str, Variable] = {row.name: row for row in (*_ROWS, *_SUITE_ROWS)}

@@ -46,6 +46,7 @@ from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.features import check_curves
 from rockcli.study.identity import as_yaml, identity, lays_over, plain, sweep_id
 from rockcli.study.plausibility import surely_meant
+from rockcli.study.rules_spectrum import read_rules_spectrum
 from rockcli.study.schema import NO_PLOTS, CasePart, OverPart, StudyPart
 from rockcli.study.study import SAMPLE, Expect, Study
 from rockcli.study.unused import replaced_records, unused_symbols
@@ -148,6 +149,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         histories_at=at,
         curves=tuple(dict.fromkeys(part.curves)),
         rules=tuple(dict.fromkeys(part.rules)),
+        rules_spectrum=read_rules_spectrum(where, tree, part),
         search=search,
         over=over,
         uncertain=None if uncertain is None else uncertain[1],

@@ -258,6 +258,14 @@ class SpectrumPart(Part):
     S_X1: Number | None = key("fema356: 5 % spectral acceleration at 1 s [m/s²]")
 
 
+class FloorSpectrumPart(Part):
+    """A response spectrum of the floor the body stands on, at the damping that the rule asks for."""
+
+    periods: list[Number] = key("ascending periods [s], the first one that of the peak acceleration", ..., min_length=2)
+    S_a: list[Number] = key("pseudo-acceleration at each [m/s²], or in g with units: g", ..., min_length=2)
+    units: Literal["g", "m/s²"] = key("units of S_a", "m/s²")
+
+
 Spectrum = Annotated[SpectrumPart | None, BeforeValidator(lambda v: {"shape": "motion"} if v == "motion" else v)]
 
 
@@ -467,6 +475,9 @@ class StudyPart(Part):
     expect: list[ExpectPart] = key("pass/fail checks of the results", [])
     curves: list[Literal[CURVES]] = key("static curves", [])  # type: ignore[valid-type]
     rules: list[Literal[RULES]] = key("rules of thumb and code checks beside the history", [])  # type: ignore[valid-type]
+    rules_spectrum: FloorSpectrumPart | None = key(
+        "floor response spectrum for asce43 and asce43_sliding; default: that of the motion"
+    )
     audit: Audit = key(
         "solve again at a tighter accuracy and report what disagrees: true, or the share of the cases", False
     )

@@ -149,3 +149,97 @@ def test_fema356_is_that_of_the_damping_scheme() -> None:
     assert float(asked) == pytest.approx(0.3508, abs=1e-4)
     falls = solved(vary={"motion.pulse.a_p_over_g_tan_alpha": [0.9, 60.0]}, rules=["fema356"])
     assert falls.values("fema356_theta_over_alpha").tolist() == [0.0, np.inf]
+
+
+SPECTRUM = {"periods": [0.02, 0.1, 0.2, 0.5, 1.0, 2.0, 8.0], "S_a": [0.4, 0.9, 1.2, 1.0, 0.4, 0.1, 0.01], "units": "g"}
+
+
+def test_sliding_under_a_velocity_is_what_friction_takes_of_it() -> None:
+    """On a spectrum of constant velocity V the standard's distance is V²/c_s, the way to rest from V at mu g."""
+    V, mu = 0.8, 0.25
+    T = np.geomspace(0.05, 50.0, 4000)
+    found = rules.asce43_slide(T, 2.0 * np.pi * V / T, 2.0 * mu * G)
+    assert found == pytest.approx(V**2 / (2.0 * mu * G), rel=1e-5)
+    assert rules.asce43_slide(T, 0.1 * np.ones(4000), 2.0 * mu * G) == 0.0
+    assert np.isnan(rules.asce43_slide(T, 9.0 * np.ones(4000), 2.0 * mu * G))
+    assert rules.asce43_friction(np.array(0.5), np.array(0.5 * G), np.array(G)) == pytest.approx(0.4)
+
+
+def test_sliding_on_the_spectrum_of_the_motion() -> None:
+    motion = {
+        "pulse": {"shape": "sine", "a_p": "0.6*g", "f_p": 2.0},
+        "vertical": {"pulse": {"shape": "sine", "a_p": "0.3*g", "f_p": 5.0}},
+    }
+    case = {"block": {"R": 2.0, "tan_alpha": 0.4, "mu": 0.2}, "motion": motion}
+    contents = solved(case=case, vary={"block.mu": [0.2, 0.3, 0.7]}, rules=["asce43_sliding"])
+    found = contents.values("asce43_slide")
+    assert contents.fields["asce43_slide"].attrs["units"] == "m"
+    assert contents.fields["asce43_slide"].attrs["edition"] == "ASCE/SEI 43-05"
+    assert found[2] == 0.0  # 0.7 (1 - 0.4 0.3) is above 0.6
+    # by an integrated oscillator at the frequency it says
+    for mu, slide in zip([0.2, 0.3], found[:2], strict=True):
+        c_s = 2.0 * mu * (1.0 - 0.4 * 0.3) * G
+        f = np.sqrt(c_s / slide) / (2.0 * np.pi)
+        S_a = (2.0 * np.pi * f) ** 2 * spectral_displacement(f, 0.1, 0.6 * G)
+        assert S_a == pytest.approx(c_s, rel=0.01)
+    assert misled(contents) == ()  # it tells nothing of overturning
+    assert np.isnan(solved(rules=["asce43_sliding"]).values("asce43_slide"))  # no friction is given
+
+
+def test_a_given_floor_spectrum_takes_the_place_of_the_motion() -> None:
+    """Rocking and sliding by hand on the table, without any motion; rules that do not take it have no answer."""
+    g = G
+    free = {"block": {"h": 1.5, "b": 0.3, "mu": 0.1}, "initial": {"theta": 0.02}}
+    contents = solved(case=free, rules=["west", "asce43", "asce43_sliding"], rules_spectrum=SPECTRUM)
+    assert np.isnan(contents.values("west_ratio"))
+    T, S_a = np.array(SPECTRUM["periods"]), g * np.array(SPECTRUM["S_a"])
+    # sliding: 2 mu g = 0.2 g at two thirds of the way from 1 to 2 s
+    assert contents.values("asce43_slide") == pytest.approx(0.2 * g * (5.0 / 3.0 / (2.0 * np.pi)) ** 2, rel=1e-9)
+    # rocking: capacity and demand meet where it says
+    theta = float(contents.values("asce43_theta_over_alpha")) * np.arctan(0.2)
+    capacity, f = rules.asce43_capacity(np.array([theta]), 1.5, 0.2, 4.0 / 3.0, g)
+    assert np.interp(1.0 / f, T, S_a) == pytest.approx(capacity, rel=2e-3)
+    for name in ("asce43_slide", "asce43_theta_over_alpha"):
+        assert "given by the study" in contents.fields[name].attrs["spectrum"]
+    with_it, without = (open_study(study(**more)) for more in ({"rules_spectrum": SPECTRUM}, {}))
+    assert with_it.identity == without.identity
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"periods": [0.1, 0.2]}, "7 values for 2 periods"),
+        ({"periods": [0.1] * 7}, "must ascend"),
+        ({"S_a": [0.0] * 7}, "above zero"),
+        ({"S_v": 1.0}, "S_v"),
+    ],
+)
+def test_wrong_floor_spectra(changes: dict[str, object], words: str) -> None:
+    with pytest.raises(StudyError, match=words):
+        open_study(study(rules_spectrum=SPECTRUM | changes))
+
+
+def test_a_floor_spectrum_that_no_rule_reads_is_refused() -> None:
+    with pytest.raises(StudyError, match="read by none of the rules"):
+        open_study(study(rules=["west"], rules_spectrum=SPECTRUM))
+
+
+def test_the_edition_is_in_the_dataset_and_in_the_summary() -> None:
+    from rockcli.cli.words import report_text
+
+    opened = open_study(study(rules=["asce43", "west"]))
+    contents = solve(opened)
+    assert contents.fields["asce43_theta_over_alpha"].attrs["edition"] == "ASCE/SEI 43-05"
+    assert "(ASCE/SEI 43-05)" in report_text(report_on(opened, contents, status="solved"))
+
+
+@pytest.mark.parametrize("how", ["rule", "damping"])
+def test_the_cost_of_fema356_is_estimated(how: str) -> None:
+    """Tenths of a second a case, as it takes: not milliseconds."""
+    from rockcli.engine.preview import preview
+
+    plain = study(rules=[], vary={"block.R": {"from": 1.0, "to": 2.0, "n": 100}})
+    case = {**plain["case"], "damping": "fema356"}  # type: ignore[dict-item]
+    asked = plain | ({"rules": ["fema356"]} if how == "rule" else {"case": case})
+    assert preview(open_study(plain)).seconds < 2.0
+    assert 10.0 < preview(open_study(asked)).seconds < 60.0

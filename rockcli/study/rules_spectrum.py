@@ -1,0 +1,53 @@
+"""`rules_spectrum`: a floor response spectrum that code rules are read on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.constants import STANDARD_G
+from rockcli.scene.rules import RULES
+from rockcli.scene.spectra import DesignSpectrum
+from rockcli.study.document.expressions import ExpressionError, constant, parse
+from rockcli.study.document.tree import Map, Source
+from rockcli.study.schema import StudyPart
+
+KEY = "rules_spectrum"
+
+
+def read_rules_spectrum(source: Source, study: Map, part: StudyPart) -> DesignSpectrum | None:
+    """The table a study gives, of one case; None where it gives none.
+
+    Raises:
+        StudyError: lists of different lengths, periods that do not ascend, values that are no accelerations, or no rule
+            that takes it.
+    """
+    said = part.rules_spectrum
+    if said is None:
+        return None
+    if not any(RULES[name].takes_given for name in part.rules):
+        takers = ", ".join(name for name, rule in RULES.items() if rule.takes_given)
+        raise source.error(
+            study, (KEY,), f"is read by none of the rules asked for; expected one of {takers} in `rules`"
+        )
+    periods, S_a = (_numbers(source, study, key, getattr(said, key)) for key in ("periods", "S_a"))
+    if len(periods) != len(S_a):
+        raise source.error(study, (KEY, "S_a"), f"has {len(S_a)} values for {len(periods)} periods")
+    if periods[0] < 0.0 or not (np.diff(periods) > 0.0).all():
+        raise source.error(study, (KEY, "periods"), "must ascend, from zero or above")
+    if not (S_a > 0.0).all():
+        raise source.error(study, (KEY, "S_a"), "must be above zero")
+    factor = STANDARD_G if said.units == "g" else 1.0
+    return DesignSpectrum("table", {"periods": periods[None, :], "S_a": factor * S_a[None, :]})
+
+
+def _numbers(source: Source, study: Map, key: str, values: list[Any]) -> NDArray[np.float64]:
+    found = []
+    for i, value in enumerate(values):
+        try:
+            found.append(float(parse(value).evaluate(constant)) if isinstance(value, str) else float(value))
+        except ExpressionError as error:
+            raise source.error(study, (KEY, key, i), f": {error}") from None
+    return np.array(found)
