@@ -238,11 +238,14 @@ def _channel(batch: Batch, channel: Channel | None, uplift: float | None, which:
 
 def _record(samples: Samples, g: float, which: str, key: str) -> list[Row]:
     raw = samples.measures
+    in_file = [
+        Row(f"{key}pga_raw_g", f"{which}PGA in the file [g]", raw.get("pga_raw", np.nan) / g),
+        Row(f"{key}pgv_raw", f"{which}PGV in the file [m/s]", raw.get("pgv_raw", np.nan)),
+        Row(f"{key}factor", f"{which}factor", float(samples.factor[0])),
+    ]
     return [
         Row(f"{key}motion", f"{which}motion", samples.name),
         Row(f"{key}dt", f"{which}time step [s]", samples.dt),
         Row(f"{key}end", f"{which}length [s]", samples.end),
-        Row(f"{key}pga_raw_g", f"{which}PGA in the file [g]", raw.get("pga_raw", np.nan) / g),
-        Row(f"{key}pgv_raw", f"{which}PGV in the file [m/s]", raw.get("pgv_raw", np.nan)),
-        Row(f"{key}factor", f"{which}factor", float(samples.factor[0])),
+        *(in_file if samples.files else ()),
     ]

@@ -256,3 +256,13 @@ def test_inputs_are_numbers_or_expressions_that_no_case_changes():
     assert found.uncertain.inputs[0].words == "uniform, a 2, b 3"
     with pytest.raises(StudyError, match="differs from case to case"):
         open_study(study(vary={"block.alpha": [0.1, 0.2]}, uncertain={"block.R": {"uniform": ["10*alpha", 4]}}))
+
+
+def test_the_lowest_overturning_value_of_a_range_has_percentiles_over_samples(tmp_path):
+    """The rate that overturns is that of the energy of every sample; its median is theirs."""
+    searched = {"initial.theta_dot": {"from": 0.2, "to": 1.0, "n": 9, "find": "overturning"}}
+    opened = open_study(study(uncertain={"block.R": {"lognormal": [2.0, 0.3]}}, vary=searched, samples=21, save={}))
+    found = netcdf.read(run_study(opened, tmp_path).file)
+    want = limit(found.values("sampled_R"))
+    assert found.values("initial_theta_dot_overturning") == pytest.approx(want, rel=1e-5)
+    assert float(found.values("initial_theta_dot_overturning_p50")) == pytest.approx(np.median(want), rel=1e-5)

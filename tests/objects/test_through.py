@@ -184,3 +184,13 @@ def test_what_is_wrong_with_a_floor_is_said(motion, words, monkeypatch):
         open_study(study(case=case | {"motion": case["motion"] | motion}))
     with pytest.raises(StudyError, match="needs a motion of the ground"):
         open_study(study(case={"block": case["block"], "motion": {"through": NAMED["floor"]}}))
+
+
+def test_of_very_many_floors_the_history_tells_some():
+    pulse = {"shape": "ricker", "a_p": "0.5*g", "T_p": 0.5}
+    case = {"block": {"h": 0.9, "b": 0.2}, "motion": {"pulse": pulse, "through": [{"T": "T", "zeta": 0.05}]}}
+    opened = open_study(study(case=case, let={"T": 0.3}, uncertain={"let.T": {"uniform": [0.2, 0.5]}}, samples=30))
+    assert len(opened.processing) == 21
+    assert opened.processing["ricker pulse (...)"] == ("used in more than 20 ways",)
+    (said,) = opened.processing["ricker pulse"]  # nothing of a file, which a pulse has not
+    assert said.startswith("through T = ")

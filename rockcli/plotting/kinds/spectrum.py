@@ -67,6 +67,9 @@ def size_axis(dataset: xarray.Dataset) -> str | None:
     if "p" not in dataset.variables:
         return None
     along = [a for a in axes_of(dataset) if a in dataset["p"].dims]
+    suite = suite_of(dataset)
+    if suite is not None and along == [suite.axis]:  # sizes of the members
+        return None
     single = len(along) == 1 and is_numeric(dataset, along[0]) and dataset.sizes[along[0]] >= _FEWEST_SIZES
     return along[0] if single else None
 

@@ -19,6 +19,10 @@ DT_OUT = 0.005
 """Largest output spacing by default [s]."""
 
 
+MOST_USES = 20
+"""Ways in which one motion is used that are told."""
+
+
 @dataclass(eq=False)
 class Use:
     """A record used in one way: its files, the steps of its processing, and how it is scaled."""
@@ -39,6 +43,7 @@ class Found:
 
     dt_out: float = DT_OUT
     uses: dict[str, Use] = field(default_factory=dict)
+    more: dict[str, None] = field(default_factory=dict)
     still: bool = True
     models: dict[tuple[str, str | None], None] = field(default_factory=dict)
     schemes: set[str] = field(default_factory=set)
@@ -74,6 +79,9 @@ class Found:
         while label in self.uses and not self._same_use(self.uses[label], samples, scaling):  # used in two ways
             k += 1
             label = f"{name} ({k})"
+            if k > MOST_USES:  # as many as there are samples of an uncertain floor
+                self.more[name] = None
+                return
         known = self.uses.get(label)
         self.uses[label] = Use(
             samples.files, samples.processing, scaling if known is None else known.scaling.with_(scaling)
@@ -85,7 +93,11 @@ class Found:
 
     def processing(self) -> dict[str, tuple[str, ...]]:
         """What was done to each record, sentences in order, that about its scaling last."""
-        return {label: (*use.steps, use.scaling.sentence()) for label, use in self.uses.items()}
+        told = {
+            label: (*use.steps, *((use.scaling.sentence(),) if use.files else ()))  # a pulse has its own amplitude
+            for label, use in self.uses.items()
+        }
+        return told | {f"{name} (...)": (f"used in more than {MOST_USES} ways",) for name in self.more}
 
     def plausibility_warnings(self, study: Map) -> list[str]:
         """Sentences about what is hardly meant."""
