@@ -100,10 +100,10 @@ def test_a_door_per_reason(path):
 
 
 def test_programs_are_run_in_one_place():
-    """Watched, limited in time, and ended with what they have started; a film is written by ffmpeg alone, and kernels
+    """Watched, limited in time, and ended with what they have started; a video is written by ffmpeg alone, and kernels
     are compiled by this program itself, once more."""
     runners = {path.name for path in FILES if any(module == "subprocess" for module, _ in imports(path))}
-    assert runners == {"programs.py", "film.py", "build.py"}
+    assert runners == {"programs.py", "video.py", "build.py"}
 
 
 def name_of(path: Path) -> str:

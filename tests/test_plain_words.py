@@ -44,6 +44,7 @@ DEAD_NAMES = {
     r"rungs?|ladders?|climb": "setting, series, candidate",
     r"folds?|unfold": "reduction, reduced",
     r"unsafe|wary": "unconservative, false_alarms",
+    r"films?": "animation",
     r"agenda|diary|naive|reread|bury|deaths|lives|takeover": "chunks, trajectory, stepwise, crashes",
 }
 """The same of names of modules, functions, classes and their fields: one of the words between underscores."""

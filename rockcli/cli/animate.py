@@ -40,11 +40,11 @@ def animate(
         chosen[axis.strip()] = value.strip()
     line = Progress(file.stem, shown=not quiet, what="frames")
     try:
-        film = engine.animate(
+        animation = engine.animate(
             file, out, case=case, at=chosen, speed=speed, fps=fps, magnify=magnify, start=start, end=end, progress=line
         )
     finally:
         line.close()
-    say(str(film.path))
-    for note in () if quiet else film.notes:
+    say(str(animation.path))
+    for note in () if quiet else animation.notes:
         say(f"rock: {note}", err=True)

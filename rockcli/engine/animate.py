@@ -23,7 +23,7 @@ FASTEST = 50.0
 
 
 @dataclass(frozen=True)
-class Film:
+class Animation:
     """What was made: the file, the case it shows, its pictures, its length [s], what it leaves out."""
 
     path: Path
@@ -45,15 +45,15 @@ def animate(
     start: float | None = None,
     end: float | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> Film:
-    """Film one case of a dataset file.
+) -> Animation:
+    """Animate one case of a dataset file.
 
     Args:
         path: the dataset, with histories.
-        out: the film, .gif or .mp4; None: `DEFAULT` beside the dataset.
+        out: the animation, .gif or .mp4; None: `DEFAULT` beside the dataset.
         case: number of the case, from 1, in the order of the axes, the last of them fastest.
         at: axis -> value; the first case that agrees is shown.
-        speed: seconds of the response in a second of film.
+        speed: seconds of the response in a second of animation.
         fps: pictures a second.
         magnify: factor on the bending of a flexible column.
         start, end: part of the response [s]; None: what is worth showing, see `plotting.kinds.animate.scenes`.
@@ -62,7 +62,7 @@ def animate(
     Raises:
         StudyError: the file has no histories, there is no such case, or an option is out of range.
     """
-    from rockcli.plotting.common.film import check_output, interval, write
+    from rockcli.plotting.common.video import check_output, interval, write
     from rockcli.plotting.kinds import animate as stage
 
     target = path.parent / DEFAULT if out is None else out
@@ -82,7 +82,7 @@ def animate(
     with replacing(target) as scratch:
         write(scratch, stage.pictures(dataset, position, shown, label), len(shown.times), step, progress)
     notes = tuple(filter(None, (others, shown.note)))
-    return Film(target, label, len(shown.times), step * len(shown.times), notes)
+    return Animation(target, label, len(shown.times), step * len(shown.times), notes)
 
 
 def _chosen(

@@ -488,7 +488,7 @@ class TestSeen:
         curve = figures.figure("map", rockcli.run(STUDY | {"save": {"histories": False}}))
         assert [label.get_text() for label in curve.axes[0].get_yticklabels()] == ["sliding"]
 
-    def test_a_film_moves_the_body_along_the_ground(self):
+    def test_an_animation_moves_the_body_along_the_ground(self):
         from rockcli.plotting.kinds.animate import _Stage, scenes
 
         data = rockcli.run(STUDY)

@@ -1,4 +1,4 @@
-"""Films of a body in motion: its shape, the part shown, the files, and what cannot be filmed."""
+"""Animations of a body in motion: its shape, the part shown, the files, and what cannot be animated."""
 
 from __future__ import annotations
 
@@ -99,9 +99,9 @@ def test_a_sliding_body_leaves_the_track_of_its_edges():
 
 def test_a_gif_has_its_pictures_and_its_speed(file: Path, tmp_path: Path):
     out = tmp_path / "film.gif"
-    film = animate(file, out, at={"model": "flexible"}, start=0.0, end=1.0, fps=10, magnify=30)
+    animation = animate(file, out, at={"model": "flexible"}, start=0.0, end=1.0, fps=10, magnify=30)
     with Image.open(out) as image:
-        assert image.n_frames == film.pictures == 11
+        assert image.n_frames == animation.pictures == 11
         assert image.info["duration"] == 100
         assert image.info["loop"] == 0
         first = np.asarray(image.convert("RGB")).astype(int)
@@ -113,9 +113,9 @@ def test_a_gif_has_its_pictures_and_its_speed(file: Path, tmp_path: Path):
     assert list(tmp_path.glob(".*")) == []
 
 
-def test_speed_stretches_the_film(file: Path, tmp_path: Path):
-    film = animate(file, tmp_path / "film.gif", case=2, start=0.5, end=1.0, fps=5, speed=0.25)
-    assert film.pictures == 11
+def test_speed_stretches_the_animation(file: Path, tmp_path: Path):
+    animation = animate(file, tmp_path / "film.gif", case=2, start=0.5, end=1.0, fps=5, speed=0.25)
+    assert animation.pictures == 11
 
 
 def test_the_response_is_shown_and_no_more_than_is_watched():
@@ -160,13 +160,13 @@ def test_what_cannot_be_animated(options, words, file: Path, tmp_path: Path, mon
     assert sorted(path.name for path in tmp_path.iterdir()) == ["columns.nc"]
 
 
-def test_no_histories_no_film(tmp_path: Path):
+def test_no_histories_no_animation(tmp_path: Path):
     file = written(columns().drop_dims("time"), tmp_path)
     with pytest.raises(StudyError, match=r"no histories \(save"):
         animate(file)
 
 
-def test_a_case_without_an_answer_is_no_film(tmp_path: Path):
+def test_a_case_without_an_answer_is_no_animation(tmp_path: Path):
     dataset = columns()
     dataset["theta"][0] = np.nan
     with pytest.raises(StudyError, match="no history to show"):
@@ -198,8 +198,8 @@ def test_ffmpeg_is_given_every_picture(works: bool, file: Path, tmp_path: Path, 
     monkeypatch.setenv("PATH", f"{folder}{os.pathsep}{os.environ['PATH']}")
     out = tmp_path / "film.mp4"
     if works:
-        film = animate(file, out, end=0.5, fps=10)
-        assert out.stat().st_size == film.pictures * 640 * 560 * 3
+        animation = animate(file, out, end=0.5, fps=10)
+        assert out.stat().st_size == animation.pictures * 640 * 560 * 3
     else:
         with pytest.raises(StudyError, match="no such codec"):
             animate(file, out, end=0.5, fps=10)

@@ -15,11 +15,11 @@ from matplotlib.patches import Polygon
 
 from rockcli.errors import StudyError
 from rockcli.plotting.common.cases import Array, number_at, outcome_at
-from rockcli.plotting.common.film import Picture
 from rockcli.plotting.common.labels import title_of, unit_g
 from rockcli.plotting.common.response import SHOWN_UP_TO, over_alpha, window
 from rockcli.plotting.common.shape import Body, body_of, friction_marks, motion_of, outline
 from rockcli.plotting.common.style import COLOURS, QUIET, RC, headline
+from rockcli.plotting.common.video import Picture
 
 if TYPE_CHECKING:
     import xarray
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LONGEST = 20.0
-"""Length of a film nobody asked to be longer [s]."""
+"""Length of an animation nobody asked to be longer [s]."""
 
 MOST_PICTURES = 3000
 
@@ -39,7 +39,7 @@ Position = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Scenes:
-    """What a film shows.
+    """What an animation shows.
 
     Attributes:
         times: of the pictures [s].
@@ -68,12 +68,12 @@ def scenes(
     start: float | None = None,
     end: float | None = None,
 ) -> Scenes:
-    """Choose what to show of a case: the response, at most `LONGEST` of film unless start and end are both given.
+    """Choose what to show of a case: the response, at most `LONGEST` of animation unless start and end are both given.
 
-    A film that has to be cut shows the beginning of the response, or the fall if there is one.
+    An animation that has to be cut shows the beginning of the response, or the fall if there is one.
 
     Raises:
-        StudyError: the case has no history, does not bend though bending is magnified, or the film would be too long.
+        StudyError: the case has no history, does not bend though bending is magnified, or it would take too long.
     """
     motion = motion_of(dataset, position)
     if len(motion.time) < 2:
@@ -186,7 +186,7 @@ class _Stage:
         self.stamp.set_animated(True)
 
     def _trace(self, axes: Axes, time: Array, values: Array, label: str, colour: str) -> None:
-        """A history over the film's time, and the marker that will move along it."""
+        """A history over the animation's time, and the marker that will move along it."""
         axes.plot(time, values, color=colour, linewidth=0.7)
         axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
         axes.set_xlim(self.times[0], self.times[-1])

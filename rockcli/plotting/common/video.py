@@ -27,7 +27,7 @@ _COLOURS = 64
 
 
 def check_output(path: Path) -> None:
-    """`StudyError` if no film of that name can be made here."""
+    """`StudyError` if no animation of that name can be made here."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise StudyError(f"--out {path}: an animation is a .gif or an .mp4")
