@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 LEVEL = 1e-9
 """Points within this fraction of the body's size above the lowest stand on the ground."""
 
+TILT = 0.035
+"""Difference in height of two contacts over their distance up to which they are taken as level: 2 degrees."""
+
 EVEN = 1e-12
 """Edges whose distances differ by less than this fraction of the base are equally far."""
 
@@ -172,10 +175,13 @@ def _overlap(one: Array, other: Array) -> bool:
     return bool(inside(np.concatenate([one, middles, within], axis=1), other).any())
 
 
-def solid(parts: Sequence[Array], weights: Sequence[Array]) -> tuple[Solid, tuple[int, ...]]:
+def solid(
+    parts: Sequence[Array], weights: Sequence[Array], contacts: Array | None = None
+) -> tuple[Solid, tuple[int, ...]]:
     """The body made of polygons (n, k, 2) [m] of given density x depth (n,) [kg/m^2], and the parts given clockwise.
 
-    The edges are the lowest points farthest left and right; the parts are rigidly joined.
+    The edges are the lowest points farthest left and right, or the `contacts` (n, 2, 2), at their mean height; the
+    parts are rigidly joined.
 
     Raises:
         OutlineError: a polygon that is none, parts that overlap, a body that stands on a point or not by itself.
@@ -200,6 +206,14 @@ def solid(parts: Sequence[Array], weights: Sequence[Array]) -> tuple[Solid, tupl
     stands = every[:, :, 1] - ground[:, None] <= LEVEL * size[:, None]
     left = np.where(stands, every[:, :, 0], np.inf).min(axis=1)
     right = np.where(stands, every[:, :, 0], -np.inf).max(axis=1)
+    if contacts is not None:
+        ground = contacts[:, :, 1].mean(axis=1)
+        left, right = contacts[:, :, 0].min(axis=1), contacts[:, :, 0].max(axis=1)
+        rise = np.abs(np.diff(contacts[:, :, 1], axis=1)[:, 0])
+        if (rise > TILT * (right - left)).any():
+            raise OutlineError("stands on contacts of different heights: a tilted support is not solved")
+        if not (ground < z).all():
+            raise OutlineError("has its centre of mass below its contacts")
     if (right - left <= LEVEL * size).any():
         raise OutlineError("rests on one point: two lowest points at the same height are needed")
     b = np.stack([x - left, right - x], axis=1)

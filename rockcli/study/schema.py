@@ -102,6 +102,11 @@ class BlockPart(Part):
     outline: Outline | None = key("polygon [[x, z], ...] [m], z up, or FILE.csv beside the study")
     density: Number | None = key("density of the outline [kg/m³]")
     depth: Number | None = key("depth of the outline [m]; default 1")
+    pixel: Number | None = key("metres in a unit of the outline's coordinates [m]; default 1")
+    z_down: bool = key("the outline's z runs down, as on a photograph", False)
+    contacts: Annotated[list[Pair], Field(min_length=2, max_length=2)] | None = key(
+        "points [x, z] of the outline's coordinates on which it stands; default: its lowest points"
+    )
     parts: Annotated[list[SolidPart], Field(min_length=1)] | None = key("several outlines, rigidly joined")
 
 

@@ -236,3 +236,44 @@ SQUARE = rectangle(0, 0, 1, 1)
 def test_what_is_no_body_is_refused(block, words):
     with pytest.raises(StudyError, match=words):
         opened(block)
+
+
+def test_an_outline_from_a_photograph() -> None:
+    """Pixels, z down, and two contacts: the body is that of the same outline in metres on its feet."""
+    x0, z0, pixel = 120.0, 900.0, 0.004
+    metres = [[0.0, 0.0], [0.5, 0.0], [0.6, 1.2], [0.1, 1.6]]
+    pixels = [[x0 + x / pixel, z0 - z / pixel] for x, z in metres]
+    # a bulge below the feet that the photograph shows and that does not stand on the floor
+    belly = [[0.0, 0.0], [0.25, -0.02], [0.5, 0.0], [0.6, 1.2], [0.1, 1.6]]
+
+    def block(**body: object):
+        case = {"block": body, "motion": {"pulse": {"shape": "sine", "a_p": 4.0, "f_p": 2.0}}}
+        return rockcli.run({"name": "photograph", "case": case, "save": {"histories": False}})
+
+    plain = block(outline=metres)
+    seen = block(outline=pixels, pixel=pixel, z_down=True)
+    feet = [[x0, z0], [x0 + 0.5 / pixel, z0]]
+    told = block(outline=pixels, pixel=pixel, z_down=True, contacts=feet)
+    for name in ("R_left", "R_right", "alpha_left", "alpha_right", "p_left", "theta_peak"):
+        assert float(seen[name]) == pytest.approx(float(plain[name]), rel=1e-9)
+        assert float(told[name]) == pytest.approx(float(plain[name]), rel=1e-9)
+    stands = block(outline=belly, contacts=[[0.0, 0.0], [0.5, 0.0]])
+    base = 0.5 * (stands["R_left"] * np.sin(stands["alpha_left"]) + stands["R_right"] * np.sin(stands["alpha_right"]))
+    assert float(base) == pytest.approx(0.25, rel=1e-12)
+    assert "differ in height by 0.005 m" in str(block(outline=metres, contacts=[[0.0, 0.005], [0.5, 0.0]]).attrs)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"contacts": [[0.0, 0.1], [0.5, 0.0]]}, "a tilted support is not solved"),
+        ({"contacts": [[0.0, 0.0], [0.1, 0.0]]}, "falls by itself"),
+        ({"contacts": [[0.0, 1.4], [0.5, 1.4]]}, "below its contacts"),
+        ({"contacts": [[0.0, 0.0]]}, "contacts"),
+        ({"pixel": 0}, "pixel"),
+    ],
+)
+def test_wrong_contacts(changes: dict[str, object], words: str) -> None:
+    block = {"outline": [[0.0, 0.0], [0.5, 0.0], [0.6, 1.2], [0.1, 1.6]]} | changes
+    with pytest.raises(StudyError, match=words):
+        rockcli.run({"name": "wrong", "case": {"block": block, "initial": {"theta": 0.01}}})

@@ -56,13 +56,19 @@ def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
         numbers.array(_or_one(density)) * _or_one(numbers.positive((*keys, "depth")))
         for keys, density in zip(at, densities, strict=True)
     ]
-    polygons = [_polygon(numbers, (*keys, "outline")) for keys in at]
+    unit = _or_one(numbers.positive((*BLOCK, "pixel")))
+    turned = np.array([1.0, -1.0 if block.z_down else 1.0])
+    size = numbers.array(unit)[:, None, None] * turned
+    polygons = [np.ascontiguousarray(_polygon(numbers, (*keys, "outline")) * size) for keys in at]
+    contacts = None if block.contacts is None else _contacts(numbers) * size
     try:
-        body, clockwise = solid(polygons, weights)
+        body, clockwise = solid(polygons, weights, contacts)
     except OutlineError as error:
         part = 0 if error.part is None and not several else error.part
         numbers.fail((*BLOCK, "parts") if part is None else (*at[part], "outline"), str(error))
-    for j in clockwise:
+    if contacts is not None and (rise := float(np.abs(np.diff(contacts[:, :, 1], axis=1)).max())) > 0.0:
+        numbers.remarks.append(f"the contacts differ in height by {rise:.3g} m: taken as level, at their mean height")
+    for j in () if block.z_down else clockwise:
         name = dotted((*at[j], "outline"))
         numbers.remarks.append(f"{name}: its points run clockwise; taken the other way round, the body is the same")
     return body, all(known)
@@ -87,6 +93,15 @@ def _polygon(numbers: Numbers, keys: Keys) -> Array:
     numbers.require(keys, np.isfinite(points).all(axis=2), "needs finite numbers")
     closed = points.shape[1] > 1 and bool((points[:, 0] == points[:, -1]).all())
     return np.ascontiguousarray(points[:, :-1] if closed else points)
+
+
+def _contacts(numbers: Numbers) -> Array:
+    """The two points a body stands on in every case, (n, 2, 2), in the coordinates of its outline."""
+    rows = [[numbers.value((*BLOCK, "contacts", i, j)) for j in (0, 1)] for i in (0, 1)]
+    pairs = [np.stack([numbers.array(0.0 if c is None else c) for c in row], axis=1) for row in rows]
+    points = np.stack(pairs, axis=1)
+    numbers.require((*BLOCK, "contacts"), np.isfinite(points).all(axis=2), "needs finite numbers")
+    return points
 
 
 def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:

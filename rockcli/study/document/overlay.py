@@ -68,7 +68,7 @@ def displaced(over: dict[str, Any]) -> set[str]:
     said = {key for key, value in over.items() if value is not None}
     gone = {other for key in said for other in alternatives(key)}
     if sum(bool(said & size) for size in SIZES) >= 2:
-        gone |= _ALL_SIZES | _OUTLINES | {"density", "depth"}
+        gone |= _ALL_SIZES | _OUTLINES | {"density", "depth", "pixel", "z_down", "contacts"}
     if said & _OUTLINES:
         gone |= _ALL_SIZES | {"inertia", "r_g"}
     if "parts" in said:
