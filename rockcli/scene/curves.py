@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels import formulas
 from rockcli.scene.block import LEFT, RIGHT, Block
 from rockcli.scene.models import MODELS, Law, Model
 
@@ -117,8 +118,7 @@ def curves_of(kind: str, model: Model, block: Block, ratio: Array) -> dict[str, 
 
 def restoring_moment(law: Law, theta: Array, *, linear: bool = False) -> Array:
     """Moment that turns the body back, over m g R: the left-hand sides of (2.2), (2.3), (2.8)-(2.10)."""
-    sin, cos = _sin_cos(theta, linear)
-    return np.asarray(law.r0 + law.rs * sin + law.rc * cos)
+    return np.asarray(formulas.restoring(law.r0, law.rs, law.rc, *_sin_cos(theta, linear)))
 
 
 def spring_moment(model: Model, law: Law, restoring: Array) -> Array:
@@ -137,8 +137,7 @@ def _lever(law: Law, theta: Array, linear: bool) -> Array:
 
     A static force F at the centroid has the same lever, so F/(m g) is the restoring moment over it: (2.21)-(2.24).
     """
-    sin, cos = _sin_cos(theta, linear)
-    return np.asarray(law.fc * cos + law.fs * sin)
+    return np.asarray(formulas.driving(law.fc, law.fs, *_sin_cos(theta, linear)))
 
 
 def _sin_cos(theta: Array, linear: bool) -> tuple[Array, Array]:

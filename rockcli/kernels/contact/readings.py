@@ -12,6 +12,7 @@ from rockcli.kernels.contact import workspace as row
 from rockcli.kernels.contact.codes import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.contact.state import edge_under
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.rigid.law import potential
 from rockcli.kernels.rigid.roots import last_passage, lowest_point, turning_point
 from rockcli.kernels.rigid.series import slope, value
 
@@ -37,7 +38,8 @@ def energy_on_edge(par, foot):
     R, beta = par[e + at.RADIUS], par[e + at.ALPHA] - q
     x_rate, z_rate = foot.u + foot.s * R * math.cos(beta) * v, R * math.sin(beta) * v
     half = math.sin(0.5 * q)
-    rise = R * (math.sin(par[e + at.ALPHA]) * math.sin(q) - 2.0 * math.cos(par[e + at.ALPHA]) * half * half)
+    bent = -2.0 * math.cos(par[e + at.ALPHA]) * half * half
+    rise = R * potential(0.0, math.sin(par[e + at.ALPHA]), q, bent, math.sin(q))
     return 0.5 * (x_rate * x_rate + z_rate * z_rate + par[at.RG2] * v * v) + par[at.G] * rise
 
 

@@ -11,6 +11,7 @@ from rockcli.kernels.contact.codes import REST, SLIDE
 from rockcli.kernels.contact.selection import on_base, stiffness
 from rockcli.kernels.contact.state import edge_beyond, edge_under
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.rigid.law import pull
 from rockcli.kernels.rigid.series import value
 
 SURE = 10.0
@@ -79,7 +80,7 @@ def held(par, e, other, s, a, W):
     """
     R, h, rg2, place = par[e + at.RADIUS], par[at.H], par[at.RG2], par[e + at.PLACE]
     sin_a, cos_a = math.sin(par[e + at.ALPHA]), math.cos(par[e + at.ALPHA])
-    acc = -R / (rg2 + R * R) * (W * sin_a + s * a * cos_a)
+    acc = -R / (rg2 + R * R) * pull(W, sin_a, s * a, cos_a)
     if abs(a + s * R * cos_a * acc) > par[at.MU_S] * (W + R * sin_a * acc):
         return -1.0, 0.0
     if h * place > par[at.MU_S] * (rg2 + h * h):

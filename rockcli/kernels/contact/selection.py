@@ -9,6 +9,7 @@ from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact.codes import FLIGHT, JAM, NEITHER, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.contact.state import edge_under
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.rigid.law import pull
 
 
 @jit_lean
@@ -32,7 +33,7 @@ def on_edge(par, foot, a, W):
         if stiffness(par, e, beta, mu_k * s * sigma) > 0.0:
             return (SLIDE_ROCK, sigma) if held > 0.0 else (FLIGHT, 0.0)
         return (JAM, sigma) if held > 0.0 else (NEITHER, 0.0)
-    acc = -R / (rg2 + R * R) * (W * sin_b + s * a * cos_b)
+    acc = -R / (rg2 + R * R) * pull(W, sin_b, s * a, cos_b)
     N = W + R * (sin_b * acc - cos_b * v * v)
     T = a + s * R * (cos_b * acc + sin_b * v * v)
     if N > 0.0 and abs(T) <= mu_s * N:

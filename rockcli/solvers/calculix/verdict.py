@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
+from rockcli.kernels.formulas import potential
 
 Array = NDArray[np.float64]
 
@@ -57,7 +58,8 @@ def judge(body: Body, t: Array, theta: Array) -> int:
         window = np.arange(len(t)) >= len(t) - 3
     slope, middle = np.polyfit(t[window] - t[window].mean(), theta[window], 1)
     barrier = 1.0 - np.cos(body.alpha)
-    energy = 0.5 * (slope / body.p) ** 2 + np.cos(body.alpha - abs(middle)) - np.cos(body.alpha)
+    q, bent = abs(middle), -2.0 * np.cos(body.alpha) * np.sin(0.5 * middle) ** 2
+    energy = 0.5 * (slope / body.p) ** 2 + potential(0.0, np.sin(body.alpha), q, bent, np.sin(q))
     if energy < (1.0 - MARGIN) * barrier and abs(middle) < body.alpha:
         return RETURNS
     if energy > (1.0 + MARGIN) * barrier and abs(middle) > body.alpha and slope * middle > 0.0:
