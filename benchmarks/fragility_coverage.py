@@ -1,0 +1,85 @@
+"""How often the 95 % limits of a fragility curve hold the true value, in synthetic suites.
+
+    python benchmarks/fragility_coverage.py [SUITES]
+
+Capacities are lognormal above x_0 and those of a member at every intensity, so that stripes are not independent.  Told
+of are the medians of three nested states (stripes and clouds), of searched thresholds of which a third lies above the
+range, and the exponent of a second intensity.  Writes results/fragility_coverage.csv.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+from machine import machine
+
+from rockcli.analysis.fragility import Seen, curve_of_capacities, curves
+
+HERE = Path(__file__).resolve().parent
+X = np.linspace(0.5, 8.0, 30)
+MEDIANS, BETA, EXPONENT = np.array([2.0, 3.0, 4.0]), 0.5, 0.8
+
+
+def capacities(rng: np.random.Generator, n: int, begins: float) -> np.ndarray:
+    return begins + (MEDIANS - begins) * np.exp(BETA * rng.standard_normal((n, 1)))
+
+
+def stripes(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    category = (capacities(rng, n, begins)[:, :, None] < X).sum(axis=1)
+    x = np.broadcast_to(X, category.shape)
+    low, high = curves(Seen(x, category, category, np.ones(x.shape)), 3, begins_at=begins).median_limits()
+    return ((low <= MEDIANS) & (high >= MEDIANS)).tolist()
+
+
+def cloud(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    x = np.exp(np.log(3.0) + 0.6 * rng.standard_normal((n, 1))) + begins
+    category = (capacities(rng, n, begins) < x).sum(axis=1)[:, None]
+    low, high = curves(Seen(x, category, category, np.ones(x.shape)), 3, begins_at=begins).median_limits()
+    return ((low <= MEDIANS) & (high >= MEDIANS)).tolist()
+
+
+def searched(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    x = capacities(rng, n, begins)[:, 1]
+    top = begins + (MEDIANS[1] - begins) * np.exp(0.43 * BETA)
+    found = curve_of_capacities(np.minimum(x, top), np.where(x > top, np.inf, x), np.arange(n), begins)
+    low, high = found.median_limits()
+    return [bool(low[0] <= MEDIANS[1] <= high[0])]
+
+
+def exponent(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    y = np.exp(0.5 * rng.standard_normal((n, 1)))
+    category = (begins + (capacities(rng, n, begins)[:, 1:2] - begins) * y**-EXPONENT < X).astype(int)
+    x = np.broadcast_to(X, category.shape)
+    seen = Seen(x, category, category, np.ones(x.shape), second=np.broadcast_to(y, x.shape))
+    low, high = curves(seen, 1, begins_at=begins).exponent_limits()
+    return [bool(low[0] <= EXPONENT <= high[0])]
+
+
+CASES = {
+    "median, stripes": (stripes, [(42, 0.0), (42, 1.0), (100, 0.0), (12, 1.0)]),
+    "median, cloud": (cloud, [(100, 0.0), (400, 1.0)]),
+    "median, searched, a third above the range": (searched, [(42, 0.0), (42, 1.0)]),
+    "exponent of a second intensity": (exponent, [(42, 0.0), (100, 1.0)]),
+}
+
+
+def main() -> None:
+    suites = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    with (HERE / "results" / "fragility_coverage.csv").open("w", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["limits of", "members", "x_0", "suites", "held [%]", "measured", "machine"])
+        for name, (one, settings) in CASES.items():
+            for n, begins in settings:
+                held = np.array([one(np.random.default_rng(seed), n, begins) for seed in range(suites)])
+                shares = " ".join(f"{100.0 * share:.1f}" for share in held.mean(axis=0))
+                row = [name, n, begins, suites, shares]
+                table.writerow([*row, date.today().isoformat(), machine()])
+                print(*row, sep="  ", flush=True)
+
+
+if __name__ == "__main__":
+    main()
