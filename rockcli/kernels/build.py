@@ -41,22 +41,23 @@ def build(base: Path, levels: list[str]) -> None:
     }  # fmt: skip
     waiting = list(dict.fromkeys(name.rpartition(".")[0] for name in ENTRIES))
     with tempfile.TemporaryDirectory(dir=base) as room:
-        running: list[tuple[str, subprocess.Popen[str]]] = []
+        running: list[tuple[str, subprocess.Popen[bytes]]] = []
         try:
             while waiting or running:
                 while waiting and len(running) < (os.cpu_count() or 1):
                     group = waiting.pop(0)
                     command = [sys.executable, "-m", __name__ if __name__ != "__main__" else "rockcli.kernels.build"]
-                    running.append((group, subprocess.Popen(
-                        [*command, "--only", group, room, *levels], env=environment, text=True,
-                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                    )))  # fmt: skip
+                    with Path(room, f"{group}.txt").open("w") as said:
+                        process = subprocess.Popen(
+                            [*command, "--only", group, room, *levels], env=environment, stdout=said, stderr=said
+                        )
+                    running.append((group, process))
                 for group, process in list(running):
                     if process.poll() is not None:
                         running.remove((group, process))
-                        said = process.stderr.read() if process.stderr else ""
                         if process.returncode:
-                            raise RuntimeError(f"the kernels of {group} could not be compiled: {said[-2000:]}")
+                            words = Path(room, f"{group}.txt").read_text(errors="replace")
+                            raise RuntimeError(f"the kernels of {group} could not be compiled: {words[-2000:]}")
                 time.sleep(0.1)
         finally:
             for _, process in running:

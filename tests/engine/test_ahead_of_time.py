@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 from rockcli import kernels
+from rockcli.cli import cache
+from rockcli.errors import OutputError
 from rockcli.kernels import ahead, build, places
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -63,7 +65,11 @@ import numpy as np
 import yaml
 import rockcli
 from rockcli import kernels
-from rockcli.kernels import jit
+from rockcli.cli import cache
+from rockcli.errors import OutputError
+from rockcli.kernels import ahead, jit
+if sys.argv[1] != "jit":
+    ahead.level = lambda: sys.argv[1]
 for path in sys.argv[2:]:
     found = rockcli.run(path)
     kept = {name: np.asarray(v.values) for name, v in found.data_vars.items() if v.dtype.kind in "fiu" and name != "wall_time"}
@@ -78,33 +84,38 @@ def environment(**more: str) -> dict[str, str]:
 
 @pytest.mark.slow
 def test_same_bits_both_ways(tmp_path: Path) -> None:
-    """Hundreds of pulses and records, single bodies, a column, a frame, sliding bodies; the objects made here."""
+    """Hundreds of pulses and records, single bodies, a column, a frame, sliding bodies; every level this machine has."""
     paths = []
     for name, words in STUDIES.items():
         path = tmp_path / f"{name.replace(' ', '-')}.yaml"
         path.write_text(f"name: {path.stem}\n{words}")
         paths.append(str(path))
-    if ahead.objects() is None:
-        build.build(tmp_path / f"kernels-{places.digest()}", [ahead.level()])
+    lower = list(ahead.LEVELS)[: list(ahead.LEVELS).index(ahead.level())] if ahead.level() in ahead.LEVELS else []
+    levels = [*lower, ahead.level()]
+    missing = [x for x in levels if not (places.installed() / ahead.folder_of(x)).is_dir()]
+    if missing:
+        build.build(tmp_path / f"kernels-{places.digest()}", missing)
     ways = []
-    for way in ("ahead", "jit"):
-        cache = {"ROCK_CACHE_DIR": str(tmp_path)} if way == "ahead" else {}
+    for way in (*levels, "jit"):
+        more = {"ROCK_KERNELS": "jit"} if way == "jit" else {"ROCK_KERNELS": "ahead", "ROCK_CACHE_DIR": str(tmp_path)}
         done = subprocess.run(
             [sys.executable, "-c", SOLVE, way, *paths],
-            env=environment(ROCK_KERNELS=way, ROCK_RECORDS=str(ROOT / "records"), **cache),
+            env=environment(ROCK_RECORDS=str(ROOT / "records"), **more),
             capture_output=True,
             text=True,
             check=False,
         )
         assert done.returncode == 0, done.stderr
         ways.append(done.stdout.strip())
-    assert ways == ["compiled ahead of time False", "compiled just in time True"]
+    assert ways == ["compiled ahead of time False"] * len(levels) + ["compiled just in time True"]
     for path in paths:
-        one, other = (dict(np.load(f"{path}.{way}.npz")) for way in ("ahead", "jit"))
-        assert one.keys() == other.keys()
-        assert "outcome" in one
-        for name in one:
-            assert one[name].tobytes() == other[name].tobytes(), f"{path}: {name}"
+        wanted = dict(np.load(f"{path}.jit.npz"))
+        assert "outcome" in wanted
+        for level in levels:
+            found = dict(np.load(f"{path}.{level}.npz"))
+            assert found.keys() == wanted.keys()
+            for name in wanted:
+                assert found[name].tobytes() == wanted[name].tobytes(), f"{path}, {level}: {name}"
 
 
 @pytest.fixture
@@ -197,13 +208,19 @@ def test_cache_refuses_what_it_does_not_know(tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.o"))
 
 
-def test_a_cache_that_cannot_be_written_is_said(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    place = str(tmp_path / "file" / "cache")
+def test_a_cache_that_cannot_be_written_is_said(nothing_installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (nothing_installed / "file").write_text("")
+    place = str(nothing_installed / "file" / "cache")
     said = rock(ROCK_CACHE_DIR=place)
     assert said.returncode == 0
     assert "cannot be written: kernels compiled just in time are compiled in every run" in said.stdout
-    unknown = next(x for x in (*ahead.LEVELS, "") if x and not (places.installed() / ahead.folder_of(x)).is_dir())
-    said = rock("--fill", "--level", unknown, ROCK_CACHE_DIR=place)
-    assert said.returncode == 4
-    assert "ROCK_CACHE_DIR names another place" in said.stderr
+    monkeypatch.setenv("ROCK_CACHE_DIR", place)
+    with pytest.raises(OutputError, match=r"cannot be written; ROCK_CACHE_DIR names another place"):
+        cache.cache(fill=True)
+
+
+def test_a_build_that_fails_leaves_nothing(nothing_installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "executable", shutil.which("false"))
+    with pytest.raises(OutputError, match=r"the kernels of .* could not be compiled"):
+        cache.cache(fill=True)
+    assert list(places.cache_dir().iterdir()) == []
