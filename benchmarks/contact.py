@@ -100,9 +100,8 @@ def table(rows: list[list[Any]]) -> str:
         "| --- | --- | --- | --- | --- |",
     ]
     for ratio, _, slides, differs, _, median, p90, slide, far in rows:
-        lines.append(
-            f"| {ratio:g} | {slides:.1%} | {differs:.2%} | {median:.2g} / {p90:.2g} | {1e3 * slide:.2g} / {1e3 * far:.3g} mm |"
-        )
+        peak = "- (none rocks)" if np.isnan(median) else f"{median:.2g} / {p90:.2g}"
+        lines.append(f"| {ratio:g} | {slides:.1%} | {differs:.2%} | {peak} | {1e3 * slide:.2g} / {1e3 * far:.3g} mm |")
     return "\n".join(lines)
 
 
