@@ -17,6 +17,7 @@ from contact import test_contact_closed_forms as contact
 from contact_tables import LANDINGS, SLIDES_UNDER_A_CONSTANT
 from cross import test_lanes_pulses as lanes_pulses
 from cross import test_lanes_records as lanes_records
+from cross import test_lanes_records_forces as forces_of_lanes
 from flexible import test_column as column
 from frame import test_models as frame
 from frame.frames import ricker
@@ -43,6 +44,16 @@ def record_lanes() -> None:
     values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
         lanes_records.assert_same(lanes_records.suite(values, 0.02, [1.1, 1.4, 1.7], [1.5], [0.2], eta=0.8))
+
+
+def record_forces() -> None:
+    with_record_lanes()
+    t = np.arange(90) * 0.02
+    values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
+    with np.errstate(all="ignore"):  # idle lanes divide by zero too
+        forces_of_lanes.assert_forces(
+            *forces_of_lanes.everything(lanes_records.suite(values, 0.02, [1.1, 1.7, 2.5], [1.5], [0.2], eta=0.8))
+        )
 
 
 def planar_contact() -> None:
@@ -141,6 +152,12 @@ FAULTS = {
     "record lanes: end of a step": Fault(
         record_lanes, K + "lanes.records.impacts", "now = fma(x, h, place)", "now = fma(0.999 * x, h, place)"
     ),
+    "record lanes: friction": Fault(
+        record_forces, K + "lanes.records.forces", "T = fma(shake, a, fma(cos_b, acc", "T = fma(shake, a, fma(-cos_b, acc"
+    ),
+    "record lanes: normal force": Fault(record_forces, K + "lanes.records.forces", "weight - cos_b * vv)", "weight + cos_b * vv)"),
+    "record lanes: inside a step": Fault(record_forces, K + "lanes.records.forces", "return fast | light | rough", "return fast & light & rough"),
+    "record lanes: work": Fault(record_forces, K + "lanes.records.forces", "lane.STEP_WORK + i, a1 * area)", "lane.STEP_WORK + i, 0.999 * a1 * area)"),
     "contact: sign": Fault(planar_contact, K + "contact.flows", "-(a[k] + mu * foot.sigma * W[k])", "-(a[k] - mu * foot.sigma * W[k])"),
     "contact: restitution": Fault(
         planar_contact, K + "contact.impacts", "dw = -(h * f + place) / rg2", "dw = -(h * f + 0.99 * place) / rg2"

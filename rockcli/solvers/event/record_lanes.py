@@ -20,7 +20,9 @@ from rockcli.scene.variables import (
     SCALARS_FLEXIBLE,
     SCALARS_SLIDING,
 )
+from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.event.pulse_lanes import FINEST
+from rockcli.solvers.event.unpack import FORCES
 
 Array = NDArray[np.float64]
 
@@ -29,13 +31,13 @@ METHOD = "Taylor series of order 8 from sample to sample, many bodies in lanes, 
 WITHIN = frozenset(
     {
         "outcome", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "t_peak", "t_uplift", "t_overturn", "t_end",
-        "n_impacts", "mu_impact", "wall_time", "n_steps", "n_rhs", "reason",
+        "n_impacts", "mu_impact", "wall_time", "n_steps", "n_rhs", "reason", *FORCES, *CERTAINTY,
         *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO,
     }
 )  # fmt: skip
-"""Scalars that the lanes find, or that these bodies have not; others need a look inside every step, or a second run."""
+"""Scalars that the lanes find, or that these bodies have not."""
 
-PATH = frozenset({"t_overturn", "t_end"})
+PATH = frozenset({"t_overturn", "t_end", *FORCES, *CERTAINTY})
 """Scalars that need the path of a fall to its end."""
 
 
@@ -51,6 +53,9 @@ def asked(batch: Batch) -> bool:
         and batch.numerics.tolerances.rtol >= FINEST
     )
 
+
+FINEST_AGAIN = 1e-15
+"""Smallest tolerance at which the lanes solve again those of which two runs have parted, with more steps."""
 
 GRAZING = 1e-9
 """A sample this near the uplift threshold, relative to it, may be part of a plateau on which rounding decides."""

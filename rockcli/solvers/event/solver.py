@@ -39,7 +39,7 @@ from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
 from rockcli.solvers.event.nudges import finer_than, nudges
 from rockcli.solvers.event.pack import parameters_of
-from rockcli.solvers.event.unpack import Raw, histories_of, scalars_of
+from rockcli.solvers.event.unpack import FORCES, Raw, histories_of, scalars_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -52,9 +52,6 @@ METHOD = "Taylor series to order {}, events located on the polynomial"
 
 COMPILE_ABOVE = 2.0
 """Estimated seconds of plain Python above which the kernels are compiled."""
-
-FORCES = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"})
-"""Scalars that cost a look along every step; NaN when nothing of the kind is wanted."""
 
 
 def solve(batch: Batch) -> Response:
@@ -82,7 +79,9 @@ def solve(batch: Batch) -> Response:
         march = kernels.load(compile_them=True)
         run, open_ = attempt()  # by the same kernels, so that no case depends on those it is solved with
 
-    judgement = _judged(march, batch, parameters, level, run) if batch.save.scalars & CERTAINTY else None
+    judgement = None
+    if batch.save.scalars & CERTAINTY:
+        judgement = _judged(march, batch, parameters, level, run, in_lanes=in_lanes)
     scalars, reasons = scalars_of(batch, run)
     if judgement is not None:
         judgement.enter(scalars, reasons)
@@ -98,25 +97,41 @@ def solve(batch: Batch) -> Response:
     return with_contact(batch, response, level, open_)
 
 
-def _judged(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, run: Raw) -> Judgement:
-    """What further runs show; where two part, the more accurate one takes the place of the first in `run`."""
+def _judged(
+    march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, run: Raw, *, in_lanes: bool
+) -> Judgement:
+    """What further runs show; where two part, the more accurate one takes the place of the first in `run`.
+
+    What was solved in lanes is solved there again, as far as their tolerances go.
+    """
     finer = finer_than(level)
-    peaks = replace(batch, save=replace(batch.save, histories=False, scalars=frozenset({"theta_peak"})))
+    peaks = replace(
+        batch, save=replace(batch.save, histories=False, scalars=frozenset({"theta_peak", "error_estimate"}))
+    )
     seconds = _estimated_seconds(batch, parameters) / batch.size
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
         # the same bits compiled or not, so that an ensemble may be compiled where one run was not
         kernel = kernels.load(compile_them=bool(kernels.compiled) or seconds * len(rows) > COMPILE_ABOVE)
         others = nudged(peaks, rows, factors)
-        raw = _march(kernel, others, parameters_of(others), finer if fine else level, histories=False)
+        packed = parameters_of(others)
+        how_well = finer if fine else level
+        if in_lanes and how_well.rtol >= lane_records.FINEST_AGAIN:
+            raw, _ = _lanes(kernel, others, packed, how_well)
+        else:
+            raw = _march(kernel, others, packed, how_well, histories=False)
         return Traces.of_kernel(others, raw.out, to)
 
     def refine(rows: Index) -> Traces:
         if finer.rtol < level.rtol:
             kernel = kernels.load(compile_them=bool(kernels.compiled))
-            alone = Raw(len(rows), run.histories.shape[2], run.impacts.shape[2])
-            detail = _detail(kernel, batch, batch.save.histories)
-            _march_rows(kernel, batch, np.ascontiguousarray(parameters[rows]), finer, alone, detail, cases=rows)
+            some = np.ascontiguousarray(parameters[rows])
+            if in_lanes and finer.rtol >= lane_records.FINEST_AGAIN:
+                alone, _ = _lanes(kernel, batch.rows(rows), some, finer)
+            else:
+                alone = Raw(len(rows), run.histories.shape[2], run.impacts.shape[2])
+                detail = _detail(kernel, batch, batch.save.histories)
+                _march_rows(kernel, batch, some, finer, alone, detail, cases=rows)
             run.put(rows, alone)
         return Traces.of_kernel(batch, run.out, to).rows(rows)
 
@@ -144,7 +159,8 @@ def _method(pulses: bool, in_lanes: bool, level: Accuracy) -> str:
 def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> tuple[Raw, Mask]:
     """A map of pulses or of a record in lanes, and where it is open whether friction holds a body.
 
-    One by one those of two different edges, with a given duration, and those the lanes hand over.  Open is what the
+    One by one those of two different edges, with a given duration, with friction where more than rotations is asked
+    for, and those the lanes hand over.  Open is what the
     rotation alone does not tell; of bodies without consistent contact forces it is told from the forces of pure
     rocking, one by one.
     """
@@ -155,9 +171,13 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     left_edge, right_edge = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
     fit = np.all(left_edge == right_edge, axis=1) & (rows[:, at.HAS_DURATION] == 0.0)
     pulses = lane_pulses.asked(batch)
-    how_much = int(march.PEAKS) if given.any() else _detail(march, batch, False)  # how far it rocks tells of friction
+    detail = _detail(march, batch, False)
+    # how far it rocks tells of friction, where forces are not asked for
+    how_much = int(march.PEAKS) if given.any() and not batch.save.scalars & FORCES else detail
     if not pulses:
         fit &= lane_records.fit(batch, rows)
+        if batch.save.scalars & (FORCES | CERTAINTY):
+            fit &= ~given  # their forces tell of friction
     cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
     if pulses:
         lanes = kernels.load("lanes.pulses.march", compile_them=compiled)
@@ -176,7 +196,7 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     left = np.flatnonzero(np.isnan(run.out[:, to.STATUS]))
     if len(left):
         alone = Raw(len(left), 0, 0)
-        _march_rows(march, batch, rows[left], level, alone, _detail(march, batch, False), cases=left)
+        _march_rows(march, batch, rows[left], level, alone, detail, cases=left)
         run.out[left] = alone.out
     return run, open_
 

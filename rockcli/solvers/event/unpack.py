@@ -26,6 +26,9 @@ COLUMNS: dict[str, int] = {
 }
 """Scalars that have a column of their name in the results of the kernel."""
 
+FORCES = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"})
+"""Scalars that cost a look along every step; NaN when nothing of the kind is wanted."""
+
 
 class Raw:
     """Raw output of the kernels for a batch: `out` (n, N_OUT), columns as in `kernels.rigid.results`.

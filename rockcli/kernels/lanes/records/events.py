@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import FALLS, NO_ROOT, RETURNS
+from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, NO_ROOT, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.forces import account, drive, look_into, work_until
 from rockcli.kernels.lanes.records.rest import (
     BALLISTIC,
     BALLISTIC_AFTER,
@@ -23,20 +24,21 @@ from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good
-from rockcli.kernels.rigid.law import driving, edge_of, separatrix
-from rockcli.kernels.rigid.march import OUTCOME, afterwards
+from rockcli.kernels.rigid.law import driving, edge_of, energy, separatrix
+from rockcli.kernels.rigid.march import ALL, OUTCOME, afterwards
 from rockcli.kernels.rigid.readings import set_peak
 from rockcli.kernels.rigid.roots import first_root, last_passage, passage, turning_point
 from rockcli.kernels.rigid.series import slope, value
 
 
 @jit_lean
-def arrive(st, i, par, how, n_values, dt, velocity, c, sin_q, cos_q, a, a_v, out):
+def arrive(st, i, par, how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out):
     """A rocking lane at the end of its samples: the motion's, or the report's.
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
     """
     q, v, s = st[lane.Q + i], st[lane.V + i], st[lane.SIDE + i]
+    n_values = len(values)
     edge = edge_of(par, at.RIGHT)  # both are alike
     verdict = free_rocking(edge, edge, q, v, how.linear, how.margin * edge.alpha)
     if st[lane.END + i] < n_values - 1.0:
@@ -49,6 +51,8 @@ def arrive(st, i, par, how, n_values, dt, velocity, c, sin_q, cos_q, a, a_v, out
         if verdict == FALLS and v > 0.0 and len(velocity) > 0:
             out[to.T_END], out[to.PEAK_SIDE] = par[at.T_MOTION], s
             return finish(st, i, verdict, out)
+        if how.detail == ALL:
+            st[lane.WORK + i] -= values[n_values - 3] * drive(st, i, q, how.linear)
         st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = n_values - 2, n_values - 1, 0.0
         st[lane.LEN + i] = par[at.T_STOP] - par[at.T_MOTION]
         st[lane.CAP + i] = dt
@@ -61,13 +65,15 @@ def arrive(st, i, par, how, n_values, dt, velocity, c, sin_q, cos_q, a, a_v, out
         out[to.PEAK_SIDE] = s
     if v > 0.0 and verdict != RETURNS:
         set_peak(edge.alpha, s, q, t, out)
+    if how.detail == ALL:
+        account(st, i, par, energy(edge, q, v, how.linear), out)
     afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
     return finish(st, i, verdict, out)
 
 
 @jit_lean
 def attend(
-    st, i, par, how, values, slopes, blocks, tail, velocity, dt, c, guard, sin_q, cos_q, a, a_v, out
+    st, i, par, how, values, slopes, blocks, tail, velocity, dt, c, guard, sin_q, cos_q, a, a_v, force, out
 ):  # fmt: skip
     """Look at the step lane i tried, go as far as its first event, and see to that."""
     q, h, x0 = st[lane.Q + i], st[lane.H + i], st[lane.X + i]
@@ -82,7 +88,7 @@ def attend(
     t0 = (par[at.T_MOTION] if free else piece * dt) + x0
     s = st[lane.SIDE + i]
     edge = edge_of(par, at.RIGHT)  # both are alike
-    path = len(velocity) == 0
+    path, watch = len(velocity) == 0, how.detail == ALL
     if not (path or free or q < edge.q_star or c[1] <= 0.0):
         if lost(st, i, values, slopes, velocity, how.linear):
             out[to.T_END], out[to.PEAK_SIDE] = t0, s
@@ -136,11 +142,21 @@ def attend(
         passed = last_passage(c, lane.ORDER, star, x, 1)
         if passed != NO_ROOT:
             out[to.T_OVERTURN] = t0 + passed * h
+            if watch:
+                look_into(st, i, par, s, passed, guard, force, a, a_v, out)
+                out[to.MU_STANDING], out[to.N_STANDING] = st[lane.MU_MOST + i], st[lane.N_LEAST + i]
+    if watch:
+        look_into(st, i, par, s, x, guard, force, a, a_v, out)
+        work_until(st, i, x, c, sin_q, cos_q, how.linear)
     v /= h
     if fell:
         out[to.T_END] = t0 + x * h
         out[to.PEAK_SIDE] = s
         q_x = value(c, lane.ORDER, x)
+        if watch:
+            ground = st[lane.A_0 + i] + st[lane.A_1 + i] * x * h
+            st[lane.WORK + i] -= ground * drive(st, i, q_x, how.linear)
+            account(st, i, par, energy(edge, q_x, v, how.linear), out)
         afterwards(edge, how, s, q_x, v, t0 + x * h, FALLS, c, sin_q, cos_q, a, a_v, out)
         return finish(st, i, FALLS, out)
 
@@ -157,6 +173,13 @@ def attend(
         at_end = False
     if impact:
         rate = abs(min(v, 0.0))
+        if path:
+            carried = (FAST * rate / st[lane.FAST + i]) ** 2 - MEANINGFUL**2
+            if carried > 0.0:
+                st[lane.SWINGS + i] += carried
+                st[lane.SWINGS_T + i] += carried * (t0 + x * h)
+        if watch:
+            st[lane.LOST + i] += st[lane.LOSS + i] * rate * rate
         if rate > st[lane.FAST + i]:
             st[lane.IMPACTS + i] += 1.0
             if s > 0.0:
@@ -164,11 +187,11 @@ def attend(
         st[lane.V + i] = edge.eta * rate
         turn(st, i, par, -s)
         if not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
-            state = rest(st, i, par, how.rest_speed, values, slopes, blocks, tail, dt, out)
+            state = rest(st, i, par, how, values, slopes, blocks, tail, dt, out)
             if state != ROCKING:
                 return state
     if at_end:
-        return arrive(st, i, par, how, len(values), dt, velocity, c, sin_q, cos_q, a, a_v, out)
+        return arrive(st, i, par, how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out)
     return STANDING
 
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from rockcli.kernels.constants import FAST, MEANINGFUL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.forces import weigh_landing
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import bits, fma, gather, scatter
 from rockcli.kernels.lanes.vector.plain import load, select, some, sqrt
 
 
 @jit_lean
-def land(st, queue, j):
+def land(st, queue, j, n_values, dt, path, watch, linear):
     """Take the lanes queue[j: j + WIDTH] to the first zero of their polynomials, turned over, or to their steps' ends.
 
-    Returns (lanes at the end of their samples, lanes that may come to rest in the sample they are in).
+    Returns (lanes at the end of their samples, lanes that may come to rest in the sample they are in, lanes whose
+    forces to look into).  `path`: what impacts carry is asked for; `watch`: forces are.
     """
     lanes = load(queue, j)
     q, h = gather(st, lanes + lane.Q), gather(st, lanes + lane.H)
@@ -73,6 +76,17 @@ def land(st, queue, j):
         select(hit & (inward > gather(st, lanes + lane.FAST)), 0.0 * q + 1.0, 0.0),
     )
     turned = select(hit, 0.0 * q - 1.0, 1.0)
+    doubtful = 0
+    if watch:
+        doubtful = weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, hit, end, rate, linear)
+    if path:
+        pace = FAST * inward / gather(st, lanes + lane.FAST)
+        carried = pace * pace - MEANINGFUL * MEANINGFUL
+        carried = select(hit & (carried > 0.0), carried, 0.0 * q)
+        begun = select(piece > n_values - 3.0, (n_values - 3.0) * dt, piece * dt)
+        scatter(st, lanes + lane.SWINGS, gather(st, lanes + lane.SWINGS) + carried)
+        when = carried * (begun + fma(x, h, place))
+        scatter(st, lanes + lane.SWINGS_T, gather(st, lanes + lane.SWINGS_T) + when)
     v = select(hit, gather(st, lanes + lane.ETA) * inward, rate)
     now = fma(x, h, place)
     whole = (now >= full) | (x == 1.0) & (h == full - place)
@@ -90,4 +104,4 @@ def land(st, queue, j):
     over = piece >= gather(st, lanes + lane.END)
     late = v * gather(st, lanes + lane.SETTLING) > full - now
     slow = hit & ~over & ~late & (v <= gather(st, lanes + lane.SLOW))
-    return bits(over), bits(slow)
+    return bits(over), bits(slow), doubtful

@@ -13,6 +13,7 @@ from rockcli.kernels.constants import MAX_ORDER
 from rockcli.kernels.jit import entry
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.events import arrive, attend
+from rockcli.kernels.lanes.records.forces import commit, look_into
 from rockcli.kernels.lanes.records.impacts import land
 from rockcli.kernels.lanes.records.peaks import top
 from rockcli.kernels.lanes.records.rest import BLOCK as BLOCK
@@ -22,6 +23,7 @@ from rockcli.kernels.lanes.records.step import advance, advance_linear
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import lowest_bit, page_the_stack
 from rockcli.kernels.lanes.vector.plain import note, room
+from rockcli.kernels.rigid.march import ALL
 from rockcli.kernels.rigid.settings import Settings as Settings
 
 STEPS_PER_SAMPLE, STEPS_AFTER = 16, 20_000
@@ -32,23 +34,25 @@ ROUNDS = 1024
 
 
 def work_space():
-    """Work space of `march_lanes`: state, lanes that land and that turn, series, ground."""
+    """Work space of `march_lanes`: state, lanes that land and that turn, series, ground, forces."""
     return (
         room(lane.STATE), room(lane.LANES + WIDTH), room(lane.LANES + WIDTH),
-        *(room(MAX_ORDER + 1) for _ in range(4)), room(2), room(2),
+        *(room(MAX_ORDER + 1) for _ in range(4)), room(2), room(2), room(6),
     )  # fmt: skip
 
 
-@entry(MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, float, (VECTOR,) * 9, MATRIX)
+@entry(MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, float, (VECTOR,) * 10, MATRIX)
 def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out):
-    """`march_all` for bodies with two equal edges, no damper, under one sampled motion; no forces, no histories.
+    """`march_all` for bodies with two equal edges, no damper, under one sampled motion; no histories.
 
     values, slopes: of the motion, then two of zeros.  blocks: largest |value| of each block; tail: running bound.
-    velocity: of the ground, as `lost` wants it, or nothing if the path of a fall is asked for.
+    velocity: of the ground, as `lost` wants it, or nothing if the path of a fall is asked for, as it is
+    where forces are (`how.detail` ALL) or what impacts carry.
     A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
     """
     page_the_stack()
-    st, landings, turns, c, guard, sin_q, cos_q, a, a_v = work
+    st, landings, turns, c, guard, sin_q, cos_q, a, a_v, force = work
+    path, watch = len(velocity) == 0, how.detail == ALL
     n_case = len(pars)
     following = busy = rounds = 0
     for number in range(lane.LANES):
@@ -60,7 +64,7 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
             k = following
             following += 1
             i = place(busy)
-            state = begin(st, i, pars[k], how.tol, values, slopes, blocks, tail, len(velocity) == 0, dt, out[k])
+            state = begin(st, i, pars[k], how, values, slopes, blocks, tail, path, dt, out[k])
             if state == STANDING:
                 st[lane.CASE + i] = k
                 busy += 1
@@ -72,9 +76,17 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
         emptied = False
         for o in range(0, place(busy - 1) + 1, lane.STRIDE):
             if how.linear:
-                calls, moved, near, tops = advance_linear(st, o, values, slopes)
+                calls, moved, near, tops = advance_linear(st, o, values, slopes, watch)
             else:
-                calls, moved, near, tops = advance(st, o, values, slopes)
+                calls, moved, near, tops = advance(st, o, values, slopes, watch)
+            if watch:
+                doubtful = commit(st, o)
+                while doubtful != 0:
+                    i = o + lowest_bit(doubtful)
+                    doubtful &= doubtful - 1
+                    k = int(st[lane.CASE + i])
+                    if k >= 0:
+                        look_into(st, i, pars[k], st[lane.SIDE + i], 1.0, guard, force, a, a_v, out[k])
             landing = note(near, 1.0 * o, landings, landing)
             turning = note(tops, 1.0 * o, turns, turning)
             while calls != 0:
@@ -84,12 +96,12 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
                 k = int(st[lane.CASE + i])
                 if (moved >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, len(values), dt, velocity, c, sin_q, cos_q, a, a_v, out[k]
+                        st, i, pars[k], how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out[k]
                     )  # fmt: skip
                 else:
                     state = attend(
                         st, i, pars[k], how, values, slopes, blocks, tail, velocity, dt,
-                        c, guard, sin_q, cos_q, a, a_v, out[k],
+                        c, guard, sin_q, cos_q, a, a_v, force, out[k],
                     )  # fmt: skip
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = -1.0, True
@@ -100,7 +112,16 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
         for j in range(landing, min(landing + WIDTH, len(landings))):
             landings[j] = place(lane.LANES)
         for j in range(0, landing, WIDTH):
-            over, slow = land(st, landings, j)
+            over, slow, doubtful = land(st, landings, j, len(values), dt, path, watch, how.linear)
+            while doubtful != 0:
+                bit = lowest_bit(doubtful)
+                doubtful &= doubtful - 1
+                if j + bit >= landing:
+                    break
+                i = int(landings[j + bit])
+                k = int(st[lane.CASE + i])
+                s, x = st[lane.SIDE_BEFORE + i], st[lane.X_HIT + i]
+                look_into(st, i, pars[k], s, x, guard, force, a, a_v, out[k])
             calls = over | slow
             while calls != 0:
                 bit = lowest_bit(calls)
@@ -111,10 +132,10 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
                 k = int(st[lane.CASE + i])
                 if (over >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, len(values), dt, velocity, c, sin_q, cos_q, a, a_v, out[k]
+                        st, i, pars[k], how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out[k]
                     )  # fmt: skip
                 else:
-                    state = rest(st, i, pars[k], how.rest_speed, values, slopes, blocks, tail, dt, out[k])
+                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, dt, out[k])
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = -1.0, True
         rounds += 1
@@ -135,6 +156,7 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
                 last = place(busy)
                 for field in range(0, lane.STRIDE, WIDTH):
                     st[i + field] = st[last + field]
+                    st[i + lane.VECTORS + field] = st[last + lane.VECTORS + field]
             else:
                 number += 1
         for number in range(busy, held):

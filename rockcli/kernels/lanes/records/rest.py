@@ -8,10 +8,12 @@ from rockcli.kernels.constants import FAST as COUNTED
 from rockcli.kernels.constants import LEFT_TO_MARCH, RETURNS, STANDSTILL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.forces import account, begin_watch, bounces_matter, stood
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import edge_of, pressed
+from rockcli.kernels.rigid.march import ALL
 from rockcli.kernels.rigid.readings import set_peak
 
 FINISHED, STANDING, ROCKING = 0, 1, 2
@@ -31,7 +33,7 @@ BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
 
 
 @jit_lean
-def begin(st, i, par, tol, values, slopes, blocks, tail, path, dt, out):
+def begin(st, i, par, how, values, slopes, blocks, tail, path, dt, out):
     """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED."""
     for k in range(to.N_OUT):
         out[k] = 0.0
@@ -44,7 +46,7 @@ def begin(st, i, par, tol, values, slopes, blocks, tail, path, dt, out):
     )  # fmt: skip
     # the first term left out is at most an eighth of the last one kept: a hundredth of what the level allows, as an
     # error may grow with every impact, and it costs a tenth more steps
-    st[lane.SMALL + i] = 0.08 * tol * par[at.RIGHT + at.ALPHA]
+    st[lane.SMALL + i] = 0.08 * how.tol * par[at.RIGHT + at.ALPHA]
     st[lane.PEAK + i] = 0.0
     # who does not ask when it passes the equilibrium looks where it is farther from there, and mostly lost
     star = par[at.RIGHT + at.Q_STAR]
@@ -63,8 +65,12 @@ def begin(st, i, par, tol, values, slopes, blocks, tail, path, dt, out):
     )
     st[lane.PIECE + i], st[lane.X + i], st[lane.LEN + i], st[lane.CAP + i] = 0.0, 0.0, dt, math.inf
     st[lane.END + i] = len(values) - 3.0
+    st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = 0.0
+    watch = how.detail == ALL
     if par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0:
-        return lift(st, i, par, values, slopes, blocks, tail, dt, out)
+        if watch:
+            begin_watch(st, i, par, how.linear, values)
+        return lift(st, i, par, watch, values, slopes, blocks, tail, dt, out)
     lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
     s = 1.0 if lead > 0.0 else -1.0
     q, v = abs(par[at.THETA_0]), s * par[at.THETA_DOT_0]
@@ -77,6 +83,8 @@ def begin(st, i, par, tol, values, slopes, blocks, tail, path, dt, out):
         st[lane.PEAK + i] = q
     st[lane.Q + i], st[lane.V + i] = q, v
     turn(st, i, par, s)
+    if watch:
+        begin_watch(st, i, par, how.linear, values)
     return STANDING
 
 
@@ -89,7 +97,7 @@ def turn(st, i, par, s):
 
 
 @jit_lean
-def lift(st, i, par, values, slopes, blocks, tail, dt, out):
+def lift(st, i, par, watch, values, slopes, blocks, tail, dt, out):
     """From rest at a time in a sample: put lane i where it uplifts next, or FINISHED if it never does.
 
     Samples that cannot open the guard are not looked at: the next that can is found by the bounds of blocks.
@@ -98,6 +106,7 @@ def lift(st, i, par, values, slopes, blocks, tail, dt, out):
     quiet = g * par[at.RIGHT + at.THRESHOLD]
     last = len(values) - 3
     k, x = int(st[lane.PIECE + i]), st[lane.X + i]
+    k_0, x_0 = k, x
     if k < last and factor != 0.0:
         level = quiet / abs(factor) * (1.0 - 1e-12)
         while tail[k] * abs(factor) > quiet:
@@ -120,6 +129,8 @@ def lift(st, i, par, values, slopes, blocks, tail, dt, out):
                     break
                 continue
             if s_up != 0.0:
+                if watch and (k > k_0 or x + best > x_0):  # while at rest |a_g| is nowhere above what lifts it
+                    stood(st, i, par, abs(values[k] + slopes[k] * (x + best)))
                 st[lane.PIECE + i], st[lane.X + i], st[lane.Q + i], st[lane.V + i] = k, x + best, 0.0, 0.0
                 turn(st, i, par, s_up)
                 if math.isnan(out[to.T_UPLIFT]):
@@ -134,6 +145,10 @@ def lift(st, i, par, values, slopes, blocks, tail, dt, out):
             if k >= last:
                 break
     out[to.T_END] = par[at.T_MOTION]
+    if watch:
+        if k_0 < last:
+            stood(st, i, par, max(abs(values[k_0] + slopes[k_0] * x_0), tail[k_0 + 1]))
+        account(st, i, par, 0.0, out)
     return finish(st, i, RETURNS, out)
 
 
@@ -157,6 +172,7 @@ def finish(st, i, verdict, out):
     """Note how it ended."""
     out[to.VERDICT] = verdict
     out[to.N_STEPS], out[to.N_IMPACTS] = st[lane.STEPS + i], st[lane.IMPACTS + i]
+    out[to.SWINGS], out[to.SWINGS_T] = st[lane.SWINGS + i], st[lane.SWINGS_T + i]
     out[to.ONTO_LEFT], out[to.ONTO_RIGHT] = st[lane.ONTO_LEFT + i], st[lane.IMPACTS + i] - st[lane.ONTO_LEFT + i]
     return FINISHED
 
@@ -179,7 +195,7 @@ def hand_over(out):
 
 
 @jit_lean
-def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
+def rest(st, i, par, how, values, slopes, blocks, tail, dt, out):
     """Whether the body of lane i, just turned over, comes to rest inside this sample; if so, what then.
 
     Slow bounces are flights under a moment linear in time; each is solved for its end and its impact counted.
@@ -194,9 +210,9 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
     force = s * par[e + at.P2] * par[e + at.FC] * par[at.FACTOR_H] / par[at.G]
     u0, u1 = force * (values[k] + slopes[k] * x), force * slopes[k]
     eta = par[e + at.ETA]
-    still = STANDSTILL * p_alpha
+    still, watch = STANDSTILL * p_alpha, how.detail == ALL
     if abs(u0) >= press:  # a standing body that the ground just fails to lift must not bounce on one spot for ever
-        return lift(st, i, par, values, slopes, blocks, tail, dt, out) if v <= still else ROCKING
+        return lift(st, i, par, watch, values, slopes, blocks, tail, dt, out) if v <= still else ROCKING
     if v > still and eta >= 1.0:
         return ROCKING
     y, rate, turned = 0.0, v, 1.0
@@ -206,7 +222,10 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
         lowest = press - max(abs(u0), abs(u0 + u1 * whole))
         if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > out[to.PEAK]:
             return ROCKING
-        slow = rest_speed * p * math.sin(par[e + at.ALPHA])
+        slow = how.rest_speed * p * math.sin(par[e + at.ALPHA])
+        a = values[k] + slopes[k] * x
+        if watch and v > slow and bounces_matter(st, i, par, s, a, slopes[k] * whole):
+            return ROCKING
         straight = NEARLY_STEADY * lowest * lowest / abs(u1)
         while rate > slow and rate > straight:
             D, D1 = press + turned * (u0 + u1 * y), turned * u1
@@ -239,8 +258,11 @@ def rest(st, i, par, rest_speed, values, slopes, blocks, tail, dt, out):
                     turned = -turned
     st[lane.IMPACTS + i] += counted
     st[lane.ONTO_LEFT + i] += onto_left
+    st[lane.LOST + i] += 0.5 * par[e + at.RADIUS] * (v / p) ** 2
     if k > len(values) - 3:
         out[to.T_END] = par[at.T_MOTION] + (x + y)
+        if watch:
+            account(st, i, par, 0.0, out)
         return finish(st, i, out[to.VERDICT], out)
     st[lane.X + i] = x + y
-    return lift(st, i, par, values, slopes, blocks, tail, dt, out)
+    return lift(st, i, par, watch, values, slopes, blocks, tail, dt, out)

@@ -7,30 +7,9 @@ from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.forces import weigh
+from rockcli.kernels.lanes.records.sines import sin_cos
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.elementary import (
-    C2,
-    C4,
-    C6,
-    C8,
-    C10,
-    C12,
-    C14,
-    C16,
-    C18,
-    C20,
-    C22,
-    S3,
-    S5,
-    S7,
-    S9,
-    S11,
-    S13,
-    S15,
-    S17,
-    S19,
-    S21,
-)
 from rockcli.kernels.lanes.vector.fused import bits, fma, gather
 from rockcli.kernels.lanes.vector.plain import load, select, store
 
@@ -40,28 +19,14 @@ I2, I3, I4, I5, I6, I7, I8 = (1.0 / k for k in range(2, 9))
 
 
 @jit_lean
-def sin_cos(x):
-    """`elementary.sin_cos` with fused multiply-adds."""
-    z = x * x
-    y = z * z
-    # even and odd powers of z apart: half the latency
-    s = fma(
-        z, fma(y, fma(y, fma(y, fma(y, S21, S17), S13), S9), S5), fma(y, fma(y, fma(y, fma(y, S19, S15), S11), S7), S3)
-    )
-    c = fma(y, fma(y, fma(y, fma(y, fma(y, C22, C18), C14), C10), C6), C2)
-    c = fma(z, fma(y, fma(y, fma(y, fma(y, C20, C16), C12), C8), C4), c)
-    return fma(x * z, s, x), fma(z, c, 1.0)
-
-
-@jit_lean
-def advance(st, i, values, slopes):
-    """Step WIDTH lanes from lane i on; what comes back is said in `settle`."""
+def advance(st, i, values, slopes, watch):
+    """Step WIDTH lanes from lane i on; what comes back is said in `settle`.  `watch`: forces too."""
     q, v, x, piece = load(st, lane.Q + i), load(st, lane.V + i), load(st, lane.X + i), load(st, lane.PIECE + i)
     full, cap = load(st, lane.LEN + i), load(st, lane.CAP + i)
     h = select(full - x < cap, full - x, cap)
-    a1 = gather(slopes, piece)
-    a = fma(a1, x, gather(values, piece))
-    a1 = a1 * h
+    pitch = gather(slopes, piece)
+    a = fma(pitch, x, gather(values, piece))
+    a1 = pitch * h
     h2 = h * h
     s0, k0 = sin_cos(q)
     fc, fs = load(st, lane.FORCING_C + i) * h2, load(st, lane.FORCING_S + i) * h2
@@ -85,11 +50,18 @@ def advance(st, i, values, slopes):
     s6 = I6 * fma(d6, k0, fma(d5, k1, fma(d4, k2, fma(d3, k3, fma(d2, k4, d1 * k5)))))
     k6 = -I6 * fma(d6, s0, fma(d5, s1, fma(d4, s2, fma(d3, s3, fma(d2, s4, d1 * s5)))))
     d8 = I7 * fma(X0, s6, fma(Y0, k6, fma(X1, s5, Y1 * k5)))
+    if watch:
+        sines = s0 + (I2 * s1 + (I3 * s2 + (I4 * s3 + (I5 * s4 + (I6 * s5 + I7 * s6)))))
+        cosines = k0 + (I2 * k1 + (I3 * k2 + (I4 * k3 + (I5 * k4 + (I6 * k5 + I7 * k6)))))
+        area = fma(load(st, lane.FORCING_C + i), sines, load(st, lane.FORCING_S + i) * (1.0 - cosines))
+        s_end = s0 + (s1 + (s2 + (s3 + (s4 + (s5 + s6)))))
+        k_end = k0 + (k1 + (k2 + (k3 + (k4 + (k5 + k6)))))
+        weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8)
     return settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8)
 
 
 @jit_lean
-def advance_linear(st, i, values, slopes):
+def advance_linear(st, i, values, slopes, watch):
     """`advance` for the linear law: sin q is q, cos q is 1."""
     q, v, x, piece = load(st, lane.Q + i), load(st, lane.V + i), load(st, lane.X + i), load(st, lane.PIECE + i)
     full, cap = load(st, lane.LEN + i), load(st, lane.CAP + i)
@@ -104,6 +76,13 @@ def advance_linear(st, i, values, slopes):
     d4, d5 = I3 * I2 * rate2 * d2, I4 * I3 * rate2 * d3
     d6, d7 = I5 * I4 * rate2 * d4, I6 * I5 * rate2 * d5
     d8 = I7 * I6 * rate2 * d6
+    if watch:
+        c2, c3, c4, c5, c6, c7, c8 = I2 * d2, I3 * d3, I4 * d4, I5 * d5, I6 * d6, I7 * d7, I8 * d8
+        s0, k0 = sin_cos(q)
+        s_end, k_end = sin_cos(q + (d1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8))))))
+        sines = I4 * c3 + (I5 * c4 + (I6 * c5 + (I7 * c6 + (I8 * c7 + c8 / 9.0))))
+        area = load(st, lane.FORCING_C + i) * (q + (I2 * d1 + (I3 * c2 + sines)))
+        weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1 * h, a1, h, d1, d2, d3, d4, d5, d6, d7, d8)
     return settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8)
 
 

@@ -1,0 +1,247 @@
+"""Forces at the edge, rates and the energy balance of rocking lanes (docs/theory.md T9, docs/sweeps.md).
+
+Extremes are looked for at the start of every step and at landings, many lanes at a time; a step inside which something
+may be larger than so far is looked at by itself with the means of a single body.
+
+With G = FORCING_C sin q + FORCING_S (1 - cos q), which is zero wherever a body lands or rests, the work of the ground
+is R/p^2 times the change of a G less the integral of G da; `WORK` is that without the factor, with the other sign.
+"""
+
+from __future__ import annotations
+
+import math
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.sines import sin_cos
+from rockcli.kernels.lanes.vector import WIDTH
+from rockcli.kernels.lanes.vector.fused import bits, fma, gather, scatter
+from rockcli.kernels.lanes.vector.plain import load, select, some, store
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.edge_forces import watch_rocking
+from rockcli.kernels.rigid.law import edge_of, energy, pressed
+from rockcli.kernels.rigid.settings import Degrees
+
+FARTHEST = 2.0
+"""How far beyond the value at a step's start a quantity may go inside it, in derivatives times the step."""
+
+CLEAR = 1e-2
+"""Forces in small bounces are nearly those of a body that turns at rest: its own inertia changes them by less than this
+share of what that does."""
+
+
+@jit_lean
+def begin_watch(st, i, par, linear, values):
+    """The constants of a body in lane i, and what it begins with."""
+    edge = edge_of(par, at.RIGHT)  # both are alike
+    st[lane.SIN_ALPHA + i], st[lane.COS_ALPHA + i] = math.sin(edge.alpha), math.cos(edge.alpha)
+    st[lane.SHAKE + i], st[lane.WEIGHT + i] = par[at.FACTOR_H] / edge.radius, edge.g / edge.radius
+    st[lane.LOSS + i] = 0.5 * edge.radius / edge.p2 * (1.0 - edge.eta * edge.eta)
+    st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i] = 0.0, math.inf, 0.0
+    st[lane.WORK + i] = st[lane.LOST + i] = 0.0
+    if par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0:
+        q, v = abs(par[at.THETA_0]), abs(par[at.THETA_DOT_0])
+        st[lane.RATE_MAX + i], st[lane.LOST + i] = v, -energy(edge, q, v, linear)
+        st[lane.WORK + i] = values[0] * drive(st, i, q, linear)
+
+
+@jit_lean
+def drive(st, i, q, linear):
+    """G of lane i at q."""
+    if linear:
+        return st[lane.FORCING_C + i] * q
+    half = math.sin(0.5 * q)
+    return st[lane.FORCING_C + i] * math.sin(q) + st[lane.FORCING_S + i] * 2.0 * half * half
+
+
+@jit_lean
+def forces_of(sin_b, cos_b, v, acc, jerk, shake, a, da, weight):
+    """s T, N and their derivatives by (T9), over m R, of quantities of one unit of time: b = alpha - q."""
+    vv = v * v
+    T = fma(shake, a, fma(cos_b, acc, sin_b * vv))
+    N = fma(sin_b, acc, weight - cos_b * vv)
+    dT = fma(shake, da, fma(cos_b, jerk, v * fma(3.0 * sin_b, acc, -(cos_b * vv))))
+    dN = fma(sin_b, jerk, -(v * fma(3.0 * cos_b, acc, sin_b * vv)))
+    return T, N, dT, dN
+
+
+@jit_lean
+def may_peak(v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, rate, least, most):
+    """Where rate, normal force or friction have an extreme inside a step that may be the largest so far."""
+    size = abs(T)
+    fast = (v * acc > 0.0) & (v_1 * acc_1 < 0.0) & (abs(v) + FARTHEST * abs(acc) > rate)
+    low = N - FARTHEST * abs(dN)
+    light = (dN < 0.0) & (dN_1 > 0.0) & (low < least)
+    up, up_1 = T * (dT * N - T * dN), T_1 * (dT_1 * N_1 - T_1 * dN_1)
+    rough = (up > 0.0) & (up_1 < 0.0) & (size + FARTHEST * abs(dT) > most * low)
+    return fast | light | rough
+
+
+@jit_lean
+def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8):
+    """What WIDTH lanes have at the start of the steps they try, and what these may hide.
+
+    s0, k0, s1, k1: sin q and cos q at the start and the end; area: integral of G over the fraction of the step; a, a1:
+    the ground and its change over the step; pitch: the same a second.
+    """
+    sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
+    shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
+    least, most, rate = load(st, lane.N_LEAST + i), load(st, lane.MU_MOST + i), load(st, lane.RATE_MAX + i)
+    T, N, dT, dN = forces_of(
+        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight
+    )
+    v_1 = d1 + (d2 + ((d3 + d4) + ((d5 + d6) + (d7 + d8))))
+    acc_1 = fma(3.0, d4, fma(2.0, d3, d2)) + (fma(5.0, d6, 4.0 * d5) + fma(7.0, d8, 6.0 * d7))
+    jerk_1 = fma(6.0, d4, 2.0 * d3) + (fma(20.0, d6, 12.0 * d5) + fma(42.0, d8, 30.0 * d7))
+    T_1, N_1, dT_1, dN_1 = forces_of(
+        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, weight
+    )
+    doubt = may_peak(d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, rate * h, least * weight, most)
+    store(st, lane.RATE_MAX + i, select(abs(v) > rate, abs(v), rate))
+    size = abs(T)
+    more, less = ~(size <= most * N), least * weight > N
+    if some(more | less):  # seldom: a division costs as much as all the rest
+        store(st, lane.MU_MOST + i, select(more, select(N > 0.0, size / N, math.inf), most))
+        store(st, lane.N_LEAST + i, select(less, N / weight, least))
+    store(st, lane.DOUBT + i, select(doubt, 1.0, 0.0 * q))
+    store(st, lane.STEP_WORK + i, a1 * area)
+    store(st, lane.Q_BEFORE + i, q)
+    store(st, lane.A_0 + i, a)
+    store(st, lane.A_1 + i, pitch)
+
+
+@jit_lean
+def commit(st, i):
+    """Count the work of the steps that WIDTH lanes have taken; which of them to look into."""
+    taken = load(st, lane.H + i) < 0.0
+    store(st, lane.WORK + i, load(st, lane.WORK + i) + select(taken, load(st, lane.STEP_WORK + i), 0.0))
+    return bits(taken & (load(st, lane.DOUBT + i) > 0.0))
+
+
+@jit_lean
+def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, hit, end, rate, linear):
+    """`weigh` and `commit` for lanes that go as far as x, the fraction of a step: which of them to look into."""
+    sin_a, cos_a, h2 = gather(st, lanes + lane.SIN_ALPHA), gather(st, lanes + lane.COS_ALPHA), h * h
+    side = gather(st, lanes + lane.SIDE)
+    shake, weight = side * gather(st, lanes + lane.SHAKE) * h2, gather(st, lanes + lane.WEIGHT) * h2
+    least, most = gather(st, lanes + lane.N_LEAST), gather(st, lanes + lane.MU_MOST)
+    fastest = gather(st, lanes + lane.RATE_MAX)
+    a, a1 = gather(st, lanes + lane.A_0), gather(st, lanes + lane.A_1) * h
+    s0, k0 = sin_cos(q)
+    s1, k1 = sin_cos(select(hit, 0.0 * q, end))
+    v, acc, jerk = c1, 2.0 * c2, 6.0 * c3
+    T, N, dT, dN = forces_of(
+        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), v, acc, jerk, shake, a, a1, weight
+    )
+    v_1 = rate * h
+    acc_1 = fma(x, fma(x, fma(x, fma(x, 56.0 * c8, 42.0 * c7), 30.0 * c6), 20.0 * c5), 12.0 * c4)
+    acc_1 = fma(x, fma(x, acc_1, 6.0 * c3), acc)
+    jerk_1 = fma(x, fma(x, fma(x, fma(x, fma(x, 336.0 * c8, 210.0 * c7), 120.0 * c6), 60.0 * c5), 24.0 * c4), jerk)
+    T_1, N_1, dT_1, dN_1 = forces_of(
+        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, fma(x, a1, a), a1, weight
+    )
+    doubt = may_peak(v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, fastest * h, least * weight, most)
+    speed, size, light = abs(rate), abs(T_1), N_1 / weight
+    friction = select(N_1 > 0.0, size / N_1, math.inf)
+    scatter(st, lanes + lane.RATE_MAX, select(speed > fastest, speed, fastest))
+    scatter(st, lanes + lane.MU_MOST, select(friction > most, friction, most))
+    scatter(st, lanes + lane.N_LEAST, select(light < least, light, least))
+    lost = select(hit, gather(st, lanes + lane.LOSS) * rate * rate, 0.0 * q)
+    scatter(st, lanes + lane.LOST, gather(st, lanes + lane.LOST) + lost)
+    scatter(st, lanes + lane.X_HIT, x)
+    scatter(st, lanes + lane.SIDE_BEFORE, side)
+
+    # integrals of sin q and 1 - cos q from their series (T3), d_k = k c_k
+    if linear:
+        sines = x * fma(x, fma(x, fma(x, c3 / 4.0, c2 / 3.0), c1 / 2.0), q)
+        y = x * x * x * x * x
+        sines = sines + y * fma(x, fma(x, fma(x, fma(x, c8 / 9.0, c7 / 8.0), c6 / 7.0), c5 / 6.0), c4 / 5.0)
+        area = gather(st, lanes + lane.FORCING_C) * sines
+    else:
+        d2, d3, d4, d5, d6 = 2.0 * c2, 3.0 * c3, 4.0 * c4, 5.0 * c5, 6.0 * c6
+        s1, k1 = c1 * k0, -(c1 * s0)
+        s2, k2 = 0.5 * fma(d2, k0, c1 * k1), -0.5 * fma(d2, s0, c1 * s1)
+        s3 = fma(d3, k0, fma(d2, k1, c1 * k2)) / 3.0
+        k3 = -fma(d3, s0, fma(d2, s1, c1 * s2)) / 3.0
+        s4 = fma(d4, k0, fma(d3, k1, fma(d2, k2, c1 * k3))) / 4.0
+        k4 = -fma(d4, s0, fma(d3, s1, fma(d2, s2, c1 * s3))) / 4.0
+        s5 = fma(d5, k0, fma(d4, k1, fma(d3, k2, fma(d2, k3, c1 * k4)))) / 5.0
+        k5 = -fma(d5, s0, fma(d4, s1, fma(d3, s2, fma(d2, s3, c1 * s4)))) / 5.0
+        s6 = fma(d6, k0, fma(d5, k1, fma(d4, k2, fma(d3, k3, fma(d2, k4, c1 * k5))))) / 6.0
+        k6 = -fma(d6, s0, fma(d5, s1, fma(d4, s2, fma(d3, s3, fma(d2, s4, c1 * s5))))) / 6.0
+        sines = fma(x, fma(x, fma(x, fma(x, s6 / 7.0, s5 / 6.0), s4 / 5.0), s3 / 4.0), s2 / 3.0)
+        sines = x * fma(x, fma(x, sines, s1 / 2.0), s0)
+        cosines = fma(x, fma(x, fma(x, fma(x, k6 / 7.0, k5 / 6.0), k4 / 5.0), k3 / 4.0), k2 / 3.0)
+        cosines = x * fma(x, fma(x, cosines, k1 / 2.0), k0)
+        area = gather(st, lanes + lane.FORCING_C) * sines + gather(st, lanes + lane.FORCING_S) * (x - cosines)
+    scatter(st, lanes + lane.WORK, gather(st, lanes + lane.WORK) + a1 * area)
+    return bits(doubt)
+
+
+@jit_lean
+def work_until(st, i, x, c, sin_q, cos_q, linear):
+    """Count the work of the step lane i has tried up to the fraction x of it; c: its coefficients."""
+    total, power = 0.0, x
+    for k in range(lane.ORDER):
+        if linear:
+            sin_q[k], cos_q[k] = c[k], 0.0 if k > 0 else 1.0
+        elif k == 0:
+            sin_q[0], cos_q[0] = math.sin(c[0]), math.cos(c[0])
+        else:
+            up = down = 0.0
+            for j in range(1, k + 1):
+                up += j * c[j] * cos_q[k - j]
+                down += j * c[j] * sin_q[k - j]
+            sin_q[k], cos_q[k] = up / k, -down / k
+        versine = (1.0 if k == 0 else 0.0) - cos_q[k]
+        total += (st[lane.FORCING_C + i] * sin_q[k] + st[lane.FORCING_S + i] * versine) * power / (k + 1)
+        power *= x
+    st[lane.WORK + i] += st[lane.A_1 + i] * abs(st[lane.H + i]) * total
+
+
+@jit_lean
+def look_into(st, i, par, s, x, space, force, a, a_v, out):
+    """Extremes inside the step lane i has tried on side s, up to the fraction x of it."""
+    h, scale = abs(st[lane.H + i]), 1.0
+    space[0] = st[lane.Q_BEFORE + i]
+    for k in range(lane.ORDER):
+        scale /= h
+        space[k + 1] = st[lane.COEFFICIENTS + k * WIDTH + i] * scale
+    a[0], a[1], a_v[0] = st[lane.A_0 + i] * par[at.FACTOR_H], st[lane.A_1 + i] * par[at.FACTOR_H], 0.0
+    out[to.RATE_PEAK], out[to.N_MIN], out[to.MU] = st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i]
+    edge = edge_of(par, at.RIGHT)  # both are alike
+    watch_rocking(edge, s, space, lane.ORDER, x * h, a, a_v, Degrees(1, 0), 1, force, out)
+    st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i] = out[to.RATE_PEAK], out[to.N_MIN], out[to.MU]
+
+
+@jit_lean
+def bounces_matter(st, i, par, s, a, da):
+    """Whether forces may be extreme in small bounces between now and then, the ground a at first and a + da at last."""
+    edge = edge_of(par, at.RIGHT)  # both are alike
+    unshaken = CLEAR * pressed(edge, s, 0.0, 0.0) / st[lane.WEIGHT + i]
+    for side in (s, -s):
+        for ground in (a, a + da):
+            shaken = ground * par[at.FACTOR_H]
+            acc = -pressed(edge, side, shaken, 0.0)
+            N = 1.0 + st[lane.SIN_ALPHA + i] * acc / st[lane.WEIGHT + i]
+            T = abs(shaken / edge.g + side * st[lane.COS_ALPHA + i] * acc / st[lane.WEIGHT + i])
+            low, most = N - unshaken * st[lane.SIN_ALPHA + i], T + unshaken * st[lane.COS_ALPHA + i]
+            if low < st[lane.N_LEAST + i] or most > low * st[lane.MU_MOST + i]:
+                return True
+    return False
+
+
+@jit_lean
+def stood(st, i, par, most):
+    """Lane i has been at rest while |a| was `most` at most."""
+    st[lane.N_LEAST + i] = min(st[lane.N_LEAST + i], 1.0)
+    st[lane.MU_MOST + i] = max(st[lane.MU_MOST + i], most * abs(par[at.FACTOR_H]) / par[at.G])
+
+
+@jit_lean
+def account(st, i, par, left, out):
+    """Results of lane i, whose body has the energy `left` over m g."""
+    out[to.RATE_PEAK], out[to.N_MIN], out[to.MU] = st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i]
+    work = -st[lane.WORK + i] * par[at.RIGHT + at.RADIUS] / par[at.RIGHT + at.P2]
+    out[to.ENERGY] = work - st[lane.LOST + i] - left
