@@ -13,7 +13,7 @@ from rockcli.kernels.column import layout as at
 from rockcli.kernels.column.events import drop, first_event, look, note, note_peaks
 from rockcli.kernels.column.law import along, base_moment, dot, energy, gap, ground, ground_loads, limit, step, work_of
 from rockcli.kernels.column.oscillator import advance, fill, wander
-from rockcli.kernels.constants import FALLS, FAST, NOT_FINITE, OUT_OF_STEPS, RETURNS, UNDECIDED
+from rockcli.kernels.constants import FALLS, FAST, NOT_FINITE, NOT_YET, OUT_OF_STEPS, RETURNS, UNDECIDED
 from rockcli.kernels.jit import entry, jit
 from rockcli.kernels.rigid.ground import PULSES, piece_at, piece_end
 from rockcli.kernels.rigid.ground import WIDTH as PIECE
@@ -121,7 +121,7 @@ def march(
     if phase == at.OPEN:
         out[at.T_UPLIFT] = 0.0
         out[at.PEAK], out[at.PEAK_SIDE], out[at.T_PEAK] = abs(dot(ths[at.OPEN], z)), s, 0.0
-    verdict = shown = -1
+    verdict, shown = NOT_YET, -1
     reported = False
     while True:
         clock += 1
@@ -317,7 +317,7 @@ def march(
         for m in range(len(z)):
             z[m], v[m] = z_x[m], v_x[m]
 
-    if verdict >= 0:
+    if verdict != NOT_YET:
         out[at.VERDICT] = verdict
     if not reported:
         balance -= energy(par, phase, lams[phase], bus[phase], ths[phase], z, v)
