@@ -59,6 +59,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for way, word in WAYS.items():
             for number, (name, words) in enumerate(STUDIES.items()):
+                if word and words is None:
+                    continue  # one case alone is never compiled just in time
                 place = Path(folder, f"{way.split()[0]}-{number}")
                 place.mkdir()
                 study = ROOT / "studies" / "examples" / "first_rock.yaml"
