@@ -148,6 +148,8 @@ def _body(batch: Batch) -> list[Row]:
         Row("width", "width of the base [m]", float(block.b[0].sum())),
         Row("h", "h, height of centre of mass [m]", h),
     ]
+    if rise := float(block.rise[0]):
+        rows.append(Row("rise", "right edge above the left one [m]", rise))
     for name, (words, values) in both.items():
         rows += [Row(f"{name}{key}", f"{words}{side}", float(values[0, edge])) for key, side, edge in _edges(block)]
     r_g = float(np.sqrt((block.inertia[0, LEFT] - 1.0) * block.R[0, LEFT] ** 2))

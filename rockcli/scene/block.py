@@ -21,7 +21,7 @@ class Block:
     """`n` bodies.  Two-column arrays hold the left edge in column 0, the right in column 1.
 
     Attributes:
-        h: height of the centre of mass above the base, (n,) [m].
+        h: height of the centre of mass above the base, above its middle where the support is tilted, (n,) [m].
         b: horizontal distance from the centre of mass to each edge, (n, 2) [m].
         tan_alpha: b/h of each edge exactly as given, (n, 2); alpha = atan(b/h), (n, 2) [rad].
         R: distance from each edge to the centre of mass, (n, 2) [m].
@@ -31,6 +31,7 @@ class Block:
         mu: coefficient of friction of the base, at rest, (n,), NaN where the study gives none.
         mu_kinetic: the same in motion, (n,), NaN: as at rest.
         e_n: restitution of a corner that strikes the ground from flight, (n,), NaN: none given, it stays down.
+        rise: height of the right edge above the left one, on a tilted support, (n,) [m].
     """
 
     h: Array
@@ -44,6 +45,7 @@ class Block:
     mu: Array
     mu_kinetic: Array
     e_n: Array
+    rise: Array
 
     @property
     def size(self) -> int:
@@ -52,8 +54,13 @@ class Block:
 
     @property
     def symmetric(self) -> NDArray[np.bool_]:
-        """Where both edges are equally far from the centre of mass, (n,)."""
-        return np.asarray(self.b[:, LEFT] == self.b[:, RIGHT])
+        """Where both edges are equally far from the centre of mass and equally high, (n,)."""
+        return np.asarray((self.b[:, LEFT] == self.b[:, RIGHT]) & (self.rise == 0.0))
+
+    @property
+    def heights(self) -> Array:
+        """Height of the centre of mass above each edge, (n, 2) [m]."""
+        return _heights(self.h, self.rise)
 
     @property
     def weak(self) -> NDArray[np.intp]:
@@ -86,6 +93,7 @@ def make_block(
     mu: ArrayLike | None = None,
     mu_kinetic: ArrayLike | None = None,
     e_n: ArrayLike | None = None,
+    rise: ArrayLike = 0.0,
     n: int = 1,
 ) -> Block:
     """Build `n` bodies from height and edge distances.
@@ -95,7 +103,7 @@ def make_block(
     they are ignored for asymmetric bodies.  `inertia` is I_O/(m R^2) (symmetric bodies only),
     `r_g` the radius of gyration about the centre of mass [m].  Without either the body is a
     rectangle: I_O = 4/3 m R^2 (2.1); an asymmetric one then has the radius of gyration of the
-    rectangle of the same base width and of height 2h.
+    rectangle of the same base width and of height 2h.  `rise`: see `Block`.
     """
     h_ = _column(h, n)
     b_ = np.asarray(b, dtype=float)
@@ -103,12 +111,13 @@ def make_block(
         edges = np.repeat(_column(b_, n)[:, None], 2, axis=1)
     else:
         edges = np.ascontiguousarray(np.broadcast_to(b_, (n, 2)))
-    symmetric = (edges[:, LEFT] == edges[:, RIGHT])[:, None]
+    rise_ = _column(rise, n)
+    symmetric = ((edges[:, LEFT] == edges[:, RIGHT]) & (rise_ == 0.0))[:, None]
 
     def kept(given: ArrayLike | None, computed: Array) -> Array:
         return computed if given is None else np.where(symmetric, _column(given, n)[:, None], computed)
 
-    height = h_[:, None]
+    height = _heights(h_, rise_)
     tan_ = kept(tan_alpha, edges / height)
     alpha_ = kept(alpha, np.arctan(tan_))
     R_ = kept(R, np.hypot(edges, height))
@@ -130,6 +139,7 @@ def make_block(
         mu=_column(np.nan if mu is None else mu, n),
         mu_kinetic=_column(np.nan if mu_kinetic is None else mu_kinetic, n),
         e_n=_column(np.nan if e_n is None else e_n, n),
+        rise=rise_,
     )
 
 
@@ -137,15 +147,19 @@ def housner_eta(block: Block) -> Array:
     """Restitution of an inelastic impact that keeps angular momentum about the new edge, (n, 2).
 
     Column j is the value when the body lands on edge j coming from edge i:
-    eta = [I_cm + m (h^2 - b_i b_j)] / (I_cm + m R_j^2); for equal edges 1 - 2 (m R^2/I_O) sin^2(alpha),
+    eta = [I_cm + m (h_i h_j - b_i b_j)] / (I_cm + m R_j^2); for equal edges 1 - 2 (m R^2/I_O) sin^2(alpha),
     for a rectangle 1 - 1.5 sin^2(alpha) [3.2].  It is negative for tan(alpha) > sqrt 2 (rectangle):
     the caller clamps and says so.
     """
     symmetric = 1.0 - 2.0 * np.sin(block.alpha) ** 2 / block.inertia
     I_cm = (block.inertia - 1.0) * block.R**2
     product = (block.b[:, LEFT] * block.b[:, RIGHT])[:, None]
-    general = (I_cm + block.h[:, None] ** 2 - product) / (block.inertia * block.R**2)
+    general = (I_cm + np.prod(block.heights, axis=1)[:, None] - product) / (block.inertia * block.R**2)
     return np.where(block.symmetric[:, None], symmetric, general)
+
+
+def _heights(h: Array, rise: Array) -> Array:
+    return h[:, None] + np.array([0.5, -0.5]) * rise[:, None]
 
 
 def _column(value: ArrayLike, n: int) -> Array:

@@ -17,9 +17,6 @@ Array = NDArray[np.float64]
 LEVEL = 1e-9
 """Points within this fraction of the body's size above the lowest stand on the ground."""
 
-TILT = 0.035
-"""Difference in height of two contacts over their distance up to which they are taken as level: 2 degrees."""
-
 EVEN = 1e-12
 """Edges whose distances differ by less than this fraction of the base are equally far."""
 
@@ -56,6 +53,7 @@ class Solid:
         b: distances from the centre of mass to the left and right edge, (n, 2) [m].
         r_g: radius of gyration about the centre of mass [m].
         height: of the highest point above the base [m].
+        rise: height of the right edge above the left one [m]; of a tilted support the base is its middle.
     """
 
     mass: Array
@@ -63,6 +61,7 @@ class Solid:
     b: Array
     r_g: Array
     height: Array
+    rise: Array
 
 
 def figure(points: Array) -> Figure:
@@ -180,8 +179,7 @@ def solid(
 ) -> tuple[Solid, tuple[int, ...]]:
     """The body made of polygons (n, k, 2) [m] of given density x depth (n,) [kg/m^2], and the parts given clockwise.
 
-    The edges are the lowest points farthest left and right, or the `contacts` (n, 2, 2), at their mean height; the
-    parts are rigidly joined.
+    The edges are the lowest points farthest left and right, or the `contacts` (n, 2, 2); the parts are rigidly joined.
 
     Raises:
         OutlineError: a polygon that is none, parts that overlap, a body that stands on a point or not by itself.
@@ -206,13 +204,13 @@ def solid(
     stands = every[:, :, 1] - ground[:, None] <= LEVEL * size[:, None]
     left = np.where(stands, every[:, :, 0], np.inf).min(axis=1)
     right = np.where(stands, every[:, :, 0], -np.inf).max(axis=1)
+    rise = np.zeros_like(x)
     if contacts is not None:
         ground = contacts[:, :, 1].mean(axis=1)
-        left, right = contacts[:, :, 0].min(axis=1), contacts[:, :, 0].max(axis=1)
-        rise = np.abs(np.diff(contacts[:, :, 1], axis=1)[:, 0])
-        if (rise > TILT * (right - left)).any():
-            raise OutlineError("stands on contacts of different heights: a tilted support is not solved")
-        if not (ground < z).all():
+        order = np.argsort(contacts[:, :, 0], axis=1)
+        (left, right), (low, high) = (np.take_along_axis(contacts[:, :, k], order, axis=1).T for k in (0, 1))
+        rise = high - low
+        if not (contacts[:, :, 1] < z[:, None]).all():
             raise OutlineError("has its centre of mass below its contacts")
     if (right - left <= LEVEL * size).any():
         raise OutlineError("rests on one point: two lowest points at the same height are needed")
@@ -225,5 +223,5 @@ def solid(
         )
     even = np.abs(b[:, 0] - b[:, 1]) <= EVEN * (right - left)
     b = np.where(even[:, None], 0.5 * (right - left)[:, None], b)
-    body = Solid(mass, z - ground, b, np.sqrt(I_cm / mass), every[:, :, 1].max(axis=1) - ground)
+    body = Solid(mass, z - ground, b, np.sqrt(I_cm / mass), every[:, :, 1].max(axis=1) - ground, rise)
     return body, tuple(j for j, f in enumerate(figures) if f.clockwise)

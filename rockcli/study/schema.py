@@ -105,7 +105,8 @@ class BlockPart(Part):
     pixel: Number | None = key("metres in a unit of the outline's coordinates [m]; default 1")
     z_down: bool = key("the outline's z runs down, as on a photograph", False)
     contacts: Annotated[list[Pair], Field(min_length=2, max_length=2)] | None = key(
-        "points [x, z] of the outline's coordinates on which it stands; default: its lowest points"
+        "points [x, z] of the outline's coordinates on which it stands, of a tilted support at different heights; "
+        "default: its lowest points"
     )
     parts: Annotated[list[SolidPart], Field(min_length=1)] | None = key("several outlines, rigidly joined")
 

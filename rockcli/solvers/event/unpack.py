@@ -73,8 +73,13 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
     friction = "mu_impact" in asked or bool(np.isfinite(batch.block.mu).any())
     onto = out[:, to.ONTO_LEFT] > 0, out[:, to.ONTO_RIGHT] > 0
 
+    tilted = batch.block.rise != 0.0  # forces are found along and across a level base
+
     def seen(values: Array) -> Array:
         return np.where(unseen, np.nan, values)
+
+    def of_level(values: Array) -> Array:
+        return np.where(tilted, np.nan, values)
 
     scalars = found.scalars(batch)
     scalars |= {
@@ -82,9 +87,9 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "theta_peak_right": right,
         "theta_peak_over_alpha": ratio,
         "theta_dot_peak": seen(scalars["theta_dot_peak"]),
-        "mu_required": seen(mu_required),
-        "mu_impact": found.unless_failed(_impact_friction(batch, *onto)) if friction else nothing,
-        "N_min_over_mg": seen(N_min),
+        "mu_required": of_level(seen(mu_required)),
+        "mu_impact": of_level(found.unless_failed(_impact_friction(batch, *onto))) if friction else nothing,
+        "N_min_over_mg": of_level(seen(N_min)),
         "energy_residual": seen(_over(out[:, to.ENERGY], _barrier(batch))) if "energy_residual" in asked else nothing,
         "n_steps": counts(out[:, to.N_STEPS]),
         "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion

@@ -123,7 +123,10 @@ def _outlined(numbers: Numbers) -> Block:
     """Bodies of the given outline; the top is their highest point, the mass NaN where no density is given."""
     body, has_mass = build_solid(numbers)
     mass = body.mass if has_mass else None
-    block = make_block(h=body.h, b=body.b, r_g=body.r_g, top=body.height, mass=mass, n=numbers.n)
+    block = make_block(h=body.h, b=body.b, r_g=body.r_g, top=body.height, mass=mass, rise=body.rise, n=numbers.n)
+    if numbers.case.block.mu is not None:
+        level = "contacts at different heights are a tilted support, on which friction is not solved; leave mu out"
+        numbers.require((*BLOCK, "contacts"), body.rise == 0.0, level)
     key = "parts" if numbers.case.block.parts is not None else "outline"
     return _finite(numbers, block, [key])
 

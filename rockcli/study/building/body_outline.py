@@ -66,8 +66,6 @@ def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
     except OutlineError as error:
         part = 0 if error.part is None and not several else error.part
         numbers.fail((*BLOCK, "parts") if part is None else (*at[part], "outline"), str(error))
-    if contacts is not None and (rise := float(np.abs(np.diff(contacts[:, :, 1], axis=1)).max())) > 0.0:
-        numbers.remarks.append(f"the contacts differ in height by {rise:.3g} m: taken as level, at their mean height")
     for j in () if block.z_down else clockwise:
         name = dotted((*at[j], "outline"))
         numbers.remarks.append(f"{name}: its points run clockwise; taken the other way round, the body is the same")
