@@ -9,7 +9,7 @@ import pytest
 from scenes import G, block, make_batch, pulse, record
 
 from rockcli.motion.reading import read_record
-from rockcli.scene.variables import SCALARS_LARGE
+from rockcli.scene.variables import SCALARS, SCALARS_LARGE, SCALARS_SLIDING
 from rockcli.solvers.contact.screen import surely_holds
 from rockcli.solvers.event.solver import solve
 
@@ -51,17 +51,26 @@ def test_a_map_with_friction_has_the_bits_of_one_without_where_it_holds():
     assert (one["slide_peak"] > 0.0).any()
 
 
-def test_bodies_that_only_rock_have_the_bits_of_a_map_without_friction():
-    """Also those of which the bound does not tell: what all modes of contact say is only whether they slide."""
-    batch = scene("ricker", 60)
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [("ricker", SCALARS_LARGE), ("record", SCALARS_LARGE), ("record", tuple(SCALARS))],
+    ids=["pulses", "record", "record, all scalars"],
+)
+def test_bodies_that_only_rock_have_the_bits_of_a_map_without_friction(kind, names):
+    """Also those of which the bound does not tell: their forces, or all modes of contact, say whether they slide."""
+    batch = scene(kind, 60)
     free = dataclasses.replace(batch, block=dataclasses.replace(batch.block, mu=np.full(batch.size, np.nan)))
-    rocked = solve(free).scalars  # one by one, with the forces
+    one_by_one = dataclasses.replace(free, save=dataclasses.replace(free.save, histories=True))
+    rocked = solve(one_by_one).scalars
     needs = np.fmax(rocked["mu_required"], rocked["mu_impact"])
     rocks = (needs < batch.block.mu) & (rocked["N_min_over_mg"] > 0.0) & (rocked["outcome"] < 2)
     held = surely_holds(batch, np.abs(rocked["theta_peak"]), rocked["outcome"] < 2)
     assert (rocks & ~held).sum() > 3
-    save = dataclasses.replace(batch.save, scalars=frozenset(SCALARS_LARGE))
-    one, other = (solve(dataclasses.replace(x, save=save)).scalars for x in (batch, free))
-    for name in SCALARS_LARGE:
-        np.testing.assert_array_equal(one[name][rocks], other[name][rocks])
-    np.testing.assert_array_equal(one["slide_peak"][one["outcome"] < 2] > 0.0, ~rocks[one["outcome"] < 2])
+    save = dataclasses.replace(batch.save, histories=False, scalars=frozenset(names))
+    one, other = (solve(dataclasses.replace(x, save=save)) for x in (batch, free))
+    assert ("lanes" in one.used["method"]) == ("lanes" in other.used["method"])
+    assert one.scalars.keys() == other.scalars.keys()
+    for name in (one.scalars.keys() & set(names)) - {"wall_time", *SCALARS_SLIDING}:
+        np.testing.assert_array_equal(one.scalars[name][rocks], other.scalars[name][rocks], err_msg=name)
+    decided = one.scalars["outcome"] < 2
+    np.testing.assert_array_equal(one.scalars["slide_peak"][decided] > 0.0, ~rocks[decided])

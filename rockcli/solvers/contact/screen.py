@@ -1,4 +1,4 @@
-"""Bodies whose friction surely suffices, told from how far they rock (docs/contact.md, section 10)."""
+"""Bodies whose friction surely suffices, told from how far they rock or its forces (docs/contact.md, section 10)."""
 
 from __future__ import annotations
 
@@ -34,6 +34,12 @@ def surely_holds(batch: Batch, peak: Array, returns: Mask) -> Mask:
         stands = (block.mu > block.tan_alpha[:, LEFT]) & (landing < block.mu)
     calm = (peak < alpha) & (batch.theta_dot_0 == 0.0)
     return np.asarray(returns & block.symmetric & calm & (across > 0.0) & rocks & stands)
+
+
+def surely_presses(mu: Array, needs: Array, least: Array) -> Mask:
+    """Where friction of at most `needs` and a normal force of `least` m g or more keep the base on the ground, (n,)."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray((needs < mu * ROUNDING) & (least > 1.0 - ROUNDING))
 
 
 def largest(channel: Channel | None, n: int) -> Array:

@@ -88,7 +88,7 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any) -> Array:
     size = np.abs(channel.values)
     tail = np.ascontiguousarray(np.maximum.accumulate(size[::-1])[::-1])
     blocks = np.maximum.reduceat(size, np.arange(0, len(size), lanes.BLOCK))
-    path = bool(batch.save.scalars & PATH)
+    path = how.detail == lanes.ALL or bool(batch.save.scalars & PATH)
     velocity = np.empty((0, 3)) if path else velocity_of(channel.values, channel.dt)
     found = np.zeros((len(rows), to.N_OUT))
     lanes.march_lanes(rows, how, values, slopes, blocks, tail, velocity, channel.dt, lanes.work_space(), found)

@@ -33,13 +33,13 @@ from rockcli.solvers.common.certainty import (
 )
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.ground import channel_of
-from rockcli.solvers.contact.screen import surely_holds
+from rockcli.solvers.contact.screen import surely_holds, surely_presses
 from rockcli.solvers.contact.solver import has_contact_forces, with_contact
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
 from rockcli.solvers.event.nudges import finer_than, nudges
 from rockcli.solvers.event.pack import parameters_of
-from rockcli.solvers.event.unpack import FORCES, Raw, histories_of, scalars_of
+from rockcli.solvers.event.unpack import FORCES, Raw, friction_and_normal, histories_of, scalars_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -106,7 +106,9 @@ def _judged(
     """
     finer = finer_than(level)
     peaks = replace(
-        batch, save=replace(batch.save, histories=False, scalars=frozenset({"theta_peak", "error_estimate"}))
+        batch,
+        block=replace(batch.block, mu=np.full(batch.size, np.nan)),  # friction moves nothing here
+        save=replace(batch.save, histories=False, scalars=frozenset({"theta_peak", "error_estimate"})),
     )
     seconds = _estimated_seconds(batch, parameters) / batch.size
 
@@ -159,10 +161,11 @@ def _method(pulses: bool, in_lanes: bool, level: Accuracy) -> str:
 def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> tuple[Raw, Mask]:
     """A map of pulses or of a record in lanes, and where it is open whether friction holds a body.
 
-    One by one those of two different edges, with a given duration, with friction where more than rotations is asked
-    for, and those the lanes hand over.  Open is what the
-    rotation alone does not tell; of bodies without consistent contact forces it is told from the forces of pure
-    rocking, one by one.
+    One by one those of two different edges, with a given duration, and those the lanes hand over.  What is found
+    without a `mu` is found alike with one, so that friction that holds changes no bit; where that tells no forces, and
+    how far a body rocks does not settle it (K15), the lanes of a record look at its forces in a run of their own.  Open
+    are those that may need more friction than there is; of bodies without consistent contact forces that is told from
+    the forces of pure rocking, one by one.
     """
     rows = np.ascontiguousarray(parameters)
     given = np.isfinite(batch.block.mu)
@@ -172,12 +175,10 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     fit = np.all(left_edge == right_edge, axis=1) & (rows[:, at.HAS_DURATION] == 0.0)
     pulses = lane_pulses.asked(batch)
     detail = _detail(march, batch, False)
-    # how far it rocks tells of friction, where forces are not asked for
-    how_much = int(march.PEAKS) if given.any() and not batch.save.scalars & FORCES else detail
+    forces = bool(batch.save.scalars & FORCES)
+    how_much = int(march.PEAKS) if given.any() and not forces else detail
     if not pulses:
         fit &= lane_records.fit(batch, rows)
-        if batch.save.scalars & (FORCES | CERTAINTY):
-            fit &= ~given  # their forces tell of friction
     cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
     if pulses:
         lanes = kernels.load("lanes.pulses.march", compile_them=compiled)
@@ -188,9 +189,14 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     run.out[:, to.STATUS] = np.nan
     run.out[cases] = found
     open_ = np.zeros(batch.size, dtype=bool)
-    if given.any():
+    if given.any() and not forces:
         held = surely_holds(batch, run.out[:, to.PEAK], run.out[:, to.VERDICT] == RETURNS)
-        open_ = given & ~held & ~slides_only(batch)
+        open_ = given & ~held & ~slides_only(batch) & ~np.isnan(run.out[:, to.STATUS])
+        if not pulses and open_.any():
+            asked = np.flatnonzero(open_)
+            forced = lane_records.run(lanes, batch, rows[asked], _settings(lanes, batch, level, int(lanes.ALL)))
+            needs, least = friction_and_normal(batch.rows(asked), forced)
+            open_[asked] = ~surely_presses(batch.block.mu[asked], needs, least)
         run.out[open_ & ~has_contact_forces(batch), to.STATUS] = np.nan
         open_ &= ~np.isnan(run.out[:, to.STATUS])
     left = np.flatnonzero(np.isnan(run.out[:, to.STATUS]))

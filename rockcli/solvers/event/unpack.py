@@ -134,6 +134,17 @@ def _over(energy: Array, barrier: Array) -> Array:
     return np.asarray(np.divide(energy, barrier, out=np.zeros_like(energy), where=barrier > 0.0))
 
 
+def friction_and_normal(batch: Batch, out: Array) -> tuple[Array, Array]:
+    """Largest friction, impacts included, and smallest normal force over m g of a raw output with forces, (n,) each.
+
+    NaN for a case that the kernels did not solve.
+    """
+    mu, least = _standing_extremes(out, out[:, to.VERDICT] == FALLS)
+    needs = np.maximum(mu, _impact_friction(batch, out[:, to.ONTO_LEFT] > 0, out[:, to.ONTO_RIGHT] > 0))
+    solved = out[:, to.STATUS] == DONE
+    return np.where(solved, needs, np.nan), np.where(solved, least, np.nan)
+
+
 def _impact_friction(batch: Batch, onto_left: NDArray[np.bool_], onto_right: NDArray[np.bool_]) -> Array:
     """Largest ratio of the impulses at an impact, h (1 - eta)/(b_i + eta b_j) from edge i onto j, (n,)."""
     block, eta = batch.block, batch.damping.eta
