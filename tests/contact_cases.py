@@ -27,6 +27,8 @@ def kernel(name: str):
 
 
 def array(values):
+    """Numbers as the kernels take them: compiled code has no lists."""
+    kernel("march")  # which decides how they run
     return np.array(values, dtype=float) if kernels.compiled else list(values)
 
 
