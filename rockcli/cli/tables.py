@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Sequence
+from io import StringIO
 
 _UNBOUNDED = 100_000
 """Width of what is not read in a terminal: one row is one line there, for programs that read it."""
@@ -23,7 +24,9 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, right: int = 0,
     from rich.table import Table
 
     seen = sys.stdout.isatty()
-    console = Console(width=None if seen else _UNBOUNDED, markup=False, highlight=False, emoji=False)
+    text = StringIO()  # standard output is for `say`, which tells where it takes nothing
+    width = None if seen else _UNBOUNDED
+    console = Console(file=text, force_terminal=seen, width=width, markup=False, highlight=False, emoji=False)
     style = "bold" if seen else "none"
     made = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style=style, show_header=any(head))
     for number, name in enumerate(head):
@@ -31,9 +34,8 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, right: int = 0,
         made.add_column(name, justify="right" if numeric else "left", no_wrap=numeric, overflow="fold")
     for row in rows:
         made.add_row(*row)
-    with console.capture() as printed:
-        console.print(Padding(made, (0, 0, 0, indent), expand=False))
-    return "\n".join(line.rstrip() for line in printed.get().splitlines())
+    console.print(Padding(made, (0, 0, 0, indent), expand=False))
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
 def facts(rows: Iterable[tuple[str, str]], *, indent: int = 2) -> str:
