@@ -1,4 +1,4 @@
-"""What is derived from solved cases, in one order: comparison, worst direction, curves, rules, pre-screens, suites."""
+"""What is derived from solved cases, in one order: comparison, worst direction, outlines, curves, rules, suites."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from rockcli.analysis.compare_to_reference import with_comparison
 from rockcli.analysis.curves import with_curves
 from rockcli.analysis.direction import with_worst_direction
+from rockcli.analysis.outlines import with_outlines
 from rockcli.analysis.prescreen import with_prescreen
 from rockcli.analysis.rules import with_rules
 from rockcli.analysis.suites import with_ensembles
@@ -18,6 +19,7 @@ from rockcli.study.study import Study
 DERIVED: tuple[Callable[[Contents, Study], Contents], ...] = (
     with_comparison,
     with_worst_direction,
+    with_outlines,
     with_curves,
     with_rules,
     with_prescreen,

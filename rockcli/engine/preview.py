@@ -135,6 +135,7 @@ def _body(batch: Batch) -> list[Row]:
         "b": ("b, centre of mass to edge [m]", block.b),
         "R": ("R [m]", block.R),
         "alpha": ("alpha [rad]", block.alpha),
+        "alpha_deg": ("alpha [deg]", np.degrees(block.alpha)),
         "tan_alpha": ("tan alpha", block.tan_alpha),
         "g_tan_alpha": ("g tan alpha [m/s2]", batch.g[:, None] * block.tan_alpha),
         "inertia": ("I_O/(m R2)", block.inertia),
@@ -150,6 +151,12 @@ def _body(batch: Batch) -> list[Row]:
     ]
     if rise := float(block.rise[0]):
         rows.append(Row("rise", "right edge above the left one [m]", rise))
+    if block.outline is not None:
+        x, z = np.ptp(block.outline[0][np.isfinite(block.outline[0, :, 0])], axis=0)
+        rows += [
+            Row("outline_width", "outline, width [m]", float(x)),
+            Row("outline_height", "outline, height [m]", float(z)),
+        ]
     for name, (words, values) in both.items():
         rows += [Row(f"{name}{key}", f"{words}{side}", float(values[0, edge])) for key, side, edge in _edges(block)]
     r_g = float(np.sqrt((block.inertia[0, LEFT] - 1.0) * block.R[0, LEFT] ** 2))

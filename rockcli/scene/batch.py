@@ -102,8 +102,13 @@ class Batch:
 def _taken(value: T, at: NDArray[np.int64]) -> T:
     """A frozen value whose arrays are all over the cases, for some of them."""
     arrays = {f.name: getattr(value, f.name) for f in fields(value)}  # type: ignore[arg-type]
-    changed: dict[str, Any] = {name: of[at] for name, of in arrays.items() if isinstance(of, np.ndarray)}
+    changed: dict[str, Any] = {name: _at(of, at) for name, of in arrays.items() if isinstance(of, np.ndarray)}
     return replace(value, **changed)  # type: ignore[type-var]
+
+
+def _at(of: Array, at: NDArray[np.int64]) -> Array:
+    """Rows of an array; one row that stands for all of them is not copied out."""
+    return np.broadcast_to(of[:1], (len(at), *of.shape[1:])) if of.strides[0] == 0 and len(of) else of[at]
 
 
 def _channel(channel: Channel | None, at: NDArray[np.int64], n: int) -> Channel | None:

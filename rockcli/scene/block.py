@@ -32,6 +32,8 @@ class Block:
         mu_kinetic: the same in motion, (n,), NaN: as at rest.
         e_n: restitution of a corner that strikes the ground from flight, (n,), NaN: none given, it stays down.
         rise: height of the right edge above the left one, on a tilted support, (n,) [m].
+        outline: points of its polygons, (n, points, 2) [m], x from the centre of mass, z from the base, NaN between two
+            polygons; None for a body of no outline.
     """
 
     h: Array
@@ -46,6 +48,7 @@ class Block:
     mu_kinetic: Array
     e_n: Array
     rise: Array
+    outline: Array | None = None
 
     @property
     def size(self) -> int:

@@ -54,6 +54,7 @@ class Solid:
         r_g: radius of gyration about the centre of mass [m].
         height: of the highest point above the base [m].
         rise: height of the right edge above the left one [m]; of a tilted support the base is its middle.
+        outline: all polygons, (n, points, 2) [m]: x from the centre of mass, z from the base; NaN between two.
     """
 
     mass: Array
@@ -62,6 +63,7 @@ class Solid:
     r_g: Array
     height: Array
     rise: Array
+    outline: Array
 
 
 def figure(points: Array) -> Figure:
@@ -174,6 +176,13 @@ def _overlap(one: Array, other: Array) -> bool:
     return bool(inside(np.concatenate([one, middles, within], axis=1), other).any())
 
 
+def _as_seen(parts: Sequence[Array], origin: Array) -> Array:
+    """Points of polygons from an origin (n, 2), one polygon after the other with NaN between."""
+    between = np.full((len(origin), 1, 2), np.nan)
+    rows = [piece for points in parts for piece in (between, points - origin[:, None, :])]
+    return np.concatenate(rows[1:], axis=1)
+
+
 def solid(
     parts: Sequence[Array], weights: Sequence[Array], contacts: Array | None = None
 ) -> tuple[Solid, tuple[int, ...]]:
@@ -223,5 +232,6 @@ def solid(
         )
     even = np.abs(b[:, 0] - b[:, 1]) <= EVEN * (right - left)
     b = np.where(even[:, None], 0.5 * (right - left)[:, None], b)
-    body = Solid(mass, z - ground, b, np.sqrt(I_cm / mass), every[:, :, 1].max(axis=1) - ground, rise)
+    outline = _as_seen(parts, np.stack([x, ground], axis=1))
+    body = Solid(mass, z - ground, b, np.sqrt(I_cm / mass), every[:, :, 1].max(axis=1) - ground, rise, outline)
     return body, tuple(j for j, f in enumerate(figures) if f.clockwise)

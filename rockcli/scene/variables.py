@@ -13,6 +13,7 @@ CASE, TIME, IMPACT, ROTATION = "case", "time", "impact", "rotation"
 SUITE, LIMIT, MEASURE, PERCENTILE, INPUT = "suite", "limit_state", "measure", "percentile", "input"
 HAZARD, HAZARD_POINT, INTENSITY_BIN = "hazard", "hazard_point", "intensity_bin"
 SETTING = "setting"
+OUTLINE = "outline_point"
 
 DIMENSIONS: dict[str, str] = {
     CASE: "axes",
@@ -28,6 +29,7 @@ DIMENSIONS: dict[str, str] = {
     INTENSITY_BIN: "axes left by over, limit_state, hazard, intensity_bin",
     HAZARD_POINT: "hazard, hazard_point",
     SETTING: "setting",
+    OUTLINE: "axes that change the body, outline_point",
 }
 """What a variable extends over, and the dimensions that come to."""
 
@@ -378,6 +380,16 @@ _ROWS: tuple[Variable, ...] = (
         CASE,
         "1",
         "fema356: number of amplitudes that solve it; 0: overturning predicted",
+    ),
+    *(
+        Variable(
+            f"outline_{axis}",
+            rf"${axis}$",
+            OUTLINE,
+            "m",
+            f"outline of the body, from {origin}; NaN between polygons and after the last",
+        )
+        for axis, origin in (("x", "the centre of mass"), ("z", "the base"))
     ),
     Variable("R", r"$R$", CASE, "m", "distance from the edge to the centre of mass (the edge with the smaller alpha)"),
     Variable("alpha", r"$\alpha$", CASE, "rad", "slenderness angle (the smaller of both edges)"),

@@ -36,11 +36,25 @@ def test_the_quantities_of_the_equations(tmp_path):
     own = np.array([0.5**2 + 0.1**2, 0.2**2 + 1.2**2]) / 12
     x_c, h = (m * x).sum() / m.sum(), (m * z).sum() / m.sum()
     I_cm = (m * (own + (x - x_c) ** 2 + (z - h) ** 2)).sum()
-    expected = {"mass": m.sum(), "h": h, "top": 1.3, "width": 0.5, "r_g": np.sqrt(I_cm / m.sum())}
+    expected = {
+        "mass": m.sum(),
+        "h": h,
+        "top": 1.3,
+        "width": 0.5,
+        "outline_width": 0.5,
+        "outline_height": 1.3,
+        "r_g": np.sqrt(I_cm / m.sum()),
+    }
     for side, b in (("left", x_c + 0.2), ("right", 0.3 - x_c)):
         R = np.hypot(b, h)
         I_O = I_cm + m.sum() * R**2
-        expected |= {f"b_{side}": b, f"R_{side}": R, f"alpha_{side}": np.arctan(b / h), f"I_O_{side}": I_O}
+        expected |= {
+            f"b_{side}": b,
+            f"R_{side}": R,
+            f"alpha_{side}": np.arctan(b / h),
+            f"alpha_deg_{side}": np.arctan(b / h) * 180 / np.pi,
+            f"I_O_{side}": I_O,
+        }
         expected |= {f"p_{side}": np.sqrt(m.sum() * 9.81 * R / I_O), f"g_tan_alpha_{side}": 9.81 * b / h}
         expected |= {f"inertia_{side}": I_O / (m.sum() * R**2)}
     for name, value in expected.items():

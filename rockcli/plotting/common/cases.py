@@ -108,7 +108,19 @@ def _alike(
 
 def same_key(dataset: xarray.Dataset, position: tuple[int, ...]) -> tuple[bytes, ...]:
     """What is equal for two cases whose body, motion and response are."""
-    names = ("theta", "theta_dot", "slide", "a_g", "a_v", "alpha", "p", "alpha_left", "alpha_right")
+    names = (
+        "theta",
+        "theta_dot",
+        "slide",
+        "a_g",
+        "a_v",
+        "alpha",
+        "p",
+        "alpha_left",
+        "alpha_right",
+        "outline_x",
+        "outline_z",
+    )
     return tuple(values_at(dataset, name, position).tobytes() for name in names if name in dataset.variables)
 
 

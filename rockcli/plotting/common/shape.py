@@ -1,4 +1,4 @@
-"""The outline of a rocking body: a rectangle that turns about its edges, and bends if it is a flexible column."""
+"""The outline of a rocking body, its own or a rectangle: it turns about its edges, and bends if it is flexible."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.path import Path
 
 from rockcli.kernels.contact.codes import SLIDE, SLIDE_ROCK
 from rockcli.plotting.common.cases import Array, outcome_at, values_at
 from rockcli.plotting.common.response import edges
 from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.outline import LEVEL
 
 if TYPE_CHECKING:
     import xarray
@@ -27,11 +29,17 @@ _HALVINGS = 30
 
 @dataclass(frozen=True)
 class Body:
-    """The rectangle drawn: distances of the middle of its axis from the edges, and its height [m]."""
+    """The body drawn: distances of its axis, through the centre of mass, from the edges; twice the height of that [m].
+
+    `points` are its outline, (points, 2) from the foot of the axis [m], NaN between polygons; None = a rectangle.
+    `rise` is the height of its right edge above the left one [m]; the foot of the axis is halfway.
+    """
 
     left: float
     right: float
     height: float
+    points: Array | None = None
+    rise: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -54,10 +62,30 @@ class Motion:
 
 
 def body_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Body:
-    """The rectangle with the h and b of a case: h = R cos alpha, b = R sin alpha of either edge."""
+    """The body of a case, with h = R cos alpha and b = R sin alpha of each edge."""
     R, alpha = edges(dataset, "R", position), edges(dataset, "alpha", position)
     b = R * np.sin(alpha)
-    return Body(float(b[LEFT]), float(b[RIGHT]), float(2.0 * R[RIGHT] * np.cos(alpha[RIGHT])))
+    h = R * np.cos(alpha)
+    level = bool(abs(h[LEFT] - h[RIGHT]) <= LEVEL * h.max())
+    rise = 0.0 if level else float(h[LEFT] - h[RIGHT])
+    return Body(float(b[LEFT]), float(b[RIGHT]), float(h.sum()), outline_at(dataset, position), rise)
+
+
+def outline_at(dataset: xarray.Dataset, position: tuple[int, ...]) -> Array | None:
+    """The outline of a case, (points, 2) [m], x from the centre of mass, z from the base; None if there is none."""
+    if "outline_x" not in dataset.variables:
+        return None
+    points = np.column_stack([values_at(dataset, name, position) for name in ("outline_x", "outline_z")])
+    known = np.flatnonzero(np.isfinite(points).all(axis=1))
+    return points[: known[-1] + 1] if len(known) else None
+
+
+def path_of(points: Array) -> Path:
+    """Closed polygons (points, 2), NaN between two, as something to fill."""
+    gaps = np.flatnonzero(np.isnan(points[:, 0]))
+    ends = (*gaps.tolist(), len(points))
+    pieces = [points[begin:end] for begin, end in zip((0, *(gaps + 1).tolist()), ends, strict=True)]
+    return Path.make_compound_path(*(Path(np.vstack([piece, piece[:1]]), closed=True) for piece in pieces))
 
 
 def motion_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Motion:
@@ -108,7 +136,7 @@ def _bending(dataset: xarray.Dataset, position: tuple[int, ...], theta: Array) -
 
 
 def outline(body: Body, theta: float, w_top: float = 0.0) -> Array:
-    """Corners of the body, (k, 2): x to the right from the middle of its axis at rest, z up from the ground [m].
+    """Corners of the body, (k, 2), NaN between polygons: x from its axis at rest, z up from the ground [m].
 
     The body turns about its right edge while theta > 0 and about its left one while theta < 0.  A top displaced by
     `w_top` bends the axis into the cubic of a cantilever with a force at its top; sections stay plane and across it.
@@ -117,24 +145,27 @@ def outline(body: Body, theta: float, w_top: float = 0.0) -> Array:
     if w_top == 0.0:
         return _placed(body, theta, 0.0)
     points = _placed(body, theta, w_top)
-    if points[:, 1].min() >= -1e-9 * body.height:
+    if np.nanmin(points[:, 1]) >= -1e-9 * body.height:
         return points
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        inside = _placed(body, theta, middle * w_top)[:, 1].min() >= -1e-9 * body.height
+        inside = np.nanmin(_placed(body, theta, middle * w_top)[:, 1]) >= -1e-9 * body.height
         low, high = (middle, high) if inside else (low, middle)
     return _placed(body, theta, low * w_top)
 
 
 def _placed(body: Body, theta: float, w_top: float) -> Array:
-    s = np.linspace(0.0, 1.0, _SECTIONS if w_top else 2)
+    if body.points is None:
+        up = np.linspace(0.0, 1.0, _SECTIONS if w_top else 2)
+        s = np.concatenate([up, up[::-1]])
+        x = np.repeat([-body.left, body.right], len(up))
+    else:
+        x, s = body.points[:, 0], body.points[:, 1] / body.height
     across = 0.5 * w_top * (3.0 - s) * s**2
     tilt = np.arctan(1.5 * w_top / body.height * (2.0 - s) * s)
-    left = np.column_stack([across - body.left * np.cos(tilt), s * body.height + body.left * np.sin(tilt)])
-    right = np.column_stack([across + body.right * np.cos(tilt), s * body.height - body.right * np.sin(tilt)])
-    points = np.concatenate([left, right[::-1]])
-    edge = body.right if theta > 0.0 else -body.left
+    points = np.column_stack([across + x * np.cos(tilt), s * body.height - x * np.sin(tilt)])
+    edge, base = (body.right, 0.5 * body.rise) if theta > 0.0 else (-body.left, -0.5 * body.rise)
     cos, sin = np.cos(theta), np.sin(theta)
-    arm = points[:, 0] - edge
-    return np.column_stack([edge + arm * cos + points[:, 1] * sin, points[:, 1] * cos - arm * sin])
+    arm, up = points[:, 0] - edge, points[:, 1] - base
+    return np.column_stack([edge + arm * cos + up * sin, base + up * cos - arm * sin])

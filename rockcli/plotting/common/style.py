@@ -33,6 +33,8 @@ OUTCOME_COLOURS: dict[str, str] = {
     "overturned_after_impact": "#F0A23C",
 }
 
+BODY_FACE, BODY_EDGE, GROUND_LINE = "#D5DEE6", "#2F3E4C", "#8C7B6B"
+
 QUIET = "#8A8A8A"
 """Reference lines."""
 

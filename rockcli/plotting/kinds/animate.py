@@ -11,14 +11,14 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
+from matplotlib.patches import PathPatch
 
 from rockcli.errors import StudyError
 from rockcli.plotting.common.cases import Array, number_at, outcome_at
 from rockcli.plotting.common.labels import title_of, unit_g
 from rockcli.plotting.common.response import SHOWN_UP_TO, over_alpha, window
-from rockcli.plotting.common.shape import Body, body_of, friction_marks, motion_of, outline
-from rockcli.plotting.common.style import COLOURS, QUIET, RC, headline
+from rockcli.plotting.common.shape import Body, body_of, friction_marks, motion_of, outline, path_of
+from rockcli.plotting.common.style import BODY_EDGE, BODY_FACE, COLOURS, GROUND_LINE, QUIET, RC, headline
 from rockcli.plotting.common.video import Picture
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ LONGEST = 20.0
 MOST_PICTURES = 3000
 
 _WIDTH, _HEIGHT, _DPI = 6.4, 5.6, 100
-_BODY, _OUTLINE, _GROUND, _MARK = "#D5DEE6", "#2F3E4C", "#8C7B6B", "#D55E00"
+_MARK = "#D55E00"
 
 Position = tuple[int, ...]
 
@@ -162,26 +162,33 @@ class _Stage:
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")
         points = np.concatenate([*self.outlines, outline(body, 0.0)])
+        left, right = np.nanmin(points[:, 0]), np.nanmax(points[:, 0])
         box = axes.get_window_extent()
-        unit = 1.08 * max(np.ptp(points[:, 0]) / box.width, points[:, 1].max() / (0.93 * box.height))  # m per dot
-        middle = 0.5 * (points[:, 0].min() + points[:, 0].max())
+        unit = 1.08 * max((right - left) / box.width, np.nanmax(points[:, 1]) / (0.93 * box.height))  # m per dot
+        middle = 0.5 * (left + right)
         axes.set_xlim(middle - 0.5 * unit * box.width, middle + 0.5 * unit * box.width)
         axes.set_ylim(-0.07 * unit * box.height, 0.93 * unit * box.height)
-        axes.axhspan(-unit * box.height, 0.0, facecolor="#EDE7E0", zorder=1)
-        axes.axhline(0.0, color=_GROUND, linewidth=1.2, zorder=2)
+        ground = -0.5 * abs(body.rise)
+        axes.axhspan(-unit * box.height, ground, facecolor="#EDE7E0", zorder=1)
+        axes.axhline(ground, color=GROUND_LINE, linewidth=1.2, zorder=2)
+        if body.rise:
+            axes.plot([-body.left, body.right], [-0.5 * body.rise, 0.5 * body.rise], color=GROUND_LINE, linewidth=2.0)
         ghost: dict[str, Any] = {
-            "closed": True,
             "facecolor": "none",
             "edgecolor": QUIET,
             "linewidth": 0.7,
             "linestyle": (0, (4, 3)),
         }
-        axes.add_patch(Polygon(outline(body, 0.0), zorder=2, **ghost))
-        self.body = Polygon(self.outlines[0], closed=True, facecolor=_BODY, edgecolor=_OUTLINE, linewidth=1.0, zorder=3)
+        axes.add_patch(PathPatch(path_of(outline(body, 0.0)), zorder=2, **ghost))
+        self.body = PathPatch(
+            path_of(self.outlines[0]), facecolor=BODY_FACE, edgecolor=BODY_EDGE, linewidth=1.0, zorder=3
+        )
         axes.add_patch(self.body)
         self.stamp = axes.text(0.01, 0.99, "", transform=axes.transAxes, va="top", fontsize=11.0, linespacing=1.5)
         axes.text(0.99, 0.99, words, transform=axes.transAxes, va="top", ha="right", fontsize=9.0, color="#555555")
-        (self.marks,) = axes.plot([], [], color=_GROUND, linewidth=3.5, solid_capstyle="butt", zorder=4, animated=True)
+        (self.marks,) = axes.plot(
+            [], [], color=GROUND_LINE, linewidth=3.5, solid_capstyle="butt", zorder=4, animated=True
+        )
         self.body.set_animated(True)
         self.stamp.set_animated(True)
 
@@ -210,7 +217,7 @@ class _Stage:
         """One picture."""
         self.canvas.restore_region(background)
         now = float(self.times[number])
-        self.body.set_xy(self.outlines[number])
+        self.body.set_path(path_of(self.outlines[number]))
         words = f"$t$ = {now:.2f} s\n" + rf"$\theta/\alpha$ = ${self.ratio[number]:+.3f}$"
         slid = rf"$u$ = ${self.slide[number]:+.3f}$ m" if self.slide.any() else ""
         self.stamp.set_text("\n".join(filter(None, [words + ("  overturns" if now >= self.fall else ""), slid])))

@@ -127,6 +127,9 @@ def _outlined(numbers: Numbers) -> Block:
     if numbers.case.block.mu is not None:
         level = "contacts at different heights are a tilted support, on which friction is not solved; leave mu out"
         numbers.require((*BLOCK, "contacts"), body.rise == 0.0, level)
+    same = np.array_equal(body.outline, np.broadcast_to(body.outline[:1], body.outline.shape), equal_nan=True)
+    outline = np.broadcast_to(body.outline[:1], body.outline.shape) if same else body.outline
+    block = replace(block, outline=outline)
     key = "parts" if numbers.case.block.parts is not None else "outline"
     return _finite(numbers, block, [key])
 

@@ -1,0 +1,118 @@
+"""Bodies of an outline: polygons, centre of mass, the two edges, and alpha of each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.patches import Arc, PathPatch
+
+from rockcli.plotting.common.cases import axes_of, group_label, selection_note, spread
+from rockcli.plotting.common.labels import title_of
+from rockcli.plotting.common.response import edges
+from rockcli.plotting.common.shape import body_of, outline, outline_at, path_of
+from rockcli.plotting.common.style import (
+    BODY_EDGE,
+    BODY_FACE,
+    COLOURS,
+    DOUBLE,
+    GROUND_LINE,
+    MOST_PANELS,
+    QUIET,
+    SINGLE,
+    headline,
+    new_figure,
+    panel_title,
+)
+from rockcli.scene.block import LEFT, RIGHT
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_OF_BODY = ("outline_x", "outline_z", "R", "alpha", "R_left", "R_right", "alpha_left", "alpha_right")
+
+
+def without_outline(dataset: xarray.Dataset) -> str:
+    """Why a dataset has no body to draw; "" if it has."""
+    if "outline_x" not in dataset.variables or not _bodies(dataset):
+        return "the dataset holds no outline of a body"
+    return ""
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """One panel per body."""
+    bodies = _bodies(dataset)
+    shown = spread(bodies, MOST_PANELS)
+    columns = min(len(shown), 3)
+    rows = -(-len(shown) // columns)
+    width = SINGLE * 1.25 if columns == 1 else DOUBLE
+    figure = new_figure(width, 0.7 + rows * (3.4 if columns == 1 else 2.9))
+    grid = figure.subplots(rows, columns, squeeze=False)
+    for axes, position in zip(grid.flat, shown, strict=False):
+        _draw(axes, dataset, position)
+        if len(bodies) > 1:
+            panel_title(axes, group_label(dataset, [position], _named(dataset)), width / columns)
+    for axes in list(grid.flat)[len(shown) :]:
+        axes.set_axis_off()
+    headline(figure, title_of(dataset), selection_note(len(shown), len(bodies), "bodies"))
+    return figure
+
+
+def _named(dataset: xarray.Dataset) -> list[str]:
+    """The axes along which the body changes."""
+    dims = {str(dim) for name in _OF_BODY if name in dataset.variables for dim in dataset[name].dims}
+    return [axis for axis in axes_of(dataset) if axis in dims]
+
+
+def _bodies(dataset: xarray.Dataset) -> list[tuple[int, ...]]:
+    """Where on the axes each body of an outline is first met."""
+    named = _named(dataset)
+    sizes = [int(dataset.sizes[axis]) if axis in named else 1 for axis in axes_of(dataset)]
+    positions = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
+    return [position for position in positions if outline_at(dataset, position) is not None]
+
+
+def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...]) -> None:
+    body = body_of(dataset, position)
+    points = outline(body, 0.0)
+    h = 0.5 * body.height
+    size = float(np.ptp(points[np.isfinite(points[:, 0])], axis=0).max())
+    axes.add_patch(PathPatch(path_of(points), facecolor=BODY_FACE, edgecolor=BODY_EDGE, linewidth=0.8, zorder=2))
+    at = {LEFT: -0.5 * body.rise, RIGHT: 0.5 * body.rise}
+    axes.axline((-body.left, at[LEFT]), (body.right, at[RIGHT]), color=GROUND_LINE, linewidth=1.0, zorder=1)
+    R, alpha = edges(dataset, "R", position), edges(dataset, "alpha", position)
+    sides = ((LEFT, -body.left, "left", COLOURS[1]), (RIGHT, body.right, "right", COLOURS[0]))
+    lines = []
+    for edge, x, side, colour in sides:
+        axes.plot([x, 0.0], [at[edge], h], color=colour, linewidth=1.0, zorder=3)
+        axes.plot([x, x], [at[edge], 0.9 * h], color=colour, linewidth=0.6, linestyle=(0, (4, 3)), zorder=3)
+        axes.plot(x, at[edge], "^", color=colour, markersize=4.0, zorder=4, clip_on=False)
+        begin, end = sorted((90.0, 90.0 - np.copysign(np.degrees(alpha[edge]), -x)))
+        across = 1.1 * h
+        axes.add_patch(
+            Arc((x, at[edge]), across, across, theta1=begin, theta2=end, color=colour, linewidth=0.8, zorder=4)
+        )
+        words = rf"$\alpha_{{\mathrm{{{side}}}}}$ = {alpha[edge]:.4g} rad = {np.degrees(alpha[edge]):.3g}"
+        lines.append((f"{words}\N{DEGREE SIGN}, $R$ = {R[edge]:.4g} m", colour))
+    axes.plot(0.0, h, "o", color="black", markersize=4.0, zorder=5)
+    axes.plot([0.0, 0.0], [0.0, h], color=QUIET, linewidth=0.6, linestyle=(0, (1, 2)), zorder=3)
+    for number, (words, colour) in enumerate(lines):
+        axes.annotate(
+            words,
+            (0.5, 0.0),
+            (0.0, -32.0 - 12.0 * number),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            color=colour,
+            ha="center",
+            va="top",
+            fontsize=8.0,
+        )
+    low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+    axes.set_xlim(min(low[0], -body.left) - 0.08 * size, max(high[0], body.right) + 0.08 * size)
+    axes.set_ylim(min(low[1], 0.0) - 0.03 * size, high[1] + 0.05 * size)
+    axes.set_aspect("equal")
+    axes.set_xlabel("$x$ from the centre of mass [m]", labelpad=1.0)
+    axes.set_ylabel("$z$ [m]")
