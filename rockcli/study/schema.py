@@ -101,7 +101,8 @@ class BlockPart(Part):
     e_n: Number | None = key("restitution of a corner that strikes the ground from flight [1]; default 0")
     outline: Outline | None = key("polygon [[x, z], ...] [m], z up, or FILE.csv beside the study")
     density: Number | None = key("density of the outline [kg/m³]")
-    depth: Number | None = key("depth of the outline [m]; default 1")
+    depth: Number | None = key("depth of the outline, default 1, or of a rectangle that has a `plane` [m]")
+    plane: Literal["width", "depth"] | None = key("side of a rectangle of height, width and depth along which it rocks")
     pixel: Number | None = key("metres in a unit of the outline's coordinates [m]; default 1")
     z_down: bool = key("the outline's z runs down, as on a photograph", False)
     contacts: Annotated[list[Pair], Field(min_length=2, max_length=2)] | None = key(

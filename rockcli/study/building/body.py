@@ -35,9 +35,9 @@ def sufficient_pair(numbers: Numbers) -> Block:
     block = numbers.case.block
     if has_outline(block):
         return _outlined(numbers)
-    for key in ("density", "depth"):
-        if getattr(block, key) is not None:
-            numbers.fail((*BLOCK, key), "belongs to an outline; a block given by its sizes has a mass")
+    if block.density is not None:
+        numbers.fail((*BLOCK, "density"), "belongs to an outline; a block given by its sizes has a mass")
+    _check_planes(numbers, block)
     given = [[key for key in group if getattr(block, key) is not None] for group in GROUPS]
     for keys in given:
         if len(keys) > 1:
@@ -56,6 +56,25 @@ def sufficient_pair(numbers: Numbers) -> Block:
         if edges is not None:
             return _finite(numbers, make_block(h=_h(numbers, block), b=edges, n=numbers.n), names)
         return _finite(numbers, _symmetric(numbers, block), names)
+
+
+def _check_planes(numbers: Numbers, block: BlockPart) -> None:
+    """Refuse a depth or a plane of what is no rectangle of height, width and depth."""
+    if block.plane is None:
+        if block.depth is not None:
+            said = (
+                "belongs to an outline, or to a rectangle with a plane: width or depth, the side along which it rocks"
+            )
+            numbers.fail((*BLOCK, "depth"), said)
+        return
+    given = [key for group in GROUPS for key in group if getattr(block, key) is not None]
+    if len(given) != 2 or given[0] not in HEIGHT or given[1] != "width" or block.depth is None:
+        numbers.fail((*BLOCK, "plane"), "chooses between width and depth; height (or h), width and depth are needed")
+    for key in ("inertia", "r_g"):
+        if getattr(block, key) is not None:
+            numbers.fail((*BLOCK, key), "is not the same in both planes; give each plane as a setting of its own")
+    for key in ("width", "depth"):
+        numbers.positive((*BLOCK, key))
 
 
 def make_body(numbers: Numbers, pair: Block) -> Block:
@@ -183,7 +202,7 @@ def _b(numbers: Numbers, block: BlockPart) -> Any:
         return numbers.positive((*BLOCK, "b", 0))
     if block.b is not None:
         return numbers.positive((*BLOCK, "b"))
-    width = numbers.positive((*BLOCK, "width"))
+    width = numbers.positive((*BLOCK, "depth" if block.plane == "depth" else "width"))
     return None if width is None else 0.5 * width
 
 

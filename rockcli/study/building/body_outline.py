@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 BLOCK: Keys = ("case", "block")
 
-SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slenderness", "inertia", "r_g")
+SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slenderness", "inertia", "r_g", "plane")
 """Keys of a block that follow from its outline."""
 
 

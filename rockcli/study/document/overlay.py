@@ -62,15 +62,16 @@ def alternatives(key: str) -> frozenset[str]:
 def displaced(over: dict[str, Any]) -> set[str]:
     """Keys that go where a mapping is laid over them, unless it says them itself.
 
-    These are the alternatives of its keys; the other sizes and the outline of a body of which it gives two sizes; sizes
-    and inertia of a body of which it gives the outline; and what the kind that it names does not take.
+    These are the alternatives of its keys; other sizes, plane and outline of a body of which it gives two sizes; sizes,
+    inertia and plane of a body of which it gives the outline; and what the kind that it names does not take.
     """
     said = {key for key, value in over.items() if value is not None}
     gone = {other for key in said for other in alternatives(key)}
     if sum(bool(said & size) for size in SIZES) >= 2:
         gone |= _ALL_SIZES | _OUTLINES | {"density", "depth", "pixel", "z_down", "contacts"}
+        gone |= set() if "depth" in said else {"plane"}
     if said & _OUTLINES:
-        gone |= _ALL_SIZES | {"inertia", "r_g"}
+        gone |= _ALL_SIZES | {"inertia", "r_g", "plane"}
     if "parts" in said:
         gone |= {"density", "depth"}
     for key in said & KINDS.keys():

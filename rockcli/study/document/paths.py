@@ -31,6 +31,7 @@ _BLOCK = (
     "mass",
     "mu",
     "e_n",
+    "depth",
 )
 _PULSE = ("a_p", "a_p_over_g_tan_alpha", "omega_p", "T_p", "f_p", "omega_p_over_p", "cycles", "t0", "gamma", "nu", "A")
 _SCALING = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "polarity")
