@@ -1,4 +1,4 @@
-"""The outlines of a study's bodies, kept in its dataset so that figures and films can draw them."""
+"""The outlines of a study's bodies, kept in its dataset so that figures and animations can draw them."""
 
 from __future__ import annotations
 

@@ -138,7 +138,7 @@ SIZES = {"block.outline": {name: [[0, 0], [w, 0], [w, 3], [0, 3]] for name, w in
 SHEARED = {"initial": {"theta": 0.1}}
 
 
-def test_files_films_reports_and_old_datasets(tmp_path: Path):
+def test_files_reports_and_old_datasets(tmp_path: Path):
     study = {"name": "a", "case": {"block": {"outline": SHAFT}, **FREE}, "save": {"histories": True}, "plots": []}
     file = tmp_path / "a.yaml"
     file.write_text(json.dumps(study), encoding="utf-8")
