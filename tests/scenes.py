@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,8 @@ from rockcli.scene.excitation import Excitation, Samples
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.pulses import make_pulses
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, Response
-from rockcli.scene.variables import SCALARS
+from rockcli.scene.variables import GROUND, SCALARS
+from rockcli.solvers.common.ground import ground_of_case
 from rockcli.solvers.event.solver import solve
 
 G = 9.81
@@ -84,6 +86,13 @@ def make_batch(
 
 def rock(body: Block, excitation: Excitation, **how) -> Response:
     return solve(make_batch(body, excitation, **how))
+
+
+def with_ground(response: Response, body: Block, excitation: Excitation) -> Response:
+    """A response of one case with a_g and a_v among its histories, as a dataset has them."""
+    both = ground_of_case(make_batch(body, excitation), 0, response.time)
+    told = dict(zip(GROUND, (values[None] for values in both), strict=True))
+    return replace(response, histories=response.histories | told)
 
 
 def overturns(response: Response) -> bool:

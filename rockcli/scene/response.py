@@ -50,9 +50,10 @@ class Response:
         scalars: by variable name (scene/variables.py), (n,); `outcome` is int8, counts are int64.
         reasons: one sentence per case, "" where there is nothing to say, length n.
         time: output times (k,) [s], empty without histories.
-        histories: by variable name, (n, k); NaN after a case's t_end.
+        histories: by variable name, (n, k); NaN after a case's t_end.  Not the ground's: it follows from the motion.
         impacts: `t_impact`, `theta_dot_before`, `theta_dot_after`, (n, j), NaN-padded, j <= MAX_IMPACTS_STORED.
         used: what was actually used: backend, method, tolerances, compiled or interpreted.
+        shaken: of a_g and a_v: at how many of the output times the dataset tells them, (n,); None: as long as theta.
     """
 
     scalars: dict[str, NDArray[np.generic]]
@@ -61,3 +62,4 @@ class Response:
     histories: dict[str, Array] = field(default_factory=dict)
     impacts: dict[str, Array] = field(default_factory=dict)
     used: dict[str, str] = field(default_factory=dict)
+    shaken: dict[str, NDArray[np.int64]] | None = None

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scenes import G, block, make_batch, pulse, record, rock, still
+from scenes import G, block, make_batch, pulse, record, rock, still, with_ground
 from scipy.optimize import brentq
 
 from rockcli.scene.block import make_block
@@ -35,7 +35,7 @@ def forces_by_finite_differences(response, body, dt, g=G):
 def test_forces_under_a_pulse(R, tan_alpha):
     body, dt = block(R, tan_alpha), 2e-4
     motion = pulse("ricker", 2.0 * G * tan_alpha, 4.0 * np.sqrt(0.75 * G / R))
-    response = rock(body, motion, histories=True, dt_out=dt)
+    response = with_ground(rock(body, motion, histories=True, dt_out=dt), body, motion)
     mu, N = forces_by_finite_differences(response, body, dt)
     assert response.scalars["mu_required"][0] == pytest.approx(mu.max(), rel=2e-3)
     assert response.scalars["N_min_over_mg"][0] == pytest.approx(N.min(), rel=2e-3)
@@ -46,7 +46,7 @@ def test_forces_of_an_asymmetric_body_with_vertical_motion():
     body, dt = make_block(h=1.2, b=[0.2, 0.35]), 2e-4
     t = np.arange(0.0, 6.0, 0.02)
     motion = record(1.9 * np.sin(6.0 * t), 0.02, vertical=1.0 * np.sin(7.0 * t))
-    response = rock(body, motion, histories=True, dt_out=dt)
+    response = with_ground(rock(body, motion, histories=True, dt_out=dt), body, motion)
     assert response.scalars["outcome"][0] == 1
     mu, N = forces_by_finite_differences(response, body, dt)
     # differences across a kink of a_g are wrong by its jump: compare away from the extremes of rounding
@@ -117,7 +117,7 @@ def test_friction_that_overturning_takes_ends_at_the_last_passage_of_the_equilib
 def test_forces_of_a_body_that_overturns_end_at_the_last_passage(motion, edges):
     """Finite differences of the centre of mass up to t_overturn; on the way to the ground it needs more."""
     body, dt = make_block(h=1.2, b=edges), 1e-4
-    response = rock(body, motion, histories=True, dt_out=dt)
+    response = with_ground(rock(body, motion, histories=True, dt_out=dt), body, motion)
     found = response.scalars
     assert found["outcome"][0] >= 2
     passed = float(found["t_overturn"][0])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenes import G, array, overturns, pulse, record, rock, still, unit_block
+from scenes import G, array, overturns, pulse, record, rock, still, unit_block, with_ground
 
 from rockcli.scene.block import housner_eta
 from rockcli.scene.excitation import Excitation
@@ -184,7 +184,9 @@ def test_perfectly_plastic_impact():
     assert response.scalars["n_impacts"][0] == 1
     # then forced: it lifts off again only above g tan(alpha), and each impact stops it
     values = np.concatenate([np.zeros(200), G * np.tan(0.2) * 1.2 * np.sin(np.linspace(0.0, 12.0, 300))])
-    response = rock(body, record(values, 0.01), theta_0=0.1, eta=0.0, histories=True)
+    response = with_ground(
+        rock(body, record(values, 0.01), theta_0=0.1, eta=0.0, histories=True), body, record(values, 0.01)
+    )
     theta, a_g = response.histories["theta"][0], response.histories["a_g"][0]
     starts = np.flatnonzero((theta[1:] != 0.0) & (theta[:-1] == 0.0))
     assert len(starts) >= 2

@@ -195,7 +195,7 @@ def test_no_history_without_a_solution_or_a_motion():
     falling = fema(block(2.0, 0.1), pulse("ricker", 30.0, np.pi), histories=True)
     assert one(falling, "outcome") == OVERTURNED_AFTER_IMPACT
     assert np.isnan(falling.histories["theta"]).all()
-    assert np.isfinite(falling.histories["a_g"]).any()
+    assert falling.shaken["a_g"][0] == len(falling.time)
     quiet = fema(block(2.0, 0.2), pulse("ricker", 1.0, np.pi), histories=True)
     assert (quiet.histories["theta"][np.isfinite(quiet.histories["theta"])] == 0.0).all()
     assert np.isnan(flat(0.5, histories=True).histories["theta"]).all()
@@ -206,7 +206,7 @@ def test_duration_cuts_the_motion_and_the_history():
     response = fema(block(5.0, 0.2), motion, histories=True)
     assert one(response, "t_end") == 3.0
     assert response.time[-1] <= 3.0
-    assert (response.histories["a_g"][0, response.time < 3.0] != 0.0).sum() > 500
+    assert response.shaken["a_g"][0] == len(response.time) > 500
     # cut at its peak the pulse leaves the ground moving, and the oscillator with it
     cut = fema(block(5.0, 0.2), pulse("ricker", 3.6 * G * 0.2, 2.0 * np.pi, duration=2.1))
     assert one(cut, "outcome") == OVERTURNED_AFTER_IMPACT

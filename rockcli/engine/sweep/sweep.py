@@ -260,10 +260,14 @@ def _join(answer: ChunkResult, responses: list[tuple[Index, Response]]) -> None:
         width = max((values.shape[1] for _, named in found for values in named.values()), default=0)
         for part, named in found:
             for name, values in named.items():
-                if name in GROUND:
-                    counted = answer.shaken.setdefault(name, np.zeros(len(answer.cases), dtype=np.int64))
-                    counted[rows_of(answer.cases, part)] = np.isfinite(values).sum(axis=1)
-                    continue
                 if name not in into:
                     into[name] = np.full((len(answer.cases), width), np.nan)
                 into[name][rows_of(answer.cases, part), : values.shape[1]] = values
+    for part, response in responses:
+        if response.histories:
+            shaken = response.shaken
+            if shaken is None:
+                shaken = dict.fromkeys(GROUND, np.isfinite(response.histories["theta"]).sum(axis=1))
+            for name, told in shaken.items():
+                counted = answer.shaken.setdefault(name, np.zeros(len(answer.cases), dtype=np.int64))
+                counted[rows_of(answer.cases, part)] = told

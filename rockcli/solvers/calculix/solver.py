@@ -20,7 +20,6 @@ from rockcli.solvers.calculix.folder import solve_deck
 from rockcli.solvers.calculix.run import program
 from rockcli.solvers.calculix.verdict import fallen, judge
 from rockcli.solvers.common.found import Found, impacts_of, note_unstored
-from rockcli.solvers.common.ground import ground_of_case
 
 Array = NDArray[np.float64]
 
@@ -142,7 +141,7 @@ def _histories(batch: Batch, solved: list[_Solved | None]) -> tuple[dict[str, Ar
     dt_out = batch.save.dt_out
     stop = max((case.motion.t[-1] for case in solved if case is not None), default=0.0)
     t = np.arange(int(np.floor(stop / dt_out * (1.0 + 1e-9))) + 1, dtype=np.float64) * dt_out
-    names = ("theta", "theta_dot", "a_g", "a_v", "u_top", "v_top", "M_base", "u_top_bending")
+    names = ("theta", "theta_dot", "u_top", "v_top", "M_base", "u_top_bending")
     histories = {name: np.full((batch.size, len(t)), np.nan) for name in names}
     for i, case in enumerate(solved):
         if case is None:
@@ -160,7 +159,6 @@ def _histories(batch: Batch, solved: list[_Solved | None]) -> tuple[dict[str, Ar
         }
         for name, values in rows.items():
             histories[name][i, live] = np.interp(t[live], motion.t, values)
-        histories["a_g"][i, live], histories["a_v"][i, live] = ground_of_case(batch, i, t[live])
     return histories, t
 
 

@@ -36,8 +36,6 @@ def histories_of(batch: Batch, raw: Raw) -> tuple[dict[str, Array], dict[str, Ar
     tilted = np.sign(theta) * of_side(block.R) * W * np.sin(of_side(block.alpha) - np.abs(theta))
     moment = np.where(np.isin(mode, (ROCK, SLIDE_ROCK)), tilted, -friction * block.h[:, None])
     found |= {
-        "a_g": a_g,
-        "a_v": a_v,
         "u_top": slide + top * np.sin(theta),
         "v_top": found["lift"] - top * (1.0 - np.cos(theta)),
         "M_base": np.where(mode == FLIGHT, 0.0, moment) * mass,
@@ -58,7 +56,9 @@ def held_histories(batch: Batch, histories: dict[str, Array]) -> dict[str, Array
 def _modes(batch: Batch, histories: dict[str, Array]) -> Array:
     """Mode of contact of bodies that do not slide: where they would, or would fly, that mode, (n, k)."""
     model, block, g = MODELS[batch.model, batch.geometry], batch.block, batch.g[:, None]
-    theta, rate, a_g, a_v = (histories[name] for name in ("theta", "theta_dot", "a_g", "a_v"))
+    theta, rate = histories["theta"], histories["theta_dot"]
+    t = np.arange(theta.shape[1], dtype=np.float64) * np.float64(batch.save.dt_out)
+    a_g, a_v = ground_history(batch, t, np.isfinite(theta))
     law = model.law(block.alpha, block.tan_alpha)
     still = (theta == 0.0) & (rate == 0.0)
     s = np.where(theta != 0.0, np.sign(theta), np.where(rate != 0.0, np.sign(rate), -np.sign(a_g)))

@@ -205,8 +205,6 @@ def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Ar
     histories = {
         "theta": theta,
         "theta_dot": rate,
-        "a_g": a_g,
-        "a_v": a_v,
         "u_top": top * np.sin(theta),
         "v_top": -top * (1.0 - np.cos(theta)),
         "M_base": _base_moment(batch, theta, q, a_g, a_v),

@@ -11,7 +11,6 @@ from rockcli.kernels.column import layout as at
 from rockcli.kernels.constants import DONE, FALLS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.solvers.common.found import IMPACTS, Found, broke_off, counts, note_unstored
-from rockcli.solvers.common.ground import ground_history
 from rockcli.solvers.flexible.column import Prepared
 
 Array = NDArray[np.float64]
@@ -79,15 +78,12 @@ def histories_of(
     n_time = int(np.flatnonzero(written)[-1]) + 1 if written.any() else 1
     theta, rate, bend, moment = (x[:, :n_time] for x in (theta, rate, bend, moment))
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
-    a_g, a_v = ground_history(batch, t, np.isfinite(theta))
     length = 2.0 * batch.block.h[:, None]
     mass = np.where(np.isfinite(batch.block.mass), batch.block.mass, 1.0)[:, None]
     across = length * bend
     histories = {
         "theta": theta,
         "theta_dot": rate,
-        "a_g": a_g,
-        "a_v": a_v,
         "u_top": length * np.sin(theta) + across * np.cos(theta),
         "v_top": -length * (1.0 - np.cos(theta)) - across * np.sin(theta),
         "M_base": moment * length**2 * mass,

@@ -13,7 +13,6 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.found import Found, counts, impacts_of, note_unstored, rigid_top
-from rockcli.solvers.common.ground import ground_history
 
 Array = NDArray[np.float64]
 
@@ -75,14 +74,11 @@ def histories_of(
         raw[i, : len(kept)] = kept
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
     theta, top = raw[:, :, at.TH], batch.block.top[:, None]
-    a_g, a_v = ground_history(batch, t, np.isfinite(theta))
     given = np.isfinite(batch.block.mass) | (batch.model == "flexible")
     scale = np.where(given, 1.0, 1.0 / np.array(mass))[:, None]
     histories = {
         "theta": theta,
         "theta_dot": raw[:, :, at.RATE],
-        "a_g": a_g,
-        "a_v": a_v,
         "u_top": raw[:, :, at.U_TOP] if batch.model == "flexible" else top * np.sin(theta),
         "v_top": raw[:, :, at.V_TOP] if batch.model == "flexible" else -top * (1.0 - np.cos(theta)),
         "M_base": raw[:, :, at.MOMENT] * scale,

@@ -16,7 +16,6 @@ from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.found import Found, impacts_of, note_unstored, rigid_top
-from rockcli.solvers.common.ground import ground_of_case
 from rockcli.solvers.opensees.case import CaseOfOpenSees
 from rockcli.solvers.opensees.run import Answer
 
@@ -138,14 +137,13 @@ def histories_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, Array
     n_time = output_times(batch.save.dt_out, max(ends, default=0.0))
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
     names = ("theta", "theta_dot", "u_top", "v_top", "u_top_bending", "M_base")
-    histories = {name: np.full((batch.size, n_time), np.nan) for name in ("a_g", "a_v", *names)}
+    histories = {name: np.full((batch.size, n_time), np.nan) for name in names}
     for i, (case, answer) in answered.items():
         live = t <= float(answer.summary["t_end"]) * (1.0 + 1e-12)
         for name, values in zip(names, _at(answer.table, t[live]), strict=True):
             histories[name][i, live] = values
         if not np.isfinite(batch.block.mass[i]):
             histories["M_base"][i] /= case.number("m")
-        histories["a_g"][i, live], histories["a_v"][i, live] = ground_of_case(batch, i, t[live])
     if batch.model != "flexible":
         del histories["u_top_bending"]
     none = np.empty((0, 3))
