@@ -37,8 +37,8 @@ STATUS: dict[int, str] = {
 
 WHY_NOT: dict[int, str] = {
     NONE_EXCEEDS: "no case exceeds it, so the range is too low",
-    ALL_EXCEED: "every case exceeds it, so the range is too high",
-    SEPARABLE: "it goes from none to all between two intensities: beta cannot be estimated, the median only roughly",
+    ALL_EXCEED: "every case exceeds it wherever anything can move: add lower intensities",
+    SEPARABLE: "it goes from none to all within a step of the intensities, and beta cannot be told: add some there",
     FALLING: "it is not exceeded more often as the intensity grows",
     BELOW: "it is exceeded where the curve begins or below (begins_at)",
     COLLINEAR: "one of the two intensities is the same for all motions, or follows from the other",
@@ -221,10 +221,28 @@ def _ordinal(rows: Rows, into: Curves) -> None:
         if between.any():
             cut.append(int(j))
         group.append(len(cut) - 1)
+    alone = [int(j) for j in there if into.status[j] == SEPARABLE]
     # categories counted by the groups they lie above
     low, high = (np.searchsorted(cut, of, side="left").astype(np.int64) for of in (rows.low, rows.high))
     grouped = Rows(rows.u, low, high, rows.weight, rows.member)
     _put(into, there, np.array(group), ordered_probit(grouped, len(cut)))
+    if rows.u.shape[1] == 1:
+        for j in alone:
+            _no_finer_than_seen(rows, into, j)
+
+
+def _no_finer_than_seen(rows: Rows, into: Curves, j: int) -> None:
+    """Widen the limits of a median to the step within which all members begin to exceed the state.
+
+    Members that answer alike have no scatter there, and the covariance of their sums would be next to nothing.
+    """
+    if into.status[j] != FITTED:
+        return
+    ends = rows.u[rows.high <= j, 0].max(), rows.u[rows.low > j, 0].min()
+    se = max(abs(float(np.log(into.median[j])) - end) for end in ends) / into._reach
+    if se > into.se_ln_median[j]:
+        into.correlation[j] *= into.se_ln_median[j] / se
+        into.se_ln_median[j] = se
 
 
 def _put(into: Curves, states: Index, cuts: Index, found: Probit | None) -> None:

@@ -321,7 +321,7 @@ def limit_words(label: Any) -> str:
     """A limit state for people."""
     if label == "overturned":
         return "overturning"
-    return str(label) if ">" in str(label) else f"theta/alpha > {label}"
+    return f"{label} or overturned" if ">" in str(label) else f"theta/alpha > {label}"
 
 
 def _members(over: Over) -> str:

@@ -128,6 +128,19 @@ def test_nested_curves_never_cross_where_single_ones_do():
     assert crossing > 20  # so that the assertion above could fail
 
 
+def test_limits_are_no_finer_than_the_step_within_which_all_exceed_a_state():
+    """All members begin to exceed the first state between .3 and .4: no scatter is seen, and more is not known."""
+    x = np.broadcast_to([0.1, 0.2, 0.3, 0.4, 0.6, 0.8], (6, 6))
+    overturns = np.array([0.4, 0.6, 0.6, 0.8, 0.8, 1.0])  # the intensities from which members overturn
+    categories = (x > 0.35).astype(np.int64) + (x >= overturns[:, None])
+    made = curves(Seen(x, categories, categories, np.ones(x.shape)), 2)
+    low, high = made.median_limits()
+    assert made.status.tolist() == [FITTED, FITTED]
+    assert low[0] <= 0.3
+    assert high[0] >= 0.4
+    assert low[0] < made.median[0] < high[0]
+
+
 def test_states_that_no_case_tells_apart_share_a_curve():
     category = suite(medians=(1.5, 3.0))
     category = np.where(category == 2, 3, category)  # whoever passes the second limit passes the third
