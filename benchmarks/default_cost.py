@@ -22,7 +22,7 @@ from machine import machine
 
 HERE = Path(__file__).resolve().parent
 SHIPPED = HERE.parent / "records"
-ROUNDS, RECORDS = 1, 42
+ROUNDS, RECORDS = 3, 42
 
 HEADINGS = (
     "study", "cases", "CPU two [s]", "CPU default [s]", "CPU ratio", "wall two [s]", "wall default [s]", "wall ratio",
