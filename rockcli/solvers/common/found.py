@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels.constants import DONE, OUT_OF_STEPS
+from rockcli.kernels.formulas import potential
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
+from rockcli.scene.models import MODELS
 from rockcli.scene.response import (
     FAILED,
     MAX_IMPACTS_STORED,
@@ -93,6 +95,18 @@ class Found:
 def rigid_top(batch: Batch, peak: Array) -> Array:
     """Largest displacement of the top of bodies that do not bend, their largest |theta| given, (n,) [m]."""
     return np.asarray(batch.block.top * np.sin(np.minimum(peak, 0.5 * np.pi)))
+
+
+def barrier(batch: Batch) -> Array:
+    """Energy from upright to the unstable equilibrium of the weak edge, over m g, (n,) [m]."""
+    model = MODELS[batch.model, batch.geometry]
+    law = model.law(batch.block.alpha, batch.block.tan_alpha)
+    q = np.minimum(law.q_star, np.pi)
+    if model.linear:
+        energy = q * (law.r0 + 0.5 * law.rs * q)
+    else:
+        energy = potential(law.r0, law.rc, q, 2.0 * law.rs * np.sin(0.5 * q) ** 2, np.sin(q))
+    return batch.block.of_weak_edge(batch.block.R * energy)
 
 
 ON_SEPARATRIX = "on the separatrix to machine precision: double precision does not decide whether it overturns"

@@ -14,7 +14,7 @@ from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.contact import slides_only
 from rockcli.scene.response import NO_UPLIFT, SLIDING, UNRESOLVED
 from rockcli.solvers.common.certainty import withdraw
-from rockcli.solvers.common.found import ON_SEPARATRIX, Found, broke_off, counts, note_unstored
+from rockcli.solvers.common.found import ON_SEPARATRIX, Found, barrier, broke_off, counts, note_unstored
 from rockcli.solvers.contact.run import Raw
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ def answer(
         "mu_required": known(needed),
         "mu_impact": known(np.where(only, 0.0, rocking["mu_impact"])),
         "N_min_over_mg": known(out[:, to.N_MIN]),
-        "energy_residual": known(np.where(only, np.nan, out[:, to.BALANCE] / (batch.g * _barrier(batch)))),
+        "energy_residual": known(np.where(only, np.nan, out[:, to.BALANCE] / (batch.g * barrier(batch)))),
         "slide_peak": known(slid),
         "slide_residual": known(np.where(fell, np.nan, out[:, to.SLIDE_END])),
         "t_slip": known(out[:, to.T_SLIP]),
@@ -94,12 +94,6 @@ def _by_side(batch: Batch, out: Array, peak: Array) -> dict[str, Array]:
     ratio = np.maximum(sides[LEFT] / alpha[:, LEFT], sides[RIGHT] / alpha[:, RIGHT])
     left, right = (np.where(symmetric, np.nan, side) for side in sides)
     return {"theta_peak_left": left, "theta_peak_right": right, "theta_peak_over_alpha": ratio}
-
-
-def _barrier(batch: Batch) -> Array:
-    """Height the centre of mass rises to the unstable equilibrium of the weak edge, (n,) [m]."""
-    alpha = batch.block.of_weak_edge(batch.block.alpha)
-    return np.asarray(batch.block.of_weak_edge(batch.block.R) * 2.0 * np.sin(0.5 * alpha) ** 2)
 
 
 def _reasons(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels.constants import DONE, FALLS, UNDECIDED
-from rockcli.kernels.formulas import potential, restoring
+from rockcli.kernels.formulas import restoring
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
@@ -16,7 +16,16 @@ from rockcli.scene.models import MODELS
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.certainty import withdraw
-from rockcli.solvers.common.found import IMPACTS, ON_SEPARATRIX, Found, broke_off, counts, note_unstored, rigid_top
+from rockcli.solvers.common.found import (
+    IMPACTS,
+    ON_SEPARATRIX,
+    Found,
+    barrier,
+    broke_off,
+    counts,
+    note_unstored,
+    rigid_top,
+)
 from rockcli.solvers.common.ground import ground_history
 
 Array = NDArray[np.float64]
@@ -90,7 +99,7 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "mu_required": of_level(seen(mu_required)),
         "mu_impact": of_level(found.unless_failed(_impact_friction(batch, *onto))) if friction else nothing,
         "N_min_over_mg": of_level(seen(N_min)),
-        "energy_residual": seen(_over(out[:, to.ENERGY], _barrier(batch))) if "energy_residual" in asked else nothing,
+        "energy_residual": seen(_over(out[:, to.ENERGY], barrier(batch))) if "energy_residual" in asked else nothing,
         "n_steps": counts(out[:, to.N_STEPS]),
         "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion
     }
@@ -151,18 +160,6 @@ def _impact_friction(batch: Batch, onto_left: NDArray[np.bool_], onto_right: NDA
     ratio = block.h[:, None] * (1.0 - eta) / (block.b[:, ::-1] + eta * block.b)
     happened = np.column_stack([onto_left, onto_right])
     return np.asarray(np.max(np.where(happened, ratio, 0.0), axis=1))
-
-
-def _barrier(batch: Batch) -> Array:
-    """Energy from upright to the unstable equilibrium of the weak edge, over m g, (n,) [m]."""
-    model = MODELS[batch.model, batch.geometry]
-    law = model.law(batch.block.alpha, batch.block.tan_alpha)
-    q = np.minimum(law.q_star, np.pi)
-    if model.linear:
-        energy = q * (law.r0 + 0.5 * law.rs * q)
-    else:
-        energy = potential(law.r0, law.rc, q, 2.0 * law.rs * np.sin(0.5 * q) ** 2, np.sin(q))
-    return batch.block.of_weak_edge(batch.block.R * energy)
 
 
 def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list[str]:
