@@ -1,0 +1,83 @@
+"""Maximum likelihood of normal variables known to lie in intervals: the likelihood, its maximum by Newton's method, and
+the covariance of the estimate where rows of one member are no independent trials.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Likelihood = tuple[float, Array, Array]
+"""Its logarithm, the gradient of it row by row (rows, k), and minus its second derivative (k, k)."""
+
+_ITERATIONS = 200
+
+
+def interval_likelihood(a: Array, c: Array, by_a: Array, by_c: Array, weight: Array | float = 1.0) -> Likelihood:
+    """Of normal variables that lie between c and a.
+
+    Args:
+        a, c: (rows,) standardised ends, a > c; inf and -inf where there is none.
+        by_a, by_c: (rows, k) derivatives of the ends by what is estimated; the ends are linear in it.
+        weight: (rows,) or one for all.
+    """
+    from scipy.special import log_ndtr
+
+    turned = c > 0.0  # in the upper tail, where differences of probabilities near 1 would cancel
+    above, below = np.where(turned, -c, a), np.where(turned, -a, c)
+    log_p = log_ndtr(above) + np.log1p(-np.exp(log_ndtr(below) - log_ndtr(above)))
+    f_a, f_c = (np.exp(-0.5 * v * v - 0.5 * np.log(2.0 * np.pi) - log_p) for v in (a, c))
+    finite_a, finite_c = (np.where(np.isfinite(v), v, 0.0) for v in (a, c))
+    w = np.broadcast_to(weight, a.shape)
+    gradient = w[:, None] * (f_a[:, None] * by_a - f_c[:, None] * by_c)
+    bend = (by_a.T * (w * f_a * (finite_a + f_a))) @ by_a + (by_c.T * (w * f_c * (f_c - finite_c))) @ by_c
+    mixed = (by_a.T * (w * f_a * f_c)) @ by_c
+    return float((w * log_p).sum()), gradient, bend - mixed - mixed.T
+
+
+def maximum(
+    likelihood: Callable[[Array], Likelihood | None], x: Array, lost: Callable[[Array], bool]
+) -> tuple[Array, Array, Array] | None:
+    """Where the likelihood is largest, (k,), with its gradient and second derivative there; None without a maximum.
+
+    Args:
+        likelihood: of (k,) parameters; None where they are not allowed.
+        x: (k,) to begin with, allowed.
+        lost: whether the parameters are so far out that there is no maximum.
+    """
+    found = likelihood(x)
+    assert found is not None
+    best, gradient, bend = found
+    for _ in range(_ITERATIONS):
+        step = np.linalg.solve(bend, gradient.sum(axis=0))
+        size = 1.0
+        while (found := likelihood(x + size * step)) is None or not found[0] >= best - 1e-13 * abs(best):
+            size *= 0.5
+            if size < 1e-12:
+                return None
+        x = x + size * step
+        best, gradient, bend = found
+        if lost(x) or not np.isfinite(bend).all():
+            return None
+        if (np.abs(size * step) <= 1e-12 * (1.0 + np.abs(x))).all():
+            return x, gradient, bend
+    return None
+
+
+def clustered_covariance(gradient: Array, bend: Array, member: NDArray[np.int64]) -> Array:
+    """Covariance (k, k) of an estimate: the sandwich, with the factor n/(n - 1) (Liang and Zeger 1986).
+
+    Args:
+        gradient: (rows, k) at the maximum.
+        bend: (k, k) minus the second derivative there.
+        member: (rows,) which of n independent members a row belongs to.
+    """
+    _, who = np.unique(member, return_inverse=True)
+    n = int(who.max()) + 1
+    score = np.zeros((n, gradient.shape[1]))
+    np.add.at(score, who.ravel(), gradient)
+    inverse = np.linalg.inv(bend)
+    return np.asarray(inverse @ (score.T @ score) @ inverse * (n / max(n - 1, 1)))
