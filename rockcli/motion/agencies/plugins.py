@@ -1,10 +1,11 @@
-"""The formats as ObsPy waveform plug-ins: `obspy.read` finds these functions by entry point.
+"""The formats as ObsPy waveform plug-ins: `obspy.read` finds the pairs below by entry point.
 
 Values stay in the file's unit, which `stats.<format>.units` names; `station` and `channel` are set in `stats`.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 
 def _is(one: Format, filename: Any) -> bool:
+    """Whether a file is in a format (ObsPy's `isFormat`); never raises."""
     try:
         if hasattr(filename, "read"):
             return format_of(filename.read(HEAD)) is one
@@ -34,7 +36,8 @@ def _is(one: Format, filename: Any) -> bool:
         return False
 
 
-def _read(one: Format, filename: Any, headonly: bool) -> Stream:
+def _read(one: Format, filename: Any, headonly: bool = False, **_: Any) -> Stream:
+    """A file in a format as a Stream (ObsPy's `readFormat`)."""
     from obspy import Stream, Trace
     from obspy.core import AttribDict
 
@@ -54,81 +57,11 @@ def _read(one: Format, filename: Any, headonly: bool) -> Stream:
     return stream
 
 
-def is_cosmos(filename: Any) -> bool:
-    """Whether a file is in the format COSMOS (ObsPy's `isFormat`); never raises."""
-    return _is(COSMOS, filename)
-
-
-def read_cosmos(filename: Any, headonly: bool = False, **_: Any) -> Stream:
-    """A file in the format COSMOS as a Stream (ObsPy's `readFormat`)."""
-    return _read(COSMOS, filename, headonly)
-
-
-def is_csmip(filename: Any) -> bool:
-    """Whether a file is in the format CSMIP (ObsPy's `isFormat`); never raises."""
-    return _is(CSMIP, filename)
-
-
-def read_csmip(filename: Any, headonly: bool = False, **_: Any) -> Stream:
-    """A file in the format CSMIP as a Stream (ObsPy's `readFormat`)."""
-    return _read(CSMIP, filename, headonly)
-
-
-def is_geonet(filename: Any) -> bool:
-    """Whether a file is in the format GEONET (ObsPy's `isFormat`); never raises."""
-    return _is(GEONET, filename)
-
-
-def read_geonet(filename: Any, headonly: bool = False, **_: Any) -> Stream:
-    """A file in the format GEONET as a Stream (ObsPy's `readFormat`)."""
-    return _read(GEONET, filename, headonly)
-
-
-def is_smc(filename: Any) -> bool:
-    """Whether a file is in the format SMC (ObsPy's `isFormat`); never raises."""
-    return _is(SMC, filename)
-
-
-def read_smc(filename: Any, headonly: bool = False, **_: Any) -> Stream:
-    """A file in the format SMC as a Stream (ObsPy's `readFormat`)."""
-    return _read(SMC, filename, headonly)
-
-
-def is_esm(filename: Any) -> bool:
-    """Whether a file is in the format ESM (ObsPy's `isFormat`); never raises."""
-    return _is(ESM, filename)
-
-
-def read_esm(filename: Any, headonly: bool = False, **_: Any) -> Stream:
-    """A file in the format ESM as a Stream (ObsPy's `readFormat`)."""
-    return _read(ESM, filename, headonly)
-
-
-def is_resorce(filename: Any) -> bool:
-    """Whether a file is in the format RESORCE (ObsPy's `isFormat`); never raises."""
-    return _is(RESORCE, filename)
-
-
-def read_resorce(filename: Any, headonly: bool = False, **_: Any) -> Stream:
-    """A file in the format RESORCE as a Stream (ObsPy's `readFormat`)."""
-    return _read(RESORCE, filename, headonly)
-
-
-def is_csmnc(filename: Any) -> bool:
-    """Whether a file is in the format CSMNC (ObsPy's `isFormat`); never raises."""
-    return _is(CSMNC, filename)
-
-
-def read_csmnc(filename: Any, headonly: bool = False, **_: Any) -> Stream:
-    """A file in the format CSMNC as a Stream (ObsPy's `readFormat`)."""
-    return _read(CSMNC, filename, headonly)
-
-
-def is_cwb(filename: Any) -> bool:
-    """Whether a file is in the format CWB (ObsPy's `isFormat`); never raises."""
-    return _is(CWB, filename)
-
-
-def read_cwb(filename: Any, headonly: bool = False, **_: Any) -> Stream:
-    """A file in the format CWB as a Stream (ObsPy's `readFormat`)."""
-    return _read(CWB, filename, headonly)
+is_cosmos, read_cosmos = partial(_is, COSMOS), partial(_read, COSMOS)
+is_csmip, read_csmip = partial(_is, CSMIP), partial(_read, CSMIP)
+is_geonet, read_geonet = partial(_is, GEONET), partial(_read, GEONET)
+is_smc, read_smc = partial(_is, SMC), partial(_read, SMC)
+is_esm, read_esm = partial(_is, ESM), partial(_read, ESM)
+is_resorce, read_resorce = partial(_is, RESORCE), partial(_read, RESORCE)
+is_csmnc, read_csmnc = partial(_is, CSMNC), partial(_read, CSMNC)
+is_cwb, read_cwb = partial(_is, CWB), partial(_read, CWB)
