@@ -27,12 +27,12 @@ def draw(
     Raises:
         StudyError: the file cannot be read, or the format or a kind is unknown.
     """
-    from rockcli.plotting.figures import default_kinds, figure, save, why_not
-
     if plot_format not in FORMATS:
         raise StudyError(f"unknown format {plot_format!r}; there are {', '.join(FORMATS)}")
     if kinds == ():
         return (), ()
+    from rockcli.plotting.figures import default_kinds, figure, save, why_not
+
     dataset = open_dataset(path)
     drawn, complaints = [], []
     for kind in default_kinds(dataset) if kinds is None else kinds:

@@ -278,7 +278,7 @@ def _counted(
         )
     if len(extra):
         warnings.append(f"{len(extra)} zero(s) behind the {npts} values the header announces were left out")
-    elif not numbers.text_after and len(numbers.last) < numbers.shortest and not data.rstrip(b" ").endswith(b"\n"):
+    elif not numbers.text_after and not data.rstrip(b" ").endswith(b"\n") and len(numbers.last) < numbers.shortest:
         raise RecordError(
             f"the last value, {numbers.last!r}, is shorter than all others and no line end follows: the file seems "
             "cut inside it; get the file anew, or end its last line if it is whole",

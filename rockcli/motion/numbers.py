@@ -17,6 +17,7 @@ from rockcli.errors import RecordError
 Array = NDArray[np.float64]
 
 _PLAIN = re.compile(r"[0-9.eE+\-\s]*")
+_OF_NUMBERS = b"0123456789.eE+- \t\n\v\f\r"
 _LETTER_D = re.compile(r"(?<=[\d.])[dD](?=[+-]?\d)")
 _NO_LETTER = re.compile(r"(?<=[\d.])([+-]\d{3})(?![\d.])")
 _GLUED = re.compile(r"(?<=[\d.])(?=[+-])")
@@ -28,18 +29,30 @@ class Numbers:
 
     Attributes:
         values: in reading order, (k,).
-        per_line: how many stand on each line that has any, (lines,).
-        last: the last number as it is printed, with its neighbours' shortest length in `shortest`
-            (both without signs): a number cut by the end of the file is shorter than all others.
-        shortest: see `last`.
+        tokens: the same as printed.
+        lines: those that have numbers, the numbers on each apart by blanks.
         text_after: lines without numbers behind the last number.
     """
 
     values: Array
-    per_line: NDArray[np.int64]
-    last: str
-    shortest: int
-    text_after: tuple[str, ...]
+    tokens: list[str]
+    lines: list[str]
+    text_after: tuple[str, ...] = ()
+
+    @property
+    def per_line(self) -> NDArray[np.int64]:
+        """How many stand on each line that has any, (lines,)."""
+        return np.array([n for line in self.lines if (n := len(line.split()))], dtype=np.int64)
+
+    @property
+    def last(self) -> str:
+        """The last number as it is printed, without its sign."""
+        return self.tokens[-1].lstrip("+-") if self.tokens else ""
+
+    @property
+    def shortest(self) -> int:
+        """The least length of the others, without signs: a number cut by the end of the file is shorter than they."""
+        return min((len(token) - (token[0] in "+-") for token in self.tokens[:-1]), default=0)
 
 
 def read_numbers(lines: list[str], first: int, file: str, expected: int | None = None) -> Numbers:
@@ -55,6 +68,23 @@ def read_numbers(lines: list[str], first: int, file: str, expected: int | None =
     Raises:
         RecordError: a word among numbers, numbers behind text, or a number that is not finite.
     """
+    return _read_at_once(lines) or _read_line_by_line(lines, first, file, expected)
+
+
+def _read_at_once(lines: list[str]) -> Numbers | None:
+    """The numbers of lines that hold nothing but finite ones as `float` takes them; None of others."""
+    text = "\n".join(lines)
+    if not text.isascii() or text.encode().translate(None, _OF_NUMBERS):
+        return None
+    tokens = text.split()
+    try:
+        values = np.array([*map(float, tokens)])
+    except ValueError:
+        return None
+    return Numbers(values, tokens, lines) if np.isfinite(values).all() else None
+
+
+def _read_line_by_line(lines: list[str], first: int, file: str, expected: int | None) -> Numbers:
     values: list[float] = []
     rows: list[list[str]] = []
     numbers_of_lines: list[int] = []
@@ -85,14 +115,8 @@ def read_numbers(lines: list[str], first: int, file: str, expected: int | None =
         count += len(tokens)
     numbers = np.array(values)
     _refuse_infinite(numbers, rows, numbers_of_lines, file)
-    *others, last = chain.from_iterable(rows) if rows else ("",)
-    return Numbers(
-        values=numbers,
-        per_line=np.array([len(row) for row in rows], dtype=np.int64),
-        last=last.lstrip("+-"),
-        shortest=min((len(token) - (token[0] in "+-") for token in others), default=0),
-        text_after=tuple(what for _, what in text),
-    )
+    after = tuple(what for _, what in text)
+    return Numbers(numbers, [*chain.from_iterable(rows)], [" ".join(row) for row in rows], after)
 
 
 def _floats(line: str, words: list[str]) -> list[float] | None:
