@@ -34,6 +34,8 @@ class Block:
         rise: height of the right edge above the left one, on a tilted support, (n,) [m].
         outline: points of its polygons, (n, points, 2) [m], x from the centre of mass, z from the base, NaN between two
             polygons; None for a body of no outline.
+        vertices: of its lower convex outline where it rolls over more than two, (n, v, 2) [m], from the centre of mass,
+            left to right, NaN after the last; None where all stand on two edges.  The edges are those of the base then.
     """
 
     h: Array
@@ -49,6 +51,19 @@ class Block:
     e_n: Array
     rise: Array
     outline: Array | None = None
+    vertices: Array | None = None
+
+    @property
+    def rolls(self) -> NDArray[np.bool_]:
+        """Which bodies roll over more than two vertices, (n,)."""
+        if self.vertices is None:
+            return np.zeros(self.size, dtype=bool)
+        return np.asarray(np.isfinite(self.vertices[:, :, 0]).sum(axis=1) > 2)
+
+    @property
+    def r_g2(self) -> Array:
+        """Radius of gyration about the centre of mass, squared, (n,) [m^2]."""
+        return np.asarray((self.inertia[:, LEFT] - 1.0) * self.R[:, LEFT] ** 2)
 
     @property
     def size(self) -> int:

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rockcli.scene.lower_outline import LEVEL, lower_hull, settling_turn, turned
 
-LEVEL = 1e-9
-"""Points within this fraction of the body's size above the lowest stand on the ground."""
+Array = NDArray[np.float64]
 
 EVEN = 1e-12
 """Edges whose distances differ by less than this fraction of the base are equally far."""
@@ -55,6 +54,8 @@ class Solid:
         height: of the highest point above the base [m].
         rise: height of the right edge above the left one [m]; of a tilted support the base is its middle.
         outline: all polygons, (n, points, 2) [m]: x from the centre of mass, z from the base; NaN between two.
+        vertices: of the lower convex outline, (n, v, 2) [m] from the centre of mass, left to right, NaN after the last;
+            None where there are but the two edges.
     """
 
     mass: Array
@@ -64,6 +65,15 @@ class Solid:
     height: Array
     rise: Array
     outline: Array
+    vertices: Array | None = None
+
+
+@dataclass(frozen=True)
+class Given:
+    """What of n bodies is given beside their outline: centre of mass (n, 2), radius of gyration about it (n,) [m]."""
+
+    centre: Array
+    r_g: Array
 
 
 def figure(points: Array) -> Figure:
@@ -183,12 +193,58 @@ def _as_seen(parts: Sequence[Array], origin: Array) -> Array:
     return np.concatenate(rows[1:], axis=1)
 
 
+def _same(points: Array) -> bool:
+    """Whether the points (n, k, 2) of all bodies are the same."""
+    return bool((points == points[:1]).all())
+
+
+def _settled(parts: Sequence[Array], centre: Array) -> tuple[list[Array], Array]:
+    """Polygons turned about the centre of mass (n, 2) to where the body comes to rest, from there, and all points."""
+    moved = [points - centre[:, None, :] for points in parts]
+    every = np.concatenate(moved, axis=1)
+    cases = range(1) if _same(every) else range(len(every))
+    turns = np.array([settling_turn(every[i], np.zeros(2)) for i in cases])
+    if np.isnan(turns).any():
+        raise OutlineError("finds no rest within a quarter turn: it has no side over which its centre of mass is")
+    turns = np.broadcast_to(turns, len(every))
+    laid = [np.stack([turned(points, turn) for points, turn in zip(each, turns, strict=True)]) for each in moved]
+    return laid, np.concatenate(laid, axis=1)
+
+
+def _vertices(every: Array, centre: Array, left: Array, right: Array) -> Array | None:
+    """Vertices of the lower convex outline of points (n, k, 2) from the centre of mass (n, 2), (n, v, 2).
+
+    None where no body reaches beyond its edges `left` and `right`.
+    """
+    size = np.ptp(every, axis=1).max(axis=1)
+    beyond = (every[:, :, 0] < (left - LEVEL * size)[:, None]) | (every[:, :, 0] > (right + LEVEL * size)[:, None])
+    if not beyond.any():
+        return None
+    moved = every - centre[:, None, :]
+    hulls = [lower_hull(points) for points in (moved[:1] if _same(moved) else moved)]
+    found = np.full((len(hulls), max(len(hull) for hull in hulls), 2), np.nan)
+    for row, hull in zip(found, hulls, strict=True):
+        row[: len(hull)] = hull
+    return None if found.shape[1] < 3 else np.broadcast_to(found, (len(every), *found.shape[1:]))
+
+
 def solid(
-    parts: Sequence[Array], weights: Sequence[Array], contacts: Array | None = None
+    parts: Sequence[Array],
+    weights: Sequence[Array],
+    contacts: Array | None = None,
+    given: Given | None = None,
+    *,
+    settle: bool = False,
+    rolls: bool = False,
 ) -> tuple[Solid, tuple[int, ...]]:
     """The body made of polygons (n, k, 2) [m] of given density x depth (n,) [kg/m^2], and the parts given clockwise.
 
     The edges are the lowest points farthest left and right, or the `contacts` (n, 2, 2); the parts are rigidly joined.
+
+    Args:
+        given: the centre of mass and the radius of gyration, where they do not follow from the polygons.
+        settle: the body is let go as it is, and stands where it comes to rest.
+        rolls: it has the vertices of its lower convex outline, not its two edges alone.
 
     Raises:
         OutlineError: a polygon that is none, parts that overlap, a body that stands on a point or not by itself.
@@ -210,6 +266,12 @@ def solid(
     I_cm = np.zeros_like(mass)
     for m, f in zip(masses, figures, strict=True):
         I_cm += m * (f.polar / f.area + (f.x - x) ** 2 + (f.z - z) ** 2)
+    if given is not None:
+        x, z, I_cm = given.centre[:, 0], given.centre[:, 1], mass * given.r_g**2
+    if settle:
+        parts, every = _settled(parts, np.stack([x, z], axis=1))
+        x = z = np.zeros_like(mass)
+        ground = every[:, :, 1].min(axis=1)
     stands = every[:, :, 1] - ground[:, None] <= LEVEL * size[:, None]
     left = np.where(stands, every[:, :, 0], np.inf).min(axis=1)
     right = np.where(stands, every[:, :, 0], -np.inf).max(axis=1)
@@ -233,5 +295,7 @@ def solid(
     even = np.abs(b[:, 0] - b[:, 1]) <= EVEN * (right - left)
     b = np.where(even[:, None], 0.5 * (right - left)[:, None], b)
     outline = _as_seen(parts, np.stack([x, ground], axis=1))
-    body = Solid(mass, z - ground, b, np.sqrt(I_cm / mass), every[:, :, 1].max(axis=1) - ground, rise, outline)
+    vertices = _vertices(every, np.stack([x, z], axis=1), left, right) if rolls else None
+    height = every[:, :, 1].max(axis=1) - ground
+    body = Solid(mass, z - ground, b, np.sqrt(I_cm / mass), height, rise, outline, vertices)
     return body, tuple(j for j, f in enumerate(figures) if f.clockwise)

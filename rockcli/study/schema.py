@@ -110,6 +110,12 @@ class BlockPart(Part):
         "default: its lowest points"
     )
     parts: Annotated[list[SolidPart], Field(min_length=1)] | None = key("several outlines, rigidly joined")
+    stands: Literal["outline", "toes", "settled"] = key(
+        "how an outline stands: on its lowest points as given, rolling over the vertices beside them (outline); on the "
+        "outermost two of its lowest points alone (toes); as outline, where it comes to rest when let go (settled)",
+        "outline",
+    )
+    centre: Pair | None = key("centre of mass [x, z] in the outline's coordinates, with r_g, where it is not uniform")
 
 
 class PulsePart(Part):

@@ -12,7 +12,7 @@ from rockcli.kernels.contact.codes import SLIDE, SLIDE_ROCK
 from rockcli.plotting.common.cases import Array, outcome_at, values_at
 from rockcli.plotting.common.response import edges
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.outline import LEVEL
+from rockcli.scene.lower_outline import LEVEL
 
 if TYPE_CHECKING:
     import xarray

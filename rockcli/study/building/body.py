@@ -37,6 +37,10 @@ def sufficient_pair(numbers: Numbers) -> Block:
         return _outlined(numbers)
     if block.density is not None:
         numbers.fail((*BLOCK, "density"), "belongs to an outline; a block given by its sizes has a mass")
+    if block.stands != "outline":
+        numbers.fail((*BLOCK, "stands"), "belongs to an outline; a block given by its sizes stands on its two edges")
+    if block.centre is not None:
+        numbers.fail((*BLOCK, "centre"), "belongs to an outline; a block given by its sizes has h and b")
     _check_planes(numbers, block)
     given = [[key for key in group if getattr(block, key) is not None] for group in GROUPS]
     for keys in given:
@@ -148,7 +152,7 @@ def _outlined(numbers: Numbers) -> Block:
         numbers.require((*BLOCK, "contacts"), body.rise == 0.0, level)
     same = np.array_equal(body.outline, np.broadcast_to(body.outline[:1], body.outline.shape), equal_nan=True)
     outline = np.broadcast_to(body.outline[:1], body.outline.shape) if same else body.outline
-    block = replace(block, outline=outline)
+    block = replace(block, outline=outline, vertices=body.vertices)
     key = "parts" if numbers.case.block.parts is not None else "outline"
     return _finite(numbers, block, [key])
 

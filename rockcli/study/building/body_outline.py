@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
-from rockcli.scene.outline import OutlineError, Solid, solid
+from rockcli.scene.outline import Given, OutlineError, Solid, solid
 from rockcli.study.document.expressions import Value
 from rockcli.study.document.tree import Keys, dotted, place
 from rockcli.study.schema import BlockPart
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 BLOCK: Keys = ("case", "block")
 
-SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slenderness", "inertia", "r_g", "plane")
+SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slenderness", "inertia", "plane")
 """Keys of a block that follow from its outline."""
 
 
@@ -40,6 +40,9 @@ def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
     for key in SAID_BY_OUTLINE:
         if getattr(block, key) is not None:
             numbers.fail((*BLOCK, key), "follows from the outline; leave one of the two out")
+    if (block.r_g is None) != (block.centre is None):
+        key, other = ("r_g", "centre") if block.centre is None else ("centre", "r_g")
+        numbers.fail((*BLOCK, key), f"follows from the outline; leave it out, or give {other} beside it")
     several = block.parts is not None
     if several:
         for key in ("outline", "density", "depth"):
@@ -61,8 +64,11 @@ def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
     size = numbers.array(unit)[:, None, None] * turned
     polygons = [np.ascontiguousarray(_polygon(numbers, (*keys, "outline")) * size) for keys in at]
     contacts = None if block.contacts is None else _contacts(numbers) * size
+    if contacts is not None and block.stands == "settled":
+        numbers.fail((*BLOCK, "stands"), "settled and contacts both say on what it stands; leave one out")
+    settle, rolls = block.stands == "settled", block.stands != "toes" and contacts is None
     try:
-        body, clockwise = solid(polygons, weights, contacts)
+        body, clockwise = solid(polygons, weights, contacts, _given(numbers, size), settle=settle, rolls=rolls)
     except OutlineError as error:
         part = 0 if error.part is None and not several else error.part
         numbers.fail((*BLOCK, "parts") if part is None else (*at[part], "outline"), str(error))
@@ -91,6 +97,16 @@ def _polygon(numbers: Numbers, keys: Keys) -> Array:
     numbers.require(keys, np.isfinite(points).all(axis=2), "needs finite numbers")
     closed = points.shape[1] > 1 and bool((points[:, 0] == points[:, -1]).all())
     return np.ascontiguousarray(points[:, :-1] if closed else points)
+
+
+def _given(numbers: Numbers, size: Array) -> Given | None:
+    """Centre of mass and radius of gyration of a body for which its outline does not tell them."""
+    r_g = numbers.positive((*BLOCK, "r_g"))
+    if r_g is None:
+        return None
+    pair = [numbers.value((*BLOCK, "centre", j)) for j in (0, 1)]
+    centre = np.stack([numbers.array(0.0 if c is None else c) for c in pair], axis=1) * size[:, 0]
+    return Given(centre, numbers.array(r_g))
 
 
 def _contacts(numbers: Numbers) -> Array:

@@ -68,10 +68,10 @@ def displaced(over: dict[str, Any]) -> set[str]:
     said = {key for key, value in over.items() if value is not None}
     gone = {other for key in said for other in alternatives(key)}
     if sum(bool(said & size) for size in SIZES) >= 2:
-        gone |= _ALL_SIZES | _OUTLINES | {"density", "depth", "pixel", "z_down", "contacts"}
+        gone |= _ALL_SIZES | _OUTLINES | {"density", "depth", "pixel", "z_down", "contacts", "stands", "centre"}
         gone |= set() if "depth" in said else {"plane"}
     if said & _OUTLINES:
-        gone |= _ALL_SIZES | {"inertia", "r_g", "plane"}
+        gone |= _ALL_SIZES | {"inertia", "r_g", "centre", "plane"}
     if "parts" in said:
         gone |= {"density", "depth"}
     for key in said & KINDS.keys():
