@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.capacity_fit import Capacities
 from rockcli.analysis.capacity_fit import fit as fit_capacities
+from rockcli.analysis.curve_misfit import groups_of, misfit, two_sided
 from rockcli.analysis.ordered_probit import Probit, Rows, ordered_probit
 from rockcli.scene.variables import PERCENTILES
 
@@ -82,6 +83,10 @@ class Curves:
         members: with a row in the fit.
         exponent, se_exponent: of the second intensity and its standard error, NaN without one.
         second_at: the value of the second intensity of which `median` is: the geometric mean of those in the fit.
+        misfit_p: bound on the probability that a share lies as far from the curve as the farthest does (`misfit`).
+        misfit_at: the intensity of that share, a mean where it is of several.
+        jackknife: (states, 4) by the jackknife: variance of ln(median - x_0), covariance with beta, variance of beta,
+            of the exponent.
     """
 
     median: Array
@@ -95,6 +100,9 @@ class Curves:
     exponent: Array
     se_exponent: Array
     second_at: float
+    misfit_p: Array
+    misfit_at: Array
+    jackknife: Array
 
     @property
     def _reach(self) -> float:
@@ -114,8 +122,9 @@ class Curves:
         return self.beta / spread, self.beta * spread
 
     def exponent_limits(self) -> tuple[Array, Array]:
-        """The same of the exponent of the second intensity."""
-        return self.exponent - self._reach * self.se_exponent, self.exponent + self._reach * self.se_exponent
+        """The same of the exponent of the second intensity, by the jackknife."""
+        reach = self._reach * np.sqrt(self.jackknife[:, 3])
+        return self.exponent - reach, self.exponent + reach
 
     def percentiles(self, beta_added: float) -> Array:
         """Intensities exceeded with the probabilities PERCENTILES, (states, percentiles)."""
@@ -123,7 +132,36 @@ class Curves:
 
         z = ndtri(np.array(PERCENTILES) / 100.0)
         total = np.hypot(self.beta, beta_added)
-        return np.asarray(self.begins_at + (self.median - self.begins_at)[:, None] * np.exp(total[:, None] * z))
+        return self._above(total[:, None] * z)
+
+    def percentile_limits(self, beta_added: float) -> tuple[Array, Array]:
+        """Confidence limits of the percentiles.
+
+        ln(x_p - x_0) = q + (z - z_0) beta, where q, the percentile whose estimate is not correlated with that of beta,
+        is taken as normal and beta as chi of as many degrees of freedom as give its variance: limits by the noncentral
+        t, as of capacities that are all known (Owen 1968).  Variances are those of the jackknife.
+        """
+        from scipy.special import ndtri
+        from scipy.stats import nct
+
+        low, high = (np.full((len(self.beta), len(PERCENTILES)), np.nan) for _ in range(2))
+        z = ndtri(np.array(PERCENTILES) / 100.0)
+        for j in np.flatnonzero((self.jackknife[:, [0, 2]] > 0.0).all(axis=1)):
+            beta, (v_median, covariance, v_beta) = self.beta[j], self.jackknife[j, :3]
+            total = np.hypot(beta, beta_added)
+            steep = z * beta / total  # derivative by beta
+            freedom = np.clip(beta**2 / (2.0 * v_beta), 1.0, max(self.members - 1, 1))
+            unbiased = beta * np.sqrt((freedom + 1.0) / freedom)
+            least = covariance / v_beta
+            scale = np.sqrt(max(v_median - covariance * least, 1e-9 * v_median)) / beta
+            rest = total * z - steep * beta - least * beta
+            for into, tail in ((low, 0.5 * (1.0 - CONFIDENCE)), (high, 0.5 * (1.0 + CONFIDENCE))):
+                into[j] = rest + unbiased * scale * nct.ppf(tail, freedom, (steep + least) / scale)
+        return self._above(low), self._above(high)
+
+    def _above(self, ln: Array) -> Array:
+        """The intensity that is above x_0 by exp(ln) of what the median is."""
+        return np.asarray(self.begins_at + (self.median - self.begins_at)[:, None] * np.exp(ln))
 
 
 def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.0) -> Curves:
@@ -159,6 +197,7 @@ def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.
         _ordinal(rows, found)
     else:
         _each_alone(rows, found)
+    _judge(rows, found)
     return replace(found, median=begins_at + found.median)
 
 
@@ -190,13 +229,48 @@ def curve_of_capacities(low: Array, high: Array, member: Index, begins_at: float
         return found
     (a, b), covariance = fitted
     # a probit of slope a and cut b
-    _put(found, np.array([0]), np.array([0]), Probit(np.array([a]), np.array([b]), covariance))
+    _put(found, np.array([0]), np.array([0]), Probit(np.array([a]), np.array([b]), covariance, covariance))
+    _judge_capacities(ends[0], ends[1], member, found)
     return replace(found, median=begins_at + found.median)
 
 
 def _blank(states: int, status: NDArray[np.int8], begins_at: float, members: int, second_at: float) -> Curves:
-    a, b, c, d, e, f, g = (np.full(states, np.nan) for _ in range(7))
-    return Curves(a, b, c, d, e, status, begins_at, members, f, g, second_at)
+    a, b, c, d, e, f, g, h, i = (np.full(states, np.nan) for _ in range(9))
+    return Curves(a, b, c, d, e, status, begins_at, members, f, g, second_at, h, i, np.full((states, 4), np.nan))
+
+
+def _judge(rows: Rows, into: Curves) -> None:
+    """Hold every curve against the shares that exceed its state."""
+    from scipy.special import ndtr
+
+    for j in np.flatnonzero(into.status == FITTED):
+        known = (rows.low > j) | (rows.high <= j)
+        u = rows.u[known]
+        along = u[:, 0] - np.log(into.median[j])  # of the median still above x_0
+        if u.shape[1] == 2:
+            along = along + into.exponent[j] * u[:, 1]
+        p = ndtr(along / into.beta[j])
+        group = groups_of(u[:, 0] if u.shape[1] == 1 else along, p)
+        exceeds = (rows.low[known] > j).astype(float)
+        into.misfit_p[j], at = misfit(p, exceeds, rows.weight[known], rows.member[known], group)
+        into.misfit_at[j] = into.begins_at + float(np.exp(u[group == at, 0].mean()))
+
+
+def _judge_capacities(low: Array, high: Array, member: Index, into: Curves) -> None:
+    """Hold a curve through capacities, ln(x - x_0), against the shares below it at every tenth of it that is known."""
+    from scipy.special import ndtri
+
+    if into.status[0] != FITTED:
+        return
+    p = np.arange(0.1, 0.95, 0.1)
+    u = np.log(into.median[0]) + into.beta[0] * ndtri(p)
+    known = np.array([not ((low < at) & (high > at)).any() for at in u])
+    if not known.any():
+        return
+    share = (high <= u[known, None]).mean(axis=1)
+    found = two_sided(share, np.full(known.sum(), float(len(np.unique(member)))), p[known])
+    into.misfit_p[0] = min(1.0, known.sum() * float(found.min()))
+    into.misfit_at[0] = into.begins_at + float(np.exp(u[known][int(np.argmin(found))]))
 
 
 def _each_alone(rows: Rows, into: Curves) -> None:
@@ -243,6 +317,7 @@ def _no_finer_than_seen(rows: Rows, into: Curves, j: int) -> None:
     if se > into.se_ln_median[j]:
         into.correlation[j] *= into.se_ln_median[j] / se
         into.se_ln_median[j] = se
+        into.jackknife[j, 0] = max(into.jackknife[j, 0], se**2)
 
 
 def _put(into: Curves, states: Index, cuts: Index, found: Probit | None) -> None:
@@ -263,12 +338,15 @@ def _put(into: Curves, states: Index, cuts: Index, found: Probit | None) -> None
         se = np.sqrt(np.maximum(np.diagonal(moved), 0.0))
         into.median[state], into.beta[state] = np.exp(t / slope), 1.0 / slope
         into.se_ln_median[state], into.se_beta[state] = se
+        spread = jacobian @ found.jackknife[np.ix_(pick, pick)] @ jacobian.T
+        into.jackknife[state, :3] = spread[0, 0], spread[0, 1], spread[1, 1]
         into.correlation[state] = moved[0, 1] / (se[0] * se[1]) if se.all() else np.nan
         if len(found.slopes) == 2:
             other = float(found.slopes[1])
             gradient = np.array([-other / slope**2, 1.0 / slope])
             into.exponent[state] = other / slope
             into.se_exponent[state] = np.sqrt(max(gradient @ found.covariance[:2, :2] @ gradient, 0.0))
+            into.jackknife[state, 3] = max(gradient @ found.jackknife[:2, :2] @ gradient, 0.0)
 
 
 def _status(rows: Rows, j: int) -> int:

@@ -24,6 +24,28 @@ def interval_likelihood(a: Array, c: Array, by_a: Array, by_c: Array, weight: Ar
         by_a, by_c: (rows, k) derivatives of the ends by what is estimated; the ends are linear in it.
         weight: (rows,) or one for all.
     """
+    log_p, gradient, (aa, cc, ac) = _rows(a, c, by_a, by_c, weight)
+    mixed = (by_a.T * ac) @ by_c
+    return float(log_p.sum()), gradient, (by_a.T * aa) @ by_a + (by_c.T * cc) @ by_c - mixed - mixed.T
+
+
+def bends_of_members(
+    a: Array, c: Array, by_a: Array, by_c: Array, weight: Array | float, member: NDArray[np.int64]
+) -> Array:
+    """Minus the second derivative of `interval_likelihood`, the part of every member, (members, k, k)."""
+    aa, cc, ac = _rows(a, c, by_a, by_c, weight)[2]
+    _, who = np.unique(member, return_inverse=True)
+    k = by_a.shape[1]
+    found = np.empty((int(who.max()) + 1, k, k))
+    for i, j in np.ndindex(k, k):
+        one = aa * by_a[:, i] * by_a[:, j] + cc * by_c[:, i] * by_c[:, j]
+        one -= ac * (by_a[:, i] * by_c[:, j] + by_a[:, j] * by_c[:, i])
+        found[:, i, j] = np.bincount(who.ravel(), one, len(found))
+    return found
+
+
+def _rows(a: Array, c: Array, by_a: Array, by_c: Array, weight: Array | float) -> tuple[Array, Array, Array]:
+    """Of every row: the logarithm, its gradient (rows, k), and its curvature by a, by c and by both (3, rows)."""
     from scipy.special import log_ndtr
 
     turned = c > 0.0  # in the upper tail, where differences of probabilities near 1 would cancel
@@ -33,9 +55,7 @@ def interval_likelihood(a: Array, c: Array, by_a: Array, by_c: Array, weight: Ar
     finite_a, finite_c = (np.where(np.isfinite(v), v, 0.0) for v in (a, c))
     w = np.broadcast_to(weight, a.shape)
     gradient = w[:, None] * (f_a[:, None] * by_a - f_c[:, None] * by_c)
-    bend = (by_a.T * (w * f_a * (finite_a + f_a))) @ by_a + (by_c.T * (w * f_c * (f_c - finite_c))) @ by_c
-    mixed = (by_a.T * (w * f_a * f_c)) @ by_c
-    return float((w * log_p).sum()), gradient, bend - mixed - mixed.T
+    return w * log_p, gradient, w * np.stack([f_a * (finite_a + f_a), f_c * (f_c - finite_c), f_a * f_c])
 
 
 def maximum(
@@ -75,9 +95,34 @@ def clustered_covariance(gradient: Array, bend: Array, member: NDArray[np.int64]
         bend: (k, k) minus the second derivative there.
         member: (rows,) which of n independent members a row belongs to.
     """
-    _, who = np.unique(member, return_inverse=True)
-    n = int(who.max()) + 1
-    score = np.zeros((n, gradient.shape[1]))
-    np.add.at(score, who.ravel(), gradient)
+    score = _scores(gradient, member)
+    n = len(score)
     inverse = np.linalg.inv(bend)
     return np.asarray(inverse @ (score.T @ score) @ inverse * (n / max(n - 1, 1)))
+
+
+def jackknife_covariance(gradient: Array, bends: Array, member: NDArray[np.int64]) -> Array | None:
+    """The same by leaving out one member after another, in one Newton step each (Bell and McCaffrey 2002, CR3).
+
+    The sandwich is too small for what differs between few members.
+
+    Args:
+        gradient, member: as of `clustered_covariance`; bends: (members, k, k) of `bends_of_members`.
+
+    Returns:
+        (k, k), None where there is no estimate without some member.
+    """
+    score = _scores(gradient, member)
+    try:
+        moves = np.linalg.solve(bends.sum(axis=0) - bends, score[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        return None
+    return np.asarray(moves.T @ moves * ((len(score) - 1) / len(score)))
+
+
+def _scores(gradient: Array, member: NDArray[np.int64]) -> Array:
+    """The gradient of every member, (members, k)."""
+    _, who = np.unique(member, return_inverse=True)
+    score = np.zeros((int(who.max()) + 1, gradient.shape[1]))
+    np.add.at(score, who.ravel(), gradient)
+    return score

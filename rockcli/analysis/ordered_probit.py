@@ -13,7 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.interval_likelihood import Likelihood, clustered_covariance, interval_likelihood, maximum
+from rockcli.analysis.interval_likelihood import (
+    Likelihood,
+    bends_of_members,
+    clustered_covariance,
+    interval_likelihood,
+    jackknife_covariance,
+    maximum,
+)
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -42,11 +49,12 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Probit:
-    """Slopes (d,), cuts (states,), and their covariance in this order, (d + states, d + states)."""
+    """Slopes (d,), cuts (states,), and their covariance in this order, (d + states, d + states), also by jackknife."""
 
     slopes: Array
     cuts: Array
     covariance: Array
+    jackknife: Array
 
 
 def ordered_probit(rows: Rows, states: int) -> Probit | None:
@@ -74,11 +82,14 @@ def ordered_probit(rows: Rows, states: int) -> Probit | None:
         return None
     x, gradient, bend = peak
     covariance = clustered_covariance(gradient, bend, rows.member)
+    bends = bends_of_members(*_ends(x, upper, lower, rows, states), rows.weight, rows.member)
+    jackknife = jackknife_covariance(gradient, bends, rows.member)
+    jackknife = covariance if jackknife is None else jackknife
     back = np.eye(len(x))
     back[:d, :d] = np.diag(1.0 / spread)
     back[d:, :d] = centre / spread
     moved = back @ x
-    return Probit(moved[:d], moved[d:], back @ covariance @ back.T)
+    return Probit(moved[:d], moved[d:], back @ covariance @ back.T, back @ jackknife @ back.T)
 
 
 def _starts(shares: Array) -> Array:
@@ -96,7 +107,12 @@ def _design(u: Array, category: Index, states: int) -> Array:
 
 
 def _likelihood(x: Array, upper: Array, lower: Array, rows: Rows, states: int) -> Likelihood:
-    """Of slopes and cuts: a row lies between the cuts below its lowest and above its highest category."""
+    """Of slopes and cuts."""
+    return interval_likelihood(*_ends(x, upper, lower, rows, states), rows.weight)
+
+
+def _ends(x: Array, upper: Array, lower: Array, rows: Rows, states: int) -> tuple[Array, Array, Array, Array]:
+    """A row lies between the cuts below its lowest and above its highest category; with the derivatives of both."""
     a = np.where(rows.low > 0, upper @ x, np.inf)
     c = np.where(rows.high < states, lower @ x, -np.inf)
-    return interval_likelihood(a, c, upper, lower, rows.weight)
+    return a, c, upper, lower

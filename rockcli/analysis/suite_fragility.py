@@ -28,15 +28,23 @@ FITTED: tuple[str, ...] = (
     "fragility_median", "fragility_median_ci_low", "fragility_median_ci_high", "fragility_beta",
     "fragility_beta_ci_low", "fragility_beta_ci_high", "fragility_beta_total", "fragility_se_ln_median",
     "fragility_se_beta", "fragility_correlation", "fragility_median_low", "fragility_median_high",
+    "fragility_misfit_p", "fragility_misfit_at",
 )  # fmt: skip
 """Variables of a curve, one number each."""
 
-OTHERS = ("fragility_intensity", "fragility_begins_at", "fragility_status", "fragility_percentile", PERCENTILE)
+_TAILS: tuple[str, ...] = ("fragility_percentile", "fragility_percentile_ci_low", "fragility_percentile_ci_high")
+
+OF_BODY: tuple[str, ...] = (
+    "fragility_begins_at", "fragility_begins_at_last", "fragility_lowest", "fragility_highest",
+)  # fmt: skip
+"""What is the same of all limit states: where members begin to move, and the range of their intensities."""
+
+OTHERS = ("fragility_intensity", *OF_BODY, "fragility_status", *_TAILS, PERCENTILE)
 
 OF_SECOND: tuple[str, ...] = ("fragility_exponent", "fragility_exponent_ci_low", "fragility_exponent_ci_high")
 """What a second intensity adds to a curve."""
 
-_IN_UNITS = ("fragility_median", "fragility_begins_at", "fragility_percentile")
+_IN_UNITS = ("fragility_median", "fragility_percentile", "fragility_misfit_at")
 
 
 def fragility(contents: Contents, became: Members, study: Study, over: Over) -> dict[str, Field]:
@@ -66,14 +74,14 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
         return {}
     if y is not None:
         parts["second"] = of_bodies(np.broadcast_to(y, contents.shape))
-    begins = _begins(contents, study, over, x, of_bodies)
+    begins, last = _begins(contents, study, over, x, of_bodies)
     shape = parts["x"].shape[:-2]
     dims = (*bodies, LIMIT)
     names = (*FITTED, *(OF_SECOND if over.second else ()))
     found = {name: np.full((*shape, len(labels)), np.nan) for name in names}
     second_at = np.full(shape, np.nan)
     status = np.zeros((*shape, len(labels)), dtype=np.int8)
-    percentile = np.full((*shape, len(labels), len(PERCENTILES)), np.nan)
+    tails = {name: np.full((*shape, len(labels), len(PERCENTILES)), np.nan) for name in _TAILS}
     exceeded = []
     rows = independent_rows(study, over)
     for states, of_family in _families(limits):
@@ -91,7 +99,8 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
                 if name in found:
                     found[name][at][states] = values[:keep]
             status[at][states] = made.status[:keep]
-            percentile[at][states] = made.percentiles(over.beta_added)[:keep]
+            for name, values in zip(_TAILS, _tails(made, over.beta_added), strict=True):
+                tails[name][at][states] = values[:keep]
             missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
             for end, category in (("low", top), ("high", 0)):
                 more = curves(_seen(one, top, rows, missing, category), top, fit=over.fit, begins_at=float(begins[at]))
@@ -114,7 +123,8 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
         shares = np.concatenate([share for _, share in exceeded])
         order_of_states = np.argsort(np.concatenate([states for states, _ in exceeded]))
         fields["p_exceeded"] = _exceeded(contents, shares[order_of_states], bodies, over)
-    return fields | _fields(bodies, dims, unit, found, begins, percentile, status)
+    of_body = dict(zip(OF_BODY, (begins, last, *_range(parts["x"])), strict=True))
+    return fields | _fields(bodies, dims, unit, found | tails, of_body, status)
 
 
 def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
@@ -131,27 +141,31 @@ def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dic
     per_point = np.broadcast_to(_per_point(contents, study, over), contents.shape)
     low, high = (end * per_point for end in found.bounds())
     low = np.where(low > 0.0, low, 0.0)
-    begins = _begins_of_search(contents, study, over, per_point, order)
+    begins, last = _begins_of_search(contents, study, over, per_point, order)
     low, high = low.transpose(order), high.transpose(order)
     shape, rows = begins.shape, independent_rows(study, over)
     dims = (*bodies, LIMIT)
     numbers = {name: np.full((*shape, 1), np.nan) for name in FITTED}
     status = np.zeros((*shape, 1), dtype=np.int8)
-    percentile = np.full((*shape, 1, len(PERCENTILES)), np.nan)
+    tails = {name: np.full((*shape, 1, len(PERCENTILES)), np.nan) for name in _TAILS}
     for at in np.ndindex(*shape):
         made = curve_of_capacities(low[at], high[at], rows, float(begins[at]))
         told = _numbers(made, over.beta_added)
         for name in FITTED:
             numbers[name][at] = told.get(name, made.median)  # no member is left out: the same with `_low` and `_high`
-        status[at], percentile[at] = made.status, made.percentiles(over.beta_added)
+        status[at] = made.status
+        for name, values in zip(_TAILS, _tails(made, over.beta_added), strict=True):
+            tails[name][at] = values
     unit = search.axis.unit if over.told_against == search.axis.name else unit_of(over.told_against, contents)
     known = np.where(np.isfinite(found.value), found.value * per_point, np.nan)
+    ends = np.multiply.outer(per_point, np.array(search.axis.values)[[0, -1]])
+    of_body = dict(zip(OF_BODY, (begins, last, *_range(ends.transpose([*order, ends.ndim - 1]))), strict=True))
     capacity = {"units": unit, "long_name": f"{over.told_against} from which a member overturns"}
     labels = text([over.limit_states[-1]])
     return {
         LIMIT: Field((LIMIT,), labels, {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True),
         "fragility_intensity": variable_field("fragility_intensity", contents.axes, known, **capacity),
-    } | _fields(bodies, dims, unit, numbers, begins, percentile, status)
+    } | _fields(bodies, dims, unit, numbers | tails, of_body, status)
 
 
 def _per_point(contents: Contents, study: Study, over: Over) -> Array:
@@ -163,15 +177,20 @@ def _per_point(contents: Contents, study: Study, over: Over) -> Array:
     return np.full(contents.shape, np.nan) if first is None else first / study.search.axis.values[0]
 
 
-def _begins_of_search(contents: Contents, study: Study, over: Over, per_point: Array, order: list[int]) -> Array:
-    """As `_begins`, of members whose amplitude is searched: 0, or the lowest intensity that can lift one."""
+def _begins_of_search(
+    contents: Contents, study: Study, over: Over, per_point: Array, order: list[int]
+) -> tuple[Array, Array]:
+    """As `_begins`, of members whose amplitude is searched."""
     assert study.search is not None
     pga = values_of("pga", contents, study)
     if over.begins_at != "uplift" or pga is None:
-        return np.zeros([contents.shape[i] for i in order[:-1]])
+        none = np.zeros([contents.shape[i] for i in order[:-1]])
+        return none, none
     amplitude = study.search.axis.values[0] * moves_at(study, slides=False).reshape(contents.shape) / pga
-    lowest = (amplitude * per_point).transpose(order).min(axis=-1)
-    return np.where(np.isfinite(lowest), lowest, 0.0)
+    needs = (amplitude * per_point).transpose(order)
+    lowest, highest = needs.min(axis=-1), needs.max(axis=-1)
+    known = np.isfinite(lowest)
+    return np.where(known, lowest, 0.0), np.where(known, highest, 0.0)
 
 
 def _fields(
@@ -179,19 +198,18 @@ def _fields(
     dims: tuple[str, ...],
     unit: str,
     numbers: dict[str, Array],
-    begins: Array,
-    percentile: Array,
+    of_body: dict[str, Array],
     status: NDArray[np.int8],
 ) -> dict[str, Field]:
     """Curves as variables."""
     fields = {}
     for name, values in numbers.items():
         attrs: dict[str, Any] = {"units": unit} if name.startswith(_IN_UNITS) else {}
-        fields[name] = variable_field(name, dims, values, **attrs)
-    fields["fragility_begins_at"] = variable_field("fragility_begins_at", bodies, begins, units=unit)
+        fields[name] = variable_field(name, (*dims, PERCENTILE) if name in _TAILS else dims, values, **attrs)
+    for name, values in of_body.items():
+        fields[name] = variable_field(name, bodies, values, units=unit)
     coordinate = {"long_name": VARIABLES[PERCENTILE].sentence, "units": "%"}
     fields[PERCENTILE] = Field((PERCENTILE,), np.array(PERCENTILES), coordinate, coordinate=True)
-    fields["fragility_percentile"] = variable_field("fragility_percentile", (*dims, PERCENTILE), percentile, units=unit)
     flags = {"flag_values": np.array(list(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS.values())}
     fields["fragility_status"] = variable_field("fragility_status", dims, status, **flags)
     return fields
@@ -250,14 +268,28 @@ def _numbers(made: Curves, beta_added: float) -> dict[str, Array]:
         "fragility_se_ln_median": made.se_ln_median,
         "fragility_se_beta": made.se_beta,
         "fragility_correlation": made.correlation,
+        "fragility_misfit_p": made.misfit_p,
+        "fragility_misfit_at": made.misfit_at,
         **dict(zip(OF_SECOND, (made.exponent, *made.exponent_limits()), strict=True)),
     }
 
 
-def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: Any) -> Array:
-    """Intensity at which the curves of every body begin: 0, or the lowest at which a member can lift it.
+def _tails(made: Curves, beta_added: float) -> tuple[Array, Array, Array]:
+    return made.percentiles(beta_added), *made.percentile_limits(beta_added)
 
-    With limits of its slide: can lift it or let it slip.
+
+def _range(x: Array) -> tuple[Array, Array]:
+    """Lowest and highest intensity of every body, (..., n, k) -> (...); NaN without one."""
+    known = x > 0.0
+    low, high = np.where(known, x, np.inf).min(axis=(-2, -1)), np.where(known, x, -np.inf).max(axis=(-2, -1))
+    return np.where(np.isfinite(low), low, np.nan), np.where(np.isfinite(high), high, np.nan)
+
+
+def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: Any) -> tuple[Array, Array]:
+    """Intensity at which the curves of every body begin, and from which every member can move it.
+
+    The first is the lowest at which a member can lift it, with limits of its slide: can lift it or let it slip; 0 where
+    that is not known or not asked for.
     """
     shape = of_bodies(x).shape[:-2]
     name = over.told_against
@@ -266,13 +298,15 @@ def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: A
         grows = str(contents.fields[name].attrs.get("long_name", name)).rsplit(".", 1)[-1] in AMPLITUDES
     pga = values_of("pga", contents, study)
     if over.begins_at != "uplift" or not grows or pga is None:  # what grows with the amplitude is known at uplift
-        return np.zeros(shape)
+        return np.zeros(shape), np.zeros(shape)
     slides = any(limit.quantity != PEAK for limit in over.limits)
     at_uplift = of_bodies(x * moves_at(study, slides=slides).reshape(contents.shape) / pga)
     known = ~np.isnan(of_bodies(x)) & (of_bodies(pga) > 0.0)
     unknown = (np.isnan(at_uplift) & known).any(axis=(-2, -1))
     lowest = np.where(known, at_uplift, np.inf).min(axis=(-2, -1))
-    return np.where(unknown | ~np.isfinite(lowest), 0.0, lowest)
+    highest = np.where(known, at_uplift, -np.inf).max(axis=(-2, -1))
+    unknown = unknown | ~np.isfinite(lowest)
+    return np.where(unknown, 0.0, lowest), np.where(unknown, 0.0, highest)
 
 
 def _shares(parts: dict[str, Array], top: int) -> Array:
@@ -302,12 +336,13 @@ def fragility_rows(contents: Contents) -> Iterator[dict[str, Any]]:
     status = contents.values("fragility_status")
     for at in np.ndindex(*status.shape):
         row: dict[str, Any] = {dim: plain(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
-        row["fragility_begins_at"] = plain(contents.values("fragility_begins_at")[at[:-1]])
+        row |= {name: plain(contents.values(name)[at[:-1]]) for name in OF_BODY if name in contents.fields}
         if "fragility_second" in contents.fields:
             row["fragility_second"] = plain(contents.values("fragility_second")[at[:-1]])
         row |= {name: plain(contents.values(name)[at]) for name in (*FITTED, *OF_SECOND) if name in contents.fields}
-        for percent, value in zip(PERCENTILES, contents.values("fragility_percentile")[at], strict=True):
-            row[f"fragility_percentile_{percent:g}"] = plain(value)
+        for name in (tail for tail in _TAILS if tail in contents.fields):
+            for percent, value in zip(PERCENTILES, contents.values(name)[at], strict=True):
+                row[f"{name}_{percent:g}"] = plain(value)
         yield row | {"fragility_status": STATUS[int(status[at])]}
 
 

@@ -8,18 +8,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.analysis.curve_misfit import LEVEL
 from rockcli.analysis.fragility import FITTED, WHY_NOT
 from rockcli.analysis.intensity_correlation import LEAST
 from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.suite_risk import central, largest_tail
 from rockcli.analysis.threshold_fields import found_by
-from rockcli.scene.hazard import CONSISTENT
+from rockcli.scene.hazard import CONSISTENT, hazard_words
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
-from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK
+from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK, PERCENTILE, PERCENTILES
 from rockcli.storage.contents import Contents
 from rockcli.study.cases.uncertain import sentence
-from rockcli.study.study import SAMPLE, Over, Study
+from rockcli.study.study import MATCH, SAMPLE, Over, Study
 
 MOST_BODIES = 6
 """Bodies of which the fragility is told in sentences; tables have all."""
@@ -51,6 +52,8 @@ def warnings(contents: Contents, study: Study) -> list[str]:
         *_below(contents, study),
         *_islands(contents, study.over),
         *_refused(contents, study.over),
+        *_missed(contents, study.over),
+        *_extrapolated(contents, study.over),
         *_tails(contents, study.over),
     ]
 
@@ -142,6 +145,61 @@ def _refused(contents: Contents, over: Over) -> Iterator[str]:
                 yield f"no fragility curve for {limit_words(label)}{at}: {why}"
 
 
+def _missed(contents: Contents, over: Over) -> Iterator[str]:
+    """Curves that miss the shares they were fitted to."""
+    if "fragility_misfit_p" not in contents.fields:
+        return
+    item = contents.fields["fragility_misfit_p"]
+    divisor, unit = units_of(contents).of(str(contents.fields["fragility_misfit_at"].attrs["units"]))
+    for i, label in enumerate(contents.values(LIMIT)):
+        bad = np.argwhere(item.values[..., i] < LEVEL)
+        if not len(bad):
+            continue
+        worst = min(bad, key=lambda at: float(item.values[(*at, i)]))
+        where = f" at {place(contents, item.dims[:-1], worst, units_of(contents))}" if len(worst) else ""
+        many = f" of {len(bad)} of {item.values[..., i].size} bodies (most:{where})" if where else ""
+        at = float(contents.values("fragility_misfit_at")[(*worst, i)]) / divisor
+        yield (
+            f"the fragility curve for {limit_words(label)}{many} misses the suite: near {over.told_against} "
+            f"{at:.4g}{unit_words(unit)} the share that exceeds it is farther from the curve than chance would have it "
+            f"(probability {max(float(item.values[(*worst, i)]), 1e-6):.1g} at most)"
+            + (": use the shares (rock table FILE.nc --of stripes)" if over.along is not None else "")
+            + (", or try fit: lognormal" if over.fit == "ordinal" and len(contents.values(LIMIT)) > 1 else "")
+        )
+
+
+def _extrapolated(contents: Contents, over: Over) -> Iterator[str]:
+    """Percentiles beyond the intensities of the suite."""
+    if "fragility_lowest" not in contents.fields:
+        return
+    low, high = (contents.values(f"fragility_{end}")[..., None, None] for end in ("lowest", "highest"))
+    tail = contents.values("fragility_percentile")
+    divisor, unit = units_of(contents).of(str(contents.fields["fragility_median"].attrs["units"]))
+    told = []
+    for beyond, end, words in ((tail < low, low, "below"), (tail > high, high, "above")):
+        found = []
+        for i, label in enumerate(contents.values(LIMIT)):
+            percents = [
+                f"{p:g} %" for p, some in zip(contents.values(PERCENTILE), _any(beyond[..., i, :]), strict=True) if some
+            ]
+            if percents:
+                found.append(f"{', '.join(percents)} of {limit_words(label)}")
+        if found:
+            least = np.nanmin(end) if words == "below" else np.nanmax(end)
+            told.append(f"{words} {least / divisor:.4g}{unit_words(unit)} ({'; '.join(found)})")
+    if told:
+        bodies = " of some bodies" if tail.ndim > 2 else ""
+        yield (
+            f"percentiles{bodies} lie outside the intensities of the suite and are extrapolated by the curve: "
+            f"{over.told_against} {'; '.join(told)}"
+        )
+
+
+def _any(values: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether any body has it, by percentile."""
+    return np.asarray(values.reshape(-1, values.shape[-1]).any(axis=0))
+
+
 def _of_samples(contents: Contents, study: Study, over: Over, units: Units) -> Iterator[str]:
     """The probability of overturning with its error, and what matters, at the first points of the other axes."""
     if study.uncertain is None or "p_overturned_se" not in contents.fields:
@@ -201,7 +259,12 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
         where = f"{place(contents, bodies, at, units)}: " if bodies else ""
         if begins[at] > 0.0:
             first = "uplift or slip" if any(limit.quantity != PEAK for limit in over.limits) else "uplift"
-            yield f"{where}curves begin at {first}, {over.told_against} {begins[at] / divisor:.4g}{unit_words(unit)}"
+            last = float(contents.values("fragility_begins_at_last")[at])
+            others = f" of the first member to move; the last moves from {last / divisor:.4g}{unit_words(unit)}"
+            yield (
+                f"{where}curves begin at {first}, {over.told_against} {begins[at] / divisor:.4g}{unit_words(unit)}"
+                + (others if last > begins[at] * (1.0 + MATCH) else "")
+            )
         for i, label in enumerate(contents.values(LIMIT)):
             if status[(*at, i)] != FITTED:
                 continue
@@ -209,11 +272,17 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
                 float(contents.values(f"fragility_{name}")[(*at, i)])
                 for name in ("median", "median_ci_low", "median_ci_high", "beta")
             )
-            tail = contents.values("fragility_percentile")[(*at, i)][:2] / divisor
+            tails = []
+            for k in (1, 0):  # 5 %, 1 %
+                x, *ends = (
+                    float(contents.values(f"fragility_percentile{end}")[(*at, i, k)]) / divisor
+                    for end in ("", "_ci_low", "_ci_high")
+                )
+                tails.append(f"{PERCENTILES[k]:g} % at {x:.4g} ({ends[0]:.4g} to {ends[1]:.4g})")
             yield (
                 f"{where}{limit_words(label)}: median {over.told_against} {median / divisor:.4g}{unit_words(unit)} "
-                f"(95 % {low / divisor:.4g} to {high / divisor:.4g}), beta {beta:.4g}, 5 % at {tail[1]:.4g}, "
-                f"1 % at {tail[0]:.4g}{unit_words(unit)} ({n} {_members(over)})"
+                f"(95 % {low / divisor:.4g} to {high / divisor:.4g}), beta {beta:.4g}, "
+                f"{', '.join(tails)}{unit_words(unit)} ({n} {_members(over)})"
             )
             if over.second:
                 c, c_low, c_high = (
@@ -271,17 +340,17 @@ def _tails(contents: Contents, over: Over) -> Iterator[str]:
     """Hazard curves that end where the fragility needs them, and what was changed when they were read."""
     for curve in over.hazard:
         for note in curve.notes:
-            yield f"hazard {curve.label}: {note}"
+            yield f"{hazard_words(curve.label)}: {note}"
     for label, end, share in largest_tail(contents):
         if end == "above":
             yield (
-                f"hazard {label} ends where bodies may remain stable: motions beyond its end, counted as if at it, "
-                f"can add up to {100.0 * share:.2g} % to a rate (annual_rate_above)"
+                f"{hazard_words(label)} ends where bodies may remain stable: motions beyond its end, counted as if at "
+                f"it, can add up to {100.0 * share:.2g} % to a rate (annual_rate_above)"
             )
         else:
             yield (
-                f"hazard {label} begins where a limit state is exceeded already: were its first power law to go on, "
-                f"motions below its first point would add {100.0 * share:.2g} % to a rate (annual_rate_below)"
+                f"{hazard_words(label)} begins where a limit state is exceeded already: were its first power law to go "
+                f"on, motions below its first point would add {100.0 * share:.2g} % to a rate (annual_rate_below)"
             )
 
 

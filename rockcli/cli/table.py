@@ -36,11 +36,13 @@ def table(
         Path | None, typer.Option("--out", metavar="FILE.csv|.xlsx|.parquet", help="Write all of it to a file.")
     ] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles in degrees.")] = False,
+    si: Annotated[bool, typer.Option("--si", help="Accelerations in m/s2, not in g.")] = False,
     rows: Annotated[int, typer.Option("--rows", metavar="N", help="Rows printed at most.")] = 60,
 ) -> None:
     """Print or write a dataset as a table: one row per case, axes first, outcome as a word, heads `name [unit]`.
 
-    Printed with six digits and accelerations in g; files have SI units and every digit.  Histories are in no table.
+    Accelerations are in g, as in figures, all else in SI units; heads say which.  Printed with six digits; files have
+    every digit.  Histories are in no table.
     """
     from rockcli.errors import StudyError
     from rockcli.scene.units import SI
@@ -53,7 +55,7 @@ def table(
     named = None if columns is None else [name.strip() for name in columns.split(",") if name.strip()]
     with opened(file) as (items, attrs):
         try:
-            units = units_of(items, attrs) if out is None else SI
+            units = SI if si else units_of(items, attrs)
             found = table_of(items, attrs, of=of, columns=named, degrees=degrees, units=units)
         except StudyError as error:
             raise StudyError(error.message, file=file) from None

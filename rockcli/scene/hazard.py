@@ -38,3 +38,8 @@ class HazardCurve:
         """The rate at intensities within the curve; below and above it the power laws of its ends go on."""
         i = np.clip(np.searchsorted(self.intensity, x, side="right") - 1, 0, len(self.rate) - 2)
         return np.asarray(self.rate[i] * (x / self.intensity[i]) ** -self.slopes[i])
+
+
+def hazard_words(label: str) -> str:
+    """A hazard curve by its label, which may say that it is one already: `hazard moderate`, `Hazard_site_B`."""
+    return label if label.lower().startswith("hazard") else f"hazard {label}"

@@ -163,6 +163,21 @@ _SUITE_ROWS: tuple[Variable, ...] = (
     Variable("fragility_exponent_ci_low", r"$c$", LIMIT, "1", "lower 95 % confidence limit of fragility_exponent"),
     Variable("fragility_exponent_ci_high", r"$c$", LIMIT, "1", "upper 95 % confidence limit of fragility_exponent"),
     Variable("fragility_begins_at", r"$x_0$", SUITE, "1", "intensity x_0 at and below which a curve is zero"),
+    Variable(
+        "fragility_begins_at_last", r"$x$", SUITE, "1", "intensity from which every member can move (0: not known)"
+    ),
+    Variable("fragility_lowest", r"$x$", SUITE, "1", "lowest intensity of the suite; percentiles below: extrapolated"),
+    Variable(
+        "fragility_highest", r"$x$", SUITE, "1", "highest intensity of the suite; percentiles above: extrapolated"
+    ),
+    Variable(
+        "fragility_misfit_p",
+        r"$P$",
+        LIMIT,
+        "1",
+        "bound on the probability that a share is as far from the curve as the farthest (binomial, Bonferroni)",
+    ),
+    Variable("fragility_misfit_at", r"$x$", LIMIT, "1", "intensity of the share that is farthest from the curve"),
     Variable("fragility_beta", r"$\beta$", LIMIT, "1", "standard deviation of ln(x - x_0), x_0 = fragility_begins_at"),
     Variable("fragility_beta_ci_low", r"$\beta$", LIMIT, "1", "lower 95 % confidence limit of fragility_beta"),
     Variable("fragility_beta_ci_high", r"$\beta$", LIMIT, "1", "upper 95 % confidence limit of fragility_beta"),
@@ -184,6 +199,16 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         PERCENTILE,
         "1",
         "intensity exceeded with a probability, by fragility_beta_total",
+    ),
+    *(
+        Variable(
+            f"fragility_percentile_ci_{end}",
+            r"$x_p$",
+            PERCENTILE,
+            "1",
+            f"{word} 95 % confidence limit of fragility_percentile",
+        )
+        for end, word in (("low", "lower"), ("high", "upper"))
     ),
     Variable("hazard", "hazard curve", HAZARD, "1", "hazard curve that fragility is convolved with"),
     Variable("hazard_intensity", r"$x$", HAZARD_POINT, "1", "intensity at the points of a hazard curve"),

@@ -6,7 +6,7 @@ Histories are never in a table.  A block is read when it is asked for, so a file
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -106,14 +106,16 @@ class Table:
         return [Column(c[0].name, c[0].head, np.concatenate([part.values for part in c])[:rows]) for c in whole]
 
     def _columns(self, name: str, at: dict[str, slice]) -> Iterator[Column]:
-        """One column, or one for each percentile."""
-        item = self._items[name]
+        """One column, or one for each percentile, of which `fragility_percentile_5` is one."""
+        whole, asked = (name, "") if name in self._items else _percentile_of(name, self._items)
+        item = self._items[whole]
         if PERCENTILE not in item.dims:
             yield self._column(name, item, self._values(item, at))
             return
-        for i, percent in enumerate(np.asarray(self._items[PERCENTILE].values[:]).tolist()):
-            one = self._values(item, at | {PERCENTILE: slice(i, i + 1)})
-            yield self._column(name, item, one, f"_{percent:g}")
+        for i, percent in enumerate(_percents(self._items)):
+            if asked in ("", percent):
+                one = self._values(item, at | {PERCENTILE: slice(i, i + 1)})
+                yield self._column(name, item, one, "" if asked else f"_{percent}")
 
     def _values(self, item: _Item, at: dict[str, slice]) -> NDArray[Any]:
         """One value for each row of a block, whatever the variable depends on."""
@@ -138,6 +140,18 @@ class Table:
         divisor, unit = self._units.of(unit, str(item.attrs.get("long_name", "")))
         head = name + end + ("" if unit == "1" else f" [{unit}]")
         return Column(name, head, values if divisor == 1.0 else values / divisor)
+
+
+def _percents(items: Mapping[str, _Item]) -> list[str]:
+    """The percentiles of a dataset as names of columns end in them."""
+    return [f"{p:g}" for p in np.asarray(items[PERCENTILE].values[:]).tolist()] if PERCENTILE in items else []
+
+
+def _percentile_of(name: str, items: Mapping[str, _Item]) -> tuple[str, str]:
+    """`fragility_percentile_5` -> the variable and the percentile; two empty strings for what is none."""
+    whole, _, percent = name.rpartition("_")
+    there = whole in items and PERCENTILE in items[whole].dims and percent in _percents(items)
+    return (whole, percent) if there else ("", "")
 
 
 def _places(sizes: Sequence[int], rows: int) -> Iterator[tuple[slice, ...]]:
@@ -195,13 +209,19 @@ def table_of(
     belong = [name for name, item in items.items() if _belongs(of, name, item, axes, dims, ensemble)]
     if dims is None or (of != CASES and not belong):
         raise StudyError(f"has no table {of!r}; it has {', '.join(_there(items, axes, ensemble))}")
+
+    def elsewhere(name: str) -> list[str]:
+        """Tables of this dataset that have a variable."""
+        others = {other: _dims(other, axes, ensemble) for other in TABLES if other != of}
+        return [other for other, over in others.items() if _belongs(other, name, items[name], axes, over, ensemble)]
+
     first = [dim for dim in dims if dim in items]
     rest = [name for name in belong if name not in first]
     if "outcome" in rest:  # after the coordinates, before what was computed
         rest.remove("outcome")
         known = [name for name in rest if name in COORDINATES]
         rest = [*known, "outcome", *(name for name in rest if name not in known)]
-    chosen = rest if columns is None else [_known(name, items, [*first, *rest]) for name in columns]
+    chosen = rest if columns is None else [_known(name, items, [*first, *rest], elsewhere) for name in columns]
     names = (*first, *dict.fromkeys(name for name in chosen if name not in first))
     sizes = {dim: size for item in items.values() for dim, size in zip(item.dims, item.values.shape, strict=True)}
     size = int(np.prod([sizes[dim] for dim in dims], dtype=np.int64))
@@ -266,14 +286,19 @@ def _there(items: Mapping[str, _Item], axes: tuple[str, ...], ensemble: Mapping[
     ]
 
 
-def _known(name: str, items: Mapping[str, _Item], columns: list[str]) -> str:
-    """A column asked for; `StudyError` with what is near, or why it is none."""
-    if name in columns:
+def _known(name: str, items: Mapping[str, _Item], columns: list[str], elsewhere: Callable[[str], list[str]]) -> str:
+    """A column asked for; `StudyError` with what is near, or where it is."""
+    whole = name if name in items else _percentile_of(name, items)[0]
+    if whole in columns:
         return name
-    if name in items:
-        dims = ", ".join(items[name].dims) or "no dimension"
-        raise StudyError(f"column {name!r} is not in this table: it is over {dims}")
-    close = get_close_matches(name, columns, n=1)
+    if whole:
+        dims = ", ".join(items[whole].dims) or "no dimension"
+        there = "".join(f"; it is in another: --of {table}" for table in elsewhere(whole)[:1])
+        raise StudyError(f"column {name!r} is not in this table: it is over {dims}{there}")
+    percents = {f"{one}_{p}" for one in columns if PERCENTILE in items[one].dims for p in _percents(items)}
+    if (whole := name.rpartition("_")[0]) in columns and PERCENTILE in items[whole].dims:
+        raise StudyError(f"no column {name!r}: percentiles are {', '.join(_percents(items))}")
+    close = get_close_matches(name, [*columns, *percents], n=1)
     hint = f"did you mean {close[0]!r}?" if close else f"expected some of {', '.join(columns)}"
     raise StudyError(f"no column {name!r}; {hint}")
 

@@ -46,6 +46,32 @@ def test_tables_of_a_suite(rock, dataset, tmp_path, of, rows):
         assert len(list(csv.DictReader(file))) == rows
 
 
+def test_files_speak_g_as_the_terminal_does_unless_si_is_asked_for(rock, dataset, tmp_path):
+    rows = {}
+    for name, more in (("g", ()), ("si", ("--si",))):
+        assert rock("table", dataset, "--of", "fragility", "--out", f"{name}.csv", *more) == 0
+        with (tmp_path / f"{name}.csv").open(encoding="utf-8") as file:
+            rows[name] = next(csv.DictReader(file))
+    in_g, in_si = float(rows["g"]["fragility_median [g]"]), float(rows["si"]["fragility_median [m s-2]"])
+    assert in_si == pytest.approx(9.81 * in_g, rel=1e-12)
+
+
+def test_one_percentile_is_a_column(rock, dataset, capsys):
+    asked = "fragility_percentile_5,fragility_percentile_ci_low_5"
+    assert rock("table", dataset, "--of", "fragility", "--columns", asked) == 0
+    shown = capsys.readouterr()
+    assert shown.out.split("\n")[0].split("  ") == [
+        "limit_state",
+        "fragility_percentile_5 [g]",
+        "fragility_percentile_ci_low_5 [g]",
+    ]
+    assert shown.err == ""
+    assert rock("table", dataset, "--columns", "fragility_percentile_5") == 2
+    assert "--of fragility" in capsys.readouterr().err
+    assert rock("table", dataset, "--of", "fragility", "--columns", "fragility_percentile_7") == 2
+    assert "percentiles are 1, 5, 10" in capsys.readouterr().err
+
+
 def test_what_is_wrong_is_one_sentence(rock, dataset, tmp_path, capsys):
     for words in (("--out", "t.ods"), ("--of", "risks"), ("--columns", "theta"), ("--rows", "0")):
         assert rock("table", dataset, *words) == 2

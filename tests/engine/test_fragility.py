@@ -11,6 +11,7 @@ from scenes import SHARED
 from scipy import optimize, stats
 
 import rockcli
+from rockcli.analysis.curve_misfit import LEVEL, two_sided
 from rockcli.analysis.fragility import (
     ALL_EXCEED,
     BELOW,
@@ -456,3 +457,95 @@ def test_forty_two_far_field_components(monkeypatch):
         assert float(found.fragility_median) - 0.2 * 9.81 == pytest.approx(expected[0], rel=1e-6)
         got = [float(found.fragility_beta), float(found.fragility_se_ln_median), float(found.fragility_se_beta)]
         np.testing.assert_allclose(got, expected[1:], rtol=1e-3)
+
+
+def second_intensity(n: int, seed: int):
+    """Members whose capacity goes with the power -.8 of a second intensity, at every intensity of X."""
+    rng = np.random.default_rng(seed)
+    y = np.exp(0.5 * rng.standard_normal((n, 1)))
+    category = (3.0 * np.exp(0.5 * rng.standard_normal((n, 1))) * y**-0.8 < X).astype(int)
+    return category, np.broadcast_to(y, category.shape)
+
+
+def test_the_exponent_has_the_scatter_of_fits_without_one_member_after_another():
+    """The jackknife by fitting again n times is an independent way to the covariance by one Newton step."""
+    category, y = second_intensity(42, 3)
+
+    def of(kept) -> Curves:
+        one = category[kept]
+        return curves(Seen(np.broadcast_to(X, one.shape), one, one, np.ones(one.shape), second=y[kept]), 1)
+
+    n = len(category)
+    left = np.array([of(np.arange(n) != i).exponent[0] for i in range(n)])
+    by_hand = math.sqrt((n - 1) / n * ((left - left.mean()) ** 2).sum())
+    np.testing.assert_allclose(of(np.arange(n)).jackknife[0, 3] ** 0.5, by_hand, rtol=0.05)
+
+
+@pytest.mark.parametrize(("n", "begins"), [(12, 1.0), (42, 0.0)])
+def test_limits_hold_small_percentiles_as_often_as_they_say(n, begins):
+    true = begins + (3.0 - begins) * np.exp(0.5 * stats.norm.ppf([0.01, 0.05]))
+    suites, held = 250, np.zeros(2)
+    for seed in range(suites):
+        category = suite(n=n, medians=(3.0,), beta=0.5, begins=begins, seed=seed)
+        low, high = curves(seen(category), 1, begins_at=begins).percentile_limits(0.0)
+        held += (low[0, :2] <= true) & (high[0, :2] >= true)
+    # 95 % of 250 within 4 standard errors; the delta method holds 86 to 92 %
+    assert (held >= stats.binom.ppf(stats.norm.cdf(-2.5), suites, 0.95)).all()
+    assert (held < suites).all()
+
+
+def test_limits_of_a_percentile_of_known_capacities_are_those_of_a_normal_sample():
+    """Tolerance limits of Owen (1968) on the logarithms, up to the scatter of the variance of beta."""
+    u = np.random.default_rng(5).standard_normal(400) * 0.4 + 1.0
+    found = curve_of_capacities(np.exp(u), np.exp(u), np.arange(400))
+    low, high = found.percentile_limits(0.0)
+    z, n = stats.norm.ppf(0.05), len(u)
+    exact = np.exp(u.mean() + u.std(ddof=1) * stats.nct.ppf([0.025, 0.975], n - 1, z * n**0.5) / n**0.5)
+    width = np.log(exact[1] / exact[0])
+    assert abs(np.log(low[0, 1] / exact[0])) < 0.03 * width
+    assert abs(np.log(high[0, 1] / exact[1])) < 0.03 * width
+
+
+def test_added_uncertainty_moves_percentiles_with_their_limits():
+    found = curves(seen(suite()), 1)
+    for added in (0.0, 0.4):
+        middle, (low, high) = found.percentiles(added), found.percentile_limits(added)
+        assert ((low < middle) & (middle < high)).all()
+    assert found.percentile_limits(0.4)[0][0, 0] < found.percentile_limits(0.0)[0][0, 0]
+
+
+def test_a_share_is_judged_by_the_binomial_distribution_of_scipy():
+    for n, hits, p in ((42, 3, 0.3), (42, 20, 0.3), (12, 0, 0.2), (12, 12, 0.7), (100, 50, 0.5)):
+        tails = stats.binom.cdf(hits, n, p), stats.binom.sf(hits - 1, n, p)
+        found = two_sided(np.array([hits / n]), np.array([float(n)]), np.array([p]))
+        np.testing.assert_allclose(found[0], min(1.0, 2.0 * min(tails)), rtol=1e-9)
+
+
+def test_a_curve_that_misses_its_suite_is_told_and_no_other():
+    """Capacities of two kinds are no lognormal; those of a lognormal are missed in fewer than one of a hundred."""
+    told = 0
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        of_two = np.where(rng.random(60) < 0.4, 1.0, 5.0) * np.exp(0.1 * rng.standard_normal(60))
+        found = curves(seen((of_two[:, None] < X).astype(int)), 1)
+        told += bool(found.misfit_p[0] < LEVEL)
+        assert 1.0 < found.misfit_at[0] < 5.0
+        assert curves(seen(suite(seed=seed)), 1).misfit_p[0] >= LEVEL
+    assert told > 54
+
+
+def test_a_searched_curve_that_misses_its_capacities_is_told():
+    rng = np.random.default_rng(1)
+    of_two = np.where(rng.random(100) < 0.4, 1.0, 5.0) * np.exp(0.1 * rng.standard_normal(100))
+    alike = np.exp(0.4 * rng.standard_normal(100))
+    for capacity, misses in ((of_two, True), (alike, False)):
+        assert (curve_of_capacities(capacity, capacity, np.arange(100)).misfit_p[0] < LEVEL) == misses
+
+
+def test_a_cloud_is_judged_in_groups():
+    rng = np.random.default_rng(2)
+    x = np.exp(1.0 + 0.7 * rng.standard_normal((400, 1)))
+    of_two = np.where(rng.random((400, 1)) < 0.4, 1.0, 7.0) * np.exp(0.1 * rng.standard_normal((400, 1)))
+    alike = 3.0 * np.exp(0.5 * rng.standard_normal((400, 1)))
+    for capacity, misses in ((of_two, True), (alike, False)):
+        assert (curves(seen((capacity < x).astype(int), x=x), 1).misfit_p[0] < LEVEL) == misses

@@ -8,6 +8,7 @@ from scipy.special import ndtr
 
 import rockcli
 from rockcli.plotting import figures
+from rockcli.scene.hazard import hazard_words
 
 G = 9.81
 
@@ -79,9 +80,11 @@ def test_fragility_draws_shares_and_fits(stripes):
     (axes,) = figure.axes
     lines = iter(axes.lines)
     assert next(lines).get_xdata()[0] == pytest.approx(0.2)  # g tan(alpha): the sketch begins at uplift
-    fitted = np.isfinite(stripes["fragility_median"].values)
+    medians = stripes["fragility_median"].values
+    fitted = np.isfinite(medians)
     assert fitted.any()
-    for i, label in enumerate(stripes["limit_state"].values):
+    seen, styles = [], set()
+    for i in range(len(medians)):
         median, beta = float(stripes["fragility_median"][i]) / G, float(stripes["fragility_beta"][i])
         begin = float(stripes["fragility_begins_at"]) / G
         markers = next(lines)
@@ -89,12 +92,30 @@ def test_fragility_draws_shares_and_fits(stripes):
         if not fitted[i]:
             assert markers.get_label().endswith("no curve")
             continue
+        if median in seen:  # no member tells the two states apart: one curve
+            continue
+        seen.append(median)
         curve = next(lines)
+        styles.add(str(curve._dash_pattern))
         x, y = curve.get_data()
         np.testing.assert_allclose(y, ndtr(np.log((np.asarray(x) - begin) / (median - begin)) / beta), atol=1e-12)
         assert f"median {median:.3g} g" in curve.get_label()
-        assert (label == "overturned") == curve.get_label().startswith("overturned")
-    assert len(axes.collections) == fitted.sum()
+        assert ("overturned" in curve.get_label()) == (medians[-1] == medians[i])
+    assert len(axes.collections) == len(seen) < fitted.sum()
+    assert len(styles) == len(seen)
+
+
+def test_states_of_one_curve_share_its_entry_in_the_legend(stripes):
+    (axes,) = figures.figure("fragility", stripes).axes
+    assert sum(" and overturned: median" in str(label) for label in axes.get_legend_handles_labels()[1]) == 1
+
+
+def test_a_hazard_curve_is_called_so_once():
+    assert [hazard_words(label) for label in ("moderate", "hazard", "Hazard site B")] == [
+        "hazard moderate",
+        "hazard",
+        "Hazard site B",
+    ]
 
 
 def test_without_a_curve_the_legend_says_so():

@@ -25,6 +25,10 @@ _NAMES = {"pga": "PGA", "pgv": "PGV", "pgv_over_pga": "PGV/PGA", "arias": r"$I_A
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
 
+_LINES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (7, 2, 2, 2)), (0, (3, 3)))
+"""Of neighbouring limit states, told apart where they coincide and without colours."""
+
+
 def without_fragility(dataset: xarray.Dataset) -> str:
     """Why a dataset cannot be drawn so; "" if it can."""
     suite = suite_of(dataset)
@@ -128,16 +132,19 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
     stripes = "p_exceeded" in part and suite.told_against in part.dims
     if begin > 0.0:
         axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label=_first_motion(part))
-    for i, label in enumerate(part["limit_state"].values):
+    # several panels have one legend, that of the first
+    same = _same_curve(part) if numbers else [[i] for i in range(part.sizes["limit_state"])]
+    for i in range(part.sizes["limit_state"]):
         colour = COLOURS[i % len(COLOURS)]
         median, se, se_beta, rho, beta, total = (float(part[f"fragility_{name}"].values[i]) for name in _FITTED)
         above = median / divisor - begin
-        words = _state(str(label))
+        words = " and ".join(_state(str(part["limit_state"].values[j])) for j in same[i]) if same[i] else ""
         fitted = np.isfinite(median)
-        if numbers:
+        if numbers and words:
             size = f"{median / divisor:.3g}{unit_in_brackets(unit).translate({ord('['): None, ord(']'): None})}"
             words += rf": median {size}, $\beta$ = {total:.2f}" if fitted else ": no curve"
         alone = "" if fitted else words
+        first = fitted and bool(same[i])  # of the states that share one curve
         style: Any = {"marker": MARKERS[i % len(MARKERS)], "markersize": 3.0, "markeredgewidth": 0.0}
         if stripes:
             shares = part["p_exceeded"].values[:, i]
@@ -145,13 +152,27 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
                       label=alone, **style)  # fmt: skip
         elif alone:
             axes.plot([], [], linestyle="", color=colour, label=alone, **style)
-        if fitted:
+        if first:
             z = np.log((x - begin) / above) / total
             # to first order in both estimates (delta method)
             steep = z * beta / total
             half = ndtri(0.975) * np.sqrt(se**2 + 2.0 * steep * rho * se * se_beta + (steep * se_beta) ** 2) / total
             axes.fill_between(x, ndtr(z - half), ndtr(z + half), color=colour, alpha=0.15, linewidth=0.0)
-            axes.plot(x, ndtr(z), color=colour, zorder=3, label=words)
+            axes.plot(x, ndtr(z), color=colour, linestyle=_LINES[i % len(_LINES)], zorder=3, label=words)
+
+
+def _same_curve(part: xarray.Dataset) -> list[list[int]]:
+    """Of every limit state the states whose curve is its own, itself the first; none if it is drawn with one before."""
+    numbers = np.stack([part[f"fragility_{name}"].values for name in ("median", "beta")])
+    same: list[list[int]] = []
+    for i in range(numbers.shape[1]):
+        before = next(
+            (s for s in same if s and np.allclose(numbers[:, s[0]], numbers[:, i], rtol=1e-9, atol=0.0)), None
+        )
+        if before is not None:
+            before.append(i)
+        same.append([] if before is not None else [i])
+    return same
 
 
 _FITTED = ("median", "se_ln_median", "se_beta", "correlation", "beta", "beta_total")

@@ -14,7 +14,7 @@ from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, headline, new_
 from rockcli.plotting.common.suite import panels, suite_of
 from rockcli.plotting.kinds.fragility import MARKERS, intensity_label
 from rockcli.plotting.kinds.map import scale_axes
-from rockcli.scene.hazard import CONSISTENT
+from rockcli.scene.hazard import CONSISTENT, hazard_words
 
 if TYPE_CHECKING:
     import xarray
@@ -69,7 +69,7 @@ def _hazard(axes: Axes, part: xarray.Dataset) -> None:
     for i, label in enumerate(part["hazard"].values):
         x, rate = (part[name].values[i] for name in ("hazard_intensity", "hazard_rate"))
         axes.plot(x / divisor, rate, marker=MARKERS[i % len(MARKERS)], markersize=2.6, markeredgewidth=0.0,
-                  label=f"hazard {escape(str(label))}", **_style(i))  # fmt: skip
+                  label=escape(hazard_words(str(label))), **_style(i))  # fmt: skip
     scale_axes(axes, x_log=True)
     axes.set_yscale("log")
     axes.set_ylabel("annual rate of exceedance")
