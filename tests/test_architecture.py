@@ -32,6 +32,7 @@ DOORS = {
     "distributed": "engine",
     "yaml": "study",
     "pydantic": "study",
+    "sklearn": "analysis",
     "scipy": "solvers",  # but for special functions and statistics, see `FREE`
     "xarray": "storage",
     "pandas": "storage",

@@ -8,7 +8,22 @@ from typing import Annotated
 
 import typer
 
-from rockcli.cli import animate, cache, check, compare, export, identify, plot, report, run, show, table, trade, verify
+from rockcli.cli import (
+    animate,
+    cache,
+    check,
+    compare,
+    export,
+    identify,
+    plot,
+    report,
+    run,
+    score,
+    show,
+    table,
+    trade,
+    verify,
+)
 from rockcli.cli.interrupt import INTERRUPTED, answered, tell
 from rockcli.cli.say import forget, say
 from rockcli.errors import RockError, StudyError
@@ -32,6 +47,7 @@ app.command("compare")(compare.compare)
 app.command("trade")(trade.trade)
 app.command("report")(report.report)
 app.command("identify")(identify.identify)
+app.command("score")(score.score)
 app.command("export")(export.export)
 app.command("show")(show.show)
 app.command("verify")(verify.verify)

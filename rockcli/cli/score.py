@@ -1,0 +1,195 @@
+"""`rock score`: predictions of experiments against what happened."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from rockcli.cli.say import say
+
+if TYPE_CHECKING:
+    from rockcli.analysis.experiments.scores import Score
+    from rockcli.engine.experiments.score import Prediction, Report
+
+
+def score(
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="[STUDY.yaml] RUNS.csv", help="The study that predicts, and the table of runs."),
+    ],
+    folds: Annotated[
+        str | None, typer.Option("--folds", metavar="COLUMN", help="Column of the runs that belong together.")
+    ] = None,
+    count: Annotated[int, typer.Option("--count", metavar="K", min=0, help="Folds; 0 = one per group.")] = 5,
+    repeats: Annotated[int, typer.Option("--repeats", metavar="N", min=1, help="Divisions into folds.")] = 5,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the folds and of the bootstrap.")] = 0,
+    predictions: Annotated[
+        str | None, typer.Option("--predictions", metavar="A,B", help="Columns to score; default: all that can be.")
+    ] = None,
+    against: Annotated[
+        str | None, typer.Option("--against", metavar="NAME", help="Prediction that the others are tested against.")
+    ] = None,
+    specimen: Annotated[
+        str | None, typer.Option("--specimen", metavar="NAME", help="Only the runs of this one.")
+    ] = None,
+    units: Annotated[
+        str | None, typer.Option("--units", metavar="g|m/s2|...", help="Of records that do not say; without a study.")
+    ] = None,
+    dt: Annotated[
+        float | None, typer.Option("--dt", metavar="SECONDS", help="Of records that do not say; without a study.")
+    ] = None,
+    no_baselines: Annotated[bool, typer.Option("--no-baselines", help="Fit none.")] = False,
+    workers: Annotated[
+        int | None, typer.Option("--workers", metavar="N", min=1, help="Processes; default: one per usable core.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write a page (.html), a figure (.png .pdf .svg).")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the scores as JSON.")] = False,
+) -> None:
+    """Score predictions of overturning against experiments.
+
+    Without a study the predictions are columns of the table: probabilities, or outcomes.
+    """
+    from rockcli.cli.progress import Progress
+    from rockcli.engine.experiments.runs import GROUP, read_runs
+    from rockcli.engine.experiments.score import Options, by_specimen, predicted_by, report_of
+    from rockcli.engine.experiments.score_page import check_target, write
+    from rockcli.engine.experiments.simulated import any_body
+    from rockcli.engine.sweep.executors import usable_cores
+    from rockcli.engine.sweep.work import Team
+    from rockcli.errors import StudyError
+
+    study, table = _sources(files)
+    reading = {key: value for key, value in (("units", units), ("dt", dt)) if value is not None}
+    if study is not None and reading:
+        raise StudyError("--units and --dt are for records without a study, which says them itself")
+    if out is not None:
+        check_target(out)
+    named = None if predictions is None else [name.strip() for name in predictions.split(",") if name.strip()]
+    runs = read_runs(table, group=folds or GROUP, predictions=named)
+    options = Options(count=count, repeats=repeats, seed=seed, baselines=not no_baselines, against=against)
+    reports = []
+    team = Team(workers or usable_cores())
+    line = Progress(table.name, shown=True)
+    try:
+        for label, some in by_specimen(runs, specimen):
+            found: tuple[str, Prediction] | None = None
+            notes: tuple[str, ...] = ()
+            if study is not None:
+                name, prediction, notes = predicted_by(study, some, team=team, progress=line)
+                found = name, prediction
+            reports.append(
+                report_of(
+                    some, specimen=label, study=found, source=study or any_body(reading), options=options, notes=notes
+                )
+            )
+    finally:
+        line.close()
+    if out is not None:
+        write(reports, out)
+    if as_json:
+        import json
+
+        plain = {"runs": str(table), "study": None if study is None else str(study), "seed": seed}
+        say(json.dumps(plain | {"specimens": [as_plain(report) for report in reports]}, indent=2))
+    else:
+        say("\n\n".join(text(report) for report in reports))
+    for report in reports:
+        for note in report.notes:
+            say(f"rock: {table.name}{f', {report.specimen}' * bool(report.specimen)}: {note}", err=True)
+    if out is not None:
+        say(str(out), err=True)
+
+
+def _sources(files: list[Path]) -> tuple[Path | None, Path]:
+    """The study, if any, and the table."""
+    from rockcli.errors import StudyError
+
+    yaml = [file for file in files if file.suffix.lower() in (".yaml", ".yml")]
+    tables = [file for file in files if file not in yaml]
+    if len(tables) != 1 or len(yaml) > 1:
+        raise StudyError("expected RUNS.csv, or STUDY.yaml RUNS.csv")
+    return (yaml[0] if yaml else None), tables[0]
+
+
+def text(report: Report) -> str:
+    """The scores as tables for the terminal."""
+    from rockcli.analysis.experiments.scores import NAMES
+    from rockcli.cli.progress import counted
+    from rockcli.cli.tables import table
+
+    runs = report.runs
+    title = f"{runs.file.name}{f', {report.specimen}' * bool(report.specimen)}: {counted(runs.size, 'run')}"
+    title += f" in {counted(len(set(runs.groups.tolist())), 'group')}, {int(runs.outcome.sum())} overturned"
+    rows = []
+    for name, found in report.scores.items():
+        cells = [_interval(found.scores[score]) for score in NAMES]
+        rows.append([name, *cells, str(found.missed), str(found.false)])
+    head = ["prediction", *(name.replace("_", " ") for name in NAMES), "missed", "false"]
+    parts = [title, table(head, rows, right=len(head) - 1, indent=2)]
+    parts.append("  95 % in brackets; missed: fell and was to stand; false: stood and was to fall")
+    if report.mcnemar:
+        rows = [
+            [name, str(test.n), str(test.first_only), str(test.second_only), f"{test.p_value:.2g}"]
+            for name, test in report.mcnemar.items()
+        ]
+        head = [f"{report.against} against", "runs", "it alone right", "other alone right", "p (McNemar)"]
+        parts.append("\n" + table(head, rows, right=4, indent=2))
+    rows = [
+        [f"{each.p:.2f}", str(each.n), f"{each.share:.2f}", f"{each.low:.2f} to {each.high:.2f}"]
+        for each in report.reliability[report.against]
+    ]
+    parts.append("\n" + table([f"p of {report.against}", "runs", "overturned", "95 %"], rows, right=3, indent=2))
+    return "\n".join(parts)
+
+
+def _interval(found: Score) -> str:
+    value = "-" if found.value != found.value else f"{found.value:.3f}"
+    return value if found.low != found.low else f"{value} [{found.low:.3f}, {found.high:.3f}]"
+
+
+def as_plain(report: Report) -> dict[str, Any]:
+    """The scores as plain values for JSON; what is not finite is null."""
+    from dataclasses import asdict
+    from math import isfinite
+
+    def number(value: float) -> float | None:
+        return value if isfinite(value) else None
+
+    predictions: dict[str, Any] = {}
+    for name, found in report.scores.items():
+        each = report.predictions[name]
+        predictions[name] = {
+            "kind": each.kind,
+            "n": found.n,
+            "events": found.events,
+            **{score: number(value.value) for score, value in found.scores.items()},
+            "interval": {score: [number(value.low), number(value.high)] for score, value in found.scores.items()},
+            "missed": found.missed,
+            "false": found.false,
+            "reliability": [asdict(one) for one in report.reliability[name]],
+        }
+        if each.repeats is not None:
+            shares = ((each.repeats >= 0.5) == report.runs.outcome).mean(axis=1)
+            predictions[name]["accuracy_of_repeats"] = shares.tolist()
+    against = report.predictions[report.against]
+    rows = []
+    for i, line in enumerate(report.runs.line):
+        row = {"line": line, "outcome": int(report.runs.outcome[i]), "p": number(float(against.p[i]))}
+        if against.low is not None and against.high is not None:
+            row |= {"low": float(against.low[i]), "high": float(against.high[i])}
+        rows.append(row)
+    return {
+        "specimen": report.specimen or None,
+        "n": report.runs.size,
+        "groups": len(set(report.runs.groups.tolist())),
+        "overturned": int(report.runs.outcome.sum()),
+        "predictions": predictions,
+        "against": report.against,
+        "mcnemar": {name: asdict(test) for name, test in report.mcnemar.items()},
+        "probabilities": rows,
+        "notes": list(report.notes),
+    }

@@ -1,0 +1,1 @@
+"""Tables of experiments: read, predicted, scored, calibrated on."""

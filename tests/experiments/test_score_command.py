@@ -1,0 +1,177 @@
+"""`rock score`: a table of runs in, scores out; what is wrong with the table is one sentence with file and line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from rockcli.engine.experiments.runs import read_runs
+from rockcli.errors import StudyError
+
+DT = 0.01
+BODY = {"h": 0.3, "b": 0.06}
+STUDY = {
+    "name": "table",
+    "case": {"block": BODY, "motion": {"record": {"units": "m/s2", "dt": DT}}, "damping": {"eta": 0.9}},
+}
+
+
+def motion(period: float, amplitude: float) -> np.ndarray:
+    t = DT * np.arange(int(1.5 * period / DT) + 2)
+    return amplitude * np.sin(2.0 * np.pi * t / period) * (t <= period)
+
+
+def table(path: Path, rows: list[dict[str, object]]) -> Path:
+    lines = [",".join(rows[0])] + [",".join(str(value) for value in row.values()) for row in rows]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.fixture
+def experiments(tmp_path: Path) -> Path:
+    """Twelve sines of three periods on a block, whose fate the program itself has told, and a column of guesses."""
+    import rockcli
+
+    rows = []
+    for period in (0.3, 0.6, 1.0):
+        for factor in (1.0, 2.0, 4.0, 8.0):
+            name = f"sine_{period:g}.txt"
+            np.savetxt(tmp_path / name, motion(period, 1.0))
+            study = {
+                "case": {
+                    "block": BODY,
+                    "damping": {"eta": 0.9},
+                    "motion": {"record": {"file": str(tmp_path / name), "units": "m/s2", "dt": DT, "scale": factor}},
+                },
+                "save": {"histories": False},
+            }
+            fell = int(rockcli.run(study)["outcome"]) >= 2
+            guess = 0.8 if factor > 3.0 else 0.1
+            rows.append({"record": name, "scale": factor, "outcome": int(fell), "group": f"{period:g}", "guess": guess})
+    assert 3 < sum(int(str(row["outcome"])) for row in rows) < 9
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(STUDY))
+    return table(tmp_path / "runs.csv", rows)
+
+
+def test_a_study_is_scored_beside_columns_and_baselines(rock, experiments, capsys):
+    assert rock("score", "study.yaml", "runs.csv", "--json", "--workers", 1) == 0
+    (found,) = json.loads(capsys.readouterr().out)["specimens"]
+    assert found["n"] == 12
+    assert found["groups"] == 3
+    assert found["predictions"]["table"]["accuracy"] == 1.0
+    assert found["predictions"]["table"]["kind"] == "study"
+    rows = [line.split(",") for line in experiments.read_text().split()[1:]]
+    right = np.mean([(float(row[4]) > 0.5) == (row[2] == "1") for row in rows])
+    assert found["predictions"]["guess"]["accuracy"] == pytest.approx(right)
+    test = found["mcnemar"]["guess"]
+    assert test["first_only"] == round(12 * (1.0 - right))
+    assert test["p_value"] == min(1.0, 2.0 * 0.5 ** test["first_only"])
+    assert found["predictions"]["logistic: pgv"]["kind"] == "baseline"
+    assert [row["p"] for row in found["probabilities"]] == [float(row[2]) for row in rows]
+
+
+def test_uncertain_bodies_give_the_share_that_overturns(rock, experiments, tmp_path, capsys):
+    import rockcli
+
+    study = STUDY | {"uncertain": {"block.b": {"uniform": [0.03, 0.12]}}, "samples": 20}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study))
+    assert rock("score", "study.yaml", "runs.csv", "--json", "--no-baselines", "--workers", 1) == 0
+    (found,) = json.loads(capsys.readouterr().out)["specimens"]
+    case = {"motion": {"record": {"file": str(tmp_path / "sine_0.6.txt"), "units": "m/s2", "dt": DT, "scale": 4.0}}}
+    alone = rockcli.run(study | {"case": STUDY["case"] | case, "save": {"histories": False}})
+    assert 0.0 < float(alone["p_overturned"]) < 1.0
+    assert found["probabilities"][6]["p"] == pytest.approx(float(alone["p_overturned"]))
+
+
+def test_a_table_alone_in_the_terminal_and_as_page_and_figure(rock, experiments, capsys):
+    options = ("--units", "m/s2", "--dt", DT)
+    assert rock("score", "runs.csv", *options, "--out", "scores.html") == 0
+    said = capsys.readouterr()
+    assert "12 runs in 3 groups" in said.out
+    assert "McNemar" in said.out
+    page = Path("scores.html").read_text()
+    assert "logistic: pga, pgv, squares" in page
+    assert "data:image/png" in page
+    assert rock("score", "runs.csv", *options, "--no-baselines", "--out", "reliability.svg") == 0
+    assert Path("reliability.svg").read_text().startswith("<?xml")
+
+
+def test_specimens_are_scored_apart(rock, tmp_path, capsys):
+    rows = [{"specimen": "ab"[i % 2], "outcome": ("stood", "overturned")[i % 3 == 0], "p": 0.1 * i} for i in range(9)]
+    table(tmp_path / "runs.csv", rows)
+    assert rock("score", "runs.csv", "--json") == 0
+    both = json.loads(capsys.readouterr().out)["specimens"]
+    assert [(one["specimen"], one["n"]) for one in both] == [("a", 5), ("b", 4)]
+    assert any("no baselines" in note for note in both[0]["notes"])
+    assert rock("score", "runs.csv", "--json", "--specimen", "b") == 0
+    assert json.loads(capsys.readouterr().out)["specimens"] == both[1:]
+    assert rock("score", "runs.csv", "--specimen", "c") == 2
+
+
+GOOD = "record,outcome,p\na.txt,1,0.5\nb.txt,stood,0.25\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("record,p\na.txt,0.5\n", 1, "no column `outcome`"),
+        ("outcome,p\n1,0.5\nmaybe,0.5\n", 3, "outcome is 'maybe'"),
+        ("outcome,p,p\n1,0.5,1\n", 1, "repeats"),
+        ("outcome,p\n1,0.5\n\n1\n", 4, "1 cells"),
+        ("outcome,scale\n1,0.5\n1,big\n", 3, "scale is 'big'"),
+        ("outcome,scale\n1,0.5\n1,0\n", 3, "scale is 0"),
+        ("outcome,record\n1,a.txt\n1,\n", 3, "below 'record' is empty"),
+        ("outcome,pga\n1,-0.5\n", 2, "greater than 0"),
+        ("outcome,p\n", None, "no runs"),
+        ("", None, "no runs"),
+        ('outcome,p\n1,"0.5\n', 2, "no CSV"),
+    ],
+)
+def test_what_is_wrong_is_named(tmp_path, text, line, words):
+    path = tmp_path / "runs.csv"
+    path.write_text(text)
+    with pytest.raises(StudyError, match=words) as caught:
+        read_runs(path)
+    assert (caught.value.file, caught.value.line) == (str(path), line)
+
+
+def test_a_prediction_asked_for_must_be_one(tmp_path):
+    path = tmp_path / "runs.csv"
+    path.write_text(GOOD.replace("0.25", "1.25"))
+    assert read_runs(path).unread == ("p",)
+    with pytest.raises(StudyError, match=r"p is '1\.25'") as caught:
+        read_runs(path, predictions=["p"])
+    assert caught.value.line == 3
+    with pytest.raises(StudyError, match="no column 'q'"):
+        read_runs(path, predictions=["q"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("nowhere.csv",), "no such file"),
+        (("study.yaml",), "expected RUNS.csv"),
+        (("study.yaml", "runs.csv", "--units", "g"), "without a study"),
+        (("runs.csv", "--out", "scores.txt"), "expected .html"),
+        (("runs.csv", "--no-baselines", "--against", "nobody"), "no prediction 'nobody'"),
+        (("study.yaml", "lost.csv"), "lost.csv:2: the record 'nowhere.txt'"),
+        (("pulse.yaml", "runs.csv"), "the motions are the records of the runs"),
+        (("scaled.yaml", "runs.csv"), "column `scale`"),
+    ],
+)
+def test_bad_input_is_one_error_and_writes_nothing(rock, experiments, tmp_path, capsys, arguments, words):
+    (tmp_path / "lost.csv").write_text("record,outcome\nnowhere.txt,1\n")
+    pulse = {"motion": {"pulse": {"shape": "sine", "a_p": 1, "omega_p": 3}}}
+    (tmp_path / "pulse.yaml").write_text(yaml.safe_dump(STUDY | {"case": STUDY["case"] | pulse}))
+    scaled = {"motion": {"record": {"units": "g", "dt": DT, "pga": 3}}}
+    (tmp_path / "scaled.yaml").write_text(yaml.safe_dump(STUDY | {"case": STUDY["case"] | scaled}))
+    before = set(tmp_path.iterdir())
+    assert rock("score", *arguments) == 2
+    said = capsys.readouterr()
+    assert words in said.err
+    assert said.out == ""
+    assert set(tmp_path.iterdir()) == before
