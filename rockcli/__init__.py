@@ -2,31 +2,122 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rockcli.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
+    from collections.abc import Callable, Sequence
 
     import pandas
     import xarray
+    from matplotlib.figure import Figure
 
     from rockcli.errors import RecordError, StudyError
+    from rockcli.motion.motion import Motion
 
-__all__ = ["RecordError", "StudyError", "__version__", "run", "table"]
+__all__ = [
+    "RecordError",
+    "StudyError",
+    "__version__",
+    "check",
+    "open_dataset",
+    "plot",
+    "read_record",
+    "report",
+    "run",
+    "table",
+]
 
 
-def run(study: dict[str, Any] | str | Path) -> xarray.Dataset:
+def run(
+    study: dict[str, Any] | str | Path,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xarray.Dataset:
     """Solve a study and return its dataset; nothing is written.
 
-    `study` is the path of a YAML file or a mapping of the same form, whose `name` may be left out.  Raises
-    `StudyError` or `RecordError` for what is wrong with it.
+    Args:
+        study: path of a YAML file, or a mapping of the same form, whose `name` may be left out.  In a mapping a record
+            may be an array, `{"values": ARRAY, "dt": 0.005, "units": "g"}`, an ObsPy Trace or what `read_record`
+            returns, and an axis of records a list of them.
+        workers: processes; None = this one alone.
+        progress: called with (cases done, cases in all).
+
+    Returns:
+        What `rock run` writes, in SI units and radians; `dataset.rock` shows its outcomes and peak.
+
+    Raises:
+        StudyError, RecordError: what is wrong with the study or a record.
     """
     from rockcli.engine.run import solve_study
 
-    return solve_study({"name": "study", **study} if isinstance(study, dict) else study)
+    dataset = solve_study(study, workers, progress)
+    _register()
+    return dataset
+
+
+def check(study: dict[str, Any] | str | Path) -> dict[str, Any]:
+    """Read a study and say what it would do, solving nothing.
+
+    Returns:
+        What `rock check --json` prints: cases, axes, the first case with its body, model and motion in SI units and
+        radians, backend, estimated seconds, warnings.
+
+    Raises:
+        StudyError, RecordError: what is wrong with the study or a record.
+    """
+    from rockcli.engine.preview import preview
+    from rockcli.engine.run import opened
+
+    return preview(opened(study)).as_dict()
+
+
+def open_dataset(path: str | Path) -> xarray.Dataset:
+    """Read a dataset that `rock run` wrote; `dataset.rock` shows its outcomes and peak.
+
+    Raises:
+        StudyError: it is none, or damaged.
+    """
+    from rockcli.storage.read import open_dataset
+
+    dataset = open_dataset(Path(path))
+    _register()
+    return dataset
+
+
+def plot(dataset: xarray.Dataset, kind: str | None = None, path: str | Path | None = None) -> Figure:
+    """Draw a dataset, as `rock plot` does.
+
+    Args:
+        dataset: of `run` or `open_dataset`.
+        kind: kind of plot, such as `histories`, `map`, `ida`, `fragility`; None = the first its content suggests.
+        path: also written there, as .png, .pdf or .svg.
+
+    Returns:
+        A matplotlib Figure, which notebooks show and which may be changed.
+
+    Raises:
+        StudyError: the dataset cannot be drawn so.
+    """
+    from rockcli.engine.draw import figure_of
+
+    return figure_of(dataset, kind, None if path is None else Path(path))
+
+
+def report(dataset: xarray.Dataset | str | Path, path: str | Path) -> Path:
+    """Write the report of a dataset, in memory or in a file, as one HTML page; returns where.
+
+    Raises:
+        StudyError: it is no dataset of this program, or the name does not end in .html.
+    """
+    from rockcli.engine.report_page import write_page, write_page_of
+
+    if isinstance(dataset, str | Path):
+        return write_page(Path(dataset), Path(path))
+    return write_page_of(dataset, Path(path))
 
 
 def table(
@@ -43,6 +134,35 @@ def table(
     return frame_of(dataset, of=of, columns=columns, degrees=degrees)
 
 
+def read_record(
+    path: str | Path, *, component: str | int | None = None, units: str | None = None, dt: float | None = None
+) -> Motion:
+    """Read a ground-motion record of any format that studies read.
+
+    Args:
+        path: of the file.
+        component: which one, by name or place, if the file holds several.
+        units: `g`, `m/s2`, `cm/s2`, `gal` or `mm/s2`, where the file does not tell.
+        dt: time step [s], where the file does not tell.
+
+    Returns:
+        `values` (k,), in g if `in_g`, else in m/s²; `dt` [s]; `name`, `header`, `warnings`.
+
+    Raises:
+        RecordError: naming file, line if any, what is wrong and what to do.
+    """
+    from rockcli.motion.reading import read_record
+
+    return read_record(path, component=component, units=units, dt=dt)
+
+
+def _register() -> None:
+    """Give datasets their `rock`."""
+    from rockcli.engine.accessor import register
+
+    register()
+
+
 def __getattr__(name: str) -> Any:
     """The errors, imported when they are asked for."""
     if name in ("RecordError", "StudyError"):
@@ -50,3 +170,7 @@ def __getattr__(name: str) -> Any:
 
         return getattr(errors, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+if "xarray" in sys.modules:  # who opens datasets by xarray itself has `rock` too; the command needs no xarray to begin
+    _register()

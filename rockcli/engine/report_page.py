@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rockcli.analysis.expect import Verdict, judge
 from rockcli.analysis.places import units_of
@@ -11,8 +12,11 @@ from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
 from rockcli.storage.contents import Contents
-from rockcli.storage.read import open_dataset
+from rockcli.storage.read import from_xarray, open_dataset
 from rockcli.study.reopen import clauses_of
+
+if TYPE_CHECKING:
+    import xarray
 
 
 def write_page(path: Path, out: Path | None = None) -> Path:
@@ -22,15 +26,28 @@ def write_page(path: Path, out: Path | None = None) -> Path:
         StudyError: the file is not a dataset of this program, or `out` would replace it.
         OutputError: the page cannot be written.
     """
-    from rockcli.plotting.page.page import page
-
     target = path.with_suffix(".html") if out is None else out
+    _check(target)
+    _write(open_dataset(path), netcdf.read(path), target)
+    return target
+
+
+def write_page_of(dataset: xarray.Dataset, out: Path) -> Path:
+    """Write the report of a dataset in memory; raises as `write_page`."""
+    _check(out)
+    _write(dataset, from_xarray(dataset), out)
+    return out
+
+
+def _check(target: Path) -> None:
     if target.suffix.lower() not in (".html", ".htm"):
         raise StudyError("a report is an HTML page: expected a name that ends in .html", file=target)
-    dataset = open_dataset(path)
-    text = page(dataset, [(verdict.passed, _words(verdict)) for verdict in verdicts(netcdf.read(path))])
-    write_text(target, text)
-    return target
+
+
+def _write(dataset: xarray.Dataset, contents: Contents, target: Path) -> None:
+    from rockcli.plotting.page.page import page
+
+    write_text(target, page(dataset, [(verdict.passed, _words(verdict)) for verdict in verdicts(contents)]))
 
 
 def verdicts(contents: Contents) -> list[Verdict]:

@@ -40,19 +40,34 @@ if TYPE_CHECKING:
     import xarray
 
 
-def solve_study(source: dict[str, Any] | str | Path) -> xarray.Dataset:
-    """Solve a study given as a mapping or a file and return its dataset; nothing is written.
+def opened(source: dict[str, Any] | str | Path) -> Study:
+    """A checked study from a mapping, whose `name` may be left out, or a file.
 
     Raises `StudyError` or `RecordError` for what is wrong with it.
     """
-    from rockcli.storage.read import to_xarray
     from rockcli.study.open import open_study
 
     if not isinstance(source, dict | str | os.PathLike):
         raise StudyError(f"a study is a mapping or the path of a file, not {type(source).__name__}")
-    study = open_study(source if isinstance(source, dict) else Path(source))
+    study = open_study({"name": "study", **source} if isinstance(source, dict) else Path(source))
     check_answers(study)
-    return to_xarray(solve(study))
+    return study
+
+
+def solve_study(
+    source: dict[str, Any] | str | Path, workers: int | None = None, progress: Progress | None = None
+) -> xarray.Dataset:
+    """Solve a study given as a mapping or a file and return its dataset; nothing is written.
+
+    `workers` processes, None = this one; `progress(done, total)` is called as cases are solved.  Raises `StudyError` or
+    `RecordError` for what is wrong with it.
+    """
+    from rockcli.storage.read import to_xarray
+
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+        raise StudyError(f"workers is {workers!r}; expected a whole number of processes greater than 0, or None")
+    study = opened(source)
+    return to_xarray(solve(study, sweep=Sweep(Team(workers or 1), progress=progress)))
 
 
 def solve(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Contents:

@@ -119,12 +119,12 @@ class RunReport:
 def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any) -> RunReport:
     """Report on a dataset of a study, whether just solved or read back; `si`: accelerations in m/s², not in g."""
     units = SI if si else units_of(contents)
-    peak, peak_at = _largest(contents, "theta_peak_over_alpha", units)
-    slide, slide_at = _largest(contents, "slide_peak", units)
+    peak, peak_at = largest(contents, "theta_peak_over_alpha", units)
+    slide, slide_at = largest(contents, "slide_peak", units)
     return RunReport(
         name=study.name,
         cases=study.size,
-        outcomes=_outcomes(contents),
+        outcomes=outcomes_of(contents),
         failed=_failed(study, contents),
         peak=peak,
         peak_at=peak_at,
@@ -150,7 +150,8 @@ def exit_code(reports: list[RunReport]) -> int:
     return 3 if 3 in codes else 1 if 1 in codes else 0
 
 
-def _outcomes(contents: Contents) -> dict[str, int]:
+def outcomes_of(contents: Contents) -> dict[str, int]:
+    """Cases by outcome, without those that have none."""
     if "outcome" not in contents.fields:
         return {}
     flags = contents.values("outcome")
@@ -164,7 +165,7 @@ def _failed(study: Study, contents: Contents) -> int:
     return int(np.sum(failed & ~expected_failures(contents, study.expect)))
 
 
-def _largest(contents: Contents, name: str, units: Units) -> tuple[float | None, str]:
+def largest(contents: Contents, name: str, units: Units) -> tuple[float | None, str]:
     """The largest finite value of a scalar, None without one, and its place on the axes."""
     if name not in contents.fields:
         return None, ""

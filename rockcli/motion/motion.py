@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Motion"]
+__all__ = ["Given", "Motion"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,3 +52,16 @@ class Motion:
     def acceleration(self, g: float) -> NDArray[np.float64]:
         """The values in m/s², (k,), values in g multiplied by this g [m/s²]."""
         return self.values * g if self.in_g else self.values
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """Values that no file holds: an array, or a trace, which knows its time step.
+
+    Attributes:
+        values: acceleration, (k,); dt: time between samples [s], None where it is told beside them.
+    """
+
+    values: NDArray[np.float64]
+    dt: float | None = None
+    component: str = ""

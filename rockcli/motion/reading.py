@@ -18,7 +18,7 @@ from rockcli.motion.agencies.channel import Channel
 from rockcli.motion.agencies.formats import FORMATS, channels_of, format_of
 from rockcli.motion.at2 import looks_like_at2, parse_at2
 from rockcli.motion.file import record_bytes
-from rockcli.motion.motion import Motion
+from rockcli.motion.motion import Given, Motion
 from rockcli.motion.options import OptionError
 from rockcli.motion.text import is_numeric_text, parse_text
 from rockcli.motion.units import FACTORS, same_unit, unit_named
@@ -26,7 +26,7 @@ from rockcli.motion.units import FACTORS, same_unit, unit_named
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["components_of", "read_record"]
+__all__ = ["components_of", "motion_of", "read_record"]
 
 KNOWN_UNITS = "g, m/s2, cm/s2, gal, mm/s2"
 
@@ -103,6 +103,29 @@ def read_record(
         message = f"the file says its time step is {found.dt:g} s, `dt` says {dt:g} s; leave `dt` out"
         raise OptionError("dt", message, path)
     return _motion(found, path, hashlib.sha256(data).hexdigest())
+
+
+def motion_of(
+    given: Given, name: str, *, component: str | int | None = None, units: str | None = None, dt: float | None = None
+) -> Motion:
+    """Values given in memory as a `Motion`, as `read_record` reads those of a file.
+
+    Raises:
+        RecordError: units or time step are not told, or are told twice and differ; values that are no record.
+    """
+    path = Path(name)
+    unit = _known_unit(units, path)
+    if unit is None:
+        message = f"values in memory do not tell their units; give them with `units:`, one of {KNOWN_UNITS}"
+        raise OptionError("units", message, path)
+    if given.dt is None and dt is None:
+        raise OptionError("dt", "values in memory do not tell their time step; give it with `dt:` [s]", path)
+    if given.dt is not None and dt is not None and abs(dt - given.dt) > 1e-6 * given.dt:
+        raise OptionError("dt", f"the trace says its time step is {given.dt:g} s; leave `dt` out", path)
+    step = given.dt if given.dt is not None else float(dt or 0.0)
+    _only_component(given.component, component, path)
+    digest = hashlib.sha256(given.values.tobytes() + repr((step, unit)).encode()).hexdigest()
+    return _motion(Found(given.values, step, unit, "array", given.component), path, digest)
 
 
 def components_of(path: str | Path) -> list[str | int | None]:

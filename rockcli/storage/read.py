@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,29 @@ def open_dataset(path: Path) -> xarray.Dataset:
         raise
     except Exception as error:  # the libraries have many words for bytes that mean nothing
         raise StudyError(f"cannot be read as a dataset: {error}", file=path) from None
+
+
+def as_accessor(name: str, accessor: type) -> None:
+    """Have every xarray.Dataset show a class under a name."""
+    import xarray
+
+    if not hasattr(xarray.Dataset, name):
+        register: Callable[[str], Callable[[type], type]] = xarray.register_dataset_accessor
+        register(name)(accessor)
+
+
+def from_xarray(dataset: xarray.Dataset) -> Contents:
+    """What a dataset holds, of a part of one the axes that are left; `StudyError` if it is none of this program."""
+    from rockcli.storage.contents import Field
+
+    if "axes" not in dataset.attrs:
+        raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
+    axes = tuple(axis for axis in str(dataset.attrs["axes"]).split() if axis in dataset.dims)
+    fields = {
+        str(name): Field(tuple(map(str, item.dims)), item.values, dict(item.attrs), coordinate=name in dataset.coords)
+        for name, item in dataset.variables.items()
+    }
+    return Contents(axes, fields, {str(key): value for key, value in dataset.attrs.items()})
 
 
 def to_xarray(contents: Contents) -> xarray.Dataset:

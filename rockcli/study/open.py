@@ -44,6 +44,7 @@ from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.features import check_curves
+from rockcli.study.given_records import taken_out
 from rockcli.study.identity import as_yaml, identity, lays_over, plain, sweep_id
 from rockcli.study.plausibility import surely_meant
 from rockcli.study.rules_spectrum import read_rules_spectrum
@@ -72,11 +73,12 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     if not isinstance(source, dict | str | os.PathLike):
         raise StudyError(f"a study is a file or a mapping, not {_kind(source)}")
     where = Source(None if isinstance(source, dict) else Path(source))
+    source, given = taken_out(source) if isinstance(source, dict) else (source, {})
     tree = load_mapping(source) if isinstance(source, dict) else load_file(Path(source))
     tree = apply_overrides(expanded(tree), overrides)
     part = _check_top(where, tree)
     base = Map({"case": tree["case"], "let": tree.get("let") or Map()}, tree.where)
-    records = Records(where)
+    records = Records(where, given=given)
     provisional = Save(histories=False, dt_out=DT_OUT, scalars=frozenset())
 
     def evaluator(known: list[Variation]) -> Evaluate:

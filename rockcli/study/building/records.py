@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
@@ -17,7 +17,7 @@ from rockcli.study.document.tree import Source, Where
 
 if TYPE_CHECKING:
     from rockcli.motion.floors import Arrival
-    from rockcli.motion.motion import Motion
+    from rockcli.motion.motion import Given, Motion
 
 
 class MissingRecordError(RecordError):
@@ -35,12 +35,13 @@ class Prepared:
 
 @dataclass(eq=False)
 class Records:
-    """The records of one study, each read and processed once per distinct settings."""
+    """The records of one study, each read and processed once per distinct settings; `given`: those it holds itself."""
 
     source: Source
     prepared: dict[str, Prepared] = field(default_factory=dict)
     found: dict[str, Path] = field(default_factory=dict)
     arrivals: dict[tuple[bytes, float, bytes, bytes], Arrival] = field(default_factory=dict)
+    given: Mapping[str, Given | Motion] = field(default_factory=dict)
 
     def folders(self) -> list[Path]:
         """Where records are sought, first to last."""
@@ -97,12 +98,10 @@ class Records:
             reading: component, units, dt; steps: window ... resample, None left out.
             g: for the PGV of values in g, in sentences [m/s²].
         """
-        path = self.find(name, where)
+        path = Path(name) if name in self.given else self.find(name, where)
         key = json.dumps([str(path), reading, steps, g], sort_keys=True)
         if key not in self.prepared:
-            from rockcli.motion.reading import read_record
-
-            raw = motion = read_record(path, **reading)
+            raw = motion = self._read(name, path, reading)
             if steps:
                 from rockcli.motion.processing import process
 
@@ -110,6 +109,15 @@ class Records:
             self.prepared[key] = Prepared(motion, raw, path)
         self.source.inputs.note(name, path, self.prepared[key].raw.sha256)  # one file may have several names
         return self.prepared[key]
+
+    def _read(self, name: str, path: Path, reading: dict[str, Any]) -> Motion:
+        from rockcli.motion.motion import Motion
+        from rockcli.motion.reading import motion_of, read_record
+
+        given = self.given.get(name)
+        if given is None:
+            return read_record(path, **reading)
+        return given if isinstance(given, Motion) else motion_of(given, name, **reading)
 
     def _missing(self, name: str) -> str:
         """What is missing, where it was sought and how to get it: a line each."""

@@ -1,0 +1,198 @@
+"""The functions of the package: studies, records in memory, figures, reports, and what a dataset shows of itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import obspy
+import pytest
+
+import rockcli
+from rockcli.engine.run import run_study
+from rockcli.study.open import open_study
+
+BLOCK = {"height": 3.0, "width": 0.6}
+DT = 0.005
+VALUES = 0.35 * np.sin(2.0 * np.pi * np.arange(0.0, 3.0, DT) / 0.9)
+
+
+def of(record, **more):
+    return {"case": {"block": BLOCK, "motion": {"record": record}}, "save": {"histories": False}} | more
+
+
+@pytest.fixture(scope="module")
+def from_file(tmp_path_factory):
+    """The reference: the same samples by way of a text file."""
+    path = tmp_path_factory.mktemp("records") / "sine.txt"
+    np.savetxt(path, VALUES, fmt="%.17g")
+    return rockcli.run(of({"file": str(path), "dt": DT, "units": "g"}))
+
+
+def trace(values=VALUES, station="ABC"):
+    made = obspy.Trace(np.asarray(values, dtype=float))
+    made.stats.delta, made.stats.station, made.stats.channel = DT, station, "HNE"
+    return made
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        {"values": VALUES, "dt": DT, "units": "g"},
+        {"values": VALUES.tolist(), "dt": DT, "units": "g"},
+        {"values": VALUES * 9.81, "dt": DT, "units": "m/s2"},
+        {"values": trace(), "units": "g"},
+        {"file": trace(), "units": "g"},
+    ],
+    ids=["array", "list", "SI", "trace", "trace as a file"],
+)
+def test_a_record_in_memory_is_that_of_a_file(record, from_file):
+    dataset = rockcli.run(of(record))
+    for name in ("outcome", "theta_peak", "t_peak", "n_impacts", "pga", "pgv"):
+        np.testing.assert_allclose(dataset[name].values, from_file[name].values, rtol=1e-12)
+
+
+def test_what_read_record_returns_is_a_record(tmp_path, from_file):
+    np.savetxt(tmp_path / "sine.txt", VALUES, fmt="%.17g")
+    motion = rockcli.read_record(tmp_path / "sine.txt", units="g", dt=DT)
+    dataset = rockcli.run(of(motion))
+    assert float(dataset["theta_peak"]) == float(from_file["theta_peak"])
+
+
+def test_traces_make_an_axis_and_processing_applies():
+    weak = trace(0.5 * VALUES, "XYZ")
+    study = of(
+        {"values": trace(), "units": "g", "pga": 3.0}, vary={"motion.record.file": [trace(), weak]}, over="record"
+    )
+    dataset = rockcli.run(study)
+    assert dataset["record"].values.tolist() == [".ABC..HNE", ".XYZ..HNE"]
+    np.testing.assert_allclose(dataset["pga"].values, 3.0)
+    np.testing.assert_allclose(*dataset["theta_peak"].values, rtol=1e-9)  # scaled to the same
+
+
+def test_settings_may_hold_arrays():
+    settings = {
+        "up": {"values": VALUES, "dt": DT, "units": "g", "name": "first"},
+        "down": {"values": -VALUES, "dt": DT, "units": "g"},
+    }
+    dataset = rockcli.run(of(settings["up"], vary={"motion.record": settings}))
+    up, down = dataset["theta_peak"].values
+    assert up == pytest.approx(-down, rel=1e-9)
+
+
+def test_other_values_are_another_study():
+    first, second = (rockcli.run(of({"values": v, "dt": DT, "units": "g"})) for v in (VALUES, 1.0001 * VALUES))
+    assert first.attrs["identity"] != second.attrs["identity"]
+
+
+@pytest.mark.parametrize(
+    ("record", "words"),
+    [
+        ({"values": VALUES, "dt": DT}, "units"),
+        ({"values": VALUES, "units": "g"}, "time step"),
+        ({"values": [1.0], "dt": DT, "units": "g"}, "two or more"),
+        ({"values": [VALUES, VALUES], "dt": DT, "units": "g"}, "shape"),
+        ({"values": "fast", "dt": DT, "units": "g"}, "not numbers"),
+        ({"values": VALUES, "file": "a.AT2", "dt": DT, "units": "g"}, "not both"),
+        ({"values": trace(), "units": "g", "dt": 0.1}, "leave `dt` out"),
+        ({"values": [1.0, float("nan")], "dt": DT, "units": "g"}, "finite"),
+    ],
+)
+def test_what_is_wrong_with_a_record_is_said(record, words):
+    with pytest.raises((rockcli.StudyError, rockcli.RecordError), match=words):
+        rockcli.run(of(record))
+
+
+PULSES = {
+    "title": "Two sizes under sines",
+    "case": {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": "0.3*g", "T_p": 0.8}}},
+    "vary": {"block.R": [1.0, 2.0], "motion.pulse.a_p": {"from": "0.1*g", "to": "1.5*g", "n": 6}},
+    "save": {"histories": False},
+}
+
+
+def test_workers_change_no_number_and_progress_reaches_the_end():
+    seen = []
+    alone = rockcli.run(PULSES, progress=lambda done, total: seen.append((done, total)))
+    both = rockcli.run(PULSES, workers=2)
+    assert seen[-1] == (12, 12)
+    np.testing.assert_array_equal(alone["theta_peak"].values, both["theta_peak"].values)
+    for wrong in (0, 1.5, True):
+        with pytest.raises(rockcli.StudyError, match="workers"):
+            rockcli.run(PULSES, workers=wrong)
+
+
+@pytest.fixture(scope="module")
+def pulses():
+    return rockcli.run(PULSES)
+
+
+def test_a_dataset_shows_its_outcomes_and_peak(pulses):
+    shown, page = repr(pulses.rock), pulses.rock._repr_html_()
+    n = int((pulses["outcome"] == 0).sum())
+    for words in (shown, page):
+        assert "Two sizes under sines" in words
+        assert f"{n} no uplift" in words
+        assert f"{pulses.rock.peak:.6g}" in words
+    finite = pulses["theta_peak_over_alpha"].values
+    assert pulses.rock.peak == finite[np.isfinite(finite)].max()
+    assert sum(pulses.rock.outcomes.values()) == 12
+
+
+def test_a_part_of_a_dataset_shows_its_own(pulses):
+    part = pulses.isel(block_R=0) if "block_R" in pulses.dims else pulses.isel({pulses.attrs["axes"].split()[0]: 0})
+    assert sum(part.rock.outcomes.values()) == 6
+    assert "cases     6" in repr(part.rock)
+
+
+def test_the_scalars_are_one_row_per_case(pulses):
+    study = PULSES | {"over": {"axis": "block.R", "along": "a_p"}, "save": {"histories": True, "dt_out": 0.05}}
+    dataset = rockcli.run(study)
+    assert "time" in dataset.dims
+    frame = dataset.rock.cases.to_dataframe()
+    assert len(frame) == 12
+    assert {"outcome", "theta_peak", "pga"} <= set(frame.columns)
+    assert len(pulses[["outcome", "theta_peak"]].to_dataframe()) == 12
+
+
+def test_a_figure_a_report_and_a_table_of_a_dataset_in_memory(pulses, tmp_path):
+    figure = rockcli.plot(pulses, "map", tmp_path / "map.pdf")
+    assert figure.axes
+    assert (tmp_path / "map.pdf").read_bytes().startswith(b"%PDF")
+    assert rockcli.plot(pulses).axes
+    page = rockcli.report(pulses, tmp_path / "pulses.html")
+    assert "Two sizes under sines" in page.read_text(encoding="utf-8")
+    assert pulses.rock.report(tmp_path / "again.html").read_bytes() == page.read_bytes()
+    assert len(pulses.rock.table()) == len(rockcli.table(pulses)) == 12
+    with pytest.raises(rockcli.StudyError, match="histories"):
+        rockcli.plot(pulses, "phase")
+    with pytest.raises(rockcli.StudyError, match="ends in"):
+        rockcli.plot(pulses, "map", tmp_path / "map.bmp")
+    with pytest.raises(rockcli.StudyError, match="html"):
+        rockcli.report(pulses, tmp_path / "pulses.pdf")
+
+
+def test_a_file_is_opened_with_what_it_shows(tmp_path):
+    study = {"name": "one", "case": {"block": BLOCK, "motion": {"pulse": {"shape": "sine", "a_p": 3, "T_p": 1}}}}
+    path = run_study(open_study(study), tmp_path, plots=False).file
+    dataset = rockcli.open_dataset(path)
+    assert "outcomes" in repr(dataset.rock)
+    assert rockcli.report(path, tmp_path / "one.html").is_file()
+    with pytest.raises(rockcli.StudyError):
+        rockcli.open_dataset(tmp_path / "none.nc")
+
+
+def test_check_says_what_rock_check_says():
+    found = rockcli.check(PULSES)
+    assert found["cases"] == 12
+    assert found["first_case"]["body"]["R"] == pytest.approx(1.0)
+    with pytest.raises(rockcli.StudyError):
+        rockcli.check({"case": {"block": {"R": -1}}})
+
+
+def test_xarray_labels_axes_with_words_and_units(pulses):
+    matplotlib = pytest.importorskip("matplotlib.pyplot")
+    for name in ("outcome", "theta_peak_over_alpha"):
+        drawn = pulses[name].plot()
+        axes = drawn.axes
+        assert "a_p [m s-2]" in axes.get_xlabel() + axes.get_ylabel()
+        assert len(str(pulses[name].attrs["long_name"]).split()) > 1
+        matplotlib.close(drawn.figure)
