@@ -33,6 +33,7 @@ DOORS = {
     "yaml": "study",
     "pydantic": "study",
     "sklearn": "analysis",
+    "trimesh": "study",
     "scipy": "solvers",  # but for special functions and statistics, see `FREE`
     "xarray": "storage",
     "pandas": "storage",
@@ -46,7 +47,7 @@ DOORS = {
     "llvmlite": "kernels",
 }
 
-FREE = ("scipy.special", "scipy.stats")
+FREE = ("scipy.special", "scipy.stats", "scipy.spatial")
 """What any module above the kernels may import, as numpy: the alternative is a worse copy of it."""
 
 FILES = sorted(PACKAGE.rglob("*.py"))

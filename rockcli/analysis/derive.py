@@ -1,4 +1,4 @@
-"""What is derived from solved cases, in one order: comparison, worst direction, outlines, curves, rules, suites."""
+"""What is derived from solved cases, in one order: comparison, worst direction, bodies, curves, rules, suites."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from rockcli.analysis.barriers import with_barriers
 from rockcli.analysis.compare_to_reference import with_comparison
 from rockcli.analysis.curves import with_curves
 from rockcli.analysis.direction import with_worst_direction
@@ -20,6 +21,7 @@ DERIVED: tuple[Callable[[Contents, Study], Contents], ...] = (
     with_comparison,
     with_worst_direction,
     with_outlines,
+    with_barriers,
     with_curves,
     with_rules,
     with_prescreen,

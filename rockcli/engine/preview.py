@@ -28,6 +28,12 @@ Array = NDArray[np.float64]
 LOOKED_AT = 20_000
 """Cases looked at for warnings and cost."""
 
+POSES = 6
+"""Poses of a mesh that are listed, the lowest ones."""
+
+POSES_APART = np.radians(20.0)
+"""Poses nearer than this to a lower one are not listed: the facets of one round side [rad]."""
+
 
 @dataclass(frozen=True)
 class Row:
@@ -157,6 +163,7 @@ def _body(batch: Batch) -> list[Row]:
             Row("outline_width", "outline, width [m]", float(x)),
             Row("outline_height", "outline, height [m]", float(z)),
         ]
+    rows += _mesh(block)
     for name, (words, values) in both.items():
         rows += [Row(f"{name}{key}", f"{words}{side}", float(values[0, edge])) for key, side, edge in _edges(block)]
     r_g = float(np.sqrt((block.inertia[0, LEFT] - 1.0) * block.R[0, LEFT] ** 2))
@@ -167,6 +174,32 @@ def _body(batch: Batch) -> list[Row]:
         begins = "slide or rock, by direction" if slides.any() and not slides.all() else begins
         rows += [Row("mu", "friction mu", mu), Row("begins", "from rest it begins to", begins)]
     return [row for row in rows if isinstance(row.value, str) or not np.isnan(row.value)]
+
+
+def _mesh(block: Block) -> list[Row]:
+    """What the mesh tells of its body as a whole, and of the direction in which it rocks."""
+    scan = block.scan
+    if scan is None or block.direction is None:
+        return []
+    profile = scan.profile(float(block.direction[0]))
+    x, y, z = scan.centre.tolist()
+    weakest = scan.profile(scan.weakest)
+    turns = np.degrees(np.arccos(np.clip(-scan.poses[:, 2], -1.0, 1.0)))
+    apart = scan.poses_apart(POSES_APART)
+    poses = [f"{scan.heights[i]:.4g} m ({turns[i]:.3g} deg)" for i in apart]
+    more = f", {len(poses) - POSES} more" if len(poses) > POSES else ""
+    return [
+        Row("triangles", "mesh, triangles", float(scan.triangles)),
+        Row("volume", "mesh, volume [m3]", scan.volume),
+        Row("centre", "mesh, centre of mass x, y, z [m]", f"{x:.6g}, {y:.6g}, {z:.6g}"),
+        Row("poses", "mesh, can rest at heights (turned by)", f"{', '.join(poses[:POSES])}{more}"),
+        Row("weakest_deg", "mesh, weakest direction [deg]", float(np.degrees(scan.weakest))),
+        Row("weakest_barrier", "mesh, least barrier [m]", float(weakest.barriers[RIGHT])),
+        Row("weakest_tilt_deg", "mesh, tilt at it [deg]", float(np.degrees(weakest.tilts[RIGHT]))),
+        Row("direction_deg", "direction, theta > 0 [deg]", float(np.degrees(block.direction[0]))),
+        Row("barrier", "barrier in it [m]", float(profile.barriers[RIGHT])),
+        Row("barrier_back", "barrier against it [m]", float(profile.barriers[LEFT])),
+    ]
 
 
 def _edges(block: Block) -> list[tuple[str, str, int]]:

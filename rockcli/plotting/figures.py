@@ -14,6 +14,7 @@ from rockcli.plotting.common import style
 from rockcli.plotting.common.cases import axes_of, is_numeric
 from rockcli.plotting.common.suite import end_to_end, suite_of
 from rockcli.plotting.kinds import (
+    barriers,
     bending,
     body,
     curve,
@@ -104,6 +105,7 @@ _ROWS: tuple[Kind, ...] = (
     ),
     Kind("work_precision", "error against cost (`rock trade`)", work_precision.without_trade, work_precision.draw),
     Kind("body", "outline, centre of mass, edges and alpha of bodies", body.without_outline, body.draw),
+    Kind("barriers", "body of a mesh, and its barrier by direction", barriers.without_barriers, barriers.draw),
     Kind("curves", "static curves of the block and its models, with their errors", curves.without_curves, curves.draw),
 )
 
@@ -113,6 +115,8 @@ KINDS: dict[str, Kind] = {row.name: row for row in _ROWS}
 def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
     """Kinds of figure the content suggests: a map for numeric sweeps, histories and portraits where there are any."""
     chosen = [] if body.without_outline(dataset) else ["body"]
+    if not barriers.without_barriers(dataset):
+        chosen = ["barriers"]
     numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= 3]
     if not _without_histories(dataset):
         moves = _moves(dataset, "theta")

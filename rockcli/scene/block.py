@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rockcli.scene.scan import Scan
+
 Array = NDArray[np.float64]
 
 LEFT, RIGHT = 0, 1
@@ -36,6 +38,7 @@ class Block:
             polygons; None for a body of no outline.
         vertices: of its lower convex outline where it rolls over more than two, (n, v, 2) [m], from the centre of mass,
             left to right, NaN after the last; None where all stand on two edges.  The edges are those of the base then.
+        scan: the surface that the bodies are of, None for those of none; direction: in which each rocks, (n,) [rad].
     """
 
     h: Array
@@ -52,6 +55,8 @@ class Block:
     rise: Array
     outline: Array | None = None
     vertices: Array | None = None
+    scan: Scan | None = None
+    direction: Array | None = None
 
     @property
     def rolls(self) -> NDArray[np.bool_]:

@@ -14,6 +14,7 @@ SUITE, LIMIT, MEASURE, PERCENTILE, INPUT = "suite", "limit_state", "measure", "p
 HAZARD, HAZARD_POINT, INTENSITY_BIN = "hazard", "hazard_point", "intensity_bin"
 SETTING = "setting"
 OUTLINE = "outline_point"
+AZIMUTH = "azimuth"
 
 DIMENSIONS: dict[str, str] = {
     CASE: "axes",
@@ -30,6 +31,7 @@ DIMENSIONS: dict[str, str] = {
     HAZARD_POINT: "hazard, hazard_point",
     SETTING: "setting",
     OUTLINE: "axes that change the body, outline_point",
+    AZIMUTH: "axes that change the mesh, azimuth",
 }
 """What a variable extends over, and the dimensions that come to."""
 
@@ -415,6 +417,28 @@ _ROWS: tuple[Variable, ...] = (
             f"outline of the body, from {origin}; NaN between polygons and after the last",
         )
         for axis, origin in (("x", "the centre of mass"), ("z", "the base"))
+    ),
+    Variable(AZIMUTH, r"$\varphi$", AZIMUTH, "rad", "direction in the axes of a mesh, from x towards y"),
+    Variable(
+        "barrier",
+        r"$\Delta h$",
+        AZIMUTH,
+        "m",
+        "largest rise of the centre of mass on the way to a quarter turn, by the direction in which the body is tipped",
+    ),
+    Variable(
+        "rocks_towards",
+        r"$\varphi$",
+        CASE,
+        "rad",
+        "direction in which the body of a mesh rocks, theta > 0, from x towards y of the mesh",
+    ),
+    Variable(
+        "barrier_towards",
+        r"$\Delta h$",
+        CASE,
+        "m",
+        "the barrier of the body of a mesh in the direction in which it rocks, theta > 0",
     ),
     Variable("R", r"$R$", CASE, "m", "distance from the edge to the centre of mass (the edge with the smaller alpha)"),
     Variable("alpha", r"$\alpha$", CASE, "rad", "slenderness angle (the smaller of both edges)"),

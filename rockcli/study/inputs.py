@@ -26,14 +26,14 @@ class Inputs:
     hashes: dict[str, str] = field(default_factory=dict)
     _kept: dict[str, bytes] = field(default_factory=dict)
 
-    def read(self, name: str, path: Path) -> bytes:
-        """The bytes of a small file, read once however many cases need it.
+    def read(self, name: str, path: Path, most: int = MAX_BYTES) -> bytes:
+        """The bytes of a file, read once however many cases need it.
 
         Raises:
             StudyError: it cannot be read.
         """
         if name not in self._kept:
-            data = read_bytes(path)
+            data = read_bytes(path, most)
             self.note(name, path, hashlib.sha256(data).hexdigest())
             self._kept[name] = data
         return self._kept[name]
@@ -55,18 +55,18 @@ class Inputs:
             raise StudyError("was changed while the study was running; run again", file=path)
 
 
-def read_bytes(path: Path) -> bytes:
-    """The bytes of a file, at most MAX_BYTES; raises StudyError."""
+def read_bytes(path: Path, most: int = MAX_BYTES) -> bytes:
+    """The bytes of a file, at most so many; raises StudyError."""
     try:
         if path.is_dir():
             raise StudyError("is a folder, not a study file", file=path)
         with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
+            data = stream.read(most + 1)
     except FileNotFoundError:
         raise StudyError("there is no such file", file=path) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise StudyError(f"cannot be read: {reason}", file=path) from None
-    if len(data) > MAX_BYTES:
-        raise StudyError(f"is larger than {MAX_BYTES} bytes", file=path)
+    if len(data) > most:
+        raise StudyError(f"is larger than {most} bytes", file=path)
     return data

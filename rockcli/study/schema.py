@@ -17,10 +17,12 @@ from rockcli.scene.pulses import SHAPES
 from rockcli.scene.rules import RULE_NAMES as RULES
 from rockcli.scene.spectra import SPECTRA
 from rockcli.study.document.values import (
+    LENGTHS,
     NUMBER_SCHEMA,
     PAIR_SCHEMA,
     Audit,
     Axes,
+    Direction,
     Edges,
     Eta,
     Files,
@@ -40,7 +42,7 @@ from rockcli.study.document.values import (
 MODELS = (*MODEL_NAMES, *DEFORMABLE, AUTO)
 PLOTS = (
     "histories", "bending", "phase", "map", "ida", "fragility", "risk", "samples", "curves", "spectrum",
-    "work_precision", "body",
+    "work_precision", "body", "barriers",
 )  # fmt: skip
 CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")
 
@@ -80,7 +82,7 @@ Friction = Annotated[
 class BlockPart(Part):
     """The body: a sufficient pair of R, h or height, b or width, and one of alpha, tan_alpha, slenderness; or outlines.
 
-    An outline stands on its lowest points; mass, centre of mass and inertia follow from it.
+    An outline stands on its lowest points; mass, centre of mass and inertia follow from it, and from a mesh.
     """
 
     R: Number | None = key("distance from the edge to the centre of mass [m]")
@@ -100,7 +102,7 @@ class BlockPart(Part):
     mu: Friction | None = key("coefficient of friction of the base [1], or {static, kinetic}")
     e_n: Number | None = key("restitution of a corner that strikes the ground from flight [1]; default 0")
     outline: Outline | None = key("polygon [[x, z], ...] [m], z up, or FILE.csv beside the study")
-    density: Number | None = key("density of the outline [kg/m³]")
+    density: Number | None = key("density of the outline or the mesh [kg/m³]")
     depth: Number | None = key("depth of the outline, default 1, or of a rectangle that has a `plane` [m]")
     plane: Literal["width", "depth"] | None = key("side of a rectangle of height, width and depth along which it rocks")
     pixel: Number | None = key("metres in a unit of the outline's coordinates [m]; default 1")
@@ -116,6 +118,12 @@ class BlockPart(Part):
         "outline",
     )
     centre: Pair | None = key("centre of mass [x, z] in the outline's coordinates, with r_g, where it is not uniform")
+    mesh: Text | None = key("closed surface of the body, z up: FILE.obj, .ply or .stl beside the study")
+    units: Literal[LENGTHS] | None = key("units of the mesh; default metres, and sizes that are unlikely are refused")  # type: ignore[valid-type]
+    direction: Direction | None = key(
+        "direction in which the body of a mesh rocks, from its x towards its y [rad]; weakest (the default): that of "
+        "the least barrier"
+    )
 
 
 class PulsePart(Part):

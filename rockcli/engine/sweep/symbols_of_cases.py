@@ -93,11 +93,11 @@ def symbols_of(study: Study) -> Symbols:
 
 
 def _may_be_asymmetric(resolved: dict[str, Any]) -> bool:
-    """Whether a study speaks of an outline, of two distances b, or of a file or a setting that may."""
+    """Whether a study speaks of an outline or a mesh, of two distances b, or of a file or a setting that may."""
     case = resolved.get("case") or {}
     block = case.get("block") or {}
     varied = " ".join(resolved.get("vary") or {})
-    by_itself = not block.keys().isdisjoint(("outline", "parts")) or isinstance(block.get("b"), list)
+    by_itself = not block.keys().isdisjoint(("outline", "parts", "mesh")) or isinstance(block.get("b"), list)
     return by_itself or "block" in varied or "case" in varied
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.block import Block, make_block
-from rockcli.study.building.body_outline import BLOCK, build_solid, has_outline
+from rockcli.study.building.body_mesh import build_from_mesh
+from rockcli.study.building.body_outline import BLOCK, build_solid, check_no_mesh, has_outline
 from rockcli.study.document.tree import Keys
 from rockcli.study.schema import BlockPart, FrictionPart
 
@@ -36,11 +37,12 @@ def sufficient_pair(numbers: Numbers) -> Block:
     if has_outline(block):
         return _outlined(numbers)
     if block.density is not None:
-        numbers.fail((*BLOCK, "density"), "belongs to an outline; a block given by its sizes has a mass")
+        numbers.fail((*BLOCK, "density"), "belongs to an outline or a mesh; a block given by its sizes has a mass")
     if block.stands != "outline":
         numbers.fail((*BLOCK, "stands"), "belongs to an outline; a block given by its sizes stands on its two edges")
     if block.centre is not None:
         numbers.fail((*BLOCK, "centre"), "belongs to an outline; a block given by its sizes has h and b")
+    check_no_mesh(numbers, block)
     _check_planes(numbers, block)
     given = [[key for key in group if getattr(block, key) is not None] for group in GROUPS]
     for keys in given:
@@ -90,7 +92,7 @@ def make_body(numbers: Numbers, pair: Block) -> Block:
     block = numbers.case.block
     if has_outline(block):
         given = {key: numbers.positive((*BLOCK, key)) for key in ("top", "mass")}
-        known = {key: numbers.array(value) for key, value in given.items() if value is not None}
+        known: dict[str, Any] = {key: numbers.array(value) for key, value in given.items() if value is not None}
         return replace(pair, **known, **_contact(numbers, block))
     contact = _contact(numbers, block)
     extras = [key for key in ("inertia", "r_g", "top", "mass") if getattr(block, key) is not None]
@@ -117,9 +119,9 @@ def make_body(numbers: Numbers, pair: Block) -> Block:
     return _finite(numbers, body, extras)
 
 
-def _contact(numbers: Numbers, block: BlockPart) -> dict[str, NDArray[np.float64]]:
+def _contact(numbers: Numbers, block: BlockPart) -> dict[str, Any]:
     """Friction of the base and restitution of its corners, those that are given."""
-    found: dict[str, NDArray[np.float64]] = {}
+    found: dict[str, Any] = {}
     keys: Keys = (*BLOCK, "mu")
     if isinstance(block.mu, FrictionPart):
         static, kinetic = (numbers.positive((*keys, name)) for name in ("static", "kinetic"))
@@ -144,16 +146,20 @@ def _contact(numbers: Numbers, block: BlockPart) -> dict[str, NDArray[np.float64
 
 def _outlined(numbers: Numbers) -> Block:
     """Bodies of the given outline; the top is their highest point, the mass NaN where no density is given."""
-    body, has_mass = build_solid(numbers)
+    scan = direction = None
+    key = next(key for key in ("mesh", "parts", "outline") if getattr(numbers.case.block, key) is not None)
+    if key == "mesh":
+        body, has_mass, scan, direction = build_from_mesh(numbers)
+    else:
+        body, has_mass = build_solid(numbers)
     mass = body.mass if has_mass else None
     block = make_block(h=body.h, b=body.b, r_g=body.r_g, top=body.height, mass=mass, rise=body.rise, n=numbers.n)
     if numbers.case.block.mu is not None:
         level = "contacts at different heights are a tilted support, on which friction is not solved; leave mu out"
-        numbers.require((*BLOCK, "contacts"), body.rise == 0.0, level)
+        numbers.require((*BLOCK, "mesh" if key == "mesh" else "contacts"), body.rise == 0.0, level)
     same = np.array_equal(body.outline, np.broadcast_to(body.outline[:1], body.outline.shape), equal_nan=True)
     outline = np.broadcast_to(body.outline[:1], body.outline.shape) if same else body.outline
-    block = replace(block, outline=outline, vertices=body.vertices)
-    key = "parts" if numbers.case.block.parts is not None else "outline"
+    block = replace(block, outline=outline, vertices=body.vertices, scan=scan, direction=direction)
     return _finite(numbers, block, [key])
 
 

@@ -25,8 +25,15 @@ SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slen
 
 
 def has_outline(block: BlockPart) -> bool:
-    """Whether a block is given by polygons."""
-    return block.outline is not None or block.parts is not None
+    """Whether a block is given by polygons, or by the surface of which its outline is the projection."""
+    return block.outline is not None or block.parts is not None or block.mesh is not None
+
+
+def check_no_mesh(numbers: Numbers, block: BlockPart) -> None:
+    """Refuse what belongs to a mesh in a block that has none."""
+    for key in ("units", "direction"):
+        if getattr(block, key) is not None:
+            numbers.fail((*BLOCK, key), "belongs to a mesh")
 
 
 def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
@@ -43,6 +50,7 @@ def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
     if (block.r_g is None) != (block.centre is None):
         key, other = ("r_g", "centre") if block.centre is None else ("centre", "r_g")
         numbers.fail((*BLOCK, key), f"follows from the outline; leave it out, or give {other} beside it")
+    check_no_mesh(numbers, block)
     several = block.parts is not None
     if several:
         for key in ("outline", "density", "depth"):

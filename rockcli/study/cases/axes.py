@@ -25,7 +25,7 @@ from rockcli.study.document.expressions import CONSTANTS, ExpressionError, const
 from rockcli.study.document.overlay import Setting, leaves, same_twice
 from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
 from rockcli.study.document.tree import List, Map, Places, Source, Where, nearest, place
-from rockcli.study.document.values import describe, is_finite, number_or_expression
+from rockcli.study.document.values import WEAKEST, describe, is_finite, number_or_expression
 from rockcli.study.schema import StudyPart
 from rockcli.study.study import MATCH, Axis
 
@@ -207,7 +207,7 @@ class _Reader:
 
     def number(self, value: Any, *more: str | int) -> float | None:
         """One value as a number; None if it is none."""
-        if isinstance(value, str) and takes_number(self.path) and value != "housner":
+        if isinstance(value, str) and takes_number(self.path) and value not in ("housner", WEAKEST):
             value = self.evaluated(value, *more)
         if isinstance(value, bool) or not isinstance(value, int | float):
             return None

@@ -31,7 +31,7 @@ ALTERNATIVES: tuple[frozenset[str], ...] = (
     frozenset({"h", "height"}),
     frozenset({"b", "width"}),
     frozenset({"inertia", "r_g"}),
-    frozenset({"outline", "parts"}),
+    frozenset({"outline", "parts", "mesh"}),
 )
 """Keys of one mapping that say the same thing in different ways."""
 
@@ -43,8 +43,10 @@ SIZES: tuple[frozenset[str], ...] = (
 )
 """Sizes of a body, two of which say all of them."""
 
-_OUTLINES = frozenset({"outline", "parts"})
+_OUTLINES = frozenset({"outline", "parts", "mesh"})
 _ALL_SIZES = frozenset().union(*SIZES)
+_OF_OUTLINE = frozenset({"pixel", "z_down", "contacts", "centre"})
+_OF_MESH = frozenset({"units", "direction"})
 
 KINDS: dict[str, dict[str, tuple[str, ...]]] = {
     "scheme": {name: tuple(key.name for key in scheme.keys) for name, scheme in SCHEMES.items()},
@@ -68,10 +70,14 @@ def displaced(over: dict[str, Any]) -> set[str]:
     said = {key for key, value in over.items() if value is not None}
     gone = {other for key in said for other in alternatives(key)}
     if sum(bool(said & size) for size in SIZES) >= 2:
-        gone |= _ALL_SIZES | _OUTLINES | {"density", "depth", "pixel", "z_down", "contacts", "stands", "centre"}
+        gone |= _ALL_SIZES | _OUTLINES | {"density", "depth"} | _OF_OUTLINE | _OF_MESH | {"stands"}
         gone |= set() if "depth" in said else {"plane"}
     if said & _OUTLINES:
         gone |= _ALL_SIZES | {"inertia", "r_g", "centre", "plane"}
+    if "mesh" in said:
+        gone |= _OF_OUTLINE | {"depth"}
+    elif said & _OUTLINES:
+        gone |= _OF_MESH
     if "parts" in said:
         gone |= {"density", "depth"}
     for key in said & KINDS.keys():

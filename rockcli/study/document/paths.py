@@ -32,6 +32,7 @@ _BLOCK = (
     "mu",
     "e_n",
     "depth",
+    "direction",
 )
 _PULSE = ("a_p", "a_p_over_g_tan_alpha", "omega_p", "T_p", "f_p", "omega_p_over_p", "cycles", "t0", "gamma", "nu", "A")
 _SCALING = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "polarity")
@@ -60,7 +61,7 @@ ARRAYS: frozenset[Path] = frozenset(
 
 UNITS: dict[str, str] = {
     **dict.fromkeys(("R", "h", "b", "height", "width", "r_g", "top", "depth"), "m"),
-    **dict.fromkeys(("alpha", "theta", "nu", "yield_rotation", "angle"), "rad"),
+    **dict.fromkeys(("alpha", "theta", "nu", "yield_rotation", "angle", "direction"), "rad"),
     **dict.fromkeys(("omega_p", "theta_dot"), "rad s-1"),
     **dict.fromkeys(("f_p", "highpass", "lowpass", "freq", "freqmin", "freqmax"), "s-1"),
     **dict.fromkeys(("T_p", "t0", "dt", "duration"), "s"),

@@ -11,6 +11,12 @@ from rockcli.scene.variables import SCALARS
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.tree import nearest
 
+WEAKEST = "weakest"
+"""The direction of the least barrier."""
+
+LENGTHS = ("m", "cm", "mm", "ft", "inch")
+"""Units that a mesh may be in."""
+
 
 def number_or_expression(value: Any) -> Any:
     """A finite number or the text of an expression."""
@@ -56,6 +62,10 @@ def _edges(value: Any) -> Any:
 
 def _eta(value: Any) -> Any:
     return value if value == "housner" else number_or_expression(value)
+
+
+def _direction(value: Any) -> Any:
+    return value if value == WEAKEST else number_or_expression(value)
 
 
 def _pair(value: Any) -> Any:
@@ -172,6 +182,7 @@ Series = Annotated[
     WithJsonSchema({"anyOf": [NUMBER_SCHEMA, {"type": "array", "items": NUMBER_SCHEMA, "minItems": 1}]}),
 ]
 Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": "housner"}, NUMBER_SCHEMA]})]
+Direction = Annotated[Any, BeforeValidator(_direction), WithJsonSchema({"anyOf": [{"const": WEAKEST}, NUMBER_SCHEMA]})]
 Label = Annotated[str, BeforeValidator(_label)]
 Text = Annotated[str, Field(max_length=10_000)]
 Files = Annotated[
