@@ -6,6 +6,7 @@ only in numbers, which are arrays over the cases.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, TypeVar
 
@@ -88,6 +89,7 @@ class Batch:
                 horizontal=_channel(motion.horizontal, at, self.size),
                 vertical=_channel(motion.vertical, at, self.size),
                 duration=motion.duration[at],
+                suite=None if motion.suite is None else _taken(motion.suite, at),
             ),
             theta_0=self.theta_0[at],
             theta_dot_0=self.theta_dot_0[at],
@@ -97,6 +99,19 @@ class Batch:
             tolerance=None if self.tolerance is None else self.tolerance[at],
             slide_rate_0=None if self.slide_rate_0 is None else self.slide_rate_0[at],
         )
+
+    def apart(self) -> Iterator[tuple[NDArray[np.int64], Batch]]:
+        """The cases of a suite by their motions: places, and a batch as those of one motion have it."""
+        assert self.excitation.suite is not None
+        for record, rows in self.excitation.suite.cases():
+            yield rows, self.rows(rows).under(record)
+
+    def under(self, record: Samples) -> Batch:
+        """These cases of a suite, all of which have this motion."""
+        motion = self.excitation
+        assert motion.suite is not None
+        one = replace(record, factor=motion.suite.factor)
+        return replace(self, excitation=Excitation(one, motion.vertical, motion.duration))
 
 
 def _taken(value: T, at: NDArray[np.int64]) -> T:

@@ -9,6 +9,7 @@ first piece and after its last; inside a piece it is smooth, so that steps land 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 
@@ -86,16 +87,48 @@ Channel = Samples | Pulses
 
 
 @dataclass(frozen=True, eq=False)
+class Suite:
+    """Recorded motions of which each case has one, for who solves cases of many records together.
+
+    Attributes:
+        records: the motions, their factors nothing.
+        which: place of each case's motion among them, (n,).
+        factor: what each case multiplies its motion with, (n,).
+    """
+
+    records: tuple[Samples, ...]
+    which: NDArray[np.int64]
+    factor: Array
+
+    @property
+    def end(self) -> Array:
+        """Time of the last sample of each case, (n,) [s]."""
+        return np.array([record.end for record in self.records])[self.which]
+
+    def measure(self, name: str) -> Array:
+        """A measure of each case's motion before its factor, (n,); NaN where it is not known."""
+        return np.array([record.measures.get(name, np.nan) for record in self.records])[self.which]
+
+    def cases(self) -> Iterator[tuple[Samples, NDArray[np.int64]]]:
+        """The motions that cases have, in order, each with the places of those cases."""
+        order = np.argsort(self.which, kind="stable")
+        for rows in np.split(order, np.flatnonzero(np.diff(self.which[order])) + 1):
+            if len(rows):
+                yield self.records[self.which[rows[0]]], rows
+
+
+@dataclass(frozen=True, eq=False)
 class Excitation:
     """The motion of the ground: horizontal, vertical (positive up), either may be absent.
 
     `duration` (n,) [s] from t = 0, NaN where the study gives none: the motion ends there at the latest,
-    and the response is reported up to there.
+    and the response is reported up to there.  `suite`: in place of a horizontal motion of all cases, one of each.
     """
 
     horizontal: Channel | None
     vertical: Channel | None
     duration: Array
+    suite: Suite | None = None
 
 
 def scaled(channel: Channel, factor: float | Array) -> Channel:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from rockcli.errors import StudyError
+from rockcli.errors import RecordError, StudyError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Save
 from rockcli.scene.variables import (
@@ -26,6 +26,7 @@ from rockcli.scene.variables import (
     SCALARS_SLIDING,
 )
 from rockcli.study.building.batch import build_batch
+from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.records import Records
 from rockcli.study.building.resolved import DT_OUT, Found
 from rockcli.study.cases.axes import Evaluate, read_axes
@@ -189,12 +190,19 @@ def check_symbol(source: Source, tree: Map, name: str) -> None:
 
 def _probe(cases: Cases, found: Found) -> None:
     """Build what shows all that can be wrong (see `Cases.probe`)."""
-    for part, combination, points in cases.groups(cases.probe()):
-        numbers = cases.numbers(combination, points, len(part))
-        for name in numbers.tree.get("let") or ():
-            check_symbol(cases.source, numbers.tree, name)
-            numbers.let(name)
-        found.look(numbers, build_batch(numbers, cases.records, cases.save))
+    for part, combination, points, named in cases.groups_of_suites(cases.probe()):
+        try:
+            _look(cases, found, cases.numbers(combination, points, len(part), named))
+        except (StudyError, RecordError):
+            for some, of_one, points_of_one in cases.groups(part):  # which tells what is wrong, and where
+                _look(cases, found, cases.numbers(of_one, points_of_one, len(some)))
+
+
+def _look(cases: Cases, found: Found, numbers: Numbers) -> None:
+    for name in numbers.tree.get("let") or ():
+        check_symbol(cases.source, numbers.tree, name)
+        numbers.let(name)
+    found.look(numbers, build_batch(numbers, cases.records, cases.save))
 
 
 def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[str, Any], dict[str, Any] | None]:

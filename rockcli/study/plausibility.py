@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
@@ -84,6 +85,10 @@ def _says_its_unit(value: Any) -> bool:
 
 def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys] = frozenset()) -> list[str]:
     """Sentences about the cases of a batch; `meant`: keys whose numbers are not doubted."""
+    if batch.excitation.suite is not None:
+        said = [sentence for one in _suspects(batch) for sentence in plausibility_warnings(numbers, one, meant)]
+        rest = replace(batch, excitation=replace(batch.excitation, suite=None))
+        return [*said, *plausibility_warnings(numbers, rest, meant)]
     horizontal, vertical = batch.excitation.horizontal, batch.excitation.vertical
     with np.errstate(all="ignore"):
         said = [_too_weak(batch), _too_tall(batch), _too_strong(numbers, batch, MOTION, horizontal, meant)]
@@ -104,6 +109,17 @@ def _in_degrees(numbers: Numbers, keys: Keys) -> str:
 def _too_tall(batch: Batch) -> str:
     height = float(2.0 * batch.block.h.max())
     return f"a body is {height:.4g} m high: are its sizes in metres?" if height > TALL else ""
+
+
+def _suspects(batch: Batch) -> Iterator[Batch]:
+    """The cases of those motions of a suite that are too strong, or so weak that they may lift no body."""
+    suite = batch.excitation.suite
+    assert suite is not None
+    pga = np.abs(suite.factor) * suite.measure("pga") / batch.g
+    uplifts = pga >= (1.0 + 1e-9) * batch.block.of_weak_edge(batch.block.tan_alpha)
+    for record, rows in suite.cases():
+        if not uplifts[rows].any() or (pga[rows] > STRONG).any():
+            yield batch.rows(rows).under(record)
 
 
 def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | None, meant: frozenset[Keys]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -293,3 +293,8 @@ class Study:
     def batches(self, indices: Index | None = None) -> Iterator[tuple[Index, Batch]]:
         """Yield (flat indices, batch) for all cases, or for the flat indices given."""
         return self.cases.batches(np.arange(self.size) if indices is None else indices)
+
+    def suites(self, indices: Index) -> Iterator[tuple[Index, Batch]]:
+        """`batches`, but cases of many records in one (`Excitation.suite`) where the source of cases can."""
+        suites: Callable[[Index], Iterator[tuple[Index, Batch]]] = getattr(self.cases, "suites", self.cases.batches)
+        return suites(indices)

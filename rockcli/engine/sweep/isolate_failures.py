@@ -14,8 +14,10 @@ from rockcli.engine.auto import settled
 from rockcli.engine.backends import choose
 from rockcli.errors import RecordError, SolverError, StudyError
 from rockcli.scene.auto import AUTO
+from rockcli.scene.backends import EVENT
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response
+from rockcli.solvers.event.record_lanes import asked
 from rockcli.study.cases.buildable import ATTEMPTS, Rebuild, build_isolated, reason_of
 from rockcli.study.study import Index
 
@@ -51,8 +53,22 @@ def solve_isolated(rebuild: Rebuild, indices: Index, batch: Batch) -> Iterator[t
 
 
 def _solved(indices: Index, batch: Batch) -> Iterator[tuple[Index, Response]]:
-    """The response of a batch; of model auto one for each model its cases are solved with."""
+    """The response of a batch; of model auto one for each model its cases are solved with.
+
+    Of a suite one for each motion, but where lanes take them together.
+    """
+    if batch.excitation.suite is not None and not (
+        batch.model != AUTO and choose(batch).name == EVENT and asked(batch)
+    ):
+        for rows, one in batch.apart():
+            yield from _solved(indices[rows], one)
+        return
     if batch.model == AUTO:
         yield from ((indices[rows], response) for rows, response in settled(batch))
     else:
         yield indices, choose(batch).load()(batch)
+
+
+def _together(batch: Batch) -> bool:
+    """Whether the solver of a suite takes cases of many records at once."""
+    return batch.model != AUTO and choose(batch).name == EVENT and asked(batch)

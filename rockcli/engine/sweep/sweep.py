@@ -97,12 +97,12 @@ class Solving:
         responses: list[tuple[Index, Response]] = []
         said: dict[str, list[Index]] = {}
         built: list[tuple[Index, Batch]] = []
-        for part, batch in build_isolated(study.batches, cases):
+        for part, batch in build_isolated(study.suites, cases):
             if isinstance(batch, str):
                 said.setdefault(batch, []).append(part)
                 continue
             built.append((part, batch))
-            for some, response in solve_isolated(study.batches, part, batch):
+            for some, response in solve_isolated(study.suites, part, batch):
                 if isinstance(response, str):
                     said.setdefault(response, []).append(some)
                 else:

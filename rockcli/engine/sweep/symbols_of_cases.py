@@ -36,7 +36,7 @@ def describe_rest(study: Study, results: Results, which: NDArray[np.bool_] | Non
     chunks = Chunks(study.size, which)
     while chunks.left:
         cases = chunks.take(CHUNK)
-        built = list(buildable(study.batches, cases))
+        built = list(buildable(study.suites, cases))
         results.describe(describe(study, built))
 
 
@@ -59,8 +59,14 @@ def describe(study: Study, built: list[tuple[Index, Batch]]) -> Description:
         if isinstance(motion, Samples):
             known = {name: motion.measures[name] for name in OF_SOURCE if name in motion.measures}
             values |= {name: np.full(batch.size, value) for name, value in known.items()}
+        if (suite := batch.excitation.suite) is not None:
+            values |= {name: said for name in OF_SOURCE if not np.isnan(said := suite.measure(name)).all()}
         if study.size <= LARGE:
-            values["pga"], values["pgv"] = peaks(motion, batch.size, batch.excitation.duration)
+            values["pga"], values["pgv"] = (
+                peaks(motion, batch.size, batch.excitation.duration)
+                if suite is None
+                else (np.abs(suite.factor) * suite.measure(name) for name in ("pga", "pgv"))
+            )
         if study.histories:
             values[MOTION] = codes_of_motions(batch.excitation, batch.size)
         if len(built) == 1:
@@ -86,7 +92,7 @@ def symbols_of(study: Study) -> Symbols:
     """Where the symbols of a study are collected."""
 
     def look(cases: Index) -> Values:
-        built = list(buildable(study.batches, cases))
+        built = list(buildable(study.suites, cases))
         return describe(study, built).symbols
 
     return Symbols(study.shape, look)

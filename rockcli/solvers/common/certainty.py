@@ -244,7 +244,12 @@ def nudged(batch: Batch, rows: Index, factors: Array) -> Batch:
     motion = some.excitation
     return replace(
         some,
-        excitation=Excitation(times(motion.horizontal), times(motion.vertical), motion.duration),
+        excitation=Excitation(
+            times(motion.horizontal),
+            times(motion.vertical),
+            motion.duration,
+            None if motion.suite is None else replace(motion.suite, factor=motion.suite.factor * factors),
+        ),
         theta_0=some.theta_0 * factors,
         theta_dot_0=some.theta_dot_0 * factors,
         slide_rate_0=None if some.slide_rate_0 is None else some.slide_rate_0 * factors,

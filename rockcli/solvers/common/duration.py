@@ -42,7 +42,7 @@ class Durations(NamedTuple):
 def durations_of(batch: Batch) -> Durations:
     """When motion and report of every case end; 1/p is that of the slower edge."""
     end = np.zeros(batch.size)
-    for channel in (batch.excitation.horizontal, batch.excitation.vertical):
+    for channel in (batch.excitation.horizontal, batch.excitation.vertical, batch.excitation.suite):
         if channel is not None:
             end = np.maximum(end, channel.end)
     duration = batch.excitation.duration

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples, acceleration, unscaled
+from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples, Suite, acceleration, unscaled
 
 Array = NDArray[np.float64]
 
@@ -32,9 +32,9 @@ def channel_of(kernel: ModuleType, channel: Channel | None, n: int, cases: Any =
     return kernel.Channel(NOTHING, 1.0, 0), np.zeros((1, 1))
 
 
-def factors_of(channel: Channel | None, n: int) -> Array:
+def factors_of(channel: Channel | Suite | None, n: int) -> Array:
     """What the n cases multiply the numbers of a channel with, (n,)."""
-    return np.broadcast_to(channel.factor, n) if isinstance(channel, Samples) else np.ones(n)
+    return np.broadcast_to(channel.factor, n) if isinstance(channel, Samples | Suite) else np.ones(n)
 
 
 def ground_of_case(batch: Batch, case: int, t: Array) -> tuple[Array, Array]:

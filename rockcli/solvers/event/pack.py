@@ -31,7 +31,8 @@ def parameters_of(batch: Batch) -> Array:
     columns = (
         batch.g, *(x[:, LEFT] for x in edges), *(x[:, RIGHT] for x in edges), batch.theta_0, batch.theta_dot_0,
         lasts.motion, lasts.report, lasts.given,
-        factors_of(batch.excitation.horizontal, batch.size), factors_of(batch.excitation.vertical, batch.size),
+        factors_of(batch.excitation.suite or batch.excitation.horizontal, batch.size),
+        factors_of(batch.excitation.vertical, batch.size),
     )  # fmt: skip
     rows = np.empty((batch.size, len(columns)))
     for begin in range(0, batch.size, BLOCK):  # column by column in rows that stay in the cache

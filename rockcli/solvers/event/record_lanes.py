@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +46,7 @@ def asked(batch: Batch) -> bool:
     """Whether what is asked can be found in lanes, whatever the number of cases."""
     motion = batch.excitation
     return (
-        isinstance(motion.horizontal, Samples)
+        (isinstance(motion.horizontal, Samples) or of_suite(batch))
         and motion.vertical is None
         and batch.damping.only_eta
         and not batch.save.histories
@@ -54,11 +55,19 @@ def asked(batch: Batch) -> bool:
     )
 
 
+def of_suite(batch: Batch) -> bool:
+    """Whether a batch has a motion for each case that the lanes take; friction looks at one motion at a time."""
+    return batch.excitation.suite is not None and not np.isfinite(batch.block.mu).any()
+
+
 FINEST_AGAIN = 1e-15
 """Smallest tolerance at which the lanes solve again those of which two runs have parted, with more steps."""
 
 GRAZING = 1e-9
 """A sample this near the uplift threshold, relative to it, may be part of a plateau on which rounding decides."""
+
+AT_ONCE = 1 << 20
+"""Samples of a suite laid out at a time, at least: 50 MB."""
 
 
 def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
@@ -66,34 +75,98 @@ def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
 
     Not those that a sample grazes, nor those that cannot overturn: they turn farther than the sines of the lanes reach.
     """
-    channel = batch.excitation.horizontal
-    assert isinstance(channel, Samples)
     with np.errstate(divide="ignore"):
         guard = rows[:, at.G] * rows[:, at.RIGHT + at.THRESHOLD] / np.abs(rows[:, at.FACTOR_H])
-    sizes = np.append(np.unique(np.abs(channel.values)), np.inf)
+    grazed = np.zeros(len(rows), dtype=bool)
+    for record, cases in _by_record(batch, len(rows)):
+        grazed[cases] = _grazed(np.abs(record.values), guard[cases])
+    return np.asarray(np.isfinite(rows[:, at.RIGHT + at.Q_STAR]) & ~grazed)
+
+
+def _grazed(sizes: Array, guard: Array) -> NDArray[np.bool_]:
+    """Whether one of these accelerations is as large as each guard, nearly, (n,)."""
+    sizes = np.append(np.sort(sizes), np.inf)
     above = np.searchsorted(sizes[:-1], guard)
     near = np.minimum(sizes[above] - guard, guard - sizes[np.maximum(above - 1, 0)])
-    return np.asarray(np.isfinite(rows[:, at.RIGHT + at.Q_STAR]) & ~(np.abs(near) <= GRAZING * guard))
+    return np.asarray(np.abs(near) <= GRAZING * guard)
+
+
+def _by_record(batch: Batch, n: int) -> Iterator[tuple[Samples, Any]]:
+    """The motions of a batch of n cases, each with the places of its cases."""
+    motion = batch.excitation
+    if motion.suite is not None:
+        yield from motion.suite.cases()
+    else:
+        assert isinstance(motion.horizontal, Samples)
+        yield motion.horizontal, np.arange(n)
 
 
 def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any) -> Array:
-    """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
+    """Raw results (n, N_OUT) for the rows (n, N_PAR) of a batch of symmetric bodies.
 
     NaN in STATUS for a body that is left to the single-body kernels, whose `Settings` are `how`.
     """
-    channel = batch.excitation.horizontal
-    assert isinstance(channel, Samples)
-    values = np.concatenate([channel.values, np.zeros(2)])
-    slopes = np.concatenate([np.diff(channel.values) / channel.dt, np.zeros(3)])
-    size = np.abs(channel.values)
-    tail = np.ascontiguousarray(np.maximum.accumulate(size[::-1])[::-1])
-    blocks = np.maximum.reduceat(size, np.arange(0, len(size), lanes.BLOCK))
     path = how.detail == lanes.ALL or bool(batch.save.scalars & PATH)
-    velocity = np.empty((0, 3)) if path else velocity_of(channel.values, channel.dt)
     found = np.zeros((len(rows), to.N_OUT))
-    lanes.march_lanes(rows, how, values, slopes, blocks, tail, velocity, channel.dt, lanes.work_space(), found)
+    for records, cases in _some_at_a_time(_by_record(batch, len(rows))):
+        ground = laid_out(records, lanes.BLOCK, path=path)
+        spans = np.repeat(ground.spans, [len(some) for some in cases], axis=0)
+        places = np.concatenate(cases)
+        out = np.zeros((len(places), to.N_OUT))
+        lanes.march_lanes(rows[places], how, *ground[:-1], spans, lanes.work_space(), out)
+        found[places] = out
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
+
+
+def _some_at_a_time(
+    motions: Iterator[tuple[Samples, NDArray[np.int64]]],
+) -> Iterator[tuple[list[Samples], list[NDArray[np.int64]]]]:
+    """The motions and their cases, as many as have AT_ONCE samples."""
+    records: list[Samples] = []
+    cases: list[NDArray[np.int64]] = []
+    samples = 0
+    for record, some in motions:
+        records.append(record)
+        cases.append(some)
+        samples += len(record.values)
+        if samples >= AT_ONCE:
+            yield records, cases
+            records, cases, samples = [], [], 0
+    if records:
+        yield records, cases
+
+
+class Ground(NamedTuple):
+    """Sampled motions as the lanes take them, one after the other; see `march_lanes`."""
+
+    values: Array
+    slopes: Array
+    blocks: Array
+    tail: Array
+    velocity: Array
+    spans: Array
+
+
+def laid_out(records: list[Samples], block: int, *, path: bool) -> Ground:
+    """Motions one after the other, each beginning with a block and followed by two samples of zeros or more.
+
+    Without the velocity of the ground where the `path` of a fall is asked for.
+    """
+    lengths = np.array([len(record.values) for record in records])
+    firsts = np.concatenate([[0], np.cumsum(-(-(lengths + 2) // block) * block)])
+    values, slopes, tail = (np.zeros(firsts[-1]) for _ in range(3))
+    velocity = np.zeros((0 if path else firsts[-1], 3))
+    for record, first, length in zip(records, firsts[:-1].tolist(), lengths.tolist(), strict=True):
+        here, last = slice(first, first + length), first + length - 1
+        values[here] = record.values
+        slopes[first:last] = np.diff(record.values) / record.dt
+        tail[here] = np.maximum.accumulate(np.abs(record.values)[::-1])[::-1]
+        if not path:
+            velocity[here] = velocity_of(record.values, record.dt)
+    spans = np.column_stack([firsts[:-1], firsts[:-1] + lengths - 1, [record.dt for record in records]])
+    blocks = np.abs(values).reshape(-1, block).max(axis=1)
+    return Ground(values, slopes, blocks, tail, velocity, spans.astype(np.float64))
 
 
 def velocity_of(values: Array, dt: float) -> Array:

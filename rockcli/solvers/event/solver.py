@@ -143,10 +143,12 @@ def _judged(
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:
     """Rough time of plain Python for the batch [s]."""
-    pieces = 0
+    pieces = 0.0
     for channel in (batch.excitation.horizontal, batch.excitation.vertical):
         if isinstance(channel, Samples):
             pieces += len(channel.values)
+    if batch.excitation.suite is not None:
+        pieces += float(np.mean([len(record.values) for record in batch.excitation.suite.records]))
     swings = float(np.sum(parameters[:, at.T_STOP] * batch.p.max(axis=1)))
     passes = 2 if batch.save.scalars & CERTAINTY else 1
     return passes * (batch.size * (0.01 + 60e-6 * pieces) + 1e-3 * swings)
@@ -185,7 +187,8 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
         found = lane_pulses.run(lanes, batch, rows[cases], _settings(lanes, batch, level, how_much), cases)
     else:
         lanes = kernels.load("lanes.records.march", compile_them=compiled)
-        found = lane_records.run(lanes, batch, rows[cases], _settings(lanes, batch, level, how_much))
+        some = batch if batch.excitation.suite is None or fit.all() else batch.rows(np.flatnonzero(fit))
+        found = lane_records.run(lanes, some, rows[cases], _settings(lanes, batch, level, how_much))
     run.out[:, to.STATUS] = np.nan
     run.out[cases] = found
     open_ = np.zeros(batch.size, dtype=bool)
@@ -221,6 +224,13 @@ def _march_rows(
     march: ModuleType, batch: Batch, rows: Any, level: Accuracy, run: Raw, detail: int, cases: Any = slice(None)
 ) -> None:
     """The single-body kernels for the rows of parameters of some cases of the batch, into `run`."""
+    if batch.excitation.suite is not None:
+        some = batch.rows(np.arange(batch.size)[cases])
+        for places, one in some.apart():
+            alone = Raw(len(places), run.histories.shape[2], run.impacts.shape[2])
+            _march_rows(march, one, np.ascontiguousarray(rows[places]), level, alone, detail)
+            run.put(places, alone)
+        return
     arrays = [run.histories, run.impacts, run.out]
     channels = (batch.excitation.horizontal, batch.excitation.vertical)
     (horizontal, h_data), (vertical, v_data) = (channel_of(march, c, batch.size, cases) for c in channels)

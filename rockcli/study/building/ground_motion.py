@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,20 +11,32 @@ from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
 from rockcli.scene.constants import STANDARD_G
-from rockcli.scene.excitation import Channel, Excitation, Samples
+from rockcli.scene.excitation import Channel, Excitation, Samples, Suite
 from rockcli.study.building.floors import OF_ARRIVAL, goes_through, of_pulse, of_record
-from rockcli.study.building.numbers import Numbers, in_range
+from rockcli.study.building.numbers import Named, Numbers, in_range
 from rockcli.study.building.pulse import build_pulses
 from rockcli.study.building.records import MissingRecordError, Prepared, Records
 from rockcli.study.document.expressions import Value
 from rockcli.study.document.tree import Keys, dotted, place
-from rockcli.study.schema import MotionPart, Part, RecordPart, VerticalPart
+from rockcli.study.schema import CasePart, MotionPart, Part, RecordPart, VerticalPart
 
 Array = NDArray[np.float64]
 
 MOTION: Keys = ("case", "motion")
 SCALING = ("scale", "pga", "pgv", "pga_over_g_tan_alpha")
 STEPS = ("window", "detrend", "taper", "highpass", "lowpass", "bandpass", "resample")
+
+
+def alike_but_for_records(case: CasePart) -> bool:
+    """Whether cases like this one may have a record each, in one batch: one component, with nothing above or below."""
+    motion, record = case.motion, case.motion.record
+    beside = motion.pulse is not None or motion.vertical is not None or motion.duration is not None
+    beside |= any(getattr(motion, key) for key in ("through", *OF_ARRIVAL))
+    scheme = getattr(case.damping, "scheme", None)
+    return (
+        record is not None and isinstance(record.file, str) and record.angle is None
+        and not isinstance(record.component, list) and not beside and scheme != "fema356"
+    )  # fmt: skip
 
 
 def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) -> Excitation:
@@ -39,6 +52,8 @@ def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) ->
             numbers.fail((*MOTION, key), "needs a motion of the ground: a pulse or a record")
         if said and not goes_through(numbers):
             numbers.fail((*MOTION, key), "is of what arrives through floors: it needs `through: [{T, zeta}, ...]`")
+    if numbers.suite is not None:
+        return Excitation(None, None, np.full(numbers.n, np.nan), _suite(numbers, numbers.suite, records, warnings))
     horizontal, amplitude = _channel(numbers, MOTION, records, warnings, inherited=1.0)
     vertical = None
     if numbers.case.motion.vertical is not None:
@@ -76,35 +91,87 @@ def _channel(
 def _samples(
     numbers: Numbers, keys: Keys, records: Records, warnings: list[str], inherited: Value
 ) -> tuple[Samples, Value]:
+    record: RecordPart = numbers.said(keys)
+    g = _g_of_records(numbers)
+    prepared = _prepared(numbers, keys, records, g)
+    files = (record.file,) if isinstance(record.file, str) else tuple(record.file)
+    samples = _unscaled(prepared, files, g)
+    motion = prepared.motion
+    warnings.extend(sentence if len(files) > 1 else f"{motion.name}: {sentence}" for sentence in motion.warnings)
+    factor, amplitude = _factor(numbers, keys, samples.measures, motion.in_g, inherited)
+    return replace(samples, factor=factor), amplitude
+
+
+def _suite(numbers: Numbers, named: Named, records: Records, warnings: list[str]) -> Suite:
+    """The motions of cases that have a record each, all read and scaled in the same way."""
+    keys: Keys = (*MOTION, "record")
+    record: RecordPart = numbers.said(keys)
+    g = _g_of_records(numbers)
+    reading, steps = _reading(numbers, keys)
+    prepared = [
+        records.prepare(name, where, reading={**reading, "component": record.component}, steps=steps, g=g)
+        for name, where in named.names
+    ]
+    for each in prepared:
+        warnings.extend(f"{each.motion.name}: {sentence}" for sentence in each.motion.warnings)
+    unscaled = tuple(_unscaled(each, (name,), g) for each, (name, _) in zip(prepared, named.names, strict=True))
+    measures = {name: np.array([each.measures[name] for each in unscaled])[named.which] for name in ("pga", "pgv")}
+    in_g = np.array([each.motion.in_g for each in prepared])[named.which]
+    factor, _ = _factor(numbers, keys, measures, in_g, 1.0)
+    return Suite(unscaled, named.which, factor)
+
+
+def _g_of_records(numbers: Numbers) -> float:
+    """The g of records in g [m/s²].
+
+    Where g differs from case to case it goes into the factor, so that a case does not depend on its neighbours.
+    """
+    return STANDARD_G if isinstance(numbers.g, np.ndarray) else float(numbers.g)
+
+
+def _unscaled(prepared: Prepared, files: tuple[str, ...], g: float) -> Samples:
+    """A record before its factors, measured."""
     from rockcli.motion.flatfile import metadata_of
     from rockcli.motion.measures import pga, pgv
 
+    if (g, files) not in prepared.unscaled:
+        motion, raw = prepared.motion, prepared.raw
+        values = motion.acceleration(g)
+        measures = {"pga": pga(values), "pgv": pgv(values, motion.dt)}
+        raw_values = raw.acceleration(g)
+        unprocessed = raw is motion
+        measures["pga_raw"] = measures["pga"] if unprocessed else pga(raw_values)
+        measures["pgv_raw"] = measures["pgv"] if unprocessed else pgv(raw_values, raw.dt)
+        measures |= metadata_of(prepared.path, raw.header)
+        samples = Samples(values, motion.dt, np.empty(0), motion.name, motion.processing, measures, files)
+        prepared.unscaled[g, files] = samples
+    return prepared.unscaled[g, files]
+
+
+def _factor(
+    numbers: Numbers, keys: Keys, measures: Mapping[str, Value], in_g: bool | NDArray[np.bool_], inherited: Value
+) -> tuple[Array, Value]:
+    """What each case multiplies its record with, (n,), and that without the record's own sign and unit.
+
+    Args:
+        measures: pga and pgv of the record, or of that of each case, (n,); in_g: whether it is in g.
+    """
     record: RecordPart = numbers.said(keys)
-    # where g differs from case to case it goes into the factor, so that a case does not depend on its neighbours
-    g_varies = isinstance(numbers.g, np.ndarray)
-    g = STANDARD_G if g_varies else float(numbers.g)
-    prepared = _prepared(numbers, keys, records, g)
-    motion, raw = prepared.motion, prepared.raw
-    files = (record.file,) if isinstance(record.file, str) else tuple(record.file)
-    values, raw_values = motion.acceleration(g), raw.acceleration(g)
-    measures = {
-        "pga": pga(values),
-        "pgv": pgv(values, motion.dt),
-        "pga_raw": pga(raw_values),
-        "pgv_raw": pgv(raw_values, raw.dt),
-        **metadata_of(prepared.path, raw.header),
-    }
-    of_g: Value = numbers.g / STANDARD_G if g_varies and motion.in_g else 1.0
+    of_g: Value = np.where(in_g, numbers.g / STANDARD_G, 1.0) if isinstance(numbers.g, np.ndarray) else 1.0
     amplitude = _amplitude(numbers, keys, measures, of_g, inherited)
     polarity = numbers.value((*keys, "polarity"))
     if polarity is not None:
         numbers.require((*keys, "polarity"), np.abs(polarity) == 1.0, "must be 1 or -1")
-    warnings.extend(sentence if len(files) > 1 else f"{motion.name}: {sentence}" for sentence in motion.warnings)
     scaling = next((key for key in SCALING if getattr(record, key) is not None), "file")
-    in_range(numbers, (*keys, scaling), amplitude * of_g * max(measures["pga"], measures["pgv"]))
-    factor = numbers.array(amplitude * of_g * (1.0 if polarity is None else polarity))
-    samples = Samples(values, motion.dt, factor, motion.name, motion.processing, measures, files)
-    return samples, amplitude
+    in_range(numbers, (*keys, scaling), amplitude * of_g * np.maximum(measures["pga"], measures["pgv"]))
+    return numbers.array(amplitude * of_g * (1.0 if polarity is None else polarity)), amplitude
+
+
+def _reading(numbers: Numbers, keys: Keys) -> tuple[dict[str, Any], dict[str, Any]]:
+    """How a record is read, but for its component, and the steps of its processing."""
+    record: RecordPart = numbers.said(keys)
+    steps = {step: _step(numbers, (*keys, step)) for step in STEPS if getattr(record, step) is not None}
+    return {"units": record.units, "dt": numbers.constant((*keys, "dt"))}, steps
 
 
 def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> Prepared:
@@ -114,8 +181,7 @@ def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> Prepa
         RecordError: a file is missing or cannot be read, or two components do not fit together.
     """
     record: RecordPart = numbers.said(keys)
-    reading = {"units": record.units, "dt": numbers.constant((*keys, "dt"))}
-    steps = {step: _step(numbers, (*keys, step)) for step in STEPS if getattr(record, step) is not None}
+    reading, steps = _reading(numbers, keys)
     names, components = record.file, record.component
     angle = numbers.constant((*keys, "angle"))
     try:
@@ -163,7 +229,7 @@ def _at_its_key(numbers: Numbers, keys: Keys, error: RecordError) -> RecordError
     return numbers.source.record_error(place(numbers.tree, at), f"{dotted(at)}: {error}")
 
 
-def _amplitude(numbers: Numbers, keys: Keys, measures: dict[str, float], of_g: Value, inherited: Value) -> Value:
+def _amplitude(numbers: Numbers, keys: Keys, measures: Mapping[str, Value], of_g: Value, inherited: Value) -> Value:
     """What the processed motion is multiplied with; its own scaling, or the one inherited."""
     record: RecordPart = numbers.said(keys)
     given = [key for key in SCALING if getattr(record, key) is not None]
@@ -179,7 +245,7 @@ def _amplitude(numbers: Numbers, keys: Keys, measures: dict[str, float], of_g: V
     if given[0] == "scale":
         return wanted
     measure = measures["pgv" if given[0] == "pgv" else "pga"]
-    if measure == 0.0:
+    if np.any(np.equal(measure, 0.0)):
         numbers.fail((*keys, given[0]), "the record is zero throughout and cannot be scaled")
     if given[0] == "pga_over_g_tan_alpha":
         wanted = wanted * (numbers.g * numbers.symbol("tan_alpha"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NoReturn
 
 import numpy as np
@@ -35,6 +36,14 @@ class Varied(float):
         return varied
 
 
+@dataclass(frozen=True, eq=False)
+class Named:
+    """Records that an axis names: each with its place in the study, and which of them each case has, (n,)."""
+
+    names: tuple[tuple[str, Where], ...]
+    which: NDArray[np.int64]
+
+
 def in_range(numbers: Numbers, keys: Keys, value: Any) -> None:
     """Refuse what is so large that its square would overflow; raises StudyError."""
     message = f"is out of range: it makes values of {LARGEST:g} and more (SI units)"
@@ -58,6 +67,7 @@ class Numbers:
         n: number of cases.
         column: (axis, column) -> (n,) values.
         spot: (axis, i) -> place of the axis' value in case i, and the values of all axes there, as text.
+        suite: the names of the records, where each case has its own.
 
     Attributes:
         remarks: sentences about what was made of them.
@@ -71,9 +81,10 @@ class Numbers:
         n: int,
         column: Callable[[int, int], Array],
         spot: Callable[[int | None, int], tuple[Where, str]],
+        suite: Named | None = None,
     ) -> None:
         self.source, self.tree, self.case, self.n = source, tree, case, n
-        self._column, self._spot = column, spot
+        self._column, self._spot, self.suite = column, spot, suite
         self.remarks: list[str] = []
         self._symbols: dict[str, Value] = {}
         self._busy: list[str] = []

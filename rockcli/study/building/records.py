@@ -18,6 +18,7 @@ from rockcli.study.document.tree import Source, Where
 if TYPE_CHECKING:
     from rockcli.motion.floors import Arrival
     from rockcli.motion.motion import Given, Motion
+    from rockcli.scene.excitation import Samples
 
 
 class MissingRecordError(RecordError):
@@ -26,11 +27,12 @@ class MissingRecordError(RecordError):
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A record as a study uses it: the processed motion, and PGA and PGV before processing (g = STANDARD_G)."""
+    """A record as a study uses it: the processed motion and that of the file; both measured, once for each g."""
 
     motion: Motion
     raw: Motion
     path: Path
+    unscaled: dict[tuple[float, tuple[str, ...]], Samples] = field(default_factory=dict)
 
 
 @dataclass(eq=False)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Pulses, Samples
@@ -14,6 +15,8 @@ from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key
 from rockcli.study.document.tree import Keys, Map, value_at
 from rockcli.study.plausibility import STILL, plausibility_warnings
+
+Array = NDArray[np.float64]
 
 DT_OUT = 0.005
 """Largest output spacing by default [s]."""
@@ -62,14 +65,24 @@ class Found:
         self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
         self._channel(numbers, batch, batch.excitation.horizontal, MOTION)
         self._channel(numbers, batch, batch.excitation.vertical, (*MOTION, "vertical"))
+        if (suite := batch.excitation.suite) is not None:
+            self.still = False
+            tan_alpha = batch.block.of_weak_edge(batch.block.tan_alpha)
+            for record, rows in suite.cases():
+                one = replace(record, factor=suite.factor[rows])
+                self._record(one, batch.g[rows], tan_alpha[rows], scaling_key(numbers, MOTION))
 
     def _channel(self, numbers: Numbers, batch: Batch, channel: Channel | None, keys: Keys) -> None:
         self.still &= channel is None
         if isinstance(channel, Pulses):
             self.dt_out = min(self.dt_out, float(np.min(2.0 * np.pi / channel.omega_p)) / 200.0)
         elif isinstance(channel, Samples):
-            self.dt_out = min(self.dt_out, channel.dt)
-            self._note(channel, Scaling.of(channel, batch, scaling_key(numbers, keys)))
+            tan_alpha = batch.block.of_weak_edge(batch.block.tan_alpha)
+            self._record(channel, batch.g, tan_alpha, scaling_key(numbers, keys))
+
+    def _record(self, samples: Samples, g: Array, tan_alpha: Array, key: str) -> None:
+        self.dt_out = min(self.dt_out, samples.dt)
+        self._note(samples, Scaling.of(samples, g, tan_alpha, key))
 
     def _note(self, samples: Samples, scaling: Scaling) -> None:
         name = samples.name

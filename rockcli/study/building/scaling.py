@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.study.building.ground_motion import MOTION, SCALING
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.tree import Keys
 from rockcli.study.schema import RecordPart
 
+Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 INHERITED = "the horizontal factor"
@@ -53,19 +53,19 @@ class Scaling:
     raw: tuple[Range, Range]
 
     @classmethod
-    def of(cls, samples: Samples, batch: Batch, key: str) -> Scaling:
-        """The scaling of the cases of a batch."""
+    def of(cls, samples: Samples, gs: Array, tan_alpha: Array, key: str) -> Scaling:
+        """The scaling of cases of these g and slendernesses, (n,) each."""
         measures, size = samples.measures, np.abs(samples.factor)
-        g = float(batch.g[0])
+        g = float(gs[0])
         ground = "_ground" if "pga_ground" in measures else ""  # what was scaled, before floors
         ground_pga, ground_pgv = measures[f"pga{ground}"], measures[f"pgv{ground}"]
-        pga = size * ground_pga / batch.g
+        pga = size * ground_pga / gs
         return cls(
             key=key,
             factor=_range(samples.factor),
             pga=_range(pga),
             pgv=_range(size * ground_pgv),
-            over=_range(pga / batch.block.of_weak_edge(batch.block.tan_alpha)),
+            over=_range(pga / tan_alpha),
             before=(_range(ground_pga / g), _range(ground_pgv)),
             raw=(_range(measures["pga_raw"] / g), _range(measures["pgv_raw"])),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
@@ -10,12 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.errors import RecordError, StudyError
 from rockcli.scene.batch import Batch, Save
 from rockcli.study.building.batch import build_batch
 from rockcli.study.building.floors import waveforms
-from rockcli.study.building.numbers import Numbers, Varied
+from rockcli.study.building.ground_motion import alike_but_for_records
+from rockcli.study.building.numbers import Named, Numbers, Varied
 from rockcli.study.building.records import Records
-from rockcli.study.cases.file_names import filled_in
+from rockcli.study.cases.file_names import filled_in, names_in
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_case
 from rockcli.study.document.expressions import ExpressionError, parse
@@ -30,6 +33,9 @@ Points = dict[int, NDArray[np.int64]]
 
 PROBED = 20_000
 """A study of at most so many cases is built whole before it is solved; of a larger one, corners and edges."""
+
+RECORD = ("case", "motion", "record", "file")
+"""Path of the axis that names a record at each point."""
 
 _KEPT = 256
 """Combinations of structural points kept."""
@@ -76,6 +82,46 @@ class Cases:
                 numbers = self.numbers(combination, chosen, len(part[rows]))
                 yield part[rows], build_batch(numbers, self.records, save)
 
+    def suites(self, indices: Index) -> Iterator[tuple[Index, Batch]]:
+        """`batches`, but cases of many records in one where an axis names them and they differ in nothing else.
+
+        Raises:
+            StudyError, RecordError: a case cannot be built.
+        """
+        for part, combination, points, named in self.groups_of_suites(np.asarray(indices, dtype=np.int64)):
+            built = None
+            if named is not None:
+                with suppress(StudyError, RecordError):  # told below, by the batch of the record that is at fault
+                    built = build_batch(self.numbers(combination, points, len(part), named), self.records, self.save)
+            if built is None:
+                yield from self.batches(part)
+            else:
+                yield part, built
+
+    def groups_of_suites(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points, Named | None]]:
+        """`groups`, but records together where they may be, with their names; None for a group as it is."""
+        axis = self._of_records
+        if axis is None:
+            yield from ((*group, None) for group in self.groups(indices))
+            return
+        for part, combination, points in self._by_structure(indices, axis):
+            there = np.unique(points[axis])
+            if len(there) == 1 or not alike_but_for_records(self.checked(combination)[1]):
+                yield from ((*group, None) for group in self.groups(part))
+                continue
+            named = [self.variations[axis].settings[point][0] for point in there.tolist()]
+            names = tuple((str(name), where) for _, name, where in named)
+            yield part, combination, points, Named(names, np.searchsorted(there, points[axis]))
+
+    @property
+    def _of_records(self) -> int | None:
+        """The axis that names a record at each point and sets nothing else; None if there is none."""
+        found = [i for i, v in enumerate(self.variations) if v.columns is None and v.path == RECORD]
+        if len(found) != 1 or self.save.histories:
+            return None
+        plain = all(len(s) == 1 and isinstance(s[0][1], str) for s in self.variations[found[0]].settings)
+        return found[0] if plain and not names_in([s[0][1] for s in self.variations[found[0]].settings]) else None
+
     def _saves(self, points: Points, n: int) -> Iterator[tuple[Any, Save]]:
         """Rows of a group and what is asked for them: histories may be wanted of some only."""
         if not self.histories_at or not self.save.histories:
@@ -101,8 +147,10 @@ class Cases:
             for rows in np.split(order, np.flatnonzero(np.diff(which.ravel()[order])) + 1):
                 yield part[rows], combination, {i: p[rows] for i, p in points.items()}
 
-    def _by_structure(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points]]:
-        """Split flat indices by the points on the structural axes."""
+    def _by_structure(
+        self, indices: Index, together: int | None = None
+    ) -> Iterator[tuple[Index, tuple[int, ...], Points]]:
+        """Split flat indices by the points on the structural axes but for one; what is checked is at its first."""
         if not len(indices):
             return
         if not self.variations:
@@ -110,17 +158,20 @@ class Cases:
             return
         points = [np.asarray(p, dtype=np.int64) for p in np.unravel_index(indices, self.shape)]
         structural = self.structural
+        apart = [i for i in structural if i != together]
         if not structural:
             yield indices, (), dict(enumerate(points))
             return
-        key = np.ravel_multi_index([points[i] for i in structural], [self.shape[i] for i in structural])
+        key = np.zeros(len(indices), dtype=np.int64)
+        if apart:
+            key = np.ravel_multi_index([points[i] for i in apart], [self.shape[i] for i in apart])
         order = np.argsort(key, kind="stable")
         for rows in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
             combination = tuple(int(points[i][rows[0]]) for i in structural)
             yield indices[rows], combination, {i: p[rows] for i, p in enumerate(points)}
 
-    def numbers(self, combination: tuple[int, ...], points: Points, n: int) -> Numbers:
-        """The numbers of the cases at a combination of structural points."""
+    def numbers(self, combination: tuple[int, ...], points: Points, n: int, suite: Named | None = None) -> Numbers:
+        """The numbers of the cases at a combination of structural points; those of a suite have a record each."""
 
         def column(axis: int, which: int) -> Array:
             columns = self.variations[axis].columns
@@ -132,7 +183,7 @@ class Cases:
             at = (f"{v.axis.path} = {_shown(v.axis.values[points[a][i]])}" for a, v in enumerate(self.variations))
             return where, ", ".join(at)
 
-        return Numbers(self.source, *self.checked(combination), n, column, spot)
+        return Numbers(self.source, *self.checked(combination), n, column, spot, suite)
 
     def checked(self, combination: tuple[int, ...]) -> tuple[Map, CasePart]:
         """The study of a combination of structural points, with `Varied` where the other axes stand, and its case."""

@@ -32,16 +32,16 @@ from rockcli.kernels.rigid.series import slope, value
 
 
 @jit_lean
-def arrive(st, i, par, how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out):
+def arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, out):
     """A rocking lane at the end of its samples: the motion's, or the report's.
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
     """
     q, v, s = st[lane.Q + i], st[lane.V + i], st[lane.SIDE + i]
-    n_values = len(values)
+    last = st[lane.LAST + i]
     edge = edge_of(par, at.RIGHT)  # both are alike
     verdict = free_rocking(edge, edge, q, v, how.linear, how.margin * edge.alpha)
-    if st[lane.END + i] < n_values - 1.0:
+    if st[lane.END + i] == last:
         out[to.VERDICT] = verdict
         if how.detail == OUTCOME:
             if verdict == FALLS and separatrix(edge, q, v, how.linear) < 0.0:  # an impact comes first
@@ -52,10 +52,10 @@ def arrive(st, i, par, how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out):
             out[to.T_END], out[to.PEAK_SIDE] = par[at.T_MOTION], s
             return finish(st, i, verdict, out)
         if how.detail == ALL:
-            st[lane.WORK + i] -= values[n_values - 3] * drive(st, i, q, how.linear)
-        st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = n_values - 2, n_values - 1, 0.0
+            st[lane.WORK + i] -= values[int(last)] * drive(st, i, q, how.linear)
+        st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = last + 1.0, last + 2.0, 0.0
         st[lane.LEN + i] = par[at.T_STOP] - par[at.T_MOTION]
-        st[lane.CAP + i] = dt
+        st[lane.CAP + i] = st[lane.DT + i]
         st[lane.SLOW + i] *= BALLISTIC_AFTER / BALLISTIC
         return STANDING
     verdict = out[to.VERDICT]
@@ -73,7 +73,7 @@ def arrive(st, i, par, how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out):
 
 @jit_lean
 def attend(
-    st, i, par, how, values, slopes, blocks, tail, velocity, dt, c, guard, sin_q, cos_q, a, a_v, force, out
+    st, i, par, how, values, slopes, blocks, tail, velocity, c, guard, sin_q, cos_q, a, a_v, force, out
 ):  # fmt: skip
     """Look at the step lane i tried, go as far as its first event, and see to that."""
     q, h, x0 = st[lane.Q + i], st[lane.H + i], st[lane.X + i]
@@ -82,10 +82,9 @@ def attend(
         c[k + 1] = st[lane.COEFFICIENTS + k * WIDTH + i]
     if not abs(c[lane.ORDER]) <= st[lane.SMALL + i]:  # halved too often
         return hand_over(out)
-    last = len(values) - 3
-    piece = int(st[lane.PIECE + i])
+    last, piece = int(st[lane.LAST + i]), int(st[lane.PIECE + i])
     free = piece > last
-    t0 = (par[at.T_MOTION] if free else piece * dt) + x0
+    t0 = (par[at.T_MOTION] if free else (piece - st[lane.FIRST + i]) * st[lane.DT + i]) + x0
     s = st[lane.SIDE + i]
     edge = edge_of(par, at.RIGHT)  # both are alike
     path, watch = len(velocity) == 0, how.detail == ALL
@@ -187,11 +186,11 @@ def attend(
         st[lane.V + i] = edge.eta * rate
         turn(st, i, par, -s)
         if not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
-            state = rest(st, i, par, how, values, slopes, blocks, tail, dt, out)
+            state = rest(st, i, par, how, values, slopes, blocks, tail, out)
             if state != ROCKING:
                 return state
     if at_end:
-        return arrive(st, i, par, how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out)
+        return arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, out)
     return STANDING
 
 

@@ -43,7 +43,7 @@ def begin_watch(st, i, par, linear, values):
     if par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0:
         q, v = abs(par[at.THETA_0]), abs(par[at.THETA_DOT_0])
         st[lane.RATE_MAX + i], st[lane.LOST + i] = v, -energy(edge, q, v, linear)
-        st[lane.WORK + i] = values[0] * drive(st, i, q, linear)
+        st[lane.WORK + i] = values[int(st[lane.FIRST + i])] * drive(st, i, q, linear)
 
 
 @jit_lean

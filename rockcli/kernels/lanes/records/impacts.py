@@ -12,7 +12,7 @@ from rockcli.kernels.lanes.vector.plain import load, select, some, sqrt
 
 
 @jit_lean
-def land(st, queue, j, n_values, dt, path, watch, linear):
+def land(st, queue, j, path, watch, linear):
     """Take the lanes queue[j: j + WIDTH] to the first zero of their polynomials, turned over, or to their steps' ends.
 
     Returns (lanes at the end of their samples, lanes that may come to rest in the sample they are in, lanes whose
@@ -83,7 +83,8 @@ def land(st, queue, j, n_values, dt, path, watch, linear):
         pace = FAST * inward / gather(st, lanes + lane.FAST)
         carried = pace * pace - MEANINGFUL * MEANINGFUL
         carried = select(hit & (carried > 0.0), carried, 0.0 * q)
-        begun = select(piece > n_values - 3.0, (n_values - 3.0) * dt, piece * dt)
+        last = gather(st, lanes + lane.LAST)
+        begun = (select(piece > last, last, piece) - gather(st, lanes + lane.FIRST)) * gather(st, lanes + lane.DT)
         scatter(st, lanes + lane.SWINGS, gather(st, lanes + lane.SWINGS) + carried)
         when = carried * (begun + fma(x, h, place))
         scatter(st, lanes + lane.SWINGS_T, gather(st, lanes + lane.SWINGS_T) + when)

@@ -1,9 +1,9 @@
-"""Record maps: many bodies under one sampled motion, in lanes (docs/sweeps.md).
+"""Record maps: many bodies under sampled motions, in lanes (docs/sweeps.md).
 
 The automaton of `march`, cut for speed: LANES bodies in flight, each at its own time, are stepped together
 (`step`), and so are landings (`impacts`); a lane that meets another event is looked after by
 itself (`events`), with the guards and the closed forms of the single body.  A lane whose body is done takes
-the next one.  Nothing a body gets depends on the others.
+the next one, under its own motion.  Nothing a body gets depends on the others.
 """
 
 from __future__ import annotations
@@ -41,11 +41,13 @@ def work_space():
     )  # fmt: skip
 
 
-@entry(MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, float, (VECTOR,) * 10, MATRIX)
-def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out):
-    """`march_all` for bodies with two equal edges, no damper, under one sampled motion; no histories.
+@entry(MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, (VECTOR,) * 10, MATRIX)
+def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, work, out):
+    """`march_all` for bodies with two equal edges, no damper, under sampled motions; no histories.
 
-    values, slopes: of the motion, then two of zeros.  blocks: largest |value| of each block; tail: running bound.
+    values, slopes: of one motion after the other, each followed by two of zeros or more, so that the next begins with
+    a block.  blocks: largest |value| of each block; tail: running bound to the end of a motion.
+    spans: of the motion of each body, first and last sample and the time between two.
     velocity: of the ground, as `lost` wants it, or nothing if the path of a fall is asked for, as it is
     where forces are (`how.detail` ALL) or what impacts carry.
     A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
@@ -57,14 +59,13 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
     following = busy = rounds = 0
     for number in range(lane.LANES):
         park(st, place(number))
-    patience = STEPS_PER_SAMPLE * len(values) + STEPS_AFTER
     while True:
         # fill the free lanes
         while busy < lane.LANES and following < n_case:
             k = following
             following += 1
             i = place(busy)
-            state = begin(st, i, pars[k], how, values, slopes, blocks, tail, path, dt, out[k])
+            state = begin(st, i, pars[k], spans[k], how, values, slopes, blocks, tail, path, out[k])
             if state == STANDING:
                 st[lane.CASE + i] = k
                 busy += 1
@@ -96,11 +97,11 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
                 k = int(st[lane.CASE + i])
                 if (moved >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out[k]
+                        st, i, pars[k], how, values, velocity, c, sin_q, cos_q, a, a_v, out[k]
                     )  # fmt: skip
                 else:
                     state = attend(
-                        st, i, pars[k], how, values, slopes, blocks, tail, velocity, dt,
+                        st, i, pars[k], how, values, slopes, blocks, tail, velocity,
                         c, guard, sin_q, cos_q, a, a_v, force, out[k],
                     )  # fmt: skip
                 if state == FINISHED:
@@ -108,11 +109,11 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
         for j in range(turning):
             i = int(turns[j])
             k = int(st[lane.CASE + i])
-            top(st, i, pars[k], len(values), dt, out[k])
+            top(st, i, pars[k], out[k])
         for j in range(landing, min(landing + WIDTH, len(landings))):
             landings[j] = place(lane.LANES)
         for j in range(0, landing, WIDTH):
-            over, slow, doubtful = land(st, landings, j, len(values), dt, path, watch, how.linear)
+            over, slow, doubtful = land(st, landings, j, path, watch, how.linear)
             while doubtful != 0:
                 bit = lowest_bit(doubtful)
                 doubtful &= doubtful - 1
@@ -132,17 +133,18 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, dt, work, out
                 k = int(st[lane.CASE + i])
                 if (over >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, values, dt, velocity, c, sin_q, cos_q, a, a_v, out[k]
+                        st, i, pars[k], how, values, velocity, c, sin_q, cos_q, a, a_v, out[k]
                     )  # fmt: skip
                 else:
-                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, dt, out[k])
+                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, out[k])
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = -1.0, True
         rounds += 1
         if rounds % ROUNDS == 0:
             for number in range(busy):
                 i = place(number)
-                if st[lane.CASE + i] >= 0.0 and st[lane.STEPS + i] > patience:
+                samples = st[lane.LAST + i] - st[lane.FIRST + i]
+                if st[lane.CASE + i] >= 0.0 and st[lane.STEPS + i] > STEPS_PER_SAMPLE * samples + STEPS_AFTER:
                     hand_over(out[int(st[lane.CASE + i])])
                     st[lane.CASE + i], emptied = -1.0, True
         if not emptied:

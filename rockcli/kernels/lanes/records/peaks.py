@@ -14,7 +14,7 @@ LAST = 1e-7
 
 
 @jit_lean
-def top(st, i, par, n_values, dt, out):
+def top(st, i, par, out):
     """Raise the peak to where the step that lane i has tried turns: its rate is positive first and then not.
 
     Newton's method kept inside the bracket, from where a parabola turns.
@@ -41,7 +41,8 @@ def top(st, i, par, n_values, dt, out):
         if near:
             break
     height = x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * (c5 + x * (c6 + x * (c7 + x * c8)))))))
-    t0 = par[at.T_MOTION] if st[lane.PIECE + i] > n_values - 3.0 else st[lane.PIECE + i] * dt
+    piece = st[lane.PIECE + i]
+    t0 = par[at.T_MOTION] if piece > st[lane.LAST + i] else (piece - st[lane.FIRST + i]) * st[lane.DT + i]
     q, t, h = st[lane.Q + i], t0 + st[lane.X + i], st[lane.H + i]
     if h < 0.0:  # the lane is at the step's end
         q -= c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8))))

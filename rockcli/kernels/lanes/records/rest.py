@@ -33,8 +33,8 @@ BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
 
 
 @jit_lean
-def begin(st, i, par, how, values, slopes, blocks, tail, path, dt, out):
-    """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED."""
+def begin(st, i, par, span, how, values, slopes, blocks, tail, path, out):
+    """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED.  span: of its motion."""
     for k in range(to.N_OUT):
         out[k] = 0.0
     out[to.T_PEAK] = out[to.T_UPLIFT] = out[to.T_OVERTURN] = math.nan
@@ -63,14 +63,15 @@ def begin(st, i, par, how, values, slopes, blocks, tail, path, dt, out):
     st[lane.SETTLING + i] = (1.0 + math.sqrt(eta)) ** 2 / (
         (1.0 - eta * eta) * p2 * (par[at.RIGHT + at.R0] + par[at.RIGHT + at.RC])
     )
-    st[lane.PIECE + i], st[lane.X + i], st[lane.LEN + i], st[lane.CAP + i] = 0.0, 0.0, dt, math.inf
-    st[lane.END + i] = len(values) - 3.0
+    st[lane.FIRST + i], st[lane.LAST + i], st[lane.DT + i] = span[0], span[1], span[2]
+    st[lane.PIECE + i], st[lane.X + i], st[lane.LEN + i], st[lane.CAP + i] = span[0], 0.0, span[2], math.inf
+    st[lane.END + i] = span[1]
     st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = 0.0
     watch = how.detail == ALL
     if par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0:
         if watch:
             begin_watch(st, i, par, how.linear, values)
-        return lift(st, i, par, watch, values, slopes, blocks, tail, dt, out)
+        return lift(st, i, par, watch, values, slopes, blocks, tail, out)
     lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
     s = 1.0 if lead > 0.0 else -1.0
     q, v = abs(par[at.THETA_0]), s * par[at.THETA_DOT_0]
@@ -97,14 +98,14 @@ def turn(st, i, par, s):
 
 
 @jit_lean
-def lift(st, i, par, watch, values, slopes, blocks, tail, dt, out):
+def lift(st, i, par, watch, values, slopes, blocks, tail, out):
     """From rest at a time in a sample: put lane i where it uplifts next, or FINISHED if it never does.
 
     Samples that cannot open the guard are not looked at: the next that can is found by the bounds of blocks.
     """
     g, factor = par[at.G], par[at.FACTOR_H]
     quiet = g * par[at.RIGHT + at.THRESHOLD]
-    last = len(values) - 3
+    first, last, dt = int(st[lane.FIRST + i]), int(st[lane.LAST + i]), st[lane.DT + i]
     k, x = int(st[lane.PIECE + i]), st[lane.X + i]
     k_0, x_0 = k, x
     if k < last and factor != 0.0:
@@ -134,7 +135,7 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, dt, out):
                 st[lane.PIECE + i], st[lane.X + i], st[lane.Q + i], st[lane.V + i] = k, x + best, 0.0, 0.0
                 turn(st, i, par, s_up)
                 if math.isnan(out[to.T_UPLIFT]):
-                    out[to.T_UPLIFT] = k * dt + (x + best)
+                    out[to.T_UPLIFT] = (k - first) * dt + (x + best)
                 return STANDING
             k += 1
             x = 0.0
@@ -195,7 +196,7 @@ def hand_over(out):
 
 
 @jit_lean
-def rest(st, i, par, how, values, slopes, blocks, tail, dt, out):
+def rest(st, i, par, how, values, slopes, blocks, tail, out):
     """Whether the body of lane i, just turned over, comes to rest inside this sample; if so, what then.
 
     Slow bounces are flights under a moment linear in time; each is solved for its end and its impact counted.
@@ -212,7 +213,7 @@ def rest(st, i, par, how, values, slopes, blocks, tail, dt, out):
     eta = par[e + at.ETA]
     still, watch = STANDSTILL * p_alpha, how.detail == ALL
     if abs(u0) >= press:  # a standing body that the ground just fails to lift must not bounce on one spot for ever
-        return lift(st, i, par, watch, values, slopes, blocks, tail, dt, out) if v <= still else ROCKING
+        return lift(st, i, par, watch, values, slopes, blocks, tail, out) if v <= still else ROCKING
     if v > still and eta >= 1.0:
         return ROCKING
     y, rate, turned = 0.0, v, 1.0
@@ -259,10 +260,10 @@ def rest(st, i, par, how, values, slopes, blocks, tail, dt, out):
     st[lane.IMPACTS + i] += counted
     st[lane.ONTO_LEFT + i] += onto_left
     st[lane.LOST + i] += 0.5 * par[e + at.RADIUS] * (v / p) ** 2
-    if k > len(values) - 3:
+    if k > st[lane.LAST + i]:
         out[to.T_END] = par[at.T_MOTION] + (x + y)
         if watch:
             account(st, i, par, 0.0, out)
         return finish(st, i, out[to.VERDICT], out)
     st[lane.X + i] = x + y
-    return lift(st, i, par, watch, values, slopes, blocks, tail, dt, out)
+    return lift(st, i, par, watch, values, slopes, blocks, tail, out)

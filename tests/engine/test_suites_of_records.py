@@ -1,0 +1,121 @@
+"""Cases of many records in one batch: the numbers of each record alone, each file read once, errors where they belong."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rockcli import kernels
+from rockcli.engine.sweep.sweep import Sweep, solve_cases
+from rockcli.engine.sweep.work import Team
+from rockcli.errors import RecordError, StudyError
+from rockcli.motion import reading
+from rockcli.motion.at2 import at2_text
+from rockcli.study.open import open_study
+from rockcli.study.study import Study
+
+BLOCK = {"R": 2, "tan_alpha": 0.2}
+RECORDS = {"a": (900, 0.005), "b": (1201, 0.01), "c": (320, 0.02), "d": (64, 0.1), "e": (62, 0.1), "weak": (400, 0.01)}
+"""Samples and time step of every record: lengths of a block of bounds, and two and one short of one, among them."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of records unlike one another."""
+    place, rng = tmp_path_factory.mktemp("suite"), np.random.default_rng(7)
+    for name, (n, dt) in RECORDS.items():
+        t = np.arange(n) * dt
+        a = sum(rng.normal() * np.sin(2.0 * np.pi * f * t + rng.uniform(0.0, 6.0)) for f in rng.uniform(0.3, 2.5, 6))
+        a *= (0.01 if name == "weak" else 0.4) * np.sin(np.pi * t / t[-1]) / np.abs(a).max()
+        (place / f"{name}.AT2").write_text(at2_text(a, dt, ["x", name]))
+    return place
+
+
+def study(
+    folder: Path, *, block: dict[str, Any] = BLOCK, save: dict[str, Any] | None = None, **more: Any
+) -> dict[str, Any]:
+    """Every record at some scales."""
+    vary = {"motion.record.scale": [0.5, 1.0, 2.5, 6.0], "motion.record.file": f"{folder}/*.AT2"}
+    case = {"block": block, "motion": {"record": {"scale": 1.0}}, **more}
+    return {"name": "s", "case": case, "vary": vary, "save": {"histories": False, **(save or {})}}
+
+
+def solved(what: Study, *, together: bool) -> dict[str, Any]:
+    """Scalars of a study, its records together or one by one."""
+    if not together:
+        what.cases.suites = what.cases.batches  # type: ignore[attr-defined]
+    found = solve_cases(what, sweep=Sweep(Team()))
+    pga = found.symbols.over("pga", tuple(axis.name for axis in what.axes))
+    assert pga is not None
+    return {name: values for name, values in found.scalars.items() if name != "wall_time"} | {"pga": pga[1]}
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {},
+        {"save": {"scalars": ["outcome", "theta_peak_over_alpha"]}},
+        {"initial": {"theta": 0.02, "theta_dot": -0.1}},
+        {"block": {**BLOCK, "mu": 0.25}},
+        {"block": {"h": 2, "b": [0.3, 0.5]}},
+        {"model": "linearized"},
+        {"damping": {"scheme": "dashpot", "coefficient": 50.0}},
+    ],
+    ids=["default", "two", "moving", "friction", "asymmetric", "linearized", "dashpot"],
+)
+def test_every_case_is_as_with_its_record_alone(folder: Path, more: dict[str, Any]) -> None:
+    kernels.load(compile_them=True)
+    one, other = (solved(open_study(study(folder, **more)), together=together) for together in (False, True))
+    assert one.keys() == other.keys()
+    for name in one:
+        np.testing.assert_array_equal(one[name], other[name], err_msg=name)
+    assert len(set(one["outcome"].tolist())) > 1
+
+
+def test_many_records_are_one_batch(folder: Path) -> None:
+    what = open_study(study(folder))
+    batches = list(what.suites(np.arange(what.size)))
+    assert [batch.size for _, batch in batches] == [what.size]
+    assert len(list(what.batches())) == len(RECORDS)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_each_file_is_read_once(folder: Path, monkeypatch: pytest.MonkeyPatch, order: int) -> None:
+    read: Counter[str] = Counter()
+    bytes_of = reading.record_bytes
+
+    def counted(path: Path) -> bytes:
+        read[path.name] += 1
+        return bytes_of(path)
+
+    monkeypatch.setattr(reading, "record_bytes", counted)
+    plan = study(folder)
+    plan["vary"] = dict(list(plan["vary"].items())[::order])
+    solve_cases(open_study(plan))
+    assert dict(read) == {f"{name}.AT2": 1 for name in RECORDS}
+
+
+def test_what_is_wrong_with_one_record_is_told_of_it(folder: Path, tmp_path: Path) -> None:
+    names = [str(folder / "a.AT2"), str(tmp_path / "bad.AT2"), str(folder / "b.AT2")]
+    plan = study(folder)
+    plan["vary"]["motion.record.file"] = names
+    with pytest.raises(RecordError, match=r"bad\.AT2' was not found"):
+        open_study(plan)
+    Path(names[1]).write_text((folder / "c.AT2").read_text().replace("NPTS=    320", "NPTS=    321"))
+    with pytest.raises(RecordError, match=r"bad\.AT2.*announces 321 values and only 320 follow"):
+        open_study(plan)
+    Path(names[1]).write_text(at2_text(np.zeros(50), 0.01, ["x", "y"]))
+    del plan["vary"]["motion.record.scale"]
+    plan["case"]["motion"]["record"] = {"pga": 1.0}
+    with pytest.raises(StudyError, match="the record is zero throughout"):
+        open_study(plan)
+
+
+def test_too_weak_records_are_named_and_no_others(folder: Path) -> None:
+    said = open_study(study(folder)).warnings
+    assert [sentence for sentence in said if "too weak" in sentence and sentence.startswith("weak.AT2")]
+    assert not [sentence for sentence in said if "too weak" in sentence and not sentence.startswith("weak.AT2")]
