@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 import yaml
 
 import rockcli
@@ -18,6 +17,8 @@ from rockcli.scene.scan import DIRECTIONS, QUARTER, Profile, _overturning
 from rockcli.study.building import body_mesh
 from rockcli.study.building.body_mesh import measured
 from rockcli.study.open import open_study
+
+trimesh = pytest.importorskip("trimesh", reason="meshes are read by trimesh: pip install -e '.[meshes]'")
 
 EXPERIMENTS = Path(__file__).resolve().parents[3] / "shared" / "experiments"
 
