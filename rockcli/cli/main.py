@@ -11,6 +11,7 @@ import typer
 from rockcli.cli import (
     animate,
     cache,
+    calibrate,
     check,
     compare,
     export,
@@ -47,6 +48,7 @@ app.command("compare")(compare.compare)
 app.command("trade")(trade.trade)
 app.command("report")(report.report)
 app.command("identify")(identify.identify)
+app.command("calibrate")(calibrate.calibrate)
 app.command("score")(score.score)
 app.command("export")(export.export)
 app.command("show")(show.show)

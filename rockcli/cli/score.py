@@ -20,7 +20,11 @@ def score(
         typer.Argument(metavar="[STUDY.yaml] RUNS.csv", help="The study that predicts, and the table of runs."),
     ],
     folds: Annotated[
-        str | None, typer.Option("--folds", metavar="COLUMN", help="Column of the runs that belong together.")
+        str | None,
+        typer.Option("--folds", metavar="COLUMN", help="Predict by a calibration on other groups."),
+    ] = None,
+    calibration: Annotated[
+        Path | None, typer.Option("--calibration", metavar="FILE.json", help="What `rock calibrate` wrote.")
     ] = None,
     count: Annotated[int, typer.Option("--count", metavar="K", min=0, help="Folds; 0 = one per group.")] = 5,
     repeats: Annotated[int, typer.Option("--repeats", metavar="N", min=1, help="Divisions into folds.")] = 5,
@@ -51,11 +55,13 @@ def score(
 ) -> None:
     """Score predictions of overturning against experiments.
 
-    Without a study the predictions are columns of the table: probabilities, or outcomes.
+    Without a study the predictions are columns of the table: probabilities, or outcomes.  With a study and --folds each
+    run is predicted by a calibration on the other groups, without them as the study stands.
     """
     from rockcli.cli.progress import Progress
+    from rockcli.engine.experiments.calibrate import by_study
     from rockcli.engine.experiments.runs import GROUP, read_runs
-    from rockcli.engine.experiments.score import Options, by_specimen, predicted_by, report_of
+    from rockcli.engine.experiments.score import Options, by_specimen, report_of
     from rockcli.engine.experiments.score_page import check_target, write
     from rockcli.engine.experiments.simulated import any_body
     from rockcli.engine.sweep.executors import usable_cores
@@ -66,20 +72,27 @@ def score(
     reading = {key: value for key, value in (("units", units), ("dt", dt)) if value is not None}
     if study is not None and reading:
         raise StudyError("--units and --dt are for records without a study, which says them itself")
+    if study is None and calibration is not None:
+        raise StudyError("--calibration is of a study's bodies: give STUDY.yaml too")
     if out is not None:
         check_target(out)
     named = None if predictions is None else [name.strip() for name in predictions.split(",") if name.strip()]
     runs = read_runs(table, group=folds or GROUP, predictions=named)
     options = Options(count=count, repeats=repeats, seed=seed, baselines=not no_baselines, against=against)
+    chosen = by_specimen(runs, specimen)
+    if calibration is not None and len(chosen) > 1:
+        raise StudyError(f"has {len(chosen)} specimens, a calibration is of one: choose with --specimen", file=table)
     reports = []
     team = Team(workers or usable_cores())
     line = Progress(table.name, shown=True)
     try:
-        for label, some in by_specimen(runs, specimen):
+        for label, some in chosen:
             found: tuple[str, Prediction] | None = None
             notes: tuple[str, ...] = ()
             if study is not None:
-                name, prediction, notes = predicted_by(study, some, team=team, progress=line)
+                name, prediction, notes = by_study(
+                    study, some, calibration, options, leave_out=folds is not None, team=team, progress=line
+                )
                 found = name, prediction
             reports.append(
                 report_of(

@@ -67,9 +67,14 @@ class Runs:
         return len(self.outcome)
 
     @property
+    def labels(self) -> tuple[str, ...]:
+        """Group of every run; without the column its record, without that its line."""
+        return self.group or self.record or tuple(f"line {line}" for line in self.line)
+
+    @property
     def groups(self) -> Index:
-        """Group of every run as a number, (n,); without the column each run is one."""
-        return numbered(self.group) if self.group else np.arange(self.size, dtype=np.int64)
+        """The groups as numbers, (n,)."""
+        return numbered(self.labels)
 
     def of(self, specimen: str) -> Runs:
         """The runs of one specimen."""

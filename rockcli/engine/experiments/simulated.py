@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +27,7 @@ from rockcli.study.document.tree import Map, Source, value_at
 from rockcli.study.identity import as_yaml, plain
 from rockcli.study.open import open_study
 from rockcli.study.study import Study
+from rockcli.version import __version__
 
 Array = NDArray[np.float64]
 
@@ -32,6 +35,8 @@ AMPLITUDE = "run_amplitude"
 """Symbol of `let` by which the motion of every run is multiplied."""
 
 _AXIS = "motion.record"
+
+_BODIES = ("case", "let", "vary", "uncertain", "samples", "seed", "sampling")
 
 _SCALES = ("scale", "pga", "pgv", "pga_over_g_tan_alpha")
 
@@ -51,7 +56,7 @@ class Simulated:
         inputs: path -> (c,) of the axes of the study: numbers, or labels.
         units: path -> unit of its numbers.
         study: the study's name.
-        identity: of the study as it was solved, runs and amplitudes included.
+        identity: hash of all that makes the bodies, and of how motions are read and multiplied.
     """
 
     share: Array
@@ -83,7 +88,10 @@ def study_of(source: Path | dict[str, Any], runs: Runs, amplitudes: Sequence[flo
         for number, (name, scale) in enumerate(_motions(runs), start=1)
     }
     first: dict[str, Any] = next(iter(settings.values()))
-    vary = plain(tree.get("vary") or {}, nothing=True) if bodies else {}
+    vary = plain(tree.get("vary") or {}, nothing=True)
+    if not bodies:
+        source = _without_bodies(tree)
+        tree, vary = Map(source), {}
     motions = {_AXIS: settings, f"let.{AMPLITUDE}": [float(value) for value in amplitudes]}
     overrides = [
         ("let", as_yaml({**plain(tree.get("let") or {}), AMPLITUDE: 1.0})),
@@ -99,11 +107,17 @@ def study_of(source: Path | dict[str, Any], runs: Runs, amplitudes: Sequence[flo
     for name in ("over", "compare_to", "hazard", "age"):
         if tree.get(name) is not None:
             overrides.append((name, "null"))
-    if not bodies and tree.get("uncertain"):
-        overrides.append(("uncertain", "{}"))
     study = open_study(source, overrides=overrides)
     check_answers(study)
     return study
+
+
+def _without_bodies(tree: Map) -> dict[str, Any]:
+    """A study that reads the motions of another one, whatever its bodies are."""
+    record = plain(value_at(tree, ("case", "motion", "record")) or {})
+    made = any_body({key: value for key, value in record.items() if key != "file"})
+    gravity = {"g": tree["case"]["g"]} if "g" in tree["case"] else {}
+    return {**made, "case": {**made["case"], **gravity}, "let": plain(tree.get("let") or {})}
 
 
 def _check(where: Source, tree: Map, runs: Runs) -> None:
@@ -172,8 +186,18 @@ def simulate(
         inputs=inputs,
         units=units,
         study=study.name,
-        identity=study.identity,
+        identity=_identity(source, study, runs, amplitudes),
     )
+
+
+def _identity(source: Path | dict[str, Any], study: Study, runs: Runs, amplitudes: Sequence[float]) -> str:
+    """What tells whether two tables of runs were solved with the same bodies."""
+    tree = expanded(load_mapping(source) if isinstance(source, dict) else load_file(source))
+    said = {key: plain(tree[key]) for key in _BODIES if key in tree}
+    records = {Path(name).name for name in runs.record}
+    inputs = {name: digest for name, digest in study.inputs.items() if Path(name).name not in records}
+    content = [as_yaml(said), inputs, [float(value) for value in amplitudes], __version__]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def _axis(study: Study, path: str) -> int:

@@ -1,0 +1,238 @@
+"""Calibrations: the bodies of a study and the errors of its model, as outcomes of runs leave them; kept as JSON."""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.analysis.experiments.calibration import AMPLITUDES, evidence, marginals, predict, summary
+from rockcli.analysis.experiments.scores import divide_groups, numbered
+from rockcli.engine.experiments.runs import Runs
+from rockcli.engine.experiments.score import STUDY, Options, Prediction, predicted_by
+from rockcli.engine.experiments.simulated import Simulated, simulate
+from rockcli.engine.sweep.sweep import Progress
+from rockcli.engine.sweep.work import Team
+from rockcli.errors import StudyError
+from rockcli.storage.atomic import write_text
+from rockcli.version import __version__
+
+Array = NDArray[np.float64]
+
+LEAST = 10
+"""Runs that a calibration needs."""
+
+FORMAT = 1
+
+_UNKNOWN = 255
+_STEPS = 200
+"""A share is kept as a whole number of 200ths."""
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """Runs with what every body of a study does in them.
+
+    Attributes:
+        simulated: of the runs.
+        outcome: whether the body overturned, (n,).
+        labels: group of each run.
+        table: name of the file of the runs.
+    """
+
+    simulated: Simulated
+    outcome: NDArray[np.bool_]
+    labels: tuple[str, ...]
+    table: str
+
+    def as_plain(self) -> dict[str, Any]:
+        """All of it, and what it says of the body, as plain values for JSON."""
+        known = self.simulated
+        group = numbered(self.labels)
+        found = evidence(known.share, self.outcome, group, known.amplitudes)
+        posterior = found.posterior(np.ones(int(group.max()) + 1, dtype=bool))
+        body, capacity, scatter = marginals(posterior, known.share.shape[1])
+        return {
+            "calibration": FORMAT,
+            "version": __version__,
+            "study": known.study,
+            "identity": known.identity,
+            "table": self.table,
+            "runs": len(self.outcome),
+            "overturned": int(self.outcome.sum()),
+            "groups": len(set(self.labels)),
+            "capacity_factor": asdict(capacity),
+            "capacity_scatter": asdict(scatter),
+            "bodies": known.share.shape[1],
+            "bodies_effective": float(1.0 / (body**2).sum()),
+            "posterior": {path: _told(values, body) | _unit(known, path) for path, values in known.inputs.items()},
+            "amplitudes": known.amplitudes.tolist(),
+            "inputs": {path: values.tolist() for path, values in known.inputs.items()},
+            "units": known.units,
+            "outcome": [int(fell) for fell in self.outcome],
+            "group": list(self.labels),
+            "share": _packed(known.share),
+        }
+
+
+def _unit(known: Simulated, path: str) -> dict[str, str]:
+    return {"unit": known.units[path]} if known.units.get(path) else {}
+
+
+def _told(values: NDArray[Any], weight: Array) -> dict[str, Any]:
+    """The distribution of an input: of numbers its moments and percentiles, of labels the probability of each."""
+    if np.issubdtype(values.dtype, np.number):
+        prior = np.full(len(weight), 1.0 / len(weight))
+        of = values.astype(float)
+        return {"prior": asdict(summary(of, prior)), "posterior": asdict(summary(of, weight))}
+    labels = list(dict.fromkeys(values.tolist()))
+    return {"probability": {str(label): float(weight[values == label].sum()) for label in labels}}
+
+
+def _packed(share: Array) -> str:
+    whole = np.where(np.isnan(share), _UNKNOWN, np.round(np.nan_to_num(share) * _STEPS)).astype(np.uint8)
+    return base64.b64encode(zlib.compress(whole.tobytes(), 9)).decode("ascii")
+
+
+def _unpacked(text: str, shape: tuple[int, ...]) -> Array:
+    whole = np.frombuffer(zlib.decompress(base64.b64decode(text, validate=True)), dtype=np.uint8).reshape(shape)
+    return np.where(whole == _UNKNOWN, np.nan, whole / _STEPS)
+
+
+def calibrate(
+    source: Path | dict[str, Any], runs: Runs, *, team: Team | None = None, progress: Progress | None = None
+) -> Calibration:
+    """Solve the bodies of a study in the runs of one specimen, at all amplitudes.
+
+    Raises:
+        StudyError: fewer than LEAST runs; as `simulate`.
+    """
+    if runs.size < LEAST:
+        raise StudyError(f"has {runs.size} runs; a calibration needs at least {LEAST}", file=runs.file)
+    if len(set(runs.specimen)) > 1:
+        raise StudyError(
+            f"has {len(set(runs.specimen))} specimens: choose one, as each has its own errors", file=runs.file
+        )
+    known = simulate(source, runs, AMPLITUDES.tolist(), team=team, progress=progress)
+    return Calibration(known, runs.outcome, runs.labels, runs.file.name)
+
+
+def write(calibration: Calibration, path: Path) -> None:
+    """Write a calibration; raises OutputError where it cannot be written."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_text(path, json.dumps(calibration.as_plain(), indent=1) + "\n")
+
+
+def read(path: Path) -> Calibration:
+    """Read a calibration.
+
+    Raises:
+        StudyError: it cannot be read or is none.
+    """
+    try:
+        plain = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise StudyError("there is no such file", file=path) from None
+    except OSError as error:
+        raise StudyError(f"cannot be read: {error.strerror}", file=path) from None
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        line = getattr(error, "lineno", None)
+        raise StudyError("is no JSON: expected a calibration of `rock calibrate`", file=path, line=line) from None
+    if not isinstance(plain, dict) or plain.get("calibration") != FORMAT:
+        raise StudyError(f"is no calibration of `rock calibrate` (format {FORMAT})", file=path)
+    try:
+        amplitudes = np.array(plain["amplitudes"], dtype=float)
+        shape = (len(plain["outcome"]), int(plain["bodies"]), len(amplitudes))
+        known = Simulated(
+            share=_unpacked(plain["share"], shape),
+            amplitudes=amplitudes,
+            inputs={name: np.array(values) for name, values in plain["inputs"].items()},
+            units=dict(plain["units"]),
+            study=str(plain["study"]),
+            identity=str(plain["identity"]),
+        )
+        outcome, labels = np.array(plain["outcome"], dtype=bool), tuple(str(label) for label in plain["group"])
+        if len(labels) != len(outcome) or len(outcome) < LEAST:
+            raise ValueError("runs")
+    except (KeyError, TypeError, ValueError, AttributeError, zlib.error):
+        raise StudyError("is a damaged calibration: `rock calibrate` makes it anew", file=path) from None
+    return Calibration(known, outcome, labels, str(plain.get("table", "")))
+
+
+def check_same(calibration: Calibration, simulated: Simulated, file: Path) -> None:
+    """`StudyError` if a calibration is of other bodies than those of a study."""
+    if calibration.simulated.identity != simulated.identity:
+        raise StudyError(
+            f"is a calibration of other bodies or motions than those of the study {simulated.study}; "
+            "`rock calibrate` makes it anew",
+            file=file,
+        )
+
+
+def predicted(
+    calibration: Calibration, simulated: Simulated, labels: tuple[str, ...], options: Options, *, leave_out: bool
+) -> tuple[Prediction, tuple[str, ...]]:
+    """Probabilities of runs by a calibration, and remarks.
+
+    Args:
+        calibration: of the same bodies as `simulated`.
+        simulated: of the runs to predict, at the amplitudes of the calibration.
+        labels: group of each.
+        options: count and repeats of the folds, seed.
+        leave_out: divide the runs into folds of whole groups, and predict each without the runs of its groups.
+    """
+    own = numbered(calibration.labels)
+    names = list(dict.fromkeys(calibration.labels))
+    found = evidence(calibration.simulated.share, calibration.outcome, own, calibration.simulated.amplitudes)
+    group = numbered(labels)
+    shared = len(set(labels) & set(names))
+    if not leave_out:
+        posterior = found.posterior(np.ones(len(names), dtype=bool))[None]
+        p, low, high = predict(simulated.share, found.kernel, posterior, np.zeros((1, len(labels)), dtype=np.int64))
+        told = f"{shared} groups of the runs are among those of the calibration: this is a fit, no prediction; --folds"
+        return Prediction(STUDY, p[0], low[0], high[0]), (told,) if shared else ()
+    which = np.zeros((options.repeats, len(labels)), dtype=np.int64)
+    posteriors: list[Array] = []
+    for repeat in range(options.repeats):
+        fold = divide_groups(group, options.count, options.seed + repeat)
+        for number in np.unique(fold):
+            out = {label for label, each in zip(labels, fold, strict=True) if each == number}
+            which[repeat, fold == number] = len(posteriors)
+            posteriors.append(found.posterior(np.array([name not in out for name in names])))
+    p, low, high = predict(simulated.share, found.kernel, np.array(posteriors), which)
+    return Prediction(STUDY, p.mean(axis=0), low.mean(axis=0), high.mean(axis=0), p), ()
+
+
+def by_study(
+    source: Path | dict[str, Any],
+    runs: Runs,
+    calibration: Path | None = None,
+    options: Options | None = None,
+    *,
+    leave_out: bool = False,
+    team: Team | None = None,
+    progress: Progress | None = None,
+) -> tuple[str, Prediction, tuple[str, ...]]:
+    """Name of a study, its prediction of the runs of one specimen, and remarks.
+
+    Nothing is fitted without a calibration, unless `leave_out` asks to calibrate on the other groups of the runs.
+
+    Raises:
+        StudyError: as `calibrate`, `read` and `simulate`; the calibration is of other bodies.
+    """
+    how = options or Options()
+    if calibration is None and not leave_out:
+        return predicted_by(source, runs, team=team, progress=progress)
+    if calibration is None:
+        known = calibrate(source, runs, team=team, progress=progress)
+        return (known.simulated.study, *predicted(known, known.simulated, runs.labels, how, leave_out=True))
+    known = read(calibration)
+    found = simulate(source, runs, known.simulated.amplitudes.tolist(), team=team, progress=progress)
+    check_same(known, found, calibration)
+    return (found.study, *predicted(known, found, runs.labels, how, leave_out=leave_out))

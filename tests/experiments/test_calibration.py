@@ -1,0 +1,214 @@
+"""Calibration: Bayes' rule written out again, truth recovered from runs that a known error has made, commands."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from scipy.stats import norm
+
+from rockcli.analysis.experiments.calibration import (
+    AMPLITUDES,
+    LAPSE,
+    LOCATIONS,
+    SCATTERS,
+    SPREAD,
+    evidence,
+    kernel_of,
+    marginals,
+    predict,
+)
+from rockcli.engine.experiments.calibrate import Calibration, predicted
+from rockcli.engine.experiments.score import Options
+from rockcli.engine.experiments.simulated import Simulated
+
+
+def steps(capacity: np.ndarray) -> np.ndarray:
+    """Shares of models that overturn at amplitudes above their capacity: (n, c) -> (n, c, a)."""
+    return (capacity[..., None] < AMPLITUDES).astype(float)
+
+
+def test_the_posterior_is_bayes_rule():
+    rng = np.random.default_rng(1)
+    share = steps(np.exp(rng.normal(0.0, 0.4, (6, 3))))
+    share[2, 1, 4] = np.nan
+    share[3, 0, 7] = 0.25
+    outcome, group = rng.random(6) < 0.5, np.array([0, 0, 1, 2, 2, 2])
+    found = evidence(share, outcome, group, AMPLITUDES).posterior(np.array([True, False, True]))
+    edges = np.log(AMPLITUDES[:-1] * AMPLITUDES[1:]) / 2.0
+    weights, place = [], []
+    for body in range(3):
+        for mu in LOCATIONS:
+            for beta in SCATTERS:
+                inside = np.diff(np.concatenate([[0.0], norm.cdf(edges, mu, beta), [1.0]]))
+                likelihood = norm.pdf(mu, 0.0, SPREAD)
+                for i in (0, 1, 3, 4, 5):
+                    p = LAPSE + (1.0 - 2.0 * LAPSE) * np.where(np.isnan(share[i, body]), 0.5, share[i, body]) @ inside
+                    likelihood *= p if outcome[i] else 1.0 - p
+                weights.append(likelihood)
+                place.append(LAPSE + (1.0 - 2.0 * LAPSE) * share[0, body] @ inside)
+    right = np.array(weights) / np.sum(weights)
+    assert found == pytest.approx(right, rel=1e-9, abs=1e-15)
+    p, low, high = predict(share[:1], kernel_of(AMPLITUDES), found[None], np.zeros((1, 1), dtype=np.int64))
+    assert p[0, 0] == pytest.approx(right @ place, rel=1e-9)
+    order = np.argsort(place)
+    mass = np.cumsum(right[order])
+    for end, q in ((low[0, 0], 0.025), (high[0, 0], 0.975)):
+        assert end == pytest.approx(np.array(place)[order][np.searchsorted(mass, q)], abs=2e-3)
+
+
+def synthetic(seed: int, n: int, mu: float, beta: float) -> tuple[np.ndarray, np.ndarray]:
+    """Capacities of a model in n runs, and outcomes where motions act stronger by exp(normal(mu, beta))."""
+    rng = np.random.default_rng(seed)
+    capacity = np.exp(rng.uniform(-0.6, 0.6, n))
+    return capacity, np.exp(rng.normal(mu, beta, n)) > capacity
+
+
+def test_a_known_error_lies_in_its_interval_as_often_as_it_says():
+    inside = []
+    for seed in range(40):
+        capacity, outcome = synthetic(seed, 60, -0.15, 0.15)
+        posterior = evidence(steps(capacity[:, None]), outcome, np.arange(60), AMPLITUDES).posterior(np.ones(60, bool))
+        _, factor, scatter = marginals(posterior, 1)
+        inside.append(factor.p2_5 <= np.exp(0.15) <= factor.p97_5 and scatter.p2_5 <= 0.15 <= scatter.p97_5)
+    assert sum(inside) >= 32  # of two intervals of 95 % at once: 36 expected, fewer than 32 once in 60 times
+
+
+def test_predicted_probabilities_are_the_shares_that_overturn():
+    capacity, outcome = synthetic(0, 100, 0.1, 0.15)
+    posterior = evidence(steps(capacity[:, None]), outcome, np.arange(100), AMPLITUDES).posterior(np.ones(100, bool))
+    capacity, outcome = synthetic(1, 6000, 0.1, 0.15)
+    p = predict(steps(capacity[:, None]), kernel_of(AMPLITUDES), posterior[None], np.zeros((1, 6000), np.int64))[0][0]
+    seen = 0
+    for value in np.unique(p):
+        some = p == value
+        if some.sum() >= 100:
+            seen += 1
+            assert outcome[some].mean() == pytest.approx(value, abs=0.12)
+    assert seen >= 10
+    assert np.mean((p - outcome) ** 2) < 0.1
+
+
+def test_runs_tell_the_right_body():
+    rng = np.random.default_rng(5)
+    capacity = np.exp(rng.normal(0.0, 0.5, (80, 4)))
+    outcome = np.exp(rng.normal(0.1, 0.1, 80)) > capacity[:, 2]
+    posterior = evidence(steps(capacity), outcome, np.arange(80), AMPLITUDES).posterior(np.ones(80, bool))
+    assert marginals(posterior, 4)[0][2] > 0.99
+
+
+def calibration(outcome: np.ndarray, capacity: np.ndarray, labels: tuple[str, ...]) -> Calibration:
+    inputs = {"block.b": np.arange(float(capacity.shape[1]))}
+    return Calibration(Simulated(steps(capacity), AMPLITUDES, inputs, {}, "s", ""), outcome, labels, "runs.csv")
+
+
+def test_no_run_is_predicted_by_outcomes_of_its_group():
+    """What happened in a group changes all predictions but its own."""
+    rng = np.random.default_rng(3)
+    capacity, labels = np.exp(rng.normal(0.0, 0.4, (40, 5))), tuple(f"g{i % 8}" for i in range(40))
+    outcome = capacity[:, 1] < 1.0
+    own = np.array([label == "g3" for label in labels])
+    for leave_out in (True, False):
+        p = []
+        for flipped in (outcome, np.where(own, ~outcome, outcome)):
+            known = calibration(flipped, capacity, labels)
+            options = Options(count=0, repeats=1)
+            p.append(predicted(known, known.simulated, labels, options, leave_out=leave_out)[0].p)
+        assert (p[0][own] == p[1][own]).all() == leave_out
+        assert (p[0][~own] != p[1][~own]).all()
+
+
+DT = 0.01
+TRUE = 0.06
+
+
+@pytest.fixture(scope="module")
+def experiments(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Thirty sines on a body of b = TRUE, half of them in a.csv and half in b.csv, and a study that does not know b."""
+    import rockcli
+
+    folder = tmp_path_factory.mktemp("experiments")
+    rng = np.random.default_rng(2)
+    lines: dict[str, list[str]] = {"a": [], "b": []}
+    for number in range(30):
+        period, name = rng.uniform(0.3, 1.2), f"sine_{number:02}.txt"
+        t = DT * np.arange(int(1.5 * period / DT) + 2)
+        np.savetxt(folder / name, np.sin(2.0 * np.pi * t / period) * (t <= period))
+        scale = float(np.exp(rng.uniform(np.log(1.5), np.log(9.0))))
+        record = {"file": str(folder / name), "units": "m/s2", "dt": DT, "scale": scale}
+        case = {"block": {"h": 0.3, "b": TRUE}, "damping": {"eta": 0.9}, "motion": {"record": record}}
+        fell = int(rockcli.run({"case": case, "save": {"histories": False}})["outcome"]) >= 2
+        lines["ab"[number % 2]].append(f"{name},{scale!r},{int(fell)},g{number // 3}")
+    for table, rows in lines.items():
+        (folder / f"{table}.csv").write_text("\n".join(["record,scale,outcome,group", *rows]) + "\n")
+    study = {
+        "name": "unknown-width",
+        "case": {
+            "block": {"h": 0.3, "b": 0.1},
+            "damping": {"eta": 0.9},
+            "motion": {"record": {"units": "m/s2", "dt": DT}},
+        },
+        "uncertain": {"block.b": {"uniform": [0.03, 0.12]}},
+        "samples": 24,
+    }
+    (folder / "study.yaml").write_text(yaml.safe_dump(study))
+    other = study | {"uncertain": {"block.b": {"uniform": [0.03, 0.13]}}}
+    (folder / "other.yaml").write_text(yaml.safe_dump(other))
+    return folder
+
+
+def test_calibrate_on_some_runs_and_predict_others(rock, experiments, monkeypatch, capsys):
+    monkeypatch.chdir(experiments)
+    assert rock("calibrate", experiments / "study.yaml", experiments / "a.csv", "--out", "a.json", "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    before, after = (found["posterior"]["block.b"][key] for key in ("prior", "posterior"))
+    assert before["mean"] == pytest.approx(0.075, abs=0.002)
+    assert after["p2_5"] <= TRUE <= after["p97_5"]
+    assert after["sd"] < 0.7 * before["sd"]  # a wider body and a stronger model are almost the same
+    assert found["capacity_factor"]["p2_5"] <= 1.0 <= found["capacity_factor"]["p97_5"]
+    first = Path("a.json").read_bytes()
+    assert rock("calibrate", experiments / "study.yaml", experiments / "a.csv", "--out", "a.json") == 0
+    assert "capacity, body over model" in capsys.readouterr().out
+    assert Path("a.json").read_bytes() == first
+
+    paths = experiments / "study.yaml", experiments / "b.csv"
+    assert rock("score", *paths, "--calibration", "a.json", "--json", "--no-baselines") == 0
+    (scores,) = json.loads(capsys.readouterr().out)["specimens"]
+    assert any("this is a fit" in note for note in scores["notes"])  # the groups are in both tables
+    assert rock("score", *paths, "--calibration", "a.json", "--folds", "group", "--json", "--no-baselines") == 0
+    (scores,) = json.loads(capsys.readouterr().out)["specimens"]
+    assert scores["notes"] == []
+    assert scores["predictions"]["unknown-width"]["accuracy"] >= 0.8
+    assert all(0.0 <= row["low"] <= row["p"] <= row["high"] <= 1.0 for row in scores["probabilities"])
+    assert rock("score", *paths, "--json", "--no-baselines") == 0
+    (unfitted,) = json.loads(capsys.readouterr().out)["specimens"]
+    brier = [each["predictions"]["unknown-width"]["brier"] for each in (scores, unfitted)]
+    assert brier[0] < brier[1]
+
+
+def test_what_is_no_calibration_of_these_bodies_is_refused(rock, experiments, capsys):
+    study, table = experiments / "study.yaml", experiments / "a.csv"
+    assert rock("calibrate", study, table, "--out", "a.json") == 0
+    Path("few.csv").write_text("\n".join(table.read_text().split("\n")[:10]) + "\n")
+    Path("none.json").write_text("{}")
+    Path("cut.json").write_text(Path("a.json").read_text()[:500])
+    Path("odd.json").write_text(Path("a.json").read_text().replace('"bodies": 24', '"bodies": 23'))
+    capsys.readouterr()
+    for arguments, words in (
+        (("calibrate", study, "few.csv", "--out", "b.json"), "at least 10"),
+        (("calibrate", study, table, "--out", "b.txt"), "expected .json"),
+        (("score", study, table, "--calibration", "lost.json"), "no such file"),
+        (("score", study, table, "--calibration", "none.json"), "no calibration"),
+        (("score", study, table, "--calibration", "cut.json"), "is no JSON"),
+        (("score", study, table, "--calibration", "odd.json"), "damaged calibration"),
+        (("score", experiments / "other.yaml", table, "--calibration", "a.json"), "other bodies"),
+        (("score", table, "--calibration", "a.json"), "STUDY.yaml"),
+    ):
+        assert rock(*arguments) == 2
+        said = capsys.readouterr()
+        assert words in said.err
+        assert said.out == ""
+    assert not Path("b.json").exists()
