@@ -9,12 +9,16 @@ import pytest
 from reference import falls, flights, symmetric
 from scenes import G, make_batch, pulse
 
+from rockcli import kernels
+from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import make_block
 from rockcli.scene.models import MODELS
 from rockcli.scene.pulses import SHAPES
 from rockcli.solvers.event import pulse_lanes as lane_pulses
-from rockcli.solvers.event.solver import solve
+from rockcli.solvers.event.pack import parameters_of
+from rockcli.solvers.event.solver import _settings, solve
+from rockcli.solvers.general import solver as general
 
 ALPHA = 0.2
 PEAKS = ("outcome", "theta_peak_over_alpha", "theta_peak", "n_impacts", "t_peak", "t_uplift")
@@ -46,8 +50,9 @@ def assert_same(batch: Batch, tolerance: float) -> None:
         error = np.abs(found.scalars[name][stands] - exact[name][stands])
         assert np.median(error) < tolerance
         assert np.quantile(error, 0.99) < 1e3 * tolerance
-    # an impact at the very end of the report may fall on either side of it
-    assert np.mean(found.scalars["n_impacts"] != exact["n_impacts"]) < 5e-3
+    if batch.block.symmetric.all():  # else what still counts of the last bounces depends on the accuracy
+        # an impact at the very end of the report may fall on either side of it
+        assert np.mean(found.scalars["n_impacts"] != exact["n_impacts"]) < 5e-3
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -75,6 +80,97 @@ def test_restitution(eta):
 @pytest.mark.parametrize("eta", [0.0, 0.3, 0.8, 0.99, 1.0])
 def test_restitution_in_detail(eta):
     assert_same(map_of("ricker", 60, eta=eta), 1e-9)
+
+
+def turned(batch: Batch) -> Batch:
+    """It begins on its left edge, going back."""
+    return replace(batch, theta_0=np.full(batch.size, -0.4 * ALPHA), theta_dot_0=np.full(batch.size, 0.03))
+
+
+def pushed(batch: Batch) -> Batch:
+    return replace(batch, theta_dot_0=np.full(batch.size, -0.1))
+
+
+def cut(batch: Batch) -> Batch:
+    """The report ends in the middle of some motions and soon after others."""
+    return replace(batch, excitation=replace(batch.excitation, duration=np.linspace(2.0, 9.0, batch.size)))
+
+
+def uneven(batch: Batch) -> Batch:
+    h, b = 0.75 * G * np.cos(ALPHA), 0.75 * G * np.sin(ALPHA)
+    return replace(batch, block=make_block(h=h, b=np.tile([0.7 * b, 1.1 * b], (batch.size, 1)), n=batch.size))
+
+
+FEATURES = [
+    (turned,),
+    (pushed,),
+    (cut,),
+    (uneven,),
+    (uneven, cut),
+    (uneven, turned),
+    (turned, cut),
+    (uneven, pushed, cut),
+]
+SIDES = ("theta_peak_left", "theta_peak_right")
+
+
+def with_features(features, side: int, **how) -> Batch:
+    batch = map_of("ricker", side, scalars=(*PEAKS, *SIDES), **how)
+    for feature in features:
+        batch = feature(batch)
+    return batch
+
+
+def assert_features(features, side: int, **how) -> None:
+    batch = with_features(features, side, **how)
+    assert_same(batch, 1e-10)
+    found = solve(batch).scalars
+    alone = solve(replace(batch, save=replace(batch.save, scalars=batch.save.scalars | {"t_end"})))
+    assert alone.used["method"] != lane_pulses.METHOD
+    assert np.mean(found["n_impacts"] != alone.scalars["n_impacts"]) < 5e-3
+    exact = solve(replace(batch, numerics=replace(batch.numerics, accuracy="reference"))).scalars
+    for name in (*SIDES, "t_peak", "t_uplift"):
+        np.testing.assert_array_equal(np.isnan(found[name]), np.isnan(exact[name]))
+        known = np.isfinite(exact[name])
+        assert np.all(np.abs(found[name][known] - exact[name][known]) < 1e-6), name
+
+
+def names(features) -> str:
+    return "-".join(feature.__name__ for feature in features)
+
+
+@pytest.mark.parametrize("features", FEATURES, ids=names)
+def test_features(features):
+    assert_features(features, 5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["rigid", "linearized", "3"])
+@pytest.mark.parametrize("features", FEATURES, ids=names)
+def test_features_in_detail(features, model):
+    assert_features(features, 40, model=model, geometry="negative_stiffness" if model == "3" else None)
+
+
+@pytest.mark.parametrize("features", [(turned,), (cut,), (uneven,), (uneven, turned, cut)], ids=names)
+def test_features_against_general_solvers(features):
+    """Solvers that share no formula with the lanes."""
+    batch = with_features(features, 3)
+    found = solve(batch).scalars
+    other = general.solve(replace(batch, numerics=replace(batch.numerics, backend="scipy"))).scalars
+    assert len(set(found["outcome"])) >= 2
+    np.testing.assert_array_equal(found["outcome"], other["outcome"])
+    for name in ("theta_peak", "t_peak", "t_uplift"):
+        np.testing.assert_allclose(found[name], other[name], rtol=0.0, atol=2e-6)
+
+
+def test_the_lanes_take_features():
+    """None of them is left to the single-body kernels, but for a few that they hand over."""
+    lanes = kernels.load("lanes.pulses.march", compile_them=bool(kernels.compiled))
+    for features in FEATURES:
+        batch = with_features(features, 5)
+        how = _settings(lanes, batch, batch.numerics.tolerances, lanes.OUTCOME + 1)
+        raw = lane_pulses.run(lanes, batch, parameters_of(batch), how, slice(None))
+        assert np.isnan(raw[:, to.STATUS]).mean() <= 0.2, names(features)
 
 
 @pytest.mark.slow

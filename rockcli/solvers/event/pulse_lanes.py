@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels.constants import LEFT_TO_MARCH
+from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import PIECE_WIDTH, Pulses
+from rockcli.scene.variables import SCALARS_ASYMMETRIC
 
 Array = NDArray[np.float64]
 
@@ -24,7 +26,7 @@ polynomials of the lanes' order would need many steps per sample."""
 WITHIN = frozenset(
     {
         "outcome", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "t_peak", "t_uplift", "n_impacts",
-        "wall_time", "reason",
+        "wall_time", "reason", *SCALARS_ASYMMETRIC,
     }
 )  # fmt: skip
 """Scalars that the lanes find."""
@@ -50,7 +52,7 @@ def asked(batch: Batch) -> bool:
 
 
 def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any) -> Array:
-    """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch of symmetric bodies.
+    """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch.
 
     `how`: `Settings` of the single-body kernels.  NaN in STATUS for a body that is left to the single-body kernels.
     """
@@ -60,8 +62,13 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any) -> A
     tables = channel.table[cases].reshape(len(rows), pieces * PIECE_WIDTH)
     found = np.zeros((len(rows), to.N_OUT))
     how = how._replace(order=_order(how.tol), max_steps=MAX_STEPS)
+    uneven = np.any(rows[:, at.LEFT : at.LEFT + at.EDGE] != rows[:, at.RIGHT : at.RIGHT + at.EDGE], axis=1)
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
-        lanes.sweep(rows, how, tables, pieces, lanes.work_space(how.order), found)
+        for two_sided in np.unique(uneven).tolist():  # apart, so that no body depends on others
+            some = slice(None) if (uneven == two_sided).all() else np.flatnonzero(uneven == two_sided)
+            part = np.zeros((len(rows[some]), to.N_OUT))
+            lanes.sweep(rows[some], how, tables[some], pieces, two_sided, lanes.work_space(how.order), part)
+            found[some] = part
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known
     found[:, to.N_MIN] = found[:, to.N_STANDING] = np.inf  # nobody looked

@@ -163,7 +163,7 @@ def _method(pulses: bool, in_lanes: bool, level: Accuracy) -> str:
 def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> tuple[Raw, Mask]:
     """A map of pulses or of a record in lanes, and where it is open whether friction holds a body.
 
-    One by one those of two different edges, with a given duration, and those the lanes hand over.  What is found
+    One by one those the lanes do not take, and those they hand over.  What is found
     without a `mu` is found alike with one, so that friction that holds changes no bit; where that tells no forces, and
     how far a body rocks does not settle it (K15), the lanes of a record look at its forces in a run of their own.  Open
     are those that may need more friction than there is; of bodies without consistent contact forces that is told from
@@ -174,8 +174,9 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     compiled = bool(kernels.compiled)
     run = Raw(batch.size, 0, 0)
     left_edge, right_edge = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
-    fit = np.all(left_edge == right_edge, axis=1) & (rows[:, at.HAS_DURATION] == 0.0)
     pulses = lane_pulses.asked(batch)
+    fit = np.all(left_edge == right_edge, axis=1) & (rows[:, at.HAS_DURATION] == 0.0)
+    fit |= pulses & ~given  # with friction, what does not settle it in lanes is better told one by one
     detail = _detail(march, batch, False)
     forces = bool(batch.save.scalars & FORCES)
     how_much = int(march.PEAKS) if given.any() and not forces else detail

@@ -14,7 +14,7 @@ from rockcli.kernels.rigid.march import OUTCOME
 
 
 @jit_lean
-def judge(state, o, how):
+def judge(state, o, how, two_sided):
     """One vector: its energy against that of the equilibrium, with what the rest of the motion can still change."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     going = (mode >= lane.REST) & (event < lane.DONE)
@@ -30,26 +30,33 @@ def judge(state, o, how):
     store(state, o + lane.SINE * WIDTH, sine)
     store(state, o + lane.COSINE * WIDTH, cosine)
     plus, minus = to_come(state, o, t)
-    pull, right = load(state, o + lane.L_PULL * WIDTH), load(state, o + lane.S * WIDTH) > 0.0
-    both, inward = pull * (plus + minus), pull * select(right, plus, minus)
+    full, right = load(state, o + lane.L_PULL * WIDTH), load(state, o + lane.S * WIDTH) > 0.0
+    pull, inward = full, full * select(right, plus, minus)
     r0, rs, rc = (
         load(state, o + lane.L_R0 * WIDTH), load(state, o + lane.L_RS * WIDTH), load(state, o + lane.L_RC * WIDTH),
     )  # fmt: skip
     stored = 2.0 * potential(r0, rc, q, rs * bend, sine)
     energy, top = v * v + stored, 2.0 * load(state, o + lane.L_TOP * WIDTH)
+    least = top  # of both edges: the rate goes on over an impact, less by eta
+    if two_sided:
+        there = o + (lane.OTHER - lane.L_SIDE) * WIDTH
+        least, other = 2.0 * load(state, there + lane.L_TOP * WIDTH), load(state, there + lane.L_PULL * WIDTH)
+        least, pull = select(least < top, least, top), select(other > pull, other, pull)
+    both = pull * (plus + minus)
     brim, speed = sqrt(top), sqrt(select(energy > 0.0, energy, 0.0))
     inside, doubt = q < load(state, o + lane.L_STAR * WIDTH), 100.0 * margin * brim
-    returns = inside & (speed + both < brim - doubt)
+    returns = inside & (speed + both < sqrt(least) - doubt)
     falls = (v > 0.0) & (speed - inward > brim + doubt)
     falls = (inside & falls) | (~inside & (v > inward + doubt))
 
     over = t >= load(state, o + lane.L_END * WIDTH)  # nothing more to come: the sign of the excess decides
     excess = energy - top
-    returns = returns | (over & inside & (excess < 0.0))
+    returns = returns | (over & inside & (energy < least))
     falls = falls | (over & ((inside & (excess > 0.0) & (v > 0.0)) | (~inside & (excess < 0.0))))
     p = load(state, o + lane.L_P * WIDTH)
     near = 10.0 * margin * load(state, o + lane.L_ALPHA * WIDTH) * p * (abs(v) + sqrt(abs(top - stored)))
-    near = abs(excess) <= near + 1e-13 * p * p
+    near = near + 1e-13 * p * p
+    near = (abs(excess) <= near) | (abs(energy - least) <= near)
 
     verdict = load(state, o + lane.VERDICT * WIDTH)
     asked = going & (mode == lane.ROCK) & (verdict < 0.0)
@@ -58,11 +65,14 @@ def judge(state, o, how):
     still = going & (mode == lane.REST) & over
     verdict = select(still, 1.0 * RETURNS, verdict)
     known = verdict >= 0.0
+    ends = (t >= load(state, o + lane.L_STOP * WIDTH)) & (load(state, o + lane.L_GIVEN * WIDTH) > 0.0)
     if how.detail > OUTCOME:
         stop = load(state, o + lane.L_STOP * WIDTH)
-        known = still | (verdict == 1.0 * FALLS) | (known & (t >= stop) & (v <= 0.0))
+        known = still | (verdict == 1.0 * FALLS) | (known & (t >= stop) & ((v <= 0.0) | ends))
     next_event = select(known, lane.DONE, lane.NONE)
-    doubtful = (asked & over & near) | (load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps)
+    doubtful = (
+        (asked & over & near) | (going & ends & ~known) | (load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps)
+    )
     next_event = select(doubtful, lane.FOR_MARCH, next_event)
     store(state, o + lane.VERDICT * WIDTH, verdict)
     store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))

@@ -62,17 +62,21 @@ def padded(lanes, begin, slots, space):
 
 
 @jit_lean
-def find_uplifts(state, n, poly, lanes, count):
+def find_uplifts(state, n, two_sided, poly, lanes, count):
     """First time the ground lifts the resting lanes that asked, on either side."""
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
         chosen = padded(lanes, begin, slots, poly)
-        h, guard = gather(state, chosen + 1.0 * (lane.H * WIDTH)), gather(state, chosen + 1.0 * (lane.L_GUARD * WIDTH))
+        h, one = gather(state, chosen + 1.0 * (lane.H * WIDTH)), gather(state, chosen + 1.0 * (lane.L_GUARD * WIDTH))
+        onto = gather(state, chosen + 1.0 * (lane.L_SIDE * WIDTH))
+        other = one
+        if two_sided:
+            other = gather(state, chosen + 1.0 * ((lane.OTHER + lane.L_GUARD - lane.L_SIDE) * WIDTH))
         side, first = spread(0.0), spread(NO_ROOT)
         for sign in (-1.0, 1.0):
             for k in range(n + 1):
                 store(poly, k * WIDTH, sign * gather(state, chosen + 1.0 * series_of_a(k * WIDTH, n)))
-            store(poly, 0, load(poly, 0) + guard)
+            store(poly, 0, load(poly, 0) + select(onto * sign > 0.0, one, other))
             x, _ = first_root(poly, n, h)
             sooner = (x >= 0.0) & ((x < first) | (first == NO_ROOT)) & ~(first == LOST)
             first = select(sooner | (x == LOST), x, first)

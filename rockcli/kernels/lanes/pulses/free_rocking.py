@@ -21,8 +21,9 @@ LOW = 0.7
 MOST = 100000
 """Impacts counted."""
 
-BACKLOG = 9
-"""Numbers of a case that waits to be counted: case, end of the report, time, rate, eta, slowest, r0, rs, rc."""
+BACKLOG = 16
+"""Numbers of a case that waits to be counted: case, end of the report, time, rate; of the edge it turns about, and of
+the other one, eta, the rates above which an impact is counted and above which it does not rest there, r0, rs, rc."""
 
 
 @jit_lean
@@ -57,31 +58,44 @@ def swing(v, r0, rs, rc, linear):
 
 
 @jit_lean
-def impacts_until(stop, t, v, eta, slowest, r0, rs, rc, linear, going):
-    """Impacts faster than `slowest` of bodies that take off at t with rate v, up to the time `stop`; -1: too many."""
+def impacts_until(stop, t, v, edge, other, linear, going):
+    """Impacts of bodies that take off at t with rate v, up to the time `stop`; -1: too many.
+
+    edge, other: of the edge they turn about first, as in the backlog.
+    """
     count = spread(0.0)
-    going = going & (v > slowest)
+    going = going & (v > edge[2])
     for _ in range(MOST):
         if not some(going):
             break
-        t = t + swing(v, r0, rs, rc, linear)
+        t = t + swing(v, edge[3], edge[4], edge[5], linear)
         going = going & (t <= stop)
-        count = select(going, count + 1.0, count)
-        v = eta * v
-        going = going & (v > slowest)
+        count = select(going & (v > edge[1]), count + 1.0, count)
+        edge, other = other, edge
+        v = edge[0] * v
+        going = going & (v > edge[2])
     return select(going, -1.0, count)
 
 
 @jit_lean
-def count_impacts(backlog, count, linear, out):
+def waiting_edge(backlog, first):
+    """The numbers of an edge of the cases in the backlog."""
+    return (
+        load(backlog, first * WIDTH), load(backlog, (first + 1) * WIDTH), load(backlog, (first + 2) * WIDTH),
+        load(backlog, (first + 3) * WIDTH), load(backlog, (first + 4) * WIDTH), load(backlog, (first + 5) * WIDTH),
+    )  # fmt: skip
+
+
+@jit_lean
+def count_impacts(backlog, count, linear, two_sided, out):
     """Add to the results of the cases in the backlog the impacts they still have."""
     for j in range(count, WIDTH):
         for field in range(BACKLOG):
             backlog[field * WIDTH + j] = backlog[field * WIDTH]
+    second = 10 if two_sided else 4
     more = impacts_until(
-        load(backlog, WIDTH), load(backlog, 2 * WIDTH), load(backlog, 3 * WIDTH), load(backlog, 4 * WIDTH),
-        load(backlog, 5 * WIDTH), load(backlog, 6 * WIDTH), load(backlog, 7 * WIDTH), load(backlog, 8 * WIDTH),
-        linear, load(backlog, 0) >= 0.0,
+        load(backlog, WIDTH), load(backlog, 2 * WIDTH), load(backlog, 3 * WIDTH),
+        waiting_edge(backlog, 4), waiting_edge(backlog, second), linear, load(backlog, 0) >= 0.0,
     )  # fmt: skip
     store(backlog, WIDTH, more)
     for j in range(count):

@@ -16,7 +16,16 @@ from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_up
 from rockcli.kernels.lanes.pulses.free_rocking import BACKLOG, LOW, count_impacts
 from rockcli.kernels.lanes.pulses.ground import expand
 from rockcli.kernels.lanes.pulses.series import flow, flow_linear, look_along, reach_of
-from rockcli.kernels.lanes.pulses.state import enter, leave, next_piece, put, series_of_a, series_of_q, stride
+from rockcli.kernels.lanes.pulses.state import (
+    enter,
+    leave,
+    next_piece,
+    put,
+    series_of_a,
+    series_of_q,
+    stride,
+    to_the_edge,
+)
 from rockcli.kernels.lanes.pulses.uplift_screen import (
     BELL_E,
     ENERGY,
@@ -41,12 +50,17 @@ from rockcli.kernels.rigid.settings import Settings as Settings
 LONGEST = 2.0
 """Longest step, over 1/p."""
 
+NEAR = 0.5
+"""Longest step of a body that moves before a bell comes, in its y: far from it the first terms of its series are
+nothing, and by Cramer's bound |He_m(y)| < 1.09 sqrt(m!) exp(y^2/4) those left out are below the tolerance."""
 
-@entry(MATRIX, Settings, MATRIX, int, VECTOR, MATRIX)
-def sweep(pars, how, tables, pieces, work, out):
+
+@entry(MATRIX, Settings, MATRIX, int, bool, VECTOR, MATRIX)
+def sweep(pars, how, tables, pieces, two_sided, work, out):
     """Solve every row of `pars` under the pulse of its row of `tables` with series of `how.order`.
 
-    `work`: `work_space(how.order)`; `out` zeros.  What is not done here has STATUS LEFT_TO_MARCH.
+    `two_sided`: the edges of these bodies differ.  `work`: `work_space(how.order)`; `out` zeros.
+    What is not done here has STATUS LEFT_TO_MARCH.
     """
     linear, tol, n, detail = how.linear, how.tol, how.order, how.detail
     state, scratch, screened, backlog, lists = split(work, n)
@@ -68,34 +82,35 @@ def sweep(pars, how, tables, pieces, work, out):
         for j in range(n_ending):
             i = int(ending[j])
             if state[i + lane.CASE * WIDTH] >= 0.0:
-                finish_case(state, i, out)
+                finish_case(state, i, two_sided, out)
                 busy -= 1
             upcoming, came = next_case(
-                state, i, upcoming, screened, pars, tables, pieces, linear, 100.0 * how.margin, detail == OUTCOME, out
-            )
+                state, i, upcoming, screened, pars, tables, pieces, linear, two_sided, 100.0 * how.margin,
+                detail == OUTCOME, out,
+            )  # fmt: skip
             busy += came
         if busy == 0:
             if n_postponed > 0:
-                count_impacts(backlog, n_postponed, linear, out)
+                count_impacts(backlog, n_postponed, linear, two_sided, out)
             return
         n_asking = n_lifting = n_ending = n_moving = n_slowing = n_bouncing = 0
         for o in range(0, lane.VECTORS * size, size):
-            look(state, o, n, linear, tol, scratch)
+            look(state, o, n, linear, two_sided, tol, scratch)
             event = load(state, o + lane.EVENT * WIDTH)
             n_asking = note(event == lane.IMPACT, 1.0 * o, asking, n_asking)
             n_lifting = note(event == lane.UPLIFT, 1.0 * o, lifting, n_lifting)
         find_impacts(state, n, scratch, asking, n_asking)
-        find_uplifts(state, n, scratch, lifting, n_lifting)
+        find_uplifts(state, n, two_sided, scratch, lifting, n_lifting)
         if detail > OUTCOME:
             find_tops(state, n, tol, scratch, asking)
         for o in range(0, lane.VECTORS * size, size):
-            advance(state, o, how.rest_speed)
+            advance(state, o, two_sided, how.rest_speed)
             event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
             past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
             n_moving = note((event >= lane.NONE) & (event < lane.DONE) & past, 1.0 * o, moving, n_moving)
             n_slowing = note((event == lane.IMPACT) & (mode == lane.REST), 1.0 * o, slowing, n_slowing)
             if detail > OUTCOME:
-                n_bouncing = note(only_bounces(state, o, tol, linear), 1.0 * o, bouncing, n_bouncing)
+                n_bouncing = note(only_bounces(state, o, tol, linear, two_sided), 1.0 * o, bouncing, n_bouncing)
         for j in range(n_slowing):
             i = int(slowing[j])
             come_to_rest(state, i, n, pars[int(state[i + lane.CASE * WIDTH])], how.rest_speed, scratch)
@@ -104,13 +119,13 @@ def sweep(pars, how, tables, pieces, work, out):
             next_piece(state, i, tables[int(state[i + lane.CASE * WIDTH])], pieces)
         for j in range(n_bouncing):
             i = int(bouncing[j])
-            postpone(state, i, backlog, n_postponed)
+            postpone(state, i, backlog, n_postponed, how.rest_speed)
             n_postponed += 1
             if n_postponed == WIDTH:
-                count_impacts(backlog, n_postponed, linear, out)
+                count_impacts(backlog, n_postponed, linear, two_sided, out)
                 n_postponed = 0
         for o in range(0, lane.VECTORS * size, size):
-            judge(state, o, how)
+            judge(state, o, how, two_sided)
             n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
 
 
@@ -130,28 +145,28 @@ def split(work, n):
 
 
 @jit_lean
-def finish_case(state, i, out):
+def finish_case(state, i, two_sided, out):
     """The case in lane i has its answer, or is left to `march`."""
     case = int(state[i + lane.CASE * WIDTH])
     if state[i + lane.EVENT * WIDTH] == lane.FOR_MARCH:
         out[case][to.STATUS] = LEFT_TO_MARCH
-    leave(state, i, state[i + lane.VERDICT * WIDTH], out[case])
+    leave(state, i, two_sided, state[i + lane.VERDICT * WIDTH], out[case])
     put(state, i, lane.CASE, -1.0)
     put(state, i, lane.EVENT, lane.IDLE)
 
 
 @jit_lean
-def next_case(state, i, upcoming, screened, pars, tables, pieces, linear, doubt, early, out):
+def next_case(state, i, upcoming, screened, pars, tables, pieces, linear, two_sided, doubt, early, out):
     """The next case that has to be followed goes into lane i: (number of the one after it, 1 or 0 if there is none)."""
     while upcoming < len(pars):
         case, place = upcoming, upcoming % WIDTH
         if place == 0:
-            screen(screened, case, pars, tables, pieces, linear, doubt, early)
+            screen(screened, case, pars, tables, pieces, linear, doubt, early and not two_sided)
         upcoming += 1
         if screened[place + KNOWN * WIDTH] > 0.0:
             leave_screened(screened, place, pars[case], out[case])
         elif enter(
-            state, i, case, pars[case], tables[case], pieces, linear, screened[place + ENERGY * WIDTH],
+            state, i, case, pars[case], tables[case], pieces, linear, two_sided, screened[place + ENERGY * WIDTH],
             screened[place + UPLIFT_T * WIDTH], screened[place + SIDE * WIDTH], screened[place + BELL_E * WIDTH],
         ):  # fmt: skip
             next_piece(state, i, tables[case], pieces)
@@ -162,7 +177,7 @@ def next_case(state, i, upcoming, screened, pars, tables, pieces, linear, doubt,
 
 
 @jit_lean
-def look(state, o, n, linear, tol, work):
+def look(state, o, n, linear, two_sided, tol, work):
     """One vector: series, step, and what has to be looked at more closely."""
     mode, event = load(state, o + lane.MODE * WIDTH), load(state, o + lane.EVENT * WIDTH)
     going = (mode >= lane.REST) & (event == lane.NONE)
@@ -177,11 +192,18 @@ def look(state, o, n, linear, tol, work):
         flow(state, o, n, forced, work)
     c = series_of_q(o)
     h = load(state, o + lane.T_NEXT * WIDTH) - load(state, o + lane.T * WIDTH)
+    early = (load(state, o + lane.KIND * WIDTH) == lane.BELL) & (load(state, o + lane.UP_T * WIDTH) <= 0.0)
+    if some(early):
+        most = NEAR / select(early, load(state, o + lane.C1 * WIDTH), 1.0)
+        h = select(early & (most < h), most, h)
     most = LONGEST / load(state, o + lane.L_P * WIDTH)
     rock_h = reach_of(state, c, n, tol * load(state, o + lane.L_ALPHA * WIDTH), select(h < most, h, most))
     if some(mode == lane.REST):
         rock_h = select(rocks, rock_h, h)
         a, guard = series_of_a(o, n), load(state, o + lane.L_GUARD * WIDTH)
+        if two_sided:
+            other = load(state, o + (lane.OTHER + lane.L_GUARD - lane.L_SIDE) * WIDTH)
+            guard = select(other < guard, other, guard)
         rest_h = reach_of(state, a, n, 1e-16 * guard, h)
         h = select(rocks, rock_h, rest_h)
         _, _, _, most = look_along(state, a, n, h)
@@ -230,7 +252,7 @@ def may_land(state, o, c, h, P, dP, M, reach):
 
 
 @jit_lean
-def advance(state, o, rest_speed):
+def advance(state, o, two_sided, rest_speed):
     """One vector: take the step, turn over at impacts, leave rest at uplifts."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     if not some(event >= lane.NONE):
@@ -246,10 +268,14 @@ def advance(state, o, rest_speed):
     rate = select(v < 0.0, -v, 0.0)
     n_impacts = load(state, o + lane.N_IMPACTS * WIDTH)
     counted = lands & (rate > FAST * p_alpha) & (t < stop)
+    s = select(lands, -s, s)
+    if two_sided:
+        store(state, o + lane.S * WIDTH, s)
+        to_the_edge(state, o)
+        p_alpha = load(state, o + lane.L_P * WIDTH) * load(state, o + lane.L_ALPHA * WIDTH)
     after = load(state, o + lane.L_ETA * WIDTH) * rate
     slow = lands & ((after <= rest_speed * p_alpha) | (after <= 0.0))
     v = select(lands, after, v)
-    s = select(lands, -s, s)
     now = select((event == lane.NONE) & (h == t_next - t), t_next, t + x)
     up = load(state, o + lane.UP_T * WIDTH)
 
@@ -264,50 +290,67 @@ def advance(state, o, rest_speed):
 
 
 @jit_lean
-def only_bounces(state, o, tol, linear):
+def only_bounces(state, o, tol, linear, two_sided):
     """Lanes that have just landed after the motion, and whose later swings are lower than the peak: only counted."""
     v, eta = load(state, o + lane.V * WIDTH), load(state, o + lane.L_ETA * WIDTH)
     lands = (load(state, o + lane.EVENT * WIDTH) == lane.IMPACT) & (load(state, o + lane.MODE * WIDTH) == lane.ROCK)
     lands = lands & (load(state, o + lane.T * WIDTH) >= load(state, o + lane.L_END * WIDTH))
-    lands = lands & (v * v < LOW * LOW * 2.0 * load(state, o + lane.L_TOP * WIDTH))
+    lands = lands & (eta <= 1.0)
     if some(lands):
-        q, star = load(state, o + lane.TOP * WIDTH), load(state, o + lane.L_STAR * WIDTH)
-        q = select(q < star, q, star)
-        sine, bend = q, 0.5 * q * q
-        if not linear:
-            sine, cosine = sin_cos(q)
-            bend = 1.0 - cosine
-        r0, rs, rc = (
-            load(state, o + lane.L_R0 * WIDTH), load(state, o + lane.L_RS * WIDTH), load(state, o + lane.L_RC * WIDTH),
-        )  # fmt: skip
-        height = potential(r0, rc, q, rs * bend, sine)
-        lands = lands & (0.5 * v * v <= height * (1.0 + 1e-12 + 100.0 * tol)) & (eta <= 1.0)
+        lands = lands & swings_low(state, o, v, tol, linear)
+        if two_sided:
+            there = o + (lane.OTHER - lane.L_SIDE) * WIDTH
+            lands = lands & swings_low(state, there, v, tol, linear) & (load(state, there + lane.L_ETA * WIDTH) <= 1.0)
     return lands
 
 
 @jit_lean
-def postpone(state, i, backlog, slot):
+def swings_low(state, o, v, tol, linear):
+    """Whether a swing that begins with rate v about the edge at o stays below the peak so far of its side."""
+    q, star = load(state, o + lane.TOP * WIDTH), load(state, o + lane.L_STAR * WIDTH)
+    q = select(q < star, q, star)
+    sine, bend = q, 0.5 * q * q
+    if not linear:
+        sine, cosine = sin_cos(q)
+        bend = 1.0 - cosine
+    r0, rs, rc = (
+        load(state, o + lane.L_R0 * WIDTH), load(state, o + lane.L_RS * WIDTH), load(state, o + lane.L_RC * WIDTH),
+    )  # fmt: skip
+    height = potential(r0, rc, q, rs * bend, sine)
+    low = v * v < LOW * LOW * 2.0 * load(state, o + lane.L_TOP * WIDTH)
+    return low & (0.5 * v * v <= height * (1.0 + 1e-12 + 100.0 * tol))
+
+
+@jit_lean
+def postpone(state, i, backlog, slot, rest_speed):
     """Lane i is done but for its bounces, which are counted when a vector of such cases has come together."""
     state[i + lane.VERDICT * WIDTH], state[i + lane.EVENT * WIDTH] = 1.0 * RETURNS, lane.DONE
-    slowest = FAST * state[i + lane.L_P * WIDTH] * state[i + lane.L_ALPHA * WIDTH]
     backlog[slot], backlog[WIDTH + slot] = state[i + lane.CASE * WIDTH], state[i + lane.L_STOP * WIDTH]
     backlog[2 * WIDTH + slot], backlog[3 * WIDTH + slot] = state[i + lane.T * WIDTH], state[i + lane.V * WIDTH]
-    backlog[4 * WIDTH + slot], backlog[5 * WIDTH + slot] = state[i + lane.L_ETA * WIDTH], slowest
-    backlog[6 * WIDTH + slot], backlog[7 * WIDTH + slot] = state[i + lane.L_R0 * WIDTH], state[i + lane.L_RS * WIDTH]
-    backlog[8 * WIDTH + slot] = state[i + lane.L_RC * WIDTH]
+    for edge in range(2):
+        o, b = i + edge * (lane.OTHER - lane.L_SIDE) * WIDTH, slot + (4 + 6 * edge) * WIDTH
+        p, alpha = state[o + lane.L_P * WIDTH], state[o + lane.L_ALPHA * WIDTH]
+        backlog[b], backlog[b + WIDTH] = state[o + lane.L_ETA * WIDTH], FAST * p * alpha
+        backlog[b + 2 * WIDTH] = rest_speed * p * math.sin(alpha)
+        backlog[b + 3 * WIDTH], backlog[b + 4 * WIDTH] = state[o + lane.L_R0 * WIDTH], state[o + lane.L_RS * WIDTH]
+        backlog[b + 5 * WIDTH] = state[o + lane.L_RC * WIDTH]
 
 
 @jit_lean
 def come_to_rest(state, i, n, par, rest_speed, queue):
     """A slow impact of lane i, put into REST on trial: whether it stays there, or goes on rocking (`rest_time`)."""
-    edge = edge_of(par, at.RIGHT)  # both are alike
+    right = state[i + lane.S * WIDTH] > 0.0
+    edge, other = (
+        edge_of(par, at.RIGHT if right else at.LEFT),
+        edge_of(par, at.LEFT if right else at.RIGHT),
+    )
     v = state[i + lane.V * WIDTH]
     nothing = queue[n + 1 :]
     nothing[0] = 0.0
     for k in range(n + 1):
         queue[k] = state[series_of_a(i, n) + k * WIDTH]
     rest_at = rest_time(
-        edge, edge, state[i + lane.S * WIDTH], v, queue, nothing, Degrees(n, 0),
+        edge, other, state[i + lane.S * WIDTH], v, queue, nothing, Degrees(n, 0),
         state[i + lane.X * WIDTH], state[i + lane.T * WIDTH], state[i + lane.T_NEXT * WIDTH], rest_speed,
     )  # fmt: skip
     if rest_at >= 0.0:

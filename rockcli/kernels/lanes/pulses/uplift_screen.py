@@ -20,12 +20,12 @@ from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import potential
 
 (
-    GUARD, EVEN, ODD, RATE, MIDDLE, FROM, TO, PULL, STAR, W_R0, W_RS, W_RC, SIDE, BELL_E, UPLIFT_T, ENERGY, KNOWN,
-    SCREEN_FIELDS,
-) = range(18)  # fmt: skip
-"""Vectors of what is screened.  In: uplift |a_g|; the bell (`ground`) and the y between which it lasts, FROM NaN
-if the case has none; PULL p^2 max|f|/g; the equilibrium and the law.  Out: UPLIFT_T, inf never,
-NaN not found here, the side it rocks to and exp(-y^2/2) then; PULL the most the motion can change its rate; the
+    GUARD, GUARD_LEFT, EVEN, ODD, RATE, MIDDLE, FROM, TO, PULL, STAR, W_R0, W_RS, W_RC, SIDE, BELL_E, UPLIFT_T, ENERGY,
+    KNOWN, SCREEN_FIELDS,
+) = range(19)  # fmt: skip
+"""Vectors of what is screened.  In: uplift |a_g| to the right and to the left; the bell (`ground`) and the y between
+which it lasts, FROM NaN if the case has none; PULL p^2 max|f|/g; the equilibrium and the law.  Out: UPLIFT_T, inf
+never, NaN not found here, the side it rocks to and exp(-y^2/2) then; PULL the most the motion can change its rate; the
 energy of the equilibrium; whether the answer is KNOWN."""
 
 STEEPEST = 9.5
@@ -52,7 +52,8 @@ def _put_in(screened, j, par, table, pieces):
     """One case into place j."""
     g, p2, star = par[at.G], par[at.RIGHT + at.P2], par[at.RIGHT + at.Q_STAR]
     guard = g * par[at.RIGHT + at.THRESHOLD]
-    screened[j + GUARD * WIDTH] = guard
+    guard_left = g * par[at.LEFT + at.THRESHOLD]
+    screened[j + GUARD * WIDTH], screened[j + GUARD_LEFT * WIDTH] = guard, guard_left
     screened[j + PULL * WIDTH] = p2 / g * math.sqrt(par[at.RIGHT + at.FC] ** 2 + par[at.RIGHT + at.FS] ** 2)
     screened[j + STAR * WIDTH] = star if star < 1.5 else 0.0
     screened[j + W_R0 * WIDTH] = p2 * par[at.RIGHT + at.R0]
@@ -69,6 +70,7 @@ def _put_in(screened, j, par, table, pieces):
     fits = par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0 and star < 1.5 and p2 > 0.0
     fits = fits and abs(d0 + d2) <= 1e-15 * abs(d0) and abs(d1 + 3.0 * d3) <= 1e-15 * abs(d1) and d0 * d3 == 0.0
     fits = fits and abs(w * (table[0] - t0)) <= STEEPEST and abs(w * (end - t0)) <= STEEPEST
+    fits = fits and abs(table[13] - guard_left) > 1e-9 * guard_left
     if fits and abs(table[13] - guard) > 1e-9 * guard:
         screened[j + FROM * WIDTH] = w * (table[0] - t0)
 
@@ -76,7 +78,9 @@ def _put_in(screened, j, par, table, pieces):
 @jit_lean
 def _first_uplift(screened):
     """First y at which |D(y)| = guard, D the bell: as |D''| <= M, by steps that cannot pass it, Newton's near it."""
-    guard, even, odd = load(screened, GUARD * WIDTH), load(screened, EVEN * WIDTH), load(screened, ODD * WIDTH)
+    to_right, to_left = load(screened, GUARD * WIDTH), load(screened, GUARD_LEFT * WIDTH)
+    even, odd = load(screened, EVEN * WIDTH), load(screened, ODD * WIDTH)
+    guard = select(to_left < to_right, to_left, to_right)
     begin, end = load(screened, FROM * WIDTH), load(screened, TO * WIDTH)
     M = 3.0 * abs(even) + 6.0 * abs(odd)
     over = 1.0 / M
@@ -94,7 +98,7 @@ def _first_uplift(screened):
         e = exp_of_negative(-0.5 * z)
         D = (even * (1.0 - z) + odd * (y * (z - 3.0))) * e
         slope = (even * (y * (z - 3.0)) + odd * (z * (6.0 - z) - 3.0)) * e
-        above, below = guard - D, guard + D
+        above, below = to_left - D, to_right + D
         rises, steep = slope > 0.0, abs(slope)
         ahead, behind = select(rises, above, below), select(rises, below, above)
         step = 2.0 * ahead / (steep + sqrt(abs(slope * slope + 2.0 * M * ahead)))
