@@ -6,9 +6,11 @@ import textwrap
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -16,7 +18,7 @@ from matplotlib.figure import Figure
 SINGLE, DOUBLE = 3.54, 7.2
 """Widths of one and two journal columns [in]."""
 
-DPI = 300
+DPI, SCREEN_DPI = 300, 110
 
 COLOURS: tuple[str, ...] = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5D3A9B", "#000000",
@@ -84,9 +86,20 @@ MOST_CURVES, MOST_LINES = 8, 7
 """Curves distinguished by colour in one panel; lines that differ in style too."""
 
 
+class Shown(Figure):
+    """A figure that a notebook shows by itself, drawn as it is in files."""
+
+    def _repr_png_(self) -> bytes:
+        data = BytesIO()
+        with mpl.rc_context(RC), no_word_of_glyphs():
+            _settle(self)
+            self.savefig(data, format="png", dpi=SCREEN_DPI, metadata=_UNDATED["png"])
+        return data.getvalue()
+
+
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure, width x height [in], laid out so that nothing overlaps."""
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Shown(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
