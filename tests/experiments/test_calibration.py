@@ -137,7 +137,7 @@ def experiments(tmp_path_factory: pytest.TempPathFactory) -> Path:
         period, name = rng.uniform(0.3, 1.2), f"sine_{number:02}.txt"
         t = DT * np.arange(int(1.5 * period / DT) + 2)
         np.savetxt(folder / name, np.sin(2.0 * np.pi * t / period) * (t <= period))
-        scale = float(np.exp(rng.uniform(np.log(1.5), np.log(9.0))))
+        scale = float(np.exp(rng.uniform(0.0, np.log(20.0))))
         record = {"file": str(folder / name), "units": "m/s2", "dt": DT, "scale": scale}
         case = {"block": {"h": 0.3, "b": TRUE}, "damping": {"eta": 0.9}, "motion": {"record": record}}
         fell = int(rockcli.run({"case": case, "save": {"histories": False}})["outcome"]) >= 2

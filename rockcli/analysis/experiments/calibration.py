@@ -103,7 +103,7 @@ def evidence(share: Array, outcome: Bools, group: Index, amplitudes: Array) -> E
 
 
 def predict(share: Array, kernel: Kernel, posterior: Array, which: Index) -> tuple[Array, Array, Array]:
-    """Probability of overturning and the ends of its interval of 95 %, (r, n) each.
+    """Probability of overturning and the ends of its interval of 95 %, which reaches to it at least, (r, n) each.
 
     Args:
         share: (n, c, a) of the runs to predict.
@@ -120,8 +120,9 @@ def predict(share: Array, kernel: Kernel, posterior: Array, which: Index) -> tup
             run = rows.start + j
             for f in np.unique(which[:, run]):
                 mass = np.cumsum(np.bincount(place[j], weights=posterior[f], minlength=_BINS))
-                ends = (np.searchsorted(mass, [0.025, 0.975]) + 0.5) / _BINS
-                out[:, which[:, run] == f, run] = np.array([mean[j, f], *np.minimum(ends, 1.0)])[:, None]
+                low, high = np.searchsorted(mass, [0.025, 0.975])
+                ends = min(low / _BINS, mean[j, f]), max((high + 1) / _BINS, mean[j, f])
+                out[:, which[:, run] == f, run] = np.array([mean[j, f], ends[0], min(ends[1], 1.0)])[:, None]
     return out[0], out[1], out[2]
 
 
