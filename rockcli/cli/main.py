@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated
 
 import typer
@@ -87,8 +89,21 @@ def _records(context: typer.Context) -> None:
 
 def main() -> None:
     """Run the command; every error the user can mend is one sentence on stderr."""
-    with answered():
+    with answered(), _dask_left_alone():
         _run()
+
+
+@contextmanager
+def _dask_left_alone() -> Iterator[None]:
+    """Nobody imports Dask but a command that asks for it: xarray would, two thirds of a second, to ask it of arrays."""
+    spared = not any(word.startswith("--dask") for word in sys.argv) and "dask" not in sys.modules
+    if spared:
+        sys.modules["dask"] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        if spared:
+            sys.modules.pop("dask", None)
 
 
 def _run() -> None:

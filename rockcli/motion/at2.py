@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rockcli.errors import RecordError
 from rockcli.motion.file import record_bytes
-from rockcli.motion.numbers import Numbers, read_numbers
+from rockcli.motion.numbers import Numbers, read_text
 from rockcli.motion.options import OptionError
 from rockcli.motion.units import same_unit, unit_named
 
@@ -143,12 +143,14 @@ def parse_at2(data: bytes, name: str, units: str | None = None) -> AT2:
             acceleration, dt or NPTS not positive, fewer or more values than NPTS (zeros at the end are
             tolerated with a warning), a number cut by the end of the file, a word among the values.
     """
-    lines = _lines(_checked_text_bytes(data, name))
+    text = _with_line_feeds(_checked_text_bytes(data, name))
+    head = text.split(b"\n", HEADER_LINES)
+    lines = [line.decode("latin-1") for line in head[:HEADER_LINES]]
     index, match = _npts_line(lines, name)
     npts, dt = _npts(match, name, index + 1), _dt(match, name, index + 1)
     stated = _stated_unit(lines[:index], name)
-    numbers = read_numbers(lines[index + 1 :], index + 2, name, expected=npts)
-    values, warnings = _counted(numbers, npts, len(lines), data, name)
+    numbers = read_text(b"\n".join(head[index + 1 :]), index + 2, name, expected=npts)
+    values, warnings = _counted(numbers, npts, text.count(b"\n") + 1, data, name)
     unit = _unit(stated, units, name, index + 1)
     titles = tuple(line.strip() for line in lines[:index])
     event, date, station, component = _identity(titles)
@@ -184,8 +186,11 @@ def _bytes(filename: Any) -> bytes:
 
 
 def _lines(data: bytes) -> list[str]:
-    text = data.decode("latin-1").replace("\r\r\n", "\n").replace("\r\n", "\n").replace("\r", "\n")
-    return text.split("\n")
+    return _with_line_feeds(data).decode("latin-1").split("\n")
+
+
+def _with_line_feeds(data: bytes) -> bytes:
+    return data.replace(b"\r\r\n", b"\n").replace(b"\r\n", b"\n").replace(b"\r", b"\n")
 
 
 def _checked_text_bytes(data: bytes, name: str) -> bytes:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
+from rockcli.motion.columns import numbers_in_columns
 
 Array = NDArray[np.float64]
 
@@ -29,8 +30,8 @@ class Numbers:
 
     Attributes:
         values: in reading order, (k,).
-        tokens: the same as printed.
-        lines: those that have numbers, the numbers on each apart by blanks.
+        tokens: the same as printed; lines: those that have numbers, the numbers on each apart by blanks.  Both are
+            empty where numbers stand in columns of one width.
         text_after: lines without numbers behind the last number.
     """
 
@@ -69,6 +70,14 @@ def read_numbers(lines: list[str], first: int, file: str, expected: int | None =
         RecordError: a word among numbers, numbers behind text, or a number that is not finite.
     """
     return _read_at_once(lines) or _read_line_by_line(lines, first, file, expected)
+
+
+def read_text(text: bytes, first: int, file: str, expected: int | None = None) -> Numbers:
+    """All numbers of a text, in columns or not; see `read_numbers`.  Of numbers in columns no tokens are kept."""
+    values = numbers_in_columns(text)
+    if values is not None:
+        return Numbers(values, [], [])
+    return read_numbers(text.decode("latin-1").split("\n"), first, file, expected)
 
 
 def _read_at_once(lines: list[str]) -> Numbers | None:

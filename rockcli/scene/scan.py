@@ -13,7 +13,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from rockcli.scene.lower_outline import LEVEL, settling_turn, turned
 from rockcli.scene.outline import OutlineError
@@ -150,6 +149,8 @@ def _profile(scan: Scan, direction: float) -> Profile:
 
 def corners(points: Array) -> Array:
     """Corners of the convex hull of points (n, 2), counterclockwise; those that are straight are left out."""
+    from scipy.spatial import ConvexHull  # a fifth of a second that no run without a mesh needs
+
     hull = points[ConvexHull(points).vertices]
     before, after = np.roll(hull, 1, axis=0), np.roll(hull, -1, axis=0)
     across = (after - before) / np.linalg.norm(after - before, axis=1)[:, None]

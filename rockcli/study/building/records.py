@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -45,6 +46,7 @@ class Records:
     arrivals: dict[tuple[bytes, float, bytes, bytes], Arrival] = field(default_factory=dict)
     given: Mapping[str, Given | Motion] = field(default_factory=dict)
 
+    @cached_property
     def folders(self) -> list[Path]:
         """Where records are sought, first to last."""
         folder = self.source.folder
@@ -63,7 +65,7 @@ class Records:
             MissingRecordError: it is nowhere; says where it was sought and how to get it.
         """
         if name not in self.found:
-            for folder in self.folders():
+            for folder in self.folders:
                 if _is_file(folder / name):
                     self.found[name] = folder / name
                     break
@@ -78,7 +80,7 @@ class Records:
             MissingRecordError: none; says where they were sought and how to get them.
             RecordError: it would take too long to look.
         """
-        for folder in [Path()] if os.path.isabs(pattern) else self.folders():
+        for folder in [Path()] if os.path.isabs(pattern) else self.folders:
             try:
                 names = [name for name in matched(pattern, folder) if _is_file(folder / name)]
             except (OSError, ValueError, RecursionError):
@@ -138,7 +140,7 @@ class Records:
         """The folders there are, and those of ROCK_RECORDS that are not."""
         named = {Path(entry).absolute() for entry in _environment()}
         searched = []
-        for folder in self.folders():
+        for folder in self.folders:
             if folder.is_dir():
                 searched.append(str(folder))
             elif folder.absolute() in named:
@@ -146,7 +148,7 @@ class Records:
         return searched or ["no folder: there is none"]
 
     def _present(self) -> Iterator[str]:
-        for folder in self.folders():
+        for folder in self.folders:
             try:
                 yield from (path.name for path in folder.iterdir() if path.is_file())
             except OSError:
