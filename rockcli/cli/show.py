@@ -82,9 +82,9 @@ def _plots() -> str:
 def _schema() -> str:
     import json
 
-    from rockcli.study.schema import json_schema
+    from rockcli.study.editor_schema import editor_schema
 
-    return json.dumps(json_schema(), indent=2)
+    return json.dumps(editor_schema(), indent=2)
 
 
 _TOPICS: dict[str, Callable[[], str]] = {

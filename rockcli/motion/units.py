@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["FACTORS", "same_unit", "unit_named"]
+__all__ = ["FACTORS", "UNIT_NAMES", "same_unit", "unit_named"]
 
 FACTORS = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001}
 """What turns a value into m/s²; `g` is not among them: a study says how large its g is."""
 
-_NAMES = {
+UNIT_NAMES = {
     "g": "g",
     "m/s2": "m/s2",
     "m/s/s": "m/s2",
@@ -24,11 +24,12 @@ _NAMES = {
     "mm/s2": "mm/s2",
     "mm/s/s": "mm/s2",
 }
+"""Words for units, without what powers are written with, and what they mean."""
 
 
 def unit_named(word: str) -> str | None:
     """The unit a word means (`CM/SEC**2` -> `cm/s2`), None if it means none."""
-    return _NAMES.get(re.sub(r"\*\*|\^|\s", "", word.lower()).replace("²", "2"))
+    return UNIT_NAMES.get(re.sub(r"\*\*|\^|\s", "", word.lower()).replace("²", "2"))
 
 
 def same_unit(a: str, b: str) -> bool:

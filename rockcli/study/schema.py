@@ -515,7 +515,13 @@ _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
     ("RecordPart", "highpass"): NUMBER_SCHEMA,
     ("RecordPart", "lowpass"): NUMBER_SCHEMA,
     ("RecordPart", "bandpass"): PAIR_SCHEMA,
-    ("StudyPart", "hazard"): {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/HazardPart"}]},
+    ("StudyPart", "hazard"): {
+        "anyOf": [
+            {"type": "string"},
+            {"$ref": "#/$defs/HazardPart"},
+            {"type": "array", "minItems": 1, "items": {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/HazardPart"}]}},
+        ]
+    },
     ("StudyPart", "over"): {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]},
     ("StudyPart", "plots"): {"const": NO_PLOTS},
 }
