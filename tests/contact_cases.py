@@ -13,6 +13,7 @@ from scenes import SHARED
 from rockcli import kernels
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
+from rockcli.kernels.handover import N_HANDOVER
 from rockcli.motion.at2 import parse_at2
 from rockcli.scene.excitation import BELL, LINEAR, PIECE_WIDTH, WAVES
 
@@ -101,8 +102,11 @@ def run(par, horizontal=NOTHING, vertical=NOTHING, *, tol=1e-16, order=24, rest_
     channels = []
     for kind, spacing, pieces, data in (horizontal, vertical):
         channels += [march.Channel(kind, spacing, pieces), array([data])]
-    how = march.Settings(tol=tol, rest_speed=rest_speed, max_steps=1_000_000, order=order, balance=True, extremes=True)
-    march.march_all(array([par]), how, *channels, dt, histories, impacts, events, march.work_space(), out)
+    how = march.Settings(
+        tol=tol, rest_speed=rest_speed, max_steps=1_000_000, order=order, balance=True, extremes=True, hands_back=False
+    )
+    starts = array([[-1.0] * N_HANDOVER])
+    march.march_all(array([par]), how, *channels, dt, starts, histories, impacts, events, march.work_space(), out)
     (out,), (histories,), (impacts,), ((t, modes),) = out, histories, impacts, events
     n_events = int(out[to.N_EVENTS])
     found = [MODES[int(m)] for m in modes[:n_events]]

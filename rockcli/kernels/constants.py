@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-DONE, OUT_OF_STEPS, NOT_FINITE, LEFT_TO_MARCH = 0, 1, 2, 3
-"""How a run ended; LEFT_TO_MARCH: lanes leave the case to the kernel of a single body."""
+DONE, OUT_OF_STEPS, NOT_FINITE, LEFT_TO_MARCH, GIVES_WAY, HOLDS = range(6)
+"""How a run ended; LEFT_TO_MARCH: lanes leave the case to the kernel of a single body.  Two that end on the way:
+GIVES_WAY, lanes stop as the foot may, HOLDS, the kernel of contact does as it holds again."""
 
 RETURNS, FALLS, UNDECIDED, NOT_YET, NO_ANSWER = 0, 1, 2, -1, -2
 """The verdict: what becomes of a body left alone.  UNDECIDED: rounding decides; NOT_YET: only going on can tell;

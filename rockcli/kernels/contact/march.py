@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels import handover as carry
 from rockcli.kernels.ahead import CUBE, MATRIX
 from rockcli.kernels.constants import (
     DONE,
     FALLS,
     FAST,
+    HOLDS,
     MAX_ORDER,
     MEANINGFUL,
     NOT_FINITE,
@@ -89,6 +91,9 @@ from rockcli.kernels.rigid.settings import Channel
 SAME_INSTANT = 3
 """Events at one instant up to which the mode is chosen anew; after that they are taken as they come."""
 
+A_WHILE = 1.5
+"""Samples for which a foot has held after which a case is handed back: bounces that end in rest are not worth it."""
+
 
 def work_space():
     """Work space of `march_all`, the rows of `workspace`."""
@@ -106,7 +111,7 @@ def scales_of(par, tol):
 
 
 @jit_lean
-def begin(par, out):
+def begin(par, start, out):
     """Results of a case of which nothing is known but how it starts; returns (foot, what the mode is chosen for)."""
     for i in range(to.N_OUT):
         out[i] = 0.0
@@ -114,6 +119,9 @@ def begin(par, out):
         out[i] = math.nan
     out[to.N_MIN] = out[to.NEARLY_FLAT] = math.inf
     out[to.VERDICT] = UNDECIDED
+    if start[carry.T] >= 0.0:
+        q, v = start[carry.Q], start[carry.V]
+        return Foot(start[carry.SIDE], 0.0, q, v, 0.0, start[carry.SLIDE]), ON_BASE if q == v == 0.0 else ON_EDGE
     s, q, v, pick = 1.0, abs(par[at.THETA_0]), 0.0, ON_BASE
     if par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0:
         lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
@@ -161,8 +169,8 @@ def still_until(par, horizontal, h_data, i):
 
 
 @jit_lean
-def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, impacts, events, w, out):
-    """Solve one case.
+def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histories, impacts, events, w, out):
+    """Solve one case, from where `start`, a row of `handover`, has it.
 
     Motion channels as those of `rigid.march`.  `histories` are theta, theta', slide, slide rate, mode and lift at
     i dt_out as far as they are long, `impacts` t, theta' before and after, `events` time and mode entered; the mode
@@ -173,11 +181,15 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, imp
     for i in range(row.N_ROWS):  # nothing of the case before
         for k in range(MAX_ORDER + 2):
             w[i][k] = 0.0
-    foot, pick = begin(par, out)
+    foot, pick = begin(par, start, out)
     air = Air(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, NO_EDGE)
     balance = energy_on_edge(par, foot)
-    t, mode, launch = 0.0, REST, 0
+    t, mode, launch = max(start[carry.T], 0.0), REST, 0
     ih = iv = i_hist = stalled = 0
+    t_held = t
+    hands_back = how.hands_back and horizontal.kind == SAMPLES
+    if horizontal.kind == SAMPLES:
+        ih = max(int(t / horizontal.dt) - 1, 0)
     slipped = jumped = False
     skims = horizontal.kind == SAMPLES and vertical.kind == NOTHING and len(histories[0]) == 0
 
@@ -186,6 +198,11 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, imp
             verdict = ended(par, scales, t, mode, foot, air)
             if verdict != NOT_YET:
                 out[to.VERDICT] = verdict
+                break
+            if mode not in (REST, ROCK):
+                t_held = t
+            if hands_back and t - t_held > A_WHILE * horizontal.dt and t < par[at.T_MOTION] - horizontal.dt:
+                out[to.STATUS] = HOLDS
                 break
         if skims and mode == REST and pick == SETTLED and t < par[at.T_MOTION]:
             ih = piece_at(horizontal, h_data, ih, t)
@@ -272,7 +289,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, imp
             continue
 
         # the event
-        reported = t <= t_stop or not lasts
+        reported = t <= t_stop
         if event == TOPPLES:
             out[to.VERDICT] = FALLS
             out[to.PEAK_SIDE] = foot.s if mode != FLIGHT else math.copysign(1.0, air.theta)
@@ -352,6 +369,9 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, imp
             note_uplift(t, out)
             note_event(t, mode, events, out)
 
+    if hands_back:
+        start[carry.T], start[carry.SIDE], start[carry.SLIDE] = t, foot.s, foot.place
+        start[carry.Q], start[carry.V] = (0.0, 0.0) if mode == REST else (foot.q, foot.v)
     out[to.T_END] = t_stop if lasts else min(t, t_stop)
     if out[to.STATUS] != DONE:
         out[to.VERDICT] = UNDECIDED
@@ -363,15 +383,15 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, histories, imp
         write_rest(foot, out[to.T_END], dt_out, i_hist, histories)
 
 
-@entry(MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, float, CUBE, CUBE, CUBE, MATRIX, MATRIX)
-def march_all(pars, how, horizontal, h_data, vertical, v_data, dt_out, histories, impacts, events, w, out):
-    """`march` for every row of `pars`; histories, impacts, events, results and tables of pulses row by row too.
+@entry(MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, float, MATRIX, CUBE, CUBE, CUBE, MATRIX, MATRIX)
+def march_all(pars, how, horizontal, h_data, vertical, v_data, dt_out, starts, histories, impacts, events, w, out):
+    """`march` for every row of `pars`; starts, histories, impacts, events, results, tables of pulses row by row too.
 
     w: `work_space()`.
     """
     for i in range(len(pars)):
         ih, iv = (i if horizontal.kind == PULSES else 0), (i if vertical.kind == PULSES else 0)
         march(
-            pars[i], how, horizontal, h_data[ih], vertical, v_data[iv], dt_out, histories[i], impacts[i], events[i],
-            w, out[i],
+            pars[i], how, horizontal, h_data[ih], vertical, v_data[iv], dt_out, starts[i], histories[i], impacts[i],
+            events[i], w, out[i],
         )  # fmt: skip

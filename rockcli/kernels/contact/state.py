@@ -18,6 +18,7 @@ class Settings(NamedTuple):
         order: of the Taylor series.
         balance: the balance of energy is wanted, for which the work along every step is integrated.
         extremes: peaks of the rate and of the top, and the smallest normal force, are wanted.
+        hands_back: a case stops where its foot has held for a while under a sampled motion, for lanes to go on.
     """
 
     tol: float
@@ -26,6 +27,7 @@ class Settings(NamedTuple):
     order: int
     balance: bool
     extremes: bool
+    hands_back: bool
 
 
 class Scales(NamedTuple):

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
+from rockcli.kernels import handover as carry
 from rockcli.kernels.constants import OUT_OF_STEPS
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
@@ -63,25 +64,38 @@ def run(batch: Batch, level: Accuracy, *, first: float = 0.0, histories: bool = 
     pars = parameters_of(batch, first)
     n_time = output_times(batch.save.dt_out, pars[:, at.T_STOP].max()) if histories else 0
     raw = Raw(batch.size, n_time, MAX_IMPACTS_STORED if histories else 0)
-    _march(batch, pars, level, raw)
+    march(batch, pars, level, raw)
     if not kernels.compiled and np.any(raw.out[:, to.STATUS] == OUT_OF_STEPS):
         kernels.load("contact.march", compile_them=True)
         raw = Raw(batch.size, n_time, MAX_IMPACTS_STORED if histories else 0)
-        _march(batch, pars, level, raw)
+        march(batch, pars, level, raw)
     return raw
 
 
-def _march(batch: Batch, pars: Array, level: Accuracy, raw: Raw) -> None:
+def from_the_beginning(n: int) -> Array:
+    """Rows of `kernels.handover` for n cases that begin as their parameters have it."""
+    return np.full((n, carry.N_HANDOVER), -1.0)
+
+
+def march(
+    batch: Batch, pars: Array, level: Accuracy, raw: Raw, starts: Array | None = None, *, hands_back: bool = False
+) -> None:
+    """The kernel for rows of parameters, from `starts` on, into `raw`.
+
+    hands_back: a case stops where its foot has held for a while, STATUS is HOLDS, and `starts` says where.
+    """
     kernel = kernels.load("contact.march", compile_them=bool(kernels.compiled))
     channels = (batch.excitation.horizontal, batch.excitation.vertical)
     (horizontal, h_data), (vertical, v_data) = (channel_of(kernel, c, batch.size) for c in channels)
     events = np.empty((batch.size, 2, 0))  # for tests
     arrays = [raw.histories, raw.impacts, events, raw.out]
-    inputs: list[Any] = [pars, h_data, v_data]
+    if starts is None:
+        starts = from_the_beginning(batch.size)
+    inputs: list[Any] = [pars, h_data, v_data, starts]
     outputs: list[Any] = list(arrays)
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python
         inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
-    rows, h_data, v_data = inputs
+    rows, h_data, v_data, begun = inputs
     how = kernel.Settings(
         tol=level.rtol,
         rest_speed=level.rest_speed,
@@ -89,13 +103,14 @@ def _march(batch: Batch, pars: Array, level: Accuracy, raw: Raw) -> None:
         order=ORDER,
         balance="energy_residual" in batch.save.scalars,
         extremes=bool(batch.save.scalars & EXTREMES),
+        hands_back=hands_back,
     )
     *written, out = outputs
     kernel.march_all(
-        rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, *written, kernel.work_space(), out
+        rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, begun, *written, kernel.work_space(), out
     )
     if not kernels.compiled:
-        for array, output in zip(arrays, outputs, strict=True):
+        for array, output in zip((*arrays, starts), (*outputs, begun), strict=True):
             array[...] = output
 
 

@@ -7,12 +7,12 @@ bit.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import DONE, FALLS, ILL_POSED
+from rockcli.kernels.constants import FALLS, ILL_POSED
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.contact import slides_only
@@ -29,6 +29,7 @@ from rockcli.solvers.common.certainty import (
 from rockcli.solvers.contact.answers import answer
 from rockcli.solvers.contact.histories import held_histories, histories_of
 from rockcli.solvers.contact.run import Raw, run
+from rockcli.solvers.contact.turns import only_rocks
 from rockcli.solvers.event.nudges import finer_than, nudges
 
 Array = NDArray[np.float64]
@@ -39,13 +40,27 @@ SHEETS = (0.0, -1.0, 1.0)
 """Runs that a nearly flat landing is judged by: as its tilt has it, on the left edge first, on the right one."""
 
 
-def with_contact(batch: Batch, response: Response, level: Accuracy, open_: Mask) -> Response:
+class Opened(NamedTuple):
+    """Cases of which pure rocking does not tell what they do.
+
+    Attributes:
+        unknown: nobody looked at its forces: all modes of contact tell whether friction holds, (n,).
+        slides: it slides or flies, (n,).
+        raw: raw results of those that slide or fly; None if there are none.
+    """
+
+    unknown: Mask
+    slides: Mask
+    raw: Raw | None = None
+
+
+def with_contact(batch: Batch, response: Response, level: Accuracy, opened: Opened) -> Response:
     """The response of pure rocking with, in its place, that of bodies that slide or leave the ground.
 
     Adds what only friction decides to all cases with a `mu`; cases without stay as they are, with NaN for it.
 
     Args:
-        open_: where nobody looked at the forces of pure rocking, (n,): all modes of contact tell whether it holds.
+        opened: what pure rocking does not tell, and what is known of it.
     """
     given = np.isfinite(batch.block.mu)
     scalars: dict[str, Any] = dict(response.scalars)
@@ -59,8 +74,10 @@ def with_contact(batch: Batch, response: Response, level: Accuracy, open_: Mask)
         histories |= held_histories(batch, histories)
     response = replace(response, scalars=scalars, histories=histories)
     leaves = _leaves_rocking(batch, scalars)
-    rows = np.flatnonzero(given & (leaves | open_))
-    return _solved(batch, response, rows, level, open_[rows] & ~leaves[rows]) if len(rows) else response
+    if opened.raw is not None:
+        response = _entered(batch, response, np.flatnonzero(opened.slides), opened.raw, None)
+    rows = np.flatnonzero(given & (leaves | opened.unknown) & ~opened.slides)
+    return _solved(batch, response, rows, level, opened.unknown[rows] & ~leaves[rows]) if len(rows) else response
 
 
 def has_contact_forces(batch: Batch) -> Mask:
@@ -88,11 +105,18 @@ def _solved(batch: Batch, response: Response, rows: Index, level: Accuracy, open
     some = batch.rows(rows)
     raw = run(some, level, histories=bool(response.histories))
     if open_.any():  # in a map: no histories, no further runs
-        kept = ~(open_ & _only_rocks(raw.out))
+        kept = ~(open_ & only_rocks(raw.out))
         rows, some, raw = rows[kept], some.rows(np.flatnonzero(kept)), raw.rows(kept)
         if not len(rows):
             return response
-    judgement = _judged(some, raw, level) if batch.save.scalars & CERTAINTY else None
+    return _entered(batch, response, rows, raw, _judged(some, raw, level) if batch.save.scalars & CERTAINTY else None)
+
+
+def _entered(batch: Batch, response: Response, rows: Index, raw: Raw, judgement: Judgement | None) -> Response:
+    """The response with raw results of contact of some cases."""
+    if not len(rows):
+        return response
+    some = batch.rows(rows)
     rocking = {name: np.asarray(values)[rows] for name, values in response.scalars.items()}
     found, said = answer(some, raw, rocking, has_contact_forces(some))
     if judgement is not None:
@@ -118,13 +142,6 @@ def _solved(batch: Batch, response: Response, rows: Index, level: Accuracy, open
             name: _with_rows(_padded(values, most), rows, _padded(hits[name], most)) for name, values in impacts.items()
         }
     return replace(response, scalars=scalars, reasons=reasons, time=time, histories=histories, impacts=impacts)
-
-
-def _only_rocks(out: Array) -> Mask:
-    """Where no foot slips and none leaves the ground, (n,), or but on the way to the ground, beyond the equilibrium."""
-    first = np.fmin(out[:, to.T_SLIP], out[:, to.T_FLIGHT])
-    falling = (out[:, to.VERDICT] == FALLS) & (out[:, to.T_OVERTURN] <= first)
-    return np.asarray((out[:, to.STATUS] == DONE) & (np.isnan(first) | falling))
 
 
 def _with_rows(values: NDArray[Any], rows: Index, new: Any) -> NDArray[Any]:

@@ -1,18 +1,26 @@
-"""From a batch to the parameter vectors of the kernels (`kernels.rigid.parameters`)."""
+"""From a batch to the parameter vectors of the kernels (`kernels.rigid.parameters`), and to their settings."""
 
 from __future__ import annotations
+
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli import kernels
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.damping import dashpot_rate
 from rockcli.scene.models import MODELS, Law
+from rockcli.scene.numerics import Accuracy
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.ground import factors_of
 
 Array = NDArray[np.float64]
+
+MAX_STEPS = {True: 20_000_000, False: 30_000}
+"""Steps a case may take, compiled or not; a case that needs more uncompiled is solved again compiled."""
 
 BLOCK = 2048
 """Rows written at a time."""
@@ -40,6 +48,24 @@ def parameters_of(batch: Batch) -> Array:
         for column, values in enumerate(columns):
             part[:, column] = values[begin : begin + BLOCK]
     return rows
+
+
+def settings_of(kernel: ModuleType, batch: Batch, level: Accuracy, detail: int) -> Any:
+    """`Settings` of a kernel module."""
+    return kernel.Settings(
+        linear=MODELS[batch.model, batch.geometry].linear,
+        tol=level.rtol,
+        rest_speed=level.rest_speed,
+        margin=max(2e-14, 10.0 * level.rtol),
+        max_steps=MAX_STEPS[bool(kernels.compiled)],
+        order=order_of(level.rtol),
+        detail=detail,
+    )
+
+
+def order_of(rtol: float) -> int:
+    """Order of the Taylor series: about where the cost of a step of given error per unit of time is least."""
+    return int(np.clip(round(2.0 - 1.75 * np.log10(rtol)), 8, 30))
 
 
 def _damper(batch: Batch) -> Array:

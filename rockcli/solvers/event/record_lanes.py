@@ -101,20 +101,37 @@ def _by_record(batch: Batch, n: int) -> Iterator[tuple[Samples, Any]]:
         yield motion.horizontal, np.arange(n)
 
 
-def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any) -> Array:
+def run(
+    lanes: ModuleType,
+    batch: Batch,
+    rows: Array,
+    how: Any,
+    starts: Array | None = None,
+    *,
+    path: bool = False,
+) -> Array:
     """Raw results (n, N_OUT) for the rows (n, N_PAR) of a batch of symmetric bodies.
 
     NaN in STATUS for a body that is left to the single-body kernels, whose `Settings` are `how`.
+
+    Args:
+        starts: rows of `kernels.handover` for bodies that stop where their foot may give way: STATUS is GIVES_WAY, and
+            `starts` says where.
+        path: follow a fall to its end whatever is asked.
     """
-    path = how.detail == lanes.ALL or bool(batch.save.scalars & PATH)
+    path = path or how.detail == lanes.ALL or bool(batch.save.scalars & PATH)
     found = np.zeros((len(rows), to.N_OUT))
+    holds = starts is not None
+    if starts is None:
+        starts = np.empty((len(rows), 0))
     for records, cases in _some_at_a_time(_by_record(batch, len(rows))):
         ground = laid_out(records, lanes.BLOCK, path=path)
         spans = np.repeat(ground.spans, [len(some) for some in cases], axis=0)
         places = np.concatenate(cases)
         out = np.zeros((len(places), to.N_OUT))
-        lanes.march_lanes(rows[places], how, *ground[:-1], spans, lanes.work_space(), out)
-        found[places] = out
+        begin = starts[places]
+        lanes.march_lanes(rows[places], how, *ground[:-1], spans, holds, begin, lanes.work_space(), out)
+        found[places], starts[places] = out, begin
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
 

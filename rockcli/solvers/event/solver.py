@@ -21,7 +21,6 @@ from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.contact import slides_only
 from rockcli.scene.excitation import Samples
-from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import (
@@ -34,19 +33,17 @@ from rockcli.solvers.common.certainty import (
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.ground import channel_of
 from rockcli.solvers.contact.screen import surely_holds, surely_presses
-from rockcli.solvers.contact.solver import has_contact_forces, with_contact
+from rockcli.solvers.contact.solver import Opened, has_contact_forces, with_contact
+from rockcli.solvers.contact.turns import BESIDE, by_turns, can_take_turns
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
 from rockcli.solvers.event.nudges import finer_than, nudges
-from rockcli.solvers.event.pack import parameters_of
+from rockcli.solvers.event.pack import order_of, parameters_of, settings_of
 from rockcli.solvers.event.unpack import FORCES, Raw, friction_and_normal, histories_of, scalars_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-
-MAX_STEPS = {True: 20_000_000, False: 30_000}
-"""Steps a case may take, compiled or not; a case that needs more uncompiled is solved again compiled."""
 
 METHOD = "Taylor series to order {}, events located on the polynomial"
 
@@ -68,16 +65,16 @@ def solve(batch: Batch) -> Response:
     march = kernels.load(compile_them=records or seconds > COMPILE_ABOVE)
     in_lanes = pulses or (records and bool(kernels.compiled))
 
-    def attempt() -> tuple[Raw, Mask]:
+    def attempt() -> tuple[Raw, Opened]:
         if in_lanes:
             return _lanes(march, batch, parameters, level)
         run = _march(march, batch, parameters, level, histories=batch.save.histories)
-        return run, np.zeros(batch.size, dtype=bool)
+        return run, Opened(np.zeros(batch.size, dtype=bool), np.zeros(batch.size, dtype=bool))
 
-    run, open_ = attempt()
+    run, opened = attempt()
     if not kernels.compiled and np.any(run.out[:, to.STATUS] == OUT_OF_STEPS):
         march = kernels.load(compile_them=True)
-        run, open_ = attempt()  # by the same kernels, so that no case depends on those it is solved with
+        run, opened = attempt()  # by the same kernels, so that no case depends on those it is solved with
 
     judgement = None
     if batch.save.scalars & CERTAINTY:
@@ -94,7 +91,7 @@ def solve(batch: Batch) -> Response:
     }
     histories, impacts, t = histories_of(batch, run) if batch.save.histories else ({}, {}, np.empty(0))
     response = Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
-    return with_contact(batch, response, level, open_)
+    return with_contact(batch, response, level, opened)
 
 
 def _judged(
@@ -156,18 +153,18 @@ def _estimated_seconds(batch: Batch, parameters: Array) -> float:
 
 def _method(pulses: bool, in_lanes: bool, level: Accuracy) -> str:
     if not in_lanes:
-        return METHOD.format(_order(level.rtol))
+        return METHOD.format(order_of(level.rtol))
     return lane_pulses.METHOD if pulses else lane_records.METHOD
 
 
-def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> tuple[Raw, Mask]:
+def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> tuple[Raw, Opened]:
     """A map of pulses or of a record in lanes, and where it is open whether friction holds a body.
 
-    One by one those the lanes do not take, and those they hand over.  What is found
-    without a `mu` is found alike with one, so that friction that holds changes no bit; where that tells no forces, and
-    how far a body rocks does not settle it (K15), the lanes of a record look at its forces in a run of their own.  Open
-    are those that may need more friction than there is; of bodies without consistent contact forces that is told from
-    the forces of pure rocking, one by one.
+    One by one those the lanes do not take, and those they hand over.  What is found without a `mu` is found alike with
+    one, so that friction that holds changes no bit.  Where nothing is asked of those that slide but what they do,
+    bodies under a record go by turns.  Else, where that tells no forces, and how far a body rocks does not settle it
+    (K15), the lanes of a record look at its forces in a run of their own.  Open are those that may need more friction
+    than there is; of bodies without consistent contact forces that is told from the forces of pure rocking, one by one.
     """
     rows = np.ascontiguousarray(parameters)
     given = np.isfinite(batch.block.mu)
@@ -180,25 +177,32 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     detail = _detail(march, batch, False)
     forces = bool(batch.save.scalars & FORCES)
     how_much = int(march.PEAKS) if given.any() and not forces else detail
+    none = np.zeros(batch.size, dtype=bool)
+    turns, open_, slides, slid = none, none.copy(), none.copy(), None
     if not pulses:
         fit &= lane_records.fit(batch, rows)
+        if given.any() and not batch.save.scalars & BESIDE:
+            turns = fit & can_take_turns(batch) & has_contact_forces(batch)
+    run.out[:, to.STATUS] = np.nan
+    if turns.any():
+        taking = np.flatnonzero(turns)
+        run.out[taking], slides[taking], slid = by_turns(batch.rows(taking), rows[taking], level)
+        fit &= ~turns
     cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
     if pulses:
         lanes = kernels.load("lanes.pulses.march", compile_them=compiled)
-        found = lane_pulses.run(lanes, batch, rows[cases], _settings(lanes, batch, level, how_much), cases)
+        found = lane_pulses.run(lanes, batch, rows[cases], settings_of(lanes, batch, level, how_much), cases)
     else:
         lanes = kernels.load("lanes.records.march", compile_them=compiled)
         some = batch if batch.excitation.suite is None or fit.all() else batch.rows(np.flatnonzero(fit))
-        found = lane_records.run(lanes, some, rows[cases], _settings(lanes, batch, level, how_much))
-    run.out[:, to.STATUS] = np.nan
+        found = lane_records.run(lanes, some, rows[cases], settings_of(lanes, batch, level, how_much))
     run.out[cases] = found
-    open_ = np.zeros(batch.size, dtype=bool)
-    if given.any() and not forces:
+    if given.any() and not forces and not turns.all():
         held = surely_holds(batch, run.out[:, to.PEAK], run.out[:, to.VERDICT] == RETURNS)
-        open_ = given & ~held & ~slides_only(batch) & ~np.isnan(run.out[:, to.STATUS])
+        open_ = given & ~turns & ~held & ~slides_only(batch) & ~np.isnan(run.out[:, to.STATUS])
         if not pulses and open_.any():
             asked = np.flatnonzero(open_)
-            forced = lane_records.run(lanes, batch, rows[asked], _settings(lanes, batch, level, int(lanes.ALL)))
+            forced = lane_records.run(lanes, batch, rows[asked], settings_of(lanes, batch, level, int(lanes.ALL)))
             needs, least = friction_and_normal(batch.rows(asked), forced)
             open_[asked] = ~surely_presses(batch.block.mu[asked], needs, least)
         run.out[open_ & ~has_contact_forces(batch), to.STATUS] = np.nan
@@ -208,7 +212,7 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
         alone = Raw(len(left), 0, 0)
         _march_rows(march, batch, rows[left], level, alone, detail, cases=left)
         run.out[left] = alone.out
-    return run, open_
+    return run, Opened(open_, slides, slid)
 
 
 def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, *, histories: bool) -> Raw:
@@ -239,7 +243,7 @@ def _march_rows(
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python
         inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
     rows, h_data, v_data = inputs
-    how = _settings(march, batch, level, detail)
+    how = settings_of(march, batch, level, detail)
     histories, impacts, out = outputs
     march.march_all(
         rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, histories, impacts, march.work_space(), out
@@ -247,24 +251,6 @@ def _march_rows(
     if not kernels.compiled:
         for array, output in zip(arrays, outputs, strict=True):
             array[...] = output
-
-
-def _settings(kernel: ModuleType, batch: Batch, level: Accuracy, detail: int) -> Any:
-    """`Settings` of a kernel module."""
-    return kernel.Settings(
-        linear=MODELS[batch.model, batch.geometry].linear,
-        tol=level.rtol,
-        rest_speed=level.rest_speed,
-        margin=max(2e-14, 10.0 * level.rtol),
-        max_steps=MAX_STEPS[bool(kernels.compiled)],
-        order=_order(level.rtol),
-        detail=detail,
-    )
-
-
-def _order(rtol: float) -> int:
-    """Order of the Taylor series: about where the cost of a step of given error per unit of time is least."""
-    return int(np.clip(round(2.0 - 1.75 * np.log10(rtol)), 8, 30))
 
 
 def _detail(march: ModuleType, batch: Batch, histories: bool) -> int:

@@ -17,6 +17,7 @@ from rockcli.kernels.lanes.records.rest import (
     finish,
     hand_over,
     rest,
+    stop,
     turn,
 )
 from rockcli.kernels.lanes.records.step import HALF_PI
@@ -32,7 +33,7 @@ from rockcli.kernels.rigid.series import slope, value
 
 
 @jit_lean
-def arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, out):
+def arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, hold, start, out):
     """A rocking lane at the end of its samples: the motion's, or the report's.
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
@@ -49,6 +50,8 @@ def arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, out):
             out[to.T_END] = par[at.T_MOTION]
             return finish(st, i, verdict, out)
         if verdict == FALLS and v > 0.0 and len(velocity) > 0:
+            if hold:  # it may yet slip before it is beyond the equilibrium
+                return stop(st, i, par, start, out)
             out[to.T_END], out[to.PEAK_SIDE] = par[at.T_MOTION], s
             return finish(st, i, verdict, out)
         if how.detail == ALL:
@@ -73,7 +76,7 @@ def arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, out):
 
 @jit_lean
 def attend(
-    st, i, par, how, values, slopes, blocks, tail, velocity, c, guard, sin_q, cos_q, a, a_v, force, out
+    st, i, par, how, values, slopes, blocks, tail, velocity, c, guard, sin_q, cos_q, a, a_v, force, hold, start, out
 ):  # fmt: skip
     """Look at the step lane i tried, go as far as its first event, and see to that."""
     q, h, x0 = st[lane.Q + i], st[lane.H + i], st[lane.X + i]
@@ -82,6 +85,8 @@ def attend(
         c[k + 1] = st[lane.COEFFICIENTS + k * WIDTH + i]
     if not abs(c[lane.ORDER]) <= st[lane.SMALL + i]:  # halved too often
         return hand_over(out)
+    if hold and st[lane.DOUBT + i] > 0.0:
+        return stop(st, i, par, start, out)
     last, piece = int(st[lane.LAST + i]), int(st[lane.PIECE + i])
     free = piece > last
     t0 = (par[at.T_MOTION] if free else (piece - st[lane.FIRST + i]) * st[lane.DT + i]) + x0
@@ -186,11 +191,11 @@ def attend(
         st[lane.V + i] = edge.eta * rate
         turn(st, i, par, -s)
         if not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
-            state = rest(st, i, par, how, values, slopes, blocks, tail, out)
+            state = rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out)
             if state != ROCKING:
                 return state
     if at_end:
-        return arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, out)
+        return arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, hold, start, out)
     return STANDING
 
 

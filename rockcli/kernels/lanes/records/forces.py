@@ -79,6 +79,46 @@ def may_peak(v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, rate, least
 
 
 @jit_lean
+def begin_hold(st, i, par, linear, values, mu):
+    """`begin_watch` for a lane that stops where friction of mu may not hold its foot, or the ground."""
+    begin_watch(st, i, par, linear, values)
+    st[lane.N_LEAST + i], st[lane.MU_MOST + i] = 0.0, mu
+
+
+@jit_lean
+def at_end(d1, d2, d3, d4, d5, d6, d7, d8):
+    """Rate, acceleration and its derivative at the end of a step, in units of it, from d_k = k c_k."""
+    v = d1 + (d2 + ((d3 + d4) + ((d5 + d6) + (d7 + d8))))
+    acc = fma(3.0, d4, fma(2.0, d3, d2)) + (fma(5.0, d6, 4.0 * d5) + fma(7.0, d8, 6.0 * d7))
+    jerk = fma(6.0, d4, 2.0 * d3) + (fma(20.0, d6, 12.0 * d5) + fma(42.0, d8, 30.0 * d7))
+    return v, acc, jerk
+
+
+@jit_lean
+def gives_way(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
+    """Which of WIDTH lanes may need more friction than they have, or leave the ground, in the steps they try.
+
+    Arguments as those of `weigh`.
+    """
+    sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
+    shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
+    most = load(st, lane.MU_MOST + i)
+    T, N, dT, dN = forces_of(
+        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight
+    )
+    v_1, acc_1, jerk_1 = at_end(d1, d2, d3, d4, d5, d6, d7, d8)
+    T_1, N_1, dT_1, dN_1 = forces_of(
+        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, weight
+    )
+    at_ends = (abs(T) <= most * N) & (abs(T_1) <= most * N_1)
+    # in between a rate is of no account: infinite, none is larger
+    between = may_peak(d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, math.inf, 0.0 * N, most)
+    doubt = ~at_ends | between
+    store(st, lane.DOUBT + i, select(doubt, 1.0, 0.0 * h))
+    return doubt
+
+
+@jit_lean
 def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8):
     """What WIDTH lanes have at the start of the steps they try, and what these may hide.
 
@@ -91,9 +131,7 @@ def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5
     T, N, dT, dN = forces_of(
         fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight
     )
-    v_1 = d1 + (d2 + ((d3 + d4) + ((d5 + d6) + (d7 + d8))))
-    acc_1 = fma(3.0, d4, fma(2.0, d3, d2)) + (fma(5.0, d6, 4.0 * d5) + fma(7.0, d8, 6.0 * d7))
-    jerk_1 = fma(6.0, d4, 2.0 * d3) + (fma(20.0, d6, 12.0 * d5) + fma(42.0, d8, 30.0 * d7))
+    v_1, acc_1, jerk_1 = at_end(d1, d2, d3, d4, d5, d6, d7, d8)
     T_1, N_1, dT_1, dN_1 = forces_of(
         fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, weight
     )

@@ -41,8 +41,8 @@ def work_space():
     )  # fmt: skip
 
 
-@entry(MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, (VECTOR,) * 10, MATRIX)
-def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, work, out):
+@entry(MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, bool, MATRIX, (VECTOR,) * 10, MATRIX)
+def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, starts, work, out):
     """`march_all` for bodies with two equal edges, no damper, under sampled motions; no histories.
 
     values, slopes: of one motion after the other, each followed by two of zeros or more, so that the next begins with
@@ -50,6 +50,8 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, work, 
     spans: of the motion of each body, first and last sample and the time between two.
     velocity: of the ground, as `lost` wants it, or nothing if the path of a fall is asked for, as it is
     where forces are (`how.detail` ALL) or what impacts carry.
+    hold: a body stops where friction may not hold its foot: STATUS GIVES_WAY.  starts: rows of `handover`, where it
+    begins and, then, has stopped; not read without `hold`, which is not for bodies whose forces are asked for.
     A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
     """
     page_the_stack()
@@ -65,7 +67,7 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, work, 
             k = following
             following += 1
             i = place(busy)
-            state = begin(st, i, pars[k], spans[k], how, values, slopes, blocks, tail, path, out[k])
+            state = begin(st, i, pars[k], spans[k], how, values, slopes, blocks, tail, path, hold, starts[k], out[k])
             if state == STANDING:
                 st[lane.CASE + i] = k
                 busy += 1
@@ -79,7 +81,7 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, work, 
             if how.linear:
                 calls, moved, near, tops = advance_linear(st, o, values, slopes, watch)
             else:
-                calls, moved, near, tops = advance(st, o, values, slopes, watch)
+                calls, moved, near, tops = advance(st, o, values, slopes, watch, hold)
             if watch:
                 doubtful = commit(st, o)
                 while doubtful != 0:
@@ -97,12 +99,12 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, work, 
                 k = int(st[lane.CASE + i])
                 if (moved >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, values, velocity, c, sin_q, cos_q, a, a_v, out[k]
+                        st, i, pars[k], how, values, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k], out[k]
                     )  # fmt: skip
                 else:
                     state = attend(
                         st, i, pars[k], how, values, slopes, blocks, tail, velocity,
-                        c, guard, sin_q, cos_q, a, a_v, force, out[k],
+                        c, guard, sin_q, cos_q, a, a_v, force, hold, starts[k], out[k],
                     )  # fmt: skip
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = -1.0, True
@@ -133,10 +135,10 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, work, 
                 k = int(st[lane.CASE + i])
                 if (over >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, values, velocity, c, sin_q, cos_q, a, a_v, out[k]
+                        st, i, pars[k], how, values, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k], out[k]
                     )  # fmt: skip
                 else:
-                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, out[k])
+                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k])
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = -1.0, True
         rounds += 1

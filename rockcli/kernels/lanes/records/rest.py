@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 
+from rockcli.kernels import handover as carry
 from rockcli.kernels.constants import FAST as COUNTED
-from rockcli.kernels.constants import LEFT_TO_MARCH, RETURNS, STANDSTILL
+from rockcli.kernels.constants import GIVES_WAY, LEFT_TO_MARCH, NOT_YET, RETURNS, STANDSTILL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
-from rockcli.kernels.lanes.records.forces import account, begin_watch, bounces_matter, stood
+from rockcli.kernels.lanes.records.forces import account, begin_hold, begin_watch, bounces_matter, stood
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
@@ -33,7 +34,7 @@ BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
 
 
 @jit_lean
-def begin(st, i, par, span, how, values, slopes, blocks, tail, path, out):
+def begin(st, i, par, span, how, values, slopes, blocks, tail, path, hold, start, out):
     """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED.  span: of its motion."""
     for k in range(to.N_OUT):
         out[k] = 0.0
@@ -68,6 +69,21 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, out):
     st[lane.END + i] = span[1]
     st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = 0.0
     watch = how.detail == ALL
+    if hold:
+        begin_hold(st, i, par, how.linear, values, start[carry.MU])
+        if start[carry.T] >= 0.0:
+            dt = span[2]
+            k = int(start[carry.T] / dt)
+            while k > 0 and k * dt > start[carry.T]:
+                k -= 1
+            while (k + 1) * dt <= start[carry.T]:
+                k += 1
+            st[lane.PIECE + i], st[lane.X + i] = span[0] + k, start[carry.T] - k * dt
+            st[lane.Q + i], st[lane.V + i] = start[carry.Q], start[carry.V]
+            if start[carry.Q] == 0.0 and start[carry.V] == 0.0:
+                return lift(st, i, par, watch, values, slopes, blocks, tail, out)
+            turn(st, i, par, start[carry.SIDE])
+            return STANDING
     if par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0:
         if watch:
             begin_watch(st, i, par, how.linear, values)
@@ -196,7 +212,21 @@ def hand_over(out):
 
 
 @jit_lean
-def rest(st, i, par, how, values, slopes, blocks, tail, out):
+def stop(st, i, par, start, out):
+    """Leave the body to the kernel of contact where it is, as its foot may give way there."""
+    piece, last = st[lane.PIECE + i], st[lane.LAST + i]
+    t = (piece - st[lane.FIRST + i]) * st[lane.DT + i] + st[lane.X + i]
+    if piece >= last:
+        t = par[at.T_MOTION] + (st[lane.X + i] if piece > last else 0.0)
+    start[carry.T], start[carry.SIDE] = t, st[lane.SIDE + i]
+    start[carry.Q], start[carry.V] = st[lane.Q + i], st[lane.V + i]
+    finish(st, i, NOT_YET, out)
+    out[to.STATUS] = GIVES_WAY
+    return FINISHED
+
+
+@jit_lean
+def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
     """Whether the body of lane i, just turned over, comes to rest inside this sample; if so, what then.
 
     Slow bounces are flights under a moment linear in time; each is solved for its end and its impact counted.
@@ -225,7 +255,9 @@ def rest(st, i, par, how, values, slopes, blocks, tail, out):
             return ROCKING
         slow = how.rest_speed * p * math.sin(par[e + at.ALPHA])
         a = values[k] + slopes[k] * x
-        if watch and v > slow and bounces_matter(st, i, par, s, a, slopes[k] * whole):
+        if (watch or hold) and v > slow and bounces_matter(st, i, par, s, a, slopes[k] * whole):
+            if hold and start[carry.T] < 0.0:  # so that all that never stop have the bits of pure rocking
+                return stop(st, i, par, start, out)
             return ROCKING
         straight = NEARLY_STEADY * lowest * lowest / abs(u1)
         while rate > slow and rate > straight:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
-from rockcli.kernels.lanes.records.forces import weigh
+from rockcli.kernels.lanes.records.forces import gives_way, weigh
 from rockcli.kernels.lanes.records.sines import sin_cos
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import bits, fma, gather
@@ -19,8 +19,11 @@ I2, I3, I4, I5, I6, I7, I8 = (1.0 / k for k in range(2, 9))
 
 
 @jit_lean
-def advance(st, i, values, slopes, watch):
-    """Step WIDTH lanes from lane i on; what comes back is said in `settle`.  `watch`: forces too."""
+def advance(st, i, values, slopes, watch, hold):
+    """Step WIDTH lanes from lane i on; what comes back is said in `settle`.
+
+    `watch`: forces too; `hold`: lanes stop where friction may not hold.
+    """
     q, v, x, piece = load(st, lane.Q + i), load(st, lane.V + i), load(st, lane.X + i), load(st, lane.PIECE + i)
     full, cap = load(st, lane.LEN + i), load(st, lane.CAP + i)
     h = select(full - x < cap, full - x, cap)
@@ -50,6 +53,7 @@ def advance(st, i, values, slopes, watch):
     s6 = I6 * fma(d6, k0, fma(d5, k1, fma(d4, k2, fma(d3, k3, fma(d2, k4, d1 * k5)))))
     k6 = -I6 * fma(d6, s0, fma(d5, s1, fma(d4, s2, fma(d3, s3, fma(d2, s4, d1 * s5)))))
     d8 = I7 * fma(X0, s6, fma(Y0, k6, fma(X1, s5, Y1 * k5)))
+    weak = h < 0.0
     if watch:
         sines = s0 + (I2 * s1 + (I3 * s2 + (I4 * s3 + (I5 * s4 + (I6 * s5 + I7 * s6)))))
         cosines = k0 + (I2 * k1 + (I3 * k2 + (I4 * k3 + (I5 * k4 + (I6 * k5 + I7 * k6)))))
@@ -57,7 +61,11 @@ def advance(st, i, values, slopes, watch):
         s_end = s0 + (s1 + (s2 + (s3 + (s4 + (s5 + s6)))))
         k_end = k0 + (k1 + (k2 + (k3 + (k4 + (k5 + k6)))))
         weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8)
-    return settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8)
+    elif hold:
+        s_end = s0 + (s1 + (s2 + (s3 + (s4 + (s5 + s6)))))
+        k_end = k0 + (k1 + (k2 + (k3 + (k4 + (k5 + k6)))))
+        weak = gives_way(st, i, s0, k0, s_end, k_end, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8)
+    return settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7, d8)
 
 
 @jit_lean
@@ -83,17 +91,18 @@ def advance_linear(st, i, values, slopes, watch):
         sines = I4 * c3 + (I5 * c4 + (I6 * c5 + (I7 * c6 + (I8 * c7 + c8 / 9.0))))
         area = load(st, lane.FORCING_C + i) * (q + (I2 * d1 + (I3 * c2 + sines)))
         weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1 * h, a1, h, d1, d2, d3, d4, d5, d6, d7, d8)
-    return settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8)
+    return settle(st, i, q, v, x, piece, full, cap, h, h < 0.0, d1, d2, d3, d4, d5, d6, d7, d8)
 
 
 @jit_lean
-def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
+def settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7, d8):
     """Move WIDTH lanes to the end of their steps: (lanes that call for attention, those of them that have moved,
     those that may touch the base and nothing else, those that turn where the peak may be).
 
-    A lane stays where it is if it may touch the base, passes LOOK or the ground, or if its last term is too
-    large: then its next step is half as long.  One that moved and calls all the same has come to the end of its
-    samples.  What was tried is stored for every lane, as a branch that is taken often costs more than the stores.
+    A lane stays where it is if it may touch the base, passes LOOK or the ground, is `weak` as its foot may give way, or
+    if its last term is too large: then its next step is half as long.  One that moved and calls all the same has come
+    to the end of its samples.  What was tried is stored for every lane, as a branch that is taken often costs more than
+    the stores.
     """
     c1, c2, c3, c4, c5, c6, c7, c8 = d1, I2 * d2, I3 * d3, I4 * d4, I5 * d5, I6 * d6, I7 * d7, I8 * d8
     q_end = q + (c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8)))))
@@ -111,14 +120,15 @@ def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     low = smooth & (upper < look)
     higher = (v > 0.0) & (upper > peak)
     turns = higher & (v_end <= 0.0)
-    near = low & base & (abs(c1) > 0.0) & ~(higher & (v_end > 0.0))
+    weak = smooth & weak
+    near = low & base & (abs(c1) > 0.0) & ~(higher & (v_end > 0.0)) & ~weak
     passes = smooth & (upper >= look) & (turns | (q < look) & (q_end >= look) | (upper >= HALF_PI))
     place = x + h
     whole = (h == full - x) | (place >= full)
     piece_end = select(whole, piece + 1.0, piece)
     ends = piece_end >= load(st, lane.END + i)
     last = low & turns & ends & ~base
-    event = base | passes | ~smooth | last
+    event = base | passes | ~smooth | last | weak
     over = ends & ~event
     store(st, lane.Q + i, select(event, q, q_end))
     store(st, lane.V + i, select(event, v, v_end))
@@ -136,4 +146,4 @@ def settle(st, i, q, v, x, piece, full, cap, h, d1, d2, d3, d4, d5, d6, d7, d8):
     store(st, lane.COEFFICIENTS + 5 * WIDTH + i, c6)
     store(st, lane.COEFFICIENTS + 6 * WIDTH + i, c7)
     store(st, lane.COEFFICIENTS + 7 * WIDTH + i, c8)
-    return bits(base & ~near | passes | lost | last | over), bits(over), near, low & turns & ~last
+    return bits(base & ~near | passes | lost | last | over | weak), bits(over), near, low & turns & ~last & ~weak
