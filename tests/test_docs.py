@@ -35,6 +35,7 @@ HOMES = {
     "L": ("docs/sweeps.md",),
     "B": ("docs/sweeps.md",),
     "K": ("docs/contact.md",),
+    "V": ("docs/rolling.md",),
     "X": ("docs/experiments.md",),
 }
 """Pages of the equations (T4), (F3), ...; bare numbers such as (2.2) are the thesis's."""

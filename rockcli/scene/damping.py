@@ -48,6 +48,8 @@ class Damping:
         coefficient: of the dashpot c = coefficient (alpha/0.1)^2 m g^0.5 R^1.5 (3.3), (n,); None without one.
         fema356: of that scheme, else None.
         alpha_d: parameter of the HHT integrator in [2/3, 1] of that scheme, (n,); None = the backend's default.
+        loss: power of Housner's loss at every vertex of a body that rolls over several, (n,): 1 his, 0 none; None of
+            bodies on two edges, for which eta says it.
     """
 
     scheme: str
@@ -55,11 +57,12 @@ class Damping:
     coefficient: Array | None = None
     fema356: Fema356 | None = None
     alpha_d: Array | None = None
+    loss: Array | None = None
 
     @property
     def only_eta(self) -> bool:
         """Whether nothing is lost but at impacts, by `eta`: all that the lanes and the contact kernel know."""
-        others = (field.name for field in fields(self) if field.name not in ("scheme", "eta"))
+        others = (field.name for field in fields(self) if field.name not in ("scheme", "eta", "loss"))
         return all(getattr(self, name) is None for name in others)
 
 
@@ -79,6 +82,16 @@ NOT_NEGATIVE: Check = (lambda value, block, g: value >= 0.0, "must not be negati
 SHARE: Check = (lambda value, block, g: (value >= 0.0) & (value <= 1.0), "must be between 0 and 1")
 
 
+def _can_be_scaled(value: Array, block: Block, g: Array) -> NDArray[np.bool_]:
+    return np.asarray(~block.rolls | (value == 1.0) | (housner_eta(block) > 0.0).all(axis=1))
+
+
+SCALED: Check = (
+    _can_be_scaled,
+    "cannot be told of the other vertices of the outline, as Housner's eta on its base is not positive",
+)
+
+
 @dataclass(frozen=True)
 class Key:
     """A key of a scheme in the study.
@@ -86,7 +99,7 @@ class Key:
     Attributes:
         name, sentence: what it is called, and what it is.
         checks: what its value must be.
-        instead_of: the key that says the same thing.
+        instead_of: keys that say the same thing.
         word: what may stand for the number that follows from the body.
         number: whether it is a number; else `study/building/damping.py` reads it.
     """
@@ -94,7 +107,7 @@ class Key:
     name: str
     sentence: str
     checks: tuple[Check, ...] = ()
-    instead_of: str = ""
+    instead_of: tuple[str, ...] = ()
     word: str = ""
     number: bool = True
 
@@ -123,17 +136,36 @@ def _or(value: Array | None, default: float, block: Block) -> Array:
 
 
 def _none(values: Values, block: Block, g: Array) -> Damping:
-    return Damping("none", _lossless(block))
+    return Damping("none", _lossless(block), loss=_loss(block, np.zeros(block.size)))
+
+
+def _loss(block: Block, loss: Array) -> Array | None:
+    return None if block.vertices is None else loss
 
 
 def _restitution(values: Values, block: Block, g: Array) -> Damping:
     eta, r_energy = values["eta"], values["r_energy"]
     if r_energy is not None:
         eta = np.sqrt(r_energy)
-    if eta is not None:
-        return Damping("restitution", np.repeat(eta[:, None], 2, axis=1))
     housner = housner_eta(block)
-    return Damping("restitution", np.maximum(housner, 0.0) if (housner < 0.0).any() else housner)
+    if eta is not None:
+        return Damping("restitution", np.repeat(eta[:, None], 2, axis=1), loss=_loss(block, _power(eta, housner)))
+    kept = np.maximum(housner, 0.0) if (housner < 0.0).any() else housner
+    if values["loss"] is None:
+        return Damping("restitution", kept, loss=_loss(block, np.ones(block.size)))
+    # of two unequal edges what is lost is told by the root of the energy: sqrt(I_i/I_j) changes the rate without loss
+    both = np.sqrt(kept[:, :1] * kept[:, 1:])
+    loss = values["loss"][:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lossy = np.where(both > 0.0, kept * both ** (loss - 1.0), np.where(loss > 0.0, 0.0, 1.0))
+    return Damping("restitution", np.where(loss == 1.0, kept, lossy), loss=_loss(block, values["loss"]))
+
+
+def _power(eta: Array, housner: Array) -> Array:
+    """The power of Housner's loss that a restitution is at an impact between the two edges, (n,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        power = np.log(eta) / (0.5 * np.log(np.prod(np.maximum(housner, 0.0), axis=1)))
+    return np.where(eta == 1.0, 0.0, power)
 
 
 def _clamped(values: Values, block: Block) -> list[str]:
@@ -173,9 +205,24 @@ _ROWS: tuple[Scheme, ...] = (
         _restitution,
         (
             Key(
-                "eta", "angular velocity after / before an impact, in [0, 1]; default housner", (SHARE,), "", "housner"
+                "eta",
+                "angular velocity after / before an impact, in [0, 1]; default housner",
+                (SHARE, SCALED),
+                (),
+                "housner",
             ),
-            Key("r_energy", "kinetic energy after / before an impact, eta^2, in [0, 1]", (SHARE,), instead_of="eta"),
+            Key(
+                "r_energy",
+                "kinetic energy after / before an impact, eta^2, in [0, 1]",
+                (SHARE, SCALED),
+                instead_of=("eta",),
+            ),
+            Key(
+                "loss",
+                "power of Housner's eta [1]: 1 his, 0 nothing is lost",
+                (NOT_NEGATIVE,),
+                instead_of=("eta", "r_energy"),
+            ),
         ),
         impacts=True,
         remarks=_clamped,

@@ -85,7 +85,8 @@ class Facets:
         b: horizontal distances from the centre of mass to its ends, of one beside it negative, (n, f, 2) [m].
         R, alpha: distance to its ends [m], and atan(b/height) [rad], (n, f, 2).
         extent: turn from lying flat on it to the next facet on that side, of the last to a quarter turn, (n, f, 2).
-        fall: theta of the last barrier on the left and on the right, a quarter turn where there is none, (n, 2) [rad].
+        fall: theta of the last barrier on the left and on the right, (n, 2) [rad]; a quarter turn where there is none
+            or the centre of mass is higher there than at the last.
         barrier: what the centre of mass rises from its stand to the highest barrier on each side, (n, 2) [m].
     """
 
@@ -134,8 +135,12 @@ def facets_of(vertices: Array) -> Facets:
         outward = np.where(side == 0, j <= standing[:, None], j >= standing[:, None])
         there = over[:, :, side] & outward
         at = np.where(there, sign * tilt + alpha[:, :, side], -np.inf)
-        fall[:, side] = sign * np.where(there.any(axis=1), at.max(axis=1), quarter[:, 0])
+        outermost = np.argmax(at, axis=1)[:, None]
         end = vertices[:, 0, 0] if side == 0 else np.take_along_axis(vertices[:, :, 0], count[:, None], axis=1)[:, 0]
-        top = np.where(there, R[:, :, side], -np.inf).max(axis=1)
-        barrier[:, side] = np.where(there.any(axis=1), top, np.abs(end)) - own
+        top = np.where(there, R[:, :, side], -np.inf)
+        wall = (
+            np.abs(end) > np.take_along_axis(top, outermost, axis=1)[:, 0]
+        )  # a quarter turn is higher than the last one
+        fall[:, side] = sign * np.where(wall, quarter[:, 0], np.take_along_axis(at, outermost, axis=1)[:, 0])
+        barrier[:, side] = np.maximum(top.max(axis=1), np.where(wall, np.abs(end), -np.inf)) - own
     return Facets(count, standing, tilt, across, b, R, alpha, extent, fall, barrier)

@@ -5,7 +5,9 @@ A failure is a result with a message; overturning is a result; neither is an exc
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,3 +65,32 @@ class Response:
     impacts: dict[str, Array] = field(default_factory=dict)
     used: dict[str, str] = field(default_factory=dict)
     shaken: dict[str, NDArray[np.int64]] | None = None
+
+
+def merged(n: int, pieces: Sequence[tuple[NDArray[np.int64], Response]]) -> Response:
+    """One response of n cases from those of parts of them, by their places; histories are as long as the longest."""
+    time = max((piece.time for _, piece in pieces), key=len)
+    first = pieces[0][1]
+
+    def put(values: Sequence[NDArray[Any]]) -> NDArray[Any]:
+        width = max((of.shape[1:] for of in values), default=())
+        whole = np.full((n, *width), np.nan if values[0].dtype.kind == "f" else 0, dtype=values[0].dtype)
+        for (at, _), of in zip(pieces, values, strict=True):
+            if width:
+                whole[at, : of.shape[1]] = of
+            else:
+                whole[at] = of
+        return whole
+
+    reasons = [""] * n
+    for at, piece in pieces:
+        for i, said in zip(at.tolist(), piece.reasons, strict=True):
+            reasons[i] = said
+    return replace(
+        first,
+        scalars={name: put([piece.scalars[name] for _, piece in pieces]) for name in first.scalars},
+        reasons=reasons,
+        time=time,
+        histories={name: put([piece.histories[name] for _, piece in pieces]) for name in first.histories},
+        impacts={name: put([piece.impacts[name] for _, piece in pieces]) for name in first.impacts},
+    )

@@ -363,6 +363,14 @@ _ROWS: tuple[Variable, ...] = (
         "m",
         "displacement along the ground in the end; NaN without mu, and of a body that overturns",
     ),
+    Variable(
+        "residual_tilt",
+        r"$\theta_{\mathrm{res}}$",
+        CASE,
+        "rad",
+        "rotation in which the body comes to rest, of one that rolls over several vertices that of the facet it ends on; "
+        "NaN of one that overturns, or that nothing brings to rest",
+    ),
     Variable("n_slips", r"$n_{\mathrm{slips}}$", CASE, "1", "how often the base begins to slip; NaN without mu"),
     Variable("n_flights", r"$n_{\mathrm{flights}}$", CASE, "1", "how often the body leaves the ground; NaN without mu"),
     Variable("n_jams", r"$n_{\mathrm{jams}}$", CASE, "1", "how often no finite force lets it slide on; NaN without mu"),
@@ -638,6 +646,9 @@ SCALARS_FLEXIBLE: tuple[str, ...] = ("landing_loss",)
 SCALARS_ASYMMETRIC: tuple[str, ...] = ("theta_peak_left", "theta_peak_right")
 """What only bodies of two different edges have."""
 
+SCALARS_ROLLING: tuple[str, ...] = ("residual_tilt",)
+"""What only bodies that roll over several vertices find out; it follows for all others."""
+
 SCALARS_SLIDING: tuple[str, ...] = (
     "slide_peak", "slide_residual", "n_slips", "n_flights", "n_jams", "t_slip", "t_flight",
 )  # fmt: skip
@@ -652,7 +663,7 @@ SCALARS_AUTO: tuple[str, ...] = ("model_used", "model_error")
 SCALARS: tuple[str, ...] = (
     "outcome", "theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn",
     "t_end", "n_impacts", "mu_required", "mu_impact", "N_min_over_mg", "energy_residual", "error_estimate", "overturn_share",
-    "wall_time", "n_steps", "n_rhs", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO,
+    "wall_time", "n_steps", "n_rhs", "reason", *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO, *SCALARS_ROLLING,
 )  # fmt: skip
 """Scalars a study can save, in the order of the contract."""
 

@@ -23,6 +23,7 @@ from rockcli.scene.variables import (
     SCALARS_FEMA,
     SCALARS_FLEXIBLE,
     SCALARS_LARGE,
+    SCALARS_ROLLING,
     SCALARS_SLIDING,
 )
 from rockcli.study.building.batch import build_batch
@@ -223,11 +224,13 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
     if wanted is None:
         most = SAMPLES_WITH_ALL if tree.get("uncertain") else LARGE
         wanted = () if curves_only else SCALARS if size <= most and not tree.get("refine") else SCALARS_LARGE
-    special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO}
+    special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO, *SCALARS_ROLLING}
     if found.friction:
         special -= set(SCALARS_SLIDING)
     if found.asymmetric:
         special -= set(SCALARS_ASYMMETRIC)
+    if found.rolling:
+        special -= {*SCALARS_ROLLING, *SCALARS_ASYMMETRIC}
     if "fema356" in found.schemes:
         special -= set(SCALARS_FEMA)
     if any(model == AUTO for model, _ in found.models):

@@ -60,10 +60,12 @@ def test_facets_are_where_the_centre_is_lowest_and_highest(seed):
     highs = theta[1:-1][(h[1:-1] > h[:-2]) & (h[1:-1] >= h[2:])]
     stand = facets.tilt[0, facets.standing[0]]
     right, left = highs[highs > stand], highs[highs < stand]
-    ends = [left.min() if len(left) else -np.pi / 2, right.max() if len(right) else np.pi / 2]
+    ends, tops = [], []
+    for tip, quarter, at_quarter in ((left[::-1], -np.pi / 2, h[0]), (right, np.pi / 2, h[-1])):
+        wall = not len(tip) or at_quarter > height(vertices, tip)[-1]
+        ends.append(quarter if wall else tip[-1])
+        tops.append(max([*(height(vertices, tip) if len(tip) else []), *([at_quarter] if wall else [])]))
     np.testing.assert_allclose(facets.fall[0], ends, atol=2e-5)
-    tops = [h[theta < stand][0] if not len(left) else height(vertices, left).max(),
-            h[-1] if not len(right) else height(vertices, right).max()]  # fmt: skip
     np.testing.assert_allclose(facets.barrier[0] + facets.height[0, facets.standing[0]], tops, rtol=1e-9)
 
 

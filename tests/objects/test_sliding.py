@@ -21,7 +21,8 @@ from rockcli.solvers.event.solver import solve
 
 def slid(motion, mu, *, tan_alpha=1.0, n=1, **how):
     body = block(1.0, tan_alpha)
-    columns = {f.name: np.repeat(getattr(body, f.name), n, axis=0) for f in dataclasses.fields(body)}
+    given = {f.name: getattr(body, f.name) for f in dataclasses.fields(body)}
+    columns = {name: np.repeat(values, n, axis=0) for name, values in given.items() if values is not None}
     columns["mu"] = np.broadcast_to(np.asarray(mu, float), (n,)).copy()
     return solve(make_batch(type(body)(**columns), motion, **how))
 

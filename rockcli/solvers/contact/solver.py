@@ -84,10 +84,10 @@ def has_contact_forces(batch: Batch) -> Mask:
     """Which cases all modes of contact can be told of, (n,): nonlinear rigid bodies whose loss is that of impacts.
 
     The linearized block and the spring models have no consistent forces at the edge; a base damper acts on no modelled
-    surface; and a body whose mass is at one point has none left to turn.
+    surface; a body whose mass is at one point has none left to turn; and one that rolls has more than two edges.
     """
     exact = batch.model == "rigid" and batch.damping.only_eta
-    return np.asarray((batch.block.inertia > 1.0).all(axis=1) & exact)
+    return np.asarray((batch.block.inertia > 1.0).all(axis=1) & ~batch.block.rolls & exact)
 
 
 def _leaves_rocking(batch: Batch, scalars: dict[str, Any]) -> Mask:

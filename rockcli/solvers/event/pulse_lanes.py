@@ -13,7 +13,7 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import PIECE_WIDTH, Pulses
-from rockcli.scene.variables import SCALARS_ASYMMETRIC
+from rockcli.scene.variables import SCALARS_ASYMMETRIC, SCALARS_ROLLING
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ polynomials of the lanes' order would need many steps per sample."""
 WITHIN = frozenset(
     {
         "outcome", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "t_peak", "t_uplift", "n_impacts",
-        "wall_time", "reason", *SCALARS_ASYMMETRIC,
+        "wall_time", "reason", *SCALARS_ASYMMETRIC, *SCALARS_ROLLING,
     }
 )  # fmt: skip
 """Scalars that the lanes find."""

@@ -19,6 +19,7 @@ from rockcli.scene.variables import (
     SCALARS_AUTO,
     SCALARS_FEMA,
     SCALARS_FLEXIBLE,
+    SCALARS_ROLLING,
     SCALARS_SLIDING,
 )
 from rockcli.solvers.common.certainty import CERTAINTY
@@ -34,6 +35,7 @@ WITHIN = frozenset(
         "outcome", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "t_peak", "t_uplift", "t_overturn", "t_end",
         "n_impacts", "mu_impact", "wall_time", "n_steps", "n_rhs", "reason", *FORCES, *CERTAINTY,
         *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO,
+        *SCALARS_ROLLING,
     }
 )  # fmt: skip
 """Scalars that the lanes find, or that these bodies have not."""

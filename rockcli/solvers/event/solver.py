@@ -22,7 +22,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.contact import slides_only
 from rockcli.scene.excitation import Samples
 from rockcli.scene.numerics import Accuracy
-from rockcli.scene.response import MAX_IMPACTS_STORED, Response
+from rockcli.scene.response import MAX_IMPACTS_STORED, Response, merged
 from rockcli.solvers.common.certainty import (
     CERTAINTY,
     Judgement,
@@ -38,17 +38,15 @@ from rockcli.solvers.contact.turns import BESIDE, by_turns, can_take_turns
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
 from rockcli.solvers.event.nudges import finer_than, nudges
-from rockcli.solvers.event.pack import order_of, parameters_of, settings_of
+from rockcli.solvers.event.pack import COMPILE_ABOVE, order_of, parameters_of, settings_of
 from rockcli.solvers.event.unpack import FORCES, Raw, friction_and_normal, histories_of, scalars_of
+from rockcli.solvers.rolling import solver as rolling_bodies
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 METHOD = "Taylor series to order {}, events located on the polynomial"
-
-COMPILE_ABOVE = 2.0
-"""Estimated seconds of plain Python above which the kernels are compiled."""
 
 
 def solve(batch: Batch) -> Response:
@@ -57,6 +55,17 @@ def solve(batch: Batch) -> Response:
     A case that cannot be solved is `failed` with a message; an outcome that rounding would decide, or that differs
     within the tolerance, is `unresolved`.
     """
+    rolls = batch.block.rolls
+    if not rolls.any():
+        return _on_two_edges(batch)
+    if rolls.all():
+        return rolling_bodies.solve(batch)
+    rows, others = np.flatnonzero(rolls), np.flatnonzero(~rolls)
+    parts = [(others, _on_two_edges(batch.rows(others))), (rows, rolling_bodies.solve(batch.rows(rows)))]
+    return merged(batch.size, parts)
+
+
+def _on_two_edges(batch: Batch) -> Response:
     began = time.perf_counter()
     level = batch.numerics.tolerances
     parameters = parameters_of(batch)

@@ -76,7 +76,7 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         t_end=out[:, to.T_END],
     )
     left, right, ratio = _by_side(batch, out, found.largest(out[:, to.PEAK]))
-    mu_required, N_min = _standing_extremes(out, found.fell)
+    mu_required, N_min = standing_extremes(out, found.fell)
     unseen = found.failed | ~np.isfinite(out[:, to.N_MIN])  # forces and rates were not asked for
     asked, nothing = batch.save.scalars, np.full(batch.size, np.nan)
     friction = "mu_impact" in asked or bool(np.isfinite(batch.block.mu).any())
@@ -99,12 +99,18 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "mu_required": of_level(seen(mu_required)),
         "mu_impact": of_level(found.unless_failed(_impact_friction(batch, *onto))) if friction else nothing,
         "N_min_over_mg": of_level(seen(N_min)),
-        "energy_residual": seen(_over(out[:, to.ENERGY], barrier(batch))) if "energy_residual" in asked else nothing,
+        "energy_residual": seen(over(out[:, to.ENERGY], barrier(batch))) if "energy_residual" in asked else nothing,
+        "residual_tilt": np.where((scalars["outcome"] < NO_UPLIFT) | found.fell | _lossless(batch), np.nan, 0.0),
         "n_steps": counts(out[:, to.N_STEPS]),
         "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion
     }
     scalars |= {name: found.unless_failed(out[:, column]) for name, column in COLUMNS.items() if name not in scalars}
-    return scalars, _reasons(batch, scalars, out)
+    return scalars, sentences_of(batch, scalars, out)
+
+
+def _lossless(batch: Batch) -> NDArray[np.bool_]:
+    """Bodies that nothing brings to rest, (n,)."""
+    return np.asarray((batch.damping.eta == 1.0).all(axis=1) & batch.damping.only_eta)
 
 
 def _by_side(batch: Batch, out: Array, peak: Array) -> tuple[Array, Array, Array]:
@@ -124,7 +130,7 @@ def _by_side(batch: Batch, out: Array, peak: Array) -> tuple[Array, Array, Array
     return left, right, np.where(symmetric, ratio, larger)
 
 
-def _standing_extremes(out: Array, fell: NDArray[np.bool_]) -> tuple[Array, Array]:
+def standing_extremes(out: Array, fell: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Largest friction and smallest normal force of the report, (n,).
 
     Of a body that falls they end at its last outward passage of the equilibrium.
@@ -138,7 +144,7 @@ def _standing_extremes(out: Array, fell: NDArray[np.bool_]) -> tuple[Array, Arra
     return mu, normal
 
 
-def _over(energy: Array, barrier: Array) -> Array:
+def over(energy: Array, barrier: Array) -> Array:
     """energy/barrier; of a body too slender for its barrier to be a number, 0."""
     return np.asarray(np.divide(energy, barrier, out=np.zeros_like(energy), where=barrier > 0.0))
 
@@ -148,7 +154,7 @@ def friction_and_normal(batch: Batch, out: Array) -> tuple[Array, Array]:
 
     NaN for a case that the kernels did not solve.
     """
-    mu, least = _standing_extremes(out, out[:, to.VERDICT] == FALLS)
+    mu, least = standing_extremes(out, out[:, to.VERDICT] == FALLS)
     needs = np.maximum(mu, _impact_friction(batch, out[:, to.ONTO_LEFT] > 0, out[:, to.ONTO_RIGHT] > 0))
     solved = out[:, to.STATUS] == DONE
     return np.where(solved, needs, np.nan), np.where(solved, least, np.nan)
@@ -162,7 +168,8 @@ def _impact_friction(batch: Batch, onto_left: NDArray[np.bool_], onto_right: NDA
     return np.asarray(np.max(np.where(happened, ratio, 0.0), axis=1))
 
 
-def _reasons(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list[str]:
+def sentences_of(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list[str]:
+    """A sentence a case; what friction or the ground cannot give is withdrawn from the scalars."""
     status = out[:, to.STATUS]
     reasons = [""] * batch.size
     outcome, mu = scalars["outcome"], batch.block.mu

@@ -55,6 +55,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         )
     warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
     warnings += unused_solver_keys(numbers.case.solver, model, geometry, damping.scheme)
+    _check_rolling(numbers, model, damping)
     column, base = _column(numbers, model), _base(numbers, model)
     if model == CONTINUUM and damping.scheme not in ("none", "hht"):
         numbers.fail(("case", "damping"), "model continuum loses energy by itself: damping must be none or hht")
@@ -75,6 +76,24 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         tolerance=_tolerance(numbers, numerics, damping) if model == AUTO else None,
         slide_rate_0=_slide_rate(numbers, block),
     )
+
+
+def _check_rolling(numbers: Numbers, model: str, damping: Damping) -> None:
+    """Refuse for bodies that roll over several vertices what knows but two edges."""
+    if not numbers.block.rolls.any():
+        return
+    backend = numbers.case.solver.backend
+    others = (
+        (("case", "model"), model != "rigid", f"{model}, which knows but two edges, instead of model rigid"),
+        (("case", "damping"), damping.loss is None, f"{damping.scheme}, instead of restitution or none"),
+        (("case", "solver", "backend"), backend not in (AUTOMATIC, EVENT), f"{backend}, instead of {EVENT}"),
+    )
+    for keys, wrong, asked in others:
+        if wrong:
+            said = (
+                "the outline has vertices beside its base, over which the body rolls: case.block.stands: toes leaves it"
+            )
+            numbers.fail(keys, f"is {asked}; {said} its two edges")
 
 
 def _tolerance(numbers: Numbers, numerics: Numerics, damping: Damping) -> Array:

@@ -37,9 +37,9 @@ def build_damping(numbers: Numbers, warnings: list[str]) -> Damping:
     for name in given:
         if name not in known:
             numbers.fail((*KEYS, name), f"is no key of the damping scheme {scheme.name}")
-        other = known[name].instead_of
-        if other in given:
-            numbers.fail((*KEYS, name), f"{other} and {name} say the same thing; leave one out")
+        for other in known[name].instead_of:
+            if other in given:
+                numbers.fail((*KEYS, name), f"{other} and {name} say the same thing; leave one out")
     block, g = numbers.block, numbers.array(numbers.g)
     values: dict[str, Array | None] = dict.fromkeys(known)
     for key in scheme.keys:

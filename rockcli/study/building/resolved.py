@@ -40,8 +40,8 @@ class Found:
     """What the cases of a study show: finest output spacing needed, what was done to records.
 
     `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
-    `friction`: some case has a mu; `asymmetric`: some body has two different edges.  `meant`: keys whose numbers are
-    not implausible.
+    `friction`: some case has a mu; `asymmetric`: some body has two different edges; `rolling`: some body rolls over
+    more.  `meant`: keys whose numbers are not implausible.
     """
 
     dt_out: float = DT_OUT
@@ -52,6 +52,7 @@ class Found:
     schemes: set[str] = field(default_factory=set)
     friction: bool = False
     asymmetric: bool = False
+    rolling: bool = False
     meant: frozenset[Keys] = frozenset()
     implausible: dict[str, None] = field(default_factory=dict)
 
@@ -61,6 +62,7 @@ class Found:
         self.schemes.add(batch.damping.scheme)
         self.friction |= bool(np.isfinite(batch.block.mu).any())
         self.asymmetric |= not batch.block.symmetric.all()
+        self.rolling |= bool(batch.block.rolls.any())
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
         self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
         self._channel(numbers, batch, batch.excitation.horizontal, MOTION)

@@ -26,7 +26,7 @@ ALTERNATIVES: tuple[frozenset[str], ...] = (
     frozenset({"omega_p", "T_p", "f_p", "omega_p_over_p"}),
     frozenset({"scale", "pga", "pgv", "pga_over_g_tan_alpha"}),
     frozenset({"floor_scale", "floor_pga"}),
-    frozenset({"eta", "r_energy"}),
+    frozenset({"eta", "r_energy", "loss"}),
     frozenset({"alpha", "tan_alpha", "slenderness"}),
     frozenset({"h", "height"}),
     frozenset({"b", "width"}),

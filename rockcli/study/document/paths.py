@@ -53,6 +53,7 @@ ARRAYS: frozenset[Path] = frozenset(
         ("case", "initial", "slide_rate"),
         ("case", "damping", "eta"),
         ("case", "damping", "r_energy"),
+        ("case", "damping", "loss"),
         *(("case", "column", key) for key in ("E", "rho", "zeta")),
         ("case", "base", "kw"),
     ]

@@ -1,0 +1,56 @@
+"""One end of a facet, and what its law says of a body that turns about it (docs/rolling.md).
+
+    q'' = -p^2 [ (1 + a_v/g) sin(alpha - q) + s (a_g/g) cos(alpha - q) ]
+
+q is the turn from lying flat on the facet, about its right end where s = 1, about its left one where s = -1.  alpha is
+negative at an end on the near side of the foot of the centre of mass.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.rolling import parameters as at
+
+
+class End(NamedTuple):
+    """What is known of the body while it turns about one end of a facet: `kernels.rolling.parameters`, and g."""
+
+    g: float
+    p2: float
+    alpha: float
+    sine: float
+    cosine: float
+    radius: float
+    extent: float
+    eta: float
+    b: float
+    height: float
+    tilt: float
+
+
+@jit_lean
+def end_of(body, g, facet, s):
+    """The end of a facet on the side s = 1 or -1."""
+    of_facet = at.FIRST + facet * at.FACET
+    e = of_facet + (at.RIGHT if s > 0.0 else at.LEFT)
+    return End(
+        g, g * body[e + at.P2], body[e + at.ALPHA], body[e + at.SIN], body[e + at.COS], body[e + at.RADIUS],
+        body[e + at.EXTENT], body[e + at.ETA], body[e + at.B], body[of_facet + at.HEIGHT], body[of_facet + at.TILT],
+    )  # fmt: skip
+
+
+@jit_lean
+def pressed(end, s, a, a_v):
+    """Deceleration of a body that starts to turn about an end: -q'' at q = 0."""
+    return end.p2 * ((1.0 + a_v / end.g) * end.sine + s * a / end.g * end.cosine)
+
+
+@jit_lean
+def energy(end, q, v):
+    """Energy over m g: R v^2/(2 p^2) and the height of the centre of mass above the ground."""
+    # R (cos(alpha - q) - cos(alpha)), which is small near q = 0, without cancellation
+    risen = 2.0 * end.radius * math.sin(0.5 * q) * math.sin(end.alpha - 0.5 * q)
+    return end.radius * 0.5 * v * v / end.p2 + end.height + risen

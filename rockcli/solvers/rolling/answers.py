@@ -1,0 +1,148 @@
+"""From the raw output of the kernel of rolling bodies to variables by name, and a sentence a case."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.kernels.constants import DONE, FALLS, RETURNS, UNDECIDED
+from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rolling import results as also
+from rockcli.scene.batch import Batch
+from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.lower_outline import Facets
+from rockcli.scene.response import NO_UPLIFT
+from rockcli.solvers.common.found import IMPACTS, Found, counts
+from rockcli.solvers.common.ground import ground_history
+from rockcli.solvers.event.unpack import COLUMNS, Raw, over, sentences_of, standing_extremes
+
+Array = NDArray[np.float64]
+
+
+def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
+    """Scalars by name and a sentence per case from the raw output."""
+    out = run.out
+    verdict = out[:, to.VERDICT]
+    left, right = out[:, to.PEAK_LEFT], out[:, to.PEAK_RIGHT]
+    found = Found(
+        moved=np.isfinite(out[:, to.T_UPLIFT]),
+        fell=verdict == FALLS,
+        undecided=verdict == UNDECIDED,
+        failed=out[:, to.STATUS] != DONE,
+        n_impacts=counts(out[:, to.N_IMPACTS]),
+        peak=out[:, to.PEAK],
+        side=out[:, to.PEAK_SIDE],
+        rate=out[:, to.RATE_PEAK],
+        top=np.maximum(top_of(batch, right[:, None])[0][:, 0], -top_of(batch, -left[:, None])[0][:, 0]),
+        t_peak=out[:, to.T_PEAK],
+        t_uplift=out[:, to.T_UPLIFT],
+        t_overturn=out[:, to.T_OVERTURN],
+        t_end=out[:, to.T_END],
+    )
+    scalars = found.scalars(batch)
+    side, alpha = out[:, to.PEAK_SIDE], batch.block.alpha
+    both = [
+        np.where(scalars["outcome"] < 0, np.nan, np.where(found.fell & (side == sign), np.inf, peak))
+        for sign, peak in ((-1.0, left), (1.0, right))
+    ]
+    mu_required, N_min = standing_extremes(out, found.fell)
+    unseen = found.failed | ~np.isfinite(out[:, to.N_MIN])
+
+    def seen(values: Array) -> Array:
+        return np.where(unseen, np.nan, values)
+
+    scalars |= {
+        "theta_peak_left": both[0],
+        "theta_peak_right": both[1],
+        "theta_peak_over_alpha": np.maximum(both[0] / alpha[:, LEFT], both[1] / alpha[:, RIGHT]),
+        "theta_dot_peak": seen(scalars["theta_dot_peak"]),
+        "mu_required": seen(mu_required),
+        "mu_impact": found.unless_failed(out[:, also.MU_IMPACT]),
+        "N_min_over_mg": seen(N_min),
+        "energy_residual": seen(over(out[:, to.ENERGY], facets.barrier.min(axis=1))),
+        "residual_tilt": _residual_tilt(batch, facets, out),
+        "n_steps": counts(out[:, to.N_STEPS]),
+        "n_rhs": counts(out[:, to.N_STEPS]),
+    }
+    scalars |= {name: found.unless_failed(out[:, column]) for name, column in COLUMNS.items() if name not in scalars}
+    reasons = sentences_of(batch, scalars, out)
+    with np.errstate(invalid="ignore"):
+        elsewhere = np.flatnonzero((np.abs(scalars["residual_tilt"]) > 0.0) & (scalars["outcome"] >= NO_UPLIFT))
+    for i in elsewhere:
+        tilt = scalars["residual_tilt"][i]
+        said = f"comes to rest on another facet, turned by {tilt:.4g} rad ({np.rad2deg(tilt):.3g} deg)"
+        reasons[i] = "; ".join(filter(None, [reasons[i], said]))
+    return scalars, reasons
+
+
+def _residual_tilt(batch: Batch, facets: Facets, out: Array) -> Array:
+    """theta of the facet on which a body comes to rest, (n,) [rad]; NaN where it falls, or nothing makes it rest."""
+    facet = counts(out[:, also.FACET])
+    tilt = np.broadcast_to(facets.tilt, (batch.size, facets.tilt.shape[1]))
+    found = np.take_along_axis(tilt, np.maximum(facet, 0)[:, None], axis=1)[:, 0]
+    loss = batch.damping.loss
+    assert loss is not None
+    rests = (out[:, to.VERDICT] == RETURNS) & (facet >= 0) & (out[:, to.STATUS] == DONE)
+    return np.where(rests & ((loss > 0.0) | np.isnan(out[:, to.T_UPLIFT])), found, np.nan)
+
+
+def rolled(vertices: Array, theta: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+    """The centre of mass relative to the ground, x from its place at rest, and z, and the vertex in contact, (n, k).
+
+    vertices (n, v, 2) from the centre of mass, NaN after the last; theta (n, k).
+    """
+    step = np.diff(vertices, axis=1)
+    tilt = np.arctan2(step[:, :, 1], step[:, :, 0])
+    with np.errstate(invalid="ignore"):
+        vertex: NDArray[np.int64] = (theta[:, :, None] > tilt[:, None, :]).sum(axis=2)
+        standing: NDArray[np.int64] = np.nanargmin(np.abs(tilt), axis=1)
+    run = np.concatenate([np.zeros((len(tilt), 1)), np.cumsum(np.hypot(step[:, :, 0], step[:, :, 1]), axis=1)], axis=1)
+    at = run - np.take_along_axis(run, standing[:, None], axis=1)
+    foot = np.take_along_axis(vertices[:, :, 0], standing[:, None], axis=1)  # the left end of the base, on the ground
+    x, z = (np.take_along_axis(vertices[:, :, i], vertex, axis=1) for i in (0, 1))
+    place = np.take_along_axis(at, vertex, axis=1) + foot
+    sine, cosine = np.sin(theta), np.cos(theta)
+    return place - (x * cosine + z * sine), x * sine - z * cosine, vertex
+
+
+def top_of(batch: Batch, theta: Array) -> tuple[Array, Array]:
+    """Displacement of the point at the height `top` above the centre of mass, along and up, (n, k) [m]."""
+    vertices, h = batch.block.vertices, batch.block.h[:, None]
+    assert vertices is not None
+    x, z, _ = rolled(vertices, theta)
+    above = batch.block.top[:, None] - h
+    return x + above * np.sin(theta), z - h - above * (1.0 - np.cos(theta))
+
+
+def histories_of(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
+    written = np.isfinite(run.histories[:, 0]).any(axis=0)
+    n_time = int(np.flatnonzero(written)[-1]) + 1 if written.any() else 1
+    theta, rate = run.histories[:, 0, :n_time], run.histories[:, 1, :n_time]
+    t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
+    a_g, a_v = ground_history(batch, t, np.isfinite(theta))
+    u_top, v_top = top_of(batch, theta)
+    histories = {
+        "theta": theta,
+        "theta_dot": rate,
+        "u_top": u_top,
+        "v_top": v_top,
+        "M_base": _base_moment(batch, facets, theta, rate, a_g, a_v),
+    }
+    n_impacts = int(np.isfinite(run.impacts[:, 0]).any(axis=0).sum())
+    return histories, {name: run.impacts[:, j, :n_impacts] for j, name in enumerate(IMPACTS)}, t
+
+
+def _base_moment(batch: Batch, facets: Facets, theta: Array, rate: Array, a_g: Array, a_v: Array) -> Array:
+    """Moment of the ground about the vertex in contact, towards theta = 0; about the foot of a body at rest, (n, k)."""
+    vertices = batch.block.vertices
+    assert vertices is not None
+    _, height, vertex = rolled(vertices, theta)
+    x, z = (np.take_along_axis(vertices[:, :, i], vertex, axis=1) for i in (0, 1))
+    arm = x * np.cos(theta) + z * np.sin(theta)  # of the weight, to the right
+    resting = (rate == 0.0) & (theta[:, :, None] == facets.tilt[:, None, :]).any(axis=2)
+    moment = np.where(resting, -a_g * height, (batch.g[:, None] + a_v) * arm)
+    mass = np.where(np.isfinite(batch.block.mass), batch.block.mass, 1.0)
+    return np.asarray(moment * mass[:, None])
