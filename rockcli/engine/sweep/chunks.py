@@ -35,6 +35,13 @@ class Chunks:
         self._next = 0
         self._returned: list[Index] = []
 
+    @classmethod
+    def of(cls, cases: Index) -> Chunks:
+        """Those of some cases, ascending."""
+        chunks = cls(0)
+        chunks.give_back(cases)
+        return chunks
+
     def take(self, most: int) -> Index:
         """The next cases, ascending, `most` at the most; empty when there are none."""
         if self._returned:

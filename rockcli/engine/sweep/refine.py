@@ -60,26 +60,39 @@ def solve_refined(study: Study, progress: Progress | None = None, sweep: Sweep |
 
         while len(wanted := maps.wanted()):
             cases = maps.cases(wanted)
-            left = np.zeros(study.size, dtype=bool)
-            left[cases[todo[cases]]] = True
-            work_off(study, sweep, results, Chunks(study.size, left), pace, compiled=compiled)
+            left = Chunks.of(np.sort(cases[todo[cases]]))
+            work_off(study, sweep, results, left, pace, compiled=compiled)
             todo[cases] = False
             maps.take(wanted, results.scalars["outcome"][cases])
 
         maps.lay(maps.outcome, results.scalars["outcome"])
         results.solved = np.zeros(study.size, dtype=np.int8)
         maps.lay(maps.solved, results.solved)
+        plane = {i for i, axis in enumerate(study.axes) if axis.name in study.refine}
+        if all(len(plane & set(axes)) < 2 for axes in results.symbols.reduction.kept.values()):
+            todo &= _along_two_sides(study.shape, plane)  # what is left tells nothing that these and the solved do not
         describe_rest(study, results, todo | kept)
         results.finish()
     return results
+
+
+def _along_two_sides(shape: tuple[int, ...], plane: set[int]) -> Mask:
+    """Which flat cases are first along one axis or the other of their map."""
+    first = np.zeros(shape, dtype=bool)
+    for axis in plane:
+        first[tuple(0 if i == axis else slice(None) for i in range(len(shape)))] = True
+    return first.reshape(-1)
 
 
 @dataclass(eq=False)
 class Maps:
     """The k maps of a study, (k, n, m) pixels each, and how far they are refined.
 
+    What is done at a pitch goes by lists of the cells that are looked at, so that it costs what the boundaries are long
+    and not what the maps are large.
+
     Attributes:
-        outcome: UNSOLVED where nothing is known; filled in where not `solved`.
+        outcome: what a pixel has or, where it is not `solved`, what surrounds it, as far as is known.
         solved: whether the pixel was solved.
         lines: pixels of the present grid along n and along m, ascending; the last pixel always belongs to it.
         pitch: of the grid; the last cell of an axis may be narrower.
@@ -91,6 +104,11 @@ class Maps:
     lines: tuple[Index, Index]
     _shape: tuple[int, ...]
     _plane: tuple[int, ...]
+    _divided: Mask
+    _inside: Index
+    _looked_at: Index
+    _found: list[Index]
+    _began: bool = False
 
     @classmethod
     def of(cls, study: Study) -> Maps:
@@ -100,18 +118,38 @@ class Maps:
         shape = (study.size // (n * m), n, m)
         pitch = coarse_pitch(min(n, m))
         lines = (_grid(n, pitch), _grid(m, pitch))
-        return cls(np.full(shape, UNSOLVED), np.zeros(shape, dtype=bool), pitch, lines, study.shape, plane)
+        nothing = np.zeros(shape[0] * (len(lines[0]) - 1) * (len(lines[1]) - 1), dtype=bool)
+        cells = np.arange(len(nothing))
+        return cls(
+            np.full(shape, UNSOLVED), np.zeros(shape, dtype=bool), pitch, lines, study.shape, plane, nothing,
+            cells, cells, [],
+        )  # fmt: skip
 
     def wanted(self) -> Index:
         """Pixels (j, 3) to be solved next; none when all maps are known."""
+        if not self.solved[0, 0, 0]:
+            return self._unsolved(self._corners(self._looked_at))
+        if not self._began:
+            self._began = True
+            self._surround()
         while True:
-            points = self.outcome[:, self.lines[0][:, None], self.lines[1]] == UNSOLVED
-            if not points.any():
-                points = self._corners(self._cells()) & ~self.solved[:, self.lines[0][:, None], self.lines[1]]
-            if points.any() or self.pitch == 1:
-                at, row, column = np.nonzero(points)
-                return np.column_stack([at, self.lines[0][row], self.lines[1][column]])
+            found = self._looked_at[self._mixed(self._looked_at)]
+            if self.pitch >= WIDE:
+                found = self._with_neighbours(found)
+            found = np.unique(found[~self._divided[found]])
+            self._divided[found] = True
+            self._found.append(found)
+            pixels = self._unsolved(self._corners(found))
+            if len(pixels):
+                self._looked_at = self._around(pixels)
+                return pixels
+            if self.pitch == 1:
+                return pixels
             self._halve()
+            pixels = self._unsolved(self._corners(self._inside))
+            self._looked_at = np.union1d(self._inside, self._around(pixels))
+            if len(pixels):
+                return pixels
 
     def take(self, pixels: Index, outcome: NDArray[np.int8]) -> None:
         """The outcomes of some pixels (j, 3)."""
@@ -130,37 +168,91 @@ class Maps:
         pixels = np.moveaxis(onto.reshape(self._shape), self._plane, (-2, -1))
         pixels[...] = values.reshape(pixels.shape)
 
-    def _cells(self) -> Mask:
-        """Cells of the present grid (k, n - 1, m - 1) all of whose corners are to be solved."""
-        known = self.outcome[:, self.lines[0][:, None], self.lines[1]]
-        first = known[:, :-1, :-1]
-        mixed = (first < NO_UPLIFT) | (first != known[:, 1:, :-1])
-        mixed |= (first != known[:, :-1, 1:]) | (first != known[:, 1:, 1:])
-        return _with_neighbours(mixed) if self.pitch >= WIDE else mixed
+    @property
+    def _cells(self) -> tuple[int, int, int]:
+        """Cells of the present grid: maps, along n, along m."""
+        return len(self.outcome), len(self.lines[0]) - 1, len(self.lines[1]) - 1
 
-    @staticmethod
-    def _corners(cells: Mask) -> Mask:
-        points = np.zeros((cells.shape[0], cells.shape[1] + 1, cells.shape[2] + 1), dtype=bool)
-        for i in (0, 1):
-            for j in (0, 1):
-                points[:, i : i + cells.shape[1], j : j + cells.shape[2]] |= cells
-        return points
+    def _place(self, cells: Index) -> tuple[Index, Index, Index]:
+        """Map, row and column of cells of the present grid."""
+        at, row, column = np.unravel_index(cells, self._cells)
+        return at, row, column
+
+    def _corners(self, cells: Index) -> Index:
+        """Flat pixels of the corners of cells, (4, j)."""
+        at, row, column = self._place(cells)
+        _, n, m = self.outcome.shape
+        first = at * (n * m)
+        rows = [self.lines[0][row + i] * m for i in (0, 1)]
+        columns = [self.lines[1][column + i] for i in (0, 1)]
+        return np.array([first + y + x for y in rows for x in columns])
+
+    def _unsolved(self, pixels: Index) -> Index:
+        """Those of some flat pixels that are not solved, once each, (j, 3)."""
+        rest = np.unique(pixels[~self.solved.reshape(-1)[pixels]])
+        return np.column_stack(np.unravel_index(rest, self.outcome.shape)).astype(np.int64)
+
+    def _mixed(self, cells: Index) -> Mask:
+        """Which cells have corners of more than one outcome, or one that failed or is unresolved."""
+        known = self.outcome.reshape(-1)[self._corners(cells)]
+        return np.asarray((known < NO_UPLIFT).any(axis=0) | (known != known[0]).any(axis=0))
+
+    def _with_neighbours(self, cells: Index) -> Index:
+        """Cells, and the eight around each."""
+        at, row, column = self._place(cells)
+        _, n, m = self._cells
+        found = [cells]
+        for i in (-1, 0, 1):
+            for j in (-1, 0, 1):
+                inside = (row + i >= 0) & (row + i < n) & (column + j >= 0) & (column + j < m)
+                found.append(((at * n + row + i) * m + column + j)[inside])
+        return np.unique(np.concatenate(found))
+
+    def _around(self, pixels: Index) -> Index:
+        """The cells that pixels (j, 3) of the present grid are corners of."""
+        _, n, m = self._cells
+        row, column = (np.searchsorted(of, pixels[:, i + 1]) for i, of in enumerate(self.lines))
+        found = []
+        for i in (-1, 0):
+            for j in (-1, 0):
+                inside = (row + i >= 0) & (row + i < n) & (column + j >= 0) & (column + j < m)
+                found.append(((pixels[:, 0] * n + row + i) * m + column + j)[inside])
+        return np.unique(np.concatenate(found))
+
+    def _surround(self) -> None:
+        """Give every pixel that is not on the coarse grid what the cell it lies in has in its first corner."""
+        first = [self.lines[i][_cell_of(self.lines[i], np.arange(n))] for i, n in enumerate(self.outcome.shape[1:])]
+        known = self.outcome[:, first[0][:, None], first[1]]
+        np.copyto(self.outcome, known, where=~self.solved)
+
+    def _fill(self, cells: Index) -> None:
+        """Give what is not solved inside cells, and before the next one, what they have in their first corner."""
+        at, row, column = self._place(cells)
+        y0, x0 = self.lines[0][row], self.lines[1][column]
+        _, n, m = self.outcome.shape
+        (y1, x1), outcome = (self.lines[0][row + 1], self.lines[1][column + 1]), self.outcome[at, y0, x0]
+        for i in range(self.pitch + 1):
+            for j in range(self.pitch + 1):
+                y, x = y0 + i, x0 + j
+                of = ((y < y1) | (y == n - 1)) & ((x < x1) | (x == m - 1)) & (y <= y1) & (x <= x1)
+                of[of] &= ~self.solved[at[of], y[of], x[of]]
+                self.outcome[at[of], y[of], x[of]] = outcome[of]
 
     def _halve(self) -> None:
-        """Halve the pitch: what is new lies in a cell of one outcome and gets that, or is left unsolved."""
-        cells = self._cells()
+        """Halve the pitch: what is to be looked at are the cells inside those that are divided."""
+        self._fill(self._inside[~self._divided[self._inside]])
+        at, row, column = self._place(np.concatenate(self._found))
+        coarse = self.lines
         self.pitch //= 2
-        finer = tuple(_grid(n, self.pitch) for n in self.outcome.shape[1:])
-        beside = [_cells_beside(old, new) for old, new in zip(self.lines, finer, strict=True)]
-        divided = np.zeros((len(cells), len(finer[0]), len(finer[1])), dtype=bool)
-        for row in beside[0]:
-            for column in beside[1]:
-                divided |= cells[:, row[:, None], column]
-        corner = self.outcome[:, self.lines[0][beside[0][0]][:, None], self.lines[1][beside[1][0]]]
-        known = self.outcome[:, finer[0][:, None], finer[1]]
-        new = np.where(known == UNSOLVED, np.where(divided, UNSOLVED, corner), known)
-        self.outcome[:, finer[0][:, None], finer[1]] = new
-        self.lines = (finer[0], finer[1])
+        self.lines = (_grid(self.outcome.shape[1], self.pitch), _grid(self.outcome.shape[2], self.pitch))
+        _, n, m = self._cells
+        rows, columns = (
+            [np.searchsorted(fine, of[place]), np.searchsorted(fine, of[place + 1]) - 1]
+            for fine, of, place in zip(self.lines, coarse, (row, column), strict=True)
+        )
+        inside = [(at * n + y) * m + x for y in rows for x in columns]
+        self._inside = np.unique(np.concatenate(inside))
+        self._divided, self._found = np.zeros(len(self.outcome) * n * m, dtype=bool), []
 
 
 def coarse_pitch(n: int) -> int:
@@ -172,20 +264,6 @@ def _grid(n: int, pitch: int) -> Index:
     return np.unique(np.append(np.arange(0, n, pitch), n - 1)).astype(np.int64)
 
 
-def _cells_beside(lines: Index, points: Index) -> tuple[Index, Index]:
-    """The cells between `lines` that hold each point: from it on, and up to it; the same within a cell."""
-    most = len(lines) - 2
-    after = np.clip(np.searchsorted(lines, points, side="right") - 1, 0, most)
-    before = np.clip(np.searchsorted(lines, points, side="left") - 1, 0, most)
-    return after.astype(np.int64), before.astype(np.int64)
-
-
-def _with_neighbours(cells: Mask) -> Mask:
-    """Cells, and the eight around each."""
-    _, n, m = cells.shape
-    padded = np.pad(cells, ((0, 0), (1, 1), (1, 1)))
-    found = np.zeros_like(cells)
-    for i in range(3):
-        for j in range(3):
-            found |= padded[:, i : i + n, j : j + m]
-    return found
+def _cell_of(lines: Index, points: Index) -> Index:
+    """The cells between `lines` that hold each point, from it on."""
+    return np.minimum(np.searchsorted(lines, points, side="right") - 1, len(lines) - 2).astype(np.int64)
