@@ -13,7 +13,7 @@ from rockcli.analysis.experiments.baselines import Fit, cross_validated, forest,
 from rockcli.analysis.experiments.scores import Bin, McNemar, Scored, divide_groups, mcnemar, reliability, scored
 from rockcli.analysis.suite_intensity import DAMPING
 from rockcli.engine.experiments.runs import MEASURES, Runs
-from rockcli.engine.experiments.simulated import Simulated, motions_of, simulate
+from rockcli.engine.experiments.simulated import Simulated, channels_of, simulate
 from rockcli.engine.sweep.sweep import Progress
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
@@ -216,10 +216,11 @@ def intensities(runs: Runs, source: Path | dict[str, Any]) -> dict[str, Array]:
     if runs.record:
         known: dict[int, list[float]] = {}
         rows = []
-        for values, dt in motions_of(source, runs):
-            if id(values) not in known:
-                known[id(values)] = _measured(values, dt)
-            rows.append(known[id(values)])
+        channels = channels_of(source, runs)
+        for channel in channels:  # one object for all runs of a motion
+            if id(channel) not in known:
+                known[id(channel)] = _measured(channel.values * channel.factor[0], channel.dt)
+            rows.append(known[id(channel)])
         names = (*INTENSITIES, *(f"sa({period:g})" for period in SPECTRAL))
         table = {name: np.array(column) for name, column in zip(names, zip(*rows, strict=True), strict=True)}
     return table | runs.measures

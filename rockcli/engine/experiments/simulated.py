@@ -4,29 +4,32 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.backends import choose
 from rockcli.engine.experiments.runs import Runs
 from rockcli.engine.run import check_answers
-from rockcli.engine.sweep.assemble import assemble
-from rockcli.engine.sweep.sweep import Progress, Sweep, solve_cases
+from rockcli.engine.sweep.chunks import Chunks, Pace
+from rockcli.engine.sweep.executors import answers
+from rockcli.engine.sweep.sweep import Progress
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
+from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
-from rockcli.storage.contents import Contents
+from rockcli.scene.response import overturned
 from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Source, value_at
 from rockcli.study.identity import as_yaml, plain
 from rockcli.study.open import open_study
-from rockcli.study.study import Study
+from rockcli.study.study import Index, Study
 from rockcli.version import __version__
 
 Array = NDArray[np.float64]
@@ -37,6 +40,9 @@ AMPLITUDE = "run_amplitude"
 _AXIS = "motion.record"
 
 _BODIES = ("case", "let", "vary", "uncertain", "samples", "seed", "sampling")
+
+_SECONDS = 1e-3
+"""Estimated time of a case, until the first are measured [s]."""
 
 _SCALES = ("scale", "pga", "pgv", "pga_over_g_tan_alpha")
 
@@ -67,57 +73,84 @@ class Simulated:
     identity: str
 
 
-def study_of(source: Path | dict[str, Any], runs: Runs, amplitudes: Sequence[float], *, bodies: bool = True) -> Study:
-    """A study with the motions of runs, each once, as its outermost axis, and the amplitudes as the next.
+def bodies_of(source: Path | dict[str, Any], runs: Runs, amplitudes: Sequence[float]) -> Study:
+    """A study with the first of the runs' motions, and the amplitudes as its outermost axis.
 
     Args:
-        source: a study of one rigid body or of several (axes, uncertain inputs), without a scale of its motion.
+        source: a study of one body or of several (axes, uncertain inputs), without a scale of its motion.
         runs: with records.
-        amplitudes: factors of every motion.
-        bodies: keep the axes of the study.
+        amplitudes: factors of the motion.
 
     Raises:
         StudyError, RecordError: the study or a record is wrong; a run's record is named with its line.
     """
-    tree = expanded(load_mapping(source) if isinstance(source, dict) else load_file(source))
-    where = Source(None if isinstance(source, dict) else source)
-    _check(where, tree, runs)
-    files = _files(where, runs)
-    settings = {
-        f"run {number}": {"file": str(files[name]), "scale": f"{scale!r}*{AMPLITUDE}"}
-        for number, (name, scale) in enumerate(_motions(runs), start=1)
-    }
-    first: dict[str, Any] = next(iter(settings.values()))
-    vary = plain(tree.get("vary") or {}, nothing=True)
-    if not bodies:
-        source = _without_bodies(tree)
-        tree, vary = Map(source), {}
-    motions = {_AXIS: settings, f"let.{AMPLITUDE}": [float(value) for value in amplitudes]}
+    where, tree = _read(source, runs)
+    name, scale = _motions(runs)[0]
+    vary = {f"let.{AMPLITUDE}": [float(value) for value in amplitudes]}
+    wanted = "[outcome, overturn_share]" if len(amplitudes) == 1 else "[outcome]"
     overrides = [
         ("let", as_yaml({**plain(tree.get("let") or {}), AMPLITUDE: 1.0})),
-        ("case.motion.record.file", as_yaml(first["file"])),
-        ("case.motion.record.scale", as_yaml(first["scale"])),
-        ("vary", as_yaml({**motions, **vary})),
-        ("save", "{histories: false, scalars: [outcome, overturn_share]}"),
+        ("case.motion.record.file", json.dumps(str(_files(where, runs)[name]))),
+        ("case.motion.record.scale", f"{scale!r}*{AMPLITUDE}"),
+        ("vary", as_yaml({**vary, **plain(tree.get("vary") or {}, nothing=True)})),
+        ("save", f"{{histories: false, scalars: {wanted}}}"),
         ("plots", "none"),
     ]
-    for name in ("expect", "curves", "rules"):
-        if tree.get(name):
-            overrides.append((name, "[]"))
-    for name in ("over", "compare_to", "hazard", "age"):
-        if tree.get(name) is not None:
-            overrides.append((name, "null"))
+    overrides += [(name, "[]") for name in ("expect", "curves", "rules") if tree.get(name)]
+    overrides += [(name, "null") for name in ("over", "compare_to", "hazard", "age") if tree.get(name) is not None]
     study = open_study(source, overrides=overrides)
     check_answers(study)
     return study
+
+
+def channels_of(source: Path | dict[str, Any], runs: Runs) -> list[Samples]:
+    """The motion of every run, as the record settings of a study make it; raises as `bodies_of`."""
+    where, tree = _read(source, runs)
+    files = _files(where, runs)
+    motions = _motions(runs)
+    settings = {
+        f"run {number}": {"file": str(files[name]), "scale": scale}
+        for number, (name, scale) in enumerate(motions, start=1)
+    }
+    first: dict[str, Any] = next(iter(settings.values()))
+    study = open_study(
+        _without_bodies(tree),
+        overrides=[
+            ("case.motion.record.file", json.dumps(first["file"])),
+            ("vary", as_yaml({_AXIS: settings})),
+            ("save", "{histories: false, scalars: [outcome]}"),
+        ],
+    )
+    found: dict[int, Samples] = {}
+    for indices, batch in study.batches():
+        for row, index in enumerate(np.asarray(indices).tolist()):
+            channel = batch.rows(np.array([row])).excitation.horizontal
+            assert isinstance(channel, Samples)
+            found[index] = channel
+    places = {motion: i for i, motion in enumerate(motions)}
+    return [found[places[motion]] for motion in zip(runs.record, runs.scale.tolist(), strict=True)]
+
+
+def _read(source: Path | dict[str, Any], runs: Runs) -> tuple[Source, Map]:
+    """The tree of a study, short forms written out, and where it came from; raises as `bodies_of`."""
+    tree = expanded(load_mapping(source) if isinstance(source, dict) else load_file(source))
+    where = Source(None if isinstance(source, dict) else source)
+    if not isinstance(tree.get("case"), Map):
+        raise StudyError("the study has no `case`", file=where.file)
+    _check(where, tree, runs)
+    return where, tree
 
 
 def _without_bodies(tree: Map) -> dict[str, Any]:
     """A study that reads the motions of another one, whatever its bodies are."""
     record = plain(value_at(tree, ("case", "motion", "record")) or {})
     made = any_body({key: value for key, value in record.items() if key != "file"})
-    gravity = {"g": tree["case"]["g"]} if "g" in tree["case"] else {}
-    return {**made, "case": {**made["case"], **gravity}, "let": plain(tree.get("let") or {})}
+    through = value_at(tree, ("case", "motion", "through"))
+    if through is not None:
+        made["case"]["motion"]["through"] = plain(through)
+    if "g" in tree["case"]:
+        made["case"]["g"] = plain(tree["case"]["g"])
+    return {**made, "let": plain(tree.get("let") or {})}
 
 
 def _check(where: Source, tree: Map, runs: Runs) -> None:
@@ -134,10 +167,15 @@ def _check(where: Source, tree: Map, runs: Runs) -> None:
             )
     if AMPLITUDE in (tree.get("let") or {}):
         raise where.error(tree, ("let", AMPLITUDE), "is what runs are multiplied by; choose another name")
-    for path in tree.get("vary") or {}:
-        keys = str(path).removeprefix("case.").split(".")
-        if keys[:2] == ["motion", "record"] and (len(keys) == 2 or keys[2] in (*_SCALES, "file")):
-            raise where.error(tree, ("vary", path), "is an axis of motions: they are the records of the runs")
+    if value_at(tree, ("case", "motion", "vertical")) is not None:
+        raise where.error(tree, ("case", "motion", "vertical"), ": a run has one horizontal motion")
+    for key in ("vary", "uncertain"):
+        for path in tree.get(key) or {}:
+            keys = str(path).removeprefix("case.").split(".")
+            if keys[0] == "motion" and keys != ["motion", "record", "polarity"]:
+                raise where.error(
+                    tree, (key, path), "varies the motion, which is that of each run; only its polarity may be varied"
+                )
 
 
 def _motions(runs: Runs) -> list[tuple[str, float]]:
@@ -162,6 +200,44 @@ def _files(where: Source, runs: Runs) -> dict[str, Path]:
     return found
 
 
+@dataclass(frozen=True, eq=False)
+class Shaking:
+    """Solves all bodies under the motions of some runs, wherever it is called (`work.Work`).
+
+    Attributes:
+        bodies: (cases, batch) of all bodies and amplitudes, k cases, under the motion of the first run.
+        motions: of all runs.
+        size: k.
+    """
+
+    bodies: tuple[tuple[Index, Batch], ...]
+    motions: tuple[Samples, ...]
+    size: int
+
+    def __call__(self, cases: Index) -> Array:
+        """Share of every case that overturns, (runs, k); NaN where there is no answer."""
+        with np.errstate(all="ignore"):  # what is not finite is a result
+            return np.stack([self._run(self.motions[i]) for i in cases.tolist()])
+
+    def lost(self, cases: Index, why: str) -> Array:
+        """No answer."""
+        return np.full((len(cases), self.size), np.nan)
+
+    def _run(self, motion: Samples) -> Array:
+        share = np.full(self.size, np.nan)
+        for places, batch in self.bodies:
+            was = batch.excitation.horizontal
+            assert isinstance(was, Samples)
+            first = self.motions[0].factor
+            factor = np.broadcast_to(was.factor, batch.size) / first * motion.factor
+            excitation = replace(batch.excitation, horizontal=replace(motion, factor=factor))
+            found = choose(batch).load()(replace(batch, excitation=excitation)).scalars
+            outcome = np.asarray(found["outcome"])
+            certain = np.where(outcome < 0, np.nan, overturned(outcome).astype(float))
+            share[places] = found.get("overturn_share", certain)
+        return share
+
+
 def simulate(
     source: Path | dict[str, Any],
     runs: Runs,
@@ -170,18 +246,30 @@ def simulate(
     team: Team | None = None,
     progress: Progress | None = None,
 ) -> Simulated:
-    """Solve the bodies of a study under every run's motion times every amplitude; raises as `study_of`."""
-    study = study_of(source, runs, amplitudes)
-    with np.errstate(all="ignore"):  # what is not finite is a result
-        contents = assemble(study, solve_cases(study, sweep=Sweep(team or Team(), progress=progress)))
-    places = {motion: i for i, motion in enumerate(_motions(runs))}
-    which = [places[motion] for motion in zip(runs.record, runs.scale.tolist(), strict=True)]
-    share = np.asarray(contents.values("overturn_share"), dtype=float)
-    first, second = (_axis(study, path) for path in (_AXIS, f"let.{AMPLITUDE}"))
-    share = np.moveaxis(share, (first, second), (0, -1))
-    inputs, units = _inputs(study, contents)
+    """Solve the bodies of a study under every run's motion times every amplitude.
+
+    An uncertain outcome counts by the share of its ensemble at a single amplitude; of several, those beside tell it.
+
+    Raises:
+        StudyError, RecordError: as `bodies_of`.
+        SolverError: no solver knows the model.
+    """
+    study = bodies_of(source, runs, amplitudes)
+    channels = channels_of(source, runs)
+    places: dict[int, int] = {}
+    which = [places.setdefault(id(channel), len(places)) for channel in channels]
+    distinct = list({id(channel): channel for channel in channels}.values())
+    batches = tuple((np.asarray(indices), batch) for indices, batch in study.batches())
+    work = Shaking(batches, tuple(distinct), study.size)
+    chunks, share, done = Chunks(len(distinct)), np.empty((len(distinct), study.size)), 0
+    for cases, answer in answers(work, chunks, Pace(_SECONDS * study.size, len(distinct)), team or Team()):
+        share[cases] = answer
+        done += len(cases)
+        if progress is not None:
+            progress(done, len(distinct))
+    inputs, units = _inputs(study)
     return Simulated(
-        share=share.reshape(len(places), -1, len(amplitudes))[which],
+        share=np.moveaxis(share.reshape(len(distinct), len(amplitudes), -1), 1, 2)[which],
         amplitudes=np.asarray(amplitudes, dtype=float),
         inputs=inputs,
         units=units,
@@ -200,13 +288,9 @@ def _identity(source: Path | dict[str, Any], study: Study, runs: Runs, amplitude
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
-def _axis(study: Study, path: str) -> int:
-    return next(i for i, axis in enumerate(study.axes) if axis.path.removeprefix("case.") == path)
-
-
-def _inputs(study: Study, contents: Contents) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+def _inputs(study: Study) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """What makes the bodies of a study differ, one value per body."""
-    own = [axis for axis in study.axes if axis.path.removeprefix("case.") not in (_AXIS, f"let.{AMPLITUDE}")]
+    own = [axis for axis in study.axes if axis.path != f"let.{AMPLITUDE}"]
     shape = tuple(axis.size for axis in own)
     inputs: dict[str, NDArray[Any]] = {}
     units: dict[str, str] = {}
@@ -220,20 +304,6 @@ def _inputs(study: Study, contents: Contents) -> tuple[dict[str, NDArray[Any]], 
             for each in study.uncertain.inputs:
                 inputs[each.path], units[each.path] = spread(np.asarray(each.values), number), each.unit
             continue
-        values = np.asarray(contents.values(axis.name))
+        values = np.array(axis.values)
         inputs[axis.path], units[axis.path] = spread(values, number), axis.unit if axis.numeric else ""
     return inputs, units
-
-
-def motions_of(source: Path | dict[str, Any], runs: Runs) -> Iterator[tuple[Array, float]]:
-    """Acceleration (k,) [m/s²] and dt [s] of every run's motion, as a study with this record setting processes it."""
-    study = study_of(source, runs, [1.0], bodies=False)
-    found: dict[int, tuple[Array, float]] = {}
-    for indices, batch in study.batches():
-        channel = batch.excitation.horizontal
-        assert isinstance(channel, Samples)
-        for row, index in enumerate(np.asarray(indices).tolist()):
-            found[index] = channel.values * float(np.broadcast_to(channel.factor, batch.size)[row]), channel.dt
-    places = {motion: i for i, motion in enumerate(_motions(runs))}
-    for motion in zip(runs.record, runs.scale.tolist(), strict=True):
-        yield found[places[motion]]
