@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rockcli.cli.say import say
-from rockcli.cli.tables import facts
+from rockcli.cli.say import say, warn
+from rockcli.cli.tables import facts, table
 
 if TYPE_CHECKING:
     from rockcli.engine.preview import Preview
@@ -42,7 +42,7 @@ def check(
     for found in previews:
         if not quiet:
             for warning in found.warnings:
-                say(f"rock: {found.name}: warning: {warning}", err=True)
+                warn(found.name, warning)
         if not quiet and not as_json:
             say(_text(found))
     if as_json:
@@ -52,6 +52,9 @@ def check(
     elif len(previews) > 1 and not quiet:
         say(f"{counted(len(previews), 'study')}, {counted(sum(found.cases for found in previews), 'case')}")
 
+
+MOST_BODIES = 60
+"""Bodies that are printed."""
 
 IN_SI = "[m/s2]"
 """End of the rows that are for programs: accelerations are printed in g."""
@@ -66,13 +69,25 @@ def _text(found: Preview) -> str:
     for name, section in (("body", found.body), ("model", found.model), ("motion", found.motion)):
         rows.append((f"{name}{first}", ""))
         rows += [(f"  {row.words}", _shown(row.value)) for row in section if not row.words.endswith(IN_SI)]
+    if len(found.bodies) > 1:
+        rows.append(("bodies", f"{len(found.bodies)}, below"))
     for name, steps in found.processing.items():
         rows.append(("record", name))
         rows += [("", step) for step in steps]
     size = f", {found.megabytes:.3g} MB of histories at most" if found.megabytes else ""
     rows += [("backend", found.backend), ("cost", f"about {duration(found.seconds)}{size}")]
     title = f"{found.name}: {found.title}" if found.title else found.name
-    return f"{title}\n{facts(rows)}"
+    return f"{title}\n{facts(rows)}" + (f"\n{_bodies(found)}" if len(found.bodies) > 1 else "")
+
+
+def _bodies(found: Preview) -> str:
+    """Every distinct body in a row."""
+    columns = [name for name in found.bodies[0] if any(row[name] == row[name] for row in found.bodies)]
+    shown = found.bodies[:MOST_BODIES]
+    cells = [[_shown(row[name]) if row[name] == row[name] else "" for name in columns] for row in shown]
+    printed = table(columns, cells, indent=2)
+    more = len(found.bodies) - len(shown)
+    return printed + (f"\n  and {more} more bodies: --json has all" if more else "")
 
 
 def _shown(value: float | str) -> str:

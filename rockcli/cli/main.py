@@ -18,6 +18,7 @@ from rockcli.cli import (
     compare,
     export,
     identify,
+    new,
     plot,
     report,
     run,
@@ -37,12 +38,13 @@ app = typer.Typer(
     name="rock",
     help="Seismic response of rocking bodies: studies in, datasets out.",
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
 app.command("run")(run.run)
 app.command("check")(check.check)
+app.command("new")(new.new)
 app.command("plot")(plot.plot)
 app.command("animate")(animate.animate)
 app.command("table")(table.table)

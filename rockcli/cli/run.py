@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rockcli.cli.say import say
+from rockcli.cli.say import say, warn
 
 if TYPE_CHECKING:
     from rockcli.engine.summary import RunReport
@@ -40,6 +40,7 @@ def run(
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
     plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary; errors only.")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="List every clause of `expect`.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
     junit: Annotated[
         Path | None, typer.Option("--junit", metavar="FILE", help="Write the `expect` checks as JUnit XML.")
@@ -81,7 +82,7 @@ def run(
         team = Team(workers or usable_cores(), dask)
         how: dict[str, Any] = {"plots": not no_plots, "plot_format": plot_format, "team": team, "share": share}
         report = _run_one(study, out, progress=not quiet, fresh=fresh, si=as_json, **how)
-        _tell(report, spoken=spoken, quiet=quiet)
+        _tell(report, spoken=spoken, quiet=quiet, every=verbose)
         reports.append(report)
     if spoken and len(reports) > 1:
         say(totals_text(reports))
@@ -133,11 +134,11 @@ def _run_one(study: Study, out: Path, *, progress: bool, **options: Any) -> RunR
         line.close()
 
 
-def _tell(report: RunReport, *, spoken: bool, quiet: bool) -> None:
+def _tell(report: RunReport, *, spoken: bool, quiet: bool, every: bool) -> None:
     from rockcli.cli.words import report_text
 
     if not quiet:
         for warning in report.warnings:
-            say(f"rock: {report.name}: warning: {warning}", err=True)
+            warn(report.name, warning)
     if spoken:
-        say(report_text(report))
+        say(report_text(report, every=every))

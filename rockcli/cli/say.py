@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
+import textwrap
 from typing import TextIO
 
 import typer
@@ -28,6 +30,16 @@ def say(words: str, *, err: bool = False) -> None:
         forget(stream)
         if not err:
             raise OutputError(reason(error), file="standard output") from error
+
+
+def warn(name: str, words: str) -> None:
+    """Print a warning about a study to stderr, as wide as the terminal; one line where nobody looks on."""
+    line = f"rock: {name}: warning: {words}"
+    if sys.stderr.isatty():
+        line = textwrap.fill(
+            line, max(shutil.get_terminal_size().columns, 40), subsequent_indent="      ", break_on_hyphens=False
+        )
+    say(line, err=True)
 
 
 def forget(stream: TextIO) -> None:

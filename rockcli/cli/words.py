@@ -14,9 +14,15 @@ if TYPE_CHECKING:
 
 _MOST_REASONS = 5
 
+_MOST_MET = 5
+"""Clauses up to which those that are met are listed too."""
 
-def report_text(report: RunReport) -> str:
-    """A study's summary: a headline and a few aligned lines."""
+
+def report_text(report: RunReport, *, every: bool = False) -> str:
+    """A study's summary: a headline and a few aligned lines.
+
+    `every`: with all clauses of `expect`; else, where they are many, those that are met are only counted.
+    """
     if report.share is not None:
         return _share_text(report)
     time = f" in {duration(report.seconds)}" if report.status == "solved" else ""
@@ -54,7 +60,11 @@ def report_text(report: RunReport) -> str:
     if report.verdicts:
         met = len(report.verdicts) - report.unmet
         lines.append(_row("expect", f"{met} of {len(report.verdicts)} met"))
-        lines += ["    " + verdict_text(verdict) for verdict in report.verdicts]
+        told = report.verdicts
+        if not every and len(told) > _MOST_MET:
+            told = tuple(verdict for verdict in told if not verdict.passed)
+            lines[-1] += "" if told else " (-v lists them)"
+        lines += ["    " + verdict_text(verdict) for verdict in told]
     lines.append(_row("file", str(report.file)))
     if report.plots:
         lines.append(_row("plots", " ".join(path.name for path in report.plots)))

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from rockcli.analysis.measures import peaks
 from rockcli.engine.auto import prospect
 from rockcli.engine.backends import choose
-from rockcli.engine.cost import STARTING, seconds_of_rules, seconds_per_case, share_refined
+from rockcli.engine.bodies import Bodies
+from rockcli.engine.cost import REFINED, STARTING, seconds_of_rules, seconds_per_case, share_refined
 from rockcli.engine.sweep.history_size import HISTORIES_AT_MOST, histories_size
 from rockcli.errors import SolverError
 from rockcli.scene.auto import AUTO
@@ -24,6 +25,9 @@ from rockcli.scene.models import MODELS
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
+
+SLOW, WIDE = 10.0, 200
+"""Estimated time [s], and points on each of two axes, from which `refine` is proposed for a map."""
 
 LOOKED_AT = 20_000
 """Cases looked at for warnings and cost."""
@@ -54,6 +58,8 @@ class Preview:
         model: model, geometry, damping, initial state.
         motion: accelerations in g and over that of uplift; of a record also its scaling.
         processing: what was done to the records, a sentence each.
+        bodies: every distinct body of the cases looked at: where it stands on the axes (`body`), `cases`, and
+            h, b, alpha, p, mu, uplift in g, and whether it begins to rock or to slide.
         backend: name, or why there is none.
         seconds: estimated time of the solution, order of magnitude; megabytes: of histories, 0 if not saved.
         warnings: about the study and its cases (of a large study, about its first cases).
@@ -67,6 +73,7 @@ class Preview:
     model: tuple[Row, ...]
     motion: tuple[Row, ...]
     processing: dict[str, tuple[str, ...]]
+    bodies: tuple[dict[str, float | str], ...]
     backend: str
     seconds: float
     megabytes: float
@@ -84,6 +91,7 @@ class Preview:
             "cases": self.cases,
             "axes": [{"name": name, "path": path, "points": points} for name, path, points in self.axes],
             "first_case": sections,
+            "bodies": [{key: _plain(value) for key, value in row.items()} for row in self.bodies],
             "processing": {name: list(steps) for name, steps in self.processing.items()},
             "backend": self.backend,
             "seconds": self.seconds,
@@ -107,9 +115,13 @@ def _preview(study: Study) -> Preview:
     looked_at = min(study.size, LOOKED_AT)
     said: list[str] = []
     seconds = 0.0
+    bodies = Bodies(study)
     for indices, part in study.batches(np.arange(looked_at)):
         said += part.warnings
+        bodies.add(indices, part)
         seconds += len(indices) * (seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part))
+    seconds = STARTING + seconds / looked_at * study.size * share_refined(study)
+    said += _proposals(study, seconds)
     return Preview(
         name=study.name,
         title=study.title,
@@ -120,10 +132,24 @@ def _preview(study: Study) -> Preview:
         motion=tuple(_motion(batch)),
         processing=study.processing,
         backend=_backend(batch),
-        seconds=STARTING + seconds / looked_at * study.size * share_refined(study),
+        bodies=tuple(bodies.rows()),
+        seconds=seconds,
         megabytes=histories_size(study, HISTORIES_AT_MOST).bytes / 1e6,
         warnings=tuple(dict.fromkeys((*study.warnings, *said))),
     )
+
+
+def _proposals(study: Study, seconds: float) -> list[str]:
+    """What would save most of the time of a map, or does not where it was meant to."""
+    numeric = [axis for axis in study.axes if axis.numeric]
+    if study.refine:
+        narrow = max(axis.size for axis in study.axes if axis.name in study.refine) <= WIDE
+        return [f"`refine` saves next to nothing on a map of fewer than {WIDE} points a side"] if narrow else []
+    wide = len(numeric) == 2 and min(axis.size for axis in numeric) >= WIDE
+    if not wide or seconds < SLOW or study.search is not None or study.over is not None:
+        return []
+    share = REFINED / max(axis.size for axis in numeric)
+    return [f"`refine: true` would solve only where the outcome of this map changes: about {100.0 * share:.2g} % of it"]
 
 
 def _backend(batch: Batch) -> str:

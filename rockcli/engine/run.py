@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import traceback
 from dataclasses import replace
@@ -34,6 +35,7 @@ from rockcli.storage import netcdf
 from rockcli.storage.atomic import sweep_leftovers
 from rockcli.storage.contents import Contents
 from rockcli.storage.places import check_file
+from rockcli.study.differences import differences
 from rockcli.study.study import Study
 
 if TYPE_CHECKING:
@@ -134,12 +136,18 @@ def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
         return
     if found is None:
         what = "a file that is not a dataset of this program, or a damaged one"
-    elif reuse_results(study, netcdf.read(path)) is not None:
+    elif reuse_results(study, old := netcdf.read(path)) is not None:
         check_answers(study)
         return
     else:
-        what = "the results of another study"
-    raise StudyError(f"{path} holds {what} (or of another version of it); --fresh replaces it", file=study.file)
+        inputs = json.loads(old.attrs.get("inputs", "{}"))
+        changed = differences(old.attrs.get("study", ""), study.resolved, inputs, study.inputs)
+        why = f"changed in {changed}" if changed else "another study, or of another version of it or of rock"
+        what = f"results of this study before it was {why}" if changed else f"the results of {why}"
+    type_this = f"`rock run {study.file or 'STUDY.yaml'} --fresh`"
+    raise StudyError(
+        f"{path} holds {what}; {type_this} replaces it, `--out DIR` or another `name` keeps both", file=study.file
+    )
 
 
 def run_study(
@@ -277,6 +285,4 @@ def _draw(study: Study, path: Path, plot_format: str) -> tuple[tuple[Path, ...],
 
 
 def _warnings(contents: Contents) -> tuple[str, ...]:
-    import json
-
     return tuple(json.loads(contents.attrs.get("warnings", "[]")))

@@ -121,7 +121,7 @@ def open_file(path: Path) -> Iterator[Any]:
     try:
         file = netCDF4.Dataset(path, "r")
     except OSError as error:
-        raise StudyError(f"cannot be opened as netCDF: {error.strerror or error}", file=path) from None
+        raise StudyError(no_dataset(path) or f"cannot be opened as netCDF: {error.strerror or error}", path) from None
     except Exception as error:  # the library has many words for bytes that mean nothing
         raise StudyError(f"is damaged: {error}", file=path) from None
     with file:
@@ -132,6 +132,15 @@ def open_file(path: Path) -> Iterator[Any]:
         if not {_AXES, "identity"} <= names:
             raise StudyError("is not a dataset written by `rock run`", file=path)
         yield file
+
+
+def no_dataset(path: Path) -> str:
+    """What a file is instead of a dataset, and what to type; "" where its name does not tell."""
+    if path.suffix.lower() in (".yaml", ".yml"):
+        return f"is a study, not a dataset: `rock run {path}` makes one, results/NAME/NAME.nc"
+    if path.is_file() and path.suffix.lower() not in (".nc", ".nc4", ""):
+        return f"is no dataset: one that `rock run` wrote is expected, NAME.nc, not *{path.suffix}"
+    return ""
 
 
 def _read(path: Path) -> Contents:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from rockcli.errors import StudyError
 from rockcli.storage.checksum import NAME, checksum, note_opened
 from rockcli.storage.contents import Contents
+from rockcli.storage.netcdf import no_dataset
 
 if TYPE_CHECKING:
     import xarray
@@ -32,7 +33,7 @@ def open_dataset(path: Path) -> xarray.Dataset:
     except StudyError:
         raise
     except Exception as error:  # the libraries have many words for bytes that mean nothing
-        raise StudyError(f"cannot be read as a dataset: {error}", file=path) from None
+        raise StudyError(no_dataset(path) or f"cannot be read as a dataset: {error}", file=path) from None
 
 
 def as_accessor(name: str, accessor: type) -> None:

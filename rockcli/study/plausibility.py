@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 STRONG = 3.0
 """PGA above which its units are doubted [g]."""
 
-TALL = 200.0
-"""Height of a body above which its units are doubted [m]."""
+TALL, SMALL = 60.0, 0.01
+"""Heights of a body above and below which its units are doubted [m]: no column that stands alone is so tall."""
 
 STILL = "nothing moves: there is no motion and no initial state"
 
@@ -91,7 +91,7 @@ def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys]
         return [*said, *plausibility_warnings(numbers, rest, meant)]
     horizontal, vertical = batch.excitation.horizontal, batch.excitation.vertical
     with np.errstate(all="ignore"):
-        said = [_too_weak(batch), _too_tall(batch), _too_strong(numbers, batch, MOTION, horizontal, meant)]
+        said = [_too_weak(batch), _implausible_size(batch), _too_strong(numbers, batch, MOTION, horizontal, meant)]
         said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), vertical, meant))
         said += [_in_degrees(numbers, keys) for keys in _ANGLES]
     return [sentence for sentence in said if sentence]
@@ -106,9 +106,12 @@ def _in_degrees(numbers: Numbers, keys: Keys) -> str:
     return f"{dotted(keys[1:])} is {largest:.4g} rad: if degrees are meant, write {largest:.4g}*deg"
 
 
-def _too_tall(batch: Batch) -> str:
+def _implausible_size(batch: Batch) -> str:
     height = float(2.0 * batch.block.h.max())
-    return f"a body is {height:.4g} m high: are its sizes in metres?" if height > TALL else ""
+    if height > TALL:
+        return f"a body is {height:.4g} m high: are its sizes in metres?"
+    low = float(2.0 * batch.block.h.min())
+    return f"a body is {1e3 * low:.3g} mm high: are its sizes in metres?" if low < SMALL else ""
 
 
 def _suspects(batch: Batch) -> Iterator[Batch]:

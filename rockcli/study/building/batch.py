@@ -184,7 +184,7 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
             said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
     if slides_first(block.mu[:, None], block.tan_alpha).any():
         who = f"is not in model {model}" if model in DEFORMABLE else "in backend event only"
-        said.append(f"mu <= tan alpha: the body slides before it rocks [1.8]; simulated {who}")
+        said.append(f"mu <= tan alpha: the body slides before it rocks; simulated {who}")
     return said
 
 

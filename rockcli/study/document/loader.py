@@ -38,6 +38,16 @@ ALLOWED = {PLAIN, TEXT, COLLECTION, *(f"tag:yaml.org,2002:{kind}" for kind in ("
 """Tags of nodes: those without a tag of their own, and the harmless ones one may write."""
 
 
+_INDENTED = (
+    "expected <block end>, but found '<block mapping start>'",
+    "expected <block end>, but found '<block sequence start>'",
+    "expected <block end>, but found '-'",
+    "expected <block end>, but found '?'",
+    "expected <block end>, but found '<scalar>'",
+)
+"""What PyYAML says of a line that is indented wrongly."""
+
+
 class _Nodes(yaml.SafeLoader):
     """PyYAML's nodes; the tags it guesses are not used."""
 
@@ -52,11 +62,14 @@ def load_file(path: Path) -> Map:
     Raises:
         StudyError: it cannot be read, is no YAML, is empty, is too large or too deep, has a duplicate key.
     """
+    if path.suffix.lower() in (".nc", ".nc4") and path.is_file():
+        raise StudyError("is a dataset, not a study: `rock table`, `rock plot` and `rock report` read it", path)
     value = load_any(path)
     if value is None:
         raise StudyError("the study is empty; at least `name` and `case` are needed", file=path)
     if not isinstance(value, Map):
-        raise StudyError("a study is a mapping with the keys `name`, `case`, ...", file=path, line=1)
+        hint = f"; is *{path.suffix} a study?" if path.suffix.lower() not in (".yaml", ".yml") else ""
+        raise StudyError(f"a study is a mapping with the keys `name`, `case`, ...{hint}", file=path, line=1)
     return value
 
 
@@ -99,6 +112,15 @@ def _parse(text: str, source: Source, label: str | None) -> Any:
         problem = (error.problem or error.context or "not YAML").strip()
         if "\\t" in problem:
             problem = "a tab where only spaces are allowed: indent with spaces"
+        elif problem in _INDENTED:
+            problem = "this line is not indented as its neighbours: keys of one mapping begin in the same column"
+        elif problem.startswith("mapping values are not allowed"):
+            problem = (
+                "a key where a value goes: is this line indented too far, does the line before it end too early, or "
+                "does a text with `: ` want quotes?"
+            )
+        elif problem.startswith("could not find expected ':'"):
+            problem = "a key without `: ` and a value, or a line that is not indented as its neighbours"
         raise source.placed(label or line, f"not YAML: {problem}") from None
     except yaml.reader.ReaderError as error:
         found = yaml.reader.Reader.NON_PRINTABLE.search(text)

@@ -1,0 +1,57 @@
+"""`rock new`: a commented study to begin with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rockcli.cli.say import say
+
+KINDS: dict[str, str] = {
+    "block": "one block under one pulse or record",
+    "map": "outcomes over two parameters",
+    "statue": "a statue on the ground, on a floor, on an isolator",
+    "cabinets": "several bodies: which slide, rock, fall",
+    "fragility": "a suite: IDA and fragility",
+    "rocks": "balanced rocks against hazard curves",
+    "uncertain": "uncertain inputs: a probability, and which input matters",
+}
+"""Studies by kind, and what they are about; each is a file of `templates`."""
+
+
+def _kinds(incomplete: str) -> list[tuple[str, str]]:
+    return [(kind, words) for kind, words in KINDS.items() if kind.startswith(incomplete)]
+
+
+def new(
+    kind: Annotated[
+        str, typer.Argument(metavar="[KIND]", help=f"{', '.join(KINDS)}.", autocompletion=_kinds)
+    ] = "block",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.yaml", help="The study; default: KIND.yaml here.")
+    ] = None,
+) -> None:
+    """Write a commented study to begin with; it runs as it is.
+
+    Nothing that is there is replaced.
+    """
+    from importlib.resources import files
+
+    from rockcli.errors import OutputError, StudyError
+    from rockcli.storage.atomic import write_text
+    from rockcli.storage.places import check_folder
+
+    if kind not in KINDS:
+        listed = "; ".join(f"{name}: {words}" for name, words in KINDS.items())
+        raise StudyError(f"there is no study {kind!r} to begin with; there are {listed}")
+    path = Path(f"{kind}.yaml") if out is None else out
+    if path.suffix.lower() not in (".yaml", ".yml"):
+        raise StudyError("expected a name that ends in .yaml", file=path)
+    if path.exists():
+        raise OutputError("is there already; give another name with --out, or remove it", file=path)
+    check_folder(path.parent)
+    text = (files("rockcli.cli") / "templates" / f"{kind}.yaml").read_text(encoding="utf-8")
+    write_text(path, text.replace(f"{kind}.yaml", str(path)))
+    say(f"{path}: rock check {path}, rock run {path}")

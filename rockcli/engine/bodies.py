@@ -1,0 +1,82 @@
+"""The distinct bodies of a study's cases, each with where it stands on the axes: for `rock check`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rockcli.scene.batch import Batch
+from rockcli.scene.contact import slides_first
+from rockcli.scene.models import MODELS
+from rockcli.study.study import Study
+
+_DIGITS = 12
+"""Digits to which two bodies are the same."""
+
+
+class Bodies:
+    """Collects the bodies of batches of cases."""
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+        self._found: dict[tuple[float, ...], tuple[dict[str, float | str], list[NDArray[np.int64]]]] = {}
+
+    def add(self, indices: NDArray[np.int64], batch: Batch) -> None:
+        """Look at the cases `indices` of the study, which a batch holds."""
+        numbers = np.column_stack(list(_numbers(batch).values()))
+        rounded = np.array([[float(f"{x:.{_DIGITS}g}") for x in row] for row in numbers[:1]])
+        if len(numbers) > 1:
+            with np.errstate(all="ignore"):
+                scale = 10.0 ** (_DIGITS - np.ceil(np.log10(np.abs(numbers))))
+                rounded = np.where(np.isfinite(scale), np.round(numbers * scale) / scale, numbers)
+        distinct, at = np.unique(np.nan_to_num(rounded, nan=-1.0), axis=0, return_inverse=True)
+        for k in range(len(distinct)):
+            cases = np.flatnonzero(at.ravel() == k)
+            row = dict(zip(_numbers(batch), numbers[cases[0]].tolist(), strict=True))
+            begins = {} if np.isnan(row["mu"]) else {"begins to": _begins(batch, int(cases[0]))}
+            entry = self._found.setdefault(tuple(distinct[k].tolist()), (row | begins, []))
+            entry[1].append(np.asarray(indices)[cases])
+
+    def rows(self) -> Iterator[dict[str, float | str]]:
+        """A row for each body, in the order of the cases."""
+        entries = [(np.sort(np.concatenate(cases)), row) for row, cases in self._found.values()]
+        entries.sort(key=lambda entry: int(entry[0][0]))
+        shape = self._study.shape or (1,)
+        where = [np.unravel_index(cases, shape) for cases, _ in entries]
+        words = any("begins to" in row for _, row in entries)
+        for (cases, row), places in zip(entries, where, strict=True):
+            name = {"body": self._name(places)}
+            last = {"begins to": row.get("begins to", "")} if words else {}
+            yield {**name, "cases": float(len(cases)), **{k: v for k, v in row.items() if k != "begins to"}, **last}
+
+    def _name(self, places: tuple[NDArray[np.int64], ...]) -> str:
+        """`case=rack-01`: the axes along which this body stands at one point."""
+        named = []
+        for axis, at in zip(self._study.axes, places, strict=False):
+            if axis.size > 1 and len(np.unique(at)) == 1 and not axis.path.startswith("motion"):
+                value = axis.values[int(at[0])]
+                named.append(f"{axis.name}={value:.6g}" if isinstance(value, float) else f"{axis.name}={value}")
+        return ", ".join(named)
+
+
+def _numbers(batch: Batch) -> dict[str, NDArray[np.float64]]:
+    """What tells bodies apart, (n,) each, of an asymmetric one about its weaker edge."""
+    block, pair = batch.block, (batch.model, batch.geometry)
+    alpha, tan_alpha = block.of_weak_edge(block.alpha), block.of_weak_edge(block.tan_alpha)
+    threshold = MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha
+    found = {
+        "h [m]": block.h,
+        "b [m]": block.of_weak_edge(block.b),
+        "alpha [deg]": np.degrees(alpha),
+        "p [rad/s]": block.of_weak_edge(batch.p) if np.ndim(batch.p) == 2 else batch.p,
+        "mu": block.mu,
+        "uplift at [g]": threshold,
+    }
+    return {name: np.broadcast_to(np.asarray(values, dtype=float), (batch.size,)) for name, values in found.items()}
+
+
+def _begins(batch: Batch, i: int) -> str:
+    slides = slides_first(float(batch.block.mu[i]), batch.block.tan_alpha[i])
+    return "slide" if slides.all() else "rock" if not slides.any() else "slide or rock, by direction"

@@ -1,0 +1,138 @@
+"""What people mistype or mistake is answered with what to do."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+STUDY = """
+name: mine
+case:
+  block: {height: 1.8, width: 0.5}
+  motion: {pulse: {shape: sine, a_p: 3, T_p: 1}}
+plots: none
+"""
+
+
+def test_changed_keys_are_named_and_what_to_type(rock, tmp_path, capsys):
+    path = tmp_path / "mine.yaml"
+    path.write_text(STUDY)
+    assert rock("run", path, "-q") == 0
+    path.write_text(STUDY.replace("a_p: 3", "a_p: 3.5").replace("1.8", "1.9"))
+    assert rock("run", path, "-q") == 2
+    said = capsys.readouterr().err
+    assert "case.block.height (1.8 -> 1.9), case.motion.pulse.a_p (3 -> 3.5)" in said
+    assert f"rock run {path} --fresh" in said
+    path.write_text(STUDY + "vary: {block.width: [0.4, 0.6]}\n")
+    assert rock("run", path, "-q") == 2
+    assert "vary.block.width (nothing -> [0.4, 0.6])" in capsys.readouterr().err
+
+
+def test_a_changed_file_is_named(rock, tmp_path, capsys):
+    record = tmp_path / "motion.csv"
+    record.write_text("# units: m/s2\n" + "".join(f"{0.02 * i:.2f},{(-1) ** i}\n" for i in range(20)))
+    study = tmp_path / "mine.yaml"
+    study.write_text(STUDY.replace("pulse: {shape: sine, a_p: 3, T_p: 1}", "record: {file: motion.csv, units: m/s2}"))
+    assert rock("run", study, "-q") == 0
+    record.write_text(record.read_text().replace("0.02,-1", "0.02,-2"))
+    assert rock("run", study, "-q") == 2
+    assert "the file motion.csv" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["plot", "report", "table", "animate"])
+def test_a_study_given_for_a_dataset(rock, tmp_path, capsys, command):
+    (tmp_path / "mine.yaml").write_text(STUDY)
+    assert rock(command, "mine.yaml") == 2
+    said = capsys.readouterr().err
+    assert "is a study, not a dataset" in said
+    assert "rock run mine.yaml" in said
+
+
+def test_a_dataset_given_for_a_study(rock, tmp_path, capsys):
+    (tmp_path / "mine.yaml").write_text(STUDY)
+    assert rock("run", "mine.yaml", "-q") == 0
+    assert rock("check", "results/mine/mine.nc") == 2
+    assert "is a dataset, not a study" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("name: a\ncase:\n  block: {R: 1, tan_alpha: .2}\n    motion: null\n", 4, "indented"),
+        ("name: a\ncase:\n  block: {R: 1, tan_alpha: .2}\n motion: null\n", 4, "indented"),
+        ("name: a\n  case: 1\n", 2, "indented too far"),
+        ("name: a\ntitle: one: two\n", 2, "quotes"),
+    ],
+)
+def test_lines_that_are_indented_wrongly(rock, tmp_path, capsys, text, line, words):
+    (tmp_path / "mine.yaml").write_text(text)
+    assert rock("check", "mine.yaml") == 2
+    said = capsys.readouterr().err
+    assert f"mine.yaml:{line}: not YAML" in said
+    assert words in said
+    assert "block mapping" not in said
+
+
+def test_clauses_that_are_met_are_counted(rock, tmp_path, capsys):
+    clauses = "".join(f"  - {{quantity: theta_peak_over_alpha, max: {10 + i}}}\n" for i in range(7))
+    (tmp_path / "mine.yaml").write_text(STUDY + "expect:\n" + clauses)
+    assert rock("run", "mine.yaml") == 0
+    said = capsys.readouterr().out
+    assert "7 of 7 met (-v lists them)" in said
+    assert "ok    " not in said
+    assert rock("run", "mine.yaml", "-v") == 0
+    assert capsys.readouterr().out.count("ok    ") == 7
+    (tmp_path / "mine.yaml").write_text(STUDY + "expect:\n" + clauses + "  - {quantity: outcome, is: no_uplift}\n")
+    assert rock("run", "mine.yaml") == 1
+    said = capsys.readouterr().out
+    assert "7 of 8 met" in said
+    assert said.count("FAIL  ") == 1
+    assert "ok    " not in said
+
+
+def test_check_lists_every_body_and_how_it_begins(rock, tmp_path, capsys):
+    bodies = (
+        "vary: {block: {tall: {height: 2, width: 0.4, mu: 0.5}, low: {height: 1, width: 0.8, mu: 0.3}}, a_p: [2, 3]}\n"
+    )
+    (tmp_path / "mine.yaml").write_text(STUDY + bodies.replace("a_p", "motion.pulse.a_p"))
+    assert rock("check", "mine.yaml") == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    tall, low = (next(line for line in lines if line and line[0] == f"block={name}") for name in ("tall", "low"))
+    assert (tall[1], tall[-1], tall[-2]) == ("2", "rock", "0.2")
+    assert (low[1], low[-1], low[-2]) == ("2", "slide", "0.8")
+    assert rock("check", "mine.yaml", "--json") == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert [row["body"] for row in found["bodies"]] == ["block=tall", "block=low"]
+    assert [row["h [m]"] for row in found["bodies"]] == [1.0, 0.5]
+
+
+def test_check_proposes_refine_for_a_wide_map_and_doubts_it_for_a_narrow_one(rock, tmp_path, capsys):
+    size = "vary: {motion.pulse.a_p: {from: 1, to: 9, n: N}, motion.pulse.T_p: {from: 0.1, to: 2, n: N}}\nsave: {histories: false}\n"
+    flexible = STUDY.replace("motion:", "model: flexible\n  column: {E: 30e9, rho: 2400}\n  motion:")
+    (tmp_path / "mine.yaml").write_text(flexible + size.replace("N", "300"))
+    assert rock("check", "mine.yaml") == 0
+    assert "`refine: true` would solve only" in capsys.readouterr().err
+    (tmp_path / "mine.yaml").write_text(STUDY + "refine: true\n" + size.replace("N", "50"))
+    assert rock("check", "mine.yaml") == 0
+    assert "saves next to nothing" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("height", "doubted"), [(180, True), (0.002, True), (18, False), (0.05, False)])
+def test_sizes_that_are_hardly_meant(rock, tmp_path, capsys, height, doubted):
+    (tmp_path / "mine.yaml").write_text(STUDY.replace("1.8, width: 0.5", f"{height}, width: {0.3 * height}"))
+    assert rock("check", "mine.yaml") == 0
+    assert ("in metres?" in capsys.readouterr().err) == doubted
+
+
+@pytest.mark.parametrize(("typed", "expected"), [("rock ch", "check"), ("rock new st", "statue")])
+def test_the_shell_completes_commands_and_kinds(typed, expected):
+    program = "import sys; sys.argv = ['rock']; from rockcli.cli.main import main; main()"
+    asked = {"_ROCK_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": str(typed.count(" "))}
+    said = subprocess.run(
+        [sys.executable, "-c", program], env=os.environ | asked, capture_output=True, text=True, check=False
+    )
+    assert expected in said.stdout.split(), said.stderr

@@ -1,0 +1,47 @@
+"""`rock new`: every study to begin with is commented, checks without a word and runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rockcli.cli.new import KINDS
+from rockcli.study.open import open_study
+
+
+def test_there_is_a_file_for_every_kind_and_no_other():
+    folder = Path(__file__).resolve().parents[2] / "rockcli" / "cli" / "templates"
+    assert {path.stem for path in folder.iterdir()} == set(KINDS)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_study_to_begin_with_is_commented_and_runs_as_it_is(rock, tmp_path, capsys, kind):
+    assert rock("new", kind) == 0
+    assert f"rock run {kind}.yaml" in capsys.readouterr().out
+    path = tmp_path / f"{kind}.yaml"
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith("#")
+    assert f"rock run {kind}.yaml" in text
+    assert open_study(path).size <= 4000
+    assert rock("run", path, "--no-plots", "--workers", 1) == 0
+    said = capsys.readouterr()
+    assert " failed" not in said.out
+    assert (tmp_path / "results" / kind / f"{kind}.nc").is_file()
+
+
+def test_the_first_kind_is_a_block_and_nothing_is_replaced(rock, tmp_path, capsys):
+    assert rock("new") == 0
+    before = (tmp_path / "block.yaml").read_bytes()
+    assert rock("new", "block") != 0
+    assert "is there already" in capsys.readouterr().err
+    assert (tmp_path / "block.yaml").read_bytes() == before
+    assert rock("new", "--out", "mine.yml") == 0
+    assert "rock run mine.yml" in (tmp_path / "mine.yml").read_text(encoding="utf-8")
+
+
+def test_what_is_no_kind_is_told_with_those_there_are(rock, tmp_path, capsys):
+    assert rock("new", "staute") == 2
+    assert "statue: a statue" in capsys.readouterr().err
+    assert rock("new", "map", "--out", "map.txt") == 2
+    assert not list(tmp_path.iterdir())
