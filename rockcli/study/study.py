@@ -49,6 +49,9 @@ class Axis:
         return len(self.values)
 
 
+OF_RECORDS = ("motion.record", "motion.record.file")
+"""Paths of an axis that may name a record at each point."""
+
 SAMPLE = "sample"
 """The axis of the samples of uncertain inputs."""
 

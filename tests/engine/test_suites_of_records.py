@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from rockcli import kernels
+from rockcli.engine.sweep.chunks import Chunks
 from rockcli.engine.sweep.sweep import Sweep, solve_cases
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import RecordError, StudyError
@@ -76,8 +77,11 @@ def test_every_case_is_as_with_its_record_alone(folder: Path, more: dict[str, An
     assert len(set(one["outcome"].tolist())) > 1
 
 
-def test_many_records_are_one_batch(folder: Path) -> None:
-    what = open_study(study(folder))
+@pytest.mark.parametrize("key", ["motion.record", "motion.record.file"])
+def test_many_records_are_one_batch(folder: Path, key: str) -> None:
+    plan = study(folder)
+    plan["vary"][key] = plan["vary"].pop("motion.record.file")
+    what = open_study(plan)
     batches = list(what.suites(np.arange(what.size)))
     assert [batch.size for _, batch in batches] == [what.size]
     assert len(list(what.batches())) == len(RECORDS)
@@ -119,3 +123,18 @@ def test_too_weak_records_are_named_and_no_others(folder: Path) -> None:
     said = open_study(study(folder)).warnings
     assert [sentence for sentence in said if "too weak" in sentence and sentence.startswith("weak.AT2")]
     assert not [sentence for sentence in said if "too weak" in sentence and not sentence.startswith("weak.AT2")]
+
+
+@pytest.mark.parametrize("most", [1, 7, 40, 1000])
+@pytest.mark.parametrize("some", [False, True])
+def test_chunks_hold_all_cases_of_few_records(most: int, some: bool) -> None:
+    shape, axis = (4, 3, 10, 2), 2
+    todo = np.random.default_rng(0).random(240) < 0.6 if some else None
+    chunks, told = Chunks(240, todo, (shape, axis)), []
+    while chunks.left:
+        told.append(chunks.take(most))
+        assert (np.diff(told[-1]) > 0).all()
+        records = np.unique(np.unravel_index(told[-1], shape)[axis])
+        assert len(records) <= 2 + most // (24 if todo is None else 8)
+    wanted = np.arange(240) if todo is None else np.flatnonzero(todo)
+    np.testing.assert_array_equal(np.sort(np.concatenate(told)), wanted)

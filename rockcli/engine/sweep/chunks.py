@@ -26,10 +26,17 @@ class Chunks:
     Args:
         size: cases in all.
         todo: which of them are left, (size,); None = all.
+        turned: points of every axis, and the axis along which to go last: what its points have in common with all
+            others is then found for few chunks.  None = in the order of the cases.
     """
 
-    def __init__(self, size: int, todo: NDArray[np.bool_] | None = None) -> None:
+    def __init__(
+        self, size: int, todo: NDArray[np.bool_] | None = None, turned: tuple[tuple[int, ...], int] | None = None
+    ) -> None:
         self.size = size
+        self._turned = turned
+        if todo is not None and turned is not None:
+            todo = np.ascontiguousarray(np.moveaxis(todo.reshape(turned[0]), turned[1], 0)).ravel()
         self._todo = todo
         self.left = size if todo is None else int(todo.sum())
         self._next = 0
@@ -50,12 +57,21 @@ class Chunks:
                 self._returned.append(cases[most:])
                 cases = cases[:most]
         elif self._todo is None:
-            cases = np.arange(self._next, min(self._next + most, self.size))
+            cases = self._cases_at(np.arange(self._next, min(self._next + most, self.size)))
             self._next += len(cases)
         else:
-            cases = self._search(most)
+            cases = self._cases_at(self._search(most))
         self.left -= len(cases)
         return cases
+
+    def _cases_at(self, places: Index) -> Index:
+        """The cases at places, ascending, in the order they are handed out in."""
+        if self._turned is None:
+            return places
+        shape, axis = self._turned
+        point, *others = np.unravel_index(places, (shape[axis], *shape[:axis], *shape[axis + 1 :]))
+        others.insert(axis, point)
+        return np.sort(np.ravel_multi_index(tuple(others), shape).astype(np.int64))
 
     def _search(self, most: int) -> Index:
         assert self._todo is not None

@@ -31,7 +31,7 @@ from rockcli.scene.models import DEFORMABLE
 from rockcli.scene.response import Response
 from rockcli.scene.variables import GROUND
 from rockcli.study.cases.buildable import Unsolved, build_isolated, buildable
-from rockcli.study.study import Index, Study
+from rockcli.study.study import OF_RECORDS, Index, Study
 
 Progress = Callable[[int, int], None]
 
@@ -138,7 +138,7 @@ def _solve_cases(study: Study, sweep: Sweep) -> Results:
     known = results.answered
     if sweep.share is not None:
         todo &= _of_share(study.size, *sweep.share)
-    chunks = Chunks(study.size, None if todo.all() else todo)
+    chunks = Chunks(study.size, None if todo.all() else todo, _by_record(study))
     estimate, compiled = outlook(study, study.size) if chunks.left else (1.0, False)
     most = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
     work_off(study, sweep, results, chunks, Pace(estimate, most), compiled=compiled)
@@ -146,6 +146,12 @@ def _solve_cases(study: Study, sweep: Sweep) -> Results:
         describe_rest(study, results, ~todo)
     results.finish()
     return results
+
+
+def _by_record(study: Study) -> tuple[tuple[int, ...], int] | None:
+    """How chunks hold all cases of few records, not some of all: a record is laid out for every chunk that has it."""
+    records = [i for i, axis in enumerate(study.axes) if axis.path in OF_RECORDS and not axis.numeric]
+    return (study.shape, records[0]) if records and records[0] > 0 else None
 
 
 def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:

@@ -25,7 +25,7 @@ from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.overlay import Setting, overlaid
 from rockcli.study.document.tree import Map, Source, Where
 from rockcli.study.schema import CasePart
-from rockcli.study.study import Index
+from rockcli.study.study import OF_RECORDS, Index
 
 Array = NDArray[np.float64]
 Points = dict[int, NDArray[np.int64]]
@@ -33,9 +33,6 @@ Points = dict[int, NDArray[np.int64]]
 
 PROBED = 20_000
 """A study of at most so many cases is built whole before it is solved; of a larger one, corners and edges."""
-
-RECORD = ("case", "motion", "record", "file")
-"""Path of the axis that names a record at each point."""
 
 _KEPT = 256
 """Combinations of structural points kept."""
@@ -116,7 +113,7 @@ class Cases:
     @property
     def _of_records(self) -> int | None:
         """The axis that names a record at each point and sets nothing else; None if there is none."""
-        found = [i for i, v in enumerate(self.variations) if v.columns is None and v.path == RECORD]
+        found = [i for i, v in enumerate(self.variations) if v.columns is None and v.axis.path in OF_RECORDS]
         if len(found) != 1 or self.save.histories:
             return None
         plain = all(len(s) == 1 and isinstance(s[0][1], str) for s in self.variations[found[0]].settings)
