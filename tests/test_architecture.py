@@ -12,6 +12,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "rockcli"
 LAYERS = {
     "errors": 0,
     "version": 0,
+    "process_groups": 0,
     "kernels": 1,
     "scene": 2,
     "motion": 3,
@@ -29,6 +30,7 @@ DOORS = {
     "typer": "cli",
     "rich": "cli",
     "dask": "engine",
+    "filelock": "engine",
     "distributed": "engine",
     "yaml": "study",
     "pydantic": "study",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import _thread
 import os
 import select
 import signal
+import socket
 import sys
 import threading
 import weakref
@@ -84,12 +86,12 @@ def answered() -> Iterator[None]:
         if not issubclass(what.exc_type, Asked):
             hook(what)
 
-    woken, wake = os.pipe()
-    os.set_blocking(wake, False)
+    woken, wake = socket.socketpair()  # Windows waits for no pipe
+    wake.setblocking(False)
     threading.Thread(target=_watch, args=(woken, heard, lost), daemon=True).start()
     hook, sys.unraisablehook = sys.unraisablehook, unraisable
     before = {number: signal.signal(number, handler) for number in free}
-    other = signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
+    other = signal.set_wakeup_fd(wake.fileno(), warn_on_full_buffer=False)
     try:
         yield
     finally:
@@ -97,10 +99,10 @@ def answered() -> Iterator[None]:
         for number, old in before.items():
             signal.signal(number, old)
         sys.unraisablehook = hook
-        os.close(wake)  # the thread reads the end of it and is done
+        wake.close()  # the thread reads the end of it and is done
 
 
-def _watch(woken: int, heard: threading.Event, lost: Callable[[], bool]) -> None:
+def _watch(woken: socket.socket, heard: threading.Event, lost: Callable[[], bool]) -> None:
     main = threading.main_thread().ident
     assert main is not None
     asked = repeated = 0
@@ -110,9 +112,9 @@ def _watch(woken: int, heard: threading.Event, lost: Callable[[], bool]) -> None
             if lost():
                 heard.clear()
                 repeated += 1
-                signal.pthread_kill(main, latest)
+                _raise_again(main, latest)
             continue
-        numbers = os.read(woken, 64)
+        numbers = woken.recv(64)
         if not numbers:
             break
         for number in (signal.Signals(each) for each in numbers if each in ASKING):
@@ -123,7 +125,15 @@ def _watch(woken: int, heard: threading.Event, lost: Callable[[], bool]) -> None
                 asked += 1
             if asked > 1 or not heard.wait(PATIENCE):
                 _end()
-    os.close(woken)
+    woken.close()
+
+
+def _raise_again(main: int, number: signal.Signals) -> None:
+    """Send the main thread a signal, or where threads get none, as on Windows, tell its interpreter of one."""
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(main, number)
+    else:
+        _thread.interrupt_main(number)
 
 
 def _end() -> None:

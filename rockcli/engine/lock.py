@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
-import fcntl
-import os
 import re
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 from rockcli.errors import OutputError, StudyError
 from rockcli.storage.places import passing, reason
@@ -19,6 +18,9 @@ _OF_SHARE = re.compile(rf"{re.escape(LOCK_NAME)}-\d+-of-\d+")
 
 BUSY = "another process is working in this folder"
 
+_MOMENT = 2.0
+"""Time within which another share is done with the folder's lock, which it needs only to begin [s]."""
+
 
 @contextmanager
 def locked(folder: Path, share: tuple[int, int] | None = None) -> Iterator[None]:
@@ -28,49 +30,29 @@ def locked(folder: Path, share: tuple[int, int] | None = None) -> Iterator[None]
         StudyError: another process holds the folder, or the same share of it.
         OutputError: the folder cannot be written in.
     """
-    path = folder / LOCK_NAME
-    if share is None:
-        with _held(path, fcntl.LOCK_EX, BUSY), passing(path):
-            # removed while held: who opened it meanwhile sees in `_acquire` that it is gone
-            for stale in folder.iterdir():  # of shares that were killed; none is at work
-                if _OF_SHARE.fullmatch(stale.name):
-                    stale.unlink(missing_ok=True)
-            yield
-        return
-    k, n = share
-    own = folder / f"{LOCK_NAME}-{k}-of-{n}"
-    with _held(path, fcntl.LOCK_SH, BUSY) as common:
-        with _held(own, fcntl.LOCK_EX, f"another process is working on share {k}/{n} in this folder"), passing(own):
-            yield
-        with contextlib.suppress(OSError):  # the last share removes what the shares hold together
-            fcntl.flock(common, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            path.unlink(missing_ok=True)
+    with ExitStack() as held:
+        if share is None:
+            held.enter_context(_held(folder / LOCK_NAME, BUSY))
+            for other in [path for path in folder.iterdir() if _OF_SHARE.fullmatch(path.name)]:
+                with _held(other, BUSY):  # of a share that was killed, if none is at work
+                    pass
+        else:
+            k, n = share
+            with _held(folder / LOCK_NAME, BUSY, _MOMENT):
+                busy = f"another process is working on share {k}/{n} in this folder"
+                held.enter_context(_held(folder / f"{LOCK_NAME}-{k}-of-{n}", busy))
+        yield
 
 
 @contextmanager
-def _held(path: Path, kind: int, busy: str) -> Iterator[int]:
+def _held(path: Path, busy: str, patience: float = 0.0) -> Iterator[None]:
+    """Hold one lock; its file is removed before it is released: who opened it meanwhile sees that it is gone."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        descriptor = _acquire(path, kind, busy)
+        lock = FileLock(path, timeout=patience).acquire()
+    except Timeout:
+        raise StudyError(busy, file=path.parent) from None
     except OSError as error:
         raise OutputError(f"cannot be written in: {reason(error)}", file=path.parent) from error
-    try:
-        yield descriptor
-    finally:
-        os.close(descriptor)
-
-
-def _acquire(path: Path, kind: int, busy: str) -> int:
-    while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-        try:
-            fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
-        except OSError:
-            os.close(descriptor)
-            raise StudyError(busy, file=path.parent) from None
-        try:
-            if os.stat(path).st_ino == os.fstat(descriptor).st_ino:
-                return descriptor
-        except FileNotFoundError:
-            pass
-        os.close(descriptor)
+    with lock, passing(path):
+        yield

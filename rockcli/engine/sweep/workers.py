@@ -28,6 +28,7 @@ from rockcli.engine.sweep.chunk_result import cases_of, spans_of
 from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.work import Team, Work, in_halves
 from rockcli.errors import MACHINE
+from rockcli.process_groups import GROUPS, held_back, lead_group, let_in, signal_group
 from rockcli.study.cases.buildable import Unsolved
 from rockcli.study.study import Index
 
@@ -49,8 +50,13 @@ MAX_CRASHES = 64
 OURS = {signal.SIGINT, signal.SIGTERM}
 """Signals that the parent answers for all."""
 
-OWN_FAULT = {signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGABRT, signal.SIGSYS, signal.SIGTRAP}
+OWN_FAULT = {
+    getattr(signal, name, None) for name in ("SIGSEGV", "SIGBUS", "SIGFPE", "SIGILL", "SIGABRT", "SIGSYS", "SIGTRAP")
+}
 """Signals that a process brings upon itself; others come from outside, as SIGKILL where memory has run out."""
+
+FORKS = sys.platform == "linux" and hasattr(os, "fork")
+"""A forked process has the study, the records and the compiled kernels at once; only Linux forks safely."""
 
 LOOK_EVERY = 0.5
 """Time between two looks whether the parent is alive [s]."""
@@ -163,20 +169,14 @@ def _own_fault(code: int | None) -> bool:
 
 
 def _start(work: Work[Any], others: list[Connection]) -> Worker:
-    # a forked process has the study, the records and the compiled kernels at once; only Linux forks safely
-    context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
+    context: Any = multiprocessing.get_context("fork" if FORKS else "spawn")
     mine, theirs = context.Pipe()
-    process = context.Process(
-        target=_serve, args=(theirs, [mine, *others] if sys.platform == "linux" else [], work, os.getpid()), daemon=True
-    )
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, OURS)  # until it no longer has our handlers
-    try:
-        with warnings.catch_warnings():
-            # the only other thread sleeps in a read, and holds no lock
-            warnings.filterwarnings("ignore", message=".*multi-threaded.*fork", category=DeprecationWarning)
-            process.start()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    foreign = [mine, *others] if FORKS else []
+    process = context.Process(target=_serve, args=(theirs, foreign, work, os.getpid()), daemon=True)
+    with held_back(OURS), warnings.catch_warnings():  # until it no longer has our handlers
+        # the only other thread sleeps in a read, and holds no lock
+        warnings.filterwarnings("ignore", message=".*multi-threaded.*fork", category=DeprecationWarning)
+        process.start()
     theirs.close()
     return Worker(process, mine)
 
@@ -184,19 +184,18 @@ def _start(work: Work[Any], others: list[Connection]) -> Worker:
 def _end(worker: Worker) -> None:
     """End a worker with all it has started."""
     worker.pipe.close()
-    with contextlib.suppress(ProcessLookupError, PermissionError):
-        os.killpg(worker.process.pid, signal.SIGKILL)
+    signal_group(worker.process.pid)
     worker.process.kill()
     worker.process.join()
 
 
 def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent: int) -> None:
     """What a worker does: answer one chunk after the other until it is ended."""
-    os.setpgid(0, 0)  # Ctrl-C in a terminal is for the parent, who ends this group
+    lead_group()  # Ctrl-C in a terminal is for the parent, who ends this group
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.set_wakeup_fd(-1)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, OURS)
+    let_in(OURS)
     for other in foreign:
         other.close()
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
@@ -239,4 +238,6 @@ def _end_with(parent: int) -> None:
     """End this process and all it has started when the parent is gone."""
     while os.getppid() == parent:
         time.sleep(LOOK_EVERY)
-    os.killpg(0, signal.SIGKILL)
+    if GROUPS:
+        signal_group(0)
+    os._exit(1)

@@ -5,7 +5,6 @@ What its end says of the case is the solver's to tell; what it says of the machi
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import os
 import signal
@@ -16,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rockcli.errors import MachineError
+from rockcli.process_groups import GROUPS, signal_group
 
 _NO_SPACE, _NO_MEMORY = (os.strerror(code) for code in (errno.ENOSPC, errno.ENOMEM))
 REFUSALS = (_NO_SPACE, _NO_MEMORY, "MemoryError", "bad_alloc", "error allocating memory")
@@ -88,11 +88,11 @@ def watch(
         environment: beside `ALONE` and that of this process.
         enough: looked at several times per second; True ends the run.  What it raises ends the run and is passed on.
     """
-    shell = ["/bin/sh", "-c", WITH_ITS_PARENT, "rock", *command]
+    shell = ["/bin/sh", "-c", WITH_ITS_PARENT, "rock"] if GROUPS else []
     end = time.monotonic() + limit
     with log.open("wb") as said:
         process = subprocess.Popen(
-            shell,
+            [*shell, *command],
             cwd=folder,
             env={**os.environ, **ALONE, **(environment or {})},
             stdin=subprocess.PIPE,
@@ -121,14 +121,13 @@ def _ended(process: subprocess.Popen[bytes], timeout: float) -> bool:
 
 
 def _end_group(process: subprocess.Popen[bytes]) -> None:
-    """End the process and whatever it has started, by its process group."""
-    for sign in (signal.SIGTERM, signal.SIGKILL):
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, sign)
-        if _ended(process, GRACE):
-            break
-    with contextlib.suppress(ProcessLookupError, PermissionError):
-        os.killpg(process.pid, signal.SIGKILL)  # children that outlived it
+    """End the process and whatever it has started, where there are process groups."""
+    if not GROUPS:
+        process.kill()
+    else:
+        signal_group(process.pid, signal.SIGTERM)
+        _ended(process, GRACE)
+        signal_group(process.pid)  # itself if it did not hear, and children that outlived it
     process.wait()
     if process.stdin is not None:
         process.stdin.close()
@@ -139,7 +138,7 @@ def check_machine(program: str, code: int | None, words: str) -> None:
 
     Nobody here has sent SIGKILL to a process that has ended by then: the system does where memory has run out.
     """
-    if code == 128 + signal.SIGKILL:
+    if code is not None and Ending(code).signal == "SIGKILL":
         raise MachineError(f"{program} was killed by the system, as it does where memory has run out")
     for refusal in REFUSALS:
         if code and refusal in words:
