@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rockcli.analysis.barriers import with_barriers
+from rockcli.analysis.boundaries import with_boundaries
 from rockcli.analysis.compare_to_reference import with_comparison
 from rockcli.analysis.curves import with_curves
 from rockcli.analysis.direction import with_worst_direction
@@ -21,6 +22,7 @@ DERIVED: tuple[Callable[[Contents, Study], Contents], ...] = (
     with_comparison,
     with_worst_direction,
     with_outlines,
+    with_boundaries,
     with_barriers,
     with_curves,
     with_rules,

@@ -29,7 +29,8 @@ def table(
         typer.Option(
             "--of",
             metavar="TABLE",
-            help="cases, or of a suite: suite, fragility, risk, deaggregation, stripes, demand, inputs.",
+            help="cases, or of a suite: suite, fragility, risk, deaggregation, stripes, demand, inputs; "
+            "of a refined map: boundaries.",
         ),
     ] = "cases",
     out: Annotated[

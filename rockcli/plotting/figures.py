@@ -17,6 +17,7 @@ from rockcli.plotting.kinds import (
     barriers,
     bending,
     body,
+    boundaries,
     curve,
     fragility,
     histories,
@@ -81,6 +82,12 @@ _ROWS: tuple[Kind, ...] = (
     Kind("bending", "rotation and top of flexible columns and other models", bending.without_bending, bending.draw),
     Kind("phase", "angular velocity against rotation, with the separatrix", _without_histories, phase.draw),
     Kind("map", "outcomes over two numeric axes, peaks over one", _without_map, _draw_map),
+    Kind(
+        "boundaries",
+        "lines between the outcomes of a refined map",
+        boundaries.without_boundaries,
+        boundaries.draw,
+    ),
     Kind(
         "ida", "peaks of a suite against intensity, with fractiles", ida.without_ida, lambda d: ida.draw(end_to_end(d))
     ),

@@ -14,6 +14,7 @@ SUITE, LIMIT, MEASURE, PERCENTILE, INPUT = "suite", "limit_state", "measure", "p
 HAZARD, HAZARD_POINT, INTENSITY_BIN = "hazard", "hazard_point", "intensity_bin"
 SETTING = "setting"
 OUTLINE = "outline_point"
+BOUNDARY_POINT = "boundary_point"
 AZIMUTH = "azimuth"
 
 DIMENSIONS: dict[str, str] = {
@@ -31,6 +32,7 @@ DIMENSIONS: dict[str, str] = {
     HAZARD_POINT: "hazard, hazard_point",
     SETTING: "setting",
     OUTLINE: "axes that change the body, outline_point",
+    BOUNDARY_POINT: "boundary_point",
     AZIMUTH: "axes that change the mesh, azimuth",
 }
 """What a variable extends over, and the dimensions that come to."""
@@ -539,6 +541,14 @@ _ROWS: tuple[Variable, ...] = (
         "largest |theta - theta_ref|/alpha before either overturns",
     ),
     Variable("same_outcome", "same outcome", CASE, "1", "1 where the outcome agrees with the reference's"),
+    Variable(
+        "boundary",
+        "boundary",
+        BOUNDARY_POINT,
+        "1",
+        "refine: what changes at a curve; its points are boundary_<axis>, for every axis",
+    ),
+    Variable("boundary_curve", "curve", BOUNDARY_POINT, "1", "refine: number of the curve a point belongs to"),
     Variable("solved", "solved", CASE, "1", "refine: 1 solved; 0 not solved, the outcome is that all around"),
     Variable(
         "audit_same_outcome", "same outcome", CASE, "1", "1 where a tighter run gave the same outcome, 0 where another"

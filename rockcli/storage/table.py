@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.scene.units import SI, Units, g_of
-from rockcli.scene.variables import HAZARD, INPUT, INTENSITY_BIN, LIMIT, MEASURE, PERCENTILE
+from rockcli.scene.variables import BOUNDARY_POINT, HAZARD, INPUT, INTENSITY_BIN, LIMIT, MEASURE, PERCENTILE
 from rockcli.storage.checksum import note_opened
 from rockcli.storage.contents import COORDINATES
 from rockcli.storage.netcdf import open_file
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-CASES = "cases"
+CASES, BOUNDARIES = "cases", "boundaries"
 
 TABLES: dict[str, str] = {
     CASES: "one row per case: what was varied, what became of it, every scalar",
@@ -38,6 +38,7 @@ TABLES: dict[str, str] = {
     "stripes": "one row per intensity and limit state: the share that exceeds it",
     "demand": "one row per measure of the motion: its correlation with the peak",
     "inputs": "one row per uncertain input: how much it matters",
+    BOUNDARIES: "of a refined map, one row per point of the curves between outcomes",
 }
 """Tables by name, and what they hold."""
 
@@ -230,8 +231,8 @@ def table_of(
 
 def _dims(of: str, axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) -> tuple[str, ...] | None:
     """Dimensions of which a table has a row each; None if this dataset has no such table."""
-    if of == CASES:
-        return axes
+    if of in (CASES, BOUNDARIES):
+        return axes if of == CASES else (BOUNDARY_POINT,)
     if ensemble is None:
         return None
     over = ensemble["axis"] if isinstance(ensemble["axis"], list) else [ensemble["axis"]]
@@ -258,6 +259,8 @@ def _belongs(
 ) -> bool:
     if dims is None or not set(item.dims) - {PERCENTILE} <= set(dims) or name == PERCENTILE:
         return False
+    if of == BOUNDARIES:
+        return item.dims == dims
     derived = ensemble is not None and name in ensemble["fields"]
     over = () if ensemble is None else np.atleast_1d(ensemble["axis"]).tolist()
     if PERCENTILE in item.dims and of != "fragility":

@@ -1,0 +1,119 @@
+"""Boundary curves of refined maps: of made-up outcomes, whose boundaries are known, as data, table and figure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rockcli
+from rockcli.analysis.boundaries import KINDS, curves_of
+from rockcli.plotting import figures
+from rockcli.scene.batch import Batch
+from rockcli.scene.response import Response
+
+N = 201
+UPLIFT, OVERTURNING, AFTER_IMPACT = range(len(KINDS))
+STUDY: dict[str, Any] = {
+    "case": {"block": {"R": 2.0, "tan_alpha": 0.2}, "initial": {"theta": 0.01}},
+    "vary": {
+        "block.R": {"from": 1, "to": 2, "n": N},
+        "block.mass": [1, 2],
+        "initial.theta": {"from": 0.05, "to": 0.15, "n": N},
+    },
+    "save": {"scalars": ["outcome"]},
+    "refine": True,
+}
+
+
+def made_up(batch: Batch) -> Response:
+    """No uplift below a line, a disc that overturns, its right half after an impact; a smaller disc for mass 2."""
+    y, x = batch.block.R[:, 0] - 1.0, (batch.theta_0 - 0.05) / 0.1
+    outcome = np.where(y < 0.1 + 0.05 * x, 0, 1)
+    disc = np.hypot(x - 0.5, y - 0.5) < 0.3 / batch.block.mass
+    outcome[disc] = np.where(x > 0.5, 3, 2)[disc]
+    return Response(
+        scalars={"outcome": outcome.astype(np.int8)}, reasons=[""] * batch.size, used={"backend": "made up"}
+    )
+
+
+@pytest.fixture
+def dataset(monkeypatch):
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", made_up)
+    return rockcli.run(STUDY)
+
+
+def points(dataset, kind: int, mass: float):
+    """x, y in units of the map and the curve of each point."""
+    where = (dataset["boundary"].values == kind) & (dataset["boundary_mass"].values == mass)
+    x, y = (dataset["boundary_initial_theta"].values - 0.05) / 0.1, dataset["boundary_block_R"].values - 1.0
+    return x[where], y[where], dataset["boundary_curve"].values[where]
+
+
+@pytest.mark.parametrize("mass", [1.0, 2.0])
+def test_curves_follow_what_is_known(dataset, mass):
+    near = 0.75 / (N - 1)
+    x, y, curve = points(dataset, UPLIFT, mass)
+    assert len(set(curve)) == 1
+    assert np.abs(y - 0.1 - 0.05 * x).max() <= near
+    assert (x.min(), x.max()) == pytest.approx((0.0, 1.0))  # from side to side
+    x, y, curve = points(dataset, OVERTURNING, mass)
+    assert len(set(curve)) == 1
+    assert np.abs(np.hypot(x - 0.5, y - 0.5) - 0.3 / mass).max() <= near
+    assert (x[0], y[0]) == (x[-1], y[-1])
+    area = 0.5 * abs(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
+    assert area == pytest.approx(np.pi * (0.3 / mass) ** 2, rel=0.01)
+    x, y, curve = points(dataset, AFTER_IMPACT, mass)
+    assert len(set(curve)) == 1
+    assert np.abs(x - 0.5).max() <= near
+    assert np.ptp(y) == pytest.approx(0.6 / mass, abs=2.5 / (N - 1))
+
+
+def test_neighbours_on_a_curve_are_neighbours_on_the_map(dataset):
+    x, y, _ = points(dataset, OVERTURNING, 1.0)
+    assert np.hypot(np.diff(x), np.diff(y)).max() <= 1.01 / (N - 1)
+
+
+def test_every_change_is_on_one_curve():
+    """Of any map: as many points as there are neighbours of which one overturns, each once, saddles too."""
+    outcome = np.random.default_rng(5).integers(0, 2, (30, 40)).astype(np.int8) * 2 + 1
+    curves = curves_of(outcome, OVERTURNING)
+    met = [tuple(point) for rows, cols in curves for point in zip(rows.tolist(), cols.tolist(), strict=True)]
+    closed = sum((rows[0], cols[0]) == (rows[-1], cols[-1]) and len(rows) > 1 for rows, cols in curves)
+    changes = int((np.diff(outcome, axis=0) != 0).sum() + (np.diff(outcome, axis=1) != 0).sum())
+    assert len(met) - closed == len(set(met)) == changes
+    assert closed > 5
+
+
+def test_what_is_not_known_ends_a_curve():
+    outcome = np.ones((9, 9), dtype=np.int8)
+    outcome[:, 4:] = 2
+    outcome[4, 3:6] = -1
+    curves = curves_of(outcome, OVERTURNING)
+    assert sorted((rows.min(), rows.max()) for rows, _ in curves) == [(0.0, 3.0), (5.0, 8.0)]
+    assert curves_of(outcome, UPLIFT) == []
+
+
+def test_a_table_of_points(dataset):
+    frame = rockcli.table(dataset, of="boundaries")
+    assert len(frame) == dataset.sizes["boundary_point"]
+    assert set(frame["boundary"]) == set(KINDS)
+    assert [name.split(" ")[0] for name in frame.columns] == [
+        "boundary", "boundary_curve", "boundary_block_R", "boundary_mass", "boundary_initial_theta",
+    ]  # fmt: skip
+
+
+def test_a_figure_of_lines(dataset, tmp_path: Path):
+    drawn = figures.figure("boundaries", dataset)
+    assert len(drawn.axes[0].lines) == len(set(dataset["boundary_curve"].values))
+    figures.save(drawn, tmp_path / "lines.svg", "svg")
+    assert "after impact" not in figures.why_not("boundaries", dataset)
+
+
+def test_a_whole_map_has_none(monkeypatch):
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", made_up)
+    whole = rockcli.run(STUDY | {"refine": False})
+    assert "boundary_curve" not in whole.variables
+    assert "refine: true" in figures.why_not("boundaries", whole)
