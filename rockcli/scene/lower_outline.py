@@ -144,3 +144,22 @@ def facets_of(vertices: Array) -> Facets:
         fall[:, side] = sign * np.where(wall, quarter[:, 0], np.take_along_axis(at, outermost, axis=1)[:, 0])
         barrier[:, side] = np.maximum(top.max(axis=1), np.where(wall, np.abs(end), -np.inf)) - own
     return Facets(count, standing, tilt, across, b, R, alpha, extent, fall, barrier)
+
+
+def rolled(vertices: Array, theta: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+    """The centre of mass relative to the ground, x from its place at rest, and z, and the vertex in contact, (n, k).
+
+    vertices (n, v, 2) from the centre of mass, NaN after the last; theta (n, k).
+    """
+    step = np.diff(vertices, axis=1)
+    tilt = np.arctan2(step[:, :, 1], step[:, :, 0])
+    with np.errstate(invalid="ignore"):
+        vertex: NDArray[np.int64] = (theta[:, :, None] > tilt[:, None, :]).sum(axis=2)
+        standing: NDArray[np.int64] = np.nanargmin(np.abs(tilt), axis=1)
+    run = np.concatenate([np.zeros((len(tilt), 1)), np.cumsum(np.hypot(step[:, :, 0], step[:, :, 1]), axis=1)], axis=1)
+    at = run - np.take_along_axis(run, standing[:, None], axis=1)
+    foot = np.take_along_axis(vertices[:, :, 0], standing[:, None], axis=1)  # the left end of the base, on the ground
+    x, z = (np.take_along_axis(vertices[:, :, i], vertex, axis=1) for i in (0, 1))
+    place = np.take_along_axis(at, vertex, axis=1) + foot
+    sine, cosine = np.sin(theta), np.cos(theta)
+    return place - (x * cosine + z * sine), x * sine - z * cosine, vertex

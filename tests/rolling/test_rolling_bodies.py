@@ -211,3 +211,19 @@ def test_a_batch_of_both_kinds():
 def test_what_knows_two_edges_only_is_refused(more, words):
     with pytest.raises(StudyError, match=words):
         batch_of({"block": {"outline": ngon(12)}, "motion": MOTIONS[0], **more})
+
+
+def test_figures_show_the_body_on_the_ground_as_it_rolls():
+    from rockcli.plotting.common.shape import body_of, outline
+
+    study = {"name": "a", "case": {"block": {"outline": ngon(12)}, "initial": {"theta_dot": 0.9}}}
+    for stands, rolls in (("outline", True), ("toes", False)):
+        study["case"]["block"]["stands"] = stands
+        body = body_of(rockcli.run({**study, "plots": []}), ())
+        assert (body.vertices is not None) == rolls
+        if rolls:
+            for theta in np.linspace(-1.5, 1.5, 61):
+                points = outline(body, float(theta))
+                assert abs(points[:, 1].min()) < 1e-12
+                # a regular polygon has its middle that far from its lowest vertex, and rolls along its circle or less
+                assert abs(points.mean(axis=0)[0]) <= abs(theta) + 0.3

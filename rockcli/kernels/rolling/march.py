@@ -38,9 +38,13 @@ from rockcli.kernels.rigid.settings import Settings as Settings
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling import results as also
 from rockcli.kernels.rolling.free_rolling import free_rolling
+from rockcli.kernels.rolling.glide import glide, waits
 from rockcli.kernels.rolling.law import end_of, energy
 from rockcli.kernels.rolling.rest import rest_time
 from rockcli.kernels.rolling.series import flow, work_done
+
+SURE = 1.0 - 1e-9
+"""An acceleration nearer to uplift than this is looked at closely."""
 
 
 @jit_lean
@@ -53,7 +57,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     g = par[at.G]
     count, scale = int(body[at.COUNT]), body[at.SCALE]
     fall_left, fall_right = body[at.FALL_LEFT], body[at.FALL_RIGHT]
-    small, margin = how.tol * scale, how.margin * scale
+    margin = how.margin * scale
     t_motion, t_stop = par[at.T_MOTION], par[at.T_STOP]
     given = par[at.HAS_DURATION] == 1.0
     for i in range(also.N_OUT):
@@ -76,6 +80,9 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     launch = False
     mode = REST
     facet, s, q, v = int(body[at.STANDING]), 1.0, 0.0, 0.0
+    base = min(end_of(body, g, facet, 1.0).alpha, end_of(body, g, facet, -1.0).alpha)
+    small = how.tol * min(scale, base)
+    lean = horizontal.kind == SAMPLES and vertical.kind == NOTHING and n_hist == 0 and detail < ALL
     theta_0, rate_0 = par[at.THETA_0], par[at.THETA_DOT_0]
     if theta_0 != 0.0 or rate_0 != 0.0:
         lead = theta_0 if theta_0 != 0.0 else rate_0
@@ -133,11 +140,30 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
             ih, iv = piece_at(horizontal, h_data, ih, t), piece_at(vertical, v_data, iv, t)
             if ih < horizontal.pieces:
                 t_next = min(t_next, piece_end(horizontal, h_data, ih))
-                # nothing moves, and nobody asks what the ground does meanwhile
                 if mode == REST and vertical.kind == NOTHING and n_hist == 0 and detail < ALL:
+                    # nothing moves, and nobody asks what the ground does meanwhile
                     quiet = g * min(end.sine / end.cosine, other.sine / other.cosine)
                     if bound_from(horizontal, h_data, par[at.FACTOR_H], ih) <= quiet:
                         t = t_motion
+                        continue
+                    if lean and end.sine > 0.0 and other.sine > 0.0:
+                        left, right = (other, end) if s > 0.0 else (end, other)
+                        low, high = -g * right.sine / right.cosine, g * left.sine / left.cosine
+                        still = waits(h_data, par[at.FACTOR_H], horizontal.pieces, ih, low * SURE, high * SURE)
+                        if still > ih:
+                            t = min(still * horizontal.dt, t_motion)
+                            continue
+                if lean and mode == ROCK and q > 0.0 and not launch and t_motion >= horizontal.pieces * horizontal.dt:
+                    rises = s * end.tilt >= 0.0 and detail > OUTCOME
+                    ceiling = out[to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT] - abs(end.tilt) if rises else math.inf
+                    fall = fall_right if end.tilt + 0.5 * s * end.extent > 0.0 else fall_left
+                    moved_on, t, q, v = glide(
+                        end, s, h_data, horizontal.dt, par[at.FACTOR_H], horizontal.pieces, ih, t, q, v, small,
+                        s * (fall - end.tilt), ceiling,
+                    )  # fmt: skip
+                    if moved_on > 0:
+                        out[to.N_STEPS] += moved_on
+                        stalled = 0
                         continue
                 deg_a = expand(horizontal, h_data, par[at.FACTOR_H], ih, t, how.order, a)
             if iv < vertical.pieces:

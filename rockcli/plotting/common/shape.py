@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,10 +10,11 @@ import numpy as np
 from matplotlib.path import Path
 
 from rockcli.kernels.contact.codes import SLIDE, SLIDE_ROCK
-from rockcli.plotting.common.cases import Array, outcome_at, values_at
+from rockcli.plotting.common.cases import Array, axes_of, outcome_at, values_at
 from rockcli.plotting.common.response import edges
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.lower_outline import LEVEL
+from rockcli.scene.lower_outline import LEVEL, lower_hull, rolled
+from rockcli.scene.lower_outline import turned as turned_by
 
 if TYPE_CHECKING:
     import xarray
@@ -32,7 +34,8 @@ class Body:
     """The body drawn: distances of its axis, through the centre of mass, from the edges; twice the height of that [m].
 
     `points` are its outline, (points, 2) from the foot of the axis [m], NaN between polygons; None = a rectangle.
-    `rise` is the height of its right edge above the left one [m]; the foot of the axis is halfway.
+    `rise` is the height of its right edge above the left one [m]; the foot of the axis is halfway.  `vertices` are
+    those it rolls over, (v, 2) [m] from the centre of mass; None of a body that turns about its two edges.
     """
 
     left: float
@@ -40,6 +43,7 @@ class Body:
     height: float
     points: Array | None = None
     rise: float = 0.0
+    vertices: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,20 @@ def body_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Body:
     h = R * np.cos(alpha)
     level = bool(abs(h[LEFT] - h[RIGHT]) <= LEVEL * h.max())
     rise = 0.0 if level else float(h[LEFT] - h[RIGHT])
-    return Body(float(b[LEFT]), float(b[RIGHT]), float(h.sum()), outline_at(dataset, position), rise)
+    points = outline_at(dataset, position)
+    vertices = None
+    if points is not None and _rolls(dataset, position):
+        vertices = lower_hull(points) - np.array([0.0, 0.5 * h.sum()])
+    return Body(float(b[LEFT]), float(b[RIGHT]), float(h.sum()), points, rise, vertices)
+
+
+def _rolls(dataset: xarray.Dataset, position: tuple[int, ...]) -> bool:
+    """Whether a body of an outline rolls over the vertices beside its base, as its study says."""
+    block = json.loads(dataset.attrs.get("case", "{}")).get("block") or {}
+    axes, stands = axes_of(dataset), block.get("stands", "outline")
+    if "stands" in axes:
+        stands = str(dataset["stands"].values[position[axes.index("stands")]])
+    return stands != "toes" and not block.get("contacts") and "residual_tilt" in dataset.variables
 
 
 def outline_at(dataset: xarray.Dataset, position: tuple[int, ...]) -> Array | None:
@@ -165,6 +182,10 @@ def _placed(body: Body, theta: float, w_top: float) -> Array:
     across = 0.5 * w_top * (3.0 - s) * s**2
     tilt = np.arctan(1.5 * w_top / body.height * (2.0 - s) * s)
     points = np.column_stack([across + x * np.cos(tilt), s * body.height - x * np.sin(tilt)])
+    if body.vertices is not None:
+        x_0, z_0, _ = rolled(body.vertices[None], np.array([[theta]]))
+        from_centre = turned_by(points - np.array([0.0, 0.5 * body.height]), theta)
+        return np.asarray(from_centre + np.array([x_0[0, 0], z_0[0, 0]]))
     edge, base = (body.right, 0.5 * body.rise) if theta > 0.0 else (-body.left, -0.5 * body.rise)
     cos, sin = np.cos(theta), np.sin(theta)
     arm, up = points[:, 0] - edge, points[:, 1] - base

@@ -12,7 +12,7 @@ from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import results as also
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.lower_outline import Facets
+from rockcli.scene.lower_outline import Facets, rolled
 from rockcli.scene.response import NO_UPLIFT
 from rockcli.solvers.common.found import IMPACTS, Found, counts
 from rockcli.solvers.common.ground import ground_history
@@ -86,25 +86,6 @@ def _residual_tilt(batch: Batch, facets: Facets, out: Array) -> Array:
     assert loss is not None
     rests = (out[:, to.VERDICT] == RETURNS) & (facet >= 0) & (out[:, to.STATUS] == DONE)
     return np.where(rests & ((loss > 0.0) | np.isnan(out[:, to.T_UPLIFT])), found, np.nan)
-
-
-def rolled(vertices: Array, theta: Array) -> tuple[Array, Array, NDArray[np.int64]]:
-    """The centre of mass relative to the ground, x from its place at rest, and z, and the vertex in contact, (n, k).
-
-    vertices (n, v, 2) from the centre of mass, NaN after the last; theta (n, k).
-    """
-    step = np.diff(vertices, axis=1)
-    tilt = np.arctan2(step[:, :, 1], step[:, :, 0])
-    with np.errstate(invalid="ignore"):
-        vertex: NDArray[np.int64] = (theta[:, :, None] > tilt[:, None, :]).sum(axis=2)
-        standing: NDArray[np.int64] = np.nanargmin(np.abs(tilt), axis=1)
-    run = np.concatenate([np.zeros((len(tilt), 1)), np.cumsum(np.hypot(step[:, :, 0], step[:, :, 1]), axis=1)], axis=1)
-    at = run - np.take_along_axis(run, standing[:, None], axis=1)
-    foot = np.take_along_axis(vertices[:, :, 0], standing[:, None], axis=1)  # the left end of the base, on the ground
-    x, z = (np.take_along_axis(vertices[:, :, i], vertex, axis=1) for i in (0, 1))
-    place = np.take_along_axis(at, vertex, axis=1) + foot
-    sine, cosine = np.sin(theta), np.cos(theta)
-    return place - (x * cosine + z * sine), x * sine - z * cosine, vertex
 
 
 def top_of(batch: Batch, theta: Array) -> tuple[Array, Array]:
