@@ -38,7 +38,7 @@ from rockcli.study.cases.searched_range import make_search, searched
 from rockcli.study.cases.suite_axes import of_search, read_over
 from rockcli.study.cases.uncertain import placed, read_uncertain
 from rockcli.study.cases.variation import Variation
-from rockcli.study.document.check import check_base, check_study
+from rockcli.study.document.check import check_study, check_with_base
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.overrides import apply_overrides, without_effect
@@ -169,11 +169,7 @@ def _kind(value: Any) -> str:
 def _check_top(source: Source, tree: Map) -> StudyPart:
     """The study without its case, which is checked with the values of the axes in it."""
     case = tree.get("case")
-    if isinstance(case, Map):
-        part = check_study(source, Map({**tree, "case": {"block": {}}}, tree.where))
-        check_base(source, tree)
-    else:
-        part = check_study(source, tree)
+    part = check_with_base(source, tree) if isinstance(case, Map) else check_study(source, tree)
     for name in part.let:
         check_symbol(source, tree, name)
     return part

@@ -136,3 +136,24 @@ def test_the_shell_completes_commands_and_kinds(typed, expected):
         [sys.executable, "-c", program], env=os.environ | asked, capture_output=True, text=True, check=False
     )
     assert expected in said.stdout.split(), said.stderr
+
+
+def test_all_that_is_wrong_with_the_keys_of_a_study_is_told_at_once(rock, tmp_path, capsys):
+    wrong = STUDY.replace("width", "widht").replace("shape: sine", "shape: sin").replace("plots: none", "plots: [foo]")
+    (tmp_path / "mine.yaml").write_text(wrong + "vray: {}\n")
+    assert rock("check", "mine.yaml") == 2
+    first, *others = capsys.readouterr().err.splitlines()
+    assert first.startswith("rock: mine.yaml:7: vray: unknown key 'vray'")
+    assert [line.split(":")[0].strip() for line in others] == ["line 6", "line 4", "line 5"]
+    told = "\n".join(others)
+    assert "plots[0] is 'foo'" in told
+    assert "did you mean 'width'" in told
+    assert "did you mean 'sine'" in told
+
+
+def test_many_complaints_are_counted(rock, tmp_path, capsys):
+    (tmp_path / "mine.yaml").write_text(STUDY + "".join(f"wrong_{i}: 1\n" for i in range(14)))
+    assert rock("check", "mine.yaml") == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 9
+    assert lines[-1] == "  and 6 more"

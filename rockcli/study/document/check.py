@@ -7,7 +7,8 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from rockcli.study.document.tree import Keys, Map, Source, dotted, meant, nearest, place, value_at
+from rockcli.errors import StudyError
+from rockcli.study.document.tree import Keys, Map, Source, Where, dotted, meant, nearest, place, value_at
 from rockcli.study.document.values import Number, describe
 from rockcli.study.schema import CasePart, Part, StudyPart
 
@@ -25,29 +26,34 @@ EXPECTED = {
 """What was expected instead, by the beginning of the kind of pydantic's error."""
 
 
+MOST, SHORT = 8, 180
+"""Complaints about one study that are told; characters of each but the first."""
+
+
 def check_study(source: Source, study: Map) -> StudyPart:
-    """The whole study, validated; the first thing wrong with it is raised as StudyError."""
+    """The whole study, validated; all that is wrong with its keys is raised as one StudyError."""
     part = _checked(source, study, StudyPart, ())
     assert part is not None
     return part
 
 
-def check_case(source: Source, study: Map) -> CasePart:
-    """The case of a study, validated."""
-    part = _check_case(source, study, complete=True)
-    assert part is not None
+def check_with_base(source: Source, study: Map) -> StudyPart:
+    """The study, and its case, of which what is missing may come from the axes; raises as `check_study`."""
+    alone = Map({**study, "case": {"block": {}}}, study.where)
+    part, complaints = _validated(alone, StudyPart, (), complete=True)
+    complaints += _validated(study, CasePart, ("case",), complete=False)[1]
+    if complaints or part is None:
+        raise _error(source, complaints)
     return part
 
 
-def check_base(source: Source, study: Map) -> None:
-    """The case of a study, of which what is missing may come from the axes."""
-    _check_case(source, study, complete=False)
-
-
-def _check_case(source: Source, study: Map, *, complete: bool) -> CasePart | None:
+def check_case(source: Source, study: Map) -> CasePart:
+    """The case of a study, validated; raises as `check_study`."""
     if not isinstance(study.get("case"), Map):
         raise source.error(study, ("case",), "must be a mapping")
-    return _checked(source, study, CasePart, ("case",), complete=complete)
+    part = _checked(source, study, CasePart, ("case",))
+    assert part is not None
+    return part
 
 
 def said_at(part: Part, keys: Keys) -> Any:
@@ -60,15 +66,58 @@ def said_at(part: Part, keys: Keys) -> Any:
     return found
 
 
-def _checked(source: Source, study: Map, part: type[P], at: Keys, *, complete: bool = True) -> P | None:
+def _checked(source: Source, study: Map, part: type[P], at: Keys) -> P | None:
+    found, complaints = _validated(study, part, at, complete=True)
+    if complaints:
+        raise _error(source, complaints)
+    return found
+
+
+Complaint = tuple[Where, str]
+"""Where something is wrong, and what."""
+
+
+def _validated(study: Map, part: type[P], at: Keys, *, complete: bool) -> tuple[P | None, list[Complaint]]:
+    """A validated part, or what is wrong with it: unknown keys first, of every value the first thing."""
     try:
-        return part.model_validate(value_at(study, at))
+        return part.model_validate(value_at(study, at)), []
     except ValidationError as error:
-        details = [d for d in error.errors(include_url=False) if complete or d["type"] != "missing"]
-        if not details:
-            return None
-        first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
-        raise source.placed(*_sentence(study, part, at, dict(first))) from None
+        details: list[dict[str, Any]] = [
+            dict(d) for d in error.errors(include_url=False) if complete or d["type"] != "missing"
+        ]
+    details.sort(key=lambda d: d["type"] != "extra_forbidden")
+    told: list[Keys] = []
+    misspelt: set[Keys] = set()
+    complaints = []
+    for detail in details:
+        keys = _followed(value_at(study, at), detail["loc"])
+        if detail["type"] == "extra_forbidden":
+            misspelt.add(keys[:-1])
+        if detail["type"] == "missing":
+            if keys in misspelt:  # what is missing is written wrongly there
+                continue
+            keys = (*keys, str(detail["loc"][-1]))
+        if not any(keys[: len(one)] == one or one[: len(keys)] == keys for one in told):  # other forms of one value
+            told.append(keys)
+            complaints.append(_sentence(study, part, at, detail))
+    return None, complaints
+
+
+def _error(source: Source, complaints: list[Complaint]) -> StudyError:
+    """All of them as one error, the first at its place."""
+    (where, first), *others = complaints
+    lines = [f"\n  {_at(at)}{_short(sentence)}" for at, sentence in others[: MOST - 1]]
+    if len(others) >= MOST:
+        lines.append(f"\n  and {len(others) - MOST + 1} more")
+    return source.placed(where, first + "".join(lines))
+
+
+def _at(where: Where) -> str:
+    return "" if where is None else f"line {where}: " if isinstance(where, int) else f"{where}: "
+
+
+def _short(sentence: str) -> str:
+    return sentence if len(sentence) <= SHORT else sentence[: SHORT - 4] + " ..."
 
 
 def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) -> tuple[Any, str]:
