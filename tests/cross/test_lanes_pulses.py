@@ -16,8 +16,8 @@ from rockcli.scene.block import make_block
 from rockcli.scene.models import MODELS
 from rockcli.scene.pulses import SHAPES
 from rockcli.solvers.event import pulse_lanes as lane_pulses
-from rockcli.solvers.event.pack import parameters_of
-from rockcli.solvers.event.solver import _settings, solve
+from rockcli.solvers.event.pack import parameters_of, settings_of
+from rockcli.solvers.event.solver import solve
 from rockcli.solvers.general import solver as general
 
 ALPHA = 0.2
@@ -168,7 +168,7 @@ def test_the_lanes_take_features():
     lanes = kernels.load("lanes.pulses.march", compile_them=bool(kernels.compiled))
     for features in FEATURES:
         batch = with_features(features, 5)
-        how = _settings(lanes, batch, batch.numerics.tolerances, lanes.OUTCOME + 1)
+        how = settings_of(lanes, batch, batch.numerics.tolerances, lanes.OUTCOME + 1)
         raw = lane_pulses.run(lanes, batch, parameters_of(batch), how, slice(None))
         assert np.isnan(raw[:, to.STATUS]).mean() <= 0.2, names(features)
 

@@ -91,7 +91,7 @@ from rockcli.kernels.rigid.settings import Channel
 SAME_INSTANT = 3
 """Events at one instant up to which the mode is chosen anew; after that they are taken as they come."""
 
-A_WHILE = 1.5
+A_WHILE = 1.0
 """Samples for which a foot has held after which a case is handed back: bounces that end in rest are not worth it."""
 
 

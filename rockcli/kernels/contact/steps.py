@@ -46,8 +46,10 @@ STALLED = 100
 @jit_lean
 def within(c, lo, hi, small, h):
     """The step cut so that terms lo ... hi of a series are below `small`."""
-    for k in range(lo, hi + 1):
-        if abs(c[k]) > 0.0:
+    power, longest = 1.0, h
+    for k in range(1, hi + 1):
+        power *= longest
+        if k >= lo and abs(c[k]) * power > small:  # seldom, and a root costs as much as the rest
             h = min(h, (small / abs(c[k])) ** (1.0 / k))
     return h
 

@@ -80,17 +80,17 @@ def from_the_beginning(n: int) -> Array:
 def march(
     batch: Batch, pars: Array, level: Accuracy, raw: Raw, starts: Array | None = None, *, hands_back: bool = False
 ) -> None:
-    """The kernel for rows of parameters, from `starts` on, into `raw`.
+    """The kernel for rows of parameters, of a batch or of some cases under its record, from `starts` on, into `raw`.
 
     hands_back: a case stops where its foot has held for a while, STATUS is HOLDS, and `starts` says where.
     """
     kernel = kernels.load("contact.march", compile_them=bool(kernels.compiled))
     channels = (batch.excitation.horizontal, batch.excitation.vertical)
     (horizontal, h_data), (vertical, v_data) = (channel_of(kernel, c, batch.size) for c in channels)
-    events = np.empty((batch.size, 2, 0))  # for tests
+    events = np.empty((len(pars), 2, 0))  # for tests
     arrays = [raw.histories, raw.impacts, events, raw.out]
     if starts is None:
-        starts = from_the_beginning(batch.size)
+        starts = from_the_beginning(len(pars))
     inputs: list[Any] = [pars, h_data, v_data, starts]
     outputs: list[Any] = list(arrays)
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python

@@ -80,7 +80,7 @@ def by_turns(batch: Batch, rows: Array, level: Accuracy) -> tuple[Array, Mask, R
     found[stopped[slips], in_lanes.STATUS] = DONE  # as far as it goes
     rocks = stopped[~slips]
     if len(rocks):
-        found[rocks] = record_lanes.run(lanes, batch.rows(rocks), rows[rocks], how)
+        found[rocks] = record_lanes.run(lanes, batch, rows[rocks], how)
     return found, slides, raw.rows(slips)
 
 
@@ -106,7 +106,7 @@ def _from_there(batch: Batch, rows: Array, level: Accuracy, found: Array, starts
     on, turn = np.flatnonzero(~whole), 0
     while len(on):
         begun, part = starts[on], Raw(len(on), 0, 0)
-        march(batch.rows(on), pars[on], level, part, begun, hands_back=turn < MOST_TURNS)
+        march(batch, pars[on], level, part, begun, hands_back=turn < MOST_TURNS)
         if turn == 0:
             raw.out[on] = _joined(part.out, found[on], in_lanes, later=False)
         else:
@@ -115,7 +115,7 @@ def _from_there(batch: Batch, rows: Array, level: Accuracy, found: Array, starts
         on, begun, turn = on[holds], begun[holds], turn + 1
         if not len(on):
             break
-        then = record_lanes.run(lanes, batch.rows(on), rows[on], how, begun, path=True)
+        then = record_lanes.run(lanes, batch, rows[on], how, begun, path=True)
         starts[on] = begun
         stopped = then[:, in_lanes.STATUS] == GIVES_WAY
         ended = (then[:, in_lanes.STATUS] == DONE) & np.isin(then[:, in_lanes.VERDICT], (RETURNS, FALLS))

@@ -121,6 +121,8 @@ def run(
             `starts` says where.
         path: follow a fall to its end whatever is asked.
     """
+    if not len(rows):
+        return np.empty((0, to.N_OUT))
     path = path or how.detail == lanes.ALL or bool(batch.save.scalars & PATH)
     found = np.zeros((len(rows), to.N_OUT))
     holds = starts is not None

@@ -195,7 +195,9 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     run.out[:, to.STATUS] = np.nan
     if turns.any():
         taking = np.flatnonzero(turns)
-        run.out[taking], slides[taking], slid = by_turns(batch.rows(taking), rows[taking], level)
+        run.out[taking], slides[taking], slid = by_turns(
+            batch if turns.all() else batch.rows(taking), rows[taking], level
+        )
         fit &= ~turns
     cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
     if pulses:
