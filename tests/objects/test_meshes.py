@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from scipy.spatial import ConvexHull
 
 import rockcli
 from rockcli.errors import StudyError
 from rockcli.scene.block import RIGHT
-from rockcli.scene.lower_outline import settling_turn, turned
+from rockcli.scene.lower_outline import facets_of, lower_hull, settling_turn, turned
 from rockcli.scene.scan import DIRECTIONS, QUARTER, Profile, _overturning
 from rockcli.study.building import body_mesh
 from rockcli.study.building.body_mesh import measured
@@ -188,6 +189,37 @@ def test_a_box_rocks_like_the_block(folder):
     assert "R_left" not in ours.variables
 
 
+def test_the_body_is_that_of_its_outline(tmp_path):
+    """The projection of the hull given as an outline, with the centre of mass and the radius of gyration of the mesh."""
+    mesh = rock(4)
+    (tmp_path / "rock.obj").write_text(mesh.export(file_type="obj"), encoding="utf-8")
+    for angle in (0.0, 0.7, 4.0):
+        ((_, ours),) = open_study(study_file(tmp_path, {"mesh": "rock.obj", "direction": angle})).batches()
+        seen = mesh.vertices - mesh.center_mass
+        points = np.column_stack([seen[:, :2] @ [np.cos(angle), np.sin(angle)], seen[:, 2]])
+        outline = points[ConvexHull(points).vertices].tolist()
+        r_g = float(np.sqrt(scan_of(mesh, "obj").r2[1, 1])) if angle == 0.0 else ours.block.r_g2[0] ** 0.5
+        block = {"outline": outline, "stands": "settled", "centre": [0, 0], "r_g": float(r_g)}
+        ((_, theirs),) = open_study({"name": "a", "case": {"block": block, "initial": {"theta": 0.01}}}).batches()
+        assert ours.block.vertices is not None
+        for name in ("h", "b", "R", "alpha", "inertia", "rise", "vertices", "top"):
+            one, other = getattr(ours.block, name), getattr(theirs.block, name)
+            np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-7, err_msg=name)
+
+
+def test_on_two_toes_it_turns_about_the_corners_that_it_balances_over(tmp_path):
+    mesh = standing(trimesh.creation.cone(0.3, 1.1, sections=64))
+    (tmp_path / "cone.obj").write_text(mesh.export(file_type="obj"), encoding="utf-8")
+    ((_, two),) = open_study(study_file(tmp_path, {"mesh": "cone.obj", "stands": "toes"})).batches()
+    assert two.block.vertices is None
+    np.testing.assert_allclose(two.block.alpha, np.arctan2(0.3, 0.275), rtol=5e-3)
+    flat = trimesh.creation.icosphere(subdivisions=2)
+    flat.apply_scale([0.7, 0.5, 0.3])
+    (tmp_path / "pebble.obj").write_text(flat.export(file_type="obj"), encoding="utf-8")
+    with pytest.raises(StudyError, match="balances over no corner before a quarter turn"):
+        open_study(study_file(tmp_path, {"mesh": "pebble.obj", "stands": "toes"}))
+
+
 def test_the_mass_is_that_of_the_volume_and_the_direction_an_axis(folder, monkeypatch):
     read = []
     loaded = body_mesh._loaded
@@ -361,6 +393,15 @@ def test_the_outlines_of_a_scanned_rock():
     assert weakest == int(specimen["least_barrier_direction_deg"])
     assert np.degrees(tilts[weakest]) == pytest.approx(float(specimen["tilt_at_barrier_deg"]), rel=0.01)
     assert 1e3 * barriers[weakest] == pytest.approx(float(specimen["least_barrier_mm"]), rel=0.015)
+
+
+def test_the_barriers_are_those_of_the_lower_outline():
+    for seed in range(5):
+        scan = scan_of(rock(seed))
+        for angle in ANGLES.tolist():
+            profile = scan.profile(angle)
+            facets = facets_of(lower_hull(profile.outline)[None])
+            np.testing.assert_allclose(facets.barrier[0], profile.barriers, rtol=1e-9)
 
 
 def test_a_profile_is_what_its_words_say():

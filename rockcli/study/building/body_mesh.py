@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.lower_outline import LEVEL
+from rockcli.scene.lower_outline import LEVEL, lower_hull
 from rockcli.scene.outline import OutlineError, Solid
-from rockcli.scene.scan import Profile, Scan
+from rockcli.scene.scan import QUARTER, Profile, Scan
 from rockcli.study.building.body_outline import BLOCK, SAID_BY_OUTLINE
 from rockcli.study.document.expressions import UNITS
 from rockcli.study.document.tree import Keys, place
@@ -57,7 +57,8 @@ def build_from_mesh(numbers: Numbers) -> tuple[Solid, bool, Scan, Array]:
     _check_mass(numbers, scan)
     try:
         direction = _directions(numbers, scan)
-        solid, tilts = _solid(scan, direction, numbers.array(1.0 if density is None else density))
+        weight = numbers.array(1.0 if density is None else density)
+        solid, tilts = _solid(scan, direction, weight, rolls=block.stands != "toes")
     except OutlineError as error:
         numbers.fail(MESH, str(error))
     if np.abs(tilts).max() > LEANS:
@@ -102,33 +103,54 @@ def _directions(numbers: Numbers, scan: Scan) -> Array:
     return numbers.array(value)
 
 
-def _solid(scan: Scan, directions: Array, density: Array) -> tuple[Solid, Array]:
-    """Bodies of a scan in given directions, and by how much they turn until they rest, (n,) [rad]."""
+def _solid(scan: Scan, directions: Array, density: Array, *, rolls: bool) -> tuple[Solid, Array]:
+    """Bodies of a scan in given directions, and by how much they turn until they rest, (n,) [rad].
+
+    They roll over all vertices of their lower outline, or turn about the two corners they balance over.
+    """
     distinct, which = np.unique(directions, return_inverse=True)
     profiles = [scan.profile(each) for each in distinct.tolist()]
-    rows = [_two_toes(profile, np.ptp(profile.outline, axis=0).max()) for profile in profiles]
+    rows = [_base(profile) if rolls else _two_toes(profile) for profile in profiles]
     h, left, right, rise = (np.array(column)[which] for column in zip(*rows, strict=True))
     top = np.array([profile.outline[:, 1].max() for profile in profiles])[which] + h
-    longest = max(len(profile.outline) for profile in profiles)
-    outlines = np.full((len(profiles), longest, 2), np.nan)
-    for points, profile in zip(outlines, profiles, strict=True):
-        points[: len(profile.outline)] = profile.outline
-    outline = outlines[which] + np.stack([np.zeros_like(h), h], axis=1)[:, None, :]
+    outline = _table([profile.outline for profile in profiles], which)
+    outline = outline + np.stack([np.zeros_like(h), h], axis=1)[:, None, :]
+    vertices = _table([lower_hull(profile.outline) for profile in profiles], which) if rolls else None
+    vertices = None if vertices is None or vertices.shape[1] < 3 else vertices
     r_g = np.array([profile.r_g for profile in profiles])[which]
     tilts = np.array([profile.tilt for profile in profiles])[which]
-    return Solid(density * scan.volume, h, np.stack([left, right], axis=1), r_g, top, rise, outline), tilts
+    return Solid(density * scan.volume, h, np.stack([left, right], axis=1), r_g, top, rise, outline, vertices), tilts
 
 
-def _two_toes(profile: Profile, size: float) -> tuple[float, float, float, float]:
+def _table(rows: list[Array], which: NDArray[np.intp]) -> Array:
+    """Points of every case, (n, points, 2), NaN after the last; one row stands for all where they are the same."""
+    table = np.full((len(rows), max(len(points) for points in rows), 2), np.nan)
+    for row, points in zip(table, rows, strict=True):
+        row[: len(points)] = points
+    return table[which] if len(rows) > 1 else np.broadcast_to(table, (len(which), *table.shape[1:]))
+
+
+def _two_toes(profile: Profile) -> tuple[float, float, float, float]:
     """Height of the centre of mass above the middle of both toes, distances to them, rise of the right one [m]."""
+    if profile.tilts.max() >= QUARTER:
+        raise OutlineError("balances over no corner before a quarter turn; it rolls: leave `stands: toes` out")
     (x_left, z_left), (x_right, z_right) = profile.toes.tolist()
     rise = z_right - z_left
-    left, right = -x_left, x_right
-    if abs(rise) <= LEVEL * size:
-        rise = 0.0
-    if abs(left - right) <= LEVEL * size:
-        left = right = 0.5 * (left + right)
-    return -0.5 * (z_left + z_right), left, right, rise
+    level = abs(rise) <= LEVEL * np.ptp(profile.outline)
+    return (-0.5 * (z_left + z_right), *_even(profile, -x_left, x_right), 0.0 if level else rise)
+
+
+def _base(profile: Profile) -> tuple[float, float, float, float]:
+    """The same of the side on which the body rests."""
+    lies = profile.outline[:, 1] <= LEVEL * np.ptp(profile.outline) - profile.h
+    x = profile.outline[lies, 0]
+    return (profile.h, *_even(profile, float(-x.min()), float(x.max())), 0.0)
+
+
+def _even(profile: Profile, left: float, right: float) -> tuple[float, float]:
+    """Distances that differ by rounding alone are the same."""
+    middle = 0.5 * (left + right)
+    return (middle, middle) if abs(left - right) <= LEVEL * np.ptp(profile.outline) else (left, right)
 
 
 def _scan(numbers: Numbers, block: BlockPart) -> Scan:
