@@ -1,0 +1,116 @@
+"""Many recorded motions in one axis: whole commands, cases a second.
+
+    python benchmarks/many_records.py [--workers N] [--rounds K]
+
+Records of 4000 to 8000 samples at .005 s, made here, in AT2 files; 490 of them under 22 amplitudes, the axes in either
+order, and 3000 under one, with outcome and peak and with the scalars saved by default.  `reading` is the processor
+time of reading the files alone, the floor of what a run that reads them can take.  The least of the rounds counts.
+Writes results/many_records.csv.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import sys
+import tempfile
+from datetime import date
+from pathlib import Path
+from time import perf_counter, process_time
+
+import numpy as np
+from machine import machine
+
+from rockcli.motion.at2 import at2_text
+from rockcli.motion.reading import read_record
+
+HERE = Path(__file__).resolve().parent
+HEADINGS = (
+    "study", "saved", "cases", "wall [s]", "CPU [s]", "cases/s", "reading [CPU s]", "workers", "measured", "machine",
+)  # fmt: skip
+
+RECORDS, FEWER = 3000, 490
+
+AMPLITUDES = "motion.record.pga: {from: 0.1*g, to: 2*g, n: 22}"
+STUDIES = {
+    "490 records x 22 amplitudes": ('motion.record.file: "some/*.AT2"', AMPLITUDES),
+    "22 amplitudes x 490 records": (AMPLITUDES, 'motion.record.file: "some/*.AT2"'),
+    "3000 records": ('motion.record.file: "all/*.AT2"',),
+}
+SAVED = {
+    "outcome, peak": "save: {histories: false, scalars: [outcome, theta_peak_over_alpha]}",
+    "default": "save: {histories: false}",
+}
+
+
+def make(folder: Path, count: int) -> None:
+    """Records of filtered noise with a rise and a decay, PGA .05 to .8 g."""
+    rng = np.random.default_rng(1)
+    for k in range(count):
+        n, dt = int(rng.integers(4000, 8001)), 0.005
+        t, f = np.arange(n) * dt, np.fft.rfftfreq(n, dt)
+        low = 1.0 / (1.0 + (f / rng.uniform(0.5, 5.0)) ** 2) * np.exp(-f / 20.0)
+        a = np.fft.irfft(np.fft.rfft(rng.standard_normal(n)) * low * (f / 0.2) ** 2 / (1.0 + (f / 0.2) ** 2), n)
+        rise = rng.uniform(2.0, 5.0)
+        a *= np.minimum(t / rise, 1.0) ** 2 * np.exp(-0.3 * np.maximum(t - rise - rng.uniform(3.0, 12.0), 0.0))
+        a *= rng.uniform(0.05, 0.8) / np.abs(a).max()
+        (folder / f"r{k:04d}.AT2").write_text(at2_text(a, dt, ["synthetic", "benchmark"]))
+
+
+def measured(study: Path, workers: int) -> tuple[float, float]:
+    """Wall and processor time of a run [s]."""
+    rock = str(Path(sys.executable).parent / "rock")
+    command = [rock, "run", str(study), "--quiet", "--fresh", "--no-plots", "--out", str(study.parent / "out")]
+    began = perf_counter()
+    child = os.posix_spawn(rock, [*command, "--workers", str(workers)], os.environ)
+    _, status, usage = os.wait4(child, 0)
+    if status:
+        raise SystemExit(f"{' '.join(command)} failed")
+    return perf_counter() - began, usage.ru_utime + usage.ru_stime
+
+
+def reading(files: list[Path]) -> float:
+    """Processor time of reading files [s]."""
+    began = process_time()
+    for path in files:
+        read_record(path)
+    return process_time() - began
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--rounds", type=int, default=3)
+    options = parser.parse_args()
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for place in ("all", "some"):
+            (folder / place).mkdir()
+        make(folder / "all", RECORDS)
+        for path in sorted((folder / "all").iterdir())[:FEWER]:
+            (folder / "some" / path.name).symlink_to(path)
+        for title, axes in STUDIES.items():
+            files = sorted((folder / ("some" if "490" in title else "all")).iterdir())
+            floor = min(reading(files) for _ in range(options.rounds))
+            cases = len(files) * (22 if "22" in title else 1)
+            for saved, save in SAVED.items():
+                study = folder / "study.yaml"
+                study.write_text(
+                    "name: many\ncase: {block: {R: 2, tan_alpha: 0.2}, motion: {record: {pga: 0.5*g}}}\nvary:\n"
+                    + "".join(f"  {axis}\n" for axis in axes)
+                    + f"{save}\nplots: none\n"
+                )
+                runs = [measured(study, options.workers) for _ in range(options.rounds)]
+                wall, cpu = (min(run[kind] for run in runs) for kind in range(2))
+                rows.append([title, saved, cases, f"{wall:.2f}", f"{cpu:.2f}", f"{cases / wall:.0f}", f"{floor:.2f}"])
+                print(*rows[-1], sep="  ", flush=True)
+    with (HERE / "results" / "many_records.csv").open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(HEADINGS)
+        table.writerows([*row, options.workers, date.today().isoformat(), machine()] for row in rows)
+
+
+if __name__ == "__main__":
+    main()
