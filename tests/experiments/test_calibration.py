@@ -41,6 +41,7 @@ def test_the_posterior_is_bayes_rule():
     edges = np.log(AMPLITUDES[:-1] * AMPLITUDES[1:]) / 2.0
     weights, place = [], []
     for body in range(3):
+        alone = []
         for mu in LOCATIONS:
             for beta in SCATTERS:
                 inside = np.diff(np.concatenate([[0.0], norm.cdf(edges, mu, beta), [1.0]]))
@@ -48,9 +49,10 @@ def test_the_posterior_is_bayes_rule():
                 for i in (0, 1, 3, 4, 5):
                     p = LAPSE + (1.0 - 2.0 * LAPSE) * np.where(np.isnan(share[i, body]), 0.5, share[i, body]) @ inside
                     likelihood *= p if outcome[i] else 1.0 - p
-                weights.append(likelihood)
+                alone.append(likelihood)
                 place.append(LAPSE + (1.0 - 2.0 * LAPSE) * share[0, body] @ inside)
-    right = np.array(weights) / np.sum(weights)
+        weights.append(np.array(alone) * np.sum(alone) ** (2.0 / 5.0 - 1.0))  # five runs of two groups
+    right = np.concatenate(weights) / np.sum(weights)
     assert found == pytest.approx(right, rel=1e-9, abs=1e-15)
     p, low, high = predict(share[:1], kernel_of(AMPLITUDES), found[None], np.zeros((1, 1), dtype=np.int64))
     assert p[0, 0] == pytest.approx(right @ place, rel=1e-9)
@@ -167,7 +169,7 @@ def test_calibrate_on_some_runs_and_predict_others(rock, experiments, monkeypatc
     before, after = (found["posterior"]["block.b"][key] for key in ("prior", "posterior"))
     assert before["mean"] == pytest.approx(0.075, abs=0.002)
     assert after["p2_5"] <= TRUE <= after["p97_5"]
-    assert after["sd"] < 0.7 * before["sd"]  # a wider body and a stronger model are almost the same
+    assert after["sd"] < 0.9 * before["sd"]  # a wider body and a stronger model are almost the same
     assert found["capacity_factor"]["p2_5"] <= 1.0 <= found["capacity_factor"]["p97_5"]
     first = Path("a.json").read_bytes()
     assert rock("calibrate", experiments / "study.yaml", experiments / "a.csv", "--out", "a.json") == 0

@@ -8,7 +8,9 @@ alike) and standard deviation beta (what it gets wrong in each):
 
 share is that of the model that overturns, the cells part ln a half-way between the amplitudes, and L is the
 probability of a run that no model explains.  Prior: all bodies equally likely, mu normal, beta uniform in its
-logarithm; posterior by Bayes' rule on a grid; a prediction is the mean of P over it, its interval that of P.
+logarithm; mu and beta of each body follow by Bayes' rule on a grid.  Bodies are weighed by their evidence to the power
+groups over runs: runs of one ground motion err alike, and which of two bodies that differ by chance in the details of a
+motion is right must not hang on them.  A prediction is the mean of P over all of it, its interval that of P.
 """
 
 from __future__ import annotations
@@ -72,17 +74,22 @@ def _chunks(share: Array, kernel: Kernel) -> list[slice]:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What runs say: log-likelihood of every body, location and scatter for each group of runs, (groups, c m b)."""
+    """What runs say: log-likelihood of body, location and scatter for each group, (groups, c m b), and its `runs`."""
 
     kernel: Kernel
     bodies: int
     log_likelihood: Array
+    runs: Index
 
     def posterior(self, groups: Bools) -> Array:
         """Probability of every body, location and scatter given the runs of some groups (g,), (c m b,)."""
-        total = np.tile(self.kernel.log_prior, self.bodies) + groups.astype(float) @ self.log_likelihood
-        weight = np.exp(total - total.max())
-        return np.asarray(weight / weight.sum())
+        total = (groups.astype(float) @ self.log_likelihood).reshape(self.bodies, -1) + self.kernel.log_prior
+        top = total.max(axis=1, keepdims=True)
+        weight = np.exp(total - top)
+        known = top + np.log(weight.sum(axis=1, keepdims=True))
+        power = float(groups.sum()) / float(self.runs[groups].sum())
+        body = np.exp(power * (known - known.max()))
+        return np.asarray((body / body.sum() * weight / weight.sum(axis=1, keepdims=True)).ravel())
 
 
 def evidence(share: Array, outcome: Bools, group: Index, amplitudes: Array) -> Evidence:
@@ -99,7 +106,7 @@ def evidence(share: Array, outcome: Bools, group: Index, amplitudes: Array) -> E
     for rows in _chunks(share, kernel):
         p = probabilities(share[rows], kernel)
         np.add.at(total, group[rows], np.log(np.where(outcome[rows][:, None], p, 1.0 - p)))
-    return Evidence(kernel, share.shape[1], total)
+    return Evidence(kernel, share.shape[1], total, np.bincount(group))
 
 
 def predict(share: Array, kernel: Kernel, posterior: Array, which: Index) -> tuple[Array, Array, Array]:
