@@ -98,7 +98,8 @@ def main() -> None:
 @contextmanager
 def _dask_left_alone() -> Iterator[None]:
     """Nobody imports Dask but a command that asks for it: xarray would, two thirds of a second, to ask it of arrays."""
-    spared = not any(word.startswith("--dask") for word in sys.argv) and "dask" not in sys.modules
+    there = {"dask", "xarray"} & sys.modules.keys()  # xarray asks once, when it is imported, and remembers
+    spared = not any(word.startswith("--dask") for word in sys.argv) and not there
     if spared:
         sys.modules["dask"] = None  # type: ignore[assignment]
     try:
