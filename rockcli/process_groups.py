@@ -42,7 +42,7 @@ def held_back(numbers: Set[signal.Signals]) -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def let_in(numbers: Set[signal.Signals]) -> None:
+def release(numbers: Set[signal.Signals]) -> None:
     """Let signals in that were held back when this process began."""
     if sys.platform != "win32" and hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, numbers)

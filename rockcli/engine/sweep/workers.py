@@ -28,7 +28,7 @@ from rockcli.engine.sweep.chunk_result import cases_of, spans_of
 from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.work import Team, Work, in_halves
 from rockcli.errors import MACHINE
-from rockcli.process_groups import GROUPS, held_back, lead_group, let_in, signal_group
+from rockcli.process_groups import GROUPS, held_back, lead_group, release, signal_group
 from rockcli.study.cases.buildable import Unsolved
 from rockcli.study.study import Index
 
@@ -195,7 +195,7 @@ def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.set_wakeup_fd(-1)
-    let_in(OURS)
+    release(OURS)
     for other in foreign:
         other.close()
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
