@@ -25,6 +25,7 @@ class Rolled:
     lost: float = 0.0
     theta: float = 0.0
     moved: bool = False
+    rested: bool = False
     t_impact: list = field(default_factory=list)
     w_after: list = field(default_factory=list)
 
@@ -80,10 +81,10 @@ class Rock:
         return found
 
 
-def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, linear=False):
+def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, linear=False, finer=1):
     """The body under motion(t) -> (a_g, a_v), smooth between `breaks`, until t_end, then free until it rests or falls.
 
-    linear: the motion is so between breaks.
+    linear: the motion is so between breaks.  finer: of the steps, within which two impacts are not seen.
     """
     out = Rolled()
     t, theta, rate, pivot = 0.0, theta_0, 0.0, None
@@ -145,7 +146,7 @@ def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, lin
             to_right.direction = to_left.direction = -1
             turns.terminal = False
             run = solve_ivp(rhs, (t, stop), [theta, rate], method="DOP853", rtol=rtol, atol=1e-15,
-                            events=(to_right, to_left, turns), max_step=0.1 / p)  # fmt: skip
+                            events=(to_right, to_left, turns), max_step=0.1 / p / finer)  # fmt: skip
             for state in run.y_events[2]:
                 note(state[0])
             t, (theta, rate) = run.t[-1], run.y[:, -1]
@@ -171,6 +172,6 @@ def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, lin
             if t > t_end and not (rock.last_left <= theta <= rock.last_right) and rate * theta > 0.0:
                 out.fell, out.theta = True, theta
                 return out
-    out.theta = theta
+    out.theta, out.rested = theta, resting
     out.fell = not rock.last_left <= theta <= rock.last_right
     return out

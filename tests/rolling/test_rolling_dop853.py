@@ -61,7 +61,7 @@ def random_case(seed):
         return batch
 
 
-def reference(batch):
+def reference(batch, finer=1):
     vertices = batch.block.vertices[0]
     rock = Rock(vertices[np.isfinite(vertices[:, 0])], np.sqrt(batch.block.r_g2[0]))
     channel = batch.excitation.horizontal
@@ -73,7 +73,7 @@ def reference(batch):
             t = min(max(t, (before[-1] if before else 0.0) + 1e-13), (after[0] if after else np.inf) - 1e-13)
             return float(acceleration(channel, np.array([t]), 0)[0]), 0.0
 
-        return roll(rock, motion, breaks, float(np.max(channel.end)))
+        return roll(rock, motion, breaks, float(np.max(channel.end)), finer=finer)
     values, dt = np.asarray(channel.values * channel.factor[0]), channel.dt
     breaks = [i * dt for i in range(1, len(values))]
 
@@ -83,7 +83,7 @@ def reference(batch):
             return 0.0, 0.0
         return values[i] + (values[i + 1] - values[i]) * (t - i * dt) / dt, 0.0
 
-    return roll(rock, sampled, breaks, breaks[-1], linear=True)
+    return roll(rock, sampled, breaks, breaks[-1], linear=True, finer=finer)
 
 
 def compare(seed):
@@ -92,12 +92,17 @@ def compare(seed):
     theirs = reference(batch)
     if 0.0 < ours["overturn_share"] < 1.0 or ours["error_estimate"] > 1e-7:
         return "chaos"
+    if not theirs.fell and abs(abs(ours["theta_peak"]) - theirs.peak) > 1e-8:
+        theirs = reference(batch, finer=50)  # two impacts of a tiny bounce within one step leave no change of sign
     assert bool(overturned(ours["outcome"])) == theirs.fell, seed
     assert abs(ours["energy_residual"]) < 1e-9, seed
     if not theirs.fell:
         assert abs(abs(ours["theta_peak"]) - theirs.peak) < 1e-8, seed
         assert abs(ours["theta_peak_left"] - theirs.peak_left) < 1e-8, seed
-        assert ours["residual_tilt"] == pytest.approx(theirs.theta, abs=0.02), seed  # it may not rest yet
+        if theirs.rested:
+            assert ours["residual_tilt"] == pytest.approx(theirs.theta, abs=1e-9), seed
+        else:
+            return "rocks on"  # longer than the reference has followed it
     return "falls" if theirs.fell else "elsewhere" if abs(theirs.theta) > 1e-6 else "stands"
 
 
@@ -122,5 +127,7 @@ def test_what_is_asked_changes_no_answer(seed):
 @pytest.mark.slow
 def test_three_hundred_outlines():
     found = [compare(seed) for seed in range(1000, 1300)]
-    assert found.count("chaos") < 30
-    assert min(found.count(word) for word in ("falls", "elsewhere", "stands")) >= 10
+    assert found.count("chaos") < 10
+    assert found.count("rocks on") < 30
+    assert found.count("elsewhere") >= 5
+    assert min(found.count(word) for word in ("falls", "stands")) >= 50

@@ -47,6 +47,11 @@ SURE = 1.0 - 1e-9
 """An acceleration nearer to uplift than this is looked at closely."""
 
 
+STRICTER = 0.1
+"""Part of the tolerance of a body on two edges that a step may use: the energy, told over the least barrier, has more
+steps between more impacts to gather errors from."""
+
+
 @jit_lean
 def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history, impacts, spaces, out):
     """Solve one case of a body, a row of the table of `kernels.rolling.parameters`; else as `kernels.rigid.march`."""
@@ -81,7 +86,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     mode = REST
     facet, s, q, v = int(body[at.STANDING]), 1.0, 0.0, 0.0
     base = min(end_of(body, g, facet, 1.0).alpha, end_of(body, g, facet, -1.0).alpha)
-    small = how.tol * min(scale, base)
+    small = STRICTER * how.tol * min(scale, base)
     lean = horizontal.kind == SAMPLES and vertical.kind == NOTHING and n_hist == 0 and detail < ALL
     theta_0, rate_0 = par[at.THETA_0], par[at.THETA_DOT_0]
     if theta_0 != 0.0 or rate_0 != 0.0:
