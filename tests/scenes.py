@@ -39,6 +39,12 @@ def unit_block(alpha: float = 0.1, p: float = 1.0) -> Block:
     return make_block(h=R * np.cos(alpha), b=R * np.sin(alpha), R=R, alpha=alpha, tan_alpha=np.tan(alpha))
 
 
+def repeated(body: Block, n: int) -> Block:
+    """One body n times."""
+    given = {f: getattr(body, f) for f in body.__dataclass_fields__}
+    return Block(**{f: None if values is None else np.repeat(values, n, axis=0) for f, values in given.items()})
+
+
 def still(duration: float | np.ndarray = np.nan) -> Excitation:
     return Excitation(None, None, array(duration))
 

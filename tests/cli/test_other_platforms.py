@@ -28,6 +28,11 @@ def no_folders(path, *how, **more):
 os.open = no_folders
 from rockcli.engine.sweep import executors, sweep
 executors._worth, sweep.CHUNK = (lambda *_: True), 50  # processes from the beginning, a few cases at a time
+if "SLOW" in os.environ:
+    import time
+    from rockcli.solvers.event import solver
+    solve = solver.solve
+    solver.solve = lambda batch: (time.sleep(1.0), solve(batch))[1]
 from rockcli.cli.main import main
 if __name__ == "__main__":
     main()
@@ -57,14 +62,14 @@ def elsewhere(tmp_path: Path) -> Path:
     return script
 
 
-def start(script: Path, *words: str) -> subprocess.Popen[str]:
+def start(script: Path, *words: str, slow: bool = False) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, str(script), *words],
         cwd=script.parent,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env=os.environ | {"PYTHONWARNINGS": "ignore"},
+        env=os.environ | {"PYTHONWARNINGS": "ignore"} | ({"SLOW": "1"} if slow else {}),
     )
 
 
@@ -103,10 +108,10 @@ def test_a_sweep_has_the_same_results_with_two_workers(elsewhere: Path) -> None:
 
 
 def test_an_interrupted_sweep_keeps_others_out_and_resumes(elsewhere: Path) -> None:
-    slow = SWEEP.replace("n: 40", "n: 100").replace("n: 25", "n: 80")
-    (elsewhere.parent / "sweep.yaml").write_text(slow + "save: {histories: false}\n")
+    study = SWEEP.replace("n: 40", "n: 100").replace("n: 25", "n: 80")
+    (elsewhere.parent / "sweep.yaml").write_text(study)
     command = ("run", "sweep.yaml", "--out", "there", "--no-plots", "--workers", "2")
-    process = start(elsewhere, *command)
+    process = start(elsewhere, *command, slow=True)
     parts = elsewhere.parent / "there" / "sweep" / ".parts"
     limit = time.monotonic() + 120.0
     while not (parts.exists() and any(parts.iterdir())) and process.poll() is None and time.monotonic() < limit:

@@ -167,7 +167,7 @@ def test_a_broken_off_run_goes_on(tmp_path: Path, counted: list[int], monkeypatc
     assert sum(counted) == needed == report.refined
     assert_same(whole, netcdf.read(tmp_path / "map" / "map.nc"))
     assert run_study(study(), tmp_path, plots=False).refined == needed
-    with pytest.raises(StudyError, match="another study"):
+    with pytest.raises(StudyError, match="before it was changed in refine"):
         run_study(study(refine=False), tmp_path, plots=False)
 
 

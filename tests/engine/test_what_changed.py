@@ -184,7 +184,7 @@ def test_the_old_answer_is_never_given_again(
     assert report.taken_over == before.size
     change()
     for turns in ([0.01, 0.02, 0.03], [0.01, 0.02, 0.03, 0.04]):
-        with pytest.raises(StudyError, match="--fresh replaces it"):
+        with pytest.raises(StudyError, match="--fresh` replaces it"):
             run("out", turns)
     run("out", [0.01, 0.02, 0.03], fresh=True)
     run("new", [0.01, 0.02, 0.03])
@@ -252,7 +252,7 @@ def test_the_bases_own_record_may_join_the_axis(tmp_path: Path, monkeypatch: pyt
     assert run(["one.csv", "two.csv", "own.csv"]).taken_over == 2
     assert run(["one.csv", "two.csv", "own.csv"], own="one.csv").taken_over == 3
     motion(tmp_path / "own.csv", 7)
-    with pytest.raises(StudyError, match="--fresh replaces it"):
+    with pytest.raises(StudyError, match="--fresh` replaces it"):
         run(["one.csv", "two.csv", "own.csv"])
 
 
@@ -272,7 +272,7 @@ def test_a_key_that_only_some_settings_displace_counts(tmp_path: Path, monkeypat
     two: dict[str, Any] = {"low": {"block.R": 1.9}, "high": {"block.R": 2.1, "block.top": 3.0}}
     run(2.0, two)
     assert run(2.0, two | {"more": {"block.R": 2.2}}).taken_over == 2
-    with pytest.raises(StudyError, match="--fresh replaces it"):
+    with pytest.raises(StudyError, match="--fresh` replaces it"):
         run(2.5, two | {"more": {"block.R": 2.2}})
 
 
@@ -289,7 +289,7 @@ def test_a_symbol_of_ones_own_displaces_no_other(tmp_path: Path, monkeypatch: py
 
     run(0.2, [1.0, 2.0])
     assert run(0.2, [1.0, 2.0, 3.0]).taken_over == 2
-    with pytest.raises(StudyError, match="--fresh replaces it"):
+    with pytest.raises(StudyError, match="--fresh` replaces it"):
         run(0.3, [1.0, 2.0, 3.0, 4.0])
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenes import G, array, overturns, pulse, record, rock, still, unit_block, with_ground
+from scenes import G, array, overturns, pulse, record, repeated, rock, still, unit_block, with_ground
 
 from rockcli.scene.block import housner_eta
 from rockcli.scene.excitation import Excitation
@@ -293,7 +293,7 @@ def test_beyond_alpha_and_back(Omega, A, peak):
 def test_many_amplitudes_in_one_batch_are_those_of_single_cases():
     body = unit_block(0.2)
     amplitudes = np.linspace(0.5, 4.0, 7) * G * np.tan(0.2)
-    many = type(body)(**{f: np.repeat(getattr(body, f), 7, axis=0) for f in body.__dataclass_fields__})
+    many = repeated(body, 7)
     together = rock(many, pulse("ricker", amplitudes, np.full(7, 3.0)))
     for i, a_p in enumerate(amplitudes):
         alone = rock(body, pulse("ricker", array(a_p), 3.0))

@@ -9,7 +9,7 @@ import pytest
 from flexible.columns import column_batch, peak, rock_column, sine
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import G, array, make_batch, overturns, pulse, record, rock, still, unit_block
+from scenes import G, array, make_batch, overturns, pulse, record, repeated, rock, still, unit_block
 
 from rockcli.scene.block import make_block
 from rockcli.scene.damping import Damping
@@ -158,7 +158,7 @@ MAP = [(0.1, "sine", 2.0), (0.2, "ricker", 4.0), (0.3, "cosine", 3.0), (0.2, "sq
 
 
 def outcomes(body, shape, A, Omega, accuracy):
-    many = type(body)(**{f: np.repeat(getattr(body, f), len(A), axis=0) for f in body.__dataclass_fields__})
+    many = repeated(body, len(A))
     motion = pulse(shape, A * G * body.tan_alpha[0, 0], np.full(len(A), Omega))
     return rock(many, motion, accuracy=accuracy, scalars=("outcome",)).scalars["outcome"]
 

@@ -57,9 +57,7 @@ def _solved(indices: Index, batch: Batch) -> Iterator[tuple[Index, Response]]:
 
     Of a suite one for each motion, but where lanes take them together.
     """
-    if batch.excitation.suite is not None and not (
-        batch.model != AUTO and choose(batch).name == EVENT and asked(batch)
-    ):
+    if batch.excitation.suite is not None and not _together(batch):
         for rows, one in batch.apart():
             yield from _solved(indices[rows], one)
         return
