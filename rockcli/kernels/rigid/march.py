@@ -32,8 +32,8 @@ from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_at, piece_end
 from rockcli.kernels.rigid.law import edge_of, energy, separatrix
 from rockcli.kernels.rigid.readings import raise_peak, set_peak, work_done
-from rockcli.kernels.rigid.rest import rest_time
-from rockcli.kernels.rigid.roots import first_root, last_passage, passage, uplift
+from rockcli.kernels.rigid.rest import lift_off, rest_time
+from rockcli.kernels.rigid.roots import first_root, last_passage, passage
 from rockcli.kernels.rigid.series import flow, slope, value
 from rockcli.kernels.rigid.settings import Channel as Channel
 from rockcli.kernels.rigid.settings import Degrees
@@ -145,26 +145,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         out[to.N_STEPS] += 1
 
         if mode == REST:
-            n = max(deg_a, deg_v)
-            if n > 1:  # keep to where the series of the motion has converged
-                for k in range(n - 1, n + 1):
-                    big = max(abs(a[k]) if k <= deg_a else 0.0, abs(a_v[k]) if k <= deg_v else 0.0)
-                    if big > 0.0:
-                        h = min(h, (1e-17 * g * left.threshold / big) ** (1.0 / k))
-            x, s_up = NO_ROOT, 0.0
-            for side in range(2):
-                threshold, sign = (right.threshold, 1.0) if side == 1 else (left.threshold, -1.0)
-                for k in range(n + 1):
-                    guard[k] = 0.0
-                    if k <= deg_v:
-                        guard[k] = threshold * (a_v[k] + g if k == 0 else a_v[k])
-                    elif k == 0:
-                        guard[k] = threshold * g
-                    if k <= deg_a:
-                        guard[k] += sign * a[k]
-                root = uplift(guard, n, h, g * threshold)
-                if root != NO_ROOT and (x == NO_ROOT or root < x):
-                    x, s_up = root, sign
+            x, s_up, h = lift_off(left.threshold, right.threshold, left.threshold, a, a_v, deg, g, h, guard)
             moved = x if x != NO_ROOT else h
             if detail == ALL and moved > 0.0:  # at a jump of the ground that it answers at once it is not at rest
                 watch_rest(a, a_v, deg, g, moved, out)
@@ -186,7 +167,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
             continue
 
         h = min(h, 2.0 / p_min)
-        n, h = flow(edge, how, q, v, s, a, a_v, deg, launch, h, c, sin_q, cos_q)
+        n, h = flow(edge, how, how.tol * edge.alpha, q, v, s, a, a_v, deg, launch, h, c, sin_q, cos_q)
         if not h > 0.0 or math.isnan(c[n]):
             out[to.STATUS] = NOT_FINITE
             break
@@ -323,7 +304,7 @@ def afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out):
     for _ in range(400):
         if v <= 0.0 or verdict == UNDECIDED or (verdict == FALLS and q >= star):
             return
-        n, h = flow(edge, how, q, v, s, a, a_v, Degrees(0, 0), False, 2.0 / p, c, sin_q, cos_q)
+        n, h = flow(edge, how, how.tol * edge.alpha, q, v, s, a, a_v, Degrees(0, 0), False, 2.0 / p, c, sin_q, cos_q)
         q_new, v_new = value(c, n, h), slope(c, n, h)
         if verdict == FALLS and q < star <= q_new:
             out[to.T_OVERTURN] = t + passage(c, n, star, 0.0, h)

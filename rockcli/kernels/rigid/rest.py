@@ -1,12 +1,13 @@
-"""The mode REST: when a bouncing body has come to rest."""
+"""The mode REST: when a bouncing body has come to rest, and when one at rest lifts off."""
 
 from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import STANDSTILL
+from rockcli.kernels.constants import NO_ROOT, STANDSTILL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid.law import pressed
+from rockcli.kernels.rigid.roots import uplift
 from rockcli.kernels.rigid.series import value
 
 
@@ -28,6 +29,12 @@ def rest_time(edge, other, s, v, a, a_v, deg, x, t, t_next, rest_speed):
         return -1.0
     if v <= STANDSTILL * p * edge.alpha:
         return t
+    return bounced_out(edge, other, s, v, down, down_other, a, a_v, deg, x, t, t_next)
+
+
+@jit_lean
+def bounced_out(edge, other, s, v, down, down_other, a, a_v, deg, x, t, t_next):
+    """When the bounces of a body that two constant moments press down have ended, or -1 if not inside this piece."""
     per_cycle = edge.eta * other.eta
     if per_cycle >= 1.0:
         # a damper slows the bounces as exp(-c t/3 I_O), without end: too slow to be seen is at rest
@@ -41,3 +48,33 @@ def rest_time(edge, other, s, v, a, a_v, deg, x, t, t_next, rest_speed):
     if pressed(other, -s, value(a, deg.a, y), value(a_v, deg.v, y)) <= 0.0:
         return -1.0
     return t + tail
+
+
+@jit_lean
+def lift_off(at_left, at_right, least, a, a_v, deg, g, h, guard):
+    """Time from now at which a body at rest turns about an edge, or NO_ROOT; its sign; the step looked at, at most h.
+
+    `at_left`, `at_right`: a_g over g + a_v beyond which it turns about that edge; `least`: how small a threshold the
+    series of the motion is to resolve; `guard` is work space.
+    """
+    n = max(deg.a, deg.v)
+    if n > 1:  # keep to where the series of the motion has converged
+        for k in range(n - 1, n + 1):
+            big = max(abs(a[k]) if k <= deg.a else 0.0, abs(a_v[k]) if k <= deg.v else 0.0)
+            if big > 0.0:
+                h = min(h, (1e-17 * g * least / big) ** (1.0 / k))
+    x, s_up = NO_ROOT, 0.0
+    for side in range(2):
+        threshold, sign = (at_right, 1.0) if side == 1 else (at_left, -1.0)
+        for k in range(n + 1):
+            guard[k] = 0.0
+            if k <= deg.v:
+                guard[k] = threshold * (a_v[k] + g if k == 0 else a_v[k])
+            elif k == 0:
+                guard[k] = threshold * g
+            if k <= deg.a:
+                guard[k] += sign * a[k]
+        root = uplift(guard, n, h, g * abs(threshold))
+        if root != NO_ROOT and (x == NO_ROOT or root < x):
+            x, s_up = root, sign
+    return x, s_up, h

@@ -9,16 +9,15 @@ from rockcli.kernels.rigid.law import driving, restoring
 
 
 @jit_lean
-def flow(edge, how, q, v, s, a, a_v, deg, launch, h, c, sin_q, cos_q):
+def flow(edge, how, small, q, v, s, a, a_v, deg, launch, h, c, sin_q, cos_q):
     """Coefficients of q about now into c; return (order, step).
 
     `s` is the sign of theta, `a`, `a_v` the coefficients of the ground acceleration [m/s^2] up to `deg`, `h` the
-    largest step wanted.  Stops at the order where the next terms at h fall below tol * alpha; at order n the step is
+    largest step wanted.  Stops at the order where the next terms at h fall below `small`; at order n the step is
     cut so that they do.  `launch`: the body leaves rest, so that its acceleration cannot point into the ground by
     rounding.
     """
     g, linear, n = edge.g, how.linear, how.order
-    small = how.tol * edge.alpha
     c[0], c[1] = q, v
     if linear:
         sin_q[0], cos_q[0] = q, 1.0

@@ -16,13 +16,21 @@ from rockcli.kernels.rolling import parameters as at
 
 
 class End(NamedTuple):
-    """What is known of the body while it turns about one end of a facet: `kernels.rolling.parameters`, and g."""
+    """What is known of the body while it turns about one end of a facet: `kernels.rolling.parameters`, and g.
+
+    g to `radius` are those of `kernels.rigid.law.Edge`, whose flow, rest and work are those of this body too.
+    """
 
     g: float
     p2: float
     alpha: float
-    sine: float
-    cosine: float
+    r0: float
+    rs: float
+    rc: float
+    fc: float
+    fs: float
+    threshold: float
+    damper: float
     radius: float
     extent: float
     eta: float
@@ -36,16 +44,12 @@ def end_of(body, g, facet, s):
     """The end of a facet on the side s = 1 or -1."""
     of_facet = at.FIRST + facet * at.FACET
     e = of_facet + (at.RIGHT if s > 0.0 else at.LEFT)
+    sine, cosine = body[e + at.SIN], body[e + at.COS]
     return End(
-        g, g * body[e + at.P2], body[e + at.ALPHA], body[e + at.SIN], body[e + at.COS], body[e + at.RADIUS],
-        body[e + at.EXTENT], body[e + at.ETA], body[e + at.B], body[of_facet + at.HEIGHT], body[of_facet + at.TILT],
+        g, g * body[e + at.P2], body[e + at.ALPHA], 0.0, -cosine, sine, cosine, sine, sine / cosine, 0.0,
+        body[e + at.RADIUS], body[e + at.EXTENT], body[e + at.ETA], body[e + at.B], body[of_facet + at.HEIGHT],
+        body[of_facet + at.TILT],
     )  # fmt: skip
-
-
-@jit_lean
-def pressed(end, s, a, a_v):
-    """Deceleration of a body that starts to turn about an end: -q'' at q = 0."""
-    return end.p2 * ((1.0 + a_v / end.g) * end.sine + s * a / end.g * end.cosine)
 
 
 @jit_lean

@@ -29,9 +29,10 @@ from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_at, piece_end
 from rockcli.kernels.rigid.march import ALL, OUTCOME, REST, ROCK
 from rockcli.kernels.rigid.march import work_space as work_space
-from rockcli.kernels.rigid.readings import raise_peak, set_peak
-from rockcli.kernels.rigid.roots import first_root, last_passage, uplift
-from rockcli.kernels.rigid.series import slope, value
+from rockcli.kernels.rigid.readings import raise_peak, set_peak, work_done
+from rockcli.kernels.rigid.rest import lift_off
+from rockcli.kernels.rigid.roots import first_root, last_passage
+from rockcli.kernels.rigid.series import flow, slope, value
 from rockcli.kernels.rigid.settings import Channel as Channel
 from rockcli.kernels.rigid.settings import Degrees
 from rockcli.kernels.rigid.settings import Settings as Settings
@@ -41,7 +42,6 @@ from rockcli.kernels.rolling.free_rolling import free_rolling
 from rockcli.kernels.rolling.glide import glide, waits
 from rockcli.kernels.rolling.law import end_of, energy
 from rockcli.kernels.rolling.rest import rest_time
-from rockcli.kernels.rolling.series import flow, work_done
 
 SURE = 1.0 - 1e-9
 """An acceleration nearer to uplift than this is looked at closely."""
@@ -128,7 +128,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
                 break
             if t >= t_stop + PATIENCE / math.sqrt(end.p2):
                 break
-        elif t >= t_motion and mode == REST and not given and end.sine >= 0.0 and other.sine >= 0.0:
+        elif t >= t_motion and mode == REST and not given and end.threshold >= 0.0 and other.threshold >= 0.0:
             break
         if out[to.N_STEPS] >= how.max_steps:
             out[to.STATUS] = OUT_OF_STEPS
@@ -147,13 +147,13 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
                 t_next = min(t_next, piece_end(horizontal, h_data, ih))
                 if mode == REST and vertical.kind == NOTHING and n_hist == 0 and detail < ALL:
                     # nothing moves, and nobody asks what the ground does meanwhile
-                    quiet = g * min(end.sine / end.cosine, other.sine / other.cosine)
+                    quiet = g * min(end.threshold, other.threshold)
                     if bound_from(horizontal, h_data, par[at.FACTOR_H], ih) <= quiet:
                         t = t_motion
                         continue
-                    if lean and end.sine > 0.0 and other.sine > 0.0:
+                    if lean and end.threshold > 0.0 and other.threshold > 0.0:
                         left, right = (other, end) if s > 0.0 else (end, other)
-                        low, high = -g * right.sine / right.cosine, g * left.sine / left.cosine
+                        low, high = -g * right.threshold, g * left.threshold
                         still = waits(h_data, par[at.FACTOR_H], horizontal.pieces, ih, low * SURE, high * SURE)
                         if still > ih:
                             t = min(still * horizontal.dt, t_motion)
@@ -179,29 +179,9 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
         out[to.N_STEPS] += 1
 
         if mode == REST:
-            n = max(deg_a, deg_v)
-            if n > 1:  # keep to where the series of the motion has converged
-                least = min(abs(end.sine / end.cosine), abs(other.sine / other.cosine))
-                for k in range(n - 1, n + 1):
-                    big = max(abs(a[k]) if k <= deg_a else 0.0, abs(a_v[k]) if k <= deg_v else 0.0)
-                    if big > 0.0:
-                        h = min(h, (1e-17 * g * max(least, 1e-3) / big) ** (1.0 / k))
-            x, s_up = NO_ROOT, 0.0
-            for side in range(2):
-                sign = 1.0 if side == 1 else -1.0
-                foot = end if sign == s else other
-                threshold = foot.sine / foot.cosine
-                for k in range(n + 1):
-                    guard[k] = 0.0
-                    if k <= deg_v:
-                        guard[k] = threshold * (a_v[k] + g if k == 0 else a_v[k])
-                    elif k == 0:
-                        guard[k] = threshold * g
-                    if k <= deg_a:
-                        guard[k] += sign * a[k]
-                root = uplift(guard, n, h, g * abs(threshold))
-                if root != NO_ROOT and (x == NO_ROOT or root < x):
-                    x, s_up = root, sign
+            at_left, at_right = (other, end) if s > 0.0 else (end, other)
+            least = max(min(abs(end.threshold), abs(other.threshold)), 1e-3)
+            x, s_up, h = lift_off(at_left.threshold, at_right.threshold, least, a, a_v, deg, g, h, guard)
             moved = x if x != NO_ROOT else h
             if detail == ALL and reported and moved > 0.0:
                 watch_rest(a, a_v, deg, g, moved, out)
@@ -225,7 +205,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
             continue
 
         h = min(h, 2.0 / math.sqrt(end.p2))
-        n, h = flow(end, small, how.order, q, v, s, a, a_v, deg, launch, h, c, sine, cosine)
+        n, h = flow(end, how, small, q, v, s, a, a_v, deg, launch, h, c, sine, cosine)
         if not h > 0.0 or math.isnan(c[n]):
             out[to.STATUS] = NOT_FINITE
             break

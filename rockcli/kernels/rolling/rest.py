@@ -6,8 +6,9 @@ import math
 
 from rockcli.kernels.constants import STANDSTILL
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.rigid.law import pressed
+from rockcli.kernels.rigid.rest import bounced_out
 from rockcli.kernels.rigid.series import value
-from rockcli.kernels.rolling.law import pressed
 
 NEAR = 1e-9
 """Bounces that may end in rest reach no farther than this fraction of the turn to the next facet."""
@@ -17,8 +18,7 @@ NEAR = 1e-9
 def rest_time(end, other, s, v, a, a_v, deg, x, t, t_next, rest_speed):
     """When a body just turned onto an end of a facet with rate v comes to rest on it, or -1 if it goes on.
 
-    As `kernels.rigid.rest.rest_time`: the remaining bounces are those of a constant moment, their times a geometric
-    series, which must end inside this piece.  What presses the body onto the facet may be the ground's acceleration.
+    As `kernels.rigid.rest.rest_time`, but that what presses the body onto the facet may be the ground's acceleration.
     """
     down = pressed(end, s, value(a, deg.a, x), value(a_v, deg.v, x))
     down_other = pressed(other, -s, value(a, deg.a, x), value(a_v, deg.v, x))
@@ -31,15 +31,4 @@ def rest_time(end, other, s, v, a, a_v, deg, x, t, t_next, rest_speed):
         return -1.0
     if v <= STANDSTILL * down / p:
         return t
-    per_cycle = end.eta * other.eta
-    if per_cycle >= 1.0:
-        return -1.0
-    tail = 2.0 * v * (1.0 / down + other.eta / down_other) / (1.0 - per_cycle)
-    if t + tail > t_next:
-        return -1.0
-    y = x + tail
-    if pressed(end, s, value(a, deg.a, y), value(a_v, deg.v, y)) <= 0.0:
-        return -1.0
-    if pressed(other, -s, value(a, deg.a, y), value(a_v, deg.v, y)) <= 0.0:
-        return -1.0
-    return t + tail
+    return bounced_out(end, other, s, v, down, down_other, a, a_v, deg, x, t, t_next)
