@@ -13,7 +13,6 @@ from xml.etree import ElementTree as ET
 import pytest
 import yaml
 
-from rockcli.cli import main as command
 from rockcli.cli.progress import duration
 from rockcli.storage.read import open_dataset
 from rockcli.study.open import open_study
@@ -38,20 +37,6 @@ def study(folder: Path, name: str = "ricker", more: str = "") -> Path:
     path = folder / f"{name}.yaml"
     path.write_text(STUDY.format(name=name, more=more))
     return path
-
-
-@pytest.fixture
-def rock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Rock:
-    """Run `rock ARGS...` in an empty folder and return its exit code."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*args: object) -> int:
-        monkeypatch.setattr(sys, "argv", ["rock", *map(str, args)])
-        with pytest.raises(SystemExit) as left:
-            command.main()
-        return int(left.value.code or 0)
-
-    return run
 
 
 def test_a_run_leaves_dataset_and_plots(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
