@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -131,7 +132,7 @@ def test_an_interruption_leaves_nothing(monkeypatch):
 
 def test_one_bad_case_does_not_lose_the_batch(monkeypatch):
     monkeypatch.setattr(solver, "require_opensees", lambda: None)
-    monkeypatch.setattr(solver, "_version", lambda: "none")
+    monkeypatch.setattr(solver, "version_of_opensees", lambda: "none")
     monkeypatch.setattr(solver, "script_of", lambda batch, i, **how: peer("import os\nos.abort()"))
     response = solver.solve(rigid(histories=True))
     assert response.scalars["outcome"][0] == FAILED
@@ -143,4 +144,44 @@ def test_one_bad_case_does_not_lose_the_batch(monkeypatch):
 def test_absent_openseespy_is_one_sentence(monkeypatch):
     monkeypatch.setattr(run.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(SolverError, match=r"pip install 'rockcli\[opensees\]'.*libblas3 liblapack3"):
+        solver.solve(rigid())
+
+
+@pytest.fixture
+def other_python(tmp_path_factory, monkeypatch):
+    """Makes a shell script the interpreter of OpenSees; None names a program that is not there."""
+
+    def make(program: str | None) -> Path:
+        path = tmp_path_factory.mktemp("other") / "python"
+        if program is not None:
+            path.write_text(f"#!/bin/sh\n{program}\n", encoding="utf-8")
+            path.chmod(0o755)
+        monkeypatch.setenv(run.INTERPRETER, str(path))
+        return path
+
+    return make
+
+
+def test_another_interpreter_runs_the_scripts(other_python):
+    other_python(f'echo "of the other" >&2; exec {sys.executable} "$@"')
+    with pytest.raises(run.PeerError, match=r"without writing its results \(of the other\)"):
+        run.run_script(peer("print('all is well')"))
+
+
+def test_the_version_is_that_of_the_other_interpreter(other_python):
+    other_python("echo 9.9.9")
+    assert run.version_of_opensees() == "9.9.9"
+
+
+@pytest.mark.parametrize(
+    ("program", "message"),
+    [
+        (None, r"ROCK_OPENSEES_PYTHON is '.*python': no such program"),
+        ("echo None", r"has no openseespy; install it there: .*python -m pip install openseespy"),
+        ("exit 3", "is no Python 3.8 or newer that runs"),
+    ],
+)
+def test_an_interpreter_that_will_not_do_is_one_sentence(program, message, other_python):
+    other_python(program)
+    with pytest.raises(SolverError, match=message):
         solver.solve(rigid())

@@ -9,10 +9,14 @@ from __future__ import annotations
 import importlib.util
 import json
 import math
+import os
+import shutil
 import sys
 import tempfile
 import warnings
 from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +36,16 @@ INSTALL = (
     "backend opensees needs OpenSeesPy: pip install 'rockcli[opensees]' "
     "(and the system's BLAS and LAPACK; on Debian: apt-get install libblas3 liblapack3)"
 )
+
+INTERPRETER = "ROCK_OPENSEES_PYTHON"
+"""Another Python for the scripts, a path or a name in PATH: each release of OpenSeesPy fits one Python."""
+
+ASK = (
+    "import importlib.util as u, importlib.metadata as m; print(u.find_spec('openseespy') and m.version('openseespy'))"
+)
+
+ASK_SECONDS = 60.0
+"""Time another Python is given to say so."""
 
 LEAST_SECONDS, SECONDS_PER_STEP = 120.0, 5e-3
 """A process may take LEAST_SECONDS and this much per step: some hundred times what a step costs."""
@@ -55,10 +69,53 @@ class Answer:
     impacts: Array
 
 
-def require_opensees() -> None:
-    """Raise `SolverError` with the way to install where OpenSeesPy is absent."""
+def interpreter() -> str:
+    """Path of the Python that runs the scripts: this one, unless ROCK_OPENSEES_PYTHON names another.
+
+    Raises:
+        SolverError: the variable names no program.
+    """
+    named = os.environ.get(INTERPRETER)
+    if not named:
+        return sys.executable
+    found = shutil.which(os.path.expanduser(named))
+    if found is None:
+        raise SolverError(f"{INTERPRETER} is {named!r}: no such program; expected a Python that has openseespy")
+    return os.path.abspath(found)
+
+
+def version_of_opensees() -> str:
+    """Version of OpenSeesPy that the scripts run with; see `require_opensees` for errors."""
+    python = interpreter()
+    if python != sys.executable:
+        return _version_in(python)
     if importlib.util.find_spec("openseespy") is None:
-        raise SolverError(INSTALL)
+        raise SolverError(f"{INSTALL}, or {INTERPRETER}=PATH of a Python that has it")
+    return version("openseespy")
+
+
+def require_opensees() -> None:
+    """Raise `SolverError` with the way to install where OpenSeesPy is absent from the Python that runs the scripts."""
+    version_of_opensees()
+
+
+@cache
+def _version_in(python: str) -> str:
+    """Version of OpenSeesPy in another Python, which is asked once."""
+    with tempfile.TemporaryDirectory(prefix="rock-opensees-", ignore_cleanup_errors=True) as place:
+        said = Path(place, "said.txt")
+        ending = watch([python, "-c", ASK], Path(place), log=said, limit=ASK_SECONDS)
+        answer = said.read_text(encoding="utf-8", errors="replace").strip()
+    if ending.code or ending.late or not answer:
+        words = f" ({answer.splitlines()[-1][:_WORDS]})" if answer else ""
+        raise SolverError(
+            f"{INTERPRETER}: {python} is no Python 3.8 or newer that runs; expected one with openseespy{words}"
+        )
+    if answer == "None":
+        raise SolverError(
+            f"{INTERPRETER}: {python} has no openseespy; install it there: {python} -m pip install openseespy"
+        )
+    return answer
 
 
 def run_script(script: Script, *, seconds: float | None = None) -> Answer:
@@ -79,7 +136,7 @@ def run_script(script: Script, *, seconds: float | None = None) -> Answer:
         for name, text in script.files.items():
             (folder / name).write_text(text, encoding="utf-8")
         log = folder / "stderr.txt"
-        command = [sys.executable, str(folder / f"{script.name}.py")]
+        command = [interpreter(), str(folder / f"{script.name}.py")]
         ending = watch(
             command, folder, log=log, limit=seconds, printed=False, environment={"PYTHONDONTWRITEBYTECODE": "1"}
         )

@@ -14,7 +14,7 @@ from rockcli.scene.response import Response
 from rockcli.solvers.common.certainty import CERTAINTY, compare_steps
 from rockcli.solvers.opensees.case import law_of
 from rockcli.solvers.opensees.results import Outcome, histories_of, scalars_of
-from rockcli.solvers.opensees.run import PeerError, require_opensees, run_script
+from rockcli.solvers.opensees.run import PeerError, require_opensees, run_script, version_of_opensees
 from rockcli.solvers.opensees.script import script_of
 
 
@@ -86,11 +86,5 @@ def _used(batch: Batch, outcomes: list[Outcome]) -> dict[str, str]:
         "dt": span("DT"),
         "yield_rotation": span("theta_y"),
         "divided_steps": str(divided),
-        "version": _version(),
+        "version": f"openseespy {version_of_opensees()}",
     }
-
-
-def _version() -> str:
-    from importlib.metadata import version
-
-    return f"openseespy {version('openseespy')}"
