@@ -13,12 +13,16 @@ from rockcli.cli.tables import table
 
 def show(
     topic: Annotated[
-        str, typer.Argument(metavar="models|backends|variables|symbols|pulses|plots|schema", help="What to list.")
+        str,
+        typer.Argument(
+            metavar="models|backends|variables|symbols|pulses|plots|environment|schema", help="What to list."
+        ),
     ],
 ) -> None:
     """List what there is to choose from.
 
-    Models, backends, variables of the dataset, symbols of expressions, pulses, plots; or the schema of a study as JSON.
+    Models, backends, variables of the dataset, symbols of expressions, pulses, plots, environment variables; or the
+    schema of a study as JSON.
     """
     from rockcli.errors import StudyError
 
@@ -79,6 +83,12 @@ def _plots() -> str:
     return table(("plot", "shows"), [(kind.name, kind.sentence) for kind in KINDS.values()])
 
 
+def _environment() -> str:
+    from rockcli.cli.environment import ENVIRONMENT
+
+    return table(("variable", "meaning"), list(ENVIRONMENT.items()))
+
+
 def _schema() -> str:
     import json
 
@@ -94,5 +104,6 @@ _TOPICS: dict[str, Callable[[], str]] = {
     "symbols": _symbols,
     "pulses": _pulses,
     "plots": _plots,
+    "environment": _environment,
     "schema": _schema,
 }
