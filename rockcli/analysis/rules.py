@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.measures import peaks
-from rockcli.analysis.suites import members
+from rockcli.analysis.members import members_of
 from rockcli.errors import StudyError
 from rockcli.motion.spectrum import displacement_spectrum, forcing
 from rockcli.scene.batch import Batch
@@ -82,7 +82,7 @@ def misled(contents: Contents) -> tuple[Misled, ...]:
     """Every rule in a dataset against the outcomes in it."""
     if "outcome" not in contents.fields:
         return ()
-    share = members(contents).share
+    share = members_of(contents).share
     found = []
     for rule in RULES.values():
         if rule.variable not in contents.fields or not rule.of_overturning:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.fragility import STATUS, Curves, Seen, curve_of_capacities, curves
+from rockcli.analysis.members import Members
 from rockcli.analysis.suite_intensity import moves_at, unit_of, values_of
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.analysis.uncertainty import independent_rows
@@ -17,9 +18,6 @@ from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.cases.suite_axes import AMPLITUDES
 from rockcli.study.intensity import period_of
 from rockcli.study.study import Limit, Over, Study
-
-if TYPE_CHECKING:
-    from rockcli.analysis.suites import Members
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

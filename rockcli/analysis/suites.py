@@ -7,8 +7,8 @@ without an answer are left out and counted, with the statistics if all of them o
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.intensity_correlation import correlations, with_measures
+from rockcli.analysis.members import Members, members_of
 from rockcli.analysis.places import units_of
 from rockcli.analysis.side_by_side import end_to_end, laid_out
 from rockcli.analysis.suite_fragility import FITTED, OF_SECOND, OTHERS, fragility, fragility_of_thresholds
@@ -24,11 +25,10 @@ from rockcli.analysis.suite_risk import OTHERS as RISK
 from rockcli.analysis.suite_words import sentences, warnings
 from rockcli.analysis.threshold_fields import found_by, threshold_fields
 from rockcli.analysis.uncertainty import NAMES, with_samples
-from rockcli.scene.response import UNRESOLVED, overturned
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
 from rockcli.scene.units import SI
-from rockcli.scene.variables import PEAK, SCALARS, VARIABLES
+from rockcli.scene.variables import PEAK, VARIABLES
 from rockcli.storage.contents import Contents, Field, variable_field
 from rockcli.study.study import Over, Study
 
@@ -45,33 +45,6 @@ RANKED: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak")
 _FRACTILES: dict[str, float] = {"p16": 0.16, "p50": 0.5, "p84": 0.84}
 
 _WORDS = {"p16": "16th percentile", "p50": "median", "p84": "84th percentile", "mean": "mean"}
-
-
-@dataclass(frozen=True, eq=False)
-class Members:
-    """What became of every case, over the axes.
-
-    Attributes:
-        share: of its runs that overturn, 0 or 1 where that is certain, NaN without an answer.
-        scalars: what else is saved of the cases, by name.
-    """
-
-    share: Array
-    scalars: Mapping[str, Array] = field(default_factory=dict)
-
-    @property
-    def answered(self) -> Mask:
-        """Whether there is an answer."""
-        return ~np.isnan(self.share)
-
-    @property
-    def divided(self) -> Mask:
-        """Whether some runs overturn and some do not."""
-        return (self.share > 0.0) & (self.share < 1.0)
-
-    def values(self, scalar: Array) -> Array:
-        """A scalar of the members, inf where at least half of the runs overturn, NaN where it is not known."""
-        return np.where(self.share >= 0.5, np.inf, np.where(self.answered & ~self.divided, scalar, np.nan))
 
 
 def _fell(became: Members, at: int) -> Array:
@@ -165,26 +138,10 @@ def variables(study: Study) -> set[str]:
     return found | set(VARIABLES).intersection(("p_pgv_over_g_tan_alpha", "arias", "cav", "t_mean", "d5_95"))
 
 
-def members(contents: Contents) -> Members:
-    """What became of every case, by its share, its outcome, or its peak, whichever is saved."""
-    if "outcome" in contents.fields:
-        flags = contents.values("outcome")
-        share = np.where(flags > UNRESOLVED, overturned(flags).astype(float), np.nan)
-    elif "overturn_share" in contents.fields:
-        share = np.full(contents.shape, np.nan)
-    else:
-        peak = contents.values(PEAK)
-        share = np.where(np.isnan(peak), np.nan, np.isposinf(peak).astype(float))
-    if "overturn_share" in contents.fields:
-        known = contents.values("overturn_share")
-        share = np.where(np.isnan(known), share, known)
-    return Members(share, {name: contents.values(name) for name in SCALARS if name in contents.fields})
-
-
 def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
     axes, at = contents.axes, contents.axes.index(over.axis)
     rest = tuple(axis for axis in axes if axis != over.axis)
-    became = members(contents)
+    became = members_of(contents)
     rows = {name: row for name, row in STATISTICS.items() if became.scalars.keys() >= {*row.needs}}
     added = {name: variable_field(name, rest, row.of(became, at)) for name, row in rows.items()}
     for name in RANKED:

@@ -9,20 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.fragility import CONFIDENCE
+from rockcli.analysis.members import Members
 from rockcli.scene.samples import SALTELLI, base_points
 from rockcli.scene.statistics import spearman
 from rockcli.scene.variables import INPUT, PEAK
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import SAMPLE, Over, Study, Uncertain
-
-if TYPE_CHECKING:
-    from rockcli.analysis.suites import Members
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from rockcli.scene.block import Block, make_block
 from rockcli.study.building.body_mesh import build_from_mesh
 from rockcli.study.building.body_outline import BLOCK, build_solid, check_no_mesh, has_outline
+from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.tree import Keys
 from rockcli.study.schema import BlockPart, FrictionPart
-
-if TYPE_CHECKING:
-    from rockcli.study.building.numbers import Numbers
 
 HEIGHT, WIDTH, ANGLE = ("h", "height"), ("b", "width"), ("alpha", "tan_alpha", "slenderness")
 GROUPS: tuple[tuple[str, ...], ...] = (("R",), HEIGHT, WIDTH, ANGLE)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,11 @@ from rockcli.scene.lower_outline import LEVEL, lower_hull
 from rockcli.scene.outline import OutlineError, Solid
 from rockcli.scene.scan import QUARTER, Profile, Scan
 from rockcli.study.building.body_outline import BLOCK, SAID_BY_OUTLINE
+from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import UNITS
 from rockcli.study.document.tree import Keys, place
 from rockcli.study.document.values import LENGTHS, WEAKEST
 from rockcli.study.schema import BlockPart
-
-if TYPE_CHECKING:
-    from rockcli.study.building.numbers import Numbers
 
 Array = NDArray[np.float64]
 

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.scene.outline import Given, OutlineError, Solid, solid
+from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import Value
 from rockcli.study.document.tree import Keys, dotted, place
 from rockcli.study.schema import BlockPart
-
-if TYPE_CHECKING:
-    from rockcli.study.building.numbers import Numbers
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.block import Block
-from rockcli.study.building.body import make_body, sufficient_pair
 from rockcli.study.document.check import said_at
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, Value, parse
 from rockcli.study.document.tree import Keys, Map, Source, Where, meant, nearest, place, value_at
@@ -67,6 +66,7 @@ class Numbers:
         n: number of cases.
         column: (axis, column) -> (n,) values.
         spot: (axis, i) -> place of the axis' value in case i, and the values of all axes there, as text.
+        pair, body: how the block with its two sizes, and from it the body, come of these numbers (`building.body`).
         suite: the names of the records, where each case has its own.
 
     Attributes:
@@ -81,10 +81,13 @@ class Numbers:
         n: int,
         column: Callable[[int, int], Array],
         spot: Callable[[int | None, int], tuple[Where, str]],
+        pair: Callable[[Numbers], Block],
+        body: Callable[[Numbers, Block], Block],
         suite: Named | None = None,
     ) -> None:
         self.source, self.tree, self.case, self.n = source, tree, case, n
         self._column, self._spot, self.suite = column, spot, suite
+        self._make_pair, self._make_body = pair, body
         self.remarks: list[str] = []
         self._symbols: dict[str, Value] = {}
         self._busy: list[str] = []
@@ -211,7 +214,7 @@ class Numbers:
                 raise ExpressionError(f"needs `{self._busy[-1]}`, which is known only once the block is")
             self._busy.append("the block")
             try:
-                self._pair = sufficient_pair(self)
+                self._pair = self._make_pair(self)
             finally:
                 self._busy.pop()
         return self._pair
@@ -229,7 +232,7 @@ class Numbers:
                 raise ExpressionError("needs `p`, which is known only once the block is")
             self._busy.append("the body")
             try:
-                self._block = make_body(self, pair)
+                self._block = self._make_body(self, pair)
             finally:
                 self._busy.pop()
         return self._block

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rockcli.errors import RecordError, StudyError
 from rockcli.scene.batch import Batch, Save
 from rockcli.study.building.batch import build_batch
+from rockcli.study.building.body import make_body, sufficient_pair
 from rockcli.study.building.floors import waveforms
 from rockcli.study.building.ground_motion import alike_but_for_records
 from rockcli.study.building.numbers import Named, Numbers, Varied
@@ -180,7 +181,7 @@ class Cases:
             at = (f"{v.axis.path} = {_shown(v.axis.values[points[a][i]])}" for a, v in enumerate(self.variations))
             return where, ", ".join(at)
 
-        return Numbers(self.source, *self.checked(combination), n, column, spot, suite)
+        return Numbers(self.source, *self.checked(combination), n, column, spot, sufficient_pair, make_body, suite)
 
     def checked(self, combination: tuple[int, ...]) -> tuple[Map, CasePart]:
         """The study of a combination of structural points, with `Varied` where the other axes stand, and its case."""
