@@ -150,7 +150,7 @@ def parse_at2(data: bytes, name: str, units: str | None = None) -> AT2:
     npts, dt = _npts(match, name, index + 1), _dt(match, name, index + 1)
     stated = _stated_unit(lines[:index], name)
     numbers = read_text(b"\n".join(head[index + 1 :]), index + 2, name, expected=npts)
-    values, warnings = _counted(numbers, npts, text.count(b"\n") + 1, data, name)
+    values, warnings = _counted(numbers, npts, data, name)
     unit = _unit(stated, units, name, index + 1)
     titles = tuple(line.strip() for line in lines[:index])
     event, date, station, component = _identity(titles)
@@ -190,6 +190,8 @@ def _lines(data: bytes) -> list[str]:
 
 
 def _with_line_feeds(data: bytes) -> bytes:
+    if b"\r" not in data:  # a tenth of the time of reading a file, were it sought three times
+        return data
     return data.replace(b"\r\r\n", b"\n").replace(b"\r\n", b"\n").replace(b"\r", b"\n")
 
 
@@ -266,15 +268,13 @@ def _unit(stated: str | None, given: str | None, name: str, line: int) -> str:
     return stated if stated is not None else str(given)
 
 
-def _counted(
-    numbers: Numbers, npts: int, last_line: int, data: bytes, name: str
-) -> tuple[NDArray[np.float64], list[str]]:
+def _counted(numbers: Numbers, npts: int, data: bytes, name: str) -> tuple[NDArray[np.float64], list[str]]:
     """Exactly NPTS values, and what was tolerated to get them."""
     values, warnings = numbers.values, []
     if not len(values):
         raise RecordError(f"the header announces {npts} values and none follows; get the file anew", name)
     if len(values) < npts:
-        _refuse_short(numbers, npts, last_line, name)
+        _refuse_short(numbers, npts, _last_line(data), name)
     extra = values[npts:]
     if extra.any():
         raise RecordError(
@@ -288,11 +288,15 @@ def _counted(
             f"the last value, {numbers.last!r}, is shorter than all others and no line end follows: the file seems "
             "cut inside it; get the file anew, or end its last line if it is whole",
             name,
-            last_line,
+            _last_line(data),
         )
     if numbers.text_after:
         warnings.append(f"text behind the values was left out: {numbers.text_after[0]!r}")
     return values[:npts], warnings
+
+
+def _last_line(data: bytes) -> int:
+    return _with_line_feeds(data).count(b"\n") + 1
 
 
 def _refuse_short(numbers: Numbers, npts: int, last_line: int, name: str) -> NoReturn:

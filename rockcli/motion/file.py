@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import stat
 from pathlib import Path
 
 from rockcli.errors import RecordError
@@ -17,14 +19,13 @@ def record_bytes(path: Path) -> bytes:
         RecordError: there is none, it is something else than a file, too large, or cannot be read.
     """
     try:
-        if path.exists() and not (path.is_file() or path.is_dir()):
+        found = os.stat(path)
+        if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
             raise RecordError("is a device or a pipe, not a record", path)
-        with path.open("rb") as file:
-            size = file.seek(0, 2)
-            if size > LARGEST:
+        with open(path, "rb") as file:
+            if found.st_size > LARGEST:
                 most = f"a record has at most {LARGEST / 2**20:g} MiB"
-                raise RecordError(f"has {size / 2**20:,.0f} MiB, and {most}; cut out what is to be used", path)
-            file.seek(0)
+                raise RecordError(f"has {found.st_size / 2**20:,.0f} MiB, and {most}; cut out what is to be used", path)
             return file.read(LARGEST)
     except FileNotFoundError:
         raise RecordError("there is no such file", path) from None

@@ -249,8 +249,8 @@ class Cases:
         """
         expression = parse(text)
         first: float | None = None
-        for part, combination, points in self.groups(self.probe()):
-            values = np.ravel(expression.evaluate(self.numbers(combination, points, len(part)).symbol))
+        for part, combination, points, named in self.groups_of_suites(self.probe()):
+            values = np.ravel(expression.evaluate(self.numbers(combination, points, len(part), named).symbol))
             first = float(values[0]) if first is None else first
             if not (values == first).all():
                 raise ExpressionError(

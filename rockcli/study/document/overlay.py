@@ -151,7 +151,16 @@ class _Mark:
 def remaining(study: dict[str, Any], points: Iterable[Sequence[Setting]]) -> set[Path]:
     """Paths of what a study says that is left in the cases of at least one point of an axis."""
     marked = _marked(study)
-    return {value.path for point in points for _, value in leaves(overlaid(marked, point)) if isinstance(value, _Mark)}
+    found: set[Path] = set()
+    seen: set[tuple[Path, ...]] = set()
+    for point in points:
+        paths = tuple(path for path, _, _ in point)
+        if all(path[-1] == "file" and isinstance(value, str) for path, value, _ in point):
+            if paths in seen:  # one name of a file leaves what any other does
+                continue
+            seen.add(paths)
+        found |= {value.path for _, value in leaves(overlaid(marked, point)) if isinstance(value, _Mark)}
+    return found
 
 
 def _marked(tree: dict[str, Any], at: Path = ()) -> Map:
