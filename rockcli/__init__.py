@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rockcli.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     import pandas
     import xarray
@@ -88,13 +88,31 @@ def open_dataset(path: str | Path) -> xarray.Dataset:
     return dataset
 
 
-def plot(dataset: xarray.Dataset, kind: str | None = None, path: str | Path | None = None) -> Figure:
-    """Draw a dataset, as `rock plot` does.
+def plot(
+    dataset: xarray.Dataset | Sequence[xarray.Dataset],
+    kind: str | None = None,
+    path: str | Path | None = None,
+    *,
+    select: Mapping[str, Any] | None = None,
+    width: str | float | None = None,
+    title: str | None = "",
+    labels: Mapping[str, str] | None = None,
+    limits: Mapping[str, tuple[float, float]] | None = None,
+    letters: bool = False,
+) -> Figure:
+    """Draw a dataset, as `rock plot` does, or several with the same axes in one figure.
 
     Args:
         dataset: of `run` or `open_dataset`.
-        kind: kind of plot, such as `histories`, `map`, `ida`, `fragility`; None = the first its content suggests.
+        kind: kind of plot, such as `histories`, `map`, `ida`, `fragility`; None = the first that the study lists, else
+            the first its content suggests.
         path: also written there, as .png, .pdf or .svg.
+        select: {axis: value or list of values} of the cases shown, in SI units, or as "0.4g".
+        width: "single" (90 mm), "double" (180 mm) or a number of mm; None = as its content needs.
+        title: instead of the study's; None = no title.
+        labels: words for "x" and "y", or for "y1", "y2", ..., the rows of panels from the top.
+        limits: (low, high) of the same, in the units of the labels.
+        letters: letter the panels (a), (b), ...
 
     Returns:
         A matplotlib Figure, which notebooks show and which may be changed.
@@ -102,9 +120,10 @@ def plot(dataset: xarray.Dataset, kind: str | None = None, path: str | Path | No
     Raises:
         StudyError: the dataset cannot be drawn so.
     """
-    from rockcli.engine.draw import figure_of
+    from rockcli.engine.draw import changes, figure_of
 
-    return figure_of(dataset, kind, None if path is None else Path(path))
+    changed = changes(select, width, title, labels, limits, letters)
+    return figure_of(dataset, kind, None if path is None else Path(path), **changed)
 
 
 def report(dataset: xarray.Dataset | str | Path, path: str | Path) -> Path:

@@ -14,23 +14,53 @@ def plot(
     files: Annotated[list[Path], typer.Argument(metavar="FILE.nc...", help="Datasets written by `rock run`.")],
     kinds: Annotated[
         list[str] | None,
-        typer.Option("--kind", metavar="KIND", help="Kind of plot, may be repeated; default: what the data suggest."),
+        typer.Option(
+            "--kind",
+            metavar="KIND",
+            help="Kind of plot, may be repeated; default: those that the study lists, else what the data suggest.",
+        ),
+    ] = None,
+    select: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--select",
+            metavar="AXIS=VALUE[,VALUE...]",
+            help="Only these cases, may be repeated; a number in SI units, or as 0.4g.",
+        ),
+    ] = None,
+    width: Annotated[
+        str | None,
+        typer.Option("--width", metavar="single|double|MM", help="Width: 90 mm, 180 mm, or a number of mm."),
+    ] = None,
+    title: Annotated[str, typer.Option("--title", metavar="TEXT", help="Title instead of the study's.")] = "",
+    no_title: Annotated[
+        bool, typer.Option("--no-title", help="No title: its words are in the file's metadata alone.")
+    ] = False,
+    letters: Annotated[bool, typer.Option("--letters", help="Letter the panels: (a), (b), ...")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="FILE.png|.pdf|.svg", help="The one figure; several datasets are drawn together in it."
+        ),
     ] = None,
     plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
 ) -> None:
-    """Draw the plots of datasets beside them."""
-    from rockcli.engine.draw import draw
+    """Draw the plots of datasets beside them, or one figure of them all."""
+    from rockcli.engine.draw import changes, draw_as_told
+
+    changed = changes(_chosen(select or []), width, None if no_title else title, letters=letters)
+    for path in draw_as_told(files, out, tuple(kinds or ()), plot_format, **changed):
+        say(str(path))
+
+
+def _chosen(select: list[str]) -> dict[str, list[str]]:
+    """Axis -> values, of `AXIS=VALUE,VALUE`."""
     from rockcli.errors import StudyError
 
-    for file in files:
-        drawn, complaints = draw(file, tuple(kinds) if kinds else None, plot_format)
-        if not drawn and not kinds:  # nothing suggests itself: whatever there is
-            from rockcli.plotting.figures import KINDS
-
-            drawn, complaints = draw(file, tuple(KINDS), plot_format)
-        for path in drawn:
-            say(str(path))
-        if complaints and kinds:
-            raise StudyError("; ".join(complaints), file=file)
-        if not drawn:
-            raise StudyError(f"nothing in it can be drawn: {'; '.join(complaints)}", file=file)
+    chosen: dict[str, list[str]] = {}
+    for words in select:
+        axis, equals, values = words.partition("=")
+        if not equals or not axis.strip() or not values.strip():
+            raise StudyError(f"--select {words}: expected AXIS=VALUE")
+        chosen.setdefault(axis.strip(), []).extend(value.strip() for value in values.split(","))
+    return chosen

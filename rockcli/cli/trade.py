@@ -93,8 +93,9 @@ def _seconds(budget: str) -> float:
 
 def _draw(path: Path, plot_format: str) -> tuple[Path, ...]:
     from rockcli.engine.draw import draw
+    from rockcli.scene.looks import Look
 
-    drawn, complaints = draw(path, ("work_precision",), plot_format)
+    drawn, complaints = draw(path, (("work_precision", Look()),), plot_format)
     for complaint in complaints:
         say(f"rock: {complaint}", err=True)
     return drawn

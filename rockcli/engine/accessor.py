@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rockcli.analysis.places import units_of
 from rockcli.engine.summary import largest, outcomes_of
@@ -57,11 +57,11 @@ class Rock:
 
         return frame_of(self._dataset, of=of, columns=columns, degrees=degrees)
 
-    def plot(self, kind: str | None = None, path: str | Path | None = None) -> Figure:
+    def plot(self, kind: str | None = None, path: str | Path | None = None, **how: Any) -> Figure:
         """As `rockcli.plot`."""
-        from rockcli.engine.draw import figure_of
+        from rockcli.engine.draw import changes, figure_of
 
-        return figure_of(self._dataset, kind, None if path is None else Path(path))
+        return figure_of(self._dataset, kind, None if path is None else Path(path), **changes(**how))
 
     def report(self, path: str | Path) -> Path:
         """As `rockcli.report`."""

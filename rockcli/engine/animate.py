@@ -91,6 +91,7 @@ def _chosen(
     """Position of the case to show, its name, and a sentence if nobody chose among several."""
     from rockcli.plotting.common.cases import axes_of
     from rockcli.plotting.common.labels import coordinate_label
+    from rockcli.plotting.common.selection import place_on
 
     axes = axes_of(dataset)
     sizes = tuple(int(dataset.sizes[axis]) for axis in axes)
@@ -98,7 +99,10 @@ def _chosen(
     for axis in at:
         if axis not in axes:
             raise StudyError(f"--at {axis}: {_axes_in_words(axes)}", file=path)
-    places = {axis: _place(dataset, axis, value, path) for axis, value in at.items()}
+    try:
+        places = {axis: place_on(dataset, axis, value) for axis, value in at.items()}
+    except StudyError as error:
+        raise StudyError(f"--at {error.message}", file=path) from None
     if case is not None:
         if at:
             raise StudyError("--case and --at both choose the case: give one of them")
@@ -118,18 +122,3 @@ def _chosen(
 
 def _axes_in_words(axes: tuple[str, ...]) -> str:
     return f"the axes are {', '.join(axes)}" if axes else "there is one case only"
-
-
-def _place(dataset: xarray.Dataset, axis: str, value: str, path: Path) -> int:
-    """Where on an axis a value stands: a number to six digits, a label as it is written."""
-    values = dataset[axis].values
-    if values.dtype.kind == "f":
-        try:
-            found = np.isclose(values, float(value), rtol=1e-6, atol=0.0)
-        except ValueError:
-            raise StudyError(f"--at {axis}={value}: expected a number", file=path) from None
-    else:
-        found = np.array([str(v) == value for v in values])
-    if not found.any():
-        raise StudyError(f"--at {axis}={value}: there are {', '.join(str(v) for v in values[:20])}", file=path)
-    return int(np.argmax(found))

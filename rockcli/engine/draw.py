@@ -1,11 +1,15 @@
-"""Draws the plots of a dataset file, from the file alone."""
+"""Draws the plots of dataset files, from the files alone, as their study or a command wants them."""
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 from rockcli.errors import StudyError
+from rockcli.scene.looks import Look, width_of
 from rockcli.storage.atomic import replacing
 from rockcli.storage.read import open_dataset
 
@@ -15,66 +19,175 @@ if TYPE_CHECKING:
 
 FORMATS = ("png", "pdf", "svg")
 
+Asked = Sequence[tuple[str, Look]]
+"""Kinds of plot, and how each is wanted."""
 
-def draw(
-    path: Path, kinds: tuple[str, ...] | None = None, plot_format: str = "png"
-) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+
+def changes(
+    select: Mapping[str, Any] | None = None,
+    width: str | float | None = None,
+    title: str | None = "",
+    labels: Mapping[str, str] | None = None,
+    limits: Mapping[str, tuple[float, float]] | None = None,
+    letters: bool = False,
+) -> dict[str, Any]:
+    """What is said of a figure, as parts of the `Look`; `StudyError` for a width that figures cannot have."""
+    said = {"select": select, "labels": labels, "limits": limits, "letters": letters, "width": width_of(width)}
+    return {key: value for key, value in said.items() if value} | ({} if title == "" else {"title": title})
+
+
+def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """Draw plots beside a dataset file.
 
     Args:
-        path: the dataset; plots appear as <kind>.<format> in its folder.
-        kinds: kinds of plot; None = those its content suggests.
+        path: the dataset; plots appear as <kind>.<format> in its folder, the second of a kind as <kind>_2.<format>.
+        asked: kinds of plot; None = those its content suggests.
         plot_format: png, pdf or svg.
 
     Returns:
         The files drawn, and a sentence for each kind asked for that the dataset cannot show.
 
     Raises:
-        StudyError: the file cannot be read, or the format or a kind is unknown.
+        StudyError: the file cannot be read, or the format is unknown.
     """
     if plot_format not in FORMATS:
         raise StudyError(f"unknown format {plot_format!r}; there are {', '.join(FORMATS)}")
-    if kinds == ():
+    if asked is not None and not asked:
         return (), ()
-    from rockcli.plotting.figures import default_kinds, figure, save, why_not
+    from rockcli.plotting.figures import default_kinds
 
     dataset = open_dataset(path)
+    if asked is None:
+        asked = [(kind, Look()) for kind in default_kinds(dataset)]
     drawn, complaints = [], []
-    for kind in default_kinds(dataset) if kinds is None else kinds:
-        complaint = why_not(kind, dataset)
-        if complaint:
-            complaints.append(f"plot {kind!r}: {complaint}")
-            continue
-        target = path.parent / f"{kind}.{plot_format}"
-        with replacing(target) as scratch:
-            save(figure(kind, dataset), scratch, plot_format)
-        drawn.append(target)
+    for (kind, look), name in zip(asked, _names(kind for kind, _ in asked), strict=True):
+        target = path.parent / f"{name}.{plot_format}"
+        try:
+            _write(dataset, kind, look, target)
+        except StudyError as error:
+            complaints.append(error.message)
+        else:
+            drawn.append(target)
     return tuple(drawn), tuple(complaints)
 
 
-def figure_of(dataset: xarray.Dataset, kind: str | None = None, path: Path | None = None) -> Figure:
-    """One figure of a dataset in memory.
+def _names(kinds: Iterator[str]) -> list[str]:
+    seen: Counter[str] = Counter()
+    names = []
+    for kind in kinds:
+        seen[kind] += 1
+        names.append(kind if seen[kind] == 1 else f"{kind}_{seen[kind]}")
+    return names
+
+
+def _write(dataset: xarray.Dataset, kind: str, look: Look, target: Path) -> None:
+    from rockcli.plotting.figures import figure, save
+
+    drawn = figure(kind, dataset, look)
+    with replacing(target) as scratch:
+        save(drawn, scratch, target.suffix.lower().lstrip("."))
+
+
+def asked_of(dataset: xarray.Dataset, kinds: Sequence[str] = (), **changed: Any) -> Asked:
+    """Kinds of plot of a dataset, each as its study wants it but for what is changed.
 
     Args:
-        dataset: of rockcli.run or of a file.
-        kind: kind of plot; None = the first that its content suggests.
+        dataset: of `rock run`.
+        kinds: names; () = those that its study lists, else those that its content suggests.
+        changed: parts of the `Look`.
+    """
+    from rockcli.plotting.common.selection import selected
+    from rockcli.plotting.figures import default_kinds
+    from rockcli.study.reopen import plots_of
+
+    listed = plots_of(str(dataset.attrs.get("study", "")))
+    if kinds:
+        looks = dict(reversed(listed))
+        listed = [(kind, looks.get(kind, Look())) for kind in kinds]
+    elif not listed:
+        part, _ = selected(dataset, changed.get("select", {}))
+        listed = [(kind, Look()) for kind in default_kinds(part)]
+    return [(kind, replace(look, **changed)) for kind, look in listed]
+
+
+def draw_as_told(
+    files: Sequence[Path], out: Path | None, kinds: Sequence[str], plot_format: str = "png", **changed: Any
+) -> tuple[Path, ...]:
+    """Draw dataset files as a command tells it: each beside its file, or all of them in one figure, `out`.
+
+    Args:
+        files: the datasets.
+        out: the figure, .png, .pdf or .svg; None = <kind>.<format> beside each dataset.
+        kinds, changed: as `asked_of`.
+        plot_format: png, pdf or svg, where `out` is not given.
+
+    Raises:
+        StudyError: a file cannot be read, or cannot be drawn so.
+    """
+    if out is not None:
+        datasets = [open_dataset(file) for file in files]
+        names = [str(each.attrs.get("study_name") or file.stem) for each, file in zip(datasets, files, strict=True)]
+        if len(kinds) > 1:
+            raise StudyError("--out names one figure: give one --kind with it")
+        figure_of(datasets, kinds[0] if kinds else None, out, names=names, **changed)
+        return (out,)
+    from rockcli.plotting.common.selection import selected
+
+    drawn: list[Path] = []
+    for file in files:
+        dataset = open_dataset(file)
+        selected(dataset, changed.get("select", {}))
+        made, complaints = draw(file, asked_of(dataset, kinds, **changed), plot_format)
+        if not made and not kinds:  # nothing suggests itself: whatever there is
+            from rockcli.plotting.figures import KINDS
+
+            made, complaints = draw(file, asked_of(dataset, tuple(KINDS), **changed), plot_format)
+        drawn += made
+        if complaints and (kinds or not made):
+            before = "" if kinds else "nothing in it can be drawn: "
+            raise StudyError(before + "; ".join(complaints), file=file)
+    return tuple(drawn)
+
+
+def figure_of(
+    dataset: xarray.Dataset | Sequence[xarray.Dataset],
+    kind: str | None = None,
+    path: Path | None = None,
+    *,
+    names: Sequence[str] = (),
+    **changed: Any,
+) -> Figure:
+    """One figure of a dataset in memory, or of several laid over one another.
+
+    Args:
+        dataset: of rockcli.run or of a file; several with the same axes.
+        kind: kind of plot; None = the first that its study lists or its content suggests.
         path: also written there, as png, pdf or svg by its ending.
+        names: of several datasets; () = those of their studies.
+        changed: parts of the `Look`, instead of what the study says.
 
     Raises:
         StudyError: the dataset cannot be drawn so, or the ending is none of a figure.
     """
-    from rockcli.plotting.figures import default_kinds, figure, save, why_not
+    from rockcli.plotting.common.selection import overlaid, selected
+    from rockcli.plotting.figures import figure, save
 
-    if "axes" not in dataset.attrs:
+    several: list[xarray.Dataset] = (
+        [*dataset] if isinstance(dataset, list | tuple) else [cast("xarray.Dataset", dataset)]
+    )
+    if any("axes" not in each.attrs for each in several) or not several:
         raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
-    suggested = default_kinds(dataset) if kind is None else (kind,)
-    if not suggested:
-        raise StudyError("nothing in it suggests a figure; name a kind")
-    if complaint := why_not(suggested[0], dataset):
-        raise StudyError(f"plot {suggested[0]!r}: {complaint}")
     if path is not None and path.suffix.lower().lstrip(".") not in FORMATS:
         raise StudyError(f"expected a name that ends in {', '.join('.' + one for one in FORMATS)}", file=path)
-    drawn = figure(suggested[0], dataset)
+    one = several[0]
+    if len(several) > 1:
+        words = list(names) or [str(each.attrs.get("study_name") or i) for i, each in enumerate(several, 1)]
+        one = overlaid([selected(each, changed.get("select", {}))[0] for each in several], words)
+        changed = {key: value for key, value in changed.items() if key != "select"}
+    asked = asked_of(one, () if kind is None else (kind,), **changed)
+    if not asked:
+        raise StudyError("nothing in it suggests a figure; name a kind")
+    drawn = figure(asked[0][0], one, asked[0][1])
     if path is not None:
         with replacing(path) as scratch:
             save(drawn, scratch, path.suffix.lower().lstrip("."))

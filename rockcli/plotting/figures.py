@@ -10,8 +10,11 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 import numpy as np
 
+from rockcli.errors import StudyError
 from rockcli.plotting.common import style
 from rockcli.plotting.common.cases import axes_of, is_numeric
+from rockcli.plotting.common.dress import dress
+from rockcli.plotting.common.selection import selected
 from rockcli.plotting.common.suite import end_to_end, suite_of
 from rockcli.plotting.kinds import (
     barriers,
@@ -31,6 +34,7 @@ from rockcli.plotting.kinds import (
 )
 from rockcli.plotting.kinds import map as outcomes
 from rockcli.plotting.kinds import static_curves as curves
+from rockcli.scene.looks import Look
 from rockcli.scene.thresholds import FOUND
 
 if TYPE_CHECKING:
@@ -162,10 +166,20 @@ def why_not(kind: str, dataset: xarray.Dataset) -> str:
     return KINDS[kind].why_not(dataset)
 
 
-def figure(kind: str, dataset: xarray.Dataset) -> Figure:
-    """Draw a kind the dataset can show."""
-    with mpl.rc_context(style.RC), style.no_word_of_glyphs():
-        return KINDS[kind].draw(dataset)
+def figure(kind: str, dataset: xarray.Dataset, look: Look | None = None) -> Figure:
+    """Draw a kind the dataset can show, as it is wanted.
+
+    Raises:
+        StudyError: the selection, or a row of labels or limits, is not there.
+    """
+    look = look or Look()
+    part, words = selected(dataset, look.select)
+    if complaint := why_not(kind, part):
+        raise StudyError(f"plot {kind!r}: {complaint}")
+    with style.wanted(look, words):
+        drawn = KINDS[kind].draw(part)
+        dress(drawn, look, kind)
+        return drawn
 
 
 def save(drawn: Figure, path: Path, plot_format: str) -> None:

@@ -49,6 +49,7 @@ from rockcli.study.features import check_curves
 from rockcli.study.given_records import taken_out
 from rockcli.study.identity import as_yaml, identity, lays_over, plain, sweep_id
 from rockcli.study.plausibility import surely_meant
+from rockcli.study.plots import looks_of, said_of
 from rockcli.study.rules_spectrum import read_rules_spectrum
 from rockcli.study.schema import NO_PLOTS, CasePart, OverPart, StudyPart
 from rockcli.study.study import SAMPLE, Expect, Study
@@ -133,7 +134,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
         cases=cases if search is None else search,
         compare_to=match(where, tree, ("compare_to",), compare_to, axes, cases.evaluate) if compare_to else None,
         expect=expect,
-        plots=None if part.plots is None else tuple(dict.fromkeys(part.plots)),
+        plots=None if part.plots is None else tuple(looks_of(part.plots)),
         histories=histories,
         dt_out=dt_out,
         scalars=scalars,
@@ -277,8 +278,8 @@ def _resolved(
         path = variation.axis.path
         if not variation.sampled and isinstance(vary[path], str) and variation.table is None:
             vary[path] = [point[0][1] for point in variation.settings]
-    if part.plots == []:
-        dumped["plots"] = NO_PLOTS
+    if part.plots is not None:
+        dumped["plots"] = [said_of(plot) for plot in part.plots] or NO_PLOTS
     if not part.uncertain:
         for key in ("samples", "seed", "sampling"):
             del dumped[key]

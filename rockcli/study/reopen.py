@@ -7,11 +7,26 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from rockcli.scene.looks import Look
 from rockcli.scene.variables import VARIABLES
 from rockcli.study.document.loader import load_value
 from rockcli.study.document.tree import Source
 from rockcli.study.expect import read_expect
+from rockcli.study.plots import looks_of
+from rockcli.study.schema import PLOTS, StudyPart
 from rockcli.study.study import Axis, Expect
+
+
+def plots_of(resolved: str) -> list[tuple[str, Look]]:
+    """The plots that a resolved study lists, each as it is wanted; none where it lists none."""
+    study = load_value(resolved, "the study in the dataset") if resolved else {}
+    said = study.get("plots") if isinstance(study, dict) else None
+    if not isinstance(said, list):
+        return []
+    known = [one for one in said if (one if isinstance(one, str) else one.get("kind")) in PLOTS]
+    return list(
+        looks_of(StudyPart.model_validate({"name": "plots", "case": {"block": {}}, "plots": known}).plots or [])
+    )
 
 
 def clauses_of(

@@ -11,6 +11,7 @@ from rockcli.scene.backends import AUTOMATIC, BACKEND_NAMES
 from rockcli.scene.column import ACROSS
 from rockcli.scene.constants import ELEMENTS, STANDARD_G
 from rockcli.scene.damping import DEFAULT_SCHEME, SCHEMES, Key
+from rockcli.scene.looks import NARROWEST, WIDEST, WIDTHS
 from rockcli.scene.models import DEFORMABLE, MODEL_NAMES
 from rockcli.scene.numerics import ACCURACIES, STANDARD
 from rockcli.scene.pulses import SHAPES
@@ -462,7 +463,32 @@ Hazards = Annotated[Annotated[list[HazardPart], Field(min_length=1)] | None, Bef
 
 NO_PLOTS = "none"
 
-Plots = Annotated[list[Literal[PLOTS]] | None, BeforeValidator(lambda v: [] if v == NO_PLOTS else v)]  # type: ignore[valid-type]
+Rows = Annotated[str, Field(pattern="^[xy]([1-9][0-9]?)?$")]
+"""What labels and limits are of."""
+
+
+class PlotPart(Part):
+    """A plot, and how it is wanted."""
+
+    kind: Literal[PLOTS] = key("kind of plot", ...)  # type: ignore[valid-type]
+    select: dict[str, Any] = key("{axis: value or list of values} of the cases shown; an absent axis = every point", {})
+    width: Literal[tuple(WIDTHS)] | Annotated[float, Field(ge=NARROWEST, le=WIDEST)] | None = key(  # type: ignore[valid-type]
+        "single (90 mm), double (180 mm) or a number of mm; default: as its content needs"
+    )
+    title: Text | Literal[False] | None = key("title instead of the study's; false: none")
+    labels: dict[Rows, str] = key("words for x and y, or for y1, y2, ..., the rows of panels from the top", {})
+    limits: dict[Rows, tuple[float, float]] = key("[low, high] of the same, in the units of the labels", {})
+    letters: bool = key("letter the panels (a), (b), ...", False)
+
+
+def _plots(value: Any) -> Any:
+    """`none` is no plot; a word is a kind."""
+    if value == NO_PLOTS:
+        return []
+    return [{"kind": one} if isinstance(one, str) else one for one in value] if isinstance(value, list) else value
+
+
+Plots = Annotated[list[PlotPart] | None, BeforeValidator(_plots)]
 
 
 class StudyPart(Part):
@@ -492,7 +518,7 @@ class StudyPart(Part):
     age: Number | None = key("years for which the probability of exceedance, and of survival, is told")
     refine: bool = key("trace the outcome boundary of a two-axis map instead of solving every pixel", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
-    plots: Plots = key("kinds of plot; none or []: draw none")
+    plots: Plots = key("kinds of plot, or {kind, select, width, title, labels, limits, letters}; none or []: draw none")
     expect: list[ExpectPart] = key("pass/fail checks of the results", [])
     curves: list[Literal[CURVES]] = key("static curves", [])  # type: ignore[valid-type]
     rules: list[Literal[RULES]] = key("rules of thumb and code checks beside the history", [])  # type: ignore[valid-type]
@@ -523,7 +549,12 @@ _SHORTHANDS: dict[tuple[str, str], dict[str, Any]] = {
         ]
     },
     ("StudyPart", "over"): {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]},
-    ("StudyPart", "plots"): {"const": NO_PLOTS},
+    ("StudyPart", "plots"): {
+        "anyOf": [
+            {"const": NO_PLOTS},
+            {"type": "array", "items": {"anyOf": [{"enum": list(PLOTS)}, {"$ref": "#/$defs/PlotPart"}]}},
+        ]
+    },
 }
 """Short forms that `shorthands.expanded` writes out before the schema sees them."""
 

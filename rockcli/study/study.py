@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.hazard import HazardCurve
+from rockcli.scene.looks import Look
 from rockcli.scene.spectra import DesignSpectrum
 from rockcli.scene.variables import PEAK
 
@@ -234,7 +235,7 @@ class Study:
         cases: builds batches.
         compare_to: {axis name: coordinate value} of the reference, or None.
         expect: clauses in file order.
-        plots: kinds of plot asked for; None = the defaults.
+        plots: kinds of plot asked for, and how each is wanted; None = the defaults.
         histories: whether histories are saved; dt_out: output spacing [s]; scalars: names in contract order.
         histories_at: {axis name: coordinate value} of the only cases whose histories are saved; None = all.
         curves: kinds of static curve asked for.
@@ -262,7 +263,7 @@ class Study:
     cases: CaseSource
     compare_to: dict[str, Any] | None
     expect: tuple[Expect, ...]
-    plots: tuple[str, ...] | None
+    plots: tuple[tuple[str, Look], ...] | None
     histories: bool
     dt_out: float
     scalars: tuple[str, ...]

@@ -54,9 +54,15 @@ def variable_label(name: str, unit: str | None = None) -> str:
     return row.symbol + unit_in_brackets(row.unit if unit is None else unit)
 
 
+def path_of(dataset: xarray.Dataset, name: str) -> str:
+    """Path inside the case of an axis of the study; datasets of earlier builds have it as long_name."""
+    attrs = dataset[name].attrs
+    return str(attrs.get("path", attrs.get("long_name", name)))
+
+
 def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:
     """Symbol of an axis of the study, or its name where it has none."""
-    path = str(dataset[axis].attrs.get("long_name", axis))
+    path = path_of(dataset, axis)
     for name in (".".join(path.split(".")[-2:]), path.split(".")[-1], axis):
         if name in _SYMBOLS:
             return _SYMBOLS[name]
@@ -72,7 +78,7 @@ def axis_label(dataset: xarray.Dataset, axis: str) -> str:
 
 def unit_g(dataset: xarray.Dataset) -> float:
     """Unit of acceleration in plots [m/s²]: the g of the study's case; 9.81 where it is not told or is varied."""
-    varied = {str(item.attrs.get("long_name")) for item in dataset.coords.values()}
+    varied = {path_of(dataset, str(name)) for name in dataset.coords}
     return g_of(resolved_case(dataset), varied)
 
 
@@ -84,7 +90,7 @@ def units_of(dataset: xarray.Dataset) -> Units:
 def shown_unit(dataset: xarray.Dataset, name: str) -> tuple[float, str]:
     """What the values of an axis or variable are divided by to be shown, and the unit they have then."""
     attrs = dataset[name].attrs
-    return units_of(dataset).of(str(attrs.get("units", "1")), str(attrs.get("long_name", name)))
+    return units_of(dataset).of(str(attrs.get("units", "1")), path_of(dataset, name))
 
 
 def axis_values(dataset: xarray.Dataset, axis: str) -> NDArray[np.float64]:
@@ -109,7 +115,7 @@ def coordinate_words(dataset: xarray.Dataset, axis: str) -> list[str]:
     item, units = dataset[axis], units_of(dataset)
     if item.dtype.kind != "f":
         return [str(value) for value in item.values]
-    unit, path = str(item.attrs.get("units", "1")), str(item.attrs.get("long_name", axis))
+    unit, path = str(item.attrs.get("units", "1")), path_of(dataset, axis)
     return [units.word(float(value), unit, path) for value in item.values]
 
 

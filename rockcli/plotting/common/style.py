@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import textwrap
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 
-SINGLE, DOUBLE = 3.54, 7.2
+from rockcli.scene.looks import WIDTHS, Look
+
+INCH = 25.4
+"""[mm]"""
+
+SINGLE, DOUBLE = WIDTHS["single"] / INCH, WIDTHS["double"] / INCH
 """Widths of one and two journal columns [in]."""
 
 DPI, SCREEN_DPI = 300, 110
@@ -76,7 +84,9 @@ RC: Any = {
     "pdf.fonttype": 42,
 }
 
-_UNDATED: dict[str, dict[str, None]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
+_UNDATED: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
+
+_NOTES = {"pdf": "Subject", "svg": "Description", "png": "Description"}
 
 
 MOST_PANELS, MOST_COLUMNS, PANELS_ACROSS = 6, 3, 3
@@ -84,6 +94,36 @@ MOST_PANELS, MOST_COLUMNS, PANELS_ACROSS = 6, 3, 3
 
 MOST_CURVES, MOST_LINES = 8, 7
 """Curves distinguished by colour in one panel; lines that differ in style too."""
+
+
+_NARROW = 1.65
+"""Width below which a panel is no longer read [in]."""
+
+_look: ContextVar[tuple[Look, str]] = ContextVar("look", default=(Look(), ""))
+"""How the figure that is being drawn is wanted, and what was selected for it."""
+
+
+@contextmanager
+def wanted(look: Look, selected: str = "") -> Iterator[None]:
+    """Draw figures as they are wanted: style, width, title."""
+    token = _look.set((look, selected))
+    try:
+        with mpl.rc_context(RC), no_word_of_glyphs():
+            yield
+    finally:
+        _look.reset(token)
+
+
+def width_or(natural: float) -> float:
+    """The width that is wanted, else the natural one [in]."""
+    width = _look.get()[0].width
+    return natural if width is None else width / INCH
+
+
+def grid_of(n: int, most: int = MOST_COLUMNS) -> tuple[int, int]:
+    """Rows and columns for n panels: as many abreast as the width that is wanted has room for."""
+    columns = min(1 if n == 1 else 2 if n in (2, 4) else 3, most, max(1, int(width_or(DOUBLE) / _NARROW)))
+    return -(-n // columns), columns
 
 
 class Shown(Figure):
@@ -105,7 +145,16 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def headline(figure: Figure, title: str, note: str = "", over: Axes | None = None) -> None:
-    """Title of a figure, wrapped to its width, with a lighter second line; `over` centres it over these axes."""
+    """Title of a figure, wrapped to its width, with a lighter second line; `over` centres it over these axes.
+
+    Where no title is wanted its words are in the file alone.
+    """
+    look, selected = _look.get()
+    title = look.title or title
+    note = "; ".join(filter(None, (selected, note)))
+    figure.set_label("\n".join(filter(None, (title, note))))
+    if look.title is None:
+        return
     columns = int(figure.get_figwidth() * (14.5 if over is None else 12.5))
     words = "\n".join(textwrap.wrap(title, columns))
     if note:
@@ -122,16 +171,34 @@ def panel_title(axes: Axes, words: str, width: float, fontsize: float = 8.5) -> 
     axes.set_title("\n".join(textwrap.wrap(words, max(int(width * 135.0 / fontsize), 12))), fontsize=fontsize)
 
 
-def legend_beside(figure: Figure, axes: Axes, columns: int) -> None:
-    """One legend below the figure, in columns."""
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=columns, columnspacing=1.4)
+def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **style: Any) -> Legend | None:
+    """One legend below the figure, in as many columns as there is room for, at most `most`, their rows filled alike."""
+    if not handles:
+        return None
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    rows = -(-len(handles) // most)
+    while True:
+        columns = -(-len(handles) // rows)
+        how: dict[str, Any] = {"columnspacing": 1.4, **style, "ncols": columns}
+        legend = figure.legend(handles=list(handles), loc="outside lower center", **how)
+        if columns == 1 or legend.get_window_extent(renderer).width <= 0.98 * figure.bbox.width:
+            return legend
+        legend.remove()
+        rows += 1
+
+
+def legend_of(figure: Figure, axes: Axes, most: int = 4) -> None:
+    """One legend below the figure of what some axes show."""
+    legend_below(figure, axes.get_legend_handles_labels()[0], most)
 
 
 def save(figure: Figure, path: Path, plot_format: str) -> None:
-    """Write a figure; the same figure gives the same bytes."""
+    """Write a figure; the same figure gives the same bytes.  Its title and note are in the file's metadata too."""
     _settle(figure)
-    figure.savefig(path, format=plot_format, dpi=DPI, metadata=_UNDATED[plot_format])
+    title, _, note = str(figure.get_label()).partition("\n")
+    named = {"Title": title, _NOTES[plot_format]: note}
+    metadata = _UNDATED[plot_format] | {key: words for key, words in named.items() if words}
+    figure.savefig(path, format=plot_format, dpi=DPI, metadata=metadata)
 
 
 def _settle(figure: Figure) -> None:

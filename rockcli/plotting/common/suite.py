@@ -74,12 +74,6 @@ def panels(
     return list(zip(shown, places, strict=True)), total
 
 
-def grid_of(n: int) -> tuple[int, int]:
-    """Rows and columns for n panels."""
-    columns = 1 if n == 1 else 2 if n in (2, 4) else 3
-    return -(-n // columns), columns
-
-
 def members_word(dataset: xarray.Dataset, suite: Suite) -> str:
     """`42 records`."""
     return str(dataset.attrs.get("members") or _members(suite.axis, int(dataset.sizes[suite.axis])))

@@ -19,8 +19,9 @@ from rockcli.plotting.common.style import (
     QUIET,
     SINGLE,
     headline,
-    legend_beside,
+    legend_of,
     new_figure,
+    width_or,
 )
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     """Above the body in the direction of the first case, below the barriers of each mesh."""
     bodies = _positions(dataset, ("barrier",))
     shown = spread(bodies, _MOST_MESHES)
-    figure = new_figure(SINGLE, 5.6)
+    figure = new_figure(width_or(SINGLE), 5.6)
     grid = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.25), hspace=0.06)
     above = figure.add_subplot(grid[0])
     below: Any = figure.add_subplot(grid[1], projection="polar")
@@ -72,7 +73,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     below.spines["polar"].set_linewidth(0.4)
     below.set_title(f"barrier [{words}] by direction, from $x$ towards $y$", fontsize=8.5, pad=6.0)
     if len(shown) > 1:
-        legend_beside(figure, below, 2)
+        legend_of(figure, below, 2)
     headline(figure, title_of(dataset), selection_note(len(shown), len(bodies), "meshes"))
     return figure
 

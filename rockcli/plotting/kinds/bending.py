@@ -11,7 +11,17 @@ from rockcli.plotting.common.cases import Array, Shown, axes_of, outcome_at, pic
 from rockcli.plotting.common.ground import draw_ground, motions
 from rockcli.plotting.common.labels import title_of, variable_label
 from rockcli.plotting.common.response import SHOWN_UP_TO, Window, over_alpha, window
-from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_COLUMNS, MOST_LINES, QUIET, headline, new_figure
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    MOST_COLUMNS,
+    MOST_LINES,
+    QUIET,
+    headline,
+    legend_below,
+    new_figure,
+    width_or,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -63,7 +73,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     cases = [[_join(column.position, curve.position) for curve in curves] for column in columns]
     grounds = [motions(dataset, positions) for positions in cases]
     heights = [_GROUND] * any(grounds) + [_ROW] * len(_ROWS)
-    figure = new_figure(DOUBLE, 0.7 + 1.75 * sum(heights))
+    figure = new_figure(width_or(DOUBLE), 0.7 + 1.75 * sum(heights))
     grid = figure.subplots(len(heights), len(columns), sharex="col", sharey="row", squeeze=False, height_ratios=heights)
     notes = [selection_note(len(columns), n_columns, "columns"), selection_note(len(curves), n_curves, "curves")]
     limits = np.zeros((len(_ROWS), 2))
@@ -156,6 +166,4 @@ def _legend(figure: Figure, curves: list[Shown]) -> None:
     if len(curves) < 2:
         return
     handles = [Line2D([], [], label=curve.label, **_look(number)) for number, curve in enumerate(curves)]
-    most = max(1, min(len(curves), 4, 110 // (max(len(curve.label) for curve in curves) + 10)))
-    rows = -(-len(curves) // most)
-    figure.legend(handles=handles, loc="outside lower center", ncols=-(-len(curves) // rows), columnspacing=1.4)
+    legend_below(figure, handles)

@@ -20,9 +20,11 @@ from rockcli.plotting.common.style import (
     MOST_PANELS,
     QUIET,
     SINGLE,
+    grid_of,
     headline,
     new_figure,
     panel_title,
+    width_or,
 )
 from rockcli.scene.block import LEFT, RIGHT
 
@@ -45,9 +47,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     """One panel per body."""
     bodies = _bodies(dataset)
     shown = spread(bodies, MOST_PANELS)
-    columns = min(len(shown), 3)
-    rows = -(-len(shown) // columns)
-    width = SINGLE * 1.25 if columns == 1 else DOUBLE
+    rows, columns = grid_of(len(shown))
+    width = width_or(SINGLE * 1.25 if columns == 1 else DOUBLE)
     figure = new_figure(width, 0.7 + rows * (3.4 if columns == 1 else 2.9))
     grid = figure.subplots(rows, columns, squeeze=False)
     for axes, position in zip(grid.flat, shown, strict=False):

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import axes_of
 from rockcli.plotting.common.labels import axis_label, axis_symbol, axis_values, title_of
-from rockcli.plotting.common.style import COLOURS, MOST_CURVES, SINGLE, headline, new_figure
+from rockcli.plotting.common.style import COLOURS, MOST_CURVES, SINGLE, headline, legend_below, new_figure, width_or
 from rockcli.plotting.kinds.map import is_log, plane, scale_axes
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     meanings = str(dataset["boundary"].attrs["flag_meanings"]).split()
     kinds, numbers = dataset["boundary"].values, dataset["boundary_curve"].values
     x, y = (dataset[f"boundary_{axis}"].values * _scale(dataset, axis) for axis in found)
-    figure = new_figure(SINGLE * 1.3, SINGLE)
+    figure = new_figure(width_or(SINGLE * 1.3), SINGLE)
     axes = figure.subplots()
     begins = np.flatnonzero(np.diff(numbers, prepend=-1))
     for begin, end in zip(begins, [*begins[1:], len(numbers)], strict=True):
@@ -63,7 +63,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     ]
     shown = enumerate(groups[:MOST_CURVES]) if others else ()
     handles += [Line2D([], [], color=_colour(i, others), label=label) for i, label in shown]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    legend_below(figure, handles, 2)
     left = f"{MOST_CURVES} of {len(groups)} maps" if len(groups) > MOST_CURVES else ""
     headline(figure, title_of(dataset), left)
     return figure

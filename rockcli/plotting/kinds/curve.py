@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
 from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
-from rockcli.plotting.common.style import COLOURS, MOST_CURVES, QUIET, SINGLE, headline, legend_beside, new_figure
+from rockcli.plotting.common.style import COLOURS, MOST_CURVES, QUIET, SINGLE, headline, legend_of, new_figure, width_or
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.response import FAILED, SLIDING, UNRESOLVED
 
@@ -42,7 +42,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     missing = [_missing(dataset, place, y) for place, y in zip(rest, curves, strict=True)]
     rows = [row for row in _STRIP if any(row in found for found in missing)]
     thick = 0.14 + 0.03 * len(shown)
-    figure = new_figure(SINGLE * 1.3, 3.3 + thick * len(rows))
+    figure = new_figure(width_or(SINGLE * 1.3), 3.3 + thick * len(rows))
     heights = [thick * len(rows), 2.4] if rows else [2.4]
     grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     axes = grid[-1]
@@ -64,8 +64,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         _strip(grid[0], x, rows, missing)
     headline(figure, title_of(dataset), selection_note(len(shown), total, "curves"), over=axes)
     if len(shown) > 1:
-        longest = max(len(case.label) for case in shown)
-        legend_beside(figure, axes, columns=3 if longest < 20 else 2 if longest < 34 else 1)
+        legend_of(figure, axes, 3)
     return figure
 
 

@@ -8,8 +8,18 @@ import numpy as np
 
 from rockcli.plotting.common.cases import Array, selection_note
 from rockcli.plotting.common.labels import axis_label, axis_values, shown_unit, title_of, unit_in_brackets
-from rockcli.plotting.common.style import COLOURS, DOUBLE, SINGLE, headline, new_figure, panel_title
-from rockcli.plotting.common.suite import Suite, grid_of, members_word, panels, suite_of
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    SINGLE,
+    grid_of,
+    headline,
+    legend_below,
+    new_figure,
+    panel_title,
+    width_or,
+)
+from rockcli.plotting.common.suite import Suite, members_word, panels, suite_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.variables import VARIABLES
 
@@ -48,7 +58,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         raise ValueError("fragility curves need an ensemble and an intensity")
     shown, total = panels(dataset, suite)
     rows, columns = grid_of(len(shown))
-    width = SINGLE * 1.3 if columns == 1 else DOUBLE
+    width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
     figure = new_figure(width, 1.25 + rows * (width / columns) * (0.72 if columns == 1 else 0.85))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     single = len(shown) == 1
@@ -70,8 +80,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     log = is_log(np.sort(x))
     scale_axes(first, log)
     first.set_xlim(float(x.min()) if log else 0.0, float(x.max()))
-    handles, labels = first.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=1 if single else 3, columnspacing=1.4)
+    legend_below(figure, first.get_legend_handles_labels()[0], 1 if single else 3)
     second = _second_words(dataset) if single else ""
     words = f"{members_word(dataset, suite)}; {second}maximum likelihood, 95 % band clustered by member"
     headline(figure, title_of(dataset), "; ".join(filter(None, [words, selection_note(len(shown), total, "panels")])))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -20,7 +19,7 @@ from rockcli.plotting.common.response import (
     sliding_speed,
     window,
 )
-from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, legend_beside, new_figure
+from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, legend_of, new_figure, width_or
 
 if TYPE_CHECKING:
     import xarray
@@ -55,7 +54,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     panels = _panels(dataset, positions)
     heights = [(0.55 if len(grounds) < 2 else 0.42) * height_of(panel) for panel in grounds]
     heights += [height for height, _ in panels]
-    figure = new_figure(DOUBLE, 0.6 + 1.75 * sum(heights))
+    figure = new_figure(width_or(DOUBLE), 0.6 + 1.75 * sum(heights))
     grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     time = dataset["time"].values
     seen = window(dataset, positions)
@@ -73,7 +72,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     notes.append(seen.note)
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
     if len(shown) > 1:
-        legend_beside(figure, grid[len(grounds)], columns=_columns(shown))
+        legend_of(figure, grid[len(grounds)])
     return figure
 
 
@@ -95,13 +94,6 @@ def _alike(panels: list[Axes]) -> None:
         limits = np.array([axes.get_ylim() for axes in panels])
         for axes in panels:
             axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
-
-
-def _columns(shown: list[Shown]) -> int:
-    longest = max(len(re.sub(r"\\[a-z]+|[$,]", "", case.label)) for case in shown)
-    most = max(1, min(len(shown), 4, int(125 / (longest + 14))))
-    rows = -(-len(shown) // most)
-    return -(-len(shown) // rows)
 
 
 def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:

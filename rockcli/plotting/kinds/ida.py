@@ -12,8 +12,19 @@ from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, selection_note
 from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
-from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, SINGLE, headline, new_figure, panel_title
-from rockcli.plotting.common.suite import grid_of, members_word, panels, suite_of, without_intensity
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    QUIET,
+    SINGLE,
+    grid_of,
+    headline,
+    legend_below,
+    new_figure,
+    panel_title,
+    width_or,
+)
+from rockcli.plotting.common.suite import members_word, panels, suite_of, without_intensity
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.variables import PEAK
 
@@ -47,7 +58,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         raise ValueError("an IDA needs an ensemble along an intensity")
     shown, total = panels(dataset, suite)
     rows, columns = grid_of(len(shown))
-    width = SINGLE * 1.3 if columns == 1 else DOUBLE
+    width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
     figure = new_figure(width, 1.0 + rows * (width / columns) * (0.72 if columns == 1 else 0.85))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     intensity = axis_values(dataset, suite.along)
@@ -82,7 +93,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         words.append(Line2D([], [], color=BOLD, linewidth=1.6, label=word))
         if dashes:
             words[-1].set_dashes(dashes)
-    figure.legend(handles=words, loc="outside lower center", ncols=4, columnspacing=1.4)
+    legend_below(figure, words)
     note = "; ".join(filter(None, [selection_note(len(shown), total, "panels"), "overturned cases leave to the right"]))
     headline(figure, title_of(dataset), note)
     return figure

@@ -19,9 +19,12 @@ from rockcli.plotting.common.style import (
     MOST_PANELS,
     OUTCOME_COLOURS,
     SINGLE,
+    grid_of,
     headline,
+    legend_below,
     new_figure,
     panel_title,
+    width_or,
 )
 from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING, SLIDING, outcome_words
 
@@ -69,9 +72,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
         raise ValueError("a map needs two numeric axes")
     others = tuple(axis for axis in axes_of(dataset) if axis not in found)
     shown, total = pick(dataset, MOST_PANELS, others)
-    columns = 1 if len(shown) == 1 else 2 if len(shown) in (2, 4) else 3
-    rows = -(-len(shown) // columns)
-    width = SINGLE * 1.3 if columns == 1 else DOUBLE
+    rows, columns = grid_of(len(shown))
+    width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
     figure = new_figure(width, 0.95 + rows * (width / columns) * 0.8)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     peaks = _peaks(dataset)
@@ -99,7 +101,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         bar.set_label("rocking: " + variable_label("theta_peak_over_alpha"))
         bar.outline.set_linewidth(0.4)
     slides = bool(_tilts_and_slides(dataset).any())
-    _legend(figure, present, bounded, shaded=peaks is not None, slides=slides, columns=2 if columns == 1 else 4)
+    _legend(figure, present, bounded, shaded=peaks is not None, slides=slides)
     headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
     return figure
 
@@ -174,7 +176,7 @@ def _edges(values: Array, *, log: bool) -> Array:
     return np.asarray(np.exp(edges) if log else edges)
 
 
-def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool, columns: int) -> None:
+def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool) -> None:
     flags = [flag for flag in OUTCOMES if flag in present and not (shaded and flag == ROCKING)]
     flags.sort(key=lambda flag: flag < NO_UPLIFT)
     patches = [
@@ -186,9 +188,7 @@ def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: boo
             Patch(facecolor="white", edgecolor="#666666", linewidth=0.4, hatch=_SLIDING, label="also slides")
         )
     handles: list[Artist] = [*patches, *boundary_handles(bounded)]
-    if handles:
-        size = (min(len(patches), columns), 1.2) if not bounded else (2, 2.2)
-        figure.legend(handles=handles, loc="outside lower center", ncols=size[0], handlelength=size[1])
+    legend_below(figure, handles, 2 if bounded else 4, handlelength=2.2 if bounded else 1.2)
 
 
 def _words(flag: int) -> str:

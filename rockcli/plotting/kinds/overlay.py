@@ -33,8 +33,10 @@ from rockcli.plotting.common.style import (
     QUIET,
     SINGLE,
     headline,
+    legend_below,
     new_figure,
     panel_title,
+    width_or,
 )
 
 if TYPE_CHECKING:
@@ -185,7 +187,7 @@ def _laid_out(
     across: int, down: int, names: list[str], *, shaken: bool, shared: bool
 ) -> tuple[Figure, list[Axes], Any]:
     """A figure with panels for the ground (one across all columns if shared) and, below them, for the columns."""
-    width = SINGLE * 1.35 if across == 1 else DOUBLE
+    width = width_or(SINGLE * 1.35 if across == 1 else DOUBLE)
     heights = [_HEIGHTS[name] for name in names] * down
     if shaken:
         heights = [_HEIGHTS["ground"], *heights]
@@ -269,6 +271,4 @@ def _legend(figure: Figure, lines: list[Point], reference: str) -> None:
         for number, line in enumerate(lines)
     ]
     handles.append(Line2D([], [], **_REFERENCE, label=f"{reference} (reference)"))
-    longest = max(len(str(handle.get_label())) for handle in handles)
-    fitting = max(1, min(len(handles), int(figure.get_figwidth() * 15) // (longest + 6)))
-    figure.legend(handles=handles, loc="outside lower center", ncols=fitting, columnspacing=1.4, handlelength=2.6)
+    legend_below(figure, handles, 4, handlelength=2.6)

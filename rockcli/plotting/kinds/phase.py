@@ -10,7 +10,18 @@ from numpy.typing import NDArray
 from rockcli.plotting.common.cases import Array, outcome_at, pick, reference_words, selection_note
 from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.response import Response, edges, impacts_of, response_of
-from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_PANELS, QUIET, SINGLE, headline, new_figure, panel_title
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    MOST_PANELS,
+    QUIET,
+    SINGLE,
+    grid_of,
+    headline,
+    new_figure,
+    panel_title,
+    width_or,
+)
 from rockcli.scene.block import LEFT, RIGHT
 
 if TYPE_CHECKING:
@@ -34,9 +45,8 @@ _SHOWN_UP_TO = 1.6
 def draw(dataset: xarray.Dataset) -> Figure:
     """One panel per case, theta_dot/(p alpha) against theta/alpha."""
     shown, total = pick(dataset, MOST_PANELS)
-    columns = 1 if len(shown) == 1 else 2 if len(shown) in (2, 4) else 3
-    rows = -(-len(shown) // columns)
-    width = SINGLE * 1.25 if columns == 1 else DOUBLE
+    rows, columns = grid_of(len(shown))
+    width = width_or(SINGLE * 1.25 if columns == 1 else DOUBLE)
     figure = new_figure(width, 0.7 + rows * (width / columns) * 0.86)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     reach = np.zeros(2)

@@ -10,7 +10,7 @@ from matplotlib.ticker import LogLocator
 
 from rockcli.plotting.common.cases import Array, selection_note
 from rockcli.plotting.common.labels import escape, shown_unit, title_of
-from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, headline, new_figure, panel_title
+from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, headline, legend_of, new_figure, panel_title, width_or
 from rockcli.plotting.common.suite import panels, suite_of
 from rockcli.plotting.kinds.fragility import MARKERS, intensity_label
 from rockcli.plotting.kinds.map import scale_axes
@@ -38,7 +38,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         raise ValueError("risk needs an ensemble and a hazard curve")
     shown, total = panels(dataset, suite)
     shown = shown[:_MOST_BODIES]
-    figure = new_figure(DOUBLE, 0.85 + 2.3 * len(shown))
+    figure = new_figure(width_or(DOUBLE), 0.85 + 2.3 * len(shown))
     grid = figure.subplots(len(shown), 3, squeeze=False)
     label = intensity_label(dataset, suite)
     for row, (case, place) in zip(grid, shown, strict=True):
@@ -50,8 +50,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
             axes.set_xlabel(label)
         if case.label:
             panel_title(row[0], case.label, DOUBLE / 3.0)
-    handles, labels = grid[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4), columnspacing=1.4)
+    legend_of(figure, grid[0, 0])
     note = "of overturning; bands: 95 % by the scatter of the suite"
     headline(figure, title_of(dataset), "; ".join(filter(None, [note, selection_note(len(shown), total, "bodies")])))
     return figure

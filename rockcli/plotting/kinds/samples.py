@@ -8,7 +8,7 @@ import numpy as np
 
 from rockcli.plotting.common.cases import Array, selection_note
 from rockcli.plotting.common.labels import axis_symbol, title_of, variable_label
-from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, new_figure
+from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, legend_of, new_figure, width_or
 from rockcli.plotting.common.suite import end_to_end, members_word, panels, suite_of
 from rockcli.scene.variables import INPUT, PEAK
 
@@ -43,7 +43,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     inputs = [str(path) for path in dataset[INPUT].values]
     shown, total = panels(whole, members, along=True)
     shown = shown[:MOST_CURVES]
-    figure = new_figure(DOUBLE, max(3.2, 1.6 + 0.16 * len(inputs) * (len(shown) + 1)))
+    figure = new_figure(width_or(DOUBLE), max(3.2, 1.6 + 0.16 * len(inputs) * (len(shown) + 1)))
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 0.9))
     peaks = whole[PEAK].values
     finite = peaks[np.isfinite(peaks)]
@@ -69,8 +69,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     right.axvline(0.0, color=QUIET, linewidth=0.6)
     right.set_xlabel(_matters(dataset)[2])
     if len(shown) > 1:
-        handles, labels = left.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=3, columnspacing=1.4)
+        legend_of(figure, left, 3)
     note = f"{members_word(whole, members)}; points: overturned, with 95 % limits"
     headline(figure, title_of(dataset), "; ".join(filter(None, [note, selection_note(len(shown), total, "points")])))
     return figure

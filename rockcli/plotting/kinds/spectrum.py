@@ -22,9 +22,11 @@ from rockcli.plotting.common.style import (
     QUIET,
     SINGLE,
     headline,
-    legend_beside,
+    legend_below,
+    legend_of,
     new_figure,
     panel_title,
+    width_or,
 )
 from rockcli.plotting.common.suite import members_word, suite_of
 from rockcli.plotting.kinds.ida import BOLD, FRACTILES, MEMBER
@@ -114,7 +116,7 @@ def _of_cases(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
     every = axes_of(dataset)
     others = tuple(name for name in every if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
-    figure = new_figure(SINGLE * 1.3, 0.9 + 1.75 * len(rows))
+    figure = new_figure(width_or(SINGLE * 1.3), 0.9 + 1.75 * len(rows))
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     for axes, row in zip(grid, rows, strict=True):
         curves = []
@@ -130,8 +132,7 @@ def _of_cases(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
     note = "; ".join(filter(None, [selection_note(len(shown), total, "curves"), _leaving(dataset, rows)]))
     headline(figure, title_of(dataset), note)
     if len(shown) > 1:
-        longest = max(len(case.label) for case in shown)
-        legend_beside(figure, grid[0], columns=3 if longest < 20 else 2 if longest < 34 else 1)
+        legend_of(figure, grid[0], 3)
     return figure
 
 
@@ -171,7 +172,7 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
         words.append(Line2D([], [], color=BOLD, linewidth=1.6, label=word))
         if dashes:
             words[-1].set_dashes(dashes)
-    figure.legend(handles=words, loc="outside lower center", ncols=4, columnspacing=1.4)
+    legend_below(figure, words)
     note = "; ".join(filter(None, [selection_note(columns, total, "columns"), _leaving(dataset, rows)]))
     headline(figure, title_of(dataset), note)
     return figure

@@ -18,8 +18,10 @@ from rockcli.plotting.common.style import (
     QUIET,
     SINGLE,
     headline,
+    legend_below,
     new_figure,
     panel_title,
+    width_or,
 )
 
 if TYPE_CHECKING:
@@ -128,7 +130,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     beside = len(columns) > 1
     across = len(columns) if beside else min(PANELS_ACROSS, len(panels))
     down = len(panels) if beside else -(-len(panels) // across)
-    width = SINGLE * 1.2 if across == 1 else DOUBLE
+    width = width_or(SINGLE * 1.2 if across == 1 else DOUBLE)
     figure = new_figure(width, 0.85 + down * max(2.3, 0.95 * width / across))
     grid = figure.subplots(
         2 * down,
@@ -291,9 +293,7 @@ def _legend(
         handles.append(handle)
     if "spring_moment" in dataset.variables and any(_yields(dataset, line) for line in lines):
         handles.append(Line2D([], [], **_SPRING, label="spring alone"))
-    longest = max(len(str(handle.get_label())) for handle in handles)
-    fitting = max(1, min(columns, len(handles), int(figure.get_figwidth() * 15) // (longest + 6)))
-    figure.legend(handles=handles, loc="outside lower center", ncols=fitting, columnspacing=1.4, handlelength=2.6)
+    legend_below(figure, handles, columns, handlelength=2.6)
 
 
 def _corners(panels: list[Panel]) -> str:

@@ -9,7 +9,16 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.labels import title_of
-from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, headline, new_figure, panel_title
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    QUIET,
+    headline,
+    legend_below,
+    new_figure,
+    panel_title,
+    width_or,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -82,7 +91,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     shown += [(part, "") for part in ("model", "data") if (parts == part).any()]
     drawable = _drawable(dataset)
     shown = [(part, model) for part, model in shown if (drawable & _rows(dataset, part, model)).any()]
-    width = DOUBLE if len(shown) > 1 else DOUBLE * 0.6
+    width = width_or(DOUBLE if len(shown) > 1 else DOUBLE * 0.6)
     efforts = {"cost": np.asarray(dataset["cost"].values, dtype=float), "n_rhs": _evaluations(dataset)}
     known = drawable & np.isfinite(efforts["n_rhs"])
     again = [one for one in shown if one[0] == "numerics" and (known & _rows(dataset, *one)).any()]
@@ -107,8 +116,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
         axes.xaxis.set_minor_formatter(NullFormatter())
         if (part, model) == shown[0]:
             axes.set_ylabel(r"median error of $|\theta|_{\mathrm{max}}/\alpha$")
-    handles, labels = _legend(figure.axes)
-    figure.legend(handles, labels, loc="outside lower center", ncols=4 if width == DOUBLE else 2, columnspacing=1.2)
+    handles = _legend(figure.axes)
+    legend_below(figure, handles, columnspacing=1.2)
     absent = int((drawable & (parts == "numerics") & ~known).sum()) if again else 0
     headline(figure, f"{title_of(dataset)}: error against cost", _note(dataset, absent))
     return figure
@@ -229,12 +238,12 @@ def _apart(wanted: NDArray[np.float64], gap: float, low: float, high: float) -> 
     return np.asarray(np.minimum(places, high - 0.5 * gap - steps[::-1]))
 
 
-def _legend(grid: list[Axes]) -> tuple[list[Any], list[str]]:
+def _legend(grid: list[Axes]) -> list[Any]:
     found: dict[str, Any] = {}
     for axes in grid:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
-    return list(found.values()), list(found)
+    return list(found.values())
 
 
 def _note(dataset: xarray.Dataset, absent: int) -> str:

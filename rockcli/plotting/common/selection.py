@@ -1,0 +1,193 @@
+"""Part of a dataset by values on its axes, and several datasets as one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockcli.errors import StudyError
+from rockcli.plotting.common.cases import Array, axes_of, is_numeric
+from rockcli.plotting.common.labels import coordinate_label, path_of, shown_unit
+from rockcli.scene.variables import IMPACT, MOTION, TIME
+
+if TYPE_CHECKING:
+    import xarray
+
+DATASET = "dataset"
+"""Axis along which overlaid datasets are told apart."""
+
+_NEAR = 1e-6
+"""Relative difference up to which a number that was typed is the one of the axis."""
+
+_MOST_NAMED = 20
+
+_MANY = 10**6
+"""More ground motions than a dataset with histories has."""
+
+
+def selected(dataset: xarray.Dataset, chosen: Mapping[str, Any]) -> tuple[xarray.Dataset, str]:
+    """The cases at some values of axes, and what they are called; the axes stay, with one point where one is chosen.
+
+    Args:
+        dataset: of `rock run`.
+        chosen: {axis, by its name, its path or the end of that: a value or a list of values}; numbers in SI units, or
+            as `0.4g`.
+
+    Raises:
+        StudyError: there is no such axis or value.
+    """
+    words = []
+    for said, values in chosen.items():
+        axis = _axis(dataset, said)
+        every = values if isinstance(values, list | tuple) else [values]
+        places = list(dict.fromkeys(place_on(dataset, axis, value) for value in every))
+        if dataset.sizes[axis] > 1:
+            words.append(" and ".join(coordinate_label(dataset, axis, place) for place in places))
+        dataset = _at(dataset, axis, places)
+    return dataset, ", ".join(words)
+
+
+def _axis(dataset: xarray.Dataset, said: str) -> str:
+    axes = axes_of(dataset)
+    found = [axis for axis in axes if said in (axis, path_of(dataset, axis))]
+    found = found or [axis for axis in axes if path_of(dataset, axis).endswith(f".{said}")]
+    if len(found) != 1:
+        there = f"the axes are {', '.join(axes)}" if axes else "there is one case only"
+        raise StudyError(f"select {said}: {there}")
+    return found[0]
+
+
+def place_on(dataset: xarray.Dataset, axis: str, value: Any) -> int:
+    """Where on an axis a value stands: a number to six digits, of accelerations also as `0.4g`; a label as written.
+
+    Raises:
+        StudyError: it does not.
+    """
+    values = dataset[axis].values
+    if is_numeric(dataset, axis):
+        try:
+            number = _number(str(value), dataset, axis)
+        except ValueError:
+            raise StudyError(f"{axis}={value}: expected a number") from None
+        found = np.isclose(values, number, rtol=_NEAR, atol=0.0)
+    else:
+        found = np.array([str(v) == str(value) for v in values])
+    if not found.any():
+        more = ", ..." if len(values) > _MOST_NAMED else ""
+        raise StudyError(f"{axis}={value}: there are {', '.join(str(v) for v in values[:_MOST_NAMED])}{more}")
+    return int(np.argmax(found))
+
+
+def _number(words: str, dataset: xarray.Dataset, axis: str) -> float:
+    divisor, unit = shown_unit(dataset, axis)
+    bare = words.strip().removesuffix("g").rstrip(" *") if unit == "g" else words
+    return float(bare) * (divisor if bare != words.strip() and unit == "g" else 1.0)
+
+
+def _at(dataset: xarray.Dataset, axis: str, places: list[int]) -> xarray.Dataset:
+    """Some points of an axis; what is told of the whole axis is told no more."""
+    part = dataset.isel({axis: places})
+    attrs = dict(dataset.attrs)
+    over = json.loads(attrs.get("ensemble", "null")) or {}
+    members = over.get("axis", [])
+    if len(places) < dataset.sizes[axis] and axis in ([members] if isinstance(members, str) else members):
+        attrs.pop("ensemble")
+    along = f"boundary_{axis}"
+    if along in dataset.variables and "boundary_point" in dataset[along].dims:
+        part = part.isel(boundary_point=np.flatnonzero(np.isin(dataset[along].values, part[axis].values)))
+    return part.assign_attrs(attrs) if attrs == dataset.attrs else _with(part, attrs)
+
+
+def _with(dataset: xarray.Dataset, attrs: dict[Any, Any]) -> xarray.Dataset:
+    bare = dataset.copy()
+    bare.attrs = attrs
+    return bare
+
+
+def overlaid(datasets: Sequence[xarray.Dataset], names: Sequence[str]) -> xarray.Dataset:
+    """Several datasets as one with an axis `dataset`, for figures that lay cases over one another or side by side.
+
+    Histories are drawn as lines between their samples, so that those of different times are taken at the times of all
+    without changing a line.
+
+    Raises:
+        StudyError: their axes differ.
+    """
+    first = datasets[0]
+    for other, name in zip(datasets[1:], names[1:], strict=True):
+        _check_alike(first, other, name)
+    labels = list(names) if len(set(names)) == len(names) else [f"{name} ({i})" for i, name in enumerate(names, 1)]
+    axes = axes_of(first)
+    wanted = [str(name) for name in first.variables if str(name) not in {*axes, TIME}]
+    names_of_all = [name for name in wanted if all(_is_of_cases(each, name, axes) for each in datasets)]
+    times = [each[TIME].values for each in datasets if TIME in each.variables]
+    time: Array = np.unique(np.concatenate(times)) if times else np.empty(0)
+    impacts = max(int(each.sizes.get(IMPACT, 0)) for each in datasets)
+    items: dict[str, Any] = {}
+    for name in names_of_all:
+        dims = tuple(str(dim) for dim in first[name].dims)
+        rows = [_values(each, name, dims, time, impacts) for each in datasets]
+        if name == MOTION:
+            rows = [row + _MANY * _first_alike(datasets, i) for i, row in enumerate(rows)]
+        same = all(np.array_equal(rows[0], row, equal_nan=True) for row in rows[1:])
+        items[name] = (
+            (dims, rows[0], first[name].attrs) if same else ((DATASET, *dims), np.stack(rows), first[name].attrs)
+        )
+    coords: dict[str, Any] = {DATASET: (DATASET, np.array(labels, dtype=object), {"path": DATASET})}
+    coords |= {axis: (axis, first[axis].values, first[axis].attrs) for axis in axes}
+    coords |= {TIME: (TIME, time)} if len(time) else {}
+    coords |= {name: items.pop(name) for name in names_of_all if name in first.coords}
+    titles = dict.fromkeys(str(each.attrs.get("title", "")) for each in datasets)
+    attrs = {"axes": " ".join([DATASET, *axes]), "title": " / ".join(filter(None, titles))}
+    attrs |= {key: first.attrs[key] for key in ("case",) if key in first.attrs}
+    return first.__class__(items, coords, attrs)
+
+
+def _first_alike(datasets: Sequence[xarray.Dataset], i: int) -> int:
+    """The first dataset whose ground moves as that of the i-th."""
+    return next(
+        j
+        for j in range(i + 1)
+        if j == i
+        or all(
+            datasets[j].get(n) is not None and datasets[i][n].equals(datasets[j][n])
+            for n in ("a_g", "a_v")
+            if n in datasets[i]
+        )
+    )
+
+
+def _is_of_cases(dataset: xarray.Dataset, name: str, axes: tuple[str, ...]) -> bool:
+    """Whether a dataset has a variable of that name that is of numbers, of the cases or their histories."""
+    if name not in dataset.variables:
+        return False
+    item = dataset[name]
+    return item.dtype.kind in "fiu" and {str(dim) for dim in item.dims} <= {*axes, TIME, IMPACT}
+
+
+def _values(dataset: xarray.Dataset, name: str, dims: tuple[str, ...], time: Array, impacts: int) -> Array:
+    """The values of a dataset over the dimensions of the first: histories at the times of all, impacts as many."""
+    item = dataset[name].transpose(*dims)
+    values = np.asarray(item.values)
+    if TIME in dims:
+        own = dataset[TIME].values
+        return np.apply_along_axis(lambda y: np.interp(time, own, y, right=np.nan), dims.index(TIME), values)
+    if IMPACT in dims:
+        missing = [(0, impacts - n if dim == IMPACT else 0) for dim, n in zip(dims, values.shape, strict=True)]
+        return np.pad(values.astype(float), missing, constant_values=np.nan)
+    return values
+
+
+def _check_alike(first: xarray.Dataset, other: xarray.Dataset, name: str) -> None:
+    axes = axes_of(first)
+    if axes_of(other) != axes:
+        one, two = (", ".join(found) or "none" for found in (axes, axes_of(other)))
+        raise StudyError(f"{name}: its axes ({two}) are not those of the first ({one}); --select leaves some of them")
+    for axis in axes:
+        a, b = first[axis].values, other[axis].values
+        same = len(a) == len(b) and (np.allclose(a, b, rtol=1e-9) if is_numeric(first, axis) else (a == b).all())
+        if not same:
+            raise StudyError(f"{name}: its values of {axis} are not those of the first; --select leaves some of them")

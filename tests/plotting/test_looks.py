@@ -1,0 +1,237 @@
+"""Figures as they are wanted: width, title, selection, labels, limits, letters, several datasets in one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from matplotlib.figure import Figure
+from PIL import Image
+from typer.testing import CliRunner
+
+import rockcli
+from rockcli.cli.main import app
+from rockcli.engine.draw import asked_of, draw
+from rockcli.errors import StudyError
+from rockcli.plotting.common.selection import overlaid, place_on, selected
+from rockcli.plotting.figures import figure, save
+from rockcli.scene.looks import Look, width_of
+from rockcli.storage.netcdf import write
+from rockcli.storage.read import from_xarray
+
+PULSE = {"shape": "sine", "a_p_over_g_tan_alpha": 2.0, "omega_p_over_p": 5.0}
+CASE = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": PULSE}}
+STUDY = {"name": "sizes", "title": "Three sizes", "case": CASE, "vary": {"block.R": [1.0, 2.0, 4.0]}}
+
+
+@pytest.fixture(scope="module")
+def sizes() -> xarray.Dataset:
+    return rockcli.run(STUDY)
+
+
+@pytest.fixture(scope="module")
+def pga() -> xarray.Dataset:
+    vary = {"motion.pulse.a_p": ["0.1*g", "0.4*g", "1.2*g"], "model": ["rigid", "linearized"]}
+    case = {"block": CASE["block"], "motion": {"pulse": {"shape": "sine", "a_p": 1.0, "omega_p": 5.0}}}
+    return rockcli.run({"name": "pga", "case": case, "vary": vary})
+
+
+def text(drawn: Figure) -> str:
+    drawn.draw_without_rendering()
+    return " | ".join([drawn.get_suptitle(), *(t.get_text() for legend in drawn.legends for t in legend.get_texts())])
+
+
+@pytest.mark.parametrize(
+    ("kind", "said", "mm"),
+    [("histories", "single", 90.0), ("phase", "double", 180.0), ("map", 120.0, 120.0), ("phase", "75", 75.0)],
+)
+def test_a_figure_is_as_wide_as_it_is_wanted(
+    sizes: xarray.Dataset, kind: str, said: str | float, mm: float, tmp_path: Path
+) -> None:
+    """Of the file itself: nothing is cut off or added."""
+    drawn = rockcli.plot(sizes, kind, tmp_path / "a.png", width=said)
+    with Image.open(tmp_path / "a.png") as picture:
+        assert picture.width / 300.0 * 25.4 == pytest.approx(mm, abs=0.1)
+    page = drawn.bbox
+    for axes in drawn.axes:
+        box = axes.get_tightbbox()
+        assert box is None or (box.x0 >= page.x0 - 1.0 and box.x1 <= page.x1 + 1.0)
+    for legend in drawn.legends:
+        assert legend.get_window_extent().x0 >= page.x0
+
+
+def test_widths_that_figures_cannot_have() -> None:
+    for said in ("wide", 12.0, "5000", float("nan")):
+        with pytest.raises(StudyError, match="single or double, or 60 to 500 mm"):
+            width_of(said)
+    assert width_of(None) is None
+
+
+def test_without_a_title_its_words_are_in_the_file(sizes: xarray.Dataset, tmp_path: Path) -> None:
+    drawn = rockcli.plot(sizes, "histories", tmp_path / "a.png", title=None, select={"R": 4})
+    assert drawn.get_suptitle() == ""
+    with Image.open(tmp_path / "a.png") as picture:
+        assert picture.info["Title"] == "Three sizes"
+        assert "$R$ = 4 m" in picture.info["Description"]
+    other = rockcli.plot(sizes, "histories", title="Mine", select={"R": 4})
+    assert other.get_suptitle().startswith("Mine\n$R$ = 4 m; peak")
+
+
+def test_selected_cases_are_drawn_and_named(sizes: xarray.Dataset, pga: xarray.Dataset) -> None:
+    two = rockcli.plot(sizes, "histories", select={"block.R": [4.0, "1"]})
+    assert "$R$ = 4 m and $R$ = 1 m" in text(two)
+    curves = [line for line in two.axes[1].lines if len(line.get_xdata()) > 100]
+    for line, which in zip(curves, (2, 0), strict=True):
+        at = int(np.nanargmax(np.abs(line.get_ydata())))
+        assert line.get_xdata()[at] == pytest.approx(float(sizes.t_peak[which]), abs=0.005)
+    for said in ("0.4g", "0.4*g", "0.4 g", 0.4 * 9.81):
+        assert place_on(pga, "a_p" if "a_p" in pga.dims else "motion_pulse_a_p", said) == 1
+    part, words = selected(pga, {"a_p": "1.2g", "model": "linearized"})
+    assert words == "$a_p$ = 1.2 g, linearized"
+    assert dict(part.sizes)["model"] == 1
+    assert float(part.theta_peak_over_alpha.squeeze()) == float(pga.theta_peak_over_alpha.values[2, 1])
+
+
+@pytest.mark.parametrize(
+    ("chosen", "words"),
+    [
+        ({"radius": 1}, "select radius: the axes are block_R"),
+        ({"R": 3}, "block_R=3: there are 1.0, 2.0, 4.0"),
+        ({"R": "large"}, "expected a number"),
+    ],
+)
+def test_what_is_not_there_cannot_be_selected(sizes: xarray.Dataset, chosen: dict[str, object], words: str) -> None:
+    with pytest.raises(StudyError, match=words):
+        selected(sizes, chosen)
+
+
+def test_part_of_a_suite_is_no_suite() -> None:
+    vary = {"motion.pulse.omega_p": [3.0, 4.0, 5.0], "motion.pulse.a_p": ["0.3*g", "0.6*g", "0.9*g"]}
+    case = {"block": CASE["block"], "motion": {"pulse": {"shape": "sine", "a_p": 1.0, "omega_p": 5.0}}}
+    study = {"name": "s", "case": case, "vary": vary, "over": "motion.pulse.omega_p", "save": {"histories": False}}
+    suite = rockcli.run(study)
+    assert asked_of(suite)[0][0] == "ida"
+    with pytest.raises(StudyError, match="takes no statistics"):
+        rockcli.plot(suite, "ida", select={"omega_p": 4})
+    assert asked_of(suite, select={"omega_p": 4})[0][0] == "map"
+
+
+def test_labels_limits_and_letters(sizes: xarray.Dataset) -> None:
+    drawn = rockcli.plot(
+        sizes,
+        "histories",
+        labels={"x": "time", "y2": "tilt"},
+        limits={"x": (0.5, 2.0), "y2": (-0.6, 0.6)},
+        letters=True,
+    )
+    assert [axes.get_ylabel() for axes in drawn.axes] == ["$a_g$ [g]", "tilt", r"$\dot\theta$ [rad/s]"]
+    assert [axes.get_xlabel() for axes in drawn.axes] == ["", "", "time"]
+    assert drawn.axes[1].get_ylim() == (-0.6, 0.6)
+    assert all(axes.get_xlim() == (0.5, 2.0) for axes in drawn.axes)
+    assert [axes.texts[-1].get_text() for axes in drawn.axes] == ["(a)", "(b)", "(c)"]
+    with pytest.raises(StudyError, match="limits of y4: it has 3 rows of panels"):
+        rockcli.plot(sizes, "histories", limits={"y4": (0.0, 1.0)})
+
+
+def test_a_logarithmic_axis_begins_above_zero(pga: xarray.Dataset) -> None:
+    vary = {"block.R": {"from": 1, "to": 30, "n": 12, "spacing": "log"}}
+    spectrum = rockcli.run({**STUDY, "vary": vary, "save": {"histories": False}})
+    with pytest.raises(StudyError, match="the axis is logarithmic"):
+        rockcli.plot(spectrum, "map", limits={"x": (0.0, 10.0)})
+
+
+def test_a_study_says_how_its_plots_are_wanted(tmp_path: Path) -> None:
+    """By itself, and when they are drawn again from the file."""
+    wanted = {
+        "kind": "histories",
+        "select": {"block.R": [1, 4]},
+        "width": "single",
+        "title": False,
+        "labels": {"y1": "ground"},
+        "limits": {"x": [0, 3]},
+        "letters": True,
+    }
+    data = rockcli.run({**STUDY, "plots": ["phase", wanted, "histories"]})
+    asked = asked_of(data)
+    assert [kind for kind, _ in asked] == ["phase", "histories", "histories"]
+    assert asked[1][1] == Look(
+        width=90.0, title=None, select=wanted["select"], labels={"y1": "ground"}, limits={"x": (0.0, 3.0)}, letters=True
+    )
+    path = tmp_path / "a.nc"
+    write(from_xarray(data), path)
+    drawn, complaints = draw(path, asked)
+    assert [file.name for file in drawn] == ["phase.png", "histories.png", "histories_2.png"]
+    assert not complaints
+    again = CliRunner().invoke(app, ["plot", str(path), "--kind", "histories", "--out", str(tmp_path / "b.png")])
+    assert again.exit_code == 0, again.output
+    assert (tmp_path / "b.png").read_bytes() == (tmp_path / "histories.png").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("plots", "words"),
+    [
+        ("[{kind: histogram}]", "plots[0].kind is 'histogram'"),
+        ("[{kind: map, width: 2}]", "plots[0].width"),
+        ("[{kind: map, labels: {z: depth}}]", "plots[0].labels"),
+        ("[{kind: map, limits: {x: [1]}}]", "plots[0].limits"),
+        ("[{width: single}]", "'kind' is missing"),
+        ("[{kind: map, letter: true}]", "did you mean 'letters'"),
+    ],
+)
+def test_wrong_plots_are_refused(plots: str, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "a.yaml"
+    file.write_text(f"name: a\ncase:\n  block: {{R: 2, tan_alpha: 0.2}}\nplots: {plots}\n")
+    told = CliRunner().invoke(app, ["check", str(file)])
+    assert getattr(told.exception, "exit_code", None) == 2
+    assert words in str(told.exception)
+
+
+def test_several_datasets_in_one_figure(sizes: xarray.Dataset, tmp_path: Path) -> None:
+    """Each keeps its own line, whatever its time steps."""
+    finer = rockcli.run({"name": "finer", "case": CASE, "save": {"dt_out": 0.0031}})
+    plain = rockcli.run({"name": "plain", "case": {**CASE, "model": "linearized"}, "save": {"dt_out": 0.005}})
+    drawn = rockcli.plot([finer, plain], "histories")
+    assert [t.get_text() for t in drawn.legends[0].get_texts()] == ["finer", "plain"]
+    both = overlaid([finer, plain], ["finer", "plain"])
+    for i, own in enumerate((finer, plain)):
+        line = both.theta.values[i]
+        again = np.interp(own.time.values, both.time.values, line)
+        np.testing.assert_allclose(again, own.theta.values, atol=1e-12)
+        between = np.interp(both.time.values, own.time.values, own.theta.values, right=np.nan)
+        np.testing.assert_array_equal(line, between)
+        known = np.isfinite(own.t_impact.values)
+        np.testing.assert_array_equal(both.t_impact.values[i][: known.sum()], own.t_impact.values[known])
+    assert figure("phase", both).axes
+    with pytest.raises(StudyError, match=r"its axes \(block_R\) are not those of the first \(none\)"):
+        rockcli.plot([finer, sizes])
+    other = rockcli.run({**STUDY, "vary": {"block.R": [1.0, 2.0, 5.0]}})
+    with pytest.raises(StudyError, match="its values of block_R are not those of the first"):
+        rockcli.plot([sizes, other])
+    assert rockcli.plot([sizes, other], "histories", select={"R": 2})
+
+
+def test_the_command_draws_several_files_together_only_where_it_is_told(tmp_path: Path) -> None:
+    files = []
+    for name in ("one", "two"):
+        files.append(tmp_path / name / f"{name}.nc")
+        files[-1].parent.mkdir()
+        write(from_xarray(rockcli.run({"name": name, "case": CASE})), files[-1])
+    names = list(map(str, files))
+    assert CliRunner().invoke(app, ["plot", *names]).exit_code == 0
+    assert all((file.parent / "histories.png").exists() for file in files)
+    both = tmp_path / "both.svg"
+    assert CliRunner().invoke(app, ["plot", *names, "--out", str(both), "--no-title"]).exit_code == 0
+    assert "one" in both.read_text()
+    refused = CliRunner().invoke(app, ["plot", names[0], "--kind", "map", "--kind", "phase", "--out", str(both)])
+    assert refused.exit_code != 0
+    refused = CliRunner().invoke(app, ["plot", names[0], "--select", "R"])
+    assert "expected AXIS=VALUE" in str(refused.exception)
+
+
+def test_files_are_the_same_whatever_was_drawn_before(sizes: xarray.Dataset, tmp_path: Path) -> None:
+    """A wanted width is that of one figure."""
+    for name, width in (("a", None), ("b", 90.0), ("c", None)):
+        save(figure("phase", sizes, Look(width=width)), tmp_path / name, "png")
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "c").read_bytes() != (tmp_path / "b").read_bytes()
