@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from rockcli.cli.main import app
 from rockcli.engine.report_page import write_page
 from rockcli.engine.trade import record_sampling as sampling
+from rockcli.engine.trade import trade as measuring
 from rockcli.engine.trade.measurements import front
 from rockcli.engine.trade.trade import trade
 from rockcli.engine.trade.trade_results import contents_of, write_trade
@@ -144,6 +145,49 @@ def test_a_short_budget_keeps_references_and_what_is_cheap_and_says_the_rest(two
     skipped = dict(found.skipped)
     assert skipped["numerics: rigid: scipy RK45, rtol 1e-09"] == "the budget is used up"
     assert not medians(found, "numerics", "scipy RK45")
+
+
+def test_a_setting_that_cannot_fit_is_not_tried_out(two_methods, monkeypatch):
+    """Once the budget is gone no case is solved, not even to estimate; and what one setting took corrects the guess of others."""
+    clock = [0.0]
+    monkeypatch.setattr(measuring, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(measuring, "_guess", lambda scene, setting: 1.0)
+    solved = []
+
+    def slow(setting):
+        solver = BACKENDS[setting.numerics.backend].of_model(setting.model).load()
+
+        def solve(batch):
+            solved.append(setting.numerics.backend)
+            clock[0] += 10.0 if setting.numerics.backend == "scipy" else 0.0
+            return solver(batch)
+
+        return solve
+
+    monkeypatch.setattr(measuring, "_solver", slow)
+    found = trade(study(), sample=1, budget=25.0, backends=frozenset({"event", "scipy"}))
+    assert solved.count("scipy") == 2  # one setting, and a case of the next: 10 s do not fit the 5 s left
+    assert clock[0] <= 1.3 * 25.0
+    assert "the budget is used up" in dict(found.skipped).values()
+
+
+def test_fewer_cases_where_references_would_take_the_budget(monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr(measuring, "perf_counter", lambda: clock[0])
+
+    def slow(setting):
+        solver = BACKENDS[setting.numerics.backend].of_model(setting.model).load()
+
+        def solve(batch):
+            clock[0] += batch.size
+            return solver(batch)
+
+        return solve
+
+    monkeypatch.setattr(measuring, "_solver", slow)
+    found = trade(study(), sample=5, budget=12.0, backends=EVENT)
+    assert len(found.cases) == 3
+    assert any("3 instead of 5 cases are measured" in note for note in found.notes)
 
 
 def test_the_sample_is_drawn_once_for_all_and_models_are_not_drawn():

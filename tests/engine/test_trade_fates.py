@@ -162,11 +162,11 @@ def test_along_an_axis_of_models_auto_is_no_model_of_its_own():
 
 @pytest.mark.parametrize("names", [("auto", "auto"), ("rigid", "flexible")])
 def test_a_column_in_some_cases_only(names, monkeypatch):
-    """The full mesh, which nothing is measured of here, has its time foretold from a case that has a column."""
+    """The full mesh, which nothing is measured of here, has its time estimated from a case that has a column."""
     foretold = measuring._expected
 
-    def never_a_mesh(scene, setting, before, left):
-        seconds = foretold(scene, setting, before, left)
+    def never_a_mesh(scene, setting, before, left, pace):
+        seconds = foretold(scene, setting, before, left, pace)
         return np.inf if setting.numerics.backend == "calculix" and seconds > 0.0 else seconds
 
     monkeypatch.setattr(measuring, "_expected", never_a_mesh)

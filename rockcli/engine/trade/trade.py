@@ -41,6 +41,9 @@ AT_ONCE, REPEATS = 0.05, 3
 UNSURE = 0.05
 """Share of what is left of the budget above which a rough guess is not enough."""
 
+FOR_REFERENCES = 0.25
+"""Share of the budget that references may take before fewer cases are sampled."""
+
 TRADED = frozenset(name for name, row in BACKENDS.items() if row.settings)
 """Backends that have settings to trade."""
 
@@ -88,14 +91,14 @@ def trade(
 ) -> Trade:
     """Measure every setting that can solve the study's models, coarse to fine, while the budget lasts.
 
-    References are solved first, whatever they cost; that of the full mesh is the finest setting the budget allows.
-    A setting that is expected to take longer than what is left of the budget is skipped, with all finer ones of its
-    family.
+    References are solved first, of fewer cases than asked for where all take more than a share of the budget; that
+    of the full mesh is the finest setting the budget allows.  A setting that is expected to take longer than what is
+    left of it is skipped, with all finer ones of its family.
 
     Args:
         study: a checked study; axes over solver, model and geometry are the trade's own and stay at their first point.
         sample: cases at most, drawn once for all.
-        budget: time for everything but the references [s].
+        budget: time for references and settings together, without the loading of kernels [s].
         backends: those that are measured; None = all there are on this machine.
         progress: called with (settings done, settings in all).
 
@@ -104,9 +107,10 @@ def trade(
     """
     with np.errstate(all="ignore"):
         kernels.load(compile_them=True)
-        scene = Sample(study, sample)
+        began = perf_counter()
+        scene = _affordable(study, sample, budget)
         known = peers() if backends is None else backends
-        found = Trade(scene.cases, study.size, notes=list(scene.notes))
+        found = Trade(scene.cases, study.size, notes=[*scene.notes, *_fewer(scene, study, sample, budget)])
         families = _series_of(scene, known, found)
         if not families:
             why = "no backend solves its model with its damping"
@@ -122,7 +126,7 @@ def trade(
             found.skipped.append(("opensees", "OpenSeesPy is not installed"))
         if "calculix" not in known and backends is None and any(pair[0] in DEFORMABLE for pair in scene.own):
             found.skipped.append(("calculix", NO_CCX))
-        _measure_all(scene, families, found, budget, progress)
+        _measure_all(scene, families, found, budget, began, progress)
     mark_fronts(found.points)
     return found
 
@@ -194,23 +198,36 @@ def _measure_all(
     families: list[Series],
     found: Trade,
     budget: float,
+    began: float,
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    """Setting by setting: first what costs next to nothing, then all other families side by side (see `_order`)."""
+    """Setting by setting: first what costs next to nothing, then all other families side by side (see `_order`).
+
+    What costs next to nothing has the budget for itself; for all others it is running since `began`.
+    """
     total = sum(len(series.settings) for series in families)
-    began = perf_counter()
+    referred = perf_counter()
+    pace: dict[str, float] = {}
     last: dict[int, tuple[Setting, float]] = {}
     over: set[int] = set()
     answers: dict[str, Answers] = {}
     for done, (number, setting) in enumerate(_order(families), start=1):
-        left = budget - (perf_counter() - began)
+        backend = setting.numerics.backend
+        left = budget - (perf_counter() - (referred if backend == "event" else began))
         try:
-            expected = 0.0 if number in over else _expected(scene, setting, last.get(number), left)
+            expected = np.inf if left <= 0.0 else 0.0
+            if left > 0.0 and number not in over:
+                expected = _expected(scene, setting, last.get(number), left, pace)
+                left = budget - (perf_counter() - (referred if backend == "event" else began))
             if number in over or expected > left:
                 over.add(number)
                 found.skipped.append((setting.label, "the budget is used up"))
             else:
+                solving = perf_counter()
                 measured = _measured(scene, setting, Answers.none(len(scene.cases)))
+                if number not in last and backend != "event":
+                    guess = _guess(scene, setting)
+                    pace[backend] = max(pace.get(backend, 0.0), (perf_counter() - solving) / guess)
                 last[number] = setting, measured.seconds
                 answers[setting.label] = measured
                 if (measured.outcome < NO_UPLIFT).all():  # it has no error, so no table shows it
@@ -269,28 +286,62 @@ def _order(families: list[Series]) -> Iterator[tuple[int, Setting]]:
             )
 
 
-def _expected(scene: Sample, setting: Setting, before: tuple[Setting, float] | None, left: float) -> float:
-    """Time a setting is likely to take [s]: from the one before; of a first one a guess, and a case if it matters."""
+def _affordable(study: Study, sample: int, budget: float) -> Sample:
+    """The sampled cases: as many as asked for, fewer where their references would take more than their share."""
+    scene = Sample(study, sample)
+    seconds = 0.0
+    for pair in scene.own:
+        for _, batch in scene.solvable(pair)[:1]:
+            setting = reference(batch, pair)
+            if setting is not None and len(scene.cases) > 1:
+                one = setting.of(scene.first(pair))
+                _solver(setting)(one)  # loads and compiles
+                began = perf_counter()
+                _solver(setting)(one)
+                seconds += perf_counter() - began
+    fit = max(1.0, FOR_REFERENCES * budget / seconds) if seconds else np.inf
+    return scene if len(scene.cases) <= fit else Sample(study, int(fit))
+
+
+def _fewer(scene: Sample, study: Study, sample: int, budget: float) -> list[str]:
+    """A note where the budget allows fewer cases than asked for."""
+    asked = len(Sample(study, sample).cases)
+    if len(scene.cases) == asked:
+        return []
+    return [f"{len(scene.cases)} instead of {asked} cases are measured: more do not fit a budget of {budget:g} s"]
+
+
+def _guess(scene: Sample, setting: Setting) -> float:
+    """Roughly the time of a setting, from what its kind takes on some machine [s]."""
+    cases = sum(batch.size for _, batch in _parts(scene, setting))
+    one = setting.of(scene.first((setting.model, setting.geometry)))
+    return seconds_per_case(one, setting.numerics.backend) * cases
+
+
+def _expected(
+    scene: Sample, setting: Setting, before: tuple[Setting, float] | None, left: float, pace: dict[str, float]
+) -> float:
+    """Time a setting is likely to take [s]: from the one before; of a first one a guess, and a case if it matters.
+
+    Args:
+        pace: of every backend the largest time measured over what was guessed: other work on the machine counts too.
+    """
     if setting.numerics.backend == "event":
         return 0.0
-
-    first = scene.first((setting.model, setting.geometry))
-    cases = sum(batch.size for _, batch in _parts(scene, setting))
-
-    def guessed(setting: Setting) -> float:
-        return seconds_per_case(setting.of(first), setting.numerics.backend) * cases
-
-    guess = guessed(setting)
     if setting.numerics.backend == "calculix":  # the cost goes with elements and increments
-        return guess if before is None else before[1] * guess / guessed(before[0])
-    if before is None and guess < UNSURE * left:
-        return guess
+        guess = _guess(scene, setting)
+        return guess if before is None else before[1] * guess / _guess(scene, before[0])
     if before is not None:
         return before[1] * COSTLIER["dt" if setting.factor else "rtol"]
+    guess = _guess(scene, setting) * pace.get(setting.numerics.backend, 1.0)
+    if guess < UNSURE * left or guess > left:
+        return guess
+    cases = sum(batch.size for _, batch in _parts(scene, setting))
+    first = setting.of(scene.first((setting.model, setting.geometry)))
     seconds = 0.0
     for _ in range(2):  # the first also imports and compiles
         began = perf_counter()
-        _solver(setting)(setting.of(first))
+        _solver(setting)(first)
         seconds = perf_counter() - began
         if seconds * cases < left:
             break
