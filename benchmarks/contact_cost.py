@@ -3,8 +3,8 @@
     python benchmarks/contact_cost.py [FOLDER_WITH_AT2_RECORDS] [--times 1.5] [--bodies 400]
 
 As many bodies (R from 0.5 to 5 m, tan(alpha) from 0.1 to 0.4) under every AT2 file of the folder (default: records/),
-scaled to `times` g tan(alpha), by mu/tan(alpha), with outcome, peak and slide: processor time of the whole study without
-a `mu`, with it, how many slide.  Medians of 15 rounds, in each of which every mu is solved beside pure rocking, so that
+scaled to `times` g tan(alpha), by mu/tan(alpha), with outcome, peak and slide, and with the default scalars: processor
+time of the whole study without a `mu`, with it, how many slide.  Medians of 15 rounds, in each of which every mu is solved beside pure rocking, so that
 what else the machine does meets all alike; kernels compiled before.  Then a map of mu and amplitude of 100 000 pulses.  Writes results/contact_cost.csv.
 """
 
@@ -28,10 +28,21 @@ TABLE = HERE / "results" / "contact_cost.csv"
 
 RATIOS = (0.8, 1.02, 1.05, 1.1, 1.2, 1.5, 2.0)
 ROUNDS = 15
-HEADER = ["what", "mu_over_tan_alpha", "cases", "slide", "cpu_seconds", "over_pure_rocking", "memory_MB", "machine"]
+SAVED = {"few": ["outcome", "theta_peak_over_alpha", "slide_peak"], "default": "all"}
+HEADER = [
+    "what",
+    "scalars",
+    "mu_over_tan_alpha",
+    "cases",
+    "slide",
+    "cpu_seconds",
+    "over_pure_rocking",
+    "memory_MB",
+    "machine",
+]
 
 
-def sweep(files: list[Path], times: float, bodies: int, ratio: float | None) -> dict[str, Any]:
+def sweep(files: list[Path], times: float, bodies: int, ratio: float | None, saved: str) -> dict[str, Any]:
     block: dict[str, Any] = {"R": 1.0, "tan_alpha": 0.2}
     if ratio is not None:
         block["mu"] = f"{ratio}*tan_alpha"
@@ -43,7 +54,7 @@ def sweep(files: list[Path], times: float, bodies: int, ratio: float | None) -> 
             "block.R": {"from": 0.5, "to": 5.0, "n": n, "spacing": "log"},
             "block.tan_alpha": {"from": 0.1, "to": 0.4, "n": n},
         },
-        "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha", "slide_peak"]},
+        "save": {"histories": False, "scalars": SAVED[saved]},
     }
 
 
@@ -57,6 +68,24 @@ def memory() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
+def over_records(studies: dict[float | None, dict[str, Any]], saved: str) -> list[list[Any]]:
+    """Rows of the studies by mu/tan(alpha), that of pure rocking first."""
+    found = {ratio: rockcli.run(study) for ratio, study in studies.items()}  # compiled by now
+    rounds = np.array([[measured(study)[0] for study in studies.values()] for _ in range(ROUNDS)])
+    seconds, over = np.median(rounds, axis=0), np.median(rounds / rounds[:, :1], axis=0)
+    rows: list[list[Any]] = []
+    for ratio, cost, times in zip(studies, seconds.tolist(), over.tolist(), strict=True):
+        slides = "" if ratio is None else float((found[ratio]["slide_peak"].values > 0.0).mean())
+        named = "" if ratio is None else ratio
+        rows.append(["records", saved, named, found[ratio]["outcome"].size, slides, cost, times, memory(), machine()])
+        print(rows[-1], flush=True)
+    whole = rounds[:, 1:].mean(axis=1)
+    mean, times = float(np.median(whole)), float(np.median(whole / rounds[:, 0]))
+    rows.append(["records, all mu", saved, "", "", "", mean, times, "", machine()])
+    print(rows[-1], flush=True)
+    return rows
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, nargs="?", default=HERE.parent / "records")
@@ -64,25 +93,14 @@ def main() -> None:
     parser.add_argument("--bodies", type=int, default=400)
     asked = parser.parse_args()
     files = sorted(asked.folder.glob("*.AT2"))
-    studies = {ratio: sweep(files, asked.times, asked.bodies, ratio) for ratio in (None, *RATIOS)}
-    found = {ratio: rockcli.run(study) for ratio, study in studies.items()}  # compiled by now
-    rounds = np.array([[measured(study)[0] for study in studies.values()] for _ in range(ROUNDS)])
-    seconds, over = np.median(rounds, axis=0), np.median(rounds / rounds[:, :1], axis=0)
-    rows: list[list[Any]] = [
-        ["records", "", found[None]["outcome"].size, "", float(seconds[0]), 1.0, memory(), machine()]
-    ]
-    for ratio, cost, times in zip(RATIOS, seconds[1:].tolist(), over[1:].tolist(), strict=True):
-        slides = float((found[ratio]["slide_peak"].values > 0.0).mean())
-        rows.append(["records", ratio, found[ratio]["outcome"].size, slides, cost, times, memory(), machine()])
-        print(rows[-1], flush=True)
-    whole = rounds[:, 1:].mean(axis=1)
-    rows.append(
-        ["records, all mu", "", "", "", float(np.median(whole)), float(np.median(whole / rounds[:, 0])), "", machine()]
-    )
-    print(rows[-1], flush=True)
+    rows: list[list[Any]] = []
+    for saved in SAVED:
+        rows += over_records(
+            {ratio: sweep(files, asked.times, asked.bodies, ratio, saved) for ratio in (None, *RATIOS)}, saved
+        )
     cost, pulses = measured(map_study())
     slides = float((pulses["slide_peak"].values > 0.0).mean())
-    rows.append(["map of pulses", "", pulses["outcome"].size, slides, cost, "", memory(), machine()])
+    rows.append(["map of pulses", "few", "", pulses["outcome"].size, slides, cost, "", memory(), machine()])
     print(rows[-1], flush=True)
     with TABLE.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")

@@ -109,12 +109,13 @@ class Suite:
         """A measure of each case's motion before its factor, (n,); NaN where it is not known."""
         return np.array([record.measures.get(name, np.nan) for record in self.records])[self.which]
 
-    def cases(self) -> Iterator[tuple[Samples, NDArray[np.int64]]]:
-        """The motions that cases have, in order, each with the places of those cases."""
-        order = np.argsort(self.which, kind="stable")
-        for rows in np.split(order, np.flatnonzero(np.diff(self.which[order])) + 1):
+    def cases(self, some: NDArray[np.int64] | None = None) -> Iterator[tuple[Samples, NDArray[np.int64]]]:
+        """The motions that cases have, in order, each with the places of those cases; of `some`, among these."""
+        which = self.which if some is None else self.which[some]
+        order = np.argsort(which, kind="stable")
+        for rows in np.split(order, np.flatnonzero(np.diff(which[order])) + 1):
             if len(rows):
-                yield self.records[self.which[rows[0]]], rows
+                yield self.records[which[rows[0]]], rows
 
 
 @dataclass(frozen=True, eq=False)

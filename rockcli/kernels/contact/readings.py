@@ -66,8 +66,6 @@ def power(par, mode, foot, step, n, d, y, w):
     beta = par[e + at.ALPHA] - value(c, m, y)
     sin_b, cos_b = math.sin(beta), math.cos(beta)
     x_rate, z_rate = s * R * cos_b * v, R * sin_b * v
-    if mode == ROCK:
-        return -a_g * x_rate - (weight - g) * z_rate
     u, way = value(slip, ns, y), par[at.MU_K] * s * sigma
     N = (weight - R * cos_b * v * v) / (1.0 + R * R / par[at.RG2] * sin_b * (sin_b - way * cos_b))
     return -a_g * (x_rate + u) - (weight - g) * z_rate - par[at.MU_K] * sigma * N * u
@@ -77,16 +75,35 @@ def power(par, mode, foot, step, n, d, y, w):
 def work(par, mode, foot, step, n, d, w):
     """Work of the ground motion and of friction on a step over m [J/kg].
 
-    By quadrature of the forces times the velocities, so that the balance of energy judges the flow.
+    Of forces times velocities, so that the balance of energy judges the flow: of a foot that holds from their series,
+    else by quadrature.
     """
     if mode == REST or step.x == 0.0:
         return 0.0
+    if mode == ROCK:
+        return work_rocking(par, foot, step, d, w)
     total, half = 0.0, 0.5 * step.x
     for i in range(8):
         for side in range(2):
             y = half * (1.0 + (NODES[i] if side == 1 else -NODES[i]))
             total += WEIGHTS[i] * power(par, mode, foot, step, n, d, y, w)
     return total * half
+
+
+@jit_lean
+def work_rocking(par, foot, step, d, w):
+    """`work` about an edge that holds: x' is -s R times the rate of sin(beta), z' is R times that of cos(beta)."""
+    a, W, sin_b, cos_b, x = w[row.A_G], w[row.WEIGHT], w[row.SIN_B], w[row.COS_B], step.x
+    flows.trigonometry(w[row.Q], step.order, sin_b, cos_b)
+    total, power = 0.0, x
+    for k in range(1, step.order + d + 1):
+        drive = 0.0
+        for j in range(max(k - step.order, 0), min(d, k - 1) + 1):
+            lift = W[j] - par[at.G] if j == 0 else W[j]
+            drive += (k - j) * (foot.s * a[j] * sin_b[k - j] - lift * cos_b[k - j])
+        total += drive * power / k
+        power *= x
+    return total * par[edge_under(foot.s) + at.RADIUS]
 
 
 @jit_lean

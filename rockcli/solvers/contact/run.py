@@ -14,6 +14,7 @@ from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT, housner_eta
+from rockcli.scene.excitation import Channel
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED
 from rockcli.solvers.common.duration import durations_of, output_times
@@ -78,14 +79,47 @@ def from_the_beginning(n: int) -> Array:
 
 
 def march(
-    batch: Batch, pars: Array, level: Accuracy, raw: Raw, starts: Array | None = None, *, hands_back: bool = False
+    batch: Batch,
+    pars: Array,
+    level: Accuracy,
+    raw: Raw,
+    starts: Array | None = None,
+    *,
+    cases: NDArray[np.int64] | None = None,
+    hands_back: bool = False,
 ) -> None:
-    """The kernel for rows of parameters, of a batch or of some cases under its record, from `starts` on, into `raw`.
+    """The kernel for the rows of parameters of some cases of a batch, all without `cases`, into `raw`.
 
-    hands_back: a case stops where its foot has held for a while, STATUS is HOLDS, and `starts` says where.
+    Args:
+        starts: rows of `kernels.handover`, where they begin.
+        hands_back: a case stops where its foot has held for a while, STATUS is HOLDS, and `starts` says where.
     """
+    suite = batch.excitation.suite
+    if suite is None:
+        _march(batch, batch.excitation.horizontal, pars, level, raw, starts, hands_back=hands_back)
+        return
+    for record, rows in suite.cases(cases):
+        part = Raw(len(rows), raw.histories.shape[2], raw.impacts.shape[2])
+        begun = from_the_beginning(len(rows)) if starts is None else starts[rows]
+        _march(batch, record, pars[rows], level, part, begun, hands_back=hands_back)
+        raw.put(rows, part)
+        if starts is not None:
+            starts[rows] = begun
+
+
+def _march(
+    batch: Batch,
+    horizontal_motion: Channel | None,
+    pars: Array,
+    level: Accuracy,
+    raw: Raw,
+    starts: Array | None,
+    *,
+    hands_back: bool,
+) -> None:
+    """`march` under one motion."""
     kernel = kernels.load("contact.march", compile_them=bool(kernels.compiled))
-    channels = (batch.excitation.horizontal, batch.excitation.vertical)
+    channels = (horizontal_motion, batch.excitation.vertical)
     (horizontal, h_data), (vertical, v_data) = (channel_of(kernel, c, batch.size) for c in channels)
     events = np.empty((len(pars), 2, 0))  # for tests
     arrays = [raw.histories, raw.impacts, events, raw.out]
@@ -134,7 +168,8 @@ def parameters_of(batch: Batch, first: float = 0.0) -> Array:
     rows[:, at.THETA_0], rows[:, at.THETA_DOT_0] = batch.theta_0, batch.theta_dot_0
     rows[:, at.SLIDE_RATE_0] = 0.0 if batch.slide_rate_0 is None else batch.slide_rate_0
     rows[:, at.T_MOTION], rows[:, at.T_STOP], rows[:, at.HAS_DURATION] = lasts.motion, lasts.report, lasts.given
-    for column, channel in ((at.FACTOR_H, batch.excitation.horizontal), (at.FACTOR_V, batch.excitation.vertical)):
-        rows[:, column] = factors_of(channel, batch.size)
+    motion = batch.excitation
+    rows[:, at.FACTOR_H] = factors_of(motion.suite or motion.horizontal, batch.size)
+    rows[:, at.FACTOR_V] = factors_of(motion.vertical, batch.size)
     rows[:, at.FIRST] = first
     return rows

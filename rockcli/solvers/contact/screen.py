@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
-from rockcli.scene.excitation import PIECE_WIDTH, Channel, Samples
+from rockcli.scene.excitation import PIECE_WIDTH, Channel, Samples, Suite
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -24,7 +24,8 @@ def surely_holds(batch: Batch, peak: Array, returns: Mask) -> Mask:
     """
     block = batch.block
     alpha, b, inertia, eta = block.alpha[:, LEFT], block.b[:, LEFT], block.inertia[:, LEFT], batch.damping.eta
-    A, sin_a, cos_a = largest(batch.excitation.horizontal, batch.size) / batch.g, np.sin(alpha), np.cos(alpha)
+    shaken = largest(batch.excitation.suite or batch.excitation.horizontal, batch.size)
+    A, sin_a, cos_a = shaken / batch.g, np.sin(alpha), np.cos(alpha)
     spin = 2.0 * peak * (sin_a + A) / inertia
     along = A * (1.0 - cos_a**2 / inertia) + sin_a * np.maximum(1.0 / inertia, spin)
     across = 1.0 - (sin_a**2 + A * sin_a) / inertia - spin
@@ -42,10 +43,14 @@ def surely_presses(mu: Array, needs: Array, least: Array) -> Mask:
         return np.asarray((needs < mu * ROUNDING) & (least > 1.0 - ROUNDING))
 
 
-def largest(channel: Channel | None, n: int) -> Array:
+def largest(channel: Channel | Suite | None, n: int) -> Array:
     """A bound of |a_g|, (n,) [m/s^2]."""
     if channel is None:
         return np.zeros(n)
+    if isinstance(channel, Suite):
+        return np.array([np.abs(record.values).max() for record in channel.records])[channel.which] * np.abs(
+            channel.factor
+        )
     if isinstance(channel, Samples):
         return np.broadcast_to(np.abs(channel.values).max() * np.abs(channel.factor), n)
     return np.asarray(channel.table[:, :, PIECE_WIDTH - 1].max(axis=1))

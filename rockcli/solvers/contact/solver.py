@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli import kernels
 from rockcli.kernels.constants import FALLS, ILL_POSED
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
@@ -29,8 +30,9 @@ from rockcli.solvers.common.certainty import (
 from rockcli.solvers.contact.answers import answer
 from rockcli.solvers.contact.histories import held_histories, histories_of
 from rockcli.solvers.contact.run import Raw, run
-from rockcli.solvers.contact.turns import only_rocks
+from rockcli.solvers.contact.turns import only_rocks, solved
 from rockcli.solvers.event.nudges import finer_than, nudges
+from rockcli.solvers.event.record_lanes import FINEST_AGAIN, asked
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -73,7 +75,9 @@ def with_contact(batch: Batch, response: Response, level: Accuracy, opened: Open
     if histories:
         histories |= held_histories(batch, histories)
     response = replace(response, scalars=scalars, histories=histories)
-    leaves = _leaves_rocking(batch, scalars)
+    answered = np.asarray(scalars["outcome"]) != FAILED
+    leaves = leaves_rocking(batch, np.fmax(scalars["mu_required"], scalars["mu_impact"]), scalars["N_min_over_mg"])
+    leaves &= answered | starts_otherwise(batch)
     if opened.raw is not None:
         response = _entered(batch, response, np.flatnonzero(opened.slides), opened.raw, None)
     rows = np.flatnonzero(given & (leaves | opened.unknown) & ~opened.slides)
@@ -90,20 +94,27 @@ def has_contact_forces(batch: Batch) -> Mask:
     return np.asarray((batch.block.inertia > 1.0).all(axis=1) & ~batch.block.rolls & exact)
 
 
-def _leaves_rocking(batch: Batch, scalars: dict[str, Any]) -> Mask:
-    """Where pure rocking needs more friction than there is, leaves the ground, or is not what the body begins with."""
+def leaves_rocking(batch: Batch, needs: Array, least: Array) -> Mask:
+    """Where pure rocking needs more friction than there is, leaves the ground, or is not what the body begins with.
+
+    Args:
+        needs, least: its largest friction and smallest normal force over m g, NaN where not known, (n,).
+    """
     with np.errstate(invalid="ignore"):
-        needs = np.fmax(scalars["mu_required"], scalars["mu_impact"]) > batch.block.mu
-        lifts = scalars["N_min_over_mg"] <= 0.0
+        slips, lifts = needs > batch.block.mu, least <= 0.0
+    return np.asarray(starts_otherwise(batch) | (has_contact_forces(batch) & (slips | lifts)))
+
+
+def starts_otherwise(batch: Batch) -> Mask:
+    """Bodies that only slide, or that are pushed along the ground at first, (n,)."""
     pushed = False if batch.slide_rate_0 is None else batch.slide_rate_0 != 0.0
-    answered = np.asarray(scalars["outcome"]) != FAILED
-    return np.asarray(slides_only(batch) | pushed | (has_contact_forces(batch) & answered & (needs | lifts)))
+    return np.asarray(slides_only(batch) | pushed)
 
 
 def _solved(batch: Batch, response: Response, rows: Index, level: Accuracy, open_: Mask) -> Response:
     """The response with that of all modes of contact for some cases; not of those `open_` that only rock, (rows,)."""
     some = batch.rows(rows)
-    raw = run(some, level, histories=bool(response.histories))
+    raw = _run(some, level, histories=bool(response.histories))
     if open_.any():  # in a map: no histories, no further runs
         kept = ~(open_ & only_rocks(raw.out))
         rows, some, raw = rows[kept], some.rows(np.flatnonzero(kept)), raw.rows(kept)
@@ -154,17 +165,33 @@ def _padded(values: Array, n: int) -> Array:
     return np.pad(values, ((0, 0), (0, n - values.shape[1])), constant_values=np.nan)
 
 
+def _run(batch: Batch, level: Accuracy, *, histories: bool) -> Raw:
+    """Raw results of contact, by turns where lanes of records can take part."""
+    return solved(batch, level) if _goes_by_turns(batch, level) else run(batch, level, histories=histories)
+
+
+def _goes_by_turns(batch: Batch, level: Accuracy) -> bool:
+    """Whether bodies of a batch may go by turns at a tolerance."""
+    return asked(batch) and bool(kernels.compiled) and level.rtol >= FINEST_AGAIN
+
+
 def _judged(batch: Batch, raw: Raw, level: Accuracy) -> Judgement:
     """What further runs show; where two part, the more accurate one takes the place of the first in `raw`."""
     finer = finer_than(level)
     first, second, reach = nudges(level, finer)
+    turns = _goes_by_turns(batch, level)
+    peaks = replace(
+        batch, save=replace(batch.save, histories=False, scalars=frozenset({"theta_peak", "error_estimate"}))
+    )
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
-        others = nudged(batch, rows, factors)
-        return Traces.of_kernel(others, run(others, finer if fine else level).out, to)
+        others = nudged(peaks, rows, factors)
+        how_well = finer if fine else level
+        out = solved(others, how_well).out if turns and how_well.rtol >= FINEST_AGAIN else run(others, how_well).out
+        return Traces.of_kernel(others, out, to)
 
     def refine(rows: Index) -> Traces:
-        raw.put(rows, run(batch.rows(rows), finer, histories=raw.histories.shape[2] > 0))
+        raw.put(rows, _run(batch.rows(rows), finer, histories=raw.histories.shape[2] > 0))
         return Traces.of_kernel(batch, raw.out, to).rows(rows)
 
     found = judge(Traces.of_kernel(batch, raw.out, to), again, first, refine, second, reach)

@@ -25,6 +25,7 @@ from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.contact.run import EXTREMES, Raw, from_the_beginning, march, parameters_of, run
 from rockcli.solvers.contact.screen import ROUNDING
 from rockcli.solvers.event import record_lanes
+from rockcli.solvers.event.pack import parameters_of as pack
 from rockcli.solvers.event.pack import settings_of
 from rockcli.solvers.event.unpack import FORCES
 
@@ -32,14 +33,17 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 BESIDE = EXTREMES | FORCES | CERTAINTY | {"mu_impact"}
-"""Scalars that are asked of pure rocking too, or of every step of a body that slides."""
+"""Scalars that are asked of pure rocking too: of that all bodies are solved first."""
+
+OF_ALL_STEPS = EXTREMES | {"energy_residual"}
+"""Scalars that lanes have to look for in every step."""
 
 MOST_TURNS = 100
 """Turns after which a body stays with the kernel of contact."""
 
-ADDED = ("N_STEPS", "N_IMPACTS", "N_SLIPS", "N_FLIGHTS", "N_JAMS", "TWO_WAYS", "SWINGS", "SWINGS_T")
-EARLIEST = ("T_UPLIFT", "T_SLIP", "T_SLIDE_ROCK", "T_FLIGHT", "NEARLY_FLAT")
-LARGEST = ("PEAK_LEFT", "PEAK_RIGHT", "GAIN")
+ADDED = ("N_STEPS", "N_IMPACTS", "N_SLIPS", "N_FLIGHTS", "N_JAMS", "TWO_WAYS", "SWINGS", "SWINGS_T", "BALANCE")
+EARLIEST = ("T_UPLIFT", "T_SLIP", "T_SLIDE_ROCK", "T_FLIGHT", "NEARLY_FLAT", "N_MIN")
+LARGEST = ("PEAK_LEFT", "PEAK_RIGHT", "RATE_PEAK", "TOP_PEAK", "GAIN")
 AT_PEAK = ("PEAK", "PEAK_SIDE", "T_PEAK")
 LAST = ("STATUS", "VERDICT", "T_END", "SLIDE_END")
 """How results of two parts of a path, one after the other, become those of both; of passages of the equilibrium the
@@ -57,7 +61,7 @@ def can_take_turns(batch: Batch) -> Mask:
 
 
 def by_turns(batch: Batch, rows: Array, level: Accuracy) -> tuple[Array, Mask, Raw]:
-    """Solve bodies that take turns.
+    """Solve bodies that take turns, and tell who only rocks.
 
     Args:
         rows: their parameters for lanes, (n, N_PAR).
@@ -67,21 +71,42 @@ def by_turns(batch: Batch, rows: Array, level: Accuracy) -> tuple[Array, Mask, R
         or flies, (n,); and the raw results of contact of those.
     """
     lanes, how = _lanes_of(batch, level)
-    starts = from_the_beginning(batch.size)
-    starts[:, carry.MU] = batch.block.mu * ROUNDING
+    starts = _held(batch)
     found = record_lanes.run(lanes, batch, rows, how, starts)
     stopped = np.flatnonzero(found[:, in_lanes.STATUS] == GIVES_WAY)
     slides = np.zeros(batch.size, dtype=bool)
     if not len(stopped):
         return found, slides, Raw(0, 0, 0)
-    raw = _from_there(batch.rows(stopped), rows[stopped], level, found[stopped], starts[stopped])
+    # those beyond the equilibrium begin anew: lanes that are not asked for the path have not noted when they passed it
+    late = starts[stopped, carry.Q] >= batch.block.alpha[stopped, LEFT]
+    found[stopped[late], in_lanes.STATUS] = np.nan
+    raw = _followed(batch.rows(stopped), rows[stopped], level, found[stopped], starts[stopped])
     slips = ~only_rocks(raw.out)
     slides[stopped[slips]] = True
     found[stopped[slips], in_lanes.STATUS] = DONE  # as far as it goes
     rocks = stopped[~slips]
     if len(rocks):
-        found[rocks] = record_lanes.run(lanes, batch, rows[rocks], how)
+        found[rocks] = record_lanes.run(lanes, batch, rows[rocks], how, cases=rocks)
     return found, slides, raw.rows(slips)
+
+
+def solved(batch: Batch, level: Accuracy) -> Raw:
+    """Raw results of contact of all cases of a batch that lanes of records could take; by turns those that can."""
+    rows = np.ascontiguousarray(pack(batch))
+    turns = record_lanes.fit(batch, rows) & can_take_turns(batch)
+    if not turns.any():
+        return run(batch, level)
+    lanes, how = _lanes_of(batch, level)
+    some, taking = (batch, rows) if turns.all() else (batch.rows(np.flatnonzero(turns)), rows[turns])
+    starts = _held(some)
+    found = record_lanes.run(lanes, some, taking, how, starts, path=True)
+    raw = _followed(some, taking, level, found, starts)
+    if turns.all():
+        return raw
+    both, others = Raw(batch.size, 0, 0), np.flatnonzero(~turns)
+    both.put(np.flatnonzero(turns), raw)
+    both.put(others, run(batch.rows(others), level))
+    return both
 
 
 def only_rocks(out: Array) -> Mask:
@@ -91,69 +116,99 @@ def only_rocks(out: Array) -> Mask:
     return np.asarray((out[:, to.STATUS] == DONE) & (np.isnan(first) | falling))
 
 
+def _held(batch: Batch) -> Array:
+    """Rows of `kernels.handover` for bodies that begin, with the friction that holds them."""
+    starts = from_the_beginning(batch.size)
+    starts[:, carry.MU], starts[:, carry.SLIDE] = batch.block.mu * ROUNDING, 0.0
+    return starts
+
+
 def _lanes_of(batch: Batch, level: Accuracy) -> tuple[ModuleType, Any]:
     lanes: Any = kernels.load("lanes.records.march", compile_them=True)
     peaks: Any = kernels.load("rigid.march", compile_them=True)
-    return lanes, settings_of(lanes, batch, level, int(peaks.PEAKS))
+    detail = lanes.ALL if batch.save.scalars & OF_ALL_STEPS else peaks.PEAKS
+    return lanes, settings_of(lanes, batch, level, int(detail))
 
 
-def _from_there(batch: Batch, rows: Array, level: Accuracy, found: Array, starts: Array) -> Raw:
-    """Raw results of contact of bodies that lanes have `found` up to where they stopped, `starts`."""
+def _followed(batch: Batch, rows: Array, level: Accuracy, then: Array, starts: Array) -> Raw:
+    """Raw results of contact of bodies that lanes have taken as far as `then` says, those that stopped to `starts`.
+
+    A body of which lanes do not know the end begins anew, with the kernel of contact alone.
+    """
     lanes, how = _lanes_of(batch, level)
     raw, pars = Raw(batch.size, 0, 0), parameters_of(batch)
-    starts[:, carry.SLIDE] = 0.0
-    whole = starts[:, carry.Q] >= batch.block.alpha[:, LEFT]  # lanes have not noted when it passed the equilibrium
-    on, turn = np.flatnonzero(~whole), 0
+    raw.out[:] = _NOTHING_YET
+    weight, top = batch.g, batch.block.top
+    whole = np.zeros(batch.size, dtype=bool)
+    on, begun, turn = np.arange(batch.size), starts, 0
     while len(on):
-        begun, part = starts[on], Raw(len(on), 0, 0)
-        march(batch, pars[on], level, part, begun, hands_back=turn < MOST_TURNS)
-        if turn == 0:
-            raw.out[on] = _joined(part.out, found[on], in_lanes, later=False)
-        else:
-            raw.out[on] = _joined(raw.out[on], part.out, to)
-        holds = part.out[:, to.STATUS] == HOLDS
-        on, begun, turn = on[holds], begun[holds], turn + 1
-        if not len(on):
-            break
-        then = record_lanes.run(lanes, batch, rows[on], how, begun, path=True)
-        starts[on] = begun
         stopped = then[:, in_lanes.STATUS] == GIVES_WAY
         ended = (then[:, in_lanes.STATUS] == DONE) & np.isin(then[:, in_lanes.VERDICT], (RETURNS, FALLS))
         known = stopped | ended
-        raw.out[on[known]] = _joined(raw.out[on[known]], then[known], in_lanes)
         whole[on[~known]] = True
-        on = on[stopped]
+        rocked = on[known]
+        part = _of_contact(then[known], weight[rocked], top[rocked], starts[rocked, carry.SLIDE])
+        raw.out[rocked] = _joined(raw.out[rocked], part)
+        on, begun = on[stopped], begun[stopped]
+        if not len(on):
+            break
+        slid = Raw(len(on), 0, 0)
+        march(batch, pars[on], level, slid, begun, cases=on, hands_back=turn < MOST_TURNS)
+        raw.out[on] = _joined(raw.out[on], slid.out)
+        holds = slid.out[:, to.STATUS] == HOLDS
+        on, begun, turn = on[holds], begun[holds], turn + 1
+        starts[on] = begun
+        then = record_lanes.run(lanes, batch, rows[on], how, begun, cases=on, path=True)
     left = np.flatnonzero(whole)
     if len(left):
         raw.put(left, run(batch.rows(left), level))
     return raw
 
 
-def _joined(total: Array, part: Array, columns: ModuleType, *, later: bool = True) -> Array:
-    """Results of contact with those of another part of the path, whose columns are those of a module."""
+def _nothing_yet() -> Array:
+    """Results of contact before anything has happened, (N_OUT,)."""
+    out = np.zeros(to.N_OUT)
+    for name in ("T_PEAK", "T_UPLIFT", "T_OVERTURN", "T_REST", "T_SLIP", "T_SLIDE_ROCK", "T_FLIGHT"):
+        out[getattr(to, name)] = np.nan
+    out[[to.N_MIN, to.NEARLY_FLAT]] = np.inf
+    return out
 
-    def of(name: str) -> Array:
-        return np.asarray(part[:, getattr(columns, name)])
 
+_NOTHING_YET = _nothing_yet()
+
+
+def _of_contact(lanes: Array, g: Array, top: Array, slide: Array) -> Array:
+    """Results of lanes in the columns of contact: of bodies whose base has slid so far, and holds."""
+    out = np.tile(_NOTHING_YET, (len(lanes), 1))
+    for name, column in vars(to).items():
+        if name.isupper() and name != "N_OUT" and hasattr(in_lanes, name):
+            out[:, column] = lanes[:, getattr(in_lanes, name)]
+    out[:, to.BALANCE] = g * lanes[:, in_lanes.ENERGY]
+    out[:, to.SLIDE_PEAK] = out[:, to.SLIDE_END] = slide
+    for sign, column in ((1.0, to.PEAK_RIGHT), (-1.0, to.PEAK_LEFT)):
+        leant = np.abs(slide + sign * top * np.sin(np.minimum(out[:, column], 0.5 * np.pi)))
+        out[:, to.TOP_PEAK] = np.maximum(out[:, to.TOP_PEAK], leant)
+    return out
+
+
+def _joined(total: Array, part: Array) -> Array:
+    """Results of contact with those of the next part of the path."""
     both = total.copy()
-    known = [name for name in (*ADDED, *EARLIEST, *LARGEST, *LAST) if hasattr(columns, name)]
-    for name in known:
-        column = both[:, getattr(to, name)]
+    for name in (*ADDED, *EARLIEST, *LARGEST, *LAST):
+        column, of = both[:, getattr(to, name)], part[:, getattr(to, name)]
         if name in ADDED:
-            column += of(name)
+            column += of
         elif name in EARLIEST:
-            column[:] = np.fmin(column, of(name))
+            column[:] = np.fmin(column, of)
         elif name in LARGEST:
-            column[:] = np.maximum(column, of(name))
-        elif later:
-            column[:] = of(name)
-    higher = of("PEAK") > both[:, to.PEAK] * (1.0 + 1e-12)
+            column[:] = np.maximum(column, of)
+        else:
+            column[:] = of
+    higher = part[:, to.PEAK] > both[:, to.PEAK] * (1.0 + 1e-12)
     for name in AT_PEAK:
-        both[higher, getattr(to, name)] = of(name)[higher]
-    if later:
-        passed = np.isfinite(of("T_OVERTURN"))
-        both[passed, to.T_OVERTURN] = of("T_OVERTURN")[passed]
-    if columns is to:
-        farther = np.abs(of("SLIDE_PEAK")) > np.abs(both[:, to.SLIDE_PEAK])
-        both[farther, to.SLIDE_PEAK] = of("SLIDE_PEAK")[farther]
+        both[higher, getattr(to, name)] = part[higher, getattr(to, name)]
+    passed = np.isfinite(part[:, to.T_OVERTURN])
+    both[passed, to.T_OVERTURN] = part[passed, to.T_OVERTURN]
+    farther = np.abs(part[:, to.SLIDE_PEAK]) > np.abs(both[:, to.SLIDE_PEAK])
+    both[farther, to.SLIDE_PEAK] = part[farther, to.SLIDE_PEAK]
     return both

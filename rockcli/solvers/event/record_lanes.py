@@ -48,18 +48,13 @@ def asked(batch: Batch) -> bool:
     """Whether what is asked can be found in lanes, whatever the number of cases."""
     motion = batch.excitation
     return (
-        (isinstance(motion.horizontal, Samples) or of_suite(batch))
+        (isinstance(motion.horizontal, Samples) or motion.suite is not None)
         and motion.vertical is None
         and batch.damping.only_eta
         and not batch.save.histories
         and batch.save.scalars <= WITHIN
         and batch.numerics.tolerances.rtol >= FINEST
     )
-
-
-def of_suite(batch: Batch) -> bool:
-    """Whether a batch has a motion for each case that the lanes take; friction looks at one motion at a time."""
-    return batch.excitation.suite is not None and not np.isfinite(batch.block.mu).any()
 
 
 FINEST_AGAIN = 1e-15
@@ -76,7 +71,7 @@ AT_ONCE = 1 << 20
 
 
 def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
-    """Which rows (n, N_PAR) of symmetric bodies the lanes take, (n,).
+    """Which rows (n, N_PAR) of a batch the lanes take, (n,): of bodies with two equal edges, without a duration.
 
     Not those that a sample grazes, nor those that cannot overturn: they turn farther than the sines of the lanes reach.
     """
@@ -85,7 +80,13 @@ def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
     grazed = np.zeros(len(rows), dtype=bool)
     for record, cases in _by_record(batch, len(rows)):
         grazed[cases] = _grazed(np.abs(record.values), guard[cases])
-    return np.asarray(np.isfinite(rows[:, at.RIGHT + at.Q_STAR]) & ~grazed)
+    return np.asarray(even(rows) & np.isfinite(rows[:, at.RIGHT + at.Q_STAR]) & ~grazed)
+
+
+def even(rows: Array) -> NDArray[np.bool_]:
+    """Which rows (n, N_PAR) are of bodies with two equal edges, without a duration, (n,)."""
+    left, right = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
+    return np.asarray(np.all(left == right, axis=1) & (rows[:, at.HAS_DURATION] == 0.0))
 
 
 def _grazed(sizes: Array, guard: Array) -> NDArray[np.bool_]:
@@ -98,11 +99,13 @@ def _grazed(sizes: Array, guard: Array) -> NDArray[np.bool_]:
     return np.asarray(np.abs(near) <= GRAZING * guard)
 
 
-def _by_record(batch: Batch, n: int) -> Iterator[tuple[Samples, Any]]:
-    """The motions of a batch of n cases, each with the places of its cases."""
+def _by_record(
+    batch: Batch, n: int, cases: NDArray[np.int64] | None = None
+) -> Iterator[tuple[Samples, NDArray[np.int64]]]:
+    """The motions of n cases of a batch, all without `cases`, each with their places among these."""
     motion = batch.excitation
     if motion.suite is not None:
-        yield from motion.suite.cases()
+        yield from motion.suite.cases(cases)
     else:
         assert isinstance(motion.horizontal, Samples)
         yield motion.horizontal, np.arange(n)
@@ -115,9 +118,10 @@ def run(
     how: Any,
     starts: Array | None = None,
     *,
+    cases: NDArray[np.int64] | None = None,
     path: bool = False,
 ) -> Array:
-    """Raw results (n, N_OUT) for the rows (n, N_PAR) of a batch of symmetric bodies.
+    """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch, all without `cases`: symmetric bodies.
 
     NaN in STATUS for a body that is left to the single-body kernels, whose `Settings` are `how`.
 
@@ -133,10 +137,10 @@ def run(
     holds = starts is not None
     if starts is None:
         starts = np.empty((len(rows), 0))
-    for records, cases in _some_at_a_time(_by_record(batch, len(rows))):
+    for records, theirs in _some_at_a_time(_by_record(batch, len(rows), cases)):
         ground = laid_out(records, lanes.BLOCK, path=path)
-        spans = np.repeat(ground.spans, [len(some) for some in cases], axis=0)
-        places = np.concatenate(cases)
+        spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
+        places = np.concatenate(theirs)
         out = np.zeros((len(places), to.N_OUT))
         begin = starts[places]
         lanes.march_lanes(rows[places], how, *ground[:-1], spans, holds, begin, lanes.work_space(), out)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.kernels.constants import OUT_OF_STEPS, RETURNS
+from rockcli.kernels.constants import NO_ANSWER, OUT_OF_STEPS, RETURNS
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
@@ -33,7 +33,7 @@ from rockcli.solvers.common.certainty import (
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.ground import channel_of
 from rockcli.solvers.contact.screen import surely_holds, surely_presses
-from rockcli.solvers.contact.solver import Opened, has_contact_forces, with_contact
+from rockcli.solvers.contact.solver import Opened, has_contact_forces, leaves_rocking, with_contact
 from rockcli.solvers.contact.turns import BESIDE, by_turns, can_take_turns
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
@@ -87,7 +87,7 @@ def _on_two_edges(batch: Batch) -> Response:
 
     judgement = None
     if batch.save.scalars & CERTAINTY:
-        judgement = _judged(march, batch, parameters, level, run, in_lanes=in_lanes)
+        judgement = _judged(march, batch, parameters, level, run, _surely_leave(batch, run), in_lanes=in_lanes)
     scalars, reasons = scalars_of(batch, run)
     if judgement is not None:
         judgement.enter(scalars, reasons)
@@ -104,11 +104,12 @@ def _on_two_edges(batch: Batch) -> Response:
 
 
 def _judged(
-    march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, run: Raw, *, in_lanes: bool
+    march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, run: Raw, leaves: Mask, *, in_lanes: bool
 ) -> Judgement:
     """What further runs show; where two part, the more accurate one takes the place of the first in `run`.
 
-    What was solved in lanes is solved there again, as far as their tolerances go.
+    What was solved in lanes is solved there again, as far as their tolerances go.  Not judged are those that do not
+    end as pure rocking has it, `leaves`.
     """
     finer = finer_than(level)
     peaks = replace(
@@ -144,7 +145,17 @@ def _judged(
         return Traces.of_kernel(batch, run.out, to).rows(rows)
 
     first, second, reach = nudges(level, finer)
-    return judge(Traces.of_kernel(batch, run.out, to), again, first, refine, second, reach)
+    runs = Traces.of_kernel(batch, run.out, to)
+    runs = replace(runs, verdict=np.where(leaves, NO_ANSWER, runs.verdict).astype(np.int8))
+    return judge(runs, again, first, refine, second, reach)
+
+
+def _surely_leave(batch: Batch, run: Raw) -> Mask:
+    """Cases with a `mu` of which forces of pure rocking are known and say that they slide or leave the ground, (n,)."""
+    if not np.isfinite(batch.block.mu).any():
+        return np.zeros(batch.size, dtype=bool)
+    needs, least = friction_and_normal(batch, run.out)
+    return leaves_rocking(batch, np.where(batch.block.rise == 0.0, needs, np.nan), least)
 
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:
@@ -179,19 +190,16 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     given = np.isfinite(batch.block.mu)
     compiled = bool(kernels.compiled)
     run = Raw(batch.size, 0, 0)
-    left_edge, right_edge = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
     pulses = lane_pulses.asked(batch)
-    fit = np.all(left_edge == right_edge, axis=1) & (rows[:, at.HAS_DURATION] == 0.0)
-    fit |= pulses & ~given  # with friction, what does not settle it in lanes is better told one by one
+    # with friction, what does not settle it in lanes of pulses is better told one by one
+    fit = ~given | lane_records.even(rows) if pulses else lane_records.fit(batch, rows)
     detail = _detail(march, batch, False)
     forces = bool(batch.save.scalars & FORCES)
     how_much = int(march.PEAKS) if given.any() and not forces else detail
     none = np.zeros(batch.size, dtype=bool)
     turns, open_, slides, slid = none, none.copy(), none.copy(), None
-    if not pulses:
-        fit &= lane_records.fit(batch, rows)
-        if given.any() and not batch.save.scalars & BESIDE:
-            turns = fit & can_take_turns(batch) & has_contact_forces(batch)
+    if not pulses and given.any() and not batch.save.scalars & BESIDE:
+        turns = fit & can_take_turns(batch) & has_contact_forces(batch)
     run.out[:, to.STATUS] = np.nan
     if turns.any():
         taking = np.flatnonzero(turns)
@@ -205,15 +213,16 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
         found = lane_pulses.run(lanes, batch, rows[cases], settings_of(lanes, batch, level, how_much), cases)
     else:
         lanes = kernels.load("lanes.records.march", compile_them=compiled)
-        some = batch if batch.excitation.suite is None or fit.all() else batch.rows(np.flatnonzero(fit))
-        found = lane_records.run(lanes, some, rows[cases], settings_of(lanes, batch, level, how_much))
+        some = None if fit.all() else np.flatnonzero(fit)
+        found = lane_records.run(lanes, batch, rows[cases], settings_of(lanes, batch, level, how_much), cases=some)
     run.out[cases] = found
     if given.any() and not forces and not turns.all():
         held = surely_holds(batch, run.out[:, to.PEAK], run.out[:, to.VERDICT] == RETURNS)
         open_ = given & ~turns & ~held & ~slides_only(batch) & ~np.isnan(run.out[:, to.STATUS])
         if not pulses and open_.any():
             asked = np.flatnonzero(open_)
-            forced = lane_records.run(lanes, batch, rows[asked], settings_of(lanes, batch, level, int(lanes.ALL)))
+            how = settings_of(lanes, batch, level, int(lanes.ALL))
+            forced = lane_records.run(lanes, batch, rows[asked], how, cases=asked)
             needs, least = friction_and_normal(batch.rows(asked), forced)
             open_[asked] = ~surely_presses(batch.block.mu[asked], needs, least)
         run.out[open_ & ~has_contact_forces(batch), to.STATUS] = np.nan

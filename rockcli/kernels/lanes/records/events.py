@@ -8,6 +8,7 @@ from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, NO_ROOT, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.forces import account, drive, look_into, work_until
+from rockcli.kernels.lanes.records.peaks import note_height
 from rockcli.kernels.lanes.records.rest import (
     BALLISTIC,
     BALLISTIC_AFTER,
@@ -33,7 +34,7 @@ from rockcli.kernels.rigid.series import slope, value
 
 
 @jit_lean
-def arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, hold, start, out):
+def arrive(st, i, par, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out):
     """A rocking lane at the end of its samples: the motion's, or the report's.
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
@@ -51,7 +52,7 @@ def arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, hold, sta
             return finish(st, i, verdict, out)
         if verdict == FALLS and v > 0.0 and len(velocity) > 0:
             if hold:  # it may yet slip before it is beyond the equilibrium
-                return stop(st, i, par, start, out)
+                return stop(st, i, par, how, values, slopes, start, out)
             out[to.T_END], out[to.PEAK_SIDE] = par[at.T_MOTION], s
             return finish(st, i, verdict, out)
         if how.detail == ALL:
@@ -85,8 +86,8 @@ def attend(
         c[k + 1] = st[lane.COEFFICIENTS + k * WIDTH + i]
     if not abs(c[lane.ORDER]) <= st[lane.SMALL + i]:  # halved too often
         return hand_over(out)
-    if hold and st[lane.DOUBT + i] > 0.0:
-        return stop(st, i, par, start, out)
+    if hold and st[lane.WEAK + i] > 0.0:
+        return stop(st, i, par, how, values, slopes, start, out)
     last, piece = int(st[lane.LAST + i]), int(st[lane.PIECE + i])
     free = piece > last
     t0 = (par[at.T_MOTION] if free else (piece - st[lane.FIRST + i]) * st[lane.DT + i]) + x0
@@ -138,10 +139,9 @@ def attend(
     if fell:
         impact = False
     v = slope(c, lane.ORDER, x)
-    if reach > out[to.PEAK] and c[1] > 0.0 >= v:
+    if reach > st[lane.PEAK + i] and c[1] > 0.0 >= v:
         y = turning_point(c, lane.ORDER, 0.0, x)
-        set_peak(edge.alpha, s, value(c, lane.ORDER, y), t0 + y * h, out)
-        st[lane.PEAK + i] = out[to.PEAK]
+        note_height(st, i, par, value(c, lane.ORDER, y), t0 + y * h, hold and watch, out)
     if path and reach >= star:
         passed = last_passage(c, lane.ORDER, star, x, 1)
         if passed != NO_ROOT:
@@ -195,7 +195,7 @@ def attend(
             if state != ROCKING:
                 return state
     if at_end:
-        return arrive(st, i, par, how, values, velocity, c, sin_q, cos_q, a, a_v, hold, start, out)
+        return arrive(st, i, par, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out)
     return STANDING
 
 

@@ -32,18 +32,16 @@ share of what that does."""
 
 
 @jit_lean
-def begin_watch(st, i, par, linear, values):
-    """The constants of a body in lane i, and what it begins with."""
+def begin_watch(st, i, par, linear, q, v, a):
+    """The constants of a body in lane i, and what it begins with: q, its rate v, and the ground a."""
     edge = edge_of(par, at.RIGHT)  # both are alike
     st[lane.SIN_ALPHA + i], st[lane.COS_ALPHA + i] = math.sin(edge.alpha), math.cos(edge.alpha)
     st[lane.SHAKE + i], st[lane.WEIGHT + i] = par[at.FACTOR_H] / edge.radius, edge.g / edge.radius
     st[lane.LOSS + i] = 0.5 * edge.radius / edge.p2 * (1.0 - edge.eta * edge.eta)
-    st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i] = 0.0, math.inf, 0.0
+    st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i] = abs(v), math.inf, 0.0
     st[lane.WORK + i] = st[lane.LOST + i] = 0.0
-    if par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0:
-        q, v = abs(par[at.THETA_0]), abs(par[at.THETA_DOT_0])
-        st[lane.RATE_MAX + i], st[lane.LOST + i] = v, -energy(edge, q, v, linear)
-        st[lane.WORK + i] = values[int(st[lane.FIRST + i])] * drive(st, i, q, linear)
+    if q != 0.0 or v != 0.0:
+        st[lane.LOST + i], st[lane.WORK + i] = -energy(edge, q, v, linear), a * drive(st, i, q, linear)
 
 
 @jit_lean
@@ -79,13 +77,6 @@ def may_peak(v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, rate, least
 
 
 @jit_lean
-def begin_hold(st, i, par, linear, values, mu):
-    """`begin_watch` for a lane that stops where friction of mu may not hold its foot, or the ground."""
-    begin_watch(st, i, par, linear, values)
-    st[lane.N_LEAST + i], st[lane.MU_MOST + i] = 0.0, mu
-
-
-@jit_lean
 def at_end(d1, d2, d3, d4, d5, d6, d7, d8):
     """Rate, acceleration and its derivative at the end of a step, in units of it, from d_k = k c_k."""
     v = d1 + (d2 + ((d3 + d4) + ((d5 + d6) + (d7 + d8))))
@@ -102,7 +93,7 @@ def gives_way(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
     """
     sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
     shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
-    most = load(st, lane.MU_MOST + i)
+    most = load(st, lane.MU_HELD + i)
     T, N, dT, dN = forces_of(
         fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight
     )
@@ -114,7 +105,7 @@ def gives_way(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
     # in between a rate is of no account: infinite, none is larger
     between = may_peak(d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, math.inf, 0.0 * N, most)
     doubt = ~at_ends | between
-    store(st, lane.DOUBT + i, select(doubt, 1.0, 0.0 * h))
+    store(st, lane.WEAK + i, select(doubt, 1.0, 0.0 * h))
     return doubt
 
 
@@ -254,8 +245,8 @@ def look_into(st, i, par, s, x, space, force, a, a_v, out):
 
 
 @jit_lean
-def bounces_matter(st, i, par, s, a, da):
-    """Whether forces may be extreme in small bounces between now and then, the ground a at first and a + da at last."""
+def bounces_matter(st, i, par, s, a, da, least, most):
+    """Whether N/(m g) may be below `least`, or |T|/N above `most`, in small bounces, the ground from a to a + da."""
     edge = edge_of(par, at.RIGHT)  # both are alike
     unshaken = CLEAR * pressed(edge, s, 0.0, 0.0) / st[lane.WEIGHT + i]
     for side in (s, -s):
@@ -264,8 +255,8 @@ def bounces_matter(st, i, par, s, a, da):
             acc = -pressed(edge, side, shaken, 0.0)
             N = 1.0 + st[lane.SIN_ALPHA + i] * acc / st[lane.WEIGHT + i]
             T = abs(shaken / edge.g + side * st[lane.COS_ALPHA + i] * acc / st[lane.WEIGHT + i])
-            low, most = N - unshaken * st[lane.SIN_ALPHA + i], T + unshaken * st[lane.COS_ALPHA + i]
-            if low < st[lane.N_LEAST + i] or most > low * st[lane.MU_MOST + i]:
+            low, size = N - unshaken * st[lane.SIN_ALPHA + i], T + unshaken * st[lane.COS_ALPHA + i]
+            if low < least or size > low * most:
                 return True
     return False
 

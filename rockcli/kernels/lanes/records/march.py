@@ -51,7 +51,8 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
     velocity: of the ground, as `lost` wants it, or nothing if the path of a fall is asked for, as it is
     where forces are (`how.detail` ALL) or what impacts carry.
     hold: a body stops where friction may not hold its foot: STATUS GIVES_WAY.  starts: rows of `handover`, where it
-    begins and, then, has stopped; not read without `hold`, which is not for bodies whose forces are asked for.
+    begins and, then, has stopped; not read without `hold`.  With forces beside it, PEAK_LEFT and PEAK_RIGHT are those
+    of either side.
     A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
     """
     page_the_stack()
@@ -99,7 +100,7 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
                 k = int(st[lane.CASE + i])
                 if (moved >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, values, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k], out[k]
+                        st, i, pars[k], how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k], out[k]
                     )  # fmt: skip
                 else:
                     state = attend(
@@ -111,7 +112,7 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
         for j in range(turning):
             i = int(turns[j])
             k = int(st[lane.CASE + i])
-            top(st, i, pars[k], out[k])
+            top(st, i, pars[k], hold and watch, out[k])
         for j in range(landing, min(landing + WIDTH, len(landings))):
             landings[j] = place(lane.LANES)
         for j in range(0, landing, WIDTH):
@@ -135,7 +136,7 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
                 k = int(st[lane.CASE + i])
                 if (over >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, values, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k], out[k]
+                        st, i, pars[k], how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k], out[k]
                     )  # fmt: skip
                 else:
                     state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k])

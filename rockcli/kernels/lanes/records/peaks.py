@@ -14,10 +14,10 @@ LAST = 1e-7
 
 
 @jit_lean
-def top(st, i, par, out):
+def top(st, i, par, both, out):
     """Raise the peak to where the step that lane i has tried turns: its rate is positive first and then not.
 
-    Newton's method kept inside the bracket, from where a parabola turns.
+    `both`: of either side.  Newton's method kept inside the bracket, from where a parabola turns.
     """
     j = lane.COEFFICIENTS + i
     c1, c2, c3, c4 = st[j], st[j + WIDTH], st[j + 2 * WIDTH], st[j + 3 * WIDTH]
@@ -47,5 +47,11 @@ def top(st, i, par, out):
     if h < 0.0:  # the lane is at the step's end
         q -= c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8))))
         t += h
-    set_peak(par[at.RIGHT + at.ALPHA], st[lane.SIDE + i], q + height, t + x * abs(h), out)
-    st[lane.PEAK + i] = out[to.PEAK]
+    note_height(st, i, par, q + height, t + x * abs(h), both, out)
+
+
+@jit_lean
+def note_height(st, i, par, q, t, both, out):
+    """Raise the peak to a turning point of lane i; `both`: the peaks of either side, not the larger alone."""
+    set_peak(par[at.RIGHT + at.ALPHA], st[lane.SIDE + i], q, t, out)
+    st[lane.PEAK + i] = min(out[to.PEAK_LEFT], out[to.PEAK_RIGHT]) if both else out[to.PEAK]

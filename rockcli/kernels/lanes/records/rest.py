@@ -9,13 +9,13 @@ from rockcli.kernels.constants import FAST as COUNTED
 from rockcli.kernels.constants import GIVES_WAY, LEFT_TO_MARCH, NOT_YET, RETURNS, STANDSTILL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
-from rockcli.kernels.lanes.records.forces import account, begin_hold, begin_watch, bounces_matter, stood
+from rockcli.kernels.lanes.records.forces import account, begin_watch, bounces_matter, drive, stood
+from rockcli.kernels.lanes.records.peaks import note_height
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
-from rockcli.kernels.rigid.law import edge_of, pressed
+from rockcli.kernels.rigid.law import edge_of, energy, pressed
 from rockcli.kernels.rigid.march import ALL
-from rockcli.kernels.rigid.readings import set_peak
 
 FINISHED, STANDING, ROCKING = 0, 1, 2
 """What becomes of a lane: its body is done, or goes on from where it is; ROCKING: it does not come to rest."""
@@ -70,7 +70,7 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, hold, start
     st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = 0.0
     watch = how.detail == ALL
     if hold:
-        begin_hold(st, i, par, how.linear, values, start[carry.MU])
+        st[lane.MU_HELD + i], st[lane.WEAK + i] = start[carry.MU], 0.0
         if start[carry.T] >= 0.0:
             dt = span[2]
             k = int(start[carry.T] / dt)
@@ -80,13 +80,14 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, hold, start
                 k += 1
             st[lane.PIECE + i], st[lane.X + i] = span[0] + k, start[carry.T] - k * dt
             st[lane.Q + i], st[lane.V + i] = start[carry.Q], start[carry.V]
+            turn(st, i, par, start[carry.SIDE])
+            begin_watch(st, i, par, how.linear, start[carry.Q], start[carry.V], ground(st, i, values, slopes))
             if start[carry.Q] == 0.0 and start[carry.V] == 0.0:
                 return lift(st, i, par, watch, values, slopes, blocks, tail, out)
-            turn(st, i, par, start[carry.SIDE])
             return STANDING
     if par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0:
-        if watch:
-            begin_watch(st, i, par, how.linear, values)
+        if watch or hold:
+            begin_watch(st, i, par, how.linear, 0.0, 0.0, 0.0)
         return lift(st, i, par, watch, values, slopes, blocks, tail, out)
     lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
     s = 1.0 if lead > 0.0 else -1.0
@@ -95,14 +96,20 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, hold, start
     out[to.PEAK_SIDE] = s
     if q >= par[at.RIGHT + at.Q_STAR]:
         out[to.T_OVERTURN] = 0.0
-    if v <= 0.0:
-        set_peak(par[at.RIGHT + at.ALPHA], s, q, 0.0, out)
-        st[lane.PEAK + i] = q
     st[lane.Q + i], st[lane.V + i] = q, v
     turn(st, i, par, s)
-    if watch:
-        begin_watch(st, i, par, how.linear, values)
+    if v <= 0.0:
+        note_height(st, i, par, q, 0.0, hold and watch, out)
+    if watch or hold:
+        begin_watch(st, i, par, how.linear, q, v, values[int(span[0])])
     return STANDING
+
+
+@jit_lean
+def ground(st, i, values, slopes):
+    """a_g over its scale where lane i is."""
+    k = int(st[lane.PIECE + i])
+    return 0.0 if k > st[lane.LAST + i] else values[k] + slopes[k] * st[lane.X + i]
 
 
 @jit_lean
@@ -212,14 +219,18 @@ def hand_over(out):
 
 
 @jit_lean
-def stop(st, i, par, start, out):
+def stop(st, i, par, how, values, slopes, start, out):
     """Leave the body to the kernel of contact where it is, as its foot may give way there."""
     piece, last = st[lane.PIECE + i], st[lane.LAST + i]
     t = (piece - st[lane.FIRST + i]) * st[lane.DT + i] + st[lane.X + i]
     if piece >= last:
         t = par[at.T_MOTION] + (st[lane.X + i] if piece > last else 0.0)
     start[carry.T], start[carry.SIDE] = t, st[lane.SIDE + i]
-    start[carry.Q], start[carry.V] = st[lane.Q + i], st[lane.V + i]
+    q, v = st[lane.Q + i], st[lane.V + i]
+    start[carry.Q], start[carry.V] = q, v
+    if how.detail == ALL:
+        st[lane.WORK + i] -= ground(st, i, values, slopes) * drive(st, i, q, how.linear)
+        account(st, i, par, energy(edge_of(par, at.RIGHT), q, v, how.linear), out)
     finish(st, i, NOT_YET, out)
     out[to.STATUS] = GIVES_WAY
     return FINISHED
@@ -251,13 +262,17 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
     if v > still:
         whole = 2.0 * v * (1.0 / (press + u0) + eta / (press - u0)) / (1.0 - eta * eta)
         lowest = press - max(abs(u0), abs(u0 + u1 * whole))
-        if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > out[to.PEAK]:
+        if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > st[lane.PEAK + i]:
             return ROCKING
         slow = how.rest_speed * p * math.sin(par[e + at.ALPHA])
         a = values[k] + slopes[k] * x
-        if (watch or hold) and v > slow and bounces_matter(st, i, par, s, a, slopes[k] * whole):
-            if hold and start[carry.T] < 0.0:  # so that all that never stop have the bits of pure rocking
-                return stop(st, i, par, start, out)
+        change = slopes[k] * whole
+        if hold and v > slow and bounces_matter(st, i, par, s, a, change, 0.0, st[lane.MU_HELD + i]):
+            if start[carry.T] < 0.0:  # so that all that never stop have the bits of pure rocking
+                return stop(st, i, par, how, values, slopes, start, out)
+            return ROCKING
+        least, most = st[lane.N_LEAST + i], st[lane.MU_MOST + i]
+        if watch and v > slow and bounces_matter(st, i, par, s, a, change, least, most):
             return ROCKING
         straight = NEARLY_STEADY * lowest * lowest / abs(u1)
         while rate > slow and rate > straight:

@@ -54,16 +54,15 @@ def advance(st, i, values, slopes, watch, hold):
     k6 = -I6 * fma(d6, s0, fma(d5, s1, fma(d4, s2, fma(d3, s3, fma(d2, s4, d1 * s5)))))
     d8 = I7 * fma(X0, s6, fma(Y0, k6, fma(X1, s5, Y1 * k5)))
     weak = h < 0.0
+    if watch or hold:
+        s_end = s0 + (s1 + (s2 + (s3 + (s4 + (s5 + s6)))))
+        k_end = k0 + (k1 + (k2 + (k3 + (k4 + (k5 + k6)))))
     if watch:
         sines = s0 + (I2 * s1 + (I3 * s2 + (I4 * s3 + (I5 * s4 + (I6 * s5 + I7 * s6)))))
         cosines = k0 + (I2 * k1 + (I3 * k2 + (I4 * k3 + (I5 * k4 + (I6 * k5 + I7 * k6)))))
         area = fma(load(st, lane.FORCING_C + i), sines, load(st, lane.FORCING_S + i) * (1.0 - cosines))
-        s_end = s0 + (s1 + (s2 + (s3 + (s4 + (s5 + s6)))))
-        k_end = k0 + (k1 + (k2 + (k3 + (k4 + (k5 + k6)))))
         weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8)
-    elif hold:
-        s_end = s0 + (s1 + (s2 + (s3 + (s4 + (s5 + s6)))))
-        k_end = k0 + (k1 + (k2 + (k3 + (k4 + (k5 + k6)))))
+    if hold:
         weak = gives_way(st, i, s0, k0, s_end, k_end, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8)
     return settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7, d8)
 
