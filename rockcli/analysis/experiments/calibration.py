@@ -8,9 +8,12 @@ alike) and standard deviation beta (what it gets wrong in each):
 
 share is that of the model that overturns, the cells part ln a half-way between the amplitudes, and L is the
 probability of a run that no model explains.  Prior: all bodies equally likely, mu normal, beta uniform in its
-logarithm; mu and beta of each body follow by Bayes' rule on a grid.  Bodies are weighed by their evidence to the power
-groups over runs: runs of one ground motion err alike, and which of two bodies that differ by chance in the details of a
-motion is right must not hang on them.  A prediction is the mean of P over all of it, its interval that of P.
+logarithm.  Bodies are weighed by their evidence to the power groups over runs: runs of one ground motion err alike, and
+which of two bodies that differ by chance in the details of a motion is right must not hang on them.
+
+Chance in the details of a motion makes each body's capacity scatter, their mean much less.  So runs are predicted by
+the mean over the bodies of the logarithm of the capacity, whose own mu and beta follow by Bayes' rule on a grid (X2).
+Where runs name the session in which a body was set up, mu may wander from one session to the next (X3).
 """
 
 from __future__ import annotations
@@ -18,24 +21,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rockcli.analysis.experiments.scores import Array, Bools, Index
 
 LAPSE = 0.02
 """L, of a run that came out otherwise for reasons of its own."""
 
-SPREAD = 0.2
-"""Prior standard deviation of mu: the amplitude that a model overturns at is known to 20 % beforehand."""
+SPREAD = 0.4
+"""Prior standard deviation of mu: the amplitude that a model overturns at is known to 40 % beforehand."""
 
-LOCATIONS = np.linspace(-0.45, 0.45, 31)
+LOCATIONS = np.linspace(-1.0, 1.0, 67)
 SCATTERS = np.geomspace(0.04, 0.4, 9)
 
-AMPLITUDES = np.geomspace(0.5, 2.0, 15)
-"""Factors of every run's motion; beyond their ends the model does as at the end."""
+WALKS = np.geomspace(0.05, 0.4, 4)
+"""Standard deviations of the change of mu from a session to the next, equally likely beforehand."""
 
-_BINS = 1000
-"""Into which probabilities are sorted for an interval."""
+AMPLITUDES = np.geomspace(0.4, 2.5, 16)
+"""Factors of every run's motion; beyond their ends the model does as at the end."""
 
 _CHUNK = 20_000_000
 """Probabilities held at a time."""
@@ -87,9 +89,13 @@ class Evidence:
         top = total.max(axis=1, keepdims=True)
         weight = np.exp(total - top)
         known = top + np.log(weight.sum(axis=1, keepdims=True))
-        power = float(groups.sum()) / float(self.runs[groups].sum())
+        power = float(groups.sum()) / max(float(self.runs[groups].sum()), 1.0)
         body = np.exp(power * (known - known.max()))
         return np.asarray((body / body.sum() * weight / weight.sum(axis=1, keepdims=True)).ravel())
+
+    def weights(self, groups: Bools) -> Array:
+        """Probability of every body given the runs of some groups (g,), (c,)."""
+        return np.asarray(self.posterior(groups).reshape(self.bodies, -1).sum(axis=1))
 
 
 def evidence(share: Array, outcome: Bools, group: Index, amplitudes: Array) -> Evidence:
@@ -107,30 +113,6 @@ def evidence(share: Array, outcome: Bools, group: Index, amplitudes: Array) -> E
         p = probabilities(share[rows], kernel)
         np.add.at(total, group[rows], np.log(np.where(outcome[rows][:, None], p, 1.0 - p)))
     return Evidence(kernel, share.shape[1], total, np.bincount(group))
-
-
-def predict(share: Array, kernel: Kernel, posterior: Array, which: Index) -> tuple[Array, Array, Array]:
-    """Probability of overturning and the ends of its interval of 95 %, which reaches to it at least, (r, n) each.
-
-    Args:
-        share: (n, c, a) of the runs to predict.
-        kernel: of the amplitudes.
-        posterior: (f, c m b), one for each fold.
-        which: (r, n) by which of them a run is predicted, of r repetitions.
-    """
-    out = np.empty((3, *which.shape))
-    for rows in _chunks(share, kernel):
-        p = probabilities(share[rows], kernel)
-        place = np.minimum((p * _BINS).astype(np.int64), _BINS - 1)
-        mean = p @ posterior.T
-        for j in range(len(p)):
-            run = rows.start + j
-            for f in np.unique(which[:, run]):
-                mass = np.cumsum(np.bincount(place[j], weights=posterior[f], minlength=_BINS))
-                low, high = np.searchsorted(mass, [0.025, 0.975])
-                ends = min(low / _BINS, mean[j, f]), max((high + 1) / _BINS, mean[j, f])
-                out[:, which[:, run] == f, run] = np.array([mean[j, f], ends[0], min(ends[1], 1.0)])[:, None]
-    return out[0], out[1], out[2]
 
 
 @dataclass(frozen=True)
@@ -154,11 +136,111 @@ def summary(values: Array, weight: Array) -> Summary:
     return Summary(mean, sd, *(float(end) for end in ends))
 
 
-def marginals(posterior: Array, bodies: int) -> tuple[NDArray[np.float64], Summary, Summary]:
-    """Probability of every body, (c,); exp(-mu), what the body withstands over what the model does; beta."""
-    table = posterior.reshape(bodies, len(LOCATIONS), len(SCATTERS))
-    return (
-        table.sum(axis=(1, 2)),
-        summary(np.exp(-LOCATIONS), table.sum(axis=(0, 2))),
-        summary(SCATTERS, table.sum(axis=(0, 1))),
-    )
+def capacities(share: Array, amplitudes: Array) -> Array:
+    """Logarithm of the amplitude at which each body overturns, (n, c): where below it as much falls as above it stands.
+
+    Args:
+        share: (n, c, a), NaN counts as 1/2.
+        amplitudes: (a,), ascending.
+    """
+    log_a = np.log(amplitudes)
+    inner = 0.5 * (log_a[1:] + log_a[:-1])
+    edges = np.concatenate([[2.0 * log_a[0] - inner[0]], inner, [2.0 * log_a[-1] - inner[-1]]])
+    return np.asarray(edges[0] + (1.0 - np.where(np.isnan(share), 0.5, share)) @ np.diff(edges))
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """What runs say of mu and beta of an ensemble of bodies.
+
+    Attributes:
+        weight: probability of mu in every session and beta, (sessions, m, b).
+        walk: probability of each of WALKS; (1,) where there is one session.
+    """
+
+    weight: Array
+    walk: Array
+
+    def summaries(self) -> tuple[Summary, Summary]:
+        """exp(-mu), what the body withstands over what the model does, over all sessions; beta."""
+        table = self.weight.mean(axis=0)
+        return summary(np.exp(-LOCATIONS), table.sum(axis=1)), summary(SCATTERS, table.sum(axis=0))
+
+
+def likely(log_capacity: Array) -> Array:
+    """P of overturning at the capacities of an ensemble (n,), for every mu and beta, (n, m, b) (X2)."""
+    from scipy.special import ndtr
+
+    below = ndtr((LOCATIONS[:, None] - log_capacity[:, None, None]) / SCATTERS)
+    return np.asarray(LAPSE + (1.0 - 2.0 * LAPSE) * below)
+
+
+def errors(log_capacity: Array, outcome: Bools, session: Index, sessions: int) -> Errors:
+    """Mu in every session and beta, by Bayes' rule on the grid; sessions follow one another in their order (X3).
+
+    Args:
+        log_capacity: (n,) of the ensemble in each run.
+        outcome: (n,) whether the body overturned.
+        session: (n,) of each run, from 0; not all need have runs.
+        sessions: how many there are.
+    """
+    p = likely(log_capacity)
+    seen = np.zeros((sessions, *p.shape[1:]))
+    np.add.at(seen, session, np.log(np.where(outcome[:, None, None], p, 1.0 - p)))
+    first = np.exp(-0.5 * (LOCATIONS / SPREAD) ** 2)
+    first = np.broadcast_to((first / first.sum())[:, None], seen.shape[1:])
+    found, evidences = [], []
+    for walk in WALKS if sessions > 1 else WALKS[:1]:
+        weight, log_evidence = _smoothed(seen, first, float(walk))
+        found.append(weight)
+        evidences.append(log_evidence)
+    log_weight = np.array(evidences)  # of walk and beta, (w, b)
+    joint = np.exp(log_weight - log_weight.max())
+    joint /= joint.sum()
+    return Errors(np.einsum("wb,wsmb->smb", joint, np.array(found)), joint.sum(axis=1))
+
+
+def _smoothed(seen: Array, first: Array, walk: float) -> tuple[Array, Array]:
+    """Mu of every session given beta and the runs of all, (s, m, b), and the logarithm of their evidence, (b,).
+
+    Forward and backward over the sessions of a hidden Markov chain (Rabiner 1989).
+    """
+    step = np.exp(-0.5 * ((LOCATIONS[:, None] - LOCATIONS) / walk) ** 2)
+    step /= step.sum(axis=1, keepdims=True)
+    top = seen.max(axis=1, keepdims=True)
+    own = np.exp(seen - top)
+    log_evidence = top[:, 0].sum(axis=0)
+    before, after = np.empty_like(own), np.empty_like(own)
+    now = first
+    for k, each in enumerate(own):
+        before[k] = now
+        total = (now * each).sum(axis=0)
+        log_evidence = log_evidence + np.log(total)
+        now = step.T @ (now * each / total)
+    now = np.ones_like(first)
+    for k in range(len(own) - 1, -1, -1):
+        after[k] = now
+        now = step @ (now * own[k])
+        now = now / now.max(axis=0)
+    weight = before * own * after
+    return weight / weight.sum(axis=1, keepdims=True), log_evidence
+
+
+def predict(log_capacity: Array, found: Errors, session: Index) -> Array:
+    """Probability of overturning and the ends of its interval of 95 %, which holds the probability, (3, n).
+
+    Args:
+        log_capacity: (n,) of the ensemble in each run.
+        found: of runs that are known.
+        session: (n,) of each run, as in `errors`.
+    """
+    p = likely(log_capacity).reshape(len(log_capacity), -1)
+    weight = found.weight[session].reshape(p.shape)
+    mean = (p * weight).sum(axis=1)
+    order = np.argsort(p, axis=1)
+    mass = np.cumsum(np.take_along_axis(weight, order, axis=1), axis=1)
+    ends = []
+    for tail in (0.025, 0.975):
+        at = np.minimum((mass < tail).sum(axis=1), p.shape[1] - 1)
+        ends.append(np.take_along_axis(p, order, axis=1)[np.arange(len(p)), at])
+    return np.array([mean, np.minimum(ends[0], mean), np.maximum(ends[1], mean)])

@@ -12,9 +12,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.experiments.calibration import AMPLITUDES, evidence, marginals, predict, summary
-from rockcli.analysis.experiments.scores import divide_groups, numbered
-from rockcli.engine.experiments.runs import Runs
+from rockcli.analysis.experiments.calibration import (
+    AMPLITUDES,
+    WALKS,
+    Errors,
+    Evidence,
+    capacities,
+    errors,
+    evidence,
+    predict,
+    summary,
+)
+from rockcli.analysis.experiments.scores import Bools, Index, divide_groups, numbered
+from rockcli.engine.experiments.runs import SESSION, Runs
 from rockcli.engine.experiments.score import STUDY, Options, Prediction, predicted_by
 from rockcli.engine.experiments.simulated import Simulated, simulate
 from rockcli.engine.sweep.sweep import Progress
@@ -44,20 +54,24 @@ class Calibration:
         outcome: whether the body overturned, (n,).
         labels: group of each run.
         table: name of the file of the runs.
+        session: in which the body was set up for each run; () where the table does not say.
     """
 
     simulated: Simulated
     outcome: NDArray[np.bool_]
     labels: tuple[str, ...]
     table: str
+    session: tuple[str, ...] = ()
 
     def as_plain(self) -> dict[str, Any]:
         """All of it, and what it says of the body, as plain values for JSON."""
         known = self.simulated
         group = numbered(self.labels)
-        found = evidence(known.share, self.outcome, group, known.amplitudes)
-        posterior = found.posterior(np.ones(int(group.max()) + 1, dtype=bool))
-        body, capacity, scatter = marginals(posterior, known.share.shape[1])
+        every = np.ones(len(group), dtype=bool)
+        fit = _Fit.of(self, self.session)
+        body, found = fit.known(every)
+        capacity, scatter = found.summaries()
+        wandering = {"session_walk": float(found.walk @ WALKS)} if self.session else {}
         return {
             "calibration": FORMAT,
             "version": __version__,
@@ -69,6 +83,7 @@ class Calibration:
             "groups": len(set(self.labels)),
             "capacity_factor": asdict(capacity),
             "capacity_scatter": asdict(scatter),
+            **wandering,
             "bodies": known.share.shape[1],
             "bodies_effective": float(1.0 / (body**2).sum()),
             "posterior": {path: _told(values, body) | _unit(known, path) for path, values in known.inputs.items()},
@@ -77,6 +92,7 @@ class Calibration:
             "units": known.units,
             "outcome": [int(fell) for fell in self.outcome],
             "group": list(self.labels),
+            "session": list(self.session),
             "share": _packed(known.share),
         }
 
@@ -120,7 +136,7 @@ def calibrate(
             f"has {len(set(runs.specimen))} specimens: choose one, as each has its own errors", file=runs.file
         )
     known = simulate(source, runs, AMPLITUDES.tolist(), team=team, progress=progress)
-    return Calibration(known, runs.outcome, runs.labels, runs.file.name)
+    return Calibration(known, runs.outcome, runs.labels, runs.file.name, runs.session)
 
 
 def write(calibration: Calibration, path: Path) -> None:
@@ -158,11 +174,12 @@ def read(path: Path) -> Calibration:
             identity=str(plain["identity"]),
         )
         outcome, labels = np.array(plain["outcome"], dtype=bool), tuple(str(label) for label in plain["group"])
-        if len(labels) != len(outcome) or len(outcome) < LEAST:
+        session = tuple(str(label) for label in plain["session"])
+        if len(labels) != len(outcome) or len(outcome) < LEAST or len(session) not in (0, len(outcome)):
             raise ValueError("runs")
     except (KeyError, TypeError, ValueError, AttributeError, zlib.error):
         raise StudyError("is a damaged calibration: `rock calibrate` makes it anew", file=path) from None
-    return Calibration(known, outcome, labels, str(plain.get("table", "")))
+    return Calibration(known, outcome, labels, str(plain.get("table", "")), session)
 
 
 def check_same(calibration: Calibration, simulated: Simulated, file: Path) -> None:
@@ -175,8 +192,61 @@ def check_same(calibration: Calibration, simulated: Simulated, file: Path) -> No
         )
 
 
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """What a calibration says, of any part of its runs."""
+
+    calibration: Calibration
+    found: Evidence
+    group: Index
+    log_capacity: Array
+    session: Index
+    sessions: tuple[str, ...]
+
+    @staticmethod
+    def of(calibration: Calibration, sessions: tuple[str, ...]) -> _Fit:
+        """With sessions also of other runs; they follow one another by name, as dates and numbers do."""
+        known, group = calibration.simulated, numbered(calibration.labels)
+        names = _ordered(set(calibration.session) | set(sessions)) if calibration.session else ("",)
+        return _Fit(
+            calibration,
+            evidence(known.share, calibration.outcome, group, known.amplitudes),
+            group,
+            capacities(known.share, known.amplitudes),
+            places(calibration.session, names, len(group)),
+            names,
+        )
+
+    def known(self, runs: Bools) -> tuple[Array, Errors]:
+        """Weights of the bodies and errors of their mean, as some of the runs (whole groups) leave them."""
+        groups = np.zeros(int(self.group.max()) + 1, dtype=bool)
+        groups[self.group[runs]] = True
+        body = self.found.weights(groups)
+        outcome, session = self.calibration.outcome[runs], self.session[runs]
+        return body, errors(self.log_capacity[runs] @ body, outcome, session, len(self.sessions))
+
+
+def _ordered(names: set[str]) -> tuple[str, ...]:
+    try:
+        return tuple(sorted(names, key=lambda name: (float(name), name)))
+    except ValueError:
+        return tuple(sorted(names))
+
+
+def places(session: tuple[str, ...], names: tuple[str, ...], size: int) -> Index:
+    """The place of each run's session among the names; all 0 where there are no sessions."""
+    at = {name: i for i, name in enumerate(names)}
+    return np.array([at[name] for name in session], dtype=np.int64) if session else np.zeros(size, dtype=np.int64)
+
+
 def predicted(
-    calibration: Calibration, simulated: Simulated, labels: tuple[str, ...], options: Options, *, leave_out: bool
+    calibration: Calibration,
+    simulated: Simulated,
+    labels: tuple[str, ...],
+    options: Options,
+    *,
+    leave_out: bool,
+    session: tuple[str, ...] = (),
 ) -> tuple[Prediction, tuple[str, ...]]:
     """Probabilities of runs by a calibration, and remarks.
 
@@ -186,27 +256,28 @@ def predicted(
         labels: group of each.
         options: count and repeats of the folds, seed.
         leave_out: divide the runs into folds of whole groups, and predict each without the runs of its groups.
+        session: of each, where those of the calibration have one.
     """
-    own = numbered(calibration.labels)
-    names = list(dict.fromkeys(calibration.labels))
-    found = evidence(calibration.simulated.share, calibration.outcome, own, calibration.simulated.amplitudes)
-    group = numbered(labels)
-    shared = len(set(labels) & set(names))
+    fit = _Fit.of(calibration, session)
+    log_capacity = capacities(simulated.share, simulated.amplitudes)
+    where = places(session if calibration.session else (), fit.sessions, len(labels))
+    own = np.array(calibration.labels)
     if not leave_out:
-        posterior = found.posterior(np.ones(len(names), dtype=bool))[None]
-        p, low, high = predict(simulated.share, found.kernel, posterior, np.zeros((1, len(labels)), dtype=np.int64))
+        body, found = fit.known(np.ones(len(own), dtype=bool))
+        p, low, high = predict(log_capacity @ body, found, where)
+        shared = len(set(labels) & set(calibration.labels))
         told = f"{shared} groups of the runs are among those of the calibration: this is a fit, no prediction; --folds"
-        return Prediction(STUDY, p[0], low[0], high[0]), (told,) if shared else ()
-    which = np.zeros((options.repeats, len(labels)), dtype=np.int64)
-    posteriors: list[Array] = []
+        return Prediction(STUDY, p, low, high), (told,) if shared else ()
+    group, each = numbered(labels), np.array(labels)
+    out = np.zeros((3, options.repeats, len(labels)))
     for repeat in range(options.repeats):
         fold = divide_groups(group, options.count, options.seed + repeat)
         for number in np.unique(fold):
-            out = {label for label, each in zip(labels, fold, strict=True) if each == number}
-            which[repeat, fold == number] = len(posteriors)
-            posteriors.append(found.posterior(np.array([name not in out for name in names])))
-    p, low, high = predict(simulated.share, found.kernel, np.array(posteriors), which)
-    return Prediction(STUDY, p.mean(axis=0), low.mean(axis=0), high.mean(axis=0), p), ()
+            asked = fold == number
+            body, found = fit.known(~np.isin(own, each[asked]))
+            out[:, repeat, asked] = predict(log_capacity[asked] @ body, found, where[asked])
+    p, low, high = out.mean(axis=1)
+    return Prediction(STUDY, p, low, high, out[0]), ()
 
 
 def by_study(
@@ -231,8 +302,11 @@ def by_study(
         return predicted_by(source, runs, team=team, progress=progress)
     if calibration is None:
         known = calibrate(source, runs, team=team, progress=progress)
-        return (known.simulated.study, *predicted(known, known.simulated, runs.labels, how, leave_out=True))
+        found = known.simulated
+        return (found.study, *predicted(known, found, runs.labels, how, leave_out=True, session=runs.session))
     known = read(calibration)
+    if known.session and not runs.session:
+        raise StudyError(f"has no column `{SESSION}`, as the runs of the calibration have", file=runs.file)
     found = simulate(source, runs, known.simulated.amplitudes.tolist(), team=team, progress=progress)
     check_same(known, found, calibration)
-    return (found.study, *predicted(known, found, runs.labels, how, leave_out=leave_out))
+    return (found.study, *predicted(known, found, runs.labels, how, leave_out=leave_out, session=runs.session))

@@ -19,6 +19,7 @@ from rockcli.scene.response import OUTCOMES, overturned
 Array = NDArray[np.float64]
 
 RESULT, RECORD, SCALE, GROUP, SPECIMEN, RUN = "outcome", "record", "scale", "group", "specimen", "run"
+SESSION = "session"
 
 MEASURES = ("pga", "pgv")
 """Columns that stand in for those of the record in the baselines."""
@@ -45,6 +46,7 @@ class Runs:
         scale: what the motion is multiplied by, (n,).
         group: label of the runs that are not independent of each other; () where the table has no such column.
         specimen: which body; () where the table has no such column.
+        session: in which it was set up as it stood, a date or a number; () where the table has no such column.
         measures: pga and pgv where the table has them, (n,) each, in any unit.
         predictions: column -> probabilities, (n,); NaN where the cell is empty.
         unread: columns that are no predictions.
@@ -60,6 +62,7 @@ class Runs:
     measures: dict[str, Array]
     predictions: dict[str, Array]
     unread: tuple[str, ...] = ()
+    session: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -94,6 +97,7 @@ class Runs:
             scale=self.scale[kept],
             group=some(self.group),
             specimen=some(self.specimen),
+            session=some(self.session),
             measures={name: values[kept] for name, values in self.measures.items()},
             predictions={name: values[kept] for name, values in self.predictions.items()},
         )
@@ -149,7 +153,7 @@ def read_runs(path: Path, *, group: str = GROUP, predictions: Sequence[str] | No
     scale = numbers(SCALE) if SCALE in head else np.ones(len(rows))
     if (scale == 0.0).any():
         raise fail(f"{SCALE} is 0: there would be no motion", lines[int(np.argmin(np.abs(scale)))])
-    reserved = {RESULT, RECORD, SCALE, GROUP, group, SPECIMEN, RUN, *MEASURES}
+    reserved = {RESULT, RECORD, SCALE, GROUP, group, SPECIMEN, SESSION, RUN, *MEASURES}
     read: dict[str, Array] = {}
     unread = []
     for name in predictions if predictions is not None else [name for name in head if name not in reserved]:
@@ -169,6 +173,7 @@ def read_runs(path: Path, *, group: str = GROUP, predictions: Sequence[str] | No
         scale=scale,
         group=texts(group),
         specimen=texts(SPECIMEN),
+        session=texts(SESSION),
         measures={name: numbers(name, above=0.0) for name in MEASURES if name in head},
         predictions=read,
         unread=tuple(unread),
