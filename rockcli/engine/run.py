@@ -27,7 +27,7 @@ from rockcli.engine.sweep.history_size import check_histories
 from rockcli.engine.sweep.parts import Parts
 from rockcli.engine.sweep.refine import solve_refined
 from rockcli.engine.sweep.reuse_results import reuse_results
-from rockcli.engine.sweep.sweep import Progress, Sweep, solve_cases
+from rockcli.engine.sweep.sweep import Progress, Sweep, solve_cases, solve_share
 from rockcli.engine.sweep.symbols_of_cases import describe_cases
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import MachineError, OutputError, RockError, StudyError
@@ -237,7 +237,7 @@ def _of_share(study: Study, sweep: Sweep, started: float) -> RunReport:
         raise StudyError("--part cannot divide a search (`find`); --workers and --dask can", file=study.file)
     if study.refine:
         raise StudyError("--part cannot divide a refined map (`refine`); --workers and --dask can", file=study.file)
-    cases = solve_cases(study, sweep=sweep).answered
+    cases = solve_share(study, sweep)
     sweep.keeper.flush()
     return RunReport(
         name=study.name,

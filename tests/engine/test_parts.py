@@ -18,7 +18,7 @@ from swept import CASES, assert_same, counting, made_up, solved, study, write_st
 from rockcli.engine.lock import LOCK_NAME, locked
 from rockcli.engine.run import run_study
 from rockcli.engine.summary import SHARE, SOLVED, UP_TO_DATE
-from rockcli.engine.sweep import parts, sweep
+from rockcli.engine.sweep import chunks, parts, sweep
 from rockcli.engine.sweep.chunk_result import ChunkResult, blank, cases_of, spans_of
 from rockcli.engine.sweep.parts import FOLDER, Parts
 from rockcli.engine.sweep.settings_used import joined
@@ -210,13 +210,43 @@ def test_overlapping_shares_double_nothing(tmp_path: Path, counted: list[int]) -
     whole = solved(study())
     for share in ((1, 2), (2, 3), (3, 3)):
         keeper = Parts(tmp_path / "swept", study())
-        sweep.solve_cases(study(), sweep=sweep.Sweep(sweep.Team(), share=share)).finish()
         done = sweep.Sweep(sweep.Team(), keeper=_Deaf(keeper), share=share)
-        sweep.solve_cases(study(), sweep=done)
+        sweep.solve_share(study(), done)
         keeper.flush()
     run_study(study(), tmp_path, plots=False)
     found = netcdf.read(tmp_path / "swept" / "swept.nc")
     assert_same(whole, found)
+
+
+@pytest.mark.parametrize("turned", [None, ((3, 4, 5), 1)])
+def test_shares_hold_spans_of_cases_not_the_study(turned: tuple[tuple[int, ...], int] | None) -> None:
+    found = []
+    for k in range(1, 4):
+        spans = sweep._of_share(60, k, 3)
+        left = chunks.without(spans, [(7, 9), (20, 33)])
+        wanted = {place for first, stop in spans for place in range(first, stop)} - {7, 8, *range(20, 33)}
+        assert {place for first, stop in left for place in range(first, stop)} == wanted
+        assert chunks.counted(left) == len(wanted)
+        handed = chunks.Chunks(60, left, turned)
+        while handed.left:
+            cases = handed.take(4)
+            assert (np.diff(cases) > 0).all()
+            assert set(chunks.places_in_turn(cases, turned).tolist()) <= wanted
+            found += cases.tolist()
+    assert len(set(found)) == len(found) == 60 - 15
+
+
+@pytest.mark.slow
+def test_a_share_of_a_study_that_nobody_could_hold(tmp_path: Path) -> None:
+    """10^10 cases, whose outcomes alone are 10 GB: a share of 10^5 of them is solved in the memory of one."""
+    axes = {f"motion.pulse.{name}": {"from": 0.1, "to": 1.0, "n": 100_000} for name in ("a_p", "T_p")}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": 1.0, "T_p": 1.0}}}
+    (tmp_path / "large.yaml").write_text(
+        json.dumps({"name": "large", "case": case, "vary": axes, "save": {"scalars": ["outcome"]}})
+    )
+    command = [sys.executable, "-m", "rockcli", "run", "large.yaml", "--part", "1/100000", "--quiet", "--workers", "1"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss < 1 << 20
 
 
 class _Deaf:

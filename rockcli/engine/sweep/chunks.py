@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,25 +22,66 @@ SHARES = 4
 """Chunks that are left for every worker near the end, so that none waits long for the last."""
 
 
+Spans = list[tuple[int, int]]
+"""First and last + 1 of each."""
+
+Turned = tuple[tuple[int, ...], int]
+"""Points of every axis, and the axis along which cases are handed out last."""
+
+
+def counted(spans: Spans) -> int:
+    """How many numbers there are in spans."""
+    return sum(stop - first for first, stop in spans)
+
+
+def without(spans: Spans, others: Spans) -> Spans:
+    """What of some spans is not in others; both ascending, and so is the result."""
+    left: Spans = []
+    at = 0
+    for first, stop in spans:
+        while at < len(others) and others[at][1] <= first:
+            at += 1
+        k = at
+        while k < len(others) and others[k][0] < stop:
+            if others[k][0] > first:
+                left.append((first, others[k][0]))
+            first = max(first, others[k][1])
+            k += 1
+        if first < stop:
+            left.append((first, stop))
+    return left
+
+
+def places_in_turn(cases: Index, turned: Turned | None) -> Index:
+    """Where cases stand in the order in which `Chunks` hands them out, ascending."""
+    if turned is None:
+        return cases
+    shape, axis = turned
+    others = list(np.unravel_index(cases, shape))
+    point = others.pop(axis)
+    return np.sort(np.ravel_multi_index((point, *others), (shape[axis], *shape[:axis], *shape[axis + 1 :])))
+
+
 class Chunks:
     """Hands out the cases that are left, in order; what was lost comes back and goes first.
 
     Args:
         size: cases in all.
-        todo: which of them are left, (size,); None = all.
+        todo: which of them are left, (size,), or spans of places in the order in which they are handed out, ascending;
+            None = all.
         turned: points of every axis, and the axis along which to go last: what its points have in common with all
             others is then found for few chunks.  None = in the order of the cases.
     """
 
-    def __init__(
-        self, size: int, todo: NDArray[np.bool_] | None = None, turned: tuple[tuple[int, ...], int] | None = None
-    ) -> None:
+    def __init__(self, size: int, todo: NDArray[np.bool_] | Spans | None = None, turned: Turned | None = None) -> None:
         self.size = size
         self._turned = turned
-        if todo is not None and turned is not None:
+        spans = [(0, size)] if todo is None else todo
+        self._spans = deque(spans) if isinstance(spans, list) else None
+        if not isinstance(todo, list) and todo is not None and turned is not None:
             todo = np.ascontiguousarray(np.moveaxis(todo.reshape(turned[0]), turned[1], 0)).ravel()
-        self._todo = todo
-        self.left = size if todo is None else int(todo.sum())
+        self._todo = None if isinstance(todo, list) else todo
+        self.left = counted(spans) if isinstance(spans, list) else int(spans.sum())
         self._next = 0
         self._returned: list[Index] = []
 
@@ -56,9 +99,8 @@ class Chunks:
             if len(cases) > most:
                 self._returned.append(cases[most:])
                 cases = cases[:most]
-        elif self._todo is None:
-            cases = self._cases_at(np.arange(self._next, min(self._next + most, self.size)))
-            self._next += len(cases)
+        elif self._spans is not None:
+            cases = self._cases_at(self._from_spans(most))
         else:
             cases = self._cases_at(self._search(most))
         self.left -= len(cases)
@@ -72,6 +114,18 @@ class Chunks:
         point, *others = np.unravel_index(places, (shape[axis], *shape[:axis], *shape[axis + 1 :]))
         others.insert(axis, point)
         return np.sort(np.ravel_multi_index(tuple(others), shape).astype(np.int64))
+
+    def _from_spans(self, most: int) -> Index:
+        assert self._spans is not None
+        found = [np.empty(0, dtype=np.int64)]
+        while most and self._spans:
+            first, stop = self._spans.popleft()
+            if stop - first > most:
+                self._spans.appendleft((first + most, stop))
+                stop = first + most
+            found.append(np.arange(first, stop))
+            most -= stop - first
+        return np.concatenate(found)
 
     def _search(self, most: int) -> Index:
         assert self._todo is not None

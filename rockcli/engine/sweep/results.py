@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.sweep.chunk_result import Array, ChunkResult, Description, blank
+from rockcli.engine.sweep.chunk_symbols import Reduction
 from rockcli.engine.sweep.settings_used import Used, joined
 from rockcli.engine.sweep.symbols import Symbols
 from rockcli.scene.response import FAILED, MAX_IMPACTS_STORED
@@ -26,6 +27,26 @@ class Said:
     code: int
     first: int
     count: int
+
+
+@dataclass(eq=False)
+class Tally:
+    """Counts answers, and holds nothing of them: for who keeps them elsewhere.
+
+    Attributes:
+        answered: cases of which there is an answer.
+    """
+
+    answered: int = 0
+    reduction = None
+    describes = False
+
+    def describe(self, found: Description) -> None:
+        """What is known of cases before they are solved is found again by who puts the answers together."""
+
+    def put(self, answer: ChunkResult) -> None:
+        """Count the answer of cases that were not answered before."""
+        self.answered += len(answer.cases)
 
 
 @dataclass(eq=False)
@@ -72,6 +93,13 @@ class Results:
         scalars = blank(study.scalars, study.size) if solved else {}
         asked = "reason" in study.scalars
         return cls(study.size, scalars, symbols, np.zeros(study.size if asked else 0, dtype=np.int32), asked)
+
+    describes = True
+
+    @property
+    def reduction(self) -> Reduction:
+        """How symbols are reduced, as far as is known by now."""
+        return self.symbols.reduction
 
     @property
     def warnings(self) -> list[str]:

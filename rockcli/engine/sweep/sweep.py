@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from rockcli import kernels
 from rockcli.engine.backends import choose
 from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
-from rockcli.engine.sweep.chunk_result import ChunkResult, blank
+from rockcli.engine.sweep.chunk_result import ChunkResult, blank, spans_of
 from rockcli.engine.sweep.chunk_symbols import Reduction
-from rockcli.engine.sweep.chunks import CHUNK, Chunks, Pace
+from rockcli.engine.sweep.chunks import CHUNK, Chunks, Pace, Spans, Turned, counted, places_in_turn, without
 from rockcli.engine.sweep.executors import answers
 from rockcli.engine.sweep.history_size import cases_at_a_time
 from rockcli.engine.sweep.isolate_failures import solve_isolated
 from rockcli.engine.sweep.memory import keep_freed
 from rockcli.engine.sweep.parts import Keeper
-from rockcli.engine.sweep.results import Results
+from rockcli.engine.sweep.results import Results, Tally
 from rockcli.engine.sweep.settings_used import joined
 from rockcli.engine.sweep.symbols_of_cases import describe, describe_rest, rows_of, symbols_of
 from rockcli.engine.sweep.work import Team
@@ -119,7 +119,7 @@ class Solving:
 
 
 def solve_cases(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Results:
-    """Solve every case of a study, or what of it `sweep` says.
+    """Solve every case of a study.
 
     Raises:
         StudyError: a solver cannot do what the study asks for.
@@ -136,19 +136,44 @@ def _solve_cases(study: Study, sweep: Sweep) -> Results:
     results = Results.of(study, symbols_of(study))
     todo = take_known(sweep, results)
     known = results.answered
-    if sweep.share is not None:
-        todo &= _of_share(study.size, *sweep.share)
     chunks = Chunks(study.size, None if todo.all() else todo, _by_record(study))
-    estimate, compiled = outlook(study, study.size) if chunks.left else (1.0, False)
-    most = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
-    work_off(study, sweep, results, chunks, Pace(estimate, most), compiled=compiled)
-    if known and sweep.share is None:
+    _work_off_at_pace(study, sweep, results, chunks)
+    if known:
         describe_rest(study, results, ~todo)
     results.finish()
     return results
 
 
-def _by_record(study: Study) -> tuple[tuple[int, ...], int] | None:
+def solve_share(study: Study, sweep: Sweep) -> int:
+    """Solve what is left of a share (`sweep.share`), and hold no more of the study than is at work.
+
+    Returns how many cases of the study are kept by then.
+
+    Raises:
+        StudyError, OutputError: as `solve_cases`.
+    """
+    assert sweep.share is not None
+    with np.errstate(all="ignore"):
+        keep_freed()
+        turned = _by_record(study)
+        kept: Spans = []
+        for answer in (*sweep.known, *(sweep.keeper.kept() if sweep.keeper else ())):
+            spans = [(first, stop) for first, stop in spans_of(places_in_turn(answer.cases, turned)).tolist()]
+            kept = sorted([*kept, *without(spans, kept)])
+        _note_damaged(sweep)
+        chunks = Chunks(study.size, without(_of_share(study.size, *sweep.share), kept), turned)
+        tally = Tally(counted(kept))
+        _work_off_at_pace(study, sweep, tally, chunks)
+        return tally.answered
+
+
+def _work_off_at_pace(study: Study, sweep: Sweep, results: Results | Tally, chunks: Chunks) -> None:
+    estimate, compiled = outlook(study, study.size) if chunks.left else (1.0, False)
+    most = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
+    work_off(study, sweep, results, chunks, Pace(estimate, most), compiled=compiled)
+
+
+def _by_record(study: Study) -> Turned | None:
     """How chunks hold all cases of few records, not some of all: a record is laid out for every chunk that has it."""
     records = [i for i, axis in enumerate(study.axes) if axis.path in OF_RECORDS and not axis.numeric]
     return (study.shape, records[0]) if records and records[0] > 0 else None
@@ -165,13 +190,19 @@ def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:
         todo[fresh.cases] = False
         results.put(fresh)
         sweep.resumed += len(fresh.cases)
-    if sweep.keeper and sweep.keeper.damaged:
-        sweep.team.note("some results kept by earlier runs were damaged and were solved again")
+    _note_damaged(sweep)
     return todo
 
 
-def work_off(study: Study, sweep: Sweep, results: Results, chunks: Chunks, pace: Pace, *, compiled: bool) -> None:
-    """Solve the cases of an chunks into results.
+def _note_damaged(sweep: Sweep) -> None:
+    if sweep.keeper and sweep.keeper.damaged:
+        sweep.team.note("some results kept by earlier runs were damaged and were solved again")
+
+
+def work_off(
+    study: Study, sweep: Sweep, results: Results | Tally, chunks: Chunks, pace: Pace, *, compiled: bool
+) -> None:
+    """Solve the cases of chunks into results.
 
     Raises:
         StudyError: a solver cannot do what the study asks for.
@@ -183,7 +214,8 @@ def work_off(study: Study, sweep: Sweep, results: Results, chunks: Chunks, pace:
     refused: dict[str, int] = {}
     if sweep.progress is not None and done:
         sweep.progress(done, in_all)
-    for cases, answer in answers(Solving(study, compiled, results.symbols.reduction), chunks, pace, sweep.team):
+    solving = Solving(study, compiled, results.reduction, described=results.describes)
+    for cases, answer in answers(solving, chunks, pace, sweep.team):
         if answer.described is not None:
             results.describe(answer.described)
             answer.described = None
@@ -212,13 +244,10 @@ def check_solved(refused: dict[str, int], cases: int) -> None:
         raise MachineError(message)
 
 
-def _of_share(n: int, k: int, shares: int) -> Any:
-    """Whether each of n cases belongs to share k of N: blocks in turn, since neighbours cost about the same."""
-    mine = np.zeros(n, dtype=bool)
+def _of_share(n: int, k: int, shares: int) -> Spans:
+    """The places among n that belong to share k of N: blocks in turn, since neighbours cost about the same."""
     block = max(1, n // (64 * shares))
-    for start in range((k - 1) * block, n, shares * block):
-        mine[start : start + block] = True
-    return mine
+    return [(start, min(start + block, n)) for start in range((k - 1) * block, n, shares * block)]
 
 
 def outlook(study: Study, size: int) -> tuple[float, bool]:
