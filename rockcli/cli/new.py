@@ -20,22 +20,31 @@ KINDS: dict[str, str] = {
 }
 """Studies by kind, and what they are about; each is a file of `templates`."""
 
+EXAMPLES = "examples"
+"""Beside the kinds: a folder with what examples and tutorials run."""
+
+SHIPPED = ("studies/examples", "studies/tutorials", "records")
+"""Folders of the sources that the wheel carries below `rockcli/shipped`."""
+
+
+_ALL = KINDS | {EXAMPLES: "a folder: the studies and records of examples and tutorials"}
+
 
 def _kinds(incomplete: str) -> list[tuple[str, str]]:
-    return [(kind, words) for kind, words in KINDS.items() if kind.startswith(incomplete)]
+    return [(kind, words) for kind, words in _ALL.items() if kind.startswith(incomplete)]
 
 
 def new(
-    kind: Annotated[
-        str, typer.Argument(metavar="[KIND]", help=f"{', '.join(KINDS)}.", autocompletion=_kinds)
-    ] = "block",
+    kind: Annotated[str, typer.Argument(metavar="[KIND]", help=f"{', '.join(_ALL)}.", autocompletion=_kinds)] = "block",
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE.yaml", help="The study; default: KIND.yaml here.")
+        Path | None,
+        typer.Option("--out", metavar="FILE.yaml", help="The study; default: KIND.yaml here. Of examples the folder."),
     ] = None,
 ) -> None:
     """Write a commented study to begin with; it runs as it is.
 
-    Nothing that is there is replaced.
+    Or, as `rock new examples`, a folder with the studies and records of examples and tutorials.  Nothing that is
+    there is replaced.
     """
     from importlib.resources import files
 
@@ -43,8 +52,11 @@ def new(
     from rockcli.storage.atomic import write_text
     from rockcli.storage.places import check_folder
 
+    if kind == EXAMPLES:
+        _write_examples(Path(EXAMPLES) if out is None else out)
+        return
     if kind not in KINDS:
-        listed = "; ".join(f"{name}: {words}" for name, words in KINDS.items())
+        listed = "; ".join(f"{name}: {words}" for name, words in _ALL.items())
         raise StudyError(f"there is no study {kind!r} to begin with; there are {listed}")
     path = Path(f"{kind}.yaml") if out is None else out
     if path.suffix.lower() not in (".yaml", ".yml"):
@@ -55,3 +67,28 @@ def new(
     text = (files("rockcli.cli") / "templates" / f"{kind}.yaml").read_text(encoding="utf-8")
     write_text(path, text.replace(f"{kind}.yaml", str(path)))
     say(f"{path}: rock check {path}, rock run {path}")
+
+
+def _write_examples(folder: Path) -> None:
+    """Studies and records of examples and tutorials, below a new folder; all of them or none."""
+    import shutil
+    from tempfile import TemporaryDirectory
+
+    import rockcli
+    from rockcli.errors import OutputError
+    from rockcli.storage.places import check_folder
+
+    if folder.exists():
+        raise OutputError("is there already; give another folder with --out, or remove it", file=folder)
+    check_folder(folder.parent)
+    package = Path(rockcli.__file__).parent
+    source = package / "shipped"
+    if not source.is_dir():  # run from the sources
+        source = package.parent
+    with TemporaryDirectory(prefix=".rock-", dir=folder.parent) as place:
+        for name in SHIPPED:
+            shutil.copytree(
+                source / name, Path(place, "new", name), ignore=shutil.ignore_patterns("__pycache__", "results")
+            )
+        Path(place, "new").rename(folder)
+    say(f"{folder}: cd {folder}, rock run studies/examples/first_rock.yaml")

@@ -45,3 +45,32 @@ def test_what_is_no_kind_is_told_with_those_there_are(rock, tmp_path, capsys):
     assert "statue: a statue" in capsys.readouterr().err
     assert rock("new", "map", "--out", "map.txt") == 2
     assert not list(tmp_path.iterdir())
+
+
+def test_examples_are_those_of_the_sources_and_run(rock, tmp_path, capsys):
+    root = Path(__file__).resolve().parents[2]
+    assert rock("new", "examples") == 0
+    assert "cd examples, rock run studies/examples/first_rock.yaml" in capsys.readouterr().out
+    written = {
+        path.relative_to(tmp_path / "examples").as_posix(): path for path in (tmp_path / "examples").rglob("*.*")
+    }
+    for name, path in written.items():
+        assert path.is_dir() or path.read_bytes() == (root / name).read_bytes()
+    assert {"studies/examples/record.yaml", "studies/tutorials/statue.yaml", "records/synthetic_rock_m65.AT2"} <= set(
+        written
+    )
+    assert rock("run", tmp_path / "examples" / "studies" / "examples", "--no-plots", "--workers", 1) == 0
+    assert rock("new", "examples") != 0
+    assert "is there already" in capsys.readouterr().err
+
+
+def test_the_wheel_carries_what_examples_need():
+    import tomllib
+
+    from rockcli.cli.new import SHIPPED
+
+    root = Path(__file__).resolve().parents[2]
+    hatch = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]["build"]["targets"]
+    included = hatch["wheel"]["force-include"]
+    assert {f"rockcli/shipped/{name}" for name in SHIPPED} == {to for to in included.values() if "shipped" in to}
+    assert {name for name, to in included.items() if "shipped" in to} == set(SHIPPED)
