@@ -27,6 +27,7 @@ from rockcli.plotting.kinds import (
     ida,
     overlay,
     phase,
+    polar,
     risk,
     samples,
     spectrum,
@@ -60,6 +61,10 @@ def _without_histories(dataset: xarray.Dataset) -> str:
 def _without_map(dataset: xarray.Dataset) -> str:
     if outcomes.plane(dataset) is not None and "outcome" in dataset.variables:
         return ""
+    return _without_curve(dataset)
+
+
+def _without_curve(dataset: xarray.Dataset) -> str:
     if curve.along(dataset) is None:
         return "the dataset has no numeric axis"
     return "" if "theta_peak_over_alpha" in dataset.variables else "theta_peak_over_alpha was not saved"
@@ -85,7 +90,14 @@ _ROWS: tuple[Kind, ...] = (
     ),
     Kind("bending", "rotation and top of flexible columns and other models", bending.without_bending, bending.draw),
     Kind("phase", "angular velocity against rotation, with the separatrix", _without_histories, phase.draw),
-    Kind("map", "outcomes over two numeric axes, peaks over one", _without_map, _draw_map),
+    Kind("map", "outcomes over two numeric axes; over one as `curve`", _without_map, _draw_map),
+    Kind(
+        "curve",
+        "peaks over one numeric axis",
+        _without_curve,
+        curve.draw,
+    ),
+    Kind("polar", "peaks by direction of the motion or the body", polar.without_directions, polar.draw),
     Kind(
         "boundaries",
         "lines between the outcomes of a refined map",
@@ -146,7 +158,11 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
         if not why_not("spectrum", dataset) and not {*rows} & set(chosen):
             chosen.append("spectrum")
     elif numeric and not _without_map(dataset):
-        chosen.append("map")
+        mapped = outcomes.plane(dataset) is not None and "outcome" in dataset.variables
+        if mapped or not polar.without_directions(dataset):
+            chosen.append("map" if mapped else "polar")
+        elif curve.telling(dataset):
+            chosen.append("curve")
     if not work_precision.without_trade(dataset):
         chosen.append("work_precision")
     if not curves.without_curves(dataset):

@@ -99,7 +99,7 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path: Path) -> None:
 
 def test_what_the_content_suggests() -> None:
     assert figures.default_kinds(histories(1).isel(R_m=0, drop=True).assign_attrs(axes="")) == ("histories", "phase")
-    assert figures.default_kinds(histories(5)) == ("histories", "phase", "map")
+    assert figures.default_kinds(histories(5)) == ("histories", "phase", "curve")
     assert figures.default_kinds(spectrum()) == ("map",)
     bare = xarray.Dataset({"outcome": ((), np.int8(1))}, attrs={"axes": ""})
     assert figures.default_kinds(bare) == ()
@@ -185,6 +185,7 @@ def test_the_map_stands_amplitudes_upright_and_knows_spacing() -> None:
         "overturned after impact (mode 1)",
         "failed",
         "unresolved",
+        r"uplift, $g\,\tan\alpha$",
     ]
 
 

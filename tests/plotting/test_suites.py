@@ -8,6 +8,7 @@ from scipy.special import ndtr
 
 import rockcli
 from rockcli.plotting import figures
+from rockcli.plotting.kinds.ida import fractiles_of
 from rockcli.scene.hazard import hazard_words
 
 G = 9.81
@@ -63,7 +64,8 @@ def test_ida_shows_every_member_and_the_fractiles(stripes):
     figure = figures.figure("ida", stripes)
     (axes,) = figure.axes
     curves = [line for line in axes.lines if len(line.get_ydata()) == 20]
-    assert len(curves) == 5 + 3
+    assert len(curves) == 5 + 1  # of five members the median alone
+    assert [end for end, _, _ in fractiles_of(8)] == ["p16", "p50", "p84"]
     np.testing.assert_allclose(curves[0].get_ydata(), stripes["motion_pulse_a_p"].values / G)
     peak = stripes["theta_peak_over_alpha"].values
     right = axes.get_xlim()[1]

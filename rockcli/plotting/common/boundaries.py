@@ -10,6 +10,7 @@ from matplotlib.patheffects import withStroke
 
 from rockcli.plotting.common.case_settings import case_settings
 from rockcli.plotting.common.cases import axes_of
+from rockcli.plotting.common.labels import path_of
 from rockcli.scene.overturning import rectangular_without_impact, sine_one_impact, sine_without_impact
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ def boundary_handles(drawn: set[str]) -> list[Line2D]:
 
 def _shape(dataset: xarray.Dataset, found: tuple[str, str]) -> str:
     """The shape of the pulses of a map that the closed forms speak of; "" where they do not."""
-    path = {axis: str(dataset[axis].attrs.get("long_name", axis)).removeprefix("case.") for axis in axes_of(dataset)}
+    path = {axis: path_of(dataset, axis).removeprefix("case.") for axis in axes_of(dataset)}
     if tuple(path[axis].removeprefix("motion.pulse.") for axis in found) != PLANE:
         return ""
     settings = case_settings(dataset)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rockcli.plotting.common.labels import coordinate_label
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.thresholds import Thresholds
+from rockcli.scene.variables import PEAK
 
 if TYPE_CHECKING:
     import xarray
@@ -62,7 +63,7 @@ def outcome_at(dataset: xarray.Dataset, position: tuple[int, ...]) -> str:
 
 
 def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None) -> tuple[list[Shown], int]:
-    """Cases to show, at most `most` spread evenly, and how many there are.
+    """Cases to show, at most `most`, and how many there are: spread evenly, of cases with no order over their peaks.
 
     Where the study compares (`compare_to`), the reference is not a case of its own but goes with each.
     Cases whose histories are identical although a label differs are one.
@@ -77,11 +78,24 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
         positions = [p for p in positions if _referred(every, p, reference) != p] or positions
     groups = [[p] for p in positions] if axes is not None else _alike(dataset, positions, reference)
     shown = []
-    for group in spread(groups, most):
+    for group in _spread_over_peaks(dataset, groups, most) if axes is None else spread(groups, most):
         other = _referred(every, group[0], reference) if reference else None
         words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
         shown.append(Shown(group[0], words, None if other == group[0] else other))
     return shown, len(groups)
+
+
+def _spread_over_peaks(
+    dataset: xarray.Dataset, groups: list[list[tuple[int, ...]]], most: int
+) -> list[list[tuple[int, ...]]]:
+    """Some of the cases, in their order: along one axis of numbers evenly, else from the least to the largest peak."""
+    long = [axis for axis in axes_of(dataset) if dataset.sizes[axis] > 1]
+    ordered = len(long) == 1 and is_numeric(dataset, long[0])
+    if len(groups) <= most or ordered or PEAK not in dataset.variables:
+        return spread(groups, most)
+    peaks = np.array([number_at(dataset, PEAK, group[0]) for group in groups])
+    by_peak = np.argsort(np.nan_to_num(peaks, nan=-1.0, posinf=np.inf), kind="stable")
+    return [groups[i] for i in sorted(spread(by_peak.tolist(), most))]
 
 
 def spread(items: list[T], most: int) -> list[T]:

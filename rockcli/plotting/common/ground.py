@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, values_at
 from rockcli.plotting.common.labels import unit_g
+from rockcli.plotting.common.response import edges
 from rockcli.plotting.common.style import COLOURS, QUIET
 from rockcli.scene.variables import MOTION
 
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 MOST_PANELS = 3
 """Records up to which each has a panel of its own."""
+
+_NEARLY = 0.6
+"""Peak over that of uplift from which the latter is marked."""
 
 _SAME = 1e-6
 """Difference of scales up to which they are one."""
@@ -100,7 +104,18 @@ def height_of(panel: list[Motion]) -> float:
     return 1.0 + 0.28 * len(panel) if _stacked(panel) else 1.0
 
 
-def draw_ground(axes: Axes, time: Array, panel: list[Motion], *, coloured: bool, named: bool = False) -> None:
+def uplift_at(dataset: xarray.Dataset, positions: list[Position]) -> float:
+    """tan(alpha) of the weaker side, one for all cases, at which a rigid body lifts [g]; NaN where they differ."""
+    if "alpha" not in dataset.variables:
+        return np.nan
+    alphas = [min(edges(dataset, "alpha", position)) for position in positions]
+    same = np.ptp(alphas) <= _SAME if alphas else False
+    return float(np.tan(alphas[0])) if same else np.nan
+
+
+def draw_ground(
+    axes: Axes, time: Array, panel: list[Motion], *, coloured: bool, named: bool = False, uplift: float = np.nan
+) -> None:
     """A panel of the motions given: one trace, pulses over one another, or records below one another.
 
     Args:
@@ -109,6 +124,7 @@ def draw_ground(axes: Axes, time: Array, panel: list[Motion], *, coloured: bool,
         panel: motions.
         coloured: a motion of one case only has its colour, where there are others.
         named: write what distinguishes a motion above its panel.
+        uplift: g tan(alpha) [g], marked where the motions reach it or nearly do; NaN = not.
     """
     stacked = _stacked(panel)
     level = 0.0
@@ -128,6 +144,20 @@ def draw_ground(axes: Axes, time: Array, panel: list[Motion], *, coloured: bool,
         axes.axhline(level, color=QUIET, linewidth=0.4, zorder=0)
         levels.append(level)
         peaks.append(f"{peak:.2g}")
+    if not scaled and not stacked and max(_reach(m, s) for m in panel for s in (-1.0, 1.0)) > _NEARLY * uplift:
+        for level, words in ((uplift, r"$\pm g\,\tan\alpha$"), (-uplift, "")):
+            axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=1)
+            axes.annotate(
+                words,
+                (1.0, level),
+                (-2.0, 1.0),
+                xycoords=("axes fraction", "data"),
+                textcoords="offset points",
+                ha="right",
+                va="bottom",
+                fontsize=7.0,
+                color="#555555",
+            )
     axes.set_ylabel(r"$a_g\,/\,\max|a_g|$" if scaled else r"$a_g$ [g]")
     if stacked:
         axes.set_yticks(levels, peaks)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,6 +39,11 @@ _SYMBOLS: dict[str, str] = {
     "zeta": r"$\zeta$",
     "rho": r"$\rho$",
 }
+
+_POWERS = r"(-?\d+(?:\.\d+)?)e\+?(-?\d+)"
+
+_ENDING = re.compile(r"\.(at2|csv|txt|dat|acc|smc|v1a?|v2a?|mseed|asc|th)$", re.I)
+"""Of files of records."""
 
 _UNITS = {"1": "", "m s-2": "m/s²", "m s-1": "m/s", "rad s-1": "rad/s", "m2 s-2": "m²/s²", "N m": "N m"}
 
@@ -102,12 +108,32 @@ def coordinate_label(dataset: xarray.Dataset, axis: str, position: int) -> str:
     """`$R$ = 5 m` for a numeric axis; the label itself, or `model 3` for a bare number, for a labelled one."""
     value: Any = dataset[axis].values[position]
     if isinstance(value, (str, np.str_)):
-        words = str(value)
-        label = escape(words if "." in words else words.replace("_", " "))  # names of files stay as they are
+        label = _label(str(value))
         return f"{axis.replace('_', ' ')} {label}" if label.replace(".", "").isdigit() else label
     unit = shown_unit(dataset, axis)[1]
     shown = _UNITS.get(unit, unit)
-    return f"{axis_symbol(dataset, axis)} = {axis_values(dataset, axis)[position]:.4g}" + (f" {shown}" if shown else "")
+    number = number_words(float(axis_values(dataset, axis)[position]))
+    return f"{axis_symbol(dataset, axis)} = {number}" + (f" {shown}" if shown else "")
+
+
+def number_words(value: float) -> str:
+    """At most four digits; powers of ten as such, where %g would write 1e+09."""
+    words = f"{value:.4g}"
+    return _power(re.match(_POWERS, words)) if "e" in words else words
+
+
+def _power(found: re.Match[str] | None) -> str:
+    assert found is not None
+    factor = "" if found[1] == "1" else rf"{found[1]}\times"
+    return rf"${factor}10^{{{int(found[2])}}}$"
+
+
+def _label(words: str) -> str:
+    """A label that a study gives to a point, for people: a record without the ending of its file."""
+    words = _ENDING.sub("", words)
+    words = escape(words if "." in words else words.replace("_", " "))  # names of files stay as they are
+    words = re.sub(rf"(?<![\w.]){_POWERS}(?![\w.])", _power, words)
+    return re.sub(r"\bfema ?356\b", "FEMA-356", words)
 
 
 def coordinate_words(dataset: xarray.Dataset, axis: str) -> list[str]:

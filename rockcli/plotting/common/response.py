@@ -22,6 +22,9 @@ _SEEN = 0.005
 _COMPARABLE = 0.5
 """Quiet time before or after the response, over its length, up to which it is shown."""
 
+_SHORTEST, _AT_LEAST = 1.0, 0.05
+"""Shortest part that is shown: that long [s] or this part of the whole, for a body that hardly moves."""
+
 _BEFORE, _AFTER = 0.12, 0.06
 """Time left before and after a response that is cut out, over its length."""
 
@@ -159,6 +162,9 @@ def window(dataset: xarray.Dataset, positions: list[Position]) -> Window:
     uplift = [number_at(dataset, "t_uplift", position) for position in positions]
     early = float(np.nanmin(np.maximum(uplift, 0.0), initial=first))
     first = early if first - early <= last - first else first  # else it would be the beginning of nothing to see
+    short = 0.5 * (min(_SHORTEST, _AT_LEAST * whole) - (last - first))
+    if short > 0.0:
+        first, last = max(first - short, 0.0), min(last + short, whole)
     length = last - first
     start = 0.0 if first <= _COMPARABLE * length else first - _BEFORE * length
     comparable = not falls and whole - last <= _COMPARABLE * length

@@ -33,6 +33,14 @@ COLOURS: tuple[str, ...] = (
 )  # fmt: skip
 """Okabe and Ito's palette (its yellow, too pale for a line, replaced by a violet)."""
 
+LIFTS: Any = {"color": "black", "linewidth": 0.8, "linestyle": (0, (1, 1.5))}
+"""Look of the line at which a body lifts."""
+
+LINES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.2, 1.2, 1.2)))
+"""Styles of neighbouring curves, in turn: told apart without colours."""
+
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+
 OUTCOME_COLOURS: dict[str, str] = {
     "failed": "#000000",
     "unresolved": "#CC79A7",
@@ -77,7 +85,7 @@ RC: Any = {
     "legend.handlelength": 1.8,
     "legend.borderaxespad": 0.0,
     "figure.constrained_layout.h_pad": 0.03,
-    "figure.constrained_layout.w_pad": 0.03,
+    "figure.constrained_layout.w_pad": 0.06,
     "figure.constrained_layout.hspace": 0.02,
     "svg.hashsalt": "rockcli",
     "svg.fonttype": "none",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockcli.plotting.common.cases import Shown, axes_of, pick
+from rockcli.plotting.common.labels import axis_symbol
 from rockcli.plotting.common.style import MOST_PANELS
 
 if TYPE_CHECKING:
@@ -30,6 +31,9 @@ def suite_of(dataset: xarray.Dataset) -> Suite | None:
     axis = about["axis"] if isinstance(about["axis"], str) else _BETWEEN.join(about["axis"])
     return Suite(axis, about["along"], about.get("told_against") or about["along"] or "")
 
+
+NAMED = ("record", "sample")
+"""Axes whose points have a word of their own."""
 
 _BETWEEN = "-"
 """Between the names of axes that are laid end to end: no name of an axis has it."""
@@ -76,8 +80,11 @@ def panels(
 
 def members_word(dataset: xarray.Dataset, suite: Suite) -> str:
     """`42 records`."""
-    return str(dataset.attrs.get("members") or _members(suite.axis, int(dataset.sizes[suite.axis])))
+    n = int(dataset.sizes[suite.axis])
+    if dataset.attrs.get("members"):
+        return str(dataset.attrs["members"])
+    return _members(suite.axis, n) if suite.axis in NAMED else f"{n} values of {axis_symbol(dataset, suite.axis)}"
 
 
 def _members(axis: str, n: int) -> str:
-    return f"{n} {axis}s" if axis in ("record", "sample") else f"{n} points of {axis}"
+    return f"{n} {axis}s" if axis in NAMED else f"{n} values of {axis.replace('_', ' ')}"

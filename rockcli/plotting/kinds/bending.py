@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, Shown, axes_of, outcome_at, pick, selection_note, values_at
 from rockcli.plotting.common.ground import draw_ground, motions
-from rockcli.plotting.common.labels import title_of, variable_label
+from rockcli.plotting.common.labels import path_of, title_of, variable_label
 from rockcli.plotting.common.response import SHOWN_UP_TO, Window, over_alpha, window
 from rockcli.plotting.common.style import (
     COLOURS,
@@ -104,8 +104,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
 
 
 def _apart(dataset: xarray.Dataset, axis: str) -> bool:
-    path = str(dataset[axis].attrs.get("long_name", axis))
-    return path.removeprefix("case.").split(".")[0] in _APART
+    return path_of(dataset, axis).removeprefix("case.").split(".")[0] in _APART
 
 
 def _join(one: Position, other: Position) -> Position:

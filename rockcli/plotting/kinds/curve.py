@@ -9,7 +9,18 @@ from numpy.typing import NDArray
 
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
 from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
-from rockcli.plotting.common.style import COLOURS, MOST_CURVES, QUIET, SINGLE, headline, legend_of, new_figure, width_or
+from rockcli.plotting.common.style import (
+    COLOURS,
+    LINES,
+    MARKERS,
+    MOST_CURVES,
+    QUIET,
+    SINGLE,
+    headline,
+    legend_of,
+    new_figure,
+    width_or,
+)
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.response import FAILED, SLIDING, UNRESOLVED
 
@@ -22,10 +33,21 @@ _STRIP: dict[str, str] = {"failed": "+", "unresolved": "d", "no answer": "+", "s
 """What has no value, or slides and has none but 0, from the bottom of the strip upwards, and its mark."""
 
 
+_SOME_POINTS = 5
+
+
 def along(dataset: xarray.Dataset) -> str | None:
     """The longest numeric axis."""
     numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= 2]
     return max(numeric, key=lambda a: int(dataset.sizes[a]), default=None)
+
+
+def telling(dataset: xarray.Dataset) -> bool:
+    """Whether curves are worth drawing unasked: not many curves of few points, of which some would be left out."""
+    axis = along(dataset)
+    points = int(dataset.sizes[axis]) if axis else 0
+    curves = int(np.prod([dataset.sizes[other] for other in axes_of(dataset) if other != axis]))
+    return points >= _SOME_POINTS or curves <= MOST_CURVES
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
@@ -47,9 +69,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     axes = grid[-1]
     marker = "o" if len(x) <= 40 else ""
-    style: dict[str, Any] = {"marker": marker, "markersize": 2.8, "markeredgewidth": 0.0}
     for number, (case, y) in enumerate(zip(shown, curves, strict=True)):
-        axes.plot(x, np.where(np.isfinite(y), y, np.nan), label=case.label, color=COLOURS[number], **style)
+        style: dict[str, Any] = {"marker": marker and MARKERS[number], "markersize": 3.0, "markeredgewidth": 0.0}
+        style |= {"color": COLOURS[number], "linestyle": LINES[number % len(LINES)]}
+        axes.plot(x, np.where(np.isfinite(y), y, np.nan), label=case.label, **style)
         lonely = _lonely(y) if not marker else np.zeros(0, dtype=int)
         axes.plot(x[lonely], y[lonely], "o", color=COLOURS[number], markersize=1.4, markeredgewidth=0.0)
     finite = np.concatenate([y[np.isfinite(y)] for y in curves])

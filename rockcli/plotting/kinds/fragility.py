@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockcli.plotting.common.cases import Array, selection_note
-from rockcli.plotting.common.labels import axis_label, axis_values, shown_unit, title_of, unit_in_brackets
+from rockcli.plotting.common.labels import axis_label, axis_values, path_of, shown_unit, title_of, unit_in_brackets
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
+    LINES,
+    MARKERS,
     SINGLE,
     grid_of,
     headline,
@@ -28,15 +30,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_BANDS = 2
+"""Curves up to which each has a band of its own: more of them hide one another."""
+
+_STEP = 0.02
+"""Distance of the limits of neighbouring medians [1]."""
+
 THETA = r"$|\theta|_{\mathrm{max}}/\alpha$"
 
 _NAMES = {"pga": "PGA", "pgv": "PGV", "pgv_over_pga": "PGV/PGA", "arias": r"$I_A$", "cav": "CAV"}
-
-MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
-
-
-_LINES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (7, 2, 2, 2)), (0, (3, 3)))
-"""Of neighbouring limit states, told apart where they coincide and without colours."""
 
 
 def without_fragility(dataset: xarray.Dataset) -> str:
@@ -82,7 +84,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     first.set_xlim(float(x.min()) if log else 0.0, float(x.max()))
     legend_below(figure, first.get_legend_handles_labels()[0], 1 if single else 3)
     second = _second_words(dataset) if single else ""
-    words = f"{members_word(dataset, suite)}; {second}maximum likelihood, 95 % band clustered by member"
+    limits = "bands" if dataset.sizes["limit_state"] <= _BANDS else "bars"
+    points = "points: shares; " if "p_exceeded" in dataset and suite.told_against in dataset.dims else ""
+    words = f"{members_word(dataset, suite)}; {second}{points}{limits}: 95 % limits"
+    words += " of the medians" if limits == "bars" else ""
     headline(figure, title_of(dataset), "; ".join(filter(None, [words, selection_note(len(shown), total, "panels")])))
     return figure
 
@@ -92,7 +97,7 @@ def _second_words(dataset: xarray.Dataset) -> str:
     if "fragility_second" not in dataset:
         return ""
     divisor, unit = shown_unit(dataset, "fragility_second")
-    name = str(dataset["fragility_intensity_second"].attrs["long_name"]).rsplit(".", 1)[-1]
+    name = path_of(dataset, "fragility_intensity_second").rsplit(".", 1)[-1]
     at = float(dataset["fragility_second"].values.ravel()[0]) / divisor
     symbol, bare = _NAMES.get(name, name.replace("_", " ")), unit_in_brackets(unit).strip(" []")
     return f"at {symbol} = {at:.3g} {bare}; "
@@ -143,6 +148,8 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
         axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label=_first_motion(part))
     # several panels have one legend, that of the first
     same = _same_curve(part) if numbers else [[i] for i in range(part.sizes["limit_state"])]
+    banded = sum(bool(each) for each in same) <= _BANDS
+    drawn: list[int] = []
     for i in range(part.sizes["limit_state"]):
         colour = COLOURS[i % len(COLOURS)]
         median, se, se_beta, rho, beta, total = (float(part[f"fragility_{name}"].values[i]) for name in _FITTED)
@@ -154,10 +161,11 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
             words += rf": median {size}, $\beta$ = {total:.2f}" if fitted else ": no curve"
         alone = "" if fitted else words
         first = fitted and bool(same[i])  # of the states that share one curve
-        style: Any = {"marker": MARKERS[i % len(MARKERS)], "markersize": 3.0, "markeredgewidth": 0.0}
+        style: Any = {"marker": MARKERS[i % len(MARKERS)], "markersize": 3.0, "markeredgewidth": 0.6,
+                      "markerfacecolor": "none"}  # fmt: skip
         if stripes:
             shares = part["p_exceeded"].values[:, i]
-            axes.plot(axis_values(part, suite.told_against), shares, linestyle="", color=colour, alpha=0.75, zorder=2,
+            axes.plot(axis_values(part, suite.told_against), shares, linestyle="", color=colour, zorder=2,
                       label=alone, **style)  # fmt: skip
         elif alone:
             axes.plot([], [], linestyle="", color=colour, label=alone, **style)
@@ -166,8 +174,13 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
             # to first order in both estimates (delta method)
             steep = z * beta / total
             half = ndtri(0.975) * np.sqrt(se**2 + 2.0 * steep * rho * se * se_beta + (steep * se_beta) ** 2) / total
-            axes.fill_between(x, ndtr(z - half), ndtr(z + half), color=colour, alpha=0.15, linewidth=0.0)
-            axes.plot(x, ndtr(z), color=colour, linestyle=_LINES[i % len(_LINES)], zorder=3, label=words)
+            if banded:
+                axes.fill_between(x, ndtr(z - half), ndtr(z + half), color=colour, alpha=0.15, linewidth=0.0)
+            else:
+                ends = [float(part[f"fragility_median_ci_{end}"].values[i]) / divisor for end in ("low", "high")]
+                axes.hlines(0.5 + _STEP * (len(drawn) - 1.5), ends[0], ends[1], color=colour, linewidth=2.0, zorder=4)
+            drawn.append(i)
+            axes.plot(x, ndtr(z), color=colour, linestyle=LINES[i % len(LINES)], zorder=3, label=words)
 
 
 def _same_curve(part: xarray.Dataset) -> list[list[int]]:

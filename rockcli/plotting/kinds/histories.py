@@ -3,23 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rockcli.plotting.common.cases import Array, Shown, number_at, outcome_at, pick, selection_note, values_at
-from rockcli.plotting.common.ground import draw_ground, height_of, motions, panels_of
+from rockcli.plotting.common.ground import draw_ground, height_of, motions, panels_of, uplift_at
 from rockcli.plotting.common.labels import title_of, unit_in_brackets, variable_label
 from rockcli.plotting.common.response import (
     SHOWN_UP_TO,
     Position,
     Window,
     impacts_of,
+    over_alpha,
     response_of,
     sliding_speed,
     window,
 )
-from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, legend_of, new_figure, width_or
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    LINES,
+    MOST_CURVES,
+    QUIET,
+    headline,
+    legend_of,
+    new_figure,
+    width_or,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -38,6 +49,9 @@ _IMPACTS_UP_TO = 3
 MOST_IMPACTS = 30
 """Marks up to which impacts are marked: more of them make a band."""
 
+_FOLLOWED, _LEAST = 2.0, 0.1
+"""Part of a panel that bodies that overturn have beside others: over the peak of those, and at least [alpha]."""
+
 _SLOW = 0.1
 """Impacts slower than this fraction of the fastest are not marked: near rest they would make a bar."""
 
@@ -50,6 +64,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     shown, total = pick(dataset, MOST_CURVES)
     positions = [case.position for case in shown]
     found = motions(dataset, positions)
+    uplift = uplift_at(dataset, positions)
     grounds = panels_of(found)
     panels = _panels(dataset, positions)
     heights = [(0.55 if len(grounds) < 2 else 0.42) * height_of(panel) for panel in grounds]
@@ -59,7 +74,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     time = dataset["time"].values
     seen = window(dataset, positions)
     for axes, panel in zip(grid, grounds, strict=False):
-        draw_ground(axes, time, panel, coloured=len(shown) > 1 and len(found) > 1, named=len(grounds) > 1)
+        coloured = len(shown) > 1 and len(found) > 1
+        draw_ground(axes, time, panel, coloured=coloured, named=len(grounds) > 1, uplift=uplift)
     _alike([grid[number] for number in range(len(grounds))])
     for axes, (_, fill) in zip(grid[len(grounds) :], panels, strict=True):
         fill(axes, dataset, shown, seen)
@@ -98,25 +114,56 @@ def _alike(panels: list[Axes]) -> None:
 
 def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:
     low, high = 0.0, 0.0
+    fell: list[Array] = []
     marks = [_marked_impacts(dataset, case, seen) for case in shown]
     marked = len(shown) <= _IMPACTS_UP_TO and sum(len(mark) for mark in marks) <= MOST_IMPACTS
     for number, case in enumerate(shown):
         colour = COLOURS[number]
         response = response_of(dataset, case.position)
-        ended = outcome_at(dataset, case.position).startswith("overturned")
-        axes.plot(response.time, response.ratio, color=colour, label=_label(dataset, case), zorder=3)
+        fate = outcome_at(dataset, case.position)
+        if fate == "sliding":  # it does not turn: its panel is below
+            axes.plot([], [], label=_label(dataset, case), **_look(dataset, case, number))
+            continue
+        axes.plot(response.time, response.ratio, label=_label(dataset, case), zorder=3, **_look(dataset, case, number))
         if marked:
             impacts = marks[number]
             axes.plot(impacts, np.zeros_like(impacts), "o", color=colour, markersize=2.6, markeredgewidth=0.0, zorder=4)
-        reach = np.clip(response.ratio, -SHOWN_UP_TO, SHOWN_UP_TO) if ended else response.ratio
+        if len(shown) == 1:
+            _mark_peak(axes, dataset, case)
+        if fate.startswith("overturned"):
+            fell.append(response.ratio)
+            continue
+        reach = response.ratio
         low = min(low, float(np.nanmin(reach, initial=0.0)))
         high = max(high, float(np.nanmax(reach, initial=0.0)))
+    # what overturns leaves the panel, and is followed no further than the others need room
+    most = min(SHOWN_UP_TO, max(_FOLLOWED * max(high, -low), _LEAST)) if len(fell) < len(shown) else SHOWN_UP_TO
+    for ratio in fell:
+        low = min(low, float(np.nanmin(np.maximum(ratio, -most), initial=0.0)))
+        high = max(high, float(np.nanmax(np.minimum(ratio, most), initial=0.0)))
     axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
     margin = _limits(axes, low, high)
     for level in (-1.0, 1.0):
         if low - margin < level < high + margin:
             axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
     axes.set_ylabel(r"$\theta/\alpha$")
+
+
+def _look(dataset: xarray.Dataset, case: Shown, number: int) -> dict[str, Any]:
+    """Colour and style of a case; one that is unresolved is no answer, and pale."""
+    pale = outcome_at(dataset, case.position) == "unresolved"
+    look: dict[str, Any] = {"color": COLOURS[number], "linestyle": LINES[number % len(LINES)]}
+    return look | ({"alpha": 0.4, "linewidth": 0.7} if pale else {})
+
+
+def _mark_peak(axes: Axes, dataset: xarray.Dataset, case: Shown) -> None:
+    """A ring at the peak of a body that comes back."""
+    when, peak = (number_at(dataset, name, case.position) for name in ("t_peak", "theta_peak"))
+    if np.isfinite(when) and np.isfinite(peak):
+        ratio = float(over_alpha(dataset, case.position, np.array(peak)))
+        axes.plot(when, ratio, "o", markersize=5.0, markerfacecolor="none", color="black", zorder=5)
+        words = f"{ratio:.3g}".replace("-", "\N{MINUS SIGN}")
+        axes.annotate(words, (when, ratio), (6.0, 0.0), textcoords="offset points", va="center", fontsize=8.0)
 
 
 def _label(dataset: xarray.Dataset, case: Shown) -> str:
@@ -132,7 +179,7 @@ def _slide(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window
     time = dataset["time"].values
     for number, case in enumerate(shown):
         u = values_at(dataset, "slide", case.position)
-        axes.plot(time, u, color=COLOURS[number], label=_label(dataset, case), zorder=3)
+        axes.plot(time, u, label=_label(dataset, case), zorder=3, **_look(dataset, case, number))
         low, high = min(low, float(np.nanmin(u, initial=0.0))), max(high, float(np.nanmax(u, initial=0.0)))
     axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
     _limits(axes, low, high)
@@ -150,7 +197,7 @@ def _rate(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window)
     for number, case in enumerate(shown):
         response = response_of(dataset, case.position)
         rate = response.theta_dot
-        axes.plot(response.time, rate, color=COLOURS[number], zorder=3)
+        axes.plot(response.time, rate, zorder=3, **_look(dataset, case, number))
         near = np.isfinite(rate) & (np.abs(response.ratio) <= SHOWN_UP_TO)
         low = min(low, float(np.min(rate, where=near, initial=0.0)))
         high = max(high, float(np.max(rate, where=near, initial=0.0)))

@@ -11,10 +11,11 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, selection_note
-from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
+from rockcli.plotting.common.labels import axis_label, axis_values, shown_unit, title_of, unit_g, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
+    LIFTS,
     QUIET,
     SINGLE,
     grid_of,
@@ -24,7 +25,7 @@ from rockcli.plotting.common.style import (
     panel_title,
     width_or,
 )
-from rockcli.plotting.common.suite import members_word, panels, suite_of, without_intensity
+from rockcli.plotting.common.suite import Suite, members_word, panels, suite_of, without_intensity
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.variables import PEAK
 
@@ -40,7 +41,10 @@ FRACTILES: tuple[tuple[str, str, tuple[float, ...]], ...] = (
 )
 """End of the variable's name, word, dashes."""
 
-MEMBER, BOLD = "#B9C4CE", COLOURS[0]
+MEMBER, BOLD = "#8494A3", COLOURS[0]
+
+_FEW = 8
+"""Members below which percentiles say nothing that the members do not."""
 
 _BEYOND = 1.6
 """Where overturned cases are, over the right end of the axis."""
@@ -64,15 +68,18 @@ def draw(dataset: xarray.Dataset) -> Figure:
     intensity = axis_values(dataset, suite.along)
     order = np.argsort(intensity)
     right = _right(dataset)
+    lifts = False
     for number, (case, place) in enumerate(shown):
         axes = grid.flat[number]
         part = dataset.isel(place)
         members = part[PEAK].transpose(suite.axis, suite.along).values[:, order]
+        width_of_member = 0.9 if len(members) <= _FEW else 0.5
         for curve in members:
-            _run(axes, curve, intensity[order], right, color=MEMBER, linewidth=0.5, alpha=0.8, zorder=1)
-        for end, _, dashes in FRACTILES:
+            _run(axes, curve, intensity[order], right, color=MEMBER, linewidth=width_of_member, zorder=1)
+        for end, _, dashes in fractiles_of(len(members)):
             curve = part[f"{PEAK}_{end}"].values[order]
             _run(axes, curve, intensity[order], right, color=BOLD, linewidth=1.6, dashes=dashes, zorder=3)
+        lifts |= _uplift(axes, part, suite.along)
         if right > 1.05:
             axes.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
         if case.label:
@@ -87,16 +94,42 @@ def draw(dataset: xarray.Dataset) -> Figure:
     low = float(intensity.min())
     grid.flat[0].set_xlim(0.0, right)
     scale_axes(grid.flat[0], False, is_log(intensity[order]))
-    grid.flat[0].set_ylim(low if is_log(intensity[order]) else min(0.0, low), float(intensity.max()))
+    grid.flat[0].set_ylim(low if is_log(intensity[order]) else min(0.0, low), _top(dataset, suite, intensity))
     words = [Line2D([], [], color=MEMBER, linewidth=0.8, label=members_word(dataset, suite))]
-    for _, word, dashes in FRACTILES:
+    for _, word, dashes in fractiles_of(int(dataset.sizes[suite.axis])):
         words.append(Line2D([], [], color=BOLD, linewidth=1.6, label=word))
         if dashes:
             words[-1].set_dashes(dashes)
+    if lifts:
+        words.append(Line2D([], [], label=r"uplift, $g\,\tan\alpha$", **LIFTS))
     legend_below(figure, words)
     note = "; ".join(filter(None, [selection_note(len(shown), total, "panels"), "overturned cases leave to the right"]))
     headline(figure, title_of(dataset), note)
     return figure
+
+
+def fractiles_of(members: int) -> tuple[tuple[str, str, tuple[float, ...]], ...]:
+    """Of few members the median alone: the others would be one member or another."""
+    return FRACTILES if members >= _FEW else FRACTILES[1:2]
+
+
+def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
+    """Draw the acceleration at which a rigid body lifts, where that is one number; whether it is."""
+    if part[along].attrs.get("units") != "m s-2" or "alpha" not in part.variables or part["alpha"].ndim:
+        return False
+    if any(str(name).startswith("through") for name in part.coords):
+        return False
+    axes.axhline(float(np.tan(part["alpha"])) * unit_g(part) / shown_unit(part, along)[0], zorder=0, **LIFTS)
+    return True
+
+
+def _top(dataset: xarray.Dataset, suite: Suite, intensity: Array) -> float:
+    """Top of the axis: where all have overturned there is nothing more to see."""
+    peaks = dataset[PEAK].transpose(suite.along, ...).values
+    whole = np.asarray(np.isposinf(peaks).reshape(len(peaks), -1).all(axis=1))
+    last = np.flatnonzero(~whole[np.argsort(intensity)])
+    ordered = np.sort(intensity)
+    return float(ordered[min(last[-1] + 2, len(ordered) - 1)]) if len(last) else float(ordered[-1])
 
 
 def _right(dataset: xarray.Dataset) -> float:

@@ -7,15 +7,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.boundaries import boundary_handles, draw_boundaries
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
-from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
+from rockcli.plotting.common.labels import (
+    axis_label,
+    axis_values,
+    path_of,
+    shown_unit,
+    title_of,
+    unit_g,
+    variable_label,
+)
 from rockcli.plotting.common.style import (
     DOUBLE,
+    LIFTS,
     MOST_PANELS,
     OUTCOME_COLOURS,
     SINGLE,
@@ -37,12 +47,19 @@ if TYPE_CHECKING:
 _FEWEST_POINTS = 5
 """Points an axis of a map needs; fewer make better curves."""
 
-_ROCKING = LinearSegmentedColormap.from_list("rocking", ["#DCECF8", "#9CC9E6", "#3C86B8", "#0B4770"])
+_ROCKING = LinearSegmentedColormap.from_list("rocking", ["#DCECF8", "#9CC9E6", "#3C86B8", "#0B4770"]).with_extremes(
+    over="#4A1A6B"
+)
 
 _SLIDING = "////"
 """Hatch of bodies that slide while they rock, or before they overturn."""
 
 _FREQUENCIES = ("omega_p_over_p", "omega_p", "f_p", "T_p")
+
+UPLIFT = "uplift"
+"""Mark of the line at which a body lifts."""
+
+_ACCELERATIONS = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha")
 
 _AMPLITUDES = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "scale")
 
@@ -55,7 +72,7 @@ def plane(dataset: xarray.Dataset) -> tuple[str, str] | None:
     numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= _FEWEST_POINTS]
     if len(numeric) < 2:
         return None
-    role = {a: str(dataset[a].attrs.get("long_name", a)).split(".")[-1] for a in numeric}
+    role = {a: path_of(dataset, a).split(".")[-1] for a in numeric}
     of_motion = (*_FREQUENCIES, *_AMPLITUDES)
     chosen = sorted(numeric, key=lambda a: (-dataset.sizes[a], role[a] not in of_motion))[:2]
     first, last = sorted(chosen, key=numeric.index)
@@ -77,14 +94,16 @@ def draw(dataset: xarray.Dataset) -> Figure:
     figure = new_figure(width, 0.95 + rows * (width / columns) * 0.8)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     peaks = _peaks(dataset)
-    norm = Normalize(0.0, 1.0, clip=True)
+    norm = Normalize(0.0, 1.0)
     present: set[int] = set()
     bounded: set[str] = set()
+    lifts = False
     for number, case in enumerate(shown):
         axes = grid.flat[number]
         rest = {a: i for a, i in zip(axes_of(dataset), case.position, strict=True) if a in others}
         present |= _panel(axes, dataset.isel(rest), found, norm, shaded=peaks is not None)
         bounded |= {*draw_boundaries(axes, dataset.isel(rest), found)}
+        lifts |= _uplift(axes, dataset.isel(rest), found)
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
@@ -101,7 +120,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         bar.set_label("rocking: " + variable_label("theta_peak_over_alpha"))
         bar.outline.set_linewidth(0.4)
     slides = bool(_tilts_and_slides(dataset).any())
-    _legend(figure, present, bounded, shaded=peaks is not None, slides=slides)
+    _legend(figure, present, bounded, shaded=peaks is not None, slides=slides, lifts=lifts)
     headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
     return figure
 
@@ -140,6 +159,26 @@ def _panel(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str], norm: No
     return {int(flag) for flag in np.unique(flags)}
 
 
+def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool:
+    """Draw the amplitude at which a rigid body lifts, over an axis of amplitudes; whether it is in the map."""
+    x, y = found
+    role = path_of(dataset, y).rsplit(".", 1)[-1]
+    if role not in _ACCELERATIONS or dataset.attrs.get("axes", "").split().count("through"):
+        return False
+    if role.endswith("_over_g_tan_alpha"):
+        level = np.ones(dataset.sizes[x])
+    elif "alpha" in dataset.variables and {str(dim) for dim in dataset["alpha"].dims} <= {x}:
+        level = np.broadcast_to(np.tan(dataset["alpha"].values), dataset.sizes[x]).copy()
+        level *= unit_g(dataset) / shown_unit(dataset, y)[0]
+    else:
+        return False
+    low, high = axes.get_ylim()
+    if not ((level > low) & (level < high)).any():
+        return False
+    axes.plot(axis_values(dataset, x), level, zorder=5, gid=UPLIFT, **LIFTS)
+    return True
+
+
 def _tilts_and_slides(dataset: xarray.Dataset) -> NDArray[np.bool_]:
     """Where a body slides that rocks or overturns, over the axes of the outcome."""
     flags = dataset["outcome"].values
@@ -176,7 +215,7 @@ def _edges(values: Array, *, log: bool) -> Array:
     return np.asarray(np.exp(edges) if log else edges)
 
 
-def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool) -> None:
+def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool, lifts: bool) -> None:
     flags = [flag for flag in OUTCOMES if flag in present and not (shaded and flag == ROCKING)]
     flags.sort(key=lambda flag: flag < NO_UPLIFT)
     patches = [
@@ -188,6 +227,8 @@ def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: boo
             Patch(facecolor="white", edgecolor="#666666", linewidth=0.4, hatch=_SLIDING, label="also slides")
         )
     handles: list[Artist] = [*patches, *boundary_handles(bounded)]
+    if lifts:
+        handles.append(Line2D([], [], label=r"uplift, $g\,\tan\alpha$", **LIFTS))
     legend_below(figure, handles, 2 if bounded else 4, handlelength=2.2 if bounded else 1.2)
 
 

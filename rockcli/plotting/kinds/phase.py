@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.plotting.common.cases import Array, outcome_at, pick, reference_words, selection_note
+from rockcli.plotting.common.cases import Array, outcome_at, pick, reference_words, selection_note, spread, values_at
 from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.response import Response, edges, impacts_of, response_of
 from rockcli.plotting.common.style import (
@@ -35,6 +35,9 @@ _GREY = "#B9B9B9"
 
 _DOTS: Any = (0, (1, 1))
 
+_EVERY = 10_000
+"""Cases that are looked through."""
+
 _WIDE = 0.5
 """Reach from which the whole separatrix is shown."""
 
@@ -44,7 +47,10 @@ _SHOWN_UP_TO = 1.6
 
 def draw(dataset: xarray.Dataset) -> Figure:
     """One panel per case, theta_dot/(p alpha) against theta/alpha."""
-    shown, total = pick(dataset, MOST_PANELS)
+    cases, _ = pick(dataset, _EVERY)
+    moving = [case for case in cases if np.nan_to_num(values_at(dataset, "theta", case.position)).any()] or cases
+    shown, total = spread(moving, MOST_PANELS), len(moving)
+    still = len(cases) - len(moving)
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.25 if columns == 1 else DOUBLE)
     figure = new_figure(width, 0.7 + rows * (width / columns) * 0.86)
@@ -81,6 +87,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     notes = [
         fates[0] if alone is not None else "",
         selection_note(len(shown), total),
+        f"{still} without rotation not drawn" if still else "",
         "dotted: impacts" if reach.max() > 0.0 else "",
         "dashed: separatrix of free rocking" if wide else "",
         f"grey: {reference_words(dataset)}" if any(case.reference for case in shown) else "",

@@ -10,9 +10,19 @@ from matplotlib.ticker import LogLocator
 
 from rockcli.plotting.common.cases import Array, selection_note
 from rockcli.plotting.common.labels import escape, shown_unit, title_of
-from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, headline, legend_of, new_figure, panel_title, width_or
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    MARKERS,
+    QUIET,
+    headline,
+    legend_of,
+    new_figure,
+    panel_title,
+    width_or,
+)
 from rockcli.plotting.common.suite import panels, suite_of
-from rockcli.plotting.kinds.fragility import MARKERS, intensity_label
+from rockcli.plotting.kinds.fragility import intensity_label
 from rockcli.plotting.kinds.map import scale_axes
 from rockcli.scene.hazard import CONSISTENT, hazard_words
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockcli.plotting.common.cases import Array, selection_note
-from rockcli.plotting.common.labels import axis_symbol, title_of, variable_label
+from rockcli.plotting.common.labels import axis_symbol, path_of, title_of, variable_label
 from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, legend_of, new_figure, width_or
 from rockcli.plotting.common.suite import end_to_end, members_word, panels, suite_of
 from rockcli.scene.variables import INPUT, PEAK
@@ -106,7 +106,7 @@ def _bars(axes: Axes, part: xarray.Dataset, inputs: list[str], number: int, of: 
 
 def _symbol(dataset: xarray.Dataset, path: str) -> str:
     """Symbol of an input, or its path."""
-    name = next((str(c) for c, item in dataset.coords.items() if str(c).startswith("sampled_")
-                 and item.attrs.get("long_name") == path), "")  # fmt: skip
+    name = next((str(c) for c in dataset.coords if str(c).startswith("sampled_")
+                 and path_of(dataset, str(c)) == path), "")  # fmt: skip
     symbol = axis_symbol(dataset, name) if name else path
     return path if symbol.startswith("sampled ") else symbol

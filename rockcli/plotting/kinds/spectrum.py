@@ -1,12 +1,12 @@
 """Rocking spectra: peaks against 2 pi/p, the size of the body as a period; of one motion, or of a suite.
 
-Overturned cases run off at the top.
+Where cases overturn there is no curve, but marks at the top where that begins and ends.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -29,7 +29,7 @@ from rockcli.plotting.common.style import (
     width_or,
 )
 from rockcli.plotting.common.suite import members_word, suite_of
-from rockcli.plotting.kinds.ida import BOLD, FRACTILES, MEMBER
+from rockcli.plotting.kinds.ida import BOLD, MEMBER, fractiles_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.thresholds import BELOW, BRACKETED, FOUND
 from rockcli.scene.variables import VARIABLES
@@ -43,8 +43,11 @@ Order = NDArray[np.intp]
 
 _FEWEST_SIZES = 3
 
-_BEYOND = 2.0
-"""Where overturned cases are, over the top of the axis."""
+_PRESCREENS = (
+    ("_prescreen", ":", "closed form, after first uplift"),
+    ("_prescreen_worst", (0, (5, 1, 1, 1)), "closed form, worst excursion"),
+)
+"""Ends of names of what is told without solving, lines, words."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +119,7 @@ def _of_cases(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
     every = axes_of(dataset)
     others = tuple(name for name in every if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
-    figure = new_figure(width_or(SINGLE * 1.3), 0.9 + 1.75 * len(rows))
+    figure = new_figure(width_or(SINGLE * 1.3), 1.4 + 1.75 * len(rows))
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     for axes, row in zip(grid, rows, strict=True):
         curves = []
@@ -144,8 +147,8 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
     others = tuple(name for name in every if name not in (axis, suite.axis))
     shown, total = pick(dataset, MOST_COLUMNS, others)
     columns = len(shown)
-    width = SINGLE * 1.3 if columns == 1 else DOUBLE
-    figure = new_figure(width, 1.0 + 1.75 * len(rows))
+    width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
+    figure = new_figure(width, 1.5 + 1.75 * len(rows))
     grid = figure.subplots(len(rows), columns, sharex=True, sharey="row", squeeze=False)
     for line, row in zip(grid, rows, strict=True):
         parts = [
@@ -157,7 +160,10 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
         for axes, part, curves in zip(line, parts, members, strict=True):
             for curve in curves:
                 _run(axes, period[order], curve, top, color=MEMBER, linewidth=0.5, alpha=0.8, zorder=1)
-            for end, _, dashes in FRACTILES:
+            for end, line_of, _ in _prescreens(part, row):
+                curve = _values(part, row, f"{row.name}{end}_p50")[order]
+                axes.plot(period[order], curve, color=COLOURS[1], linewidth=1.0, linestyle=line_of, zorder=2)
+            for end, _, dashes in fractiles_of(len(curves)):
                 curve = _values(part, row, f"{row.name}_{end}")[order]
                 _run(axes, period[order], curve, top, color=BOLD, linewidth=1.6, zorder=3, dashes=dashes)
             _finish(axes, row, top)
@@ -168,22 +174,29 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
     for axes in grid[-1]:
         _periods(axes, period[order])
     words = [Line2D([], [], color=MEMBER, linewidth=0.8, label=members_word(dataset, suite))]
-    for _, word, dashes in FRACTILES:
+    for _, word, dashes in fractiles_of(int(dataset.sizes[suite.axis])):
         words.append(Line2D([], [], color=BOLD, linewidth=1.6, label=word))
         if dashes:
             words[-1].set_dashes(dashes)
+    for _, line_of, word in _prescreens(dataset, rows[-1]):
+        words.append(Line2D([], [], color=COLOURS[1], linewidth=1.0, linestyle=line_of, label=f"median, {word}"))
     legend_below(figure, words)
     note = "; ".join(filter(None, [selection_note(columns, total, "columns"), _leaving(dataset, rows)]))
     headline(figure, title_of(dataset), note)
     return figure
 
 
+def _prescreens(part: xarray.Dataset, row: Row) -> list[tuple[str, Any, str]]:
+    """What is told of the suite's lowest overturning value without solving."""
+    return [one for one in _PRESCREENS if f"{row.name}{one[0]}_p50" in part.variables]
+
+
 def _leaving(dataset: xarray.Dataset, rows: list[Row]) -> str:
     """What is not drawn as a value: cases that overturn, or of a search what lies outside its range."""
     if not rows[0].name.endswith(FOUND):
-        return "overturned cases leave at the top"
+        return "triangles: ends of where cases overturn"
     state = thresholds_in(dataset, rows[0].name).state
-    words = ["curves leave at the top where nothing in the range overturns"]
+    words = ["triangles: ends of where nothing in the range overturns"]
     for flag, why in ((BELOW, "below the range"), (BRACKETED, "without an answer")):
         if count := int((state == flag).sum()):
             words.append(f"{count} of {state.size} {why}, not drawn")
@@ -208,11 +221,15 @@ def _largest(curves: list[Array]) -> float:
     return max(float(np.max(curve, where=np.isfinite(curve), initial=0.0)) for curve in curves)
 
 
-def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...] = (), **style: object) -> None:
-    """One curve; what has no answer leaves a gap, what overturned runs off at the top."""
-    (line,) = axes.plot(x, np.where(np.isposinf(y), _BEYOND * top, y), **style)  # type: ignore[arg-type]
+def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...] = (), **style: Any) -> None:
+    """One curve; what has no answer leaves a gap, what overturned, too, between marks at the top."""
+    (line,) = axes.plot(x, np.where(np.isposinf(y), np.nan, y), **style)
     if dashes:
         line.set_dashes(dashes)
+    fell = np.isposinf(y)
+    ends = fell & (np.append(~fell[1:], True) | np.append(True, ~fell[:-1]))
+    mark: dict[str, Any] = {"markersize": 3.5, "markeredgewidth": 0.0, "clip_on": False}
+    axes.plot(x[ends], np.full(int(ends.sum()), top), "^", color=style["color"], zorder=style.get("zorder", 3), **mark)
 
 
 def _finish(axes: Axes, row: Row, top: float) -> None:
