@@ -2,7 +2,8 @@
 
     python benchmarks/rolling.py
 
-One process, kernels compiled and warm; outcome, peak and impacts of every case; writes benchmarks/results/rolling.csv.
+One process, kernels compiled and warm.  `toes` is the base of the same outline, not quite alike on both sides by
+rounding, `block` the plain block of that size.  Writes benchmarks/results/rolling.csv.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from rockcli.study.open import open_study
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results" / "rolling.csv"
-N = 200
+CASES = (200, 4000)
+
+ASKED = {"outcome": ["outcome"], "outcome, peak, impacts": ["outcome", "theta_peak_over_alpha", "n_impacts"]}
 
 MOTIONS = {
     "pulses": ({"pulse": {"shape": "ricker", "a_p": "1*g", "T_p": 0.8}}, "motion.pulse.a_p"),
@@ -39,32 +42,56 @@ def outline():
     return [list(point) for point in ((-top, 1.0), *left, *right, (top, 1.0))]
 
 
-def cost(stands, motion, axis):
+def block(kind):
+    """The body of a row: rolling, on the same base alone, or the plain block of that size, alike on both sides."""
+    if kind != "block":
+        return {"outline": outline(), "stands": kind}
+    case = {"block": block("toes"), "motion": MOTIONS["pulses"][0]}
+    ((_, batch),) = open_study({"name": "a", "case": case}).batches()
+    return {"R": float(batch.block.R.mean()), "alpha": float(batch.block.alpha.mean())}
+
+
+def cost(kind, motion, axis, n, scalars):
     study = {
         "name": "a",
-        "case": {"block": {"outline": outline(), "stands": stands}, "motion": motion},
-        "vary": {axis: {"from": "0.1*g", "to": "1.5*g", "n": N}},
-        "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha", "n_impacts"]},
+        "case": {"block": block(kind), "motion": motion},
+        "vary": {axis: {"from": "0.1*g", "to": "1.5*g", "n": n}},
+        "save": {"histories": False, "scalars": scalars},
     }
     ((_, batch),) = open_study(study).batches()
     facets = 1 if batch.block.vertices is None else batch.block.vertices.shape[1] - 1
     times = []
-    for _ in range(4):  # the first compiles
+    for _ in range(5):  # the first compiles
         begun = time.process_time()
         response = solve(batch)
         times.append(time.process_time() - begun)
     fell = float((response.scalars["outcome"] >= 2).mean())
-    return [facets, round(1e6 * min(times[1:]) / N, 1), round(fell, 3), int(response.scalars["n_impacts"].mean())]
+    return facets, 1e6 * min(times[1:]) / n, fell, int(response.scalars["n_impacts"].mean())
 
 
 def main():
     kernels.load(compile_them=True)
-    head = ["motion", "stands", "facets", "us_per_case", "overturned", "mean_impacts", "machine"]
+    head = [
+        "motion",
+        "asked",
+        "cases",
+        "body",
+        "facets",
+        "us_per_case",
+        "over_toes",
+        "overturned",
+        "mean_impacts",
+        "machine",
+    ]
     rows = []
     for name, (motion, axis) in MOTIONS.items():
-        for stands in ("outline", "toes"):
-            rows.append([name, stands, *cost(stands, motion, axis), machine()])
-            print(*rows[-1], flush=True)
+        for asked, scalars in ASKED.items():
+            for n in CASES:
+                costs = {kind: cost(kind, motion, axis, n, scalars) for kind in ("outline", "toes", "block")}
+                for kind, (facets, us, fell, impacts) in costs.items():
+                    ratio = round(us / costs["toes"][1], 2)
+                    rows.append([name, asked, n, kind, facets, round(us, 1), ratio, round(fell, 3), impacts, machine()])
+                    print(*rows[-1], flush=True)
     with RESULTS.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([head, *rows])
 

@@ -18,7 +18,7 @@ SAME_TOP = 1e-12
 
 @jit_lean
 def free_rolling(body, g, facet, s, q, v, margin):
-    """RETURNS, FALLS or UNDECIDED, the facet that the body comes to rest on, and how many facets touch before it falls.
+    """RETURNS, FALLS or UNDECIDED, the facet it comes to rest on, and how many facets touch until it lies on its side.
 
     It comes to rest once it has turned back on both sides without a barrier between; beyond a last barrier it has
     fallen, and so it has when it passes one.  `margin`: distance from a separatrix below which rounding decides.
@@ -51,9 +51,9 @@ def free_rolling(body, g, facet, s, q, v, margin):
                 turns = 0
                 top = end.tilt + s * end.alpha
                 if s * onward > 0.0 and top >= body[at.FALL_RIGHT] - SAME_TOP:
-                    return FALLS, -1, hits
+                    return FALLS, -1, hits + count - facet - (1 if onward > 0.0 else 0)
                 if s * onward < 0.0 and top <= body[at.FALL_LEFT] + SAME_TOP:
-                    return FALLS, -1, hits
+                    return FALLS, -1, hits + facet + (0 if onward > 0.0 else 1)
         else:
             u = math.inf
         rate2 = rate * rate + 4.0 * end.p2 * math.sin(end.alpha - 0.5 * (q + target)) * math.sin(0.5 * (q - target))

@@ -12,9 +12,15 @@ TILT, HEIGHT, LEFT, RIGHT, FACET = 0, 1, 2, 2 + END, 2 + 2 * END
 """theta at which it lies flat; height of the centre of mass above it; its two ends; the length."""
 
 # a body
-COUNT, STANDING, FALL_LEFT, FALL_RIGHT, SCALE, LOSSLESS, FIRST = range(7)
-"""Facets; that on which it stands; theta of the last barriers; rotation that errors are told by; 1 if
-nothing is lost at impacts; its first facet."""
+COUNT, STANDING, FALL_LEFT, FALL_RIGHT, SCALE, LOSSLESS = range(6)
+"""Facets; that on which it stands; theta of the last barriers; rotation that errors are told by; 1 if nothing is lost
+at impacts."""
+
+VALLEY, LOWEST, TOP, SWAY, KEEP_LEFT, KEEP_RIGHT, FIRST = range(6, 13)
+"""What decides early: the one facet between the last barriers that can carry it, -1 if there are more; height of the
+centre of mass above the lowest facet there, and that of the lower of the last barriers; the largest R/sqrt(I/m); part
+of the rate that impacts beyond the last barrier on each side leave, 0 where a facet there can carry it.  Then its first
+facet."""
 
 # a case
 G, BODY, THETA_0, THETA_DOT_0, T_MOTION, T_STOP, HAS_DURATION, FACTOR_H, FACTOR_V, N_PAR = range(10)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rockcli.kernels.constants import LEFT_TO_MARCH
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rolling import results as results_of_rolling
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import PIECE_WIDTH, Pulses
 from rockcli.scene.variables import SCALARS_ASYMMETRIC, SCALARS_ROLLING
@@ -56,18 +57,25 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any) -> A
 
     `how`: `Settings` of the single-body kernels.  NaN in STATUS for a body that is left to the single-body kernels.
     """
+    return in_lanes(lanes, batch, rows, how, cases, np.empty((0, 0)))
+
+
+def in_lanes(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any, bodies: Array) -> Array:
+    """`run` of bodies on two edges, or of the `bodies` that roll: `kernels.rolling.parameters`."""
     channel = batch.excitation.horizontal
     assert isinstance(channel, Pulses)
     pieces = channel.table.shape[1]
     tables = channel.table[cases].reshape(len(rows), pieces * PIECE_WIDTH)
-    found = np.zeros((len(rows), to.N_OUT))
+    width = results_of_rolling.N_OUT if len(bodies) else to.N_OUT
+    found = np.zeros((len(rows), width))
     how = how._replace(order=_order(how.tol), max_steps=MAX_STEPS)
     uneven = np.any(rows[:, at.LEFT : at.LEFT + at.EDGE] != rows[:, at.RIGHT : at.RIGHT + at.EDGE], axis=1)
+    uneven |= len(bodies) > 0
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
         for two_sided in np.unique(uneven).tolist():  # apart, so that no body depends on others
             some = slice(None) if (uneven == two_sided).all() else np.flatnonzero(uneven == two_sided)
-            part = np.zeros((len(rows[some]), to.N_OUT))
-            lanes.sweep(rows[some], how, tables[some], pieces, two_sided, lanes.work_space(how.order), part)
+            part = np.zeros((len(rows[some]), width))
+            lanes.sweep(rows[some], bodies, how, tables[some], pieces, two_sided, lanes.work_space(how.order), part)
             found[some] = part
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known

@@ -35,7 +35,7 @@ def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[An
         peak=out[:, to.PEAK],
         side=out[:, to.PEAK_SIDE],
         rate=out[:, to.RATE_PEAK],
-        top=np.maximum(top_of(batch, right[:, None])[0][:, 0], -top_of(batch, -left[:, None])[0][:, 0]),
+        top=_top_peak(batch, left, right),
         t_peak=out[:, to.T_PEAK],
         t_uplift=out[:, to.T_UPLIFT],
         t_overturn=out[:, to.T_OVERTURN],
@@ -75,6 +75,13 @@ def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[An
         said = f"comes to rest on another facet, turned by {tilt:.4g} rad ({np.rad2deg(tilt):.3g} deg)"
         reasons[i] = "; ".join(filter(None, [reasons[i], said]))
     return scalars, reasons
+
+
+def _top_peak(batch: Batch, left: Array, right: Array) -> Array:
+    """Largest displacement of the top by that to either side, (n,) [m]; NaN where nobody asks."""
+    if "u_top_peak" not in batch.save.scalars:
+        return np.full(batch.size, np.nan)
+    return np.maximum(top_of(batch, right[:, None])[0][:, 0], -top_of(batch, -left[:, None])[0][:, 0])
 
 
 def _residual_tilt(batch: Batch, facets: Facets, out: Array) -> Array:

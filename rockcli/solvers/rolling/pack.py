@@ -53,6 +53,7 @@ def bodies_of(facets: Facets, r_g2: Array, loss: Array) -> Array:
     kept = (r_g2[:, None] + facets.height**2 - facets.b.prod(axis=2)) / np.sqrt(inertia.prod(axis=2))
     with np.errstate(invalid="ignore"):
         kept = np.where(loss[:, None] == 0.0, 1.0, np.maximum(kept, 0.0) ** loss[:, None])
+    _barriers(table, facets, inertia, kept)
     for side, place in ((0, at.LEFT), (1, at.RIGHT)):
         end = each[:, :, place : place + at.END]
         R, alpha = facets.R[:, :, side], facets.alpha[:, :, side]
@@ -62,3 +63,20 @@ def bodies_of(facets: Facets, r_g2: Array, loss: Array) -> Array:
         end[:, :, at.ETA] = kept * np.sqrt(inertia[:, :, 1 - side] / inertia[:, :, side])
         end[:, :, at.B] = facets.b[:, :, side]
     return np.nan_to_num(table)
+
+
+def _barriers(table: Array, facets: Facets, inertia: Array, kept: Array) -> None:
+    """What tells early whether a body falls; inertia (n, f, 2) about each end over m, kept (n, f) by (V4), (V5)."""
+    left, right = facets.fall[:, :1], facets.fall[:, 1:]
+    with np.errstate(invalid="ignore"):
+        between = (facets.tilt > left) & (facets.tilt < right)
+        carries = (facets.b >= 0.0).all(axis=2)
+        beyond = facets.tilt <= left, facets.tilt >= right
+    wells = carries & between
+    table[:, at.VALLEY] = np.where(wells.sum(axis=1) == 1, wells.argmax(axis=1), -1)
+    table[:, at.LOWEST] = np.where(between, facets.height, np.inf).min(axis=1)
+    own = np.take_along_axis(facets.height, facets.standing[:, None], axis=1)[:, 0]
+    table[:, at.TOP] = own + facets.barrier.min(axis=1)
+    table[:, at.SWAY] = np.nanmax(facets.R / np.sqrt(inertia), axis=(1, 2))
+    for place, there in zip((at.KEEP_LEFT, at.KEEP_RIGHT), beyond, strict=True):
+        table[:, place] = np.where((carries & there).any(axis=1), 0.0, np.where(there, kept, 1.0).prod(axis=1))

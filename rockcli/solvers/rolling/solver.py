@@ -28,6 +28,8 @@ from rockcli.solvers.event.pack import COMPILE_ABOVE, order_of, settings_of
 from rockcli.solvers.event.unpack import FORCES, Raw
 from rockcli.solvers.rolling.answers import answer, histories_of
 from rockcli.solvers.rolling.pack import facets_in, parameters_of
+from rockcli.solvers.rolling.pulse_lanes import METHOD, asked, fit
+from rockcli.solvers.rolling.pulse_lanes import run as run_lanes
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -50,7 +52,7 @@ def solve(batch: Batch) -> Response:
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",
-        "method": METHOD_OF_ROLLING.format(order_of(level.rtol)),
+        "method": METHOD if asked(batch) else METHOD_OF_ROLLING.format(order_of(level.rtol)),
         "rtol": repr(level.rtol),
         "rest_speed": repr(level.rest_speed),
     }
@@ -68,7 +70,20 @@ def _run(batch: Batch, facets: Facets, level: Accuracy, *, histories: bool) -> R
     def attempt() -> Raw:
         run = Raw(batch.size, n_time, MAX_IMPACTS_STORED if histories else 0)
         run.out = np.zeros((batch.size, also.N_OUT))
-        _march(batch, pars, bodies, level, run)
+        alone = ~fit(batch, pars)
+        if not alone.all():
+            cases = np.flatnonzero(~alone)
+            lanes = kernels.load("lanes.pulses.march", compile_them=bool(kernels.compiled))
+            how = settings_of(lanes, batch, level, _detail(batch))
+            run.out[cases] = run_lanes(lanes, batch, pars, bodies, how, cases)
+            alone |= np.isnan(run.out[:, to.STATUS])
+        if alone.all():
+            _march(batch, pars, bodies, level, run)
+        elif alone.any():
+            rest = Raw(int(alone.sum()), 0, 0)
+            rest.out = np.zeros((int(alone.sum()), also.N_OUT))
+            _march(batch.rows(np.flatnonzero(alone)), np.ascontiguousarray(pars[alone]), bodies, level, rest)
+            run.out[alone] = rest.out
         return run
 
     run = attempt()

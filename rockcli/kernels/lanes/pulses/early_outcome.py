@@ -22,13 +22,7 @@ def judge(state, o, how, two_sided):
         return
     t, q, v = load(state, o + lane.T * WIDTH), load(state, o + lane.Q * WIDTH), load(state, o + lane.V * WIDTH)
     margin = how.margin
-    if how.linear:
-        sine, cosine, bend = q, spread(1.0), 0.5 * q * q
-    else:
-        sine, cosine = sin_cos(q)
-        bend = 1.0 - cosine
-    store(state, o + lane.SINE * WIDTH, sine)
-    store(state, o + lane.COSINE * WIDTH, cosine)
+    sine, bend = now(state, o, q, how.linear)
     plus, minus = to_come(state, o, t)
     full, right = load(state, o + lane.L_PULL * WIDTH), load(state, o + lane.S * WIDTH) > 0.0
     pull, inward = full, full * select(right, plus, minus)
@@ -76,3 +70,16 @@ def judge(state, o, how, two_sided):
     next_event = select(doubtful, lane.FOR_MARCH, next_event)
     store(state, o + lane.VERDICT * WIDTH, verdict)
     store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))
+
+
+@jit_lean
+def now(state, o, q, linear):
+    """sin q and 1 - cos q of a vector; sets SINE and COSINE."""
+    if linear:
+        sine, cosine, bend = q, spread(1.0), 0.5 * q * q
+    else:
+        sine, cosine = sin_cos(q)
+        bend = 1.0 - cosine
+    store(state, o + lane.SINE * WIDTH, sine)
+    store(state, o + lane.COSINE * WIDTH, cosine)
+    return sine, bend

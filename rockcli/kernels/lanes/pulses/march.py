@@ -15,6 +15,19 @@ from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
 from rockcli.kernels.lanes.pulses.free_rocking import BACKLOG, LOW, count_impacts
 from rockcli.kernels.lanes.pulses.ground import expand
+from rockcli.kernels.lanes.pulses.rolling import (
+    SLOWEST,
+    bounce,
+    enter_rolling,
+    find_touches,
+    judge_rolling,
+    leave_rolling,
+    left_alone,
+    may_only_bounce,
+    rest_on_facet,
+    roll_freely,
+    roll_over,
+)
 from rockcli.kernels.lanes.pulses.series import flow, flow_linear, look_along, reach_of
 from rockcli.kernels.lanes.pulses.state import (
     enter,
@@ -55,19 +68,22 @@ NEAR = 0.5
 nothing, and by Cramer's bound |He_m(y)| < 1.09 sqrt(m!) exp(y^2/4) those left out are below the tolerance."""
 
 
-@entry(MATRIX, Settings, MATRIX, int, bool, VECTOR, MATRIX)
-def sweep(pars, how, tables, pieces, two_sided, work, out):
+@entry(MATRIX, MATRIX, Settings, MATRIX, int, bool, VECTOR, MATRIX)
+def sweep(pars, bodies, how, tables, pieces, two_sided, work, out):
     """Solve every row of `pars` under the pulse of its row of `tables` with series of `how.order`.
 
     `two_sided`: the edges of these bodies differ.  `work`: `work_space(how.order)`; `out` zeros.
+    bodies: none, or the table of `kernels.rolling.parameters` of bodies that roll; then the edges in `pars` are those
+    of the facet on which a body stands, and a last column is the row of its body.
     What is not done here has STATUS LEFT_TO_MARCH.
     """
+    rolls = len(bodies) > 0
     linear, tol, n, detail = how.linear, how.tol, how.order, how.detail
     state, scratch, screened, backlog, lists = split(work, n)
     lanes = lane.VECTORS * WIDTH
-    asking, lifting, ending, moving, slowing, bouncing = (
+    asking, lifting, ending, moving, slowing, bouncing, touching = (
         lists[:lanes], lists[lanes : 2 * lanes], lists[2 * lanes : 3 * lanes], lists[3 * lanes : 4 * lanes],
-        lists[4 * lanes : 5 * lanes], lists[5 * lanes : 6 * lanes],
+        lists[4 * lanes : 5 * lanes], lists[5 * lanes : 6 * lanes], lists[6 * lanes : 7 * lanes],
     )  # fmt: skip
     size = stride(n)
     upcoming = busy = n_postponed = n_ending = 0
@@ -82,10 +98,10 @@ def sweep(pars, how, tables, pieces, two_sided, work, out):
         for j in range(n_ending):
             i = int(ending[j])
             if state[i + lane.CASE * WIDTH] >= 0.0:
-                finish_case(state, i, two_sided, out)
+                finish_case(state, i, two_sided, rolls, out)
                 busy -= 1
             upcoming, came = next_case(
-                state, i, upcoming, screened, pars, tables, pieces, linear, two_sided, 100.0 * how.margin,
+                state, i, upcoming, screened, pars, bodies, tables, pieces, linear, two_sided, 100.0 * how.margin,
                 detail == OUTCOME, out,
             )  # fmt: skip
             busy += came
@@ -95,43 +111,67 @@ def sweep(pars, how, tables, pieces, two_sided, work, out):
             return
         n_asking = n_lifting = n_ending = n_moving = n_slowing = n_bouncing = 0
         for o in range(0, lane.VECTORS * size, size):
-            look(state, o, n, linear, two_sided, tol, scratch)
+            look(state, o, n, linear, two_sided, rolls, tol, scratch)
             event = load(state, o + lane.EVENT * WIDTH)
             n_asking = note(event == lane.IMPACT, 1.0 * o, asking, n_asking)
             n_lifting = note(event == lane.UPLIFT, 1.0 * o, lifting, n_lifting)
         find_impacts(state, n, scratch, asking, n_asking)
         find_uplifts(state, n, two_sided, scratch, lifting, n_lifting)
+        n_touching = find_touches(state, n, scratch, touching) if rolls else 0
         if detail > OUTCOME:
             find_tops(state, n, tol, scratch, asking)
+        for j in range(n_touching):
+            i = int(touching[j])
+            if state[i + lane.EVENT * WIDTH] == lane.TOUCH:
+                par = pars[int(state[i + lane.CASE * WIDTH])]
+                roll_over(state, i, bodies[int(par[at.N_PAR])], par[at.G])
         for o in range(0, lane.VECTORS * size, size):
-            advance(state, o, two_sided, how.rest_speed)
+            advance(state, o, two_sided, rolls, SLOWEST * how.rest_speed if rolls else how.rest_speed)
             event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
             past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
             n_moving = note((event >= lane.NONE) & (event < lane.DONE) & past, 1.0 * o, moving, n_moving)
             n_slowing = note((event == lane.IMPACT) & (mode == lane.REST), 1.0 * o, slowing, n_slowing)
-            if detail > OUTCOME:
+            if detail > OUTCOME and rolls:
+                n_bouncing = note(may_only_bounce(state, o), 1.0 * o, bouncing, n_bouncing)
+            elif detail > OUTCOME:
                 n_bouncing = note(only_bounces(state, o, tol, linear, two_sided), 1.0 * o, bouncing, n_bouncing)
         for j in range(n_slowing):
             i = int(slowing[j])
-            come_to_rest(state, i, n, pars[int(state[i + lane.CASE * WIDTH])], how.rest_speed, scratch)
+            par = pars[int(state[i + lane.CASE * WIDTH])]
+            if rolls:
+                rest_on_facet(state, i, n, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed, scratch)
+            else:
+                come_to_rest(state, i, n, par, how.rest_speed, scratch)
         for j in range(n_moving):
             i = int(moving[j])
             next_piece(state, i, tables[int(state[i + lane.CASE * WIDTH])], pieces)
         for j in range(n_bouncing):
             i = int(bouncing[j])
+            if rolls:
+                par = pars[int(state[i + lane.CASE * WIDTH])]
+                bounce(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed)
+                continue
             postpone(state, i, backlog, n_postponed, how.rest_speed)
             n_postponed += 1
             if n_postponed == WIDTH:
                 count_impacts(backlog, n_postponed, linear, two_sided, out)
                 n_postponed = 0
         for o in range(0, lane.VECTORS * size, size):
-            judge(state, o, how, two_sided)
+            if rolls:
+                free = note(left_alone(state, o), 1.0 * o, touching, 0)
+                for j in range(free):
+                    i = int(touching[j])
+                    par = pars[int(state[i + lane.CASE * WIDTH])]
+                    roll_freely(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.margin, detail)
+                judge_rolling(state, o, how)
+            else:
+                judge(state, o, how, two_sided)
             n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
 
 
 def work_space(n):
     """Work space of `sweep` for series of order n."""
-    return room(lane.VECTORS * stride(n) + (3 * n + 6) * WIDTH + (SCREEN_FIELDS + BACKLOG + 6 * lane.VECTORS) * WIDTH)
+    return room(lane.VECTORS * stride(n) + (3 * n + 6) * WIDTH + (SCREEN_FIELDS + BACKLOG + 7 * lane.VECTORS) * WIDTH)
 
 
 @jit_lean
@@ -145,18 +185,20 @@ def split(work, n):
 
 
 @jit_lean
-def finish_case(state, i, two_sided, out):
+def finish_case(state, i, two_sided, rolls, out):
     """The case in lane i has its answer, or is left to `march`."""
     case = int(state[i + lane.CASE * WIDTH])
     if state[i + lane.EVENT * WIDTH] == lane.FOR_MARCH:
         out[case][to.STATUS] = LEFT_TO_MARCH
-    leave(state, i, two_sided, state[i + lane.VERDICT * WIDTH], out[case])
+    leave(state, i, two_sided and not rolls, state[i + lane.VERDICT * WIDTH], out[case])
+    if rolls:
+        leave_rolling(state, i, out[case])
     put(state, i, lane.CASE, -1.0)
     put(state, i, lane.EVENT, lane.IDLE)
 
 
 @jit_lean
-def next_case(state, i, upcoming, screened, pars, tables, pieces, linear, two_sided, doubt, early, out):
+def next_case(state, i, upcoming, screened, pars, bodies, tables, pieces, linear, two_sided, doubt, early, out):
     """The next case that has to be followed goes into lane i: (number of the one after it, 1 or 0 if there is none)."""
     while upcoming < len(pars):
         case, place = upcoming, upcoming % WIDTH
@@ -169,6 +211,8 @@ def next_case(state, i, upcoming, screened, pars, tables, pieces, linear, two_si
             state, i, case, pars[case], tables[case], pieces, linear, two_sided, screened[place + ENERGY * WIDTH],
             screened[place + UPLIFT_T * WIDTH], screened[place + SIDE * WIDTH], screened[place + BELL_E * WIDTH],
         ):  # fmt: skip
+            if len(bodies) > 0:
+                enter_rolling(state, i, bodies[int(pars[case][at.N_PAR])], pars[case][at.G])
             next_piece(state, i, tables[case], pieces)
             return upcoming, 1
         else:
@@ -177,7 +221,7 @@ def next_case(state, i, upcoming, screened, pars, tables, pieces, linear, two_si
 
 
 @jit_lean
-def look(state, o, n, linear, two_sided, tol, work):
+def look(state, o, n, linear, two_sided, rolls, tol, work):
     """One vector: series, step, and what has to be looked at more closely."""
     mode, event = load(state, o + lane.MODE * WIDTH), load(state, o + lane.EVENT * WIDTH)
     going = (mode >= lane.REST) & (event == lane.NONE)
@@ -212,7 +256,7 @@ def look(state, o, n, linear, two_sided, tol, work):
         h = rock_h
     P, dP, M, reach = look_along(state, c, n, h)
     event = select(going & rocks & may_land(state, o, c, h, P, dP, M, reach), lane.IMPACT, event)
-    if not linear:
+    if not linear and not rolls:
         far = going & rocks & (reach >= 0.5 * math.pi)
         if some(far):
             v = load(state, o + lane.V * WIDTH)
@@ -252,7 +296,7 @@ def may_land(state, o, c, h, P, dP, M, reach):
 
 
 @jit_lean
-def advance(state, o, two_sided, rest_speed):
+def advance(state, o, two_sided, rolls, rest_speed):
     """One vector: take the step, turn over at impacts, leave rest at uplifts."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     if not some(event >= lane.NONE):
@@ -271,8 +315,10 @@ def advance(state, o, two_sided, rest_speed):
     s = select(lands, -s, s)
     if two_sided:
         store(state, o + lane.S * WIDTH, s)
-        to_the_edge(state, o)
+        to_the_edge(state, o, lane.OF_EDGE if rolls else lane.OF_EDGE - 2)
         p_alpha = load(state, o + lane.L_P * WIDTH) * load(state, o + lane.L_ALPHA * WIDTH)
+    if rolls:
+        counted = lands & (rate > FAST * p_alpha) & (t < stop)
     after = load(state, o + lane.L_ETA * WIDTH) * rate
     slow = lands & ((after <= rest_speed * p_alpha) | (after <= 0.0))
     v = select(lands, after, v)

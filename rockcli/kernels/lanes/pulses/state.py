@@ -16,7 +16,7 @@ from rockcli.kernels.lanes.vector.plain import load, select, some, store
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.ground import WIDTH as PIECE_WIDTH
-from rockcli.kernels.rigid.law import potential
+from rockcli.kernels.rigid.law import edge_of, potential
 
 VECTORS = 8
 """Vectors that run at a time: enough lanes to fill a vector with those that have an event."""
@@ -24,10 +24,11 @@ VECTORS = 8
 (
     CASE, MODE, PIECE, T, T_NEXT, H, X, Q, V, S, VERDICT, LAUNCH, N_STEPS, N_IMPACTS, UP_T,
     L_SIDE, TOP, TOP_T, L_P, L_ALPHA, L_R0, L_RS, L_RC, L_FC, L_FS, L_ALONG, L_ACROSS, L_GUARD, L_STAR, L_TOP, L_ETA,
-    L_PULL, L_END, L_STOP, L_GIVEN,
+    L_PULL, L_EXTENT, L_MASS, L_END, L_STOP, L_GIVEN,
     L_BOUND, KIND, ORIGIN, C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, EVENT, NEW_Q, NEW_V, REACH, BRACKET, BREADTH, SINE,
-    COSINE, BELL_E, TOP_SIDE, OTHER,
-) = range(59)  # fmt: skip
+    COSINE, BELL_E, TOP_SIDE, FACET, OUTSIDE_LEFT, OUTSIDE_RIGHT, TILT, FLOOR, BRIM, SWAY, KEEP_LEFT, KEEP_RIGHT,
+    RESTS_ON, PEAK_LEFT, PEAK_RIGHT, PEAK_LEFT_T, PEAK_RIGHT_T, OTHER,
+) = range(75)  # fmt: skip
 """CASE row of the case, -1 idle.  T, T_NEXT now and the next breakpoint; H the step, X how far it goes.  UP_T uplift.
 L_*: constants of the case, p^2 and 1/g multiplied in; L_ALONG, L_ACROSS: the restoring
 moment as r0 + along f + across df/dq, f = fc cos q + fs sin q; L_GUARD uplift |a_g|; L_TOP energy of the equilibrium;
@@ -35,18 +36,19 @@ L_PULL p^2 max|f|/g; L_BOUND of |a_g|; L_GIVEN whether the report ends at a give
 the motion (scene/excitation.py).  EVENT, NEW_*: what the step under way comes to; REACH bound of |q| on it, BRACKET
 where the part of it with a turning point begins, and BREADTH how long that is, as shares of X.
 SINE, COSINE of q (q, 1 if linear), BELL_E exp(-y^2/2): now.
-What goes with an edge, L_SIDE to L_PULL, is that of the edge the body turns about; of a body with two different edges
+What goes with an edge, L_SIDE to L_MASS, is that of the edge the body turns about; of a body with two different edges
 that of the other one, in the same order, stands from OTHER on, and the two change places as the body turns over.
 TOP, TOP_T: the peak so far, of a body with two different edges that of its side; TOP_SIDE where it was.
+Of a body that rolls (`rolling`) the two edges are the ends of a facet, L_EXTENT to FACET and on.
 After the fields come the coefficients of q, orders 0 to n and four more that stay zero, then those of a_g."""
 
-OF_EDGE = L_PULL + 1 - L_SIDE
-"""Fields that go with an edge."""
+OF_EDGE = L_MASS + 1 - L_SIDE
+"""Fields that go with an edge; the last two are those of bodies that roll."""
 
 FIELDS = OTHER + OF_EDGE
 
-NONE, IMPACT, UPLIFT, DONE, FOR_MARCH = 0.0, 1.0, 2.0, 3.0, 4.0
-"""EVENT; DONE: the case leaves with its verdict; FOR_MARCH: it is left to `march`."""
+NONE, IMPACT, TOUCH, UPLIFT, DONE, FOR_MARCH = 0.0, 1.0, 1.5, 2.0, 3.0, 4.0
+"""EVENT; TOUCH: the next facet lies flat; DONE: the case leaves with its verdict; FOR_MARCH: it is left to `march`."""
 
 IDLE, REST, ROCK = -1.0, 0.0, 1.0
 """MODE."""
@@ -112,10 +114,10 @@ def enter(state, i, case, par, table, pieces, linear, two_sided, energy, t_uplif
     elif lifted:
         s = side
     first, second = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
-    put_edge(state, i, par, first, s)
+    put_edge(state, i, edge_of(par, first), s, par[first + at.Q_STAR])
     put(state, i, L_TOP, energy)
     if two_sided:
-        put_edge(state, i + (OTHER - L_SIDE) * WIDTH, par, second, -s)
+        put_edge(state, i + (OTHER - L_SIDE) * WIDTH, edge_of(par, second), -s, par[second + at.Q_STAR])
         put(state, i, L_TOP, equilibrium(par, first, linear))
         put(state, i + (OTHER - L_SIDE) * WIDTH, L_TOP, equilibrium(par, second, linear))
     put(state, i, CASE, case)
@@ -168,17 +170,17 @@ def enter(state, i, case, par, table, pieces, linear, two_sided, energy, t_uplif
 
 
 @jit_lean
-def put_edge(state, i, par, e, s):
-    """What goes with the edge whose numbers begin at par[e], that of the side s; without a peak."""
-    g, p2 = par[at.G], par[e + at.P2]
-    fc, fs = p2 * par[e + at.FC] / g, p2 * par[e + at.FS] / g
-    r0, rs, rc = p2 * par[e + at.R0], p2 * par[e + at.RS], p2 * par[e + at.RC]
+def put_edge(state, i, edge, s, star):
+    """What goes with an edge, that of the side s, with its equilibrium at `star`; without a peak."""
+    g, p2 = edge.g, edge.p2
+    fc, fs = p2 * edge.fc / g, p2 * edge.fs / g
+    r0, rs, rc = p2 * edge.r0, p2 * edge.rs, p2 * edge.rc
     force = fc * fc + fs * fs
     put(state, i, L_SIDE, s)
     put(state, i, TOP, 0.0)
     put(state, i, TOP_T, math.nan)
     put(state, i, L_P, math.sqrt(p2))
-    put(state, i, L_ALPHA, par[e + at.ALPHA])
+    put(state, i, L_ALPHA, edge.alpha)
     put(state, i, L_R0, r0)
     put(state, i, L_RS, rs)
     put(state, i, L_RC, rc)
@@ -186,9 +188,9 @@ def put_edge(state, i, par, e, s):
     put(state, i, L_FS, fs)
     put(state, i, L_ALONG, (rc * fc + rs * fs) / force)
     put(state, i, L_ACROSS, (rc * fs - rs * fc) / force)
-    put(state, i, L_GUARD, g * par[e + at.THRESHOLD])
-    put(state, i, L_STAR, par[e + at.Q_STAR])
-    put(state, i, L_ETA, par[e + at.ETA])
+    put(state, i, L_GUARD, g * edge.threshold)
+    put(state, i, L_STAR, star)
+    put(state, i, L_ETA, edge.eta)
     put(state, i, L_PULL, math.sqrt(force))
 
 
@@ -204,12 +206,12 @@ def equilibrium(par, e, linear):
 
 
 @jit_lean
-def to_the_edge(state, o):
-    """Where a body of the vector at o is on the side of its other edge, the two change places."""
+def to_the_edge(state, o, fields):
+    """Where a body of the vector at o is on the side of its other edge, so many `fields` of the two change places."""
     side = load(state, o + L_SIDE * WIDTH)
     over = side * load(state, o + S * WIDTH) < 0.0
     if some(over):
-        for field in range(OF_EDGE):
+        for field in range(fields):
             here, there = o + (L_SIDE + field) * WIDTH, o + (OTHER + field) * WIDTH
             one, other = load(state, here), load(state, there)
             store(state, here, select(over, other, one))
