@@ -34,3 +34,7 @@ ILL_POSED = 2e-3
 
 SAME = 1.0 + 4.0 * 2.220446049250313e-16
 """mu and tan(alpha), computed in two ways, are the same number up to this factor: the body slides."""
+
+STRICTER = 0.1
+"""Part of the tolerance of a body on two edges that a step of one that rolls may use: the energy, told over the least
+barrier, has more steps between more impacts to gather errors from."""

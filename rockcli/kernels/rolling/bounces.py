@@ -9,6 +9,7 @@ import numpy as np
 from rockcli.kernels.constants import FAST
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rolling import parameters as at
+from rockcli.kernels.rolling.free_rolling import MOST_SEGMENTS
 from rockcli.kernels.rolling.law import end_of, energy
 from rockcli.kernels.rolling.rest import NEAR
 
@@ -17,9 +18,6 @@ NODES, WEIGHTS = (np.polynomial.legendre.leggauss(8)[0] + 1.0) / 2.0, np.polynom
 
 STEEP = 0.2
 """Least moment on a swing over the largest, from which on the quadrature is good to 1e-5 of its time."""
-
-MOST = 100_000
-"""Impacts counted."""
 
 
 @jit_lean
@@ -71,7 +69,7 @@ def impacts_until(body, g, facet, s, v, t, stop, rest_speed):
     scale = body[at.SCALE]
     count = 0
     end, other = end_of(body, g, facet, s), end_of(body, g, facet, -s)
-    for _ in range(MOST):
+    for _ in range(MOST_SEGMENTS):
         if end.alpha > 0.0 and other.alpha > 0.0:
             down, down_other = end.p2 * end.fs, other.p2 * other.fs
             slow = v * math.sqrt(end.p2) <= rest_speed * min(down, down_other)

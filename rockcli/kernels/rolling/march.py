@@ -21,6 +21,7 @@ from rockcli.kernels.constants import (
     OUT_OF_STEPS,
     PATIENCE,
     RETURNS,
+    STRICTER,
     UNDECIDED,
 )
 from rockcli.kernels.jit import entry, jit_lean
@@ -45,11 +46,6 @@ from rockcli.kernels.rolling.rest import rest_time
 
 SURE = 1.0 - 1e-9
 """An acceleration nearer to uplift than this is looked at closely."""
-
-
-STRICTER = 0.1
-"""Part of the tolerance of a body on two edges that a step may use: the energy, told over the least barrier, has more
-steps between more impacts to gather errors from."""
 
 
 @jit_lean

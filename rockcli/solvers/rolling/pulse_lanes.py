@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import STRICTER
 from rockcli.kernels.rigid import parameters as rigid
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import parameters as at
@@ -18,9 +19,6 @@ from rockcli.solvers.event.pulse_lanes import asked as asked
 from rockcli.solvers.event.pulse_lanes import in_lanes
 
 Array = NDArray[np.float64]
-
-STRICTER = 0.1
-"""Part of the tolerance of a body on two edges, as in `kernels.rolling.march`."""
 
 
 def fit(batch: Batch, pars: Array) -> NDArray[np.bool_]:
