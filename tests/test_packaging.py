@@ -1,0 +1,97 @@
+"""What it is handed out as: the conda recipe, the image and the extras agree with pyproject.toml and .ci/run."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import yaml
+
+import rockcli
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+RECIPE = yaml.safe_load((ROOT / "recipe" / "recipe.yaml").read_text(encoding="utf-8"))
+IMAGE = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+CI = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+
+CONDA_NAMES = {"netCDF4": "netcdf4", "matplotlib": "matplotlib-base"}
+
+WORDS = {"type": "array", "minItems": 1, "items": {"type": "string", "pattern": r"^[a-z0-9_.-]+( [<>=!0-9.,*]+)?$"}}
+TEXTS = {"type": "array", "minItems": 1, "items": {"type": "string"}}
+SCHEMA = {
+    "type": "object",
+    "required": ["package", "source", "build", "requirements", "tests", "about"],
+    "additionalProperties": False,
+    "properties": {
+        "context": {"type": "object", "additionalProperties": {"type": ["string", "number", "boolean"]}},
+        "package": {"type": "object", "required": ["name", "version"], "additionalProperties": False,
+                    "properties": {"name": {"const": "rockcli"}, "version": {"type": "string"}}},
+        "source": {"type": "object", "required": ["path"], "additionalProperties": False,
+                   "properties": {"path": {"type": "string"}}},
+        "build": {"type": "object", "required": ["number", "script"], "additionalProperties": False,
+                  "properties": {"number": {"type": "integer", "minimum": 0}, "script": TEXTS}},
+        "requirements": {"type": "object", "required": ["host", "run"], "additionalProperties": False,
+                         "properties": {"host": WORDS, "run": WORDS}},
+        "tests": {"type": "array", "minItems": 1, "items": {"oneOf": [
+            {"type": "object", "required": ["python"], "additionalProperties": False, "properties": {"python": {
+                "type": "object", "required": ["imports"], "additionalProperties": False,
+                "properties": {"imports": TEXTS, "pip_check": {"type": "boolean"}}}}},
+            {"type": "object", "required": ["script"], "additionalProperties": False, "properties": {"script": TEXTS}},
+        ]}},
+        "about": {"type": "object", "required": ["summary", "license", "license_file"],
+                  "properties": {"summary": {"type": "string", "maxLength": 200}}},
+    },
+}  # fmt: skip
+"""The part of the format of conda recipes (version 1) that this one uses."""
+
+
+def test_the_recipe_is_one():
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    jsonschema.validate(RECIPE, SCHEMA)
+    expressions = re.findall(r"\$\{\{ *(\w+) *\}\}", str(RECIPE))
+    assert set(expressions) == {"version", "PYTHON"}
+
+
+def test_the_recipe_has_the_version_the_dependencies_and_the_licence_of_the_project():
+    assert RECIPE["context"]["version"] == rockcli.__version__
+    asked = {}
+    for requirement in PROJECT["dependencies"]:
+        name, bound = requirement.split(">=")
+        asked[CONDA_NAMES.get(name, name)] = f">={bound}"
+    asked["python"] = PROJECT["requires-python"]
+    assert dict(word.split() for word in RECIPE["requirements"]["run"]) == asked
+    assert RECIPE["about"]["license"] == PROJECT["license"]
+    assert RECIPE["about"]["summary"].startswith(PROJECT["description"].split(":")[0])
+    assert (ROOT / RECIPE["about"]["license_file"]).is_file()
+
+
+def test_the_image_installs_what_continuous_integration_does():
+    def of_the_system(script: str) -> set[str]:
+        found = re.findall(r"apt-get install -y (?:--no-install-recommends )?([\w -]+)", script)
+        return {name for names in found for name in names.split()}
+
+    assert of_the_system(IMAGE) == of_the_system(CI) - {"python3-venv"}  # the image's Python has venv, and needs none
+    (base,) = set(re.findall(r"^FROM python:(3\.\d+)-", IMAGE, re.M))
+    assert f"Programming Language :: Python :: {base}" in PROJECT["classifiers"]
+    words = {line.split()[0] for line in IMAGE.replace("\\\n", " ").splitlines() if line and line[0] != "#"}
+    assert words <= {"FROM", "WORKDIR", "COPY", "RUN", "ENV", "USER", "ENTRYPOINT", "CMD"}
+    assert re.search(r"^USER (?!root)", IMAGE, re.M)
+
+
+def test_what_all_brings_is_for_users_and_no_address_is_invented():
+    def names(extra: str) -> set[str]:
+        found = set()
+        for requirement in PROJECT["optional-dependencies"][extra]:
+            if own := re.fullmatch(r"rockcli\[(.*)\]", requirement):
+                found |= set().union(*(names(other) for other in own[1].split(",")))
+            else:
+                found.add(re.split(r"[<>=]", requirement)[0])
+        return found
+
+    developers = {"pytest", "pytest-xdist", "hypothesis", "ruff", "mypy", "pre-commit", "types-PyYAML", "mkdocs"}
+    assert not names("all") & developers
+    assert {"openseespy", "dask", "openpyxl", "trimesh"} <= names("all")
+    assert "urls" not in PROJECT
