@@ -95,3 +95,21 @@ def test_what_all_brings_is_for_users_and_no_address_is_invented():
     assert not names("all") & developers
     assert {"openseespy", "dask", "openpyxl", "trimesh"} <= names("all")
     assert "urls" not in PROJECT
+
+
+def test_the_paper_cites_what_its_bibliography_has_and_shows_what_studies_draw():
+    text = (ROOT / "paper" / "paper.md").read_text(encoding="utf-8")
+    head, body = text.split("---\n")[1:3]
+    assert {"title", "tags", "authors", "affiliations", "date", "bibliography"} == set(yaml.safe_load(head))
+    for section in ("Summary", "Statement of need", "State of the field", "References"):
+        assert f"# {section}\n" in body
+    keys = re.findall(r"^@\w+\{(\w+),", (ROOT / "paper" / "paper.bib").read_text(encoding="utf-8"), re.M)
+    assert set(re.findall(r"@(\w+)", body)) == set(keys)
+    assert len(keys) == len(set(keys))
+    script = (ROOT / "paper" / "figures.py").read_text(encoding="utf-8")
+    figures = re.findall(r"!\[.*\(`(studies/\S+)`\)\.\]\((\w+\.png)\)", body)
+    assert len(figures) == 2
+    for study, figure in figures:
+        assert (ROOT / "paper" / figure).is_file()
+        assert f'"{figure}": ("{study}"' in script
+        assert (ROOT / study).is_file()
