@@ -21,6 +21,7 @@ from rockcli.scene.block import LEFT, RIGHT, Block
 from rockcli.scene.contact import slides_first
 from rockcli.scene.damping import SCHEMES
 from rockcli.scene.excitation import Channel, Pulses, Samples
+from rockcli.scene.lower_outline import facets_of
 from rockcli.scene.models import MODELS
 from rockcli.study.study import Study
 
@@ -199,7 +200,30 @@ def _body(batch: Batch) -> list[Row]:
         begins = "slide (mu <= tan alpha)" if slides.all() else "rock (mu > tan alpha)"
         begins = "slide or rock, by direction" if slides.any() and not slides.all() else begins
         rows += [Row("mu", "friction mu", mu), Row("begins", "from rest it begins to", begins)]
+    rows += _rolling(block)
     return [row for row in rows if isinstance(row.value, str) or not np.isnan(row.value)]
+
+
+def _rolling(block: Block) -> list[Row]:
+    """Where a body that rolls over several vertices can rest and falls, and what is not asked of its friction."""
+    if not block.rolls[0]:
+        return []
+    assert block.vertices is not None
+    facets = facets_of(block.vertices[:1])
+    tilts = np.degrees(facets.tilt[0][facets.stable[0]])
+    rows = [
+        Row("vertices", "rolls over vertices", float(facets.count[0] + 1)),
+        Row("rests_deg", "can rest turned by theta [deg]", ", ".join(f"{tilt:.4g}" for tilt in tilts)),
+    ]
+    for side, edge in (("left", LEFT), ("right", RIGHT)):
+        fall, barrier = float(np.degrees(facets.fall[0, edge])), float(facets.barrier[0, edge])
+        rows += [
+            Row(f"fall_deg_{side}", f"overturns beyond theta [deg], {side}", fall),
+            Row(f"barrier_{side}", f"barrier on the way [m], {side}", barrier),
+        ]
+    if np.isfinite(block.mu[0]):
+        rows.append(Row("sliding", "where mu does not suffice", "unresolved: a body that rolls is not solved sliding"))
+    return rows
 
 
 def _mesh(block: Block) -> list[Row]:

@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 import rockcli
+from rockcli.engine.preview import preview
 from rockcli.errors import StudyError
 from rockcli.scene.response import ROCKING, UNRESOLVED
 from rockcli.solvers.event.solver import solve
@@ -180,6 +181,21 @@ def test_friction_that_does_not_hold_leaves_it_unresolved():
     response = solve(replace(batch, block=replace(batch.block, mu=np.array([0.3]))))
     assert response.scalars["outcome"][0] == UNRESOLVED
     assert "would slide" in response.reasons[0]
+    assert "not solved for a body that rolls over several vertices (block.stands: toes" in response.reasons[0]
+
+
+def test_a_check_says_where_it_rests_and_falls():
+    """A regular twelve-sided body: sides every 30 degrees, barriers at 15, 45 and 75 degrees, all R (1 - cos 15 deg)."""
+    study = {"name": "a", "case": {"block": {"outline": ngon(12), "mu": 0.5}, "motion": MOTIONS[0]}}
+    told = {row.key: row.value for row in preview(open_study(study)).body}
+    assert told["vertices"] == 6  # at 15, 45, ... 165 degrees below the level of its middle
+    assert told["rests_deg"] == "-60, -30, 0, 30, 60"
+    assert (told["fall_deg_left"], told["fall_deg_right"]) == pytest.approx((-75.0, 75.0))
+    barrier = 1.0 - np.cos(np.deg2rad(15.0))
+    assert (told["barrier_left"], told["barrier_right"]) == pytest.approx((barrier, barrier))
+    assert "unresolved" in told["sliding"]
+    study["case"]["block"]["stands"] = "toes"
+    assert not {"vertices", "sliding"} & {row.key for row in preview(open_study(study)).body}
 
 
 def test_a_batch_of_both_kinds():
@@ -206,6 +222,7 @@ def test_a_batch_of_both_kinds():
         ({"damping": "dashpot"}, r"case\.damping.*dashpot, instead of restitution or none"),
         ({"solver": {"backend": "scipy"}}, r"case\.solver\.backend: is scipy"),
         ({"damping": {"scheme": "restitution", "loss": 1, "eta": 0.9}}, "say the same thing"),
+        ({"initial": {"slide_rate": 0.1}}, r"case\.initial\.slide_rate: is a velocity of a body that rolls"),
     ],
 )
 def test_what_knows_two_edges_only_is_refused(more, words):

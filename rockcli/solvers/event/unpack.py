@@ -168,7 +168,11 @@ def _impact_friction(batch: Batch, onto_left: NDArray[np.bool_], onto_right: NDA
     return np.asarray(np.max(np.where(happened, ratio, 0.0), axis=1))
 
 
-def sentences_of(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> list[str]:
+UNSOLVED = "which this model has no forces for"
+"""Of a body that would slide."""
+
+
+def sentences_of(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array, unsolved: str = UNSOLVED) -> list[str]:
     """A sentence a case; what friction or the ground cannot give is withdrawn from the scalars."""
     status = out[:, to.STATUS]
     reasons = [""] * batch.size
@@ -188,7 +192,7 @@ def sentences_of(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array) -> 
             said.append(ON_SEPARATRIX)
         if slides[i]:
             words = "at an impact" if scalars["mu_impact"][i] > mu[i] else "while it rocks or before"
-            said.append(f"needs mu = {needs[i]:.3g}: it would slide {words}, which this model has no forces for")
+            said.append(f"needs mu = {needs[i]:.3g}: it would slide {words}, {unsolved}")
         if lifts[i]:
             said.append("the normal force vanishes: the body would leave the ground, which is not simulated")
         reasons[i] = "; ".join(said)

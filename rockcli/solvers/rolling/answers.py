@@ -20,6 +20,11 @@ from rockcli.solvers.event.unpack import COLUMNS, Raw, over, sentences_of, stand
 
 Array = NDArray[np.float64]
 
+UNSOLVED_ROLLING = (
+    "which is not solved for a body that rolls over several vertices (block.stands: toes leaves it its two edges)"
+)
+"""Of a body that rolls and would slide."""
+
 
 def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Scalars by name and a sentence per case from the raw output."""
@@ -67,7 +72,7 @@ def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[An
         "n_rhs": counts(out[:, to.N_STEPS]),
     }
     scalars |= {name: found.unless_failed(out[:, column]) for name, column in COLUMNS.items() if name not in scalars}
-    reasons = sentences_of(batch, scalars, out)
+    reasons = sentences_of(batch, scalars, out, UNSOLVED_ROLLING)
     with np.errstate(invalid="ignore"):
         elsewhere = np.flatnonzero((np.abs(scalars["residual_tilt"]) > 0.0) & (scalars["outcome"] >= NO_UPLIFT))
     for i in elsewhere:

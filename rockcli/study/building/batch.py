@@ -83,7 +83,13 @@ def _check_rolling(numbers: Numbers, model: str, damping: Damping) -> None:
     if not numbers.block.rolls.any():
         return
     backend = numbers.case.solver.backend
+    pushed = numbers.value(("case", "initial", "slide_rate")) is not None
     others = (
+        (
+            ("case", "initial", "slide_rate"),
+            pushed,
+            "a velocity of a body that rolls, and so cannot slide",
+        ),
         (("case", "model"), model != "rigid", f"{model}, which knows but two edges, instead of model rigid"),
         (("case", "damping"), damping.loss is None, f"{damping.scheme}, instead of restitution or none"),
         (("case", "solver", "backend"), backend not in (AUTOMATIC, EVENT), f"{backend}, instead of {EVENT}"),
