@@ -135,3 +135,21 @@ def test_bodies_of_many_records_slide_as_under_each(names):
         assert (apart["slide_peak"] > 0.0).mean() > 0.2
         for name in names & apart.keys() - {"wall_time"}:
             np.testing.assert_array_equal(found[name][rows], apart[name], err_msg=name)
+
+
+@pytest.mark.parametrize("name", ["pulse_m70", "soil_m70", "rock_m65"])
+def test_bodies_that_are_done_are_left_alone(name):
+    """Lanes whose bodies are done wait where the record begins, here in the middle of the shaking."""
+    whole = scene(f"synthetic_{name}", n=60)
+    values = whole.excitation.horizontal.values
+    peak = int(np.argmax(np.abs(values)))
+    motion = dataclasses.replace(whole.excitation.horizontal, values=np.ascontiguousarray(values[peak : peak + 240]))
+    batch = asked(
+        dataclasses.replace(whole, excitation=dataclasses.replace(whole.excitation, horizontal=motion)), NAMES
+    )
+    level = batch.numerics.tolerances
+    by_turns, followed = turns.solved(batch, level).out, run(batch, level).out
+    assert (followed[:, to.N_SLIPS] > 0).mean() > 0.5
+    np.testing.assert_array_equal(by_turns[:, to.VERDICT], followed[:, to.VERDICT])
+    for column in (to.PEAK, to.T_END, to.SLIDE_PEAK):
+        np.testing.assert_allclose(by_turns[:, column], followed[:, column], rtol=1e-6, atol=1e-9)

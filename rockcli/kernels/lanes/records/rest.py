@@ -203,7 +203,8 @@ def finish(st, i, verdict, out):
 
 @jit_lean
 def park(st, i):
-    """Leave lane i without a body: in a sample without end, where no event comes of it."""
+    """Leave lane i without a body: in a sample without end, where no event comes of it, nor of the ground's force."""
+    st[lane.CASE + i], st[lane.SHAKE + i] = -1.0, 0.0
     st[lane.Q + i], st[lane.V + i], st[lane.X + i], st[lane.PIECE + i], st[lane.END + i] = 1.0, 0.0, 0.0, 0.0, math.inf
     st[lane.LEN + i], st[lane.CAP + i], st[lane.SMALL + i], st[lane.LOOK + i] = math.inf, 1.0, 0.0, math.inf
     st[lane.FORCING_C + i] = st[lane.FORCING_S + i] = st[lane.FREE_0 + i] = st[lane.FREE_S + i] = st[
