@@ -4,8 +4,9 @@
 
 Processor time of maps solved in this process with their kernels loaded: a map is made larger until it takes ENOUGH, and
 what it takes more than one of a quarter of the cases is that of its cases, the rest what any study costs.  The least of
-ROUNDS.  Writes results/features.csv and the table of docs/features.md; with WORDs it prints the rows whose names hold
-one of them and writes nothing.
+ROUNDS.  Writes results/features.csv, the table of docs/features.md and, in the time of a machine of reference,
+rockcli/engine/costs.csv, from which `rock check` estimates; with WORDs it prints the rows whose names hold one of them
+and writes nothing.
 
 A capability adds its row to `FEATURES`, and the reason where it is more than FIVE times as slow as the plain block.
 """
@@ -26,6 +27,8 @@ from machine import machine
 
 import rockcli
 from rockcli import kernels
+from rockcli.engine.cost import KNOWN
+from rockcli.engine.speed import slowness
 
 HERE = Path(__file__).resolve().parent
 PAGE = HERE.parent / "docs" / "features.md"
@@ -33,6 +36,8 @@ BEGIN, END = "<!-- benchmarks/features.py: begin -->", "<!-- benchmarks/features
 CSV = HERE / "results" / "features.csv"
 COST, RATIO = "us a case", "over plain"
 HEADINGS = ("feature", "motion", "cases", COST, "cases/s", RATIO, "why", "measured", "machine")
+
+KNOWN_HEADINGS = ("feature", "motion", "cases", "microseconds")
 
 ROUNDS, FIVE = 3, 5.0
 ENOUGH, FIRST, MOST = 0.2, 8, 512
@@ -237,17 +242,25 @@ def lines_of(rows: Rows) -> list[str]:
     return [*lines, "", f"Measured {rows[-1]['measured']}: {rows[-1]['machine']}."]
 
 
-def measured(words: list[str]) -> Rows:
-    """The rows whose names hold a word, all without words; the plain block always, first and last, the less of them."""
+def measured(words: list[str]) -> tuple[Rows, Rows]:
+    """The rows whose names hold a word, all without words; the plain block always, first and last, the less of them.
+
+    And the same as `rockcli.engine.cost` reads them.
+    """
     found = []
+    known: Rows = []
     for number, feature in enumerate(FEATURES):
         if number and words and not any(word in feature.name for word in words):
             continue
         for motion in feature.motions:
-            found.append((feature, motion, *per_case(feature, motion)))
-            print(feature.name, motion, f"{1e6 * found[-1][2]:.3g} us", sep="  ", flush=True)
+            before = slowness()
+            cost, cases = per_case(feature, motion)
+            found.append((feature, motion, cost, cases))
+            reference = 1e6 * cost / (0.5 * (before + slowness()))
+            known.append(dict(zip(KNOWN_HEADINGS, (feature.name, motion, str(cases), f"{reference:.3g}"), strict=True)))
+            print(feature.name, motion, f"{1e6 * cost:.3g} us, {reference:.3g} on the machine of reference", flush=True)
     plain = {motion: min(cost, per_case(FEATURES[0], motion)[0]) for _, motion, cost, _ in found[: len(MOTIONS)]}
-    return rows_of(found, plain)
+    return rows_of(found, plain), known
 
 
 def rows_of(found: list[tuple[Feature, str, float, int]], plain: dict[str, float]) -> Rows:
@@ -265,13 +278,14 @@ def rows_of(found: list[tuple[Feature, str, float, int]], plain: dict[str, float
 def main() -> None:
     os.environ.setdefault("ROCK_RECORDS", str(HERE.parent / "records"))
     kernels.load(compile_them=True)
-    rows = measured(sys.argv[1:])
+    rows, known = measured(sys.argv[1:])
     if sys.argv[1:]:
         return
-    with CSV.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, HEADINGS, lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows)
+    for path, headings, lines in ((CSV, HEADINGS, rows), (KNOWN, KNOWN_HEADINGS, known)):
+        with path.open("w", newline="", encoding="utf-8") as file:
+            table = csv.DictWriter(file, headings, lineterminator="\n")
+            table.writeheader()
+            table.writerows(lines)
     before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
     after = rest.split(END)[1]
     PAGE.write_text("\n".join([before + BEGIN, "", *lines_of(rows), "", END]) + after, encoding="utf-8")

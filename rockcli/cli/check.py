@@ -75,7 +75,8 @@ def _text(found: Preview) -> str:
         rows.append(("record", name))
         rows += [("", step) for step in steps]
     size = f", {found.megabytes:.3g} MB of histories at most" if found.megabytes else ""
-    rows += [("backend", found.backend), ("cost", f"about {duration(found.seconds)}{size}")]
+    cost = f"about {duration(found.seconds)} of processor time, {round(found.memory, -1):.0f} MB of memory{size}"
+    rows += [("backend", found.backend), ("cost", cost)]
     title = f"{found.name}: {found.title}" if found.title else found.name
     return f"{title}\n{facts(rows)}" + (f"\n{_bodies(found)}" if len(found.bodies) > 1 else "")
 

@@ -1,29 +1,62 @@
-"""Cost estimate: how long a batch will take, to an order of magnitude: by backend, model and motion."""
+"""What a study will cost, before it is solved: processor time and memory, from what its features were measured to cost.
+
+`costs.csv` has the time of a case by feature, as `benchmarks/features.py` measured it over a plain block, told for a
+machine of reference (`speed`).  What several features cost together is put together from their ratios to the plain
+block.  Other backends than the event-driven one tell their cost themselves (`scene.backends`).
+"""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
+from rockcli.analysis.measures import peaks
+from rockcli.engine.sweep.chunk_result import DTYPES
+from rockcli.engine.sweep.chunks import CHUNK
 from rockcli.scene.auto import highest
 from rockcli.scene.backends import BACKENDS, EVENT
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Samples
+from rockcli.scene.excitation import Pulses, Samples
 from rockcli.scene.rules import RULES
+from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.event import pulse_lanes as lane_pulses
-from rockcli.solvers.event import record_lanes as lane_records
+from rockcli.solvers.event.unpack import FORCES
 from rockcli.study.study import Study
 
-STARTING = 0.4
-"""Seconds for imports and for loading compiled kernels."""
+KNOWN = Path(__file__).parent / "costs.csv"
+"""What features cost."""
 
-LANE, LANE_OUTCOME, LANE_SAMPLE = 5e-6, 2e-6, 5e-9
-"""A case of the event-driven solver in lanes: pulses with peaks, with the outcome alone; a sample of a record [s]."""
+PLAIN, OUTCOME, EVERY, FORCED, FALL = (
+    "plain block: outcome, peak and impacts", "outcome alone", "every scalar and the certainty (default)", "forces",
+    "time of overturning",
+)  # fmt: skip
+UNDER_PULSES, UNDER_RECORD = "pulse", "record"
 
-PLAIN = 100.0
+SAMPLES = 3000
+"""Samples of the record under which features are measured."""
+
+STILL = "uncertain inputs"
+"""Feature of whose cases under the record none lifts off."""
+
+APART = "bodies by name"
+"""Feature of which each point of an axis is a batch of its own."""
+
+ALONE = 3.0
+"""Over the plain block, from which bodies under such a motion are solved one at a time."""
+
+STARTING = 0.9
+"""For imports and for loading compiled kernels, on the machine of reference [s]."""
+
+IN_PLAIN_PYTHON = 100.0
 """How much slower the event-driven solver is in plain Python."""
+
+READING = 1.5e-7
+"""A sample of a record that is read and laid out [s]."""
 
 REFINED = 30.0
 """Cases that a refined map of n x n pixels solves, over n."""
@@ -34,15 +67,53 @@ SPECTRUM = 0.02
 FEMA = "fema356"
 """The rule, and the backend, of that name."""
 
-HISTORY = 2e-7
-"""An output time of a case whose histories are saved [s]."""
+HISTORY = 7.5e-7
+"""An output time of a case whose histories are saved, kept and written [s]."""
+
+PROGRAM = 1.18e8
+"""Memory of a process with all that it has imported and loaded [bytes]."""
+
+WORKING = 2200.0
+"""Memory for a case that is being solved [bytes]."""
+
+HISTORIES = 2.2
+"""Memory for histories, over their size: those of the chunks and what is written."""
+
+
+@cache
+def known() -> dict[tuple[str, str], tuple[float, int]]:
+    """Seconds a case on the machine of reference by feature and motion, and of how many cases."""
+    with KNOWN.open(encoding="utf-8", newline="") as file:
+        return {
+            (row["feature"], row["motion"]): (1e-6 * float(row["microseconds"]), int(row["cases"]))
+            for row in csv.DictReader(file)
+        }
 
 
 def seconds_per_case(batch: Batch, backend: str) -> float:
-    """Time that a backend needs for a case of a batch, typically [s]."""
-    motion = batch.excitation.horizontal
-    samples = len(motion.values) if isinstance(motion, Samples) else 0
-    return _solving(batch, backend, samples) + (_length(batch) / batch.save.dt_out * HISTORY * batch.save.histories)
+    """Processor time that a backend needs for a case of a batch, on the machine of reference [s]."""
+    row = BACKENDS.get(backend, BACKENDS[EVENT])
+    if row.name == EVENT:
+        solving = _of_features(batch)
+    else:
+        cost = row.of_model(highest(batch).model).cost
+        solving = cost.case + cost.sample * _samples(batch)
+        if cost.step:
+            solving += cost.step * _length(batch) / (batch.numerics.dt or cost.dt / float(batch.p.max()))
+        if cost.element_step:
+            solving += cost.element_step * _element_increments(batch)
+    return solving + (_length(batch) / batch.save.dt_out * HISTORY * batch.save.histories)
+
+
+def seconds_per_batch() -> float:
+    """Processor time for a batch beside that for its cases, on the machine of reference [s]."""
+    (apart, cases), (plain, _) = known()[APART, UNDER_PULSES], known()[PLAIN, UNDER_PULSES]
+    return (apart - plain) * float(np.sqrt(cases))  # as many batches as cases in each
+
+
+def seconds_of_reading(batch: Batch) -> float:
+    """Processor time for reading and laying out a record like that of a case, on the machine of reference [s]."""
+    return READING * _samples(batch)
 
 
 def seconds_of_rules(rules: Sequence[str], batch: Batch) -> float:
@@ -53,7 +124,7 @@ def seconds_of_rules(rules: Sequence[str], batch: Batch) -> float:
 
 def seconds_in_plain_python(batch: Batch) -> float:
     """Time that the event-driven solver of rigid bodies needs for a case with nothing compiled, typically [s]."""
-    return lane_pulses.SECONDS if lane_pulses.asked(batch) else PLAIN * seconds_per_case(batch, EVENT)
+    return lane_pulses.SECONDS if lane_pulses.asked(batch) else IN_PLAIN_PYTHON * seconds_per_case(batch, EVENT)
 
 
 def share_refined(study: Study) -> float:
@@ -62,20 +133,81 @@ def share_refined(study: Study) -> float:
     return min(1.0, REFINED / max(sizes)) if sizes else 1.0
 
 
-def _solving(batch: Batch, backend: str, samples: int) -> float:
-    row = BACKENDS.get(backend, BACKENDS[EVENT]).of_model(highest(batch).model)
-    if row.target == BACKENDS[EVENT].target:
-        if lane_pulses.asked(batch):
-            return LANE_OUTCOME if batch.save.scalars <= {"outcome"} else LANE
-        if lane_records.asked(batch):
-            return LANE + LANE_SAMPLE * samples
-    cost = row.cost
-    seconds = cost.case + cost.sample * samples
-    if cost.step:
-        seconds += cost.step * _length(batch) / (batch.numerics.dt or cost.dt / float(batch.p.max()))
-    if cost.element_step:
-        seconds += cost.element_step * _element_increments(batch)
-    return seconds
+def memory(study: Study, histories: float) -> float:
+    """Memory that one process needs to solve a study, its results among it; `histories`: size of those [bytes]."""
+    each = sum(np.dtype(DTYPES.get(name, np.float64)).itemsize for name in study.scalars)
+    return PROGRAM + each * study.size + WORKING * min(study.size, CHUNK) + HISTORIES * histories
+
+
+def _of_features(batch: Batch) -> float:
+    """A case of the event-driven solver: what its motion and its body cost, and what is saved of it."""
+    motion = batch.excitation
+    samples = _samples(batch)
+    kind = UNDER_RECORD if samples else UNDER_PULSES
+
+    def of(feature: str, which: str = kind) -> float:
+        return known()[feature, which][0]
+
+    plain = of(PLAIN)
+    found = max((of(name) for name in _features(batch)), default=plain)
+    alone = found > ALONE * plain
+    scalars = batch.save.scalars
+    saved = EVERY if scalars & CERTAINTY else FORCED if scalars & FORCES else None
+    if saved is None and scalars & {"t_overturn", "t_end"}:
+        saved = FALL
+    if saved is not None and alone:  # as of bodies that are solved one at a time in any case
+        found *= max(of(saved, UNDER_PULSES) / of(FALL, UNDER_PULSES), 1.0)
+    elif saved is not None:
+        found *= of(saved) / plain
+    elif scalars <= {"outcome"}:
+        found *= min(of(OUTCOME) / plain, 1.0)
+    if motion.suite is not None:
+        found *= max(of("suite of records") / plain, 1.0)
+    if not samples:
+        return found
+    still = of(STILL)
+    return still + _lifting(batch) * max(found - still, 0.0) * samples / SAMPLES
+
+
+def _features(batch: Batch) -> list[str]:
+    """Features of the table that the cases have, but for what is saved."""
+    motion, model = batch.excitation, highest(batch).model
+    mu = batch.block.mu[np.isfinite(batch.block.mu)]
+    asked = {
+        "vertical motion": motion.vertical is not None,
+        "asymmetric body": not batch.block.symmetric.all(),
+        "friction, mu = 0.6": len(mu) and float(mu.min()) >= 0.45,
+        "friction, mu = 0.3": len(mu) and float(mu.min()) < 0.45,
+        "initial rotation": bool(batch.theta_0.any() or batch.theta_dot_0.any()),
+        "duration": bool(np.isfinite(motion.duration).any()),
+        "base dashpot": not batch.damping.only_eta,
+        "linearized block": model == "linearized",
+        "flexible column": model == "flexible",
+        **{f"model {number}": model == number for number in "1234"},
+    }
+    return [name for name, there in asked.items() if there]
+
+
+def _lifting(batch: Batch) -> float:
+    """Share of the cases that leave the ground, or move from the beginning."""
+    motion = batch.excitation
+    if motion.suite is not None:
+        pga = np.abs(motion.suite.factor) * motion.suite.measure("pga")
+    else:
+        pga, _ = peaks(motion.horizontal, batch.size)
+    threshold = batch.g * batch.block.of_weak_edge(batch.block.tan_alpha)
+    moves = (batch.theta_0 != 0.0) | (batch.theta_dot_0 != 0.0)
+    return float(np.mean(moves | ~(pga < threshold)))
+
+
+def _samples(batch: Batch) -> float:
+    """Samples of the recorded motion of a case, on the average; 0 where there is none."""
+    motion = batch.excitation
+    if motion.suite is not None:
+        return float(np.mean([len(record.values) for record in motion.suite.records]))
+    channels = [each for each in (motion.horizontal, motion.vertical) if isinstance(each, Samples)]
+    recorded = [len(each.values) for each in channels]
+    return float(recorded[0]) if recorded and not isinstance(motion.horizontal, Pulses) else 0.0
 
 
 def _element_increments(batch: Batch) -> float:

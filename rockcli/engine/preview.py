@@ -12,7 +12,17 @@ from rockcli.analysis.measures import peaks
 from rockcli.engine.auto import prospect
 from rockcli.engine.backends import choose
 from rockcli.engine.bodies import Bodies
-from rockcli.engine.cost import REFINED, STARTING, seconds_of_rules, seconds_per_case, share_refined
+from rockcli.engine.cost import (
+    REFINED,
+    STARTING,
+    memory,
+    seconds_of_reading,
+    seconds_of_rules,
+    seconds_per_batch,
+    seconds_per_case,
+    share_refined,
+)
+from rockcli.engine.speed import slowness
 from rockcli.engine.sweep.history_size import HISTORIES_AT_MOST, histories_size
 from rockcli.errors import SolverError
 from rockcli.scene.auto import AUTO
@@ -62,7 +72,8 @@ class Preview:
         bodies: every distinct body of the cases looked at: where it stands on the axes (`body`), `cases`, and
             h, b, alpha, p, mu, uplift in g, and whether it begins to rock or to slide.
         backend: name, or why there is none.
-        seconds: estimated time of the solution, order of magnitude; megabytes: of histories, 0 if not saved.
+        seconds: estimated processor time of a run of one process without plots, on this machine.
+        memory: estimated memory of that process [MB]; megabytes: of histories, 0 if not saved.
         warnings: about the study and its cases (of a large study, about its first cases).
     """
 
@@ -77,6 +88,7 @@ class Preview:
     bodies: tuple[dict[str, float | str], ...]
     backend: str
     seconds: float
+    memory: float
     megabytes: float
     warnings: tuple[str, ...]
 
@@ -96,6 +108,7 @@ class Preview:
             "processing": {name: list(steps) for name, steps in self.processing.items()},
             "backend": self.backend,
             "seconds": self.seconds,
+            "memory": self.memory,
             "megabytes": self.megabytes,
             "warnings": list(self.warnings),
         }
@@ -120,8 +133,12 @@ def _preview(study: Study) -> Preview:
     for indices, part in study.batches(np.arange(looked_at)):
         said += part.warnings
         bodies.add(indices, part)
-        seconds += len(indices) * (seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part))
-    seconds = STARTING + seconds / looked_at * study.size * share_refined(study)
+    for indices, part in study.suites(np.arange(looked_at)):
+        each = seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part)
+        seconds += seconds_per_batch() + len(indices) * each
+    seconds = seconds / looked_at * study.size * share_refined(study)
+    seconds = slowness() * (STARTING + seconds_of_reading(batch) * len(study.inputs) + seconds)
+    histories = histories_size(study, HISTORIES_AT_MOST).bytes
     said += _proposals(study, seconds)
     return Preview(
         name=study.name,
@@ -135,7 +152,8 @@ def _preview(study: Study) -> Preview:
         backend=_backend(batch),
         bodies=tuple(bodies.rows()),
         seconds=seconds,
-        megabytes=histories_size(study, HISTORIES_AT_MOST).bytes / 1e6,
+        memory=memory(study, histories) / 1e6,
+        megabytes=histories / 1e6,
         warnings=tuple(dict.fromkeys((*study.warnings, *said))),
     )
 

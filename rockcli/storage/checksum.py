@@ -37,7 +37,8 @@ def checksum(contents: Contents) -> str:
         if item.is_text:
             add([str(value) for value in item.values.ravel()])
         elif name not in FREE_VALUES:
-            total.update(np.ascontiguousarray(item.values).tobytes())
+            # not copied, as `tobytes` does: it may be large
+            total.update(np.ascontiguousarray(item.values).reshape(-1).view(np.uint8).data)
     return total.hexdigest()
 
 

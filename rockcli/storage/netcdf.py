@@ -20,6 +20,9 @@ from rockcli.storage.places import reason
 _COMPRESSED_FROM = 4096
 """Values from which a variable is compressed (lossless)."""
 
+_BLOCK = 1 << 22
+"""Values written at a time, at least."""
+
 _AXES = "axes"
 
 
@@ -79,7 +82,13 @@ def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:
     beside = [other for other, coord in contents.fields.items() if _is_auxiliary(other, coord, item)]
     if beside and not item.coordinate:
         variable.setncattr("coordinates", " ".join(beside))
-    variable[...] = item.values
+    if item.is_text or item.values.size < _BLOCK:
+        variable[...] = item.values
+        return
+    pitch = variable.chunking()[0]  # what is compressed together is written at once
+    rows = pitch * -(-_BLOCK * len(item.values) // (item.values.size * pitch))
+    for first in range(0, len(item.values), rows):  # the library works on a copy
+        variable[first : first + rows] = item.values[first : first + rows]
 
 
 def _is_auxiliary(name: str, coordinate: Field, of: Field) -> bool:

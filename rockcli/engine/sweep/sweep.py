@@ -136,7 +136,9 @@ def _solve_cases(study: Study, sweep: Sweep) -> Results:
     results = Results.of(study, symbols_of(study))
     todo = take_known(sweep, results)
     known = results.answered
-    chunks = Chunks(study.size, None if todo.all() else todo, _by_record(study))
+    chunks = Chunks(study.size, todo if known else None, _by_record(study))
+    if not known:
+        del todo  # a byte for every case
     _work_off_at_pace(study, sweep, results, chunks)
     if known:
         describe_rest(study, results, ~todo)

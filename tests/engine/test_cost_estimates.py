@@ -1,0 +1,103 @@
+"""What `rock check` estimates follows from what features were measured to cost, feature by feature, and solves nothing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rockcli.engine import cost, preview
+from rockcli.engine.cost import known, memory, seconds_per_case
+from rockcli.engine.speed import slowness
+from rockcli.scene.batch import Batch
+from rockcli.study.open import open_study
+from rockcli.study.study import Study
+
+BLOCK = {"R": 2.0, "tan_alpha": 0.2}
+SINE = {"pulse": {"shape": "sine", "a_p": 5.0, "T_p": 1.0}}
+SUITE = ["outcome", "theta_peak_over_alpha", "n_impacts"]
+
+
+def study(motion: dict[str, Any] = SINE, save: Any = None, top: dict[str, Any] | None = None, **case: Any) -> Study:
+    saved = {"histories": False, "scalars": SUITE} if save is None else save
+    whole = {"block": BLOCK, "motion": motion, **case}
+    return open_study({"name": "estimated", "case": whole, "save": saved, **(top or {})})
+
+
+def batch(**said: Any) -> Batch:
+    return next(iter(study(**said).batches()))[1]
+
+
+def microseconds(feature: str, motion: str = "pulse") -> float:
+    return known()[feature, motion][0]
+
+
+@pytest.mark.parametrize(
+    ("feature", "said"),
+    [
+        (cost.PLAIN, {}),
+        ("vertical motion", {"motion": {**SINE, "vertical": SINE}}),
+        ("asymmetric body", {"block": {"h": 1.96, "b": [0.3, 0.45]}}),
+        ("friction, mu = 0.6", {"block": {**BLOCK, "mu": 0.6}}),
+        ("friction, mu = 0.3", {"block": {**BLOCK, "mu": 0.3}}),
+        ("initial rotation", {"initial": {"theta": "0.3*alpha"}}),
+        ("duration", {"motion": {**SINE, "duration": 8}}),
+        ("base dashpot", {"damping": "dashpot"}),
+        ("model 3", {"model": 3}),
+        ("flexible column", {"model": "flexible", "column": {"E": "30*GPa", "rho": 2500, "zeta": 0.02}}),
+        ("every scalar and the certainty (default)", {"save": {"histories": False}}),
+        ("forces", {"save": {"histories": False, "scalars": ["outcome", "mu_required"]}}),
+    ],
+)
+def test_a_case_with_one_feature_costs_what_the_feature_was_measured_to(feature: str, said: dict[str, Any]) -> None:
+    found = seconds_per_case(batch(**said), "event")
+    assert found == pytest.approx(microseconds(feature))
+
+
+def test_features_together_cost_more_than_each(tmp_path: Any) -> None:
+    both = seconds_per_case(batch(motion={**SINE, "vertical": SINE}, save={"histories": False}), "event")
+    assert both > microseconds("vertical motion")
+    assert both < microseconds("vertical motion") * microseconds(cost.EVERY) / microseconds(cost.PLAIN)
+
+
+def test_records_cost_by_their_samples_and_by_what_they_lift(tmp_path: Any) -> None:
+    def seconds(n: int, pga: float) -> float:
+        file = tmp_path / f"{n}.txt"
+        file.write_text("\n".join(f"{x:.6e}" for x in np.sin(np.arange(n) * 0.05)))
+        record = {"file": str(file), "dt": 0.01, "units": "m/s2", "pga": pga}
+        return seconds_per_case(batch(motion={"record": record}), "event")
+
+    still = microseconds(cost.STILL, "record")
+    assert seconds(3000, 0.5) == pytest.approx(still)
+    assert seconds(3000, 5.0) == pytest.approx(microseconds(cost.PLAIN, "record"))
+    assert seconds(6000, 5.0) - still == pytest.approx(2.0 * (seconds(3000, 5.0) - still))
+
+
+def test_an_estimate_is_in_the_time_of_this_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    axes = {"vary": {"motion.pulse.a_p": {"from": 1, "to": 9, "n": 5000}}}
+    what = study(top=axes)
+    monkeypatch.setattr(preview, "slowness", lambda: 1.0)
+    one = preview.preview(what)
+    monkeypatch.setattr(preview, "slowness", lambda: 3.0)
+    assert preview.preview(what).seconds == pytest.approx(3.0 * one.seconds)
+    assert 0.1 < slowness() < 100.0
+
+
+def test_nothing_is_solved_for_an_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: Any) -> Any:
+        raise AssertionError
+
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", never)
+    monkeypatch.setattr("rockcli.kernels.load", never)
+    assert preview.preview(study(top={"vary": {"block.R": {"from": 1, "to": 9, "n": 300}}})).seconds > 0.0
+
+
+def test_memory_grows_with_what_is_kept() -> None:
+    def of(n: int, scalars: list[str]) -> float:
+        axes = {"vary": {"motion.pulse.a_p": {"from": 1, "to": 9, "n": n}}}
+        return memory(study(top=axes, save={"histories": False, "scalars": scalars}), 0.0)
+
+    many, more = of(1_000_000, ["outcome"]), of(1_000_000, SUITE)
+    assert more - many == pytest.approx(16e6)
+    assert of(2_000_000, SUITE) - more == pytest.approx(17e6)
