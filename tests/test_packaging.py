@@ -113,3 +113,13 @@ def test_the_paper_cites_what_its_bibliography_has_and_shows_what_studies_draw()
         assert (ROOT / "paper" / figure).is_file()
         assert f'"{figure}": ("{study}"' in script
         assert (ROOT / study).is_file()
+
+
+def test_the_version_has_its_date_in_the_changelog_and_the_citation():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    dated = re.findall(
+        r"^## \[(\d+\.\d+\.\d+)\] - (\d{4}-\d\d-\d\d)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M
+    )
+    assert dated[0] == (rockcli.__version__, str(citation["date-released"]))
+    assert citation["version"] == rockcli.__version__
+    assert (citation["license"], citation["title"].split(":")[0]) == (PROJECT["license"], PROJECT["name"])
