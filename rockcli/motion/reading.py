@@ -299,7 +299,7 @@ def _obspy_format(path: Path) -> str:
     agencies = ", ".join(one.name for one in FORMATS)
     raise RecordError(
         f"the format is not known (read are AT2, {agencies}, columns of numbers, and what ObsPy reads); write the "
-        "record as AT2, or as two columns, time [s] and acceleration, without other text, and give `units`",
+        "record as AT2, or as two columns under a line `time [s],acceleration [m/s2]`",
         path,
     )
 

@@ -1,7 +1,8 @@
-"""Records as columns of numbers without a header.
+"""Records as columns of numbers, without a header or with one line that names time and acceleration.
 
 One column, or more than two: acceleration, line by line, with stated `dt`.  Two columns: time and
-acceleration.  Lines that begin with # or % are comments; one that says `# units: g` states the units.
+acceleration, which a first line may name, as spreadsheets and loggers do: `time [s],acceleration [cm/s2]`.  Lines that
+begin with # or % are comments; one that says `# units: g` states the units, as that of the second name does.
 """
 
 from __future__ import annotations
@@ -30,6 +31,12 @@ AGREE = 1e-3
 
 _COMMENT = re.compile(r"\s*[#%]")
 _UNITS = re.compile(r"\s*[#%]\s*units\s*:\s*(\S+)", re.I)
+_HEAD = re.compile(
+    r"\s*\"?\s*t(?:ime)?\s*(?:[\[(]\s*(?:s|sec|seconds)\s*[\])])?\s*\"?\s*[,\t]"
+    r"\s*\"?\s*(?:a|acc|accel|acceleration|a_g)\.?\s*(?:[\[(]([^\])]*)[\])])?\s*\"?\s*",
+    re.I,
+)
+"""The names of time, in seconds if it says a unit, and of acceleration, with its unit."""
 _CHARACTERS = re.compile(r"[0-9.eEdD+\-,\s]*")
 
 
@@ -48,6 +55,8 @@ def is_numeric_text(data: bytes) -> bool:
     if b"-12345" in data or not data.isascii():
         return False
     lines = [line for line in data.decode("ascii").splitlines() if not _COMMENT.match(line)]
+    if lines and _HEAD.fullmatch(lines[0]):
+        del lines[0]
     body = "\n".join(lines)
     return bool(_CHARACTERS.fullmatch(body)) and any(character.isdigit() for character in body)
 
@@ -70,6 +79,8 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     if numbers.text_after:
         raise RecordError(f"{numbers.text_after[0]!r} is no line of numbers; remove it or begin it with #", name)
     columns = _columns(numbers, name)
+    if columns != 2 and any(_HEAD.fullmatch(line) for line in lines):
+        raise RecordError(f"its head names two columns, time and acceleration, and it has {columns}", name)
     first = numbers.values[::columns]
     is_time = columns > 1 and len(first) > 2 and _is_time(first)
     if unit is None:
@@ -95,8 +106,8 @@ def _unstated(*, needs_dt: bool) -> str:
 def _stated_unit(lines: list[str], given: str | None, name: str) -> str | None:
     """The units the file or its user states; None where nobody does."""
     for number, line in enumerate(lines, 1):
-        match = _UNITS.match(line)
-        if match is None:
+        match = _UNITS.match(line) or _HEAD.fullmatch(line)
+        if match is None or match[1] is None:
             continue
         stated = unit_named(match[1])
         if stated is None:
@@ -112,7 +123,7 @@ def _without_commas(lines: list[str], name: str) -> list[str]:
     """The lines with comments emptied and separating commas removed; a decimal comma is refused."""
     plain = []
     for number, line in enumerate(lines, 1):
-        if _COMMENT.match(line):
+        if _COMMENT.match(line) or _HEAD.fullmatch(line):
             plain.append("")
             continue
         commas = line.strip().rstrip(",").count(",")

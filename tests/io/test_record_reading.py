@@ -134,6 +134,29 @@ def test_two_columns(write, text: str) -> None:
     refused(path, "`units:`")
 
 
+@pytest.mark.parametrize(
+    "head", ["time [s],acceleration [cm/s2]", '"Time (s)","Acc (gal)"', "t\tacceleration [cm/s^2]"]
+)
+def test_a_head_names_the_columns_and_their_units(write, head: str) -> None:
+    motion = read_record(write(f"# a logger\n{head}\n{TWO}".replace("\t", ","), "headed.csv"))
+    assert (motion.values.tolist(), motion.dt, motion.in_g) == ([0.001, -0.002, 0.003, 0.004], 0.02, False)
+    assert read_record(write(f"{head}\n{TWO}", "tabs.csv"), units="cm/s2").values.tolist() == motion.values.tolist()
+    refused(write(f"{head}\n{TWO}", "other.csv"), "units", units="g")
+
+
+def test_a_head_that_says_too_little_or_what_is_not_there(write) -> None:
+    refused(write(f"time,acceleration\n{TWO}", "bare.csv"), "`units:`")
+    assert read_record(write(f"time,acceleration\n{TWO}", "bare.csv"), units="g").in_g
+    refused(write(f"time [s],acceleration [furlong]\n{TWO}", "odd.csv"), "is not a unit of acceleration")
+    refused(write("time [s],acceleration [g]\n0.1\n0.2\n", "one.csv"), "names two columns", dt=0.01)
+    for head in (
+        "time [ms],acceleration [g]",
+        "time [s],velocity [m/s]",
+        "time [s],acceleration [g]\ntime,acceleration",
+    ):
+        refused(write(f"{head}\n{TWO}", "no.csv"), "format is not known")
+
+
 def test_time_that_starts_at_one_step_is_told(write) -> None:
     text = TWO.split("\n", 1)[1]
     motion = read_record(write(text, "late.txt"), units="g")

@@ -54,6 +54,19 @@ def test_every_sufficient_pair_is_the_same_body(pair):
 
 
 @pytest.mark.parametrize(
+    "sizes",
+    [
+        {"height": 1.9, "width": 0.5, "h": 0.85},
+        {"height": 1.9, "width": 0.6, "depth": 0.5, "plane": "depth", "h": 0.85},
+    ],
+)
+def test_a_centre_of_mass_not_at_half_the_height_is_told_how(sizes):
+    with pytest.raises(StudyError, match="h: its height above the base, beside width, r_g"):
+        batch_of(sizes)
+    batch_of({"h": 0.85, "width": 0.5, "r_g": 0.57, "top": 1.9})
+
+
+@pytest.mark.parametrize(
     "pair",
     [
         ("R", "h"),

@@ -22,6 +22,11 @@ GROUPS: tuple[tuple[str, ...], ...] = (("R",), HEIGHT, WIDTH, ANGLE)
 SMALLEST_ALPHA = 1e-100
 """Slenderness below which a body is refused [rad]."""
 
+UNEVEN = (
+    "h is half the height of a rectangle; a centre of mass elsewhere is h: its height above the base, beside width, "
+    "r_g (radius of gyration) and top, and without height"
+)
+
 SUFFICIENT = "two of R, h (or height), b (or width) and alpha (or tan_alpha, slenderness)"
 
 
@@ -45,7 +50,8 @@ def sufficient_pair(numbers: Numbers) -> Block:
     given = [[key for key in group if getattr(block, key) is not None] for group in GROUPS]
     for keys in given:
         if len(keys) > 1:
-            numbers.fail((*BLOCK, keys[-1]), f"{' and '.join(keys)} say the same thing; leave one out")
+            why = f"{' and '.join(keys)} say the same thing; leave one out"
+            numbers.fail((*BLOCK, keys[-1]), f"{why}: {UNEVEN}" if keys == [*HEIGHT] else why)
     names = [key for keys in given for key in keys]
     if len(names) > 2:
         numbers.fail((*BLOCK, names[-1]), f"the block is over-determined by {', '.join(names)}; {SUFFICIENT} suffice")
@@ -72,6 +78,8 @@ def _check_planes(numbers: Numbers, block: BlockPart) -> None:
             numbers.fail((*BLOCK, "depth"), said)
         return
     given = [key for group in GROUPS for key in group if getattr(block, key) is not None]
+    if given == [*HEIGHT, "width"]:
+        numbers.fail((*BLOCK, "plane"), f"belongs to a rectangle of height, width and depth; {UNEVEN}")
     if len(given) != 2 or given[0] not in HEIGHT or given[1] != "width" or block.depth is None:
         numbers.fail((*BLOCK, "plane"), "chooses between width and depth; height (or h), width and depth are needed")
     for key in ("inertia", "r_g"):

@@ -221,7 +221,10 @@ def _file(inputs: Inputs, path: Path, site: tuple[float, float] | None) -> _Read
     of = name.lower()
     if of not in (*_NAMES, "intensity") and not _is_spectral(of):
         raise StudyError(
-            f"the first column is {name!r}; expected intensity, sa(T), {', '.join(_NAMES)}", file=path, line=line
+            f"the first column is {name!r}; expected intensity, sa(T), {', '.join(_NAMES)}, with the unit in square "
+            "brackets, as `pga [g],rate`",
+            file=path,
+            line=line,
         )
     if not re.fullmatch(r"(annual[_ ])?rate(_of_exceedance)?(\s*\[(1/a|1/yr|1/year)\])?", second.lower()):
         raise StudyError(f"the second column is {second!r}; expected rate, a year's", file=path, line=line)
