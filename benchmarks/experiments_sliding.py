@@ -19,13 +19,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from experiments import AMPLITUDES, SPECIMENS, calibrated, outlines, tables, unfitted
+from experiments import AZIMUTH, SPECIMENS, WEAKEST, calibrated, outlines, outlines_of, tables
 from machine import machine
+from scipy.stats import norm
 
 from rockcli.analysis.experiments.scores import mcnemar
 from rockcli.engine.experiments.calibrate import Calibration
 from rockcli.engine.experiments.runs import Runs
-from rockcli.engine.experiments.score import Options
+from rockcli.engine.experiments.score import STUDY, Options, Prediction
 from rockcli.engine.experiments.simulated import Simulated, simulate
 from rockcli.engine.sweep.work import Team
 from rockcli.scene.lower_outline import facets_of
@@ -41,6 +42,8 @@ FRICTION = (None, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0)
 
 SHAPES = ("barrier", "tilt")
 
+AMPLITUDES = np.geomspace(0.5, 2.0, 13)
+
 STRONG = 0.6
 """PGA above which boulders may have slid [g]."""
 
@@ -48,7 +51,7 @@ STRONG = 0.6
 def bodies(folder: Path) -> dict[str, Any]:
     """Label "direction shape mu" -> block."""
     found = {}
-    blocks = outlines(folder)
+    blocks = outlines(outlines_of(folder))
     for direction in DIRECTIONS:
         scan = blocks[direction]
         case = {"block": scan, "motion": {"pulse": {"shape": "sine", "a_p": "0.1*g", "T_p": 1.0}}}
@@ -80,8 +83,20 @@ def part(known: Simulated, shape: str, mu: float | None) -> Simulated:
     labels = [label.split() for label in known.inputs["block"].tolist()]
     chosen = np.array([its == [shape, str(mu)] for _, *its in labels])
     directions = np.array([direction for direction, *_ in labels])[chosen]
-    inputs = {"block": directions, "damping.loss": np.ones(len(directions))}
-    return replace(known, share=known.share[:, chosen], inputs=inputs)
+    return replace(known, share=known.share[:, chosen], inputs={"block": directions})
+
+
+def unfitted(known: Simulated) -> Prediction:
+    """The share that overturns at the motion's own amplitude, directions by a normal law."""
+    direction = np.array([float(label) for label in known.inputs["block"]])
+    off = (direction - WEAKEST + 180.0) % 360.0 - 180.0
+    distinct = np.unique(off)
+    edges = np.concatenate([[-np.inf], 0.5 * (distinct[1:] + distinct[:-1]), [np.inf]])
+    mass = dict(zip(distinct.tolist(), np.diff(norm.cdf(edges, 0.0, AZIMUTH)).tolist(), strict=True))
+    weight = np.array([mass[value] for value in off.tolist()])
+    at = int(np.argmin(np.abs(np.log(known.amplitudes))))
+    share = np.where(np.isnan(known.share[:, :, at]), 0.5, known.share[:, :, at])
+    return Prediction(STUDY, share @ (weight / weight.sum()))
 
 
 def row(runs: Runs, p: np.ndarray, strong: np.ndarray, without: np.ndarray) -> list[Any]:

@@ -253,6 +253,24 @@ def test_calibrate_on_some_runs_and_predict_others(rock, experiments, monkeypatc
     assert brier[0] < brier[1]
 
 
+def test_runs_of_a_session_are_predicted_by_its_error(rock, experiments, capsys):
+    """Sessions are kept in the calibration, and wanted of the runs that it predicts."""
+    lines = (experiments / "a.csv").read_text().split()
+    dated = [f"{line},{'2021-06-01' if i < 8 else '2021-08-01'}" for i, line in enumerate(lines[1:])]
+    Path("dated.csv").write_text("\n".join([f"{lines[0]},session", *dated]) + "\n")
+    study = experiments / "study.yaml"
+    for name in {line.split(",")[0] for line in lines[1:]}:
+        Path(name).write_bytes((experiments / name).read_bytes())
+    assert rock("calibrate", study, "dated.csv", "--out", "dated.json", "--json") == 0
+    assert 0.05 <= json.loads(capsys.readouterr().out)["session_walk"] <= 0.4
+    assert json.loads(Path("dated.json").read_text())["session"][-1] == "2021-08-01"
+    said = "--calibration", "dated.json", "--folds", "group", "--no-baselines", "--json"
+    assert rock("score", study, "dated.csv", *said) == 0
+    capsys.readouterr()
+    assert rock("score", study, experiments / "a.csv", *said) == 2
+    assert "has no column `session`" in capsys.readouterr().err
+
+
 def test_what_is_no_calibration_of_these_bodies_is_refused(rock, experiments, capsys):
     study, table = experiments / "study.yaml", experiments / "a.csv"
     assert rock("calibrate", study, table, "--out", "a.json") == 0

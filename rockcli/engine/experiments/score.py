@@ -125,6 +125,7 @@ def report_of(
     source: Path | dict[str, Any],
     options: Options | None = None,
     notes: tuple[str, ...] = (),
+    fitted_on: Runs | None = None,
 ) -> Report:
     """Score a study's prediction, the columns and the baselines on one table of runs.
 
@@ -135,6 +136,7 @@ def report_of(
         source: study by whose settings records are read for the baselines.
         options: how.
         notes: of what came before.
+        fitted_on: other runs that the baselines are fitted on; None = on other folds of these.
 
     Raises:
         StudyError: there is nothing to score, or `against` is no prediction.
@@ -149,7 +151,7 @@ def report_of(
     if runs.unread:
         told.append(f"no predictions, as not all their cells are: columns {', '.join(runs.unread)}")
     if how.baselines:
-        fitted, why = baselines(runs, source, how)
+        fitted, why = baselines(runs, source, how, fitted_on)
         found |= {name: p for name, p in fitted.items() if name not in found}
         told += why
     if not found:
@@ -176,38 +178,48 @@ def _tests(runs: Runs, found: dict[str, Prediction], against: str) -> dict[str, 
     return tests
 
 
-def baselines(runs: Runs, source: Path | dict[str, Any], how: Options) -> tuple[dict[str, Prediction], list[str]]:
-    """Out-of-fold predictions of what knows the ground motion alone, and why some are missing."""
-    groups = runs.groups
-    if len(np.unique(groups)) < 2:
+def baselines(
+    runs: Runs, source: Path | dict[str, Any], how: Options, fitted_on: Runs | None = None
+) -> tuple[dict[str, Prediction], list[str]]:
+    """Predictions of what knows the ground motion alone, and why some are missing.
+
+    Each run is predicted by fits on the other folds, or all runs by a fit on others.
+    """
+    if fitted_on is None and len(np.unique(runs.groups)) < 2:
         return {}, ["no baselines: a single group of runs cannot be divided into folds"]
-    table = intensities(runs, source)
-    if not table:
+    tables = [_logs(some, source) for some in (runs, fitted_on) if some is not None]
+    known = [name for name in tables[0] if name in tables[-1]]
+    if not known:
         return {}, ["no baselines: there is no column `record`, and none of pga and pgv"]
-    divided = np.array([divide_groups(groups, how.count, how.seed + k) for k in range(how.repeats)])
-    logs = {name: np.log(np.maximum(values, 1e-12)) for name, values in table.items()}
-    pga, pgv = logs.get("pga"), logs.get("pgv")
-    wanted: list[tuple[str, Fit, list[Array | None]]] = [
-        ("logistic: pga", logistic, [pga]),
-        ("logistic: pgv", logistic, [pgv]),
-        ("logistic: pga, pgv", logistic, [pga, pgv]),
-        ("logistic: pga, pgv, squares", with_squares, [pga, pgv]),
+    wanted: list[tuple[str, Fit, list[str]]] = [
+        ("logistic: pga", logistic, ["pga"]),
+        ("logistic: pgv", logistic, ["pgv"]),
+        ("logistic: pga, pgv", logistic, ["pga", "pgv"]),
+        ("logistic: pga, pgv, squares", with_squares, ["pga", "pgv"]),
     ]
     told = []
-    if len(table) <= len(MEASURES):
+    if len(known) <= len(MEASURES):
         told.append("no random forest: it needs records, and the table has no column `record`")
     elif not has_forest():
         told.append("no random forest: scikit-learn is not installed")
     else:
-        wanted.append(("random forest", forest, list(logs.values())))
+        wanted.append(("random forest", forest, known))
     found = {}
     for name, fit, columns in wanted:
-        if known := [column for column in columns if column is not None]:
-            if len(known) < len(columns):
-                continue
-            p = cross_validated(fit, np.column_stack(known), runs.outcome, divided)
-            found[name] = Prediction(BASELINE, p.mean(axis=0), repeats=p)
+        if not set(columns) <= set(known):
+            continue
+        x = [np.column_stack([table[column] for column in columns]) for table in tables]
+        if fitted_on is not None:
+            found[name] = Prediction(BASELINE, fit(x[1], fitted_on.outcome)(x[0]))
+            continue
+        divided = np.array([divide_groups(runs.groups, how.count, how.seed + k) for k in range(how.repeats)])
+        p = cross_validated(fit, x[0], runs.outcome, divided)
+        found[name] = Prediction(BASELINE, p.mean(axis=0), repeats=p)
     return found, told
+
+
+def _logs(runs: Runs, source: Path | dict[str, Any]) -> dict[str, Array]:
+    return {name: np.log(np.maximum(values, 1e-12)) for name, values in intensities(runs, source).items()}
 
 
 def intensities(runs: Runs, source: Path | dict[str, Any]) -> dict[str, Array]:
