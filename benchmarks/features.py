@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from machine import machine
+from rolling import outline
 
 import rockcli
 from rockcli import kernels
@@ -133,6 +134,12 @@ def directions(motion: str, n: int) -> dict[str, Any]:
     return {"motion.record.angle": up_to("0", "pi", n), "block.R": up_to("0.5", "5", n)}
 
 
+def losses(motion: str, n: int) -> dict[str, Any]:
+    """Powers of Housner's loss, for bodies of one outline under a record."""
+    axes = plain_axes(motion, n)
+    return {"damping.loss" if path == "block.R" else path: values for path, values in axes.items()}
+
+
 def uncertain(motion: str, n: int) -> dict[str, Any]:
     """None beside the samples."""
     return {}
@@ -158,6 +165,7 @@ FEATURES = [
     ),
     Feature("vertical motion", motion=VERTICAL, why="one body at a time"),
     Feature("asymmetric body", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights, why="under a record: one body at a time"),
+    Feature("body that rolls, ten facets", {"block": {"outline": outline()}}, axes=losses, why="under a record: one body at a time"),
     Feature("radius of gyration", {"block": {"R": 2, "tan_alpha": 0.2, "r_g": 1.1}}),
     Feature("friction, mu = 0.6", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.6}}, why="contact is told where a body may slide"),
     Feature("friction, mu = 0.3", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.3}}, why="slides and impacts with friction are followed one body at a time"),

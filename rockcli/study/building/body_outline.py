@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -72,7 +75,7 @@ def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
         numbers.fail((*BLOCK, "stands"), "settled and contacts both say on what it stands; leave one out")
     settle, rolls = block.stands == "settled", block.stands != "toes" and contacts is None
     try:
-        body, clockwise = solid(polygons, weights, contacts, _given(numbers, size), settle=settle, rolls=rolls)
+        body, clockwise = _solid(polygons, weights, contacts, _given(numbers, size), settle=settle, rolls=rolls)
     except OutlineError as error:
         part = 0 if error.part is None and not several else error.part
         numbers.fail((*BLOCK, "parts") if part is None else (*at[part], "outline"), str(error))
@@ -80,6 +83,33 @@ def build_solid(numbers: Numbers) -> tuple[Solid, bool]:
         name = dotted((*at[j], "outline"))
         numbers.remarks.append(f"{name}: its points run clockwise; taken the other way round, the body is the same")
     return body, all(known)
+
+
+def _solid(
+    polygons: list[Array],
+    weights: list[Array],
+    contacts: Array | None,
+    given: Given | None,
+    *,
+    settle: bool,
+    rolls: bool,
+) -> tuple[Solid, tuple[int, ...]]:
+    """`solid`, of one body for all cases where they all have the same: half of what they are made of is checks."""
+    said = [*polygons, *weights, *([] if contacts is None else [contacts])]
+    said += [] if given is None else [given.centre, given.r_g]
+    n = len(weights[0])
+    if n == 1 or not all(bool((array == array[:1]).all()) for array in said):
+        return solid(polygons, weights, contacts, given, settle=settle, rolls=rolls)
+    one, clockwise = solid(
+        [points[:1] for points in polygons], [weight[:1] for weight in weights],
+        None if contacts is None else contacts[:1],
+        None if given is None else Given(given.centre[:1], given.r_g[:1]), settle=settle, rolls=rolls,
+    )  # fmt: skip
+    every: dict[str, Any] = {}
+    for field in fields(one):
+        values = getattr(one, field.name)
+        every[field.name] = None if values is None else np.broadcast_to(values, (n, *values.shape[1:]))
+    return Solid(**every), clockwise
 
 
 def _or_one(value: Value | None) -> Value:
