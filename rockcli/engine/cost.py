@@ -67,14 +67,17 @@ SPECTRUM = 0.02
 FEMA = "fema356"
 """The rule, and the backend, of that name."""
 
-HISTORY = 7.5e-7
+HISTORY = 1.0e-6
 """An output time of a case whose histories are saved, kept and written [s]."""
 
-PROGRAM = 1.18e8
-"""Memory of a process with all that it has imported and loaded [bytes]."""
+STATISTICS, OF_MEMBER = 0.6, 6e-6
+"""Statistics over an axis: for imports, and for each case [s]."""
 
-WORKING = 2200.0
-"""Memory for a case that is being solved [bytes]."""
+PROGRAM, STATISTICAL = 1.18e8, 7.5e7
+"""Memory of a process with all that it has imported and loaded, and with what statistics need beside it [bytes]."""
+
+WORKING, MEMBER = 2200.0, 310.0
+"""Memory for a case that is being solved, and for one that statistics are taken of [bytes]."""
 
 HISTORIES = 2.2
 """Memory for histories, over their size: those of the chunks and what is written."""
@@ -116,6 +119,11 @@ def seconds_of_reading(batch: Batch) -> float:
     return READING * _samples(batch)
 
 
+def seconds_of_statistics(study: Study) -> float:
+    """Processor time for the statistics of a study, on the machine of reference [s]; 0 without."""
+    return STATISTICS + OF_MEMBER * study.size if study.over is not None else 0.0
+
+
 def seconds_of_rules(rules: Sequence[str], batch: Batch) -> float:
     """Time that the rules beside the history need for a case of a batch, typically [s]."""
     spectra = sum(RULES[name].spectral for name in rules) * SPECTRUM
@@ -136,7 +144,8 @@ def share_refined(study: Study) -> float:
 def memory(study: Study, histories: float) -> float:
     """Memory that one process needs to solve a study, its results among it; `histories`: size of those [bytes]."""
     each = sum(np.dtype(DTYPES.get(name, np.float64)).itemsize for name in study.scalars)
-    return PROGRAM + each * study.size + WORKING * min(study.size, CHUNK) + HISTORIES * histories
+    over = STATISTICAL + MEMBER * study.size if study.over is not None else 0.0
+    return PROGRAM + each * study.size + WORKING * min(study.size, CHUNK) + HISTORIES * histories + over
 
 
 def _of_features(batch: Batch) -> float:

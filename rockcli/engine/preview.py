@@ -18,6 +18,7 @@ from rockcli.engine.cost import (
     memory,
     seconds_of_reading,
     seconds_of_rules,
+    seconds_of_statistics,
     seconds_per_batch,
     seconds_per_case,
     share_refined,
@@ -137,7 +138,8 @@ def _preview(study: Study) -> Preview:
         each = seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part)
         seconds += seconds_per_batch() + len(indices) * each
     seconds = seconds / looked_at * study.size * share_refined(study)
-    seconds = slowness() * (STARTING + seconds_of_reading(batch) * len(study.inputs) + seconds)
+    seconds += STARTING + seconds_of_reading(batch) * len(study.inputs) + seconds_of_statistics(study)
+    seconds *= slowness()
     histories = histories_size(study, HISTORIES_AT_MOST).bytes
     said += _proposals(study, seconds)
     return Preview(
