@@ -7,16 +7,20 @@ from typing import TYPE_CHECKING
 
 from rockcli.analysis.expect import Verdict, judge
 from rockcli.analysis.places import units_of
+from rockcli.analysis.rules import misled
 from rockcli.errors import StudyError
-from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE
+from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
 from rockcli.storage.contents import Contents
 from rockcli.storage.read import from_xarray, open_dataset
+from rockcli.storage.table import frame_of
 from rockcli.study.reopen import clauses_of
 
 if TYPE_CHECKING:
     import xarray
+
+    from rockcli.plotting.page.page import Table
 
 
 def write_page(path: Path, out: Path | None = None) -> Path:
@@ -47,7 +51,86 @@ def _check(target: Path) -> None:
 def _write(dataset: xarray.Dataset, contents: Contents, target: Path) -> None:
     from rockcli.plotting.page.page import page
 
-    write_text(target, page(dataset, [(verdict.passed, _words(verdict)) for verdict in verdicts(contents)]))
+    judged = [(verdict.passed, _words(verdict)) for verdict in verdicts(contents)]
+    write_text(target, page(dataset, judged, tables=[*_suite_tables(dataset), *_rules_table(contents)]))
+
+
+_LIMITS = ("fragility_median", "fragility_median_ci_low", "fragility_median_ci_high", "fragility_beta_total")
+
+_WANTED: dict[str, tuple[str, tuple[str, ...]]] = {
+    "fragility": ("Fragility", (*_LIMITS, "fragility_percentile_5", "fragility_begins_at")),
+    "risk": ("Risk", ("annual_rate", "annual_rate_ci_low", "annual_rate_ci_high", "probability_in_age", "survival")),
+    "suite": ("The suite", ("n_answered", "p_overturned", f"{PEAK}_p16", f"{PEAK}_p50", f"{PEAK}_p84")),
+}
+"""Tables of a page: title, and which columns."""
+
+_ROWS_SHOWN = 50
+"""Rows of a table of the suite."""
+
+
+def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
+    """What the suite comes to, as `rock table --of` has it, accelerations in g."""
+    found: list[Table] = []
+    for of, (title, wanted) in _WANTED.items():
+        try:
+            every = frame_of(dataset, of=of)
+        except StudyError:
+            continue
+        bare = {str(head).partition(" [")[0]: head for head in every.columns}
+        about = [head for name, head in bare.items() if name in (*str(dataset.attrs["axes"]).split(), LIMIT, HAZARD)]
+        shown = every[[*about, *(bare[name] for name in wanted if name in bare)]].head(_ROWS_SHOWN)
+        words = units_of(from_xarray(dataset))
+        heads, columns = [], []
+        for head in shown.columns:
+            name, _, unit = str(head).partition(" [")
+            divisor, unit = words.of(unit.rstrip("]"))
+            values = shown[head].tolist()
+            heads.append(_said(name) + (f" [{unit}]" if unit else ""))
+            columns.append([f"{v / divisor:.4g}" if isinstance(v, int | float) else str(v) for v in values])
+        note = (
+            f"the first {_ROWS_SHOWN} of {len(every)} rows; all: rock table --of {of}"
+            if len(every) > _ROWS_SHOWN
+            else ""
+        )
+        found.append((title, heads, [*map(list, zip(*columns, strict=True))], note))
+    return found
+
+
+_SAID = {
+    "motion_record": "",
+    "motion_pulse": "",
+    "fragility_": "",
+    "_ci_low": ", lower 95 %",
+    "_ci_high": ", upper 95 %",
+    "theta_peak_over_alpha": "peak theta/alpha",
+    "_p16": ", 16th percentile",
+    "_p50": ", median",
+    "_p84": ", 84th percentile",
+    "percentile_5": "exceeded with 5 %",
+    "n_answered": "members with an answer",
+    "p_overturned": "probability of overturning",
+    "beta_total": "beta",
+    "pga": "PGA",
+}
+"""What heads of tables are called on a page."""
+
+
+def _said(name: str) -> str:
+    for one, other in _SAID.items():
+        name = name.replace(one, other)
+    return name.replace("_", " ").strip()
+
+
+def _rules_table(contents: Contents) -> list[Table]:
+    """How the rules of thumb compare with the histories."""
+    head = ["rule", "edition", "cases", "unconservative", "false alarms"]
+    rows = [
+        [r.name, r.edition, str(r.cases), f"{r.unconservative:.4g}", f"{r.false_alarms:.4g}"]
+        for r in misled(contents)
+        if r.cases
+    ]
+    note = "unconservative: stable by the rule, overturned by the history; false alarm: the opposite"
+    return [("Rules of thumb and code checks", head, rows, note)] if rows else []
 
 
 def verdicts(contents: Contents) -> list[Verdict]:

@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
-import base64
+import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import rockcli
 from rockcli.cli.main import app
 from rockcli.engine.run import solve
+from rockcli.plotting.page.facts import facts_of, sentence_of
+from rockcli.plotting.page.page import page
 from rockcli.storage import netcdf
 from rockcli.study.open import open_study
+
+SUITE = {
+    "name": "suite",
+    "case": {
+        "block": {"R": 2.0, "tan_alpha": 0.2},
+        "motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "omega_p": 1.0}},
+    },
+    "over": "motion.pulse.omega_p",
+    "vary": {
+        "motion.pulse.omega_p": [2.0, 3.0, 4.0, 5.0, 6.0],
+        "motion.pulse.a_p": {"from": "0.1*g", "to": "2*g", "n": 20},
+    },
+    "save": {"histories": False},
+}
 
 VOID = {"meta", "img", "br", "wbr"}
 
@@ -95,10 +114,69 @@ def netcdf_open(path: Path):  # type: ignore[no-untyped-def]
     return netCDF4.Dataset(path)
 
 
-def test_plots_are_pictures(written: tuple[Path, str]) -> None:
-    codes = re.findall(r"data:image/png;base64,([A-Za-z0-9+/=]+)", written[1])
-    assert len(codes) >= 2
-    assert all(base64.b64decode(code).startswith(b"\x89PNG") for code in codes)
+def test_plots_are_drawings(written: tuple[Path, str]) -> None:
+    """Each has a scalable drawing with words for those who do not see it, and names itself by no file of its own."""
+    drawings = re.findall(r"<svg .*?</svg>", written[1], flags=re.S)
+    titles = re.findall(r"<h2>(.*?)</h2>", written[1])
+    assert titles[:4] == ["Result", "The body", "The ground motion", "Response"]
+    assert len(drawings) == 4  # and the phase portrait
+    for drawing in drawings:
+        root = ElementTree.fromstring(drawing)
+        assert root.get("role") == "img"
+        assert root.get("aria-label")
+    assert "data:image" not in written[1]
+
+
+def test_the_headline_is_in_words_with_units() -> None:
+    """Of one case: its own numbers, in degrees, millimetres and g."""
+    pulse = {"shape": "ricker", "a_p": "0.73*g", "omega_p": "3*pi"}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    data = rockcli.run({"name": "one", "case": case})
+    facts = {fact.what: fact.value for fact in facts_of(data)}
+    theta = abs(float(data.theta_peak))
+    assert facts["largest rotation"] == f"{np.degrees(theta):.3g}\N{DEGREE SIGN}"
+    assert facts["the top moves"] == f"{4000.0 * np.cos(np.arctan(0.2)) * np.sin(theta):.3g} mm"
+    assert facts["margin"] == f"{100.0 * (1.0 - theta / np.arctan(0.2)):.3g} %"
+    assert facts["lifts from"] == "0.2 g"
+    assert sentence_of(data) == "The body rocks from edge to edge and comes back: it does not overturn."
+    bare = data.drop_vars("u_top_peak")
+    assert {fact.what: fact.value for fact in facts_of(bare)}["the top moves"] == facts["the top moves"]
+
+
+def test_the_headline_of_many_cases() -> None:
+    data = rockcli.run(SUITE)
+    facts = {fact.what: fact.value for fact in facts_of(data)}
+    fell = data.outcome.isin([2, 3])
+    at = "motion_pulse_a_p" if "motion_pulse_a_p" in data.dims else "a_p"
+    lowest = float(data[at].values[fell.any("motion_pulse_omega_p").values].min())
+    assert facts["overturns from"] == f"{lowest / 9.81:.3g} g"
+    median = float(data.fragility_median.values[-1]) / 9.81
+    assert np.isfinite(median)
+    assert facts["median of overturning"] == f"{median:.3g} g"
+    assert sentence_of(data).startswith(f"Of 100 cases {int(fell.sum())} overturn, ")
+    calm = data.isel({at: [0]}).assign_attrs(ensemble="null")
+    assert {fact.what: fact.value for fact in facts_of(calm)}["overturns"] == "nowhere"
+
+
+def test_no_absolute_paths_and_a_page_for_paper(written: tuple[Path, str]) -> None:
+    data = rockcli.open_dataset(written[0])
+    told = data.assign_attrs(warnings=json.dumps(["read /home/someone/secret/a.AT2 and C:\\Users\\me\\b.AT2, 1 m/s/s"]))
+    words = page(told)
+    assert "secret" not in words
+    assert "someone" not in words
+    assert "Users" not in words
+    assert "read a.AT2 and b.AT2, 1 m/s/s" in words
+    assert "size: A4" in words
+    assert words.index("<h2>Result") < words.index("<summary>Notes and warnings") < words.index("<h2>Provenance")
+
+
+def test_tables_of_the_suite_and_the_rules(tmp_path: Path) -> None:
+    data = rockcli.run(SUITE | {"rules": ["west"]})
+    words = rockcli.report(data, tmp_path / "a.html").read_text(encoding="utf-8")
+    for title in ("Fragility", "The suite", "Rules of thumb and code checks"):
+        assert f"<h2>{title}</h2>" in words
+    assert f"<td>{float(data.fragility_median.values[-1]) / 9.81:.4g}</td>" in words
+    assert "<td>west</td><td>1885</td><td>100</td>" in words
 
 
 def test_wrong_targets(written: tuple[Path, str], tmp_path: Path) -> None:

@@ -235,3 +235,23 @@ def test_files_are_the_same_whatever_was_drawn_before(sizes: xarray.Dataset, tmp
     for name, width in (("a", None), ("b", 90.0), ("c", None)):
         save(figure("phase", sizes, Look(width=width)), tmp_path / name, "png")
     assert (tmp_path / "a").read_bytes() == (tmp_path / "c").read_bytes() != (tmp_path / "b").read_bytes()
+
+
+def test_directions_are_a_polar_plot_with_the_worst_marked() -> None:
+    """A curve of the peak by direction, in degrees; what overturns is at the edge."""
+    angles = np.linspace(0.0, np.pi, 13)
+    peak = 0.5 * np.abs(np.cos(angles - angles[4]))
+    attrs = {"axes": "scale angle", "title": "Directions"}
+    coords = {
+        "scale": ("scale", [1.0, 2.0], {"path": "motion.record.scale", "units": "1"}),
+        "angle": ("angle", angles, {"path": "motion.record.angle", "units": "rad"}),
+    }
+    peaks = np.stack([peak, np.where(peak > 0.4, np.inf, 2.0 * peak)])
+    data = xarray.Dataset({"theta_peak_over_alpha": (("scale", "angle"), peaks)}, coords, attrs)
+    assert asked_of(data)[0][0] == "polar"
+    drawn = figure("polar", data)
+    axes = drawn.axes[0]
+    assert [t.get_text() for t in axes.texts] == ["60\N{DEGREE SIGN}: 0.5"]
+    crosses = [line for line in axes.lines if line.get_marker() == "x"]
+    assert [len(line.get_xdata()) for line in crosses] == [0, int((peak > 0.4).sum())]
+    assert "crosses: overturned" in drawn.get_suptitle()

@@ -43,9 +43,14 @@ def without_outline(dataset: xarray.Dataset) -> str:
     return ""
 
 
+def without_body(dataset: xarray.Dataset) -> str:
+    """Why a dataset has no body to draw, of an outline or a rectangle; "" if it has."""
+    return "" if {"R", "alpha"} <= set(map(str, dataset.variables)) else "the dataset holds no R and alpha of a body"
+
+
 def draw(dataset: xarray.Dataset) -> Figure:
     """One panel per body."""
-    bodies = _bodies(dataset)
+    bodies = _bodies(dataset) or _rectangles(dataset)
     shown = spread(bodies, MOST_PANELS)
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.25 if columns == 1 else DOUBLE)
@@ -73,6 +78,13 @@ def _bodies(dataset: xarray.Dataset) -> list[tuple[int, ...]]:
     sizes = [int(dataset.sizes[axis]) if axis in named else 1 for axis in axes_of(dataset)]
     positions = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
     return [position for position in positions if outline_at(dataset, position) is not None]
+
+
+def _rectangles(dataset: xarray.Dataset) -> list[tuple[int, ...]]:
+    """Where on the axes each R and alpha is first met."""
+    named = _named(dataset)
+    sizes = [int(dataset.sizes[axis]) if axis in named else 1 for axis in axes_of(dataset)]
+    return [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
 
 
 def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...]) -> None:

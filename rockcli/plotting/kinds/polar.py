@@ -98,7 +98,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     notes = (
         selection_note(len(shown), total, "curves"),
         "ring: worst direction",
-        "crosses: overturned" if fell else "",
+        "crosses: overturned" if any(np.isposinf(y).any() for y in curves) else "",
     )
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     if len(shown) > 1:

@@ -228,8 +228,10 @@ def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...
         line.set_dashes(dashes)
     fell = np.isposinf(y)
     ends = fell & (np.append(~fell[1:], True) | np.append(True, ~fell[:-1]))
-    mark: dict[str, Any] = {"markersize": 3.5, "markeredgewidth": 0.0, "clip_on": False}
-    axes.plot(x[ends], np.full(int(ends.sum()), top), "^", color=style["color"], zorder=style.get("zorder", 3), **mark)
+    mark: dict[str, Any] = {"markersize": 3.5, "markeredgewidth": 0.0}
+    axes.plot(
+        x[ends], np.full(int(ends.sum()), 0.97 * top), "^", color=style["color"], zorder=style.get("zorder", 3), **mark
+    )
 
 
 def _finish(axes: Axes, row: Row, top: float) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import base64
 import io
 import json
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
 from string import Template
@@ -20,49 +21,97 @@ from rockcli.plotting.common.labels import coordinate_words, units_of
 from rockcli.plotting.common.style import OUTCOME_COLOURS
 from rockcli.plotting.common.table import case_table
 from rockcli.plotting.figures import KINDS, default_kinds, figure, why_not
+from rockcli.plotting.page.facts import facts_of, name_of, sentence_of
+from rockcli.scene.looks import Look
 from rockcli.scene.response import OUTCOMES, outcome_words
 from rockcli.scene.thresholds import FOUND, threshold_words
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
+
+Table = tuple[str, Sequence[str], Sequence[Sequence[str]], str]
+"""Title, names of the columns, rows, a sentence below."""
+
+_HEAVY = 1_500_000
+"""Characters of a drawing above which it is a picture instead: no reader opens a page of many megabytes."""
 
 _DPI = 200
-"""Sharp on a laptop at twice its nominal resolution."""
+"""Of pictures: sharp on a laptop at twice its nominal resolution."""
+
+_PLACES = re.compile(r"(?<![\w./\\<])(?:[A-Za-z]:)?[/\\](?:[^/\\\s'\",;:()<>]+[/\\])+([^/\\\s'\",;:()<>]+)")
+"""Absolute paths: of no use to a reader elsewhere, and nobody's business."""
+
+_FIRST = ("body", "barriers", "motion")
+"""Kinds that come before the results."""
 
 
-def page(dataset: xarray.Dataset, verdicts: Sequence[tuple[bool, str]] = (), kinds: Sequence[str] = ()) -> str:
+def page(
+    dataset: xarray.Dataset,
+    verdicts: Sequence[tuple[bool, str]] = (),
+    kinds: Sequence[str] = (),
+    tables: Sequence[Table] = (),
+) -> str:
     """The report of a dataset, from the dataset alone.
 
     Args:
         dataset: written by `rock run`.
         verdicts: (met, words) of the clauses of `expect`.
         kinds: kinds of plot; () = those its content suggests.
+        tables: what the suite and the rules come to.
     """
     attrs = dataset.attrs
     name, title = str(attrs.get("study_name", "study")), str(attrs.get("title", ""))
+    plots = list(kinds or default_kinds(dataset))
+    if "body" not in plots and not {"barriers", "curves", "work_precision"} & {*plots}:
+        plots.append("body")
+    if "motion" not in plots and not why_not("motion", dataset):
+        plots.append("motion")
+    first = [kind for kind in _FIRST if kind in plots and not why_not(kind, dataset)]
     parts = [
-        _section(
-            "Result",
-            _outcomes(dataset) + _thresholds(dataset) + _suite(dataset) + _verdicts(verdicts) + _warnings(dataset),
-        ),
-        *_plots(dataset, kinds),
+        _section("Result", _facts(dataset) + _outcomes(dataset) + _suite(dataset) + _thresholds(dataset)),
+        *(_plot(dataset, kind) for kind in first),
+        *(_plot(dataset, kind) for kind in plots if kind not in _FIRST),
+        *(_section(title, _table(head, rows, note)) for title, head, rows, note in tables if rows),
         _section("Cases", _table(*case_table(dataset))),
-        _section("Study", f"<pre>{escape(str(attrs.get('study', '')).strip())}</pre>"),
+        _section("Checks", _verdicts(verdicts)),
+        _folded("Notes and warnings", _warnings(dataset)),
+        _folded("Study", f"<pre>{_text(str(attrs.get('study', '')).strip())}</pre>" if attrs.get("study") else ""),
         _section("Provenance", _provenance(dataset)),
     ]
-    references = f'<p class="quiet">{escape(str(attrs["references"]))}</p>' if attrs.get("references") else ""
+    references = f'<p class="quiet">{_text(str(attrs["references"]))}</p>' if attrs.get("references") else ""
     template = Template(files(__package__).joinpath("template.html").read_text(encoding="utf-8"))
     sections = "\n".join(part for part in parts if part)
-    return template.substitute(name=escape(name), title=escape(title), references=references, sections=sections)
+    return template.substitute(name=_text(name), title=_text(title or name), references=references, sections=sections)
+
+
+def _text(words: str) -> str:
+    """Words for the page, absolute paths without their folders."""
+    return escape(_PLACES.sub(r"\1", words))
 
 
 def _section(title: str, body: str) -> str:
     return f"<section><h2>{escape(title)}</h2>\n{body}</section>" if body else ""
 
 
+def _folded(title: str, body: str) -> str:
+    return f"<section><details><summary>{escape(title)}</summary>\n{body}</details></section>" if body else ""
+
+
+def _facts(dataset: xarray.Dataset) -> str:
+    """The result in a sentence and a few numbers."""
+    cards = "".join(
+        f"<li><span>{escape(fact.what)}</span><strong>{escape(fact.value)}</strong><small>{_text(fact.sentence)}</small></li>"
+        for fact in facts_of(dataset)
+    )
+    sentence = sentence_of(dataset)
+    said = f'<p class="lead">{escape(sentence)}</p>\n' if sentence else ""
+    return said + (f'<ul class="facts-first">{cards}</ul>\n' if cards else "")
+
+
 def _outcomes(dataset: xarray.Dataset) -> str:
-    """How many cases ended how, as a bar with its numbers."""
-    if "outcome" not in dataset.variables:
+    """How many cases ended how, as a bar with its numbers; of one case the sentence says it."""
+    if "outcome" not in dataset.variables or dataset["outcome"].size == 1:
         return ""
     flags = dataset["outcome"].values
     total = flags.size
@@ -73,7 +122,8 @@ def _outcomes(dataset: xarray.Dataset) -> str:
             bar.append(f'<span style="flex:{count};background:{colour}"></span>')
             words.append(f'<li><i style="background:{colour}"></i>{count} {escape(outcome_words(name))}</li>')
     many = "case" if total == 1 else "cases"
-    return f'<p>{total} {many}</p><div class="bar">{"".join(bar)}</div><ul class="key">{"".join(words)}</ul>\n'
+    key = f'<div class="bar">{"".join(bar)}</div><ul class="key">{"".join(words)}</ul>\n'
+    return f'<p class="quiet">{total} {many}</p>{key}'
 
 
 def _thresholds(dataset: xarray.Dataset) -> str:
@@ -92,7 +142,15 @@ def _thresholds(dataset: xarray.Dataset) -> str:
 def _suite(dataset: xarray.Dataset) -> str:
     """What the ensemble statistics come to."""
     said = json.loads(dataset.attrs.get("ensemble", "{}")).get("shown", ())
-    return "".join(f"<p>{escape(sentence[:1].upper() + sentence[1:])}.</p>\n" for sentence in said)
+    items = "".join(f"<li>{_text(_plain(dataset, sentence))}</li>" for sentence in said)
+    return f"<details><summary>The suite in sentences</summary><ul>{items}</ul></details>\n" if items else ""
+
+
+def _plain(dataset: xarray.Dataset, sentence: str) -> str:
+    """A sentence with names of axes as they are said."""
+    for axis in axes_of(dataset):
+        sentence = sentence.replace(axis, name_of(dataset, axis))
+    return sentence[:1].upper() + sentence[1:] + "."
 
 
 def _verdicts(verdicts: Sequence[tuple[bool, str]]) -> str:
@@ -100,10 +158,13 @@ def _verdicts(verdicts: Sequence[tuple[bool, str]]) -> str:
         return ""
     met = sum(passed for passed, _ in verdicts)
     rows = [
-        f'<li class="{"ok" if passed else "bad"}"><b>{"met" if passed else "not met"}</b> {escape(words)}</li>'
+        f'<li class="{"ok" if passed else "bad"}"><b>{"met" if passed else "not met"}</b> {_text(words)}</li>'
         for passed, words in verdicts
     ]
-    return f'<h3>Expected: {met} of {len(verdicts)} met</h3><ul class="verdicts">{"".join(rows)}</ul>\n'
+    items = f'<ul class="verdicts">{"".join(rows)}</ul>'
+    if met == len(verdicts):
+        return f"<details><summary>Expected: {met} of {len(verdicts)} met</summary>{items}</details>\n"
+    return f"<h3>Expected: {met} of {len(verdicts)} met</h3>{items}\n"
 
 
 def _warnings(dataset: xarray.Dataset) -> str:
@@ -115,23 +176,66 @@ def _warnings(dataset: xarray.Dataset) -> str:
         for code, count in zip(codes, counts, strict=True):
             if sentence := str(sentences[int(code)]):
                 said.append(f"{sentence} ({int(count)} of the cases)" if dataset["reason"].size > 1 else sentence)
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in said)
-    return f'<h3>Notes and warnings</h3><ul class="notes">{items}</ul>\n' if items else ""
+    items = "".join(f"<li>{_text(sentence)}</li>" for sentence in said)
+    return f'<ul class="notes">{items}</ul>\n' if items else ""
 
 
-def _plots(dataset: xarray.Dataset, kinds: Sequence[str]) -> Iterable[str]:
-    for kind in kinds or default_kinds(dataset):
-        if why := why_not(kind, dataset):
-            yield _section(kind.capitalize(), f'<p class="quiet">not drawn: {escape(why)}</p>')
-            continue
-        drawn, picture = figure(kind, dataset), io.BytesIO()
-        with mpl.rc_context(style.RC), style.no_word_of_glyphs():
-            drawn.savefig(picture, format="png", dpi=_DPI)
-        code = base64.b64encode(picture.getvalue()).decode("ascii")
-        width = int(drawn.get_figwidth() * 130)
-        sentence = escape(KINDS[kind].sentence)
-        image = f'<img src="data:image/png;base64,{code}" alt="{sentence}" style="width:{width}px">'
-        yield _section(kind.capitalize(), f'<p class="quiet">{sentence}</p><div class="plot">{image}</div>')
+def _plot(dataset: xarray.Dataset, kind: str) -> str:
+    """A section with a drawing, which is a picture where that would be far smaller."""
+    title, sentence = (
+        _TITLES.get(kind, kind.replace("_", " ").capitalize()),
+        KINDS[kind].sentence if kind in KINDS else "",
+    )
+    if why := why_not(kind, dataset):
+        return _section(title, f'<p class="quiet">not drawn: {_text(why)}</p>')
+    drawn = figure(kind, dataset, Look(title=None))
+    note = str(drawn.get_label()).partition("\n")[2]
+    said = "; ".join(filter(None, (sentence, _unmathed(note))))
+    return _section(title, f'<p class="quiet">{_text(said)}</p><div class="plot">{_image(drawn, sentence)}</div>')
+
+
+_TITLES = {
+    "body": "The body",
+    "barriers": "The body",
+    "motion": "The ground motion",
+    "histories": "Response",
+    "bending": "Bending",
+    "phase": "Phase portrait",
+    "map": "Outcomes",
+    "curve": "Peak rotation",
+    "polar": "Directions",
+    "ida": "Incremental dynamic analysis",
+    "fragility": "Fragility",
+    "curves": "Static curves",
+    "work_precision": "Error against cost",
+}
+"""Titles of sections, where the name of the kind is none."""
+
+
+def _unmathed(words: str) -> str:
+    """Symbols of a figure's note as plain letters."""
+    words = re.sub(r"\\mathrm\{(\w+)\}", r"\1", words).replace("\\,", " ").replace("\\max", "max")
+    words = re.sub(r"\\(?:tan|sin)?\s*\\?(theta|alpha|mu|omega|eta|pi)\b", r"\1", words)
+    return re.sub(r"[$\\{}]|_(?=max)", "", words)
+
+
+def _image(drawn: Figure, words: str) -> str:
+    """A figure in the page: scalable, or a picture where it would be heavy."""
+    width = int(drawn.get_figwidth() * 130)
+    code = io.StringIO()
+    with mpl.rc_context({**style.RC, "svg.fonttype": "path"}), style.no_word_of_glyphs():
+        drawn.savefig(code, format="svg", metadata={"Date": None, "Creator": None})
+    text = code.getvalue()
+    if len(text) <= _HEAVY:
+        inside = text[text.index("<svg") :].replace("\n", " ")
+        inside = re.sub(r"<metadata>.*?</metadata>", "", inside)
+        role = f'<svg role="img" aria-label="{escape(words)}" style="max-width:{width}px"'
+        return re.sub(r"^<svg", role, re.sub(r' (width|height)="[\d.]+pt"', "", inside, count=2))
+    picture = io.BytesIO()
+    with mpl.rc_context(style.RC), style.no_word_of_glyphs():
+        drawn.savefig(picture, format="png", dpi=_DPI)
+    data = base64.b64encode(picture.getvalue()).decode("ascii")
+    return f'<img src="data:image/png;base64,{data}" alt="{escape(words)}" style="width:{width}px">'
 
 
 def _table(header: Sequence[str], rows: Sequence[Sequence[str]], note: str) -> str:
@@ -157,5 +261,5 @@ def _provenance(dataset: xarray.Dataset) -> str:
     versions = json.loads(attrs.get("versions", "{}"))
     rows.append(("versions", ", ".join(f"{key} {value}" for key, value in versions.items())))
     rows.append(("identity", str(attrs.get("identity", ""))))
-    body = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in rows if value)
+    body = "".join(f"<tr><th>{_text(key)}</th><td>{_text(value)}</td></tr>" for key, value in rows if value)
     return f'<table class="facts">{body}</table>'

@@ -1,0 +1,199 @@
+"""The result of a dataset in a few numbers with their units, for a reader who has never heard of rocking."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockcli.plotting.common.cases import Array, axes_of, is_numeric, number_at
+from rockcli.plotting.common.labels import axis_values, coordinate_words, path_of, shown_unit
+from rockcli.scene.response import OUTCOMES
+from rockcli.scene.thresholds import FOUND
+from rockcli.scene.variables import LIMIT, PEAK
+
+if TYPE_CHECKING:
+    import xarray
+
+_AMPLITUDES = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "scale", "floor_pga", "floor_scale")
+
+_OVERTURNED = [flag for flag, name in OUTCOMES.items() if name.startswith("overturned")]
+
+_FEW_SHARES = 12
+"""Points up to which probabilities are told one by one."""
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A number with its unit, what it is, and a sentence about it."""
+
+    value: str
+    what: str
+    sentence: str = ""
+
+
+def facts_of(dataset: xarray.Dataset) -> list[Fact]:
+    """Peak, top, margin, uplift, overturning, probability; what the dataset does not tell is absent."""
+    return [*_peak(dataset), *_uplift(dataset), *_overturning(dataset), *_probability(dataset)]
+
+
+def sentence_of(dataset: xarray.Dataset) -> str:
+    """What became of the body, in a sentence; "" where there are no outcomes."""
+    if "outcome" not in dataset.variables:
+        return ""
+    names = [OUTCOMES[int(flag)] for flag in np.ravel(dataset["outcome"].values)]
+    overturned = sum(name.startswith("overturned") for name in names)
+    rocks, slides, still = (names.count(name) for name in ("rocking", "sliding", "no_uplift"))
+    unknown = len(names) - overturned - rocks - slides - still
+    if len(names) == 1:
+        return {
+            "no_uplift": "The body stays at rest: the motion is too weak to lift it.",
+            "rocking": "The body rocks from edge to edge and comes back: it does not overturn.",
+            "sliding": "The body slides along the ground without lifting.",
+            "failed": "The case has no answer; see the notes.",
+        }.get(names[0], "The body overturns." if overturned else "The outcome cannot be told: see the notes.")
+    parts = ((overturned, "overturn"), (rocks, "rock and come back"), (slides, "slide"), (still, "stay at rest"))
+    words = [f"{n} {what}" for n, what in (*parts, (unknown, "have no certain answer")) if n]
+    return (
+        f"Of {len(names)} cases "
+        + (" and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0])
+        + "."
+    )
+
+
+def _peak(dataset: xarray.Dataset) -> list[Fact]:
+    """The largest rotation of a case that comes back, what the top moves then, and what is left."""
+    if PEAK not in dataset.variables:
+        return []
+    axes = axes_of(dataset)
+    peaks = np.asarray(dataset[PEAK].transpose(*axes).values, dtype=float)
+    if not np.isfinite(peaks).any() or np.nanmax(np.where(np.isfinite(peaks), peaks, -1.0)) <= 0.0:
+        return []
+    at = tuple(int(i) for i in np.unravel_index(int(np.argmax(np.where(np.isfinite(peaks), peaks, -1.0))), peaks.shape))
+    ratio = float(peaks[at])
+    where = _where(dataset, at)
+    several = peaks.size > 1
+    theta = abs(number_at(dataset, "theta_peak", at))
+    theta = theta if np.isfinite(theta) else ratio * _alpha(dataset, at)
+    found = []
+    if np.isfinite(theta):
+        words = "the largest of the cases that come back" + (f", at {where}" if where else "") if several else ""
+        found.append(Fact(f"{np.degrees(theta):.3g}\N{DEGREE SIGN}", "largest rotation", words))
+    top = number_at(dataset, "u_top_peak", at)
+    said = "sideways at most"
+    if np.isnan(top) and np.isfinite(theta) and "alpha" in dataset.variables and "outline_x" not in dataset.variables:
+        top = 2.0 * number_at(dataset, "R", at) * np.cos(number_at(dataset, "alpha", at)) * np.sin(theta)
+        said = "sideways at most, of a rigid rectangle"
+    if np.isfinite(top):
+        found.append(Fact(f"{1e3 * top:.3g} mm", "the top moves", said + (", in that case" if several else "")))
+    alpha = _alpha(dataset, at)
+    said = f"the body reaches {100.0 * ratio:.3g} % of the angle"
+    said += f" ({np.degrees(alpha):.3g}\N{DEGREE SIGN})" if np.isfinite(alpha) else ""
+    said += " at which its weight no longer brings it back"
+    margin = f"{100.0 * (1.0 - ratio):.3g} %" if ratio < 1.0 else "none"
+    return [*found, Fact(margin, "margin" if not several else "margin of that case", said)]
+
+
+def _alpha(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:
+    sides = [number_at(dataset, name, at) for name in ("alpha_left", "alpha_right", "alpha")]
+    known = [side for side in sides if np.isfinite(side)]
+    return min(known, default=np.nan)
+
+
+def _where(dataset: xarray.Dataset, at: tuple[int, ...]) -> str:
+    axes = axes_of(dataset)
+    words = [f"{name_of(dataset, a)} {coordinate_words(dataset, a)[i]}" for a, i in zip(axes, at, strict=True)
+             if dataset.sizes[a] > 1]  # fmt: skip
+    return ", ".join(words)
+
+
+def name_of(dataset: xarray.Dataset, axis: str) -> str:
+    """An axis in plain words: the last part of its path."""
+    last = path_of(dataset, axis).rsplit(".", 1)[-1]
+    return {"pga": "PGA", "pgv": "PGV", "file": "record"}.get(last, last.replace("_", " "))
+
+
+def _uplift(dataset: xarray.Dataset) -> list[Fact]:
+    """The ground acceleration at which a rigid body lifts."""
+    names = [name for name in ("alpha_left", "alpha_right", "alpha") if name in dataset.variables]
+    if not names or "outcome" not in dataset.variables:
+        return []
+    values: Array = np.concatenate([np.ravel(dataset[name].values) for name in names])
+    values = np.tan(values[np.isfinite(values)])
+    if not values.size:
+        return []
+    low, high = float(values.min()), float(values.max())
+    one = high - low <= 1e-6 * high or len(names) > 1
+    floors = "through" in str(dataset.attrs.get("case", "")) or any(
+        "through" in path_of(dataset, a) for a in axes_of(dataset)
+    )
+    said = "of what arrives at its base" if floors else "ground acceleration"
+    return [Fact(f"{low:.3g} g" if one else f"{low:.3g} to {high:.3g} g", "lifts from", f"{said}, g tan(alpha)")]
+
+
+def _overturning(dataset: xarray.Dataset) -> list[Fact]:
+    """The lowest intensity that overturns: searched for, or the lowest of the study."""
+    found = [
+        str(name) for name in dataset.data_vars if str(name).endswith(FOUND) and dataset[name].dims == axes_of(dataset)
+    ]
+    for name in found:
+        divisor, unit = shown_unit(dataset, name)
+        values = dataset[name].values / divisor
+        finite = values[np.isfinite(values)]
+        if finite.size:
+            span = f"{finite.min():.3g}" + (f" to {finite.max():.3g}" if finite.size > 1 else "")
+            said = f"{_plain(name.removesuffix(FOUND))}, the lowest that overturns"
+            return [Fact(_with_unit(span, unit), "overturns from", said)]
+    if "outcome" not in dataset.variables:
+        return []
+    for axis in axes_of(dataset):
+        role = path_of(dataset, axis).rsplit(".", 1)[-1]
+        if role in _AMPLITUDES and is_numeric(dataset, axis):
+            others = [dim for dim in dataset["outcome"].dims if dim != axis]
+            fell = dataset["outcome"].isin(_OVERTURNED).any(dim=others).values
+            if fell.any():
+                unit = shown_unit(dataset, axis)[1]
+                lowest = float(axis_values(dataset, axis)[fell].min())
+                return [
+                    Fact(
+                        _with_unit(f"{lowest:.3g}", unit),
+                        "overturns from",
+                        f"{_plain(axis)}, the lowest of the study that overturns a case",
+                    )
+                ]
+            return [Fact("nowhere", "overturns", f"within the {_plain(axis)} of the study")]
+    return []
+
+
+def _with_unit(number: str, unit: str) -> str:
+    return number if unit == "1" else f"{number} {unit}"
+
+
+def _plain(axis: str) -> str:
+    words = axis.removeprefix("motion_record_").removeprefix("motion_pulse_")
+    known = {"pga": "PGA", "pgv": "PGV", "a_p": "peak acceleration of the pulse", "scale": "scale of the motion"}
+    return known.get(words, words.replace("_over_g_tan_alpha", " over g tan(alpha)").replace("_", " "))
+
+
+def _probability(dataset: xarray.Dataset) -> list[Fact]:
+    """Of a suite: the median intensity of overturning, or the share that overturns."""
+    if "fragility_median" in dataset.variables and LIMIT in dataset.dims:
+        labels = [str(label) for label in dataset[LIMIT].values]
+        if "overturned" in labels:
+            divisor, unit = shown_unit(dataset, "fragility_median")
+            part = dataset.isel({LIMIT: labels.index("overturned")})
+            medians = np.ravel(part["fragility_median"].values) / divisor
+            medians = medians[np.isfinite(medians)]
+            if medians.size:
+                span = f"{medians.min():.3g}" + (f" to {medians.max():.3g}" if medians.size > 1 else "")
+                said = "intensity at which one half of the suite overturns" + (", by body" if medians.size > 1 else "")
+                return [Fact(_with_unit(span, unit), "median of overturning", said)]
+        return []
+    if "p_overturned" in dataset.variables and dataset["p_overturned"].size <= _FEW_SHARES:
+        shares = 100.0 * np.ravel(dataset["p_overturned"].values)
+        shares = shares[np.isfinite(shares)]
+        if shares.size:
+            span = f"{shares.min():.3g}" + (f" to {shares.max():.3g}" if np.ptp(shares) > 0.0 else "")
+            return [Fact(f"{span} %", "probability of overturning", "share of the suite that overturns")]
+    return []
