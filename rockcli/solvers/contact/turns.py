@@ -77,9 +77,12 @@ def by_turns(batch: Batch, rows: Array, level: Accuracy) -> tuple[Array, Mask, R
     slides = np.zeros(batch.size, dtype=bool)
     if not len(stopped):
         return found, slides, Raw(0, 0, 0)
-    # those beyond the equilibrium begin anew: lanes that are not asked for the path have not noted when they passed it
-    late = starts[stopped, carry.Q] >= batch.block.alpha[stopped, LEFT]
-    found[stopped[late], in_lanes.STATUS] = np.nan
+    # lanes that are not asked for the path have not noted when those beyond the equilibrium passed it
+    late = stopped[starts[stopped, carry.Q] >= batch.block.alpha[stopped, LEFT]]
+    if len(late):
+        begun = _held(batch)[late]
+        found[late] = record_lanes.run(lanes, batch, rows[late], how, begun, cases=late, path=True)
+        starts[late] = begun
     raw = _followed(batch.rows(stopped), rows[stopped], level, found[stopped], starts[stopped])
     slips = ~only_rocks(raw.out)
     slides[stopped[slips]] = True
