@@ -1,11 +1,12 @@
 """Many recorded motions in one axis: whole commands, cases a second.
 
-    python benchmarks/many_records.py [--workers N] [--rounds K]
+    python benchmarks/many_records.py [--workers N] [--rounds K] [--before FOLDER]
 
 Records of 4000 to 8000 samples at .005 s, made here, in AT2 files; 490 of them under 22 amplitudes, the axes in either
 order, and 3000 under one, with outcome and peak and with the scalars saved by default.  `reading` is the processor
 time of reading the files alone, the floor of what a run that reads them can take.  The least of the rounds counts.
-Writes results/many_records.csv.
+Writes results/many_records.csv.  With the FOLDER of another build, which holds its package `rockcli` with objects of its
+kernels, the two builds run the studies in turn with outcome and peak: results/many_records_paired.csv.
 """
 
 from __future__ import annotations
@@ -28,6 +29,10 @@ from rockcli.motion.reading import read_record
 HERE = Path(__file__).resolve().parent
 HEADINGS = (
     "study", "saved", "cases", "wall [s]", "CPU [s]", "cases/s", "reading [CPU s]", "workers", "measured", "machine",
+)  # fmt: skip
+
+PAIRED = (
+    "study", "saved", "before [CPU s]", "after [CPU s]", "ratio", "workers", "rounds", "measured", "machine",
 )  # fmt: skip
 
 RECORDS, FEWER = 3000, 490
@@ -58,12 +63,13 @@ def make(folder: Path, count: int) -> None:
         (folder / f"r{k:04d}.AT2").write_text(at2_text(a, dt, ["synthetic", "benchmark"]))
 
 
-def measured(study: Path, workers: int) -> tuple[float, float]:
-    """Wall and processor time of a run [s]."""
+def measured(study: Path, workers: int, build: Path | None = None) -> tuple[float, float]:
+    """Wall and processor time of a run [s], of this build or of that in a folder."""
     rock = str(Path(sys.executable).parent / "rock")
     command = [rock, "run", str(study), "--quiet", "--fresh", "--no-plots", "--out", str(study.parent / "out")]
     began = perf_counter()
-    child = os.posix_spawn(rock, [*command, "--workers", str(workers)], os.environ)
+    environment = os.environ | ({"PYTHONPATH": str(build)} if build is not None else {})
+    child = os.posix_spawn(rock, [*command, "--workers", str(workers)], environment)
     _, status, usage = os.wait4(child, 0)
     if status:
         raise SystemExit(f"{' '.join(command)} failed")
@@ -82,8 +88,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--before", type=Path)
     options = parser.parse_args()
-    rows = []
+    rows, pairs = [], []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for place in ("all", "some"):
@@ -102,10 +109,26 @@ def main() -> None:
                     + "".join(f"  {axis}\n" for axis in axes)
                     + f"{save}\nplots: none\n"
                 )
+                if options.before is not None:
+                    if saved == next(iter(SAVED)):
+                        builds = (options.before, HERE.parent)
+                        turns = [
+                            [measured(study, options.workers, b)[1] for b in builds] for _ in range(options.rounds)
+                        ]
+                        old, new = (min(turn[which] for turn in turns) for which in range(2))
+                        pairs.append([title, saved, f"{old:.2f}", f"{new:.2f}", f"{new / old:.2f}", options.workers])
+                        print(*pairs[-1], sep="  ", flush=True)
+                    continue
                 runs = [measured(study, options.workers) for _ in range(options.rounds)]
                 wall, cpu = (min(run[kind] for run in runs) for kind in range(2))
                 rows.append([title, saved, cases, f"{wall:.2f}", f"{cpu:.2f}", f"{cases / wall:.0f}", f"{floor:.2f}"])
                 print(*rows[-1], sep="  ", flush=True)
+    if options.before is not None:
+        with (HERE / "results" / "many_records_paired.csv").open("w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file, lineterminator="\n")
+            table.writerow(PAIRED)
+            table.writerows([*row, options.rounds, date.today().isoformat(), machine()] for row in pairs)
+        return
     with (HERE / "results" / "many_records.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(HEADINGS)
