@@ -19,6 +19,7 @@ from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
 from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK, PERCENTILE, PERCENTILES
 from rockcli.storage.contents import Contents
+from rockcli.study.building.floors import ARRIVES
 from rockcli.study.cases.uncertain import sentence
 from rockcli.study.study import MATCH, SAMPLE, Over, Study
 
@@ -47,6 +48,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
     """What must not be overlooked: members left out or divided, stable islands, curves refused, tails of hazard."""
     assert study.over is not None
     return [
+        *_of_what_arrives(contents, study.over),
         *_left_out(contents, study, study.over),
         *_divided(contents),
         *_below(contents, study),
@@ -56,6 +58,16 @@ def warnings(contents: Contents, study: Study) -> list[str]:
         *_extrapolated(contents, study.over),
         *_tails(contents, study.over),
     ]
+
+
+def _of_what_arrives(contents: Contents, over: Over) -> Iterator[str]:
+    """Measures of a motion through floors are no longer the ground's, which a hazard curve of a site is of."""
+    measures = [name for name in (over.intensity, over.second) if name and name not in contents.axes]
+    if measures and ARRIVES in str(contents.attrs.get("processing", "")):
+        yield (
+            f"the intensity {' and '.join(measures)} is that of the motion that arrives at the body through the "
+            "floors, not of the ground: no hazard curve of the ground goes with it; `along` its amplitude does"
+        )
 
 
 def _left_out(contents: Contents, study: Study, over: Over) -> Iterator[str]:

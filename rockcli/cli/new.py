@@ -12,7 +12,7 @@ from rockcli.cli.say import say
 KINDS: dict[str, str] = {
     "block": "one block under one pulse or record",
     "map": "outcomes over two parameters",
-    "statue": "a statue on the ground, on a floor, on an isolator",
+    "statue": "a statue measured by hand, as it stands and on a low-friction pad",
     "cabinets": "several bodies: which slide, rock, fall",
     "fragility": "a suite: IDA and fragility",
     "rocks": "balanced rocks against hazard curves",

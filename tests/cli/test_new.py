@@ -64,6 +64,29 @@ def test_examples_are_those_of_the_sources_and_run(rock, tmp_path, capsys):
     assert "is there already" in capsys.readouterr().err
 
 
+def test_a_statue_measured_by_hand_needs_no_records_of_its_own(rock, tmp_path):
+    import numpy as np
+    import xarray as xr
+
+    assert rock("new", "statue") == 0
+    assert rock("run", "statue.yaml", "--no-plots", "--workers", 1) == 0
+    with xr.open_dataset(tmp_path / "results" / "statue" / "statue.nc") as found:
+        # nothing lifts below g tan(alpha) = 0.25 g, and the pad slips from 0.2 g
+        assert np.isclose(np.tan(found.alpha), 0.25, rtol=1e-12).all()
+        words = dict(zip(found.outcome.flag_values, found.outcome.flag_meanings.split(), strict=True))
+        outcomes = {
+            (str(mu), round(float(pga) / 9.81, 6)): {
+                words[int(v)] for v in found.outcome.sel(mu=mu, motion_record_pga=pga)
+            }
+            for mu in found.mu.values
+            for pga in found.motion_record_pga.values
+        }
+    assert outcomes["as it stands", 0.2] == outcomes["on a pad", 0.2] == {"no_uplift"}
+    assert outcomes["as it stands", 0.3] == {"rocking"}
+    assert "overturned_after_impact" in outcomes["as it stands", 0.4]
+    assert outcomes["on a pad", 0.3] == outcomes["on a pad", 0.4] == {"sliding"}
+
+
 def test_the_wheel_carries_what_examples_need():
     import tomllib
 

@@ -194,3 +194,26 @@ def test_of_very_many_floors_the_history_tells_some():
     assert opened.processing["ricker pulse (...)"] == ("used in more than 20 ways",)
     (said,) = opened.processing["ricker pulse"]  # nothing of a file, which a pulse has not
     assert said.startswith("through T = ")
+
+
+def test_an_intensity_of_what_arrives_is_said_not_to_be_the_grounds():
+    study = {
+        "name": "floor-suite",
+        "case": {
+            "block": {"h": 1.0, "b": 0.25},
+            "motion": {"record": {"file": "synthetic_rock_m65.AT2", "pga": 0.1}, "through": [{"f": 4, "zeta": 0.05}]},
+        },
+        "over": {"axis": "record", "along": "pga", "intensity": "sa(1)"},
+        "vary": {
+            "motion.record.file": ["synthetic_rock_m65.AT2", "synthetic_soil_m70.AT2"],
+            "motion.record.pga": {"from": "0.1*g", "to": "0.4*g", "n": 4},
+        },
+        "save": {"histories": False},
+    }
+    said = "is that of the motion that arrives"
+    assert any("the intensity sa(1) " + said in one for one in json.loads(rockcli.run(study).attrs["warnings"]))
+    study["over"] = {"axis": "record", "along": "pga"}
+    assert not any(said in one for one in json.loads(rockcli.run(study).attrs["warnings"]))
+    del study["case"]["motion"]["through"]
+    study["over"]["intensity"] = "sa(1)"
+    assert not any(said in one for one in json.loads(rockcli.run(study).attrs["warnings"]))

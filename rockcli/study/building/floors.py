@@ -19,6 +19,9 @@ from rockcli.study.document.tree import Keys
 
 Array = NDArray[np.float64]
 
+ARRIVES = "the peak acceleration that arrives is"
+"""What the processing of every motion through floors says."""
+
 THROUGH: Keys = ("case", "motion", "through")
 PULSE: Keys = ("case", "motion", "pulse")
 OF_ARRIVAL = ("floor_scale", "floor_pga")
@@ -79,7 +82,7 @@ def _samples(numbers: Numbers, ground: Samples, arrival: Arrival, factor: Array,
         f"T = {float(np.ravel(T)[0]):.6g} s, zeta = {float(np.ravel(zeta)[0]):.4g}" for T, zeta in _chain(numbers)
     )
     said = (
-        f"through {oscillators}: the peak acceleration that arrives is {peak / before['pga']:.4g} of the ground's; "
+        f"through {oscillators}: {ARRIVES} {peak / before['pga']:.4g} of the ground's; "
         f"exact at samples {arrival.dt:.6g} s apart, linear between them to {arrival.between:.1g} of its peak; "
         f"rings {arrival.rings:.4g} s after the ground motion, to {arrival.left:.1g} of its peak"
     )

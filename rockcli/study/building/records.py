@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from rockcli.scene.excitation import Samples
 
 
+SYNTHETIC = "synthetic_"
+"""What the names of the records begin with that come with the program; they are sought there last."""
+
+
 class MissingRecordError(RecordError):
     """A record that stands in none of the folders: `--skip-missing` passes over its study."""
 
@@ -65,7 +69,7 @@ class Records:
             MissingRecordError: it is nowhere; says where it was sought and how to get it.
         """
         if name not in self.found:
-            for folder in self.folders:
+            for folder in self._sought(name):
                 if _is_file(folder / name):
                     self.found[name] = folder / name
                     break
@@ -80,7 +84,7 @@ class Records:
             MissingRecordError: none; says where they were sought and how to get them.
             RecordError: it would take too long to look.
         """
-        for folder in [Path()] if os.path.isabs(pattern) else self.folders:
+        for folder in [Path()] if os.path.isabs(pattern) else self._sought(pattern):
             try:
                 names = [name for name in matched(pattern, folder) if _is_file(folder / name)]
             except (OSError, ValueError, RecursionError):
@@ -92,6 +96,10 @@ class Records:
                 return names
         lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Searched: {', '.join(self._searched())}"]
         raise self.source.record_error(where, "\n  ".join(lines + how_to_obtain(pattern)), MissingRecordError)
+
+    def _sought(self, name: str) -> list[Path]:
+        """Where a record or a glob is sought, first to last."""
+        return [*self.folders, _shipped()] if name.startswith(SYNTHETIC) else self.folders
 
     def prepare(self, name: str, where: Where, *, reading: dict[str, Any], steps: dict[str, Any], g: float) -> Prepared:
         """Read and process a record, or take what was prepared before.
@@ -153,6 +161,13 @@ class Records:
                 yield from (path.name for path in folder.iterdir() if path.is_file())
             except OSError:
                 continue
+
+
+def _shipped() -> Path:
+    """The records that come with the program: in the package, or beside it in the sources."""
+    package = Path(__file__).resolve().parents[2]
+    inside = package / "shipped" / "records"
+    return inside if inside.is_dir() else package.parent / "records"
 
 
 def _environment() -> list[str]:
