@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from rockcli.cli.say import say
+from rockcli.cli.select import Select, chosen
 
 
 def plot(
@@ -20,14 +21,7 @@ def plot(
             help="Kind of plot, may be repeated; default: those that the study lists, else what the data suggest.",
         ),
     ] = None,
-    select: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--select",
-            metavar="AXIS=VALUE[,VALUE...]",
-            help="Only these cases, may be repeated; a number in SI units, or as 0.4g.",
-        ),
-    ] = None,
+    select: Select = None,
     width: Annotated[
         str | None,
         typer.Option("--width", metavar="single|double|MM", help="Width: 90 mm, 180 mm, or a number of mm."),
@@ -48,19 +42,6 @@ def plot(
     """Draw the plots of datasets beside them, or one figure of them all."""
     from rockcli.engine.draw import changes, draw_as_told
 
-    changed = changes(_chosen(select or []), width, None if no_title else title, letters=letters)
+    changed = changes(chosen(select), width, None if no_title else title, letters=letters)
     for path in draw_as_told(files, out, tuple(kinds or ()), plot_format, **changed):
         say(str(path))
-
-
-def _chosen(select: list[str]) -> dict[str, list[str]]:
-    """Axis -> values, of `AXIS=VALUE,VALUE`."""
-    from rockcli.errors import StudyError
-
-    chosen: dict[str, list[str]] = {}
-    for words in select:
-        axis, equals, values = words.partition("=")
-        if not equals or not axis.strip() or not values.strip():
-            raise StudyError(f"--select {words}: expected AXIS=VALUE")
-        chosen.setdefault(axis.strip(), []).extend(value.strip() for value in values.split(","))
-    return chosen

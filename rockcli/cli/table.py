@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from rockcli.cli.say import say
+from rockcli.cli.select import Select, chosen
 
 if TYPE_CHECKING:
-    from rockcli.storage.table import Column, Table
+    from rockcli.storage.table import Column, Item, Table
 
 _TOLD = (
     "overturn_share", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "slide_peak", "n_impacts", "t_overturn",
@@ -33,6 +36,7 @@ def table(
             "of a refined map: boundaries.",
         ),
     ] = "cases",
+    select: Select = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE.csv|.xlsx|.parquet", help="Write all of it to a file.")
     ] = None,
@@ -54,7 +58,8 @@ def table(
     if rows < 1:
         raise StudyError(f"--rows {rows}: expected a whole number greater than 0")
     named = None if columns is None else [name.strip() for name in columns.split(",") if name.strip()]
-    with opened(file) as (items, attrs):
+    wanted = chosen(select)
+    with opened(file) if not wanted else _selected(file, wanted) as (items, attrs):
         try:
             units = SI if si else units_of(items, attrs)
             found = table_of(items, attrs, of=of, columns=named, degrees=degrees, units=units)
@@ -66,6 +71,21 @@ def table(
             check_folder(out.parent)
             write(found, out)
             say(str(out))
+
+
+@contextmanager
+def _selected(file: Path, wanted: dict[str, list[str]]) -> Iterator[tuple[Mapping[str, Item], Mapping[str, Any]]]:
+    """As `opened`, of the cases at some values of axes."""
+    from rockcli.errors import StudyError
+    from rockcli.plotting.common.selection import selected
+    from rockcli.storage.read import open_dataset
+    from rockcli.storage.table import items_of
+
+    try:
+        part, _ = selected(open_dataset(file), wanted)
+    except StudyError as error:
+        raise StudyError(error.message, file=file) from None
+    yield items_of(part), part.attrs
 
 
 def _print(table: Table, rows: int, *, brief: bool) -> None:

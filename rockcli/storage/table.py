@@ -64,7 +64,7 @@ class Column:
 
 
 @dataclass(frozen=True, eq=False)
-class _Item:
+class Item:
     """A variable, read in pieces by indexing `values`."""
 
     dims: tuple[str, ...]
@@ -85,7 +85,7 @@ class Table:
     dims: tuple[str, ...]
     names: tuple[str, ...]
     size: int
-    _items: Mapping[str, _Item]
+    _items: Mapping[str, Item]
     _sizes: Mapping[str, int]
     _units: Units
     _degrees: bool
@@ -118,7 +118,7 @@ class Table:
                 one = self._values(item, at | {PERCENTILE: slice(i, i + 1)})
                 yield self._column(name, item, one, "" if asked else f"_{percent}")
 
-    def _values(self, item: _Item, at: dict[str, slice]) -> NDArray[Any]:
+    def _values(self, item: Item, at: dict[str, slice]) -> NDArray[Any]:
         """One value for each row of a block, whatever the variable depends on."""
         shape = tuple(at[dim].stop - at[dim].start for dim in self.dims)
         values = np.asarray(item.values[tuple(at.get(dim, slice(None)) for dim in item.dims)])
@@ -128,7 +128,7 @@ class Table:
         index = tuple(slice(None) if dim in item.dims else None for dim in self.dims)
         return np.broadcast_to(values[index], shape).ravel()
 
-    def _column(self, name: str, item: _Item, values: NDArray[Any], end: str = "") -> Column:
+    def _column(self, name: str, item: Item, values: NDArray[Any], end: str = "") -> Column:
         if "flag_meanings" in item.attrs:
             return Column(name, name, _words(values, item.attrs))
         if name == _REASON:
@@ -143,12 +143,12 @@ class Table:
         return Column(name, head, values if divisor == 1.0 else values / divisor)
 
 
-def _percents(items: Mapping[str, _Item]) -> list[str]:
+def _percents(items: Mapping[str, Item]) -> list[str]:
     """The percentiles of a dataset as names of columns end in them."""
     return [f"{p:g}" for p in np.asarray(items[PERCENTILE].values[:]).tolist()] if PERCENTILE in items else []
 
 
-def _percentile_of(name: str, items: Mapping[str, _Item]) -> tuple[str, str]:
+def _percentile_of(name: str, items: Mapping[str, Item]) -> tuple[str, str]:
     """`fragility_percentile_5` -> the variable and the percentile; two empty strings for what is none."""
     whole, _, percent = name.rpartition("_")
     there = whole in items and PERCENTILE in items[whole].dims and percent in _percents(items)
@@ -180,7 +180,7 @@ def _words(values: NDArray[Any], attrs: Mapping[str, Any]) -> NDArray[Any]:
     return np.asarray(words[inverse.ravel()])
 
 
-def _sentences(values: NDArray[Any], reasons: _Item | None) -> NDArray[Any]:
+def _sentences(values: NDArray[Any], reasons: Item | None) -> NDArray[Any]:
     """The sentences that indices point to, "" where they point to none."""
     known = [] if reasons is None else [str(one) for one in np.asarray(reasons.values[:])]
     words = np.array([*known, ""], dtype=object)
@@ -189,7 +189,7 @@ def _sentences(values: NDArray[Any], reasons: _Item | None) -> NDArray[Any]:
 
 
 def table_of(
-    items: Mapping[str, _Item],
+    items: Mapping[str, Item],
     attrs: Mapping[str, Any],
     *,
     of: str = CASES,
@@ -252,7 +252,7 @@ def _dims(of: str, axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) ->
 def _belongs(
     of: str,
     name: str,
-    item: _Item,
+    item: Item,
     axes: tuple[str, ...],
     dims: tuple[str, ...] | None,
     ensemble: Mapping[str, Any] | None,
@@ -280,7 +280,7 @@ def _belongs(
     return derived and marks <= set(item.dims)
 
 
-def _there(items: Mapping[str, _Item], axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) -> list[str]:
+def _there(items: Mapping[str, Item], axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) -> list[str]:
     return [
         of
         for of in TABLES
@@ -289,7 +289,7 @@ def _there(items: Mapping[str, _Item], axes: tuple[str, ...], ensemble: Mapping[
     ]
 
 
-def _known(name: str, items: Mapping[str, _Item], columns: list[str], elsewhere: Callable[[str], list[str]]) -> str:
+def _known(name: str, items: Mapping[str, Item], columns: list[str], elsewhere: Callable[[str], list[str]]) -> str:
     """A column asked for; `StudyError` with what is near, or where it is."""
     whole = name if name in items else _percentile_of(name, items)[0]
     if whole in columns:
@@ -306,14 +306,14 @@ def _known(name: str, items: Mapping[str, _Item], columns: list[str], elsewhere:
     raise StudyError(f"no column {name!r}; {hint}")
 
 
-def units_of(items: Mapping[str, _Item], attrs: Mapping[str, Any]) -> Units:
+def units_of(items: Mapping[str, Item], attrs: Mapping[str, Any]) -> Units:
     """How the numbers of a dataset are shown to people: accelerations in g of its case."""
     paths = {str(items[axis].attrs.get("long_name", axis)) for axis in str(attrs["axes"]).split()}
     return Units(g_of(json.loads(attrs.get("case", "{}")), paths))
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[tuple[Mapping[str, _Item], Mapping[str, Any]]]:
+def opened(path: Path) -> Iterator[tuple[Mapping[str, Item], Mapping[str, Any]]]:
     """Variables and root attributes of a dataset file, read in pieces while it is open.
 
     Raises:
@@ -324,7 +324,7 @@ def opened(path: Path) -> Iterator[tuple[Mapping[str, _Item], Mapping[str, Any]]
         file.set_auto_mask(False)
         attrs = {name: file.getncattr(name) for name in file.ncattrs()}
         items = {
-            name: _Item(tuple(item.dimensions), item, {key: item.getncattr(key) for key in item.ncattrs()})
+            name: Item(tuple(item.dimensions), item, {key: item.getncattr(key) for key in item.ncattrs()})
             for name, item in file.variables.items()
         }
         yield items, attrs
@@ -340,14 +340,18 @@ def frame(block: Sequence[Column]) -> pandas.DataFrame:
     return pandas.DataFrame({column.head: one(column) for column in block})
 
 
+def items_of(dataset: xarray.Dataset) -> dict[str, Item]:
+    """Variables of a dataset in memory."""
+    return {
+        str(name): Item(tuple(map(str, item.dims)), item.values, item.attrs) for name, item in dataset.variables.items()
+    }
+
+
 def frame_of(
     dataset: xarray.Dataset, *, of: str = CASES, columns: Sequence[str] | None = None, degrees: bool = False
 ) -> pandas.DataFrame:
     """A table of a dataset in memory; see `rockcli.table`."""
-    items = {
-        str(name): _Item(tuple(map(str, item.dims)), item.values, item.attrs)
-        for name, item in dataset.variables.items()
-    }
+    items = items_of(dataset)
     if "axes" not in dataset.attrs:
         raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
     found = table_of(items, dataset.attrs, of=of, columns=columns, degrees=degrees)

@@ -78,3 +78,49 @@ def test_what_is_wrong_is_one_sentence(rock, dataset, tmp_path, capsys):
         assert capsys.readouterr().err.count("\n") == 1
     assert rock("table", tmp_path / "none.nc") == 2
     assert not list(tmp_path.glob("t.*"))
+
+
+def rows_of(path):
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_selected_rows_are_those_of_the_whole_table(rock, dataset, tmp_path):
+    assert rock("table", dataset, "--out", "whole.csv") == 0
+    assert rock("table", dataset, "--out", "some.csv", "--select", "a_p=0.4g,0.7g") == 0
+    assert rock("table", dataset, "--out", "two.csv", "--select", "a_p=0.4g", "--select", "T_p=0.6,1.5") == 0
+    whole = rows_of(tmp_path / "whole.csv")
+    some = [row for row in whole if min(abs(float(row["a_p [g]"]) - a) for a in (0.4, 0.7)) < 1e-9]
+    assert len(some) == 6
+    assert rows_of(tmp_path / "some.csv") == some
+    two = [row for row in some if row["T_p [s]"] != "1.0" and row["a_p [g]"].startswith("0.4")]
+    told = rows_of(tmp_path / "two.csv")
+    assert told == [{head: row[head] for head in told[0]} for row in two]
+    # what the suite of all members comes to stands beside no part of them
+    assert {head.split("_")[0] for head in whole[0].keys() - told[0].keys()} == {"fragility"}
+
+
+def test_a_row_of_a_suite_is_selected_and_part_of_its_members_is_no_suite(rock, dataset, tmp_path, capsys):
+    for name, more in (("whole", ()), ("part", ("--select", "a_p=0.7g"))):
+        assert rock("table", dataset, "--of", "suite", "--out", f"{name}.csv", *more) == 0
+    (row,) = rows_of(tmp_path / "part.csv")
+    assert row in rows_of(tmp_path / "whole.csv")
+    assert float(row["motion_pulse_a_p [g]"]) == pytest.approx(0.7)
+    capsys.readouterr()
+    assert rock("table", dataset, "--of", "suite", "--select", "T_p=0.6") == 2
+    assert "has no table 'suite'; it has cases" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("a_p", "expected AXIS=VALUE"),
+        ("mass=1", "the axes are T_p, motion_pulse_a_p"),
+        ("T_p=0.7", "there are 0.6, 1.0, 1.5"),
+    ],
+)
+def test_what_cannot_be_selected_is_said(rock, dataset, capsys, words, said):
+    assert rock("table", dataset, "--select", words) == 2
+    shown = capsys.readouterr().err
+    assert said in shown
+    assert shown.count("\n") == 1

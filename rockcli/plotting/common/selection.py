@@ -92,9 +92,10 @@ def _at(dataset: xarray.Dataset, axis: str, places: list[int]) -> xarray.Dataset
     part = dataset.isel({axis: places})
     attrs = dict(dataset.attrs)
     over = json.loads(attrs.get("ensemble", "null")) or {}
-    members = over.get("axis", [])
-    if len(places) < dataset.sizes[axis] and axis in ([members] if isinstance(members, str) else members):
+    members = np.atleast_1d(over.get("axis", [])).tolist()
+    if len(places) < dataset.sizes[axis] and axis in members:
         attrs.pop("ensemble")
+        part = part.drop_vars([n for n in over["fields"] if n in part.variables and not {*part[n].dims} & {*members}])
     along = f"boundary_{axis}"
     if along in dataset.variables and "boundary_point" in dataset[along].dims:
         part = part.isel(boundary_point=np.flatnonzero(np.isin(dataset[along].values, part[axis].values)))
