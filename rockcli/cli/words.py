@@ -54,6 +54,9 @@ def report_text(report: RunReport, *, every: bool = False) -> str:
     if len(report.reasons) > _MOST_REASONS:
         others = counted(len(report.reasons) - _MOST_REASONS, "other message")
         lines.append(_row("", f"and {others}, in `reasons` of the dataset"))
+    if report.failed and report.status == "up to date":
+        again = "once the cause is mended, as a program installed, --fresh solves all again"
+        lines.append(_row("failed", f"{counted(report.failed, 'case')} when this file was made; {again}"))
     lines += _rules(report)
     lines += [_row("suite" if number == 0 else "", words) for number, words in enumerate(report.suite)]
     lines += [_row("audit" if number == 0 else "", words) for number, words in enumerate(report.audit)]

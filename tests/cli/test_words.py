@@ -153,3 +153,20 @@ def test_a_suite_has_its_lines() -> None:
 
     told = report_text(RunReport("n", "solved", cases=3, suite=("first words", "second words")))
     assert "  suite     first words\n            second words\n" in told
+
+
+def test_cases_that_failed_for_want_of_a_program_are_told_so_again(
+    rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file is finished; whoever has installed what was lacking is told how to have the cases solved."""
+    monkeypatch.setenv("ROCK_OPENSEES_PYTHON", str(tmp_path / "python"))
+    file = study(tmp_path, more='vary: {solver: {ours: {}, peer: {backend: opensees}}, model: ["1"]}\nplots: none')
+    assert rock("run", file) == 3
+    assert "--fresh" not in capsys.readouterr().out
+    assert rock("run", file) == 3
+    again = capsys.readouterr().out
+    assert "up to date" in again
+    assert (
+        "1 case when this file was made; once the cause is mended, as a program installed, --fresh solves all again"
+        in again
+    )
