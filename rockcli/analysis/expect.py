@@ -14,6 +14,7 @@ from rockcli.analysis.places import coordinate, place
 from rockcli.analysis.suites import variables
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
+from rockcli.scene.axis_path import axis_path
 from rockcli.scene.curves import variables_of
 from rockcli.scene.excitation import Pulses
 from rockcli.scene.models import FLEXIBLE
@@ -207,7 +208,7 @@ def _word(contents: Contents, clause: Expect, value: Any, units: Units) -> str:
     """A value of the quantity."""
     item = contents.fields.get(clause.quantity)
     attrs = {} if item is None else item.attrs
-    return units.word(float(value), str(attrs.get("units", "1")), str(attrs.get("long_name", "")), 9)
+    return units.word(float(value), str(attrs.get("units", "1")), axis_path(attrs, ""), 9)
 
 
 def _place(contents: Contents, clause: Expect, at: tuple[Any, ...], units: Units) -> str:

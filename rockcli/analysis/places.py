@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.axis_path import axis_path
 from rockcli.scene.units import SI, Units, g_of
 from rockcli.storage.contents import Contents
 
 
 def units_of(contents: Contents) -> Units:
     """How the numbers of a dataset are shown to people: accelerations in g of its case."""
-    paths = (str(contents.fields[axis].attrs.get("long_name", axis)) for axis in contents.axes)
+    paths = (axis_path(contents.fields[axis].attrs, axis) for axis in contents.axes)
     return Units(g_of(json.loads(contents.attrs.get("case", "{}")), set(paths)))
 
 
@@ -24,7 +25,7 @@ def coordinate(contents: Contents, dim: str, value: Any, units: Units = SI) -> s
     if isinstance(value, str):
         return value
     attrs = contents.fields[dim].attrs if dim in contents.fields else {}
-    return units.word(float(value), str(attrs.get("units", "1")), str(attrs.get("long_name", "")))
+    return units.word(float(value), str(attrs.get("units", "1")), axis_path(attrs, ""))
 
 
 def coordinates(contents: Contents, dim: str, units: Units) -> NDArray[np.str_]:

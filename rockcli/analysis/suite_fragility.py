@@ -13,6 +13,7 @@ from rockcli.analysis.members import Members
 from rockcli.analysis.suite_intensity import moves_at, unit_of, values_of
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.analysis.uncertainty import independent_rows
+from rockcli.scene.axis_path import axis_path
 from rockcli.scene.variables import LIMIT, PEAK, PERCENTILE, PERCENTILES, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.cases.suite_axes import AMPLITUDES
@@ -293,7 +294,7 @@ def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: A
     name = over.told_against
     grows = name in ("pga", "pgv", "cav") or period_of(name) is not None
     if name == over.along:
-        grows = str(contents.fields[name].attrs.get("long_name", name)).rsplit(".", 1)[-1] in AMPLITUDES
+        grows = axis_path(contents.fields[name].attrs, name).rsplit(".", 1)[-1] in AMPLITUDES
     pga = values_of("pga", contents, study)
     if over.begins_at != "uplift" or not grows or pga is None:  # what grows with the amplitude is known at uplift
         return np.zeros(shape), np.zeros(shape)

@@ -9,6 +9,7 @@ from rockcli.analysis.expect import Verdict, judge
 from rockcli.analysis.places import units_of
 from rockcli.analysis.rules import misled
 from rockcli.errors import StudyError
+from rockcli.scene.axis_path import axis_path
 from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
@@ -141,7 +142,7 @@ def verdicts(contents: Contents) -> list[Verdict]:
     if "trade_references" in contents.attrs:
         return []
     named = (*contents.axes, *(name for name in (LIMIT, MEASURE, INPUT, HAZARD) if name in contents.fields))
-    axes = [(name, str(contents.fields[name].attrs.get("long_name", name)), contents.values(name)) for name in named]
+    axes = [(name, axis_path(contents.fields[name].attrs, name), contents.values(name)) for name in named]
     clauses = clauses_of(contents.attrs.get("study", ""), axes, tuple(contents.fields))
     return judge(contents, clauses, units_of(contents))
 

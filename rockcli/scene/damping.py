@@ -253,7 +253,7 @@ _ROWS: tuple[Scheme, ...] = (
         (
             Key(
                 "alpha_d",
-                "parameter in [2/3, 1]",
+                "parameter, in [2/3, 1]",
                 (
                     (
                         lambda value, block, g: (value >= 2.0 / 3.0 - 1e-9) & (value <= 1.0),
@@ -270,7 +270,7 @@ _ROWS: tuple[Scheme, ...] = (
         (
             Key("W_over_Mg", "weight over M g [1]", (POSITIVE,)),
             Key("fixed_base_period", "elastic period without rocking [s], for the rocking potential", (POSITIVE,)),
-            Key("spectrum", "`motion` (default) or a design spectrum", number=False),
+            Key("spectrum", "design spectrum, or `motion` (default)", number=False),
         ),
         impacts=True,
     ),

@@ -76,11 +76,14 @@ class Contents:
         return np.broadcast_to(item.values[index], (*self.shape, *beside))
 
 
-def axis_field(name: str, path: str, values: Sequence[Any], *, numeric: bool, unit: str) -> Field:
-    """Coordinate of an axis: floats with units, or strings."""
+def axis_field(
+    name: str, path: str, values: Sequence[Any], *, numeric: bool, unit: str, words: str | None = None
+) -> Field:
+    """Coordinate of an axis of the study, by its path and what that is in words: floats with units, or strings."""
+    attrs = {"long_name": words or path, "path": path}
     if numeric:
-        return Field((name,), np.asarray(values, dtype=float), {"long_name": path, "units": unit}, coordinate=True)
-    return Field((name,), text([str(v) for v in values]), {"long_name": path}, coordinate=True)
+        return Field((name,), np.asarray(values, dtype=float), attrs | {"units": unit}, coordinate=True)
+    return Field((name,), text([str(v) for v in values]), attrs, coordinate=True)
 
 
 def variable_field(name: str, dims: tuple[str, ...], values: NDArray[Any], **attrs: Any) -> Field:

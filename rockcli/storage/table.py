@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
+from rockcli.scene.axis_path import axis_path
 from rockcli.scene.units import SI, Units, g_of
 from rockcli.scene.variables import BOUNDARY_POINT, HAZARD, INPUT, INTENSITY_BIN, LIMIT, MEASURE, PERCENTILE
 from rockcli.storage.checksum import note_opened
@@ -138,7 +139,7 @@ class Table:
         unit = str(item.attrs.get("units", "1"))
         if self._degrees and unit == "rad":
             values, unit = np.degrees(values), "deg"
-        divisor, unit = self._units.of(unit, str(item.attrs.get("long_name", "")))
+        divisor, unit = self._units.of(unit, axis_path(item.attrs, ""))
         head = name + end + ("" if unit == "1" else f" [{unit}]")
         return Column(name, head, values if divisor == 1.0 else values / divisor)
 
@@ -308,7 +309,7 @@ def _known(name: str, items: Mapping[str, Item], columns: list[str], elsewhere: 
 
 def units_of(items: Mapping[str, Item], attrs: Mapping[str, Any]) -> Units:
     """How the numbers of a dataset are shown to people: accelerations in g of its case."""
-    paths = {str(items[axis].attrs.get("long_name", axis)) for axis in str(attrs["axes"]).split()}
+    paths = {axis_path(items[axis].attrs, axis) for axis in str(attrs["axes"]).split()}
     return Units(g_of(json.loads(attrs.get("case", "{}")), paths))
 
 

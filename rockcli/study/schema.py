@@ -92,8 +92,8 @@ class BlockPart(Part):
     height: Number | None = key("full height 2h of a rectangle [m]")
     width: Number | None = key("full width 2b of a rectangle [m]")
     alpha: Number | None = key("slenderness angle atan(b/h) [rad]")
-    tan_alpha: Number | None = key("b/h [1]")
-    slenderness: Number | None = key("h/b [1]")
+    tan_alpha: Number | None = key("tangent of the slenderness angle, b/h [1]")
+    slenderness: Number | None = key("slenderness h/b [1]")
     inertia: Number | None = key("I_O/(m R^2) about the edge [1]; default 4/3, a rectangle")
     r_g: Number | None = key("radius of gyration about the centre of mass [m]")
     top: Number | None = key(
@@ -105,7 +105,7 @@ class BlockPart(Part):
     outline: Outline | None = key("polygon [[x, z], ...] [m], z up, or FILE.csv beside the study")
     density: Number | None = key("density of the outline or the mesh [kg/m³]")
     depth: Number | None = key("depth of the outline, default 1, or of a rectangle that has a `plane` [m]")
-    plane: Literal["width", "depth"] | None = key("side of a rectangle of height, width and depth along which it rocks")
+    plane: Literal["width", "depth"] | None = key("side along which a rectangle rocks, one of height, width and depth")
     pixel: Number | None = key("metres in a unit of the outline's coordinates [m]; default 1")
     z_down: bool = key("the outline's z runs down, as on a photograph", False)
     contacts: Annotated[list[Pair], Field(min_length=2, max_length=2)] | None = key(
@@ -114,7 +114,7 @@ class BlockPart(Part):
     )
     parts: Annotated[list[SolidPart], Field(min_length=1)] | None = key("several outlines, rigidly joined")
     stands: Literal["outline", "toes", "settled"] = key(
-        "how an outline stands: on its lowest points as given, rolling over the vertices beside them (outline); on the "
+        "how an outline stands, on its lowest points as given, rolling over the vertices beside them (outline); on the "
         "outermost two of its lowest points alone (toes); as outline, where it comes to rest when let go (settled)",
         "outline",
     )
@@ -130,13 +130,13 @@ class BlockPart(Part):
 class PulsePart(Part):
     """An analytic pulse, zero for t < 0."""
 
-    shape: Literal[tuple(SHAPES)] = key("one of the shapes", ...)  # type: ignore[valid-type]
-    a_p: Number | None = key("peak acceleration [m/s²]")
-    a_p_over_g_tan_alpha: Number | None = key("peak acceleration over g tan(alpha) [1]")
-    omega_p: Number | None = key("circular frequency [rad/s]")
-    T_p: Number | None = key("period [s]")
-    f_p: Number | None = key("frequency [1/s]")
-    omega_p_over_p: Number | None = key("circular frequency over the frequency parameter p [1]")
+    shape: Literal[tuple(SHAPES)] = key("shape of the pulse", ...)  # type: ignore[valid-type]
+    a_p: Number | None = key("peak acceleration of the pulse [m/s²]")
+    a_p_over_g_tan_alpha: Number | None = key("peak acceleration of the pulse over g tan(alpha) [1]")
+    omega_p: Number | None = key("circular frequency of the pulse [rad/s]")
+    T_p: Number | None = key("period of the pulse [s]")
+    f_p: Number | None = key("frequency of the pulse [1/s]")
+    omega_p_over_p: Number | None = key("circular frequency of the pulse over the frequency parameter p [1]")
     cycles: Number | None = key("number of cycles of a sine or cosine [1]; default 1")
     t0: Number | None = key("time of the pulse [s]: its beginning, or the centre of a Ricker or wavelet")
     gamma: Number | None = key("mavroeidis_papageorgiou: half the number of half cycles [1], > 1")
@@ -179,7 +179,8 @@ class RecordPart(Part):
     """A recorded motion; the keys are applied in this order, nothing by default."""
 
     file: Files = key(
-        "file name, searched for beside the study, in records/ folders, in ROCK_RECORDS; two for [H1, H2] with `angle`",
+        "file name of the record, searched for beside the study, in records/ folders, in ROCK_RECORDS; two for "
+        "[H1, H2] with `angle`",
         ...,
     )
     component: str | int | list[str | int] | None = key(
@@ -187,18 +188,18 @@ class RecordPart(Part):
     )
     units: Text | None = key("units of the file's values, for files that do not say")
     dt: Number | None = key("time step [s], for files that do not say")
-    window: Pair | None = key("[from, to] kept [s]")
+    window: Pair | None = key("part kept, [from, to] [s]")
     detrend: Literal["constant", "demean", "linear", "simple"] | None = key("what is taken off")
     taper: TaperPart | None = key("part of the length tapered at each end [1], or {fraction, type}")
     highpass: FilterPart | None = key("corner frequency [1/s], or {freq, corners, zerophase}")
     lowpass: FilterPart | None = key("corner frequency [1/s], or {freq, corners, zerophase}")
-    bandpass: BandpassPart | None = key("[low, high] [1/s], or {freqmin, freqmax, corners, zerophase}")
-    resample: ResamplePart | None = key("{dt [s], method}")
-    scale: Number | None = key("factor on the processed motion [1]")
-    pga: Number | None = key("peak acceleration wanted [m/s²]")
-    pgv: Number | None = key("peak velocity wanted [m/s]")
-    pga_over_g_tan_alpha: Number | None = key("peak acceleration wanted over g tan(alpha) [1]")
-    polarity: Number | None = key("1 or -1")
+    bandpass: BandpassPart | None = key("band kept, [low, high] [1/s], or {freqmin, freqmax, corners, zerophase}")
+    resample: ResamplePart | None = key("new time step, {dt [s], method}")
+    scale: Number | None = key("factor on the processed record [1]")
+    pga: Number | None = key("peak acceleration wanted of the record [m/s²]")
+    pgv: Number | None = key("peak velocity wanted of the record [m/s]")
+    pga_over_g_tan_alpha: Number | None = key("peak acceleration wanted of the record over g tan(alpha) [1]")
+    polarity: Number | None = key("sign of the record, 1 or -1")
     angle: Number | None = key("direction from H1 towards H2 [rad]: a_g = H1 cos(angle) + H2 sin(angle)")
 
 
@@ -212,9 +213,9 @@ class VerticalPart(Part):
 class OscillatorPart(Part):
     """A floor or an isolator: a linear oscillator."""
 
-    T: Number | None = key("undamped natural period [s]")
-    f: Number | None = key("natural frequency [1/s]")
-    zeta: Number | None = key("damping ratio [1]")
+    T: Number | None = key("undamped natural period of the floor [s]")
+    f: Number | None = key("natural frequency of the floor [1/s]")
+    zeta: Number | None = key("damping ratio of the floor [1]")
 
 
 class MotionPart(Part):
@@ -224,17 +225,17 @@ class MotionPart(Part):
     record: RecordPart | None = key("recorded motion")
     vertical: VerticalPart | None = key("vertical motion, upward positive")
     through: list[OscillatorPart] | None = key("floors and isolators between the ground and the body, from below")
-    floor_scale: Number | None = key("factor on what arrives through them [1]")
-    floor_pga: Number | None = key("peak acceleration wanted of what arrives through them [m/s²]")
+    floor_scale: Number | None = key("factor on what arrives through floors and isolators [1]")
+    floor_pga: Number | None = key("peak acceleration wanted of what arrives through floors and isolators [m/s²]")
     duration: Number | None = key("end of the motion and of the response, from t = 0 [s]")
 
 
 class InitialPart(Part):
     """State at t = 0."""
 
-    theta: Number = key("rotation [rad]", 0)
-    theta_dot: Number = key("angular velocity [rad/s]", 0)
-    slide_rate: Number | None = key("velocity of the base along the ground [m/s]; needs a mu")
+    theta: Number = key("rotation at t = 0 [rad]", 0)
+    theta_dot: Number = key("angular velocity at t = 0 [rad/s]", 0)
+    slide_rate: Number | None = key("velocity of the base along the ground at t = 0 [m/s]; needs a mu")
 
 
 class ModelPart(Part):
@@ -247,8 +248,8 @@ class ModelPart(Part):
 class ColumnPart(Part):
     """The deformable column of the flexible models."""
 
-    E: Number | None = key("Young's modulus [Pa]")
-    rho: Number | None = key("density [kg/m³]")
+    E: Number | None = key("Young's modulus of the column [Pa]")
+    rho: Number | None = key("density of the column [kg/m³]")
     zeta: Number | None = key("damping ratio of the first clamped mode, stiffness-proportional [1]")
     elements: int | None = key(
         "number of elements along the height, at most 1000 (40 are converged); "
@@ -272,7 +273,7 @@ class SpectrumPart(Part):
     """A design spectrum of the scheme fema356."""
 
     shape: Literal[("motion", *SPECTRA)] | None = key("motion, or a shape; a mapping with periods is a table")  # type: ignore[valid-type]
-    S_a: Series | None = key("constant, table: pseudo-acceleration [m/s²], or in g with units: g")
+    S_a: Series | None = key("constant and table: pseudo-acceleration [m/s²], or in g with units: g")
     S_v: Number | None = key("flat_S_v: spectral velocity [m/s]")
     periods: Series | None = key("table: ascending periods [s]")
     units: Literal["g", "m/s²"] = key("units of S_a", "m/s²")
@@ -334,13 +335,13 @@ class CasePart(Part):
     motion: MotionPart = key("ground motion; none = free rocking", MotionPart.model_construct())
     initial: InitialPart = key("state at t = 0", InitialPart.model_construct())
     model: ModelPart = key(
-        "rigid, linearized, 1, 2, 3, 4, flexible, continuum, auto, or {name: auto, tolerance}",
+        "model of the body; rigid, linearized, 1, 2, 3, 4, flexible, continuum, auto, or {name: auto, tolerance}",
         ModelPart.model_construct(),
     )
     geometry: Literal["negative_stiffness", "corotational"] | None = key("restoring law of models 1-4")
     column: ColumnPart | None = key("the column of the flexible models")
     base: BasePart | None = key("the base; default rigid")
-    damping: DampingPart = key("what is lost", DampingPart.model_construct())  # type: ignore[valid-type]
+    damping: DampingPart = key("damping, what is lost", DampingPart.model_construct())  # type: ignore[valid-type]
     solver: SolverPart = key("how it is solved", SolverPart.model_construct())
 
 

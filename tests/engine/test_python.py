@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import obspy
 import pytest
+from matplotlib import pyplot
+from matplotlib.text import Text
 
 import rockcli
 from rockcli.engine.run import run_study
@@ -188,11 +190,44 @@ def test_check_says_what_rock_check_says():
         rockcli.check({"case": {"block": {"R": -1}}})
 
 
-def test_xarray_labels_axes_with_words_and_units(pulses):
-    matplotlib = pytest.importorskip("matplotlib.pyplot")
-    for name in ("outcome", "theta_peak_over_alpha"):
-        drawn = pulses[name].plot()
-        axes = drawn.axes
-        assert "a_p [m s-2]" in axes.get_xlabel() + axes.get_ylabel()
-        assert len(str(pulses[name].attrs["long_name"]).split()) > 1
-        matplotlib.close(drawn.figure)
+def label_of(axis):
+    """A label as it is read: xarray breaks the lines of long ones."""
+    return " ".join(axis.get_label_text().split())
+
+
+@pytest.mark.parametrize("name", ["outcome", "theta_peak_over_alpha"])
+def test_xarray_labels_axes_with_words_and_units(pulses, name):
+    pyplot.switch_backend("Agg")
+    drawn = pulses[name].plot()
+    axes = drawn.axes
+    assert {label_of(axes.xaxis), label_of(axes.yaxis)} == {
+        "peak acceleration of the pulse [m s-2]",
+        "distance from the edge to the centre of mass [m]",
+    }
+    assert " ".join(drawn.colorbar.ax.get_ylabel().split()).startswith(pulses[name].attrs["long_name"])
+    pyplot.close(drawn.figure)
+
+
+def test_an_axis_has_words_and_its_path(pulses):
+    attrs = pulses.motion_pulse_a_p.attrs
+    assert attrs == {"long_name": "peak acceleration of the pulse", "path": "motion.pulse.a_p", "units": "m s-2"}
+
+
+def test_a_frame_of_scalars_has_one_row_per_case(pulses):
+    frame = pulses[["outcome", "theta_peak_over_alpha"]].to_dataframe()
+    assert len(frame) == pulses.outcome.size == 12
+    assert (frame["outcome"].to_numpy() == pulses.outcome.values.ravel()).all()
+
+
+def test_a_dataset_without_paths_is_shown_as_one_with_them(pulses):
+    """As earlier builds wrote them: the path was the long name."""
+    old = pulses.copy()
+    for name in (*old.dims, *old.coords):
+        path = old[name].attrs.pop("path", None)
+        if path is not None:
+            old[name].attrs["long_name"] = path
+    assert old.motion_pulse_a_p.attrs["long_name"] == "motion.pulse.a_p"
+    assert rockcli.table(old).equals(rockcli.table(pulses))
+    assert repr(old.rock) == repr(pulses.rock)
+    texts = [[t.get_text() for t in rockcli.plot(each, "map").findobj(match=Text)] for each in (old, pulses)]
+    assert texts[0] == texts[1]

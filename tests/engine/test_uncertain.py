@@ -76,7 +76,12 @@ def test_every_sample_overturns_as_its_energy_says():
     rate, R = found.sampled_theta_dot.values, found.sampled_R.values
     assert (found.R.values == R).all()
     assert found.sampled_theta_dot.attrs["units"] == "rad s-1"
-    assert found.sampled_R.attrs == {"long_name": "block.R", "units": "m", "comment": "lognormal, median 2, beta 0.3"}
+    assert found.sampled_R.attrs == {
+        "long_name": "distance from the edge to the centre of mass",
+        "path": "block.R",
+        "units": "m",
+        "comment": "lognormal, median 2, beta 0.3",
+    }
     assert (np.isin(found.outcome.values, (2, 3)) == (np.abs(rate) > limit(R))).all()
     assert float(found.p_overturned) == np.mean(np.abs(rate) > limit(R))
 

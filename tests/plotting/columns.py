@@ -44,4 +44,4 @@ def columns(models: tuple[str, ...] = MODELS, *, ends: float = 4.0, pulses: int 
 
 
 def _axis(name: str, path: str, labels: tuple[str, ...]) -> xarray.DataArray:
-    return xarray.DataArray(np.array(labels, dtype=object), dims=name, attrs={"long_name": path})
+    return xarray.DataArray(np.array(labels, dtype=object), dims=name, attrs={"long_name": "words", "path": path})

@@ -24,7 +24,7 @@ TIME = np.round(np.arange(0, 150, 0.01), 2)
 def axis(name: str, values: object, path: str = "", unit: str = "1") -> xarray.DataArray:
     array = np.asarray(values)
     numeric = array.dtype.kind == "f"
-    attrs = {"long_name": path or name} | ({"units": unit} if numeric else {})
+    attrs = {"long_name": "words", "path": path or name} | ({"units": unit} if numeric else {})
     return xarray.DataArray(array if numeric else array.astype(object), dims=name, attrs=attrs)
 
 

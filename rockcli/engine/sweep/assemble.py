@@ -25,6 +25,7 @@ from rockcli.storage.contents import (
     time_field,
     variable_field,
 )
+from rockcli.study.document.path_words import words_of
 from rockcli.study.study import SAMPLE, Study
 
 
@@ -32,7 +33,9 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
     """Contents of the dataset of a solved study, nothing derived yet; `thresholds` (n,) are what a search found."""
     axes = tuple(axis.name for axis in study.axes)
     fields = {
-        axis.name: axis_field(axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit)
+        axis.name: axis_field(
+            axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit, words=words_of(axis.path)
+        )
         for axis in study.axes
     }
     fields |= _symbols(results, axes) | _edges(results, axes) | _samples(study)
@@ -67,7 +70,7 @@ def _samples(study: Study) -> dict[str, Field]:
     """The samples of the uncertain inputs, over their axis."""
     found = {}
     for each in study.uncertain.inputs if study.uncertain is not None else ():
-        attrs = {"long_name": each.path, "units": each.unit, "comment": each.words}
+        attrs = {"long_name": words_of(each.path), "path": each.path, "units": each.unit, "comment": each.words}
         found[each.name] = Field((SAMPLE,), each.values, attrs, coordinate=True)
     return found
 

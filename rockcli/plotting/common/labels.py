@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockcli.plotting.common.case_settings import resolved_case
+from rockcli.scene.axis_path import axis_path
 from rockcli.scene.units import Units, g_of
 from rockcli.scene.variables import VARIABLES
 
@@ -61,9 +62,8 @@ def variable_label(name: str, unit: str | None = None) -> str:
 
 
 def path_of(dataset: xarray.Dataset, name: str) -> str:
-    """Path inside the case of an axis of the study; datasets of earlier builds have it as long_name."""
-    attrs = dataset[name].attrs
-    return str(attrs.get("path", attrs.get("long_name", name)))
+    """Path inside the case of an axis of the study."""
+    return axis_path(dataset[name].attrs, name)
 
 
 def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:

@@ -182,17 +182,25 @@ def _followed(tree: Any, loc: tuple[str | int, ...]) -> Keys:
     return tuple(keys)
 
 
-def fields_at(part: type[BaseModel], keys: Keys) -> dict[str, Any]:
-    """Known keys of the mapping at `keys` inside a part -> their annotations; empty where anything may stand."""
+def part_at(part: type[BaseModel], keys: Keys) -> type[BaseModel] | None:
+    """The mapping at `keys` inside a part; None where anything may stand."""
     for key in keys:
         if isinstance(key, int):
             continue
         field = part.model_fields.get(key)
         inner = next(_parts((field.annotation, *field.metadata)), None) if field else None
         if inner is None:
-            return {}
+            return None
         part = inner
-    return {field.alias or name: (field.annotation, field.metadata) for name, field in part.model_fields.items()}
+    return part
+
+
+def fields_at(part: type[BaseModel], keys: Keys) -> dict[str, Any]:
+    """Known keys of the mapping at `keys` inside a part -> their annotations; empty where anything may stand."""
+    inner = part_at(part, keys)
+    if inner is None:
+        return {}
+    return {field.alias or name: (field.annotation, field.metadata) for name, field in inner.model_fields.items()}
 
 
 def is_number(annotation: Any) -> bool:

@@ -54,7 +54,7 @@ MEANINGS: dict[str, str] = {
     "g": "acceleration of gravity [m/s²], case.g",
     "R": "distance from the edge to the centre of mass [m]",
     "alpha": "slenderness angle atan(b/h) [rad]",
-    "tan_alpha": "b/h [1]",
+    "tan_alpha": "tangent of the slenderness angle, b/h [1]",
     "b": "distance from the centre of mass to the edge [m]",
     "h": "height of the centre of mass above the base [m]",
     "p": "frequency parameter sqrt(m g R/I_O) [rad/s]; not in the block itself",
