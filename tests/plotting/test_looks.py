@@ -115,7 +115,7 @@ def test_part_of_a_suite_is_no_suite() -> None:
     assert asked_of(suite)[0][0] == "ida"
     with pytest.raises(StudyError, match="takes no statistics"):
         rockcli.plot(suite, "ida", select={"omega_p": 4})
-    assert asked_of(suite, select={"omega_p": 4})[0][0] == "map"
+    assert asked_of(suite, select={"omega_p": 4})[0][0] == "curve"
 
 
 def test_labels_limits_and_letters(sizes: xarray.Dataset) -> None:
