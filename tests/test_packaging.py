@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 import jsonschema
+import pytest
 import yaml
 
 import rockcli
@@ -79,6 +80,25 @@ def test_the_image_installs_what_continuous_integration_does():
     words = {line.split()[0] for line in IMAGE.replace("\\\n", " ").splitlines() if line and line[0] != "#"}
     assert words <= {"FROM", "WORKDIR", "COPY", "RUN", "ENV", "USER", "ENTRYPOINT", "CMD"}
     assert re.search(r"^USER (?!root)", IMAGE, re.M)
+
+
+def test_the_wheel_has_every_file_that_the_program_reads():
+    """Against the list that the build backend makes: what .gitignore names, or lies beside the package, is not in it."""
+    builder = pytest.importorskip("hatchling.builders.wheel").WheelBuilder(str(ROOT))
+    there = {Path(file.distribution_path).as_posix() for file in builder.recurse_included_files()}
+
+    def below(folder: str, pattern: str) -> set[str]:
+        found = {path.relative_to(ROOT).as_posix() for path in (ROOT / folder).rglob(pattern)}
+        assert found, folder
+        return found
+
+    assert below("rockcli", "*.py") <= there
+    assert below("rockcli/cli/templates", "*.yaml") <= there
+    shipped = set().union(*(below(folder, "*.*") for folder in ("records", "studies/examples", "studies/tutorials")))
+    assert {f"rockcli/shipped/{name}" for name in shipped if "/results/" not in name} <= there
+    single = ("engine/costs.csv", "plotting/page/template.html", "study/catalog.yaml", "py.typed")
+    assert {f"rockcli/{name}" for name in single} <= there
+    assert {name.partition("/")[0] for name in there} == {"rockcli"}
 
 
 def test_what_all_brings_is_for_users_and_no_address_is_invented():
