@@ -8,6 +8,7 @@ from scipy.special import ndtr
 
 import rockcli
 from rockcli.plotting import figures
+from rockcli.plotting.kinds import fragility
 from rockcli.plotting.kinds.ida import fractiles_of
 from rockcli.scene.hazard import hazard_words
 
@@ -64,7 +65,11 @@ def test_ida_shows_every_member_and_the_fractiles(stripes):
     figure = figures.figure("ida", stripes)
     (axes,) = figure.axes
     curves = [line for line in axes.lines if len(line.get_ydata()) == 20]
-    assert len(curves) == 5 + 1  # of five members the median alone
+    assert len(curves) == 5  # of five members no percentile: it would leap from one to another
+    assert len({(line.get_color(), line.get_linestyle()) for line in curves}) == 5
+    assert [text.get_text() for text in figure.legends[0].get_texts()][:5] == [
+        f"$\\omega_p$ = {value} rad/s" for value in range(2, 7)
+    ]
     assert [end for end, _, _ in fractiles_of(8)] == ["p16", "p50", "p84"]
     np.testing.assert_allclose(curves[0].get_ydata(), stripes["motion_pulse_a_p"].values / G)
     peak = stripes["theta_peak_over_alpha"].values
@@ -196,3 +201,23 @@ def test_risk_shows_hazard_shares_and_survival():
 
 def test_risk_needs_a_hazard_curve(stripes):
     assert "no hazard curve" in figures.why_not("risk", stripes)
+
+
+@pytest.mark.parametrize(("width", "columns"), [(180, 3), (120, 1), (60, 1)])
+def test_panels_of_risk_stand_below_one_another_where_the_figure_is_narrow(width, columns):
+    curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
+    figure = rockcli.plot(rockcli.run(suite(hazard=[curve])), "risk", width=width)
+    panels = [axes for axes in figure.axes if axes.get_ylabel() != "probability of overturning"]
+    figure.draw_without_rendering()
+    assert len(panels) == 3
+    assert len({round(axes.get_position().x0, 2) for axes in panels}) == columns
+
+
+def test_a_limit_of_the_slide_is_exceeded_by_what_overturns():
+    assert fragility._state("slide_peak > 0.05 m").endswith("> 0.05 m or overturned")
+    assert "overturned" not in fragility._state("0.5")
+
+
+def test_both_edges_of_a_rectangle_have_one_line_of_words(stripes):
+    (axes,) = rockcli.plot(stripes, "body").axes
+    assert [text.get_text().startswith(r"$\alpha_{") for text in axes.texts] == [False]

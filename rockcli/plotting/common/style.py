@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 import warnings
 from collections.abc import Iterator, Sequence
@@ -176,7 +177,9 @@ def headline(figure: Figure, title: str, note: str = "", over: Axes | None = Non
 
 def panel_title(axes: Axes, words: str, width: float, fontsize: float = 8.5) -> None:
     """Title of a panel, wrapped to its width [in]."""
-    axes.set_title("\n".join(textwrap.wrap(words, max(int(width * 135.0 / fontsize), 12))), fontsize=fontsize)
+    columns = max(int(width * 135.0 / fontsize), 12)
+    visible = re.sub(r"\\(?:mathrm|[a-z]+)|[${}]", "", words)  # what mathematics is written with takes no room
+    axes.set_title("\n".join(textwrap.wrap(words, columns + len(words) - len(visible))), fontsize=fontsize)
 
 
 def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **style: Any) -> Legend | None:

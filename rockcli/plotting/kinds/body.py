@@ -109,6 +109,8 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...]) -> Non
         )
         words = rf"$\alpha_{{\mathrm{{{side}}}}}$ = {alpha[edge]:.4g} rad = {np.degrees(alpha[edge]):.3g}"
         lines.append((f"{words}\N{DEGREE SIGN}, $R$ = {R[edge]:.4g} m", colour))
+    if np.allclose([alpha[LEFT], R[LEFT]], [alpha[RIGHT], R[RIGHT]], rtol=1e-9, atol=0.0):  # one line for both
+        lines = [(lines[0][0].replace(r"_{\mathrm{left}}", ""), "black")]
     axes.plot(0.0, h, "o", color="black", markersize=4.0, zorder=5)
     axes.plot([0.0, 0.0], [0.0, h], color=QUIET, linewidth=0.6, linestyle=(0, (1, 2)), zorder=3)
     for number, (words, colour) in enumerate(lines):

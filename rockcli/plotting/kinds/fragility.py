@@ -127,12 +127,13 @@ def _first_motion(part: xarray.Dataset) -> str:
     return "uplift or slip" if slides else "uplift"
 
 
-def _state(label: str) -> str:
-    """A limit state for people."""
+def _state(label: str, *, alone: bool = True) -> str:
+    """A limit state for people; that of a slide is exceeded by bodies that overturn too."""
     if label == "overturned":
         return label
     quantity, _, value = label.rpartition(" > ")
-    return rf"{VARIABLES[quantity].symbol if quantity else THETA} > {value}"
+    words = rf"{VARIABLES[quantity].symbol if quantity else THETA} > {value}"
+    return f"{words} or overturned" if quantity and alone else words
 
 
 def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> None:
@@ -154,7 +155,11 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
         colour = COLOURS[i % len(COLOURS)]
         median, se, se_beta, rho, beta, total = (float(part[f"fragility_{name}"].values[i]) for name in _FITTED)
         above = median / divisor - begin
-        words = " and ".join(_state(str(part["limit_state"].values[j])) for j in same[i]) if same[i] else ""
+        words = (
+            " and ".join(_state(str(part["limit_state"].values[j]), alone=len(same[i]) == 1) for j in same[i])
+            if same[i]
+            else ""
+        )
         fitted = np.isfinite(median)
         if numbers and words:
             size = f"{median / divisor:.3g}{unit_in_brackets(unit).translate({ord('['): None, ord(']'): None})}"

@@ -5,13 +5,21 @@ Overturned cases run off to the right: their curve leaves the figure along the i
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, selection_note
-from rockcli.plotting.common.labels import axis_label, axis_values, shown_unit, title_of, unit_g, variable_label
+from rockcli.plotting.common.labels import (
+    axis_label,
+    axis_values,
+    coordinate_label,
+    shown_unit,
+    title_of,
+    unit_g,
+    variable_label,
+)
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
@@ -46,6 +54,12 @@ MEMBER, BOLD = "#8494A3", COLOURS[0]
 _FEW = 8
 """Members below which percentiles say nothing that the members do not."""
 
+_MANY: dict[str, Any] = {"color": MEMBER, "linewidth": 0.5, "dashes": ()}
+"""Look of each of many members."""
+
+_DASHES: tuple[tuple[float, ...], ...] = ((), (5.0, 1.5), (1.2, 1.2), (5.0, 1.2, 1.2, 1.2))
+"""Dashes of neighbours among few members, in turn."""
+
 _BEYOND = 1.6
 """Where overturned cases are, over the right end of the axis."""
 
@@ -68,15 +82,15 @@ def draw(dataset: xarray.Dataset) -> Figure:
     intensity = axis_values(dataset, suite.along)
     order = np.argsort(intensity)
     right = _right(dataset)
+    few = int(dataset.sizes[suite.axis]) < _FEW
     lifts = False
     for number, (case, place) in enumerate(shown):
         axes = grid.flat[number]
         part = dataset.isel(place)
         members = part[PEAK].transpose(suite.axis, suite.along).values[:, order]
-        width_of_member = 0.9 if len(members) <= _FEW else 0.5
-        for curve in members:
-            _run(axes, curve, intensity[order], right, color=MEMBER, linewidth=width_of_member, zorder=1)
-        for end, _, dashes in fractiles_of(len(members)):
+        for i, curve in enumerate(members):
+            _run(axes, curve, intensity[order], right, zorder=1, **(_own_look(i) if few else _MANY))
+        for end, _, dashes in () if few else FRACTILES:
             curve = part[f"{PEAK}_{end}"].values[order]
             _run(axes, curve, intensity[order], right, color=BOLD, linewidth=1.6, dashes=dashes, zorder=3)
         lifts |= _uplift(axes, part, suite.along)
@@ -95,17 +109,27 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid.flat[0].set_xlim(0.0, right)
     scale_axes(grid.flat[0], False, is_log(intensity[order]))
     grid.flat[0].set_ylim(low if is_log(intensity[order]) else min(0.0, low), _top(dataset, suite, intensity))
-    words = [Line2D([], [], color=MEMBER, linewidth=0.8, label=members_word(dataset, suite))]
-    for _, word, dashes in fractiles_of(int(dataset.sizes[suite.axis])):
-        words.append(Line2D([], [], color=BOLD, linewidth=1.6, label=word))
-        if dashes:
-            words[-1].set_dashes(dashes)
+    looks = [(members_word(dataset, suite), _MANY)]
+    looks += [(word, {"color": BOLD, "linewidth": 1.6, "dashes": dashes}) for _, word, dashes in FRACTILES]
+    if few:  # each is named, and no percentile is drawn: it would leap from one of them to another
+        names = range(int(dataset.sizes[suite.axis]))
+        looks = [(coordinate_label(dataset, suite.axis, i), _own_look(i)) for i in names]
+    words = []
+    for word, look in looks:
+        words.append(Line2D([], [], color=look["color"], linewidth=look["linewidth"], label=word))
+        if look["dashes"]:
+            words[-1].set_dashes(look["dashes"])
     if lifts:
         words.append(Line2D([], [], label=r"uplift, $g\,\tan\alpha$", **LIFTS))
     legend_below(figure, words)
     note = "; ".join(filter(None, [selection_note(len(shown), total, "panels"), "overturned cases leave to the right"]))
     headline(figure, title_of(dataset), note)
     return figure
+
+
+def _own_look(i: int) -> dict[str, Any]:
+    """Colour and dashes of a member among few."""
+    return {"color": COLOURS[i], "linewidth": 1.1, "dashes": _DASHES[i % len(_DASHES)]}
 
 
 def fractiles_of(members: int) -> tuple[tuple[str, str, tuple[float, ...]], ...]:

@@ -65,7 +65,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     rest = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
     curves = [np.asarray(dataset[PEAK].isel(place).values, dtype=float) for place in rest]
     closed = _closes(angle)
-    figure = new_figure(width_or(SINGLE), 0.9 + (0.95 if closed else 0.7) * width_or(SINGLE))
+    flat = not closed and angle.min() >= 0.0 and angle.max() > 0.5 * np.pi  # a half circle, above its diameter
+    figure = new_figure(width_or(SINGLE), 0.9 + (0.95 if closed else 0.55 if flat else 0.7) * width_or(SINGLE))
     axes: Any = figure.add_subplot(projection="polar")
     top = max((float(np.max(y, where=np.isfinite(y), initial=0.0)) for y in curves), default=0.0) or 1.0
     if top > 0.7:

@@ -35,6 +35,9 @@ _LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1))
 
 _MOST_BODIES = 3
 
+_THREE, _PANEL = 5.6, 2.2
+"""Widths that three panels beside one another need, and one panel [in]."""
+
 
 def without_risk(dataset: xarray.Dataset) -> str:
     """Why a dataset cannot be drawn so; "" if it can."""
@@ -42,14 +45,14 @@ def without_risk(dataset: xarray.Dataset) -> str:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """A row of three panels for each body: of overturning."""
+    """Three panels for each body, of overturning: in a row, or below one another where the figure is narrow."""
     suite = suite_of(dataset)
     if suite is None or "annual_rate" not in dataset:
         raise ValueError("risk needs an ensemble and a hazard curve")
     shown, total = panels(dataset, suite)
     shown = shown[:_MOST_BODIES]
-    figure = new_figure(width_or(DOUBLE), 0.85 + 2.3 * len(shown))
-    grid = figure.subplots(len(shown), 3, squeeze=False)
+    width = width_or(DOUBLE)
+    figure, grid = _grid(width, len(shown))
     label = intensity_label(dataset, suite)
     for row, (case, place) in zip(grid, shown, strict=True):
         part = dataset.isel(place).isel(limit_state=-1)
@@ -59,11 +62,23 @@ def draw(dataset: xarray.Dataset) -> Figure:
         for axes in row[:2]:
             axes.set_xlabel(label)
         if case.label:
-            panel_title(row[0], case.label, DOUBLE / 3.0)
+            panel_title(row[0], case.label, width / 3.0)
     legend_of(figure, grid[0, 0])
     note = "of overturning; bands: 95 % by the scatter of the suite"
     headline(figure, title_of(dataset), "; ".join(filter(None, [note, selection_note(len(shown), total, "bodies")])))
     return figure
+
+
+def _grid(width: float, bodies: int) -> tuple[Figure, Any]:
+    """A figure and its panels, a row of three for each body, wherever they stand."""
+    if width >= _THREE:
+        figure = new_figure(width, 0.85 + 2.3 * bodies)
+        return figure, figure.subplots(bodies, 3, squeeze=False)
+    if width >= _PANEL * bodies:
+        figure = new_figure(width, 0.85 + 2.0 * 3)
+        return figure, figure.subplots(3, bodies, squeeze=False).T
+    figure = new_figure(width, 0.85 + 1.7 * 3 * bodies)
+    return figure, figure.subplots(3 * bodies, 1, squeeze=False).reshape(bodies, 3)
 
 
 def _style(i: int) -> dict[str, Any]:

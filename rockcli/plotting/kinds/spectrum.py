@@ -43,6 +43,9 @@ Order = NDArray[np.intp]
 
 _FEWEST_SIZES = 3
 
+_MEMBERS = 1
+"""Where the members of a suite lie, below its percentiles."""
+
 _PRESCREENS = (
     ("_prescreen", ":", "closed form, after first uplift"),
     ("_prescreen_worst", (0, (5, 1, 1, 1)), "closed form, worst excursion"),
@@ -159,7 +162,7 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
         top = _top(row, members, high)
         for axes, part, curves in zip(line, parts, members, strict=True):
             for curve in curves:
-                _run(axes, period[order], curve, top, color=MEMBER, linewidth=0.5, alpha=0.8, zorder=1)
+                _run(axes, period[order], curve, top, color=MEMBER, linewidth=0.7, zorder=_MEMBERS)
             for end, line_of, _ in _prescreens(part, row):
                 curve = _values(part, row, f"{row.name}{end}_p50")[order]
                 axes.plot(period[order], curve, color=COLOURS[1], linewidth=1.0, linestyle=line_of, zorder=2)
@@ -228,10 +231,10 @@ def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...
         line.set_dashes(dashes)
     fell = np.isposinf(y)
     ends = fell & (np.append(~fell[1:], True) | np.append(True, ~fell[:-1]))
-    mark: dict[str, Any] = {"markersize": 3.5, "markeredgewidth": 0.0}
-    axes.plot(
-        x[ends], np.full(int(ends.sum()), 0.97 * top), "^", color=style["color"], zorder=style.get("zorder", 3), **mark
-    )
+    member = style.get("zorder") == _MEMBERS  # below those of the median, and smaller
+    mark: dict[str, Any] = {"markersize": 2.4 if member else 3.8, "markeredgewidth": 0.0}
+    height = np.full(int(ends.sum()), (0.91 if member else 0.97) * top)
+    axes.plot(x[ends], height, "^", color=style["color"], zorder=style.get("zorder", 3), **mark)
 
 
 def _finish(axes: Axes, row: Row, top: float) -> None:
