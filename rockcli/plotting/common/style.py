@@ -45,12 +45,13 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 OUTCOME_COLOURS: dict[str, str] = {
     "failed": "#000000",
     "unresolved": "#CC79A7",
-    "no_uplift": "#DADADA",
+    "no_uplift": "#ECECEC",
     "sliding": "#EBDD6E",
-    "rocking": "#9CC9E6",
+    "rocking": "#A8D1EA",
     "overturned_without_impact": "#A33B00",
-    "overturned_after_impact": "#F0A23C",
+    "overturned_after_impact": "#DE8A1C",
 }
+"""Neighbours in a map differ in lightness too, which print without colour leaves: L* 93, 82, 65 and 39."""
 
 BODY_FACE, BODY_EDGE, GROUND_LINE = "#D5DEE6", "#2F3E4C", "#8C7B6B"
 

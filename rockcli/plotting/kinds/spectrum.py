@@ -233,7 +233,7 @@ def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...
     ends = fell & (np.append(~fell[1:], True) | np.append(True, ~fell[:-1]))
     member = style.get("zorder") == _MEMBERS  # below those of the median, and smaller
     mark: dict[str, Any] = {"markersize": 2.4 if member else 3.8, "markeredgewidth": 0.0}
-    height = np.full(int(ends.sum()), (0.91 if member else 0.97) * top)
+    height = np.full(int(ends.sum()), (0.94 if member else 0.98) * top)
     axes.plot(x[ends], height, "^", color=style["color"], zorder=style.get("zorder", 3), **mark)
 
 

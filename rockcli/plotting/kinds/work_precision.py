@@ -40,6 +40,9 @@ LINE = 0.048
 COLUMN = 0.3
 """Share of the width of a panel that points with names beside them take."""
 
+_WIDE = 5.6
+"""Width from which names of settings have room in a panel that is narrower than the others [in]."""
+
 FRONT = "Pareto front"
 
 LOOKS: dict[str, tuple[str, str, str]] = {
@@ -139,7 +142,8 @@ def _panels(figure: Figure, shown: list[Panel], again: list[Panel]) -> list[tupl
     parts = figure.subfigures(len(rows), 1, squeeze=False)[:, 0]
     made = []
     for place, (over, panels) in zip(parts, rows.items(), strict=True):
-        widths = [1.6 if model else 1.0 for _, model in panels]
+        wide = width_or(DOUBLE) >= _WIDE
+        widths = [1.6 if model and wide else 1.0 for _, model in panels]
         grid = place.subplots(1, len(panels), sharey=True, squeeze=False, width_ratios=widths)[0]
         made += [(axes, panel, over) for axes, panel in zip(grid, panels, strict=True)]
     return made
@@ -207,7 +211,12 @@ def _named(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], part: s
         for i in members:
             axes.plot([cost[i], beside], [error[i], 10.0**place], color=QUIET, linewidth=0.4, zorder=1)
         axes.annotate(
-            words, (beside, 10.0**place), xytext=(2, 0), textcoords="offset points", va="center", fontsize=7.0
+            words,
+            (beside, 10.0**place),
+            xytext=(2, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=7.0 if width_or(DOUBLE) >= _WIDE else 6.0,
         )
 
 
