@@ -120,7 +120,11 @@ def test_an_interrupted_sweep_keeps_others_out_and_resumes(elsewhere: Path) -> N
     assert code == 2, told
     assert "another process is working in this folder" in told
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=60.0)
+    try:
+        _, told = process.communicate(timeout=30.0)
+    except subprocess.TimeoutExpired:  # where no thread can be woken one may be lost; a second one ends it
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=30.0)
     assert process.returncode == 130, told
     kept = [path.name for path in parts.iterdir()]
     assert kept
