@@ -143,6 +143,20 @@ def test_the_headline_is_in_words_with_units() -> None:
     assert {fact.what: fact.value for fact in facts_of(bare)}["the top moves"] == facts["the top moves"]
 
 
+def test_the_headline_has_the_largest_slide() -> None:
+    """By hand: a block at rest on friction mu, thrown at speed v, slides v^2 / (2 mu g)."""
+    case = {"block": {"R": 2.0, "tan_alpha": 0.5, "mu": 0.1}, "initial": {"slide_rate": 1.0}}
+    one = rockcli.run({"name": "one", "case": case})
+    (said,) = (fact for fact in facts_of(one) if fact.what == "largest slide")
+    assert said.value == f"{1e3 / (2.0 * 0.1 * 9.81):.3g} mm"
+    assert said.sentence == "along the ground at most"
+    many = rockcli.run({"name": "many", "case": case, "vary": {"initial.slide_rate": [0.0, 1.0, 5.0]}})
+    (said,) = (fact for fact in facts_of(many) if fact.what == "largest slide")
+    assert said.value == f"{25.0 / (2.0 * 0.1 * 9.81):.3g} m"
+    assert said.sentence == "along the ground at most, in 2 of 3 cases; most at slide rate 5"
+    assert "largest slide" not in {fact.what for fact in facts_of(many.isel({many.slide_peak.dims[0]: [0]}))}
+
+
 def test_the_headline_of_many_cases() -> None:
     data = rockcli.run(SUITE)
     facts = {fact.what: fact.value for fact in facts_of(data)}

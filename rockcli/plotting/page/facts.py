@@ -34,8 +34,8 @@ class Fact:
 
 
 def facts_of(dataset: xarray.Dataset) -> list[Fact]:
-    """Peak, top, margin, uplift, overturning, probability; what the dataset does not tell is absent."""
-    return [*_peak(dataset), *_uplift(dataset), *_overturning(dataset), *_probability(dataset)]
+    """Peak, top, margin, slide, uplift, overturning, probability; what the dataset does not tell is absent."""
+    return [*_peak(dataset), *_slide(dataset), *_uplift(dataset), *_overturning(dataset), *_probability(dataset)]
 
 
 def sentence_of(dataset: xarray.Dataset) -> str:
@@ -86,13 +86,32 @@ def _peak(dataset: xarray.Dataset) -> list[Fact]:
         top = 2.0 * number_at(dataset, "R", at) * np.cos(number_at(dataset, "alpha", at)) * np.sin(theta)
         said = "sideways at most, of a rigid rectangle"
     if np.isfinite(top):
-        found.append(Fact(f"{1e3 * top:.3g} mm", "the top moves", said + (", in that case" if several else "")))
+        found.append(Fact(_length(top), "the top moves", said + (", in that case" if several else "")))
     alpha = _alpha(dataset, at)
     said = f"the body reaches {100.0 * ratio:.3g} % of the angle"
     said += f" ({np.degrees(alpha):.3g}\N{DEGREE SIGN})" if np.isfinite(alpha) else ""
     said += " at which its weight no longer brings it back"
     margin = f"{100.0 * (1.0 - ratio):.3g} %" if ratio < 1.0 else "none"
     return [*found, Fact(margin, "margin" if not several else "margin of that case", said)]
+
+
+def _slide(dataset: xarray.Dataset) -> list[Fact]:
+    """How far a body slides along the ground, where one does."""
+    if "slide_peak" not in dataset.variables:
+        return []
+    slides = np.nan_to_num(dataset["slide_peak"].transpose(*axes_of(dataset)).values)
+    if not slides.max(initial=0.0) > 0.0:
+        return []
+    at = tuple(int(i) for i in np.unravel_index(int(np.argmax(slides)), slides.shape))
+    said = "along the ground at most"
+    if slides.size > 1:
+        where = _where(dataset, at)
+        said += f", in {int((slides > 0.0).sum())} of {slides.size} cases" + (f"; most at {where}" if where else "")
+    return [Fact(_length(float(slides[at])), "largest slide", said)]
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.3g} m" if metres >= 1.0 else f"{1e3 * metres:.3g} mm"
 
 
 def _alpha(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:
