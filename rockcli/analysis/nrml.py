@@ -21,7 +21,7 @@ from rockcli.errors import StudyError
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.variables import LIMIT
 from rockcli.storage.contents import Contents
-from rockcli.study.intensity import period_of
+from rockcli.study.intensity import bare, period_of
 
 Array = NDArray[np.float64]
 
@@ -91,7 +91,7 @@ def fragility_model(contents: Contents) -> Model:
 def _intensity_type(contents: Contents, told: str) -> tuple[str, float]:
     """OpenQuake's name of the intensity, and its unit there [SI]."""
     item = contents.fields.get(told)
-    name = told if item is None or told not in contents.axes else axis_path(item.attrs, told)
+    name = bare(told) if item is None or told not in contents.axes else axis_path(item.attrs, told)
     name = name.rsplit(".", 1)[-1] if period_of(name) is None else name
     g = float(units_of(contents).g or 1.0)
     if (period := period_of(name)) is not None:

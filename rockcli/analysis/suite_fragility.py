@@ -17,7 +17,7 @@ from rockcli.scene.axis_path import axis_path
 from rockcli.scene.variables import LIMIT, PEAK, PERCENTILE, PERCENTILES, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.cases.suite_axes import AMPLITUDES
-from rockcli.study.intensity import period_of
+from rockcli.study.intensity import bare, period_of
 from rockcli.study.study import Limit, Over, Study
 
 Array = NDArray[np.float64]
@@ -292,7 +292,7 @@ def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: A
     """
     shape = of_bodies(x).shape[:-2]
     name = over.told_against
-    grows = name in ("pga", "pgv", "cav") or period_of(name) is not None
+    grows = bare(name) in ("pga", "pgv", "cav") or period_of(name) is not None
     if name == over.along:
         grows = axis_path(contents.fields[name].attrs, name).rsplit(".", 1)[-1] in AMPLITUDES
     pga = values_of("pga", contents, study)

@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.analysis.measures import peaks
 from rockcli.motion.spectrum import displacement_spectrum, forcing
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Samples
+from rockcli.scene.excitation import Channel, Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.variables import VARIABLES
 from rockcli.storage.contents import Contents
 from rockcli.study.cases.buildable import buildable
-from rockcli.study.intensity import period_of
+from rockcli.study.intensity import GROUND, bare, period_of
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
@@ -27,14 +28,18 @@ def unit_of(name: str, contents: Contents) -> str:
         return "m s-2"
     if name == "pgv_over_pga":
         return "s"
+    name = bare(name)
     item = contents.fields[name]
     return str(item.attrs.get("units", VARIABLES[name].unit if name in VARIABLES else "1"))
 
 
 def values_of(name: str, contents: Contents, study: Study) -> Array | None:
     """An intensity of every case, over the axes; None where the dataset does not tell it."""
+    of_ground = name.startswith(GROUND)
     if (period := period_of(name)) is not None:
-        return _spectral(study, period).reshape(contents.shape)
+        return _spectral(study, period, of_ground=of_ground).reshape(contents.shape)
+    if of_ground:
+        return _peak_of_ground(study, bare(name)).reshape(contents.shape)
     if name == "pgv_over_pga":
         pair = [values_of(one, contents, study) for one in ("pgv", "pga")]
         return None if pair[0] is None or pair[1] is None else pair[0] / pair[1]
@@ -44,12 +49,28 @@ def values_of(name: str, contents: Contents, study: Study) -> Array | None:
     return np.asarray(contents.over_axes(name), dtype=float)
 
 
-def _spectral(study: Study, period: float) -> Array:
+def _motion(batch: Batch, *, of_ground: bool) -> Channel | None:
+    """The horizontal motion that the body stands on, or that of the ground below floors and isolators."""
+    motion = batch.excitation.horizontal
+    below = motion.ground if isinstance(motion, Samples) else None
+    return below if of_ground and below is not None else motion
+
+
+def _peak_of_ground(study: Study, name: str) -> Array:
+    """PGA [m/s^2] or PGV [m/s] of the ground of every case, (n,)."""
+    found = np.full(study.size, np.nan)
+    for indices, batch in buildable(study.batches, np.arange(study.size)):
+        pga, pgv = peaks(_motion(batch, of_ground=True), len(indices), batch.excitation.duration)
+        found[indices] = pgv if name == "pgv" else pga
+    return found
+
+
+def _spectral(study: Study, period: float, *, of_ground: bool) -> Array:
     """Pseudo-spectral acceleration at 5 % of the horizontal motion of every case, (n,) [m/s^2]."""
     found = np.full(study.size, np.nan)
     known: dict[tuple[bytes, float, float], float] = {}
     for indices, batch in buildable(study.batches, np.arange(study.size)):
-        motion = batch.excitation.horizontal
+        motion = _motion(batch, of_ground=of_ground)
         if motion is None:
             continue
         for i, index in enumerate(indices):

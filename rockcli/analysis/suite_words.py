@@ -15,12 +15,14 @@ from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.suite_risk import central, largest_tail
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.hazard import CONSISTENT, hazard_words
+from rockcli.scene.limit_states import OVERTURNED, exceeded_when
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
 from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK, PERCENTILE, PERCENTILES
 from rockcli.storage.contents import Contents
 from rockcli.study.building.floors import ARRIVES
 from rockcli.study.cases.uncertain import sentence
+from rockcli.study.intensity import GROUND, period_of
 from rockcli.study.study import MATCH, SAMPLE, Over, Study
 
 MOST_BODIES = 6
@@ -62,11 +64,14 @@ def warnings(contents: Contents, study: Study) -> list[str]:
 
 def _of_what_arrives(contents: Contents, over: Over) -> Iterator[str]:
     """Measures of a motion through floors are no longer the ground's, which a hazard curve of a site is of."""
-    measures = [name for name in (over.intensity, over.second) if name and name not in contents.axes]
+    named = (name for name in (over.intensity, over.second) if name and name not in contents.axes)
+    measures = [name for name in named if not name.startswith(GROUND)]
+    of_ground = [f"{GROUND}{name}" for name in measures if name in ("pga", "pgv") or period_of(name) is not None]
     if measures and ARRIVES in str(contents.attrs.get("processing", "")):
         yield (
             f"the intensity {' and '.join(measures)} is that of the motion that arrives at the body through the "
-            "floors, not of the ground: no hazard curve of the ground goes with it; `along` its amplitude does"
+            f"floors, not of the ground, which hazard curves are of{': that is ' if of_ground else ''}"
+            f"{' and '.join(of_ground)}"
         )
 
 
@@ -400,9 +405,9 @@ def _of_thresholds(contents: Contents, study: Study, over: Over, units: Units) -
 
 def limit_words(label: Any) -> str:
     """A limit state for people."""
-    if label == "overturned":
+    if label == OVERTURNED:
         return "overturning"
-    return f"{label} or overturned" if ">" in str(label) else f"theta/alpha > {label}"
+    return exceeded_when(str(label)) if ">" in str(label) else f"theta/alpha > {label}"
 
 
 def _members(over: Over) -> str:

@@ -56,6 +56,9 @@ def check(
 MOST_BODIES = 60
 """Bodies that are printed."""
 
+MOST_RECORDS = 4
+"""Records of which what was done to them is printed."""
+
 IN_SI = "[m/s2]"
 """End of the rows that are for programs: accelerations are printed in g."""
 
@@ -71,9 +74,11 @@ def _text(found: Preview) -> str:
         rows += [(f"  {row.words}", _shown(row.value)) for row in section if not row.words.endswith(IN_SI)]
     if len(found.bodies) > 1:
         rows.append(("bodies", f"{len(found.bodies)}, below"))
-    for name, steps in found.processing.items():
+    for name, steps in list(found.processing.items())[:MOST_RECORDS]:
         rows.append(("record", name))
         rows += [("", step) for step in steps]
+    if (more := len(found.processing) - MOST_RECORDS) > 0:
+        rows.append(("", f"and {more} more: --json has all"))
     size = f", {found.megabytes:.3g} MB of histories at most" if found.megabytes else ""
     cost = f"about {duration(found.seconds)} of processor time, {round(found.memory, -1):.0f} MB of memory{size}"
     rows += [("backend", found.backend), ("cost", cost)]

@@ -327,7 +327,9 @@ def _channel(batch: Batch, channel: Channel | None, uplift: float | None, which:
     if channel is None:
         return [Row(f"{key}motion", f"{which}motion", "none (free rocking)")]
     g = float(batch.g[0])
-    pga, pgv = (float(values[0]) for values in peaks(channel, batch.size, batch.excitation.duration))
+    pga, pgv = _peaks(batch, channel)
+    ground = channel.ground if isinstance(channel, Samples) else None
+    whose = "" if ground is None else " of what arrives at the body"
     if isinstance(channel, Pulses):
         rows = [
             Row(f"{key}motion", f"{which}motion", f"{channel.shape} pulse"),
@@ -337,15 +339,28 @@ def _channel(batch: Batch, channel: Channel | None, uplift: float | None, which:
         ]
     else:
         rows = _record(channel, g, which, key)
+    if ground is not None:
+        below, rate = _peaks(batch, ground)
+        rows += [
+            Row(f"{key}pga_ground", f"{which}PGA of the ground [m/s2]", below),
+            Row(f"{key}pga_ground_g", f"{which}PGA of the ground [g]", below / g),
+            Row(f"{key}pgv_ground", f"{which}PGV of the ground [m/s]", rate),
+        ]
     rows += [
-        Row(f"{key}pga", f"{which}PGA [m/s2]", pga),
-        Row(f"{key}pga_g", f"{which}PGA [g]", pga / g),
-        Row(f"{key}pgv", f"{which}PGV [m/s]", pgv),
+        Row(f"{key}pga", f"{which}PGA{whose} [m/s2]", pga),
+        Row(f"{key}pga_g", f"{which}PGA{whose} [g]", pga / g),
+        Row(f"{key}pgv", f"{which}PGV{whose} [m/s]", pgv),
     ]
     if uplift is not None:
         angle = "alpha" if batch.model == "linearized" else "tan alpha"
-        rows.append(Row("pga_over_uplift", f"PGA over g {angle}", pga / (g * uplift)))
+        rows.append(Row("pga_over_uplift", f"PGA{whose} over g {angle}", pga / (g * uplift)))
     return rows
+
+
+def _peaks(batch: Batch, channel: Channel) -> tuple[float, float]:
+    """PGA [m/s2] and PGV [m/s] of the first case."""
+    pga, pgv = peaks(channel, batch.size, batch.excitation.duration)
+    return float(pga[0]), float(pgv[0])
 
 
 def _record(samples: Samples, g: float, which: str, key: str) -> list[Row]:

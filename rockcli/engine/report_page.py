@@ -10,6 +10,7 @@ from rockcli.analysis.places import units_of
 from rockcli.analysis.rules import misled
 from rockcli.errors import StudyError
 from rockcli.scene.axis_path import axis_path
+from rockcli.scene.limit_states import OVERTURNED
 from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
@@ -87,7 +88,7 @@ def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
             divisor, unit = words.of(unit.rstrip("]"))
             values = shown[head].tolist()
             heads.append(_said(name) + (f" [{unit}]" if unit else ""))
-            columns.append([f"{v / divisor:.4g}" if isinstance(v, int | float) else str(v) for v in values])
+            columns.append([_cell(v, divisor, name) for v in values])
         note = (
             f"the first {_ROWS_SHOWN} of {len(every)} rows; all: rock table --of {of}"
             if len(every) > _ROWS_SHOWN
@@ -95,6 +96,13 @@ def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
         )
         found.append((title, heads, [*map(list, zip(*columns, strict=True))], note))
     return found
+
+
+def _cell(value: float | str, divisor: float, name: str) -> str:
+    """A value of a table; a dash where there is none."""
+    if isinstance(value, str):
+        return f"peak theta/alpha > {value}" if name == LIMIT and ">" not in value and value != OVERTURNED else value
+    return f"{value / divisor:.4g}" if value == value else "–"
 
 
 _SAID = {

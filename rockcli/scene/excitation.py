@@ -46,6 +46,7 @@ class Samples:
         measures: of the motion as processed, before `factor`: pga [m/s²], pgv [m/s], and whatever else
             is known of it; `pga_raw`, `pgv_raw` before any processing.
         files: those it was made from, one or two, as the study names them.
+        ground: the motion of the ground, where this is what arrives of it through floors; None: it is the ground's.
     """
 
     values: Array
@@ -55,6 +56,7 @@ class Samples:
     processing: tuple[str, ...] = ()
     measures: dict[str, float] = field(default_factory=dict)
     files: tuple[str, ...] = ()
+    ground: Samples | Pulses | None = None
 
     @property
     def end(self) -> float:
@@ -135,7 +137,8 @@ class Excitation:
 def scaled(channel: Channel, factor: float | Array) -> Channel:
     """The same motion, a factor larger; the factor one number or one a case, (n,)."""
     if isinstance(channel, Samples):
-        return replace(channel, factor=channel.factor * factor)
+        ground = None if channel.ground is None else scaled(channel.ground, factor)
+        return replace(channel, factor=channel.factor * factor, ground=ground)
     table, each = channel.table.copy(), np.broadcast_to(factor, len(channel.table))[:, None]
     table[:, :, PIECE_WIDTH - 1] *= np.abs(each)
     for kind, columns in AMPLITUDES.items():

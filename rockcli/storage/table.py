@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.scene.axis_path import axis_path
+from rockcli.scene.limit_states import exceeded_when
 from rockcli.scene.units import SI, Units, g_of
 from rockcli.scene.variables import BOUNDARY_POINT, HAZARD, INPUT, INTENSITY_BIN, LIMIT, MEASURE, PERCENTILE
 from rockcli.storage.checksum import note_opened
@@ -135,7 +136,10 @@ class Table:
         if name == _REASON:
             return Column(name, name, _sentences(values, self._items.get(_REASONS)))
         if values.dtype.kind in "OUTS":
-            return Column(name, name, values.astype(object))
+            words = values.astype(object)
+            if name == LIMIT:
+                words[:] = [exceeded_when(label) for label in words]
+            return Column(name, name, words)
         unit = str(item.attrs.get("units", "1"))
         if self._degrees and unit == "rad":
             values, unit = np.degrees(values), "deg"

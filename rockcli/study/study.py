@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.hazard import HazardCurve
+from rockcli.scene.limit_states import OVERTURNED, limit_label
 from rockcli.scene.looks import Look
 from rockcli.scene.spectra import DesignSpectrum
 from rockcli.scene.variables import PEAK
@@ -128,7 +129,7 @@ class Limit:
     @property
     def label(self) -> str:
         """Its name on the axis of the limit states."""
-        return f"{self.value:g}" if self.quantity == PEAK else f"{self.quantity} > {self.value:g} m"
+        return limit_label(self.quantity, self.value)
 
 
 @dataclass(frozen=True)
@@ -181,7 +182,7 @@ class Over:
     @property
     def limit_states(self) -> tuple[str, ...]:
         """Labels: the limits, and overturning."""
-        return (*(limit.label for limit in self.limits), "overturned")
+        return (*(limit.label for limit in self.limits), OVERTURNED)
 
 
 class CaseSource(Protocol):

@@ -86,3 +86,30 @@ def test_columns_are_aligned(checked: Callable[..., Any]) -> None:
 )
 def test_the_cost_knows_the_backend(checked: Callable[..., Any], more: str, low: float, high: float) -> None:
     assert low < checked(f"{BLOCK}, motion: {{{SINE}}}{', ' * bool(more)}{more}", "--json")["seconds"] < high
+
+
+def test_a_floor_s_peak_and_the_ground_s_are_told_apart(checked: Callable[..., Any]) -> None:
+    record = "record: {file: synthetic_rock_m65.AT2, pga: 0.3*g}"
+    case = f"{BLOCK}, motion: {{{record}, through: [{{f: 3, zeta: 0.05}}]}}"
+    motion = checked(case, "--json")["first_case"]["motion"]
+    assert motion["pga_ground_g"] == pytest.approx(0.3)
+    assert motion["pga_g"] > 0.35
+    told = checked(case)
+    assert re.search(r"PGA of the ground \[g\] +0\.3\n", told)
+    assert re.search(rf"PGA of what arrives at the body \[g\] +{motion['pga_g']:.6g}\n", told)
+    assert "of the ground" not in checked(f"{BLOCK}, motion: {{{record}}}")
+
+
+def test_what_was_done_to_records_is_told_of_the_first_of_many(
+    rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for i in range(7):
+        (tmp_path / f"q{i}.txt").write_text(f"# units: m/s2\n0 0\n0.01 {i + 1}\n0.02 0\n")
+    study = f"name: x\ncase: {{{BLOCK}, motion: {{record: {{file: q0.txt, pga: 4}}}}}}\n"
+    (tmp_path / "s.yaml").write_text(study + 'vary: {motion.record.file: "q*.txt"}\n')
+    assert rock("check", tmp_path / "s.yaml") == 0
+    told = capsys.readouterr().out
+    assert re.findall(r"\n  record +(q\d)", told) == ["q0", "q1", "q2", "q3"]
+    assert "and 3 more: --json has all" in told
+    assert rock("check", tmp_path / "s.yaml", "--json") == 0
+    assert len(json.loads(capsys.readouterr().out)[0]["processing"]) == 7

@@ -413,6 +413,8 @@ def test_limit_states_of_the_slide():
             np.testing.assert_array_equal(one["p_exceeded"].values, exceeds[i].mean(axis=0))
             assert float(one["fragility_median"]) == pytest.approx(expected.median[i], rel=1e-12)
             assert np.isfinite(expected.median[i])
+    told = ["1", *(f"{label} or overturned" for label in states[1:-1]), "overturned"]
+    assert rockcli.table(data, of="fragility")["limit_state"].tolist() == told
 
 
 def test_curves_of_slides_begin_where_friction_gives_way():

@@ -196,20 +196,24 @@ def test_of_very_many_floors_the_history_tells_some():
     assert said.startswith("through T = ")
 
 
-def test_an_intensity_of_what_arrives_is_said_not_to_be_the_grounds():
-    study = {
+def floor_suite(over):
+    return {
         "name": "floor-suite",
         "case": {
             "block": {"h": 1.0, "b": 0.25},
             "motion": {"record": {"file": "synthetic_rock_m65.AT2", "pga": 0.1}, "through": [{"f": 4, "zeta": 0.05}]},
         },
-        "over": {"axis": "record", "along": "pga", "intensity": "sa(1)"},
+        "over": {"axis": "record", "along": "pga"} | over,
         "vary": {
             "motion.record.file": ["synthetic_rock_m65.AT2", "synthetic_soil_m70.AT2"],
             "motion.record.pga": {"from": "0.1*g", "to": "0.4*g", "n": 4},
         },
         "save": {"histories": False},
     }
+
+
+def test_an_intensity_of_what_arrives_is_said_not_to_be_the_grounds():
+    study = floor_suite({"intensity": "sa(1)"})
     said = "is that of the motion that arrives"
     assert any("the intensity sa(1) " + said in one for one in json.loads(rockcli.run(study).attrs["warnings"]))
     study["over"] = {"axis": "record", "along": "pga"}
@@ -217,3 +221,44 @@ def test_an_intensity_of_what_arrives_is_said_not_to_be_the_grounds():
     del study["case"]["motion"]["through"]
     study["over"]["intensity"] = "sa(1)"
     assert not any(said in one for one in json.loads(rockcli.run(study).attrs["warnings"]))
+
+
+@pytest.mark.parametrize("name", ["pga", "pgv", "sa(1)"])
+def test_an_intensity_of_the_ground_is_that_of_the_same_motion_without_floors(name):
+    found = rockcli.run(floor_suite({"intensity": f"ground_{name}"}))
+    assert not any("motion that arrives" in one for one in json.loads(found.attrs["warnings"]))
+    plain = floor_suite({"intensity": name})
+    del plain["case"]["motion"]["through"]
+    want = rockcli.run(plain)
+    told = want[name] if name in want else want["fragility_intensity"]
+    there = found["fragility_intensity"]
+    np.testing.assert_allclose(there.values, told.broadcast_like(there).values, rtol=1e-12)
+    assert found["fragility_intensity"].attrs["units"] == told.attrs["units"]
+    arrives = rockcli.run(floor_suite({"intensity": name}))
+    above = arrives[name] if name in arrives else arrives["fragility_intensity"]
+    assert (np.abs(above.broadcast_like(there).values / there.values - 1.0) > 0.01).all()
+
+
+def test_the_ground_of_a_pulse_and_of_what_is_scaled_itself():
+    pulse = {"shape": "ricker", "a_p": 1.0, "T_p": 0.5}
+    motion = {"pulse": pulse, "through": [{"T": 0.3, "zeta": 0.05}]}
+    study = {
+        "name": "pulses",
+        "case": {"block": {"h": 0.9, "b": 0.2}, "motion": motion},
+        "over": {"axis": "T_p", "along": "a_p", "intensity": "ground_pga"},
+        "vary": {"motion.pulse.T_p": [0.4, 0.7], "motion.pulse.a_p": [1.0, 2.0, 3.0]},
+        "save": {"histories": False},
+    }
+    found = rockcli.run(study)
+    np.testing.assert_allclose(found["fragility_intensity"].values, [[1.0, 2.0, 3.0]] * 2, rtol=1e-12)
+    motion["floor_scale"] = 2.0
+    assert (np.diff(rockcli.run(study)["pga"].values / found["pga"].values) == 0.0).all()
+    np.testing.assert_allclose(rockcli.run(study)["fragility_intensity"].values, [[2.0, 4.0, 6.0]] * 2, rtol=1e-12)
+
+
+def test_a_hazard_curve_of_the_ground_goes_with_an_intensity_of_the_ground():
+    curve = {"label": "site", "intensity": ["0.01*g", "0.3*g", "3*g"], "rate": [0.1, 1e-3, 1e-6]}
+    study = floor_suite({"intensity": "ground_sa(1)"}) | {"hazard": [curve]}
+    assert open_study(study).over.hazard[0].intensity[1] == pytest.approx(0.3 * G)
+    with pytest.raises(StudyError, match=r"ground_pga, ground_pgv, ground_sa\(T\)"):
+        open_study(floor_suite({"intensity": "ground_arias"}))

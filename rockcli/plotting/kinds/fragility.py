@@ -23,6 +23,7 @@ from rockcli.plotting.common.style import (
 )
 from rockcli.plotting.common.suite import Suite, members_word, panels, suite_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
+from rockcli.scene.limit_states import OVERTURNED
 from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -108,8 +109,10 @@ def intensity_label(dataset: xarray.Dataset, suite: Suite) -> str:
     name = suite.told_against
     if name in dataset.dims:
         return axis_label(dataset, name)
-    spectral = name.lower().replace("sa(", r"$S_a$(").replace(")", " s, 5 %)")
-    return _NAMES.get(name, spectral) + unit_in_brackets(shown_unit(dataset, "fragility_median")[1])
+    bare = name.removeprefix("ground_")
+    spectral = bare.lower().replace("sa(", r"$S_a$(").replace(")", " s, 5 %)")
+    whose = "" if bare == name else " of the ground"
+    return _NAMES.get(bare, spectral) + whose + unit_in_brackets(shown_unit(dataset, "fragility_median")[1])
 
 
 def _intensity(part: xarray.Dataset, suite: Suite) -> Array:
@@ -129,11 +132,11 @@ def _first_motion(part: xarray.Dataset) -> str:
 
 def _state(label: str, *, alone: bool = True) -> str:
     """A limit state for people; that of a slide is exceeded by bodies that overturn too."""
-    if label == "overturned":
+    if label == OVERTURNED:
         return label
     quantity, _, value = label.rpartition(" > ")
     words = rf"{VARIABLES[quantity].symbol if quantity else THETA} > {value}"
-    return f"{words} or overturned" if quantity and alone else words
+    return f"{words} or {OVERTURNED}" if quantity and alone else words
 
 
 def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> None:

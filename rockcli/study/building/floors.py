@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli.motion.floors import BETWEEN, RINGS_TO, Arrival, Chain
 from rockcli.motion.spectrum import forcing
-from rockcli.scene.excitation import AMPLITUDES, PIECE_WIDTH, Pulses, Samples
+from rockcli.scene.excitation import AMPLITUDES, PIECE_WIDTH, Pulses, Samples, scaled
 from rockcli.study.building.numbers import Numbers, in_range
 from rockcli.study.building.pulse import build_pulses, unit_pulses
 from rockcli.study.building.records import Records
@@ -56,7 +56,8 @@ def waveforms(numbers: Numbers) -> Array | None:
 def of_record(numbers: Numbers, records: Records, ground: Samples, warnings: list[str]) -> Samples:
     """What arrives of a record."""
     arrival = _arrival(numbers, records, replace(ground, factor=np.ones(1)), ground.dt)
-    return _samples(numbers, ground, arrival, ground.factor, warnings)
+    arrives = _samples(numbers, ground, arrival, ground.factor, warnings)
+    return replace(arrives, ground=replace(ground, factor=arrives.factor))
 
 
 def of_pulse(numbers: Numbers, records: Records, warnings: list[str]) -> Samples:
@@ -67,7 +68,8 @@ def of_pulse(numbers: Numbers, records: Records, warnings: list[str]) -> Samples
     arrival = _arrival(numbers, records, unit, PULSE_STEP * period)
     peaks = {"pga": 1.0, "pgv": np.nan, "pga_raw": 1.0, "pgv_raw": np.nan}
     ground = Samples(np.zeros(2), arrival.dt, amplitude, f"{pulses.shape} pulse", (), peaks)
-    return _samples(numbers, ground, arrival, amplitude, warnings)
+    arrives = _samples(numbers, ground, arrival, amplitude, warnings)
+    return replace(arrives, ground=scaled(unit, arrives.factor))
 
 
 def _samples(numbers: Numbers, ground: Samples, arrival: Arrival, factor: Array, warnings: list[str]) -> Samples:

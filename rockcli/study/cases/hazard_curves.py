@@ -24,7 +24,7 @@ from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Keys, Map, Source, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.inputs import Inputs
-from rockcli.study.intensity import period_of
+from rockcli.study.intensity import bare, period_of
 from rockcli.study.schema import HazardPart, StudyPart
 from rockcli.study.study import Axis, Over
 
@@ -83,9 +83,9 @@ def read_hazard(source: Source, study: Map, part: StudyPart, over: Over | None, 
 
 
 def _against(over: Over, axes: Sequence[Axis]) -> str:
-    """The intensity of the fragility by its short name, as `pga` of the axis motion_record_pga."""
+    """The intensity of the fragility by its short name, as `pga` of the axis motion_record_pga, or of the ground's."""
     axis = next((axis for axis in axes if axis.name == over.told_against), None)
-    return over.told_against if axis is None else axis.path.rsplit(".", 1)[-1]
+    return bare(over.told_against) if axis is None else axis.path.rsplit(".", 1)[-1]
 
 
 def _curve(

@@ -10,7 +10,7 @@ from rockcli.scene.variables import PEAK
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
-from rockcli.study.intensity import KNOWN, period_of
+from rockcli.study.intensity import KNOWN, OF_GROUND, bare, period_of
 from rockcli.study.schema import OverPart, SlideLimitPart
 from rockcli.study.study import Axis, Limit, Over, Searched
 
@@ -82,9 +82,10 @@ def of_search(source: Source, study: Map, over: Over, search: Searched) -> Over:
         )
     if not amplitude or over.fit == "none":
         return replace(over, limits=(), intensity="")
-    grows = not over.intensity or over.intensity in ("pga", "pgv", "cav") or period_of(over.intensity) is not None
+    grows = not over.intensity or bare(over.intensity) in ("pga", "pgv", "cav") or period_of(over.intensity) is not None
     if over.second or not grows:
-        raise source.error(study, ("over", "intensity"), "of a search is one of pga, pgv, cav, sa(T)")
+        known = ", ".join(("pga", "pgv", "cav", "sa(T)", *OF_GROUND))
+        raise source.error(study, ("over", "intensity"), f"of a search is one of {known}")
     return replace(over, limits=(), intensity=over.intensity or search.axis.name)
 
 
@@ -119,13 +120,13 @@ def _intensity(source: Source, study: Map, name: Any, axes: Sequence[Axis]) -> s
         return ""
     keys = ("over", "intensity")
     try:
-        known = period_of(name) is not None or name in KNOWN
+        known = period_of(name) is not None or name in (*KNOWN, *OF_GROUND)
     except ValueError as error:
         raise source.error(study, keys, f"is {name!r}: {error}; expected sa(0.5)") from None
-    if known and name != "sa(T)":
+    if known and bare(name) != "sa(T)":
         return str(name)
     if not any(name in (a.name, a.path, a.path.rsplit(".", 1)[-1]) for a in axes):
-        offered = ", ".join(KNOWN)
+        offered = ", ".join((*KNOWN, *OF_GROUND))
         raise source.error(study, keys, f"is {name!r}; expected {offered} with T in seconds, or a numeric axis")
     found = _axis(source, study, keys, name, axes)
     if not found.numeric:
