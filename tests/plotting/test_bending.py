@@ -71,7 +71,7 @@ def test_motions_are_columns_and_more_of_them_are_counted():
 
 
 def test_one_model_under_several_motions_is_one_column():
-    assert len(figures.figure("bending", columns(("flexible",), pulses=2)).axes) == 4
+    assert len(figures.figure("bending", columns(("flexible",), pulses=2)).axes) == 3 + 2  # the bending of each
 
 
 @pytest.mark.parametrize("plot_format", ["png", "pdf", "svg"])

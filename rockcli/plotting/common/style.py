@@ -109,6 +109,12 @@ MOST_CURVES, MOST_LINES = 8, 7
 _NARROW = 1.65
 """Width below which a panel is no longer read [in]."""
 
+SHORTEST = 1.6
+"""Height below which a panel of curves is no longer read [in]."""
+
+PAIR = 4.2
+"""Width from which two panels of different content have room beside one another [in]."""
+
 _look: ContextVar[tuple[Look, str]] = ContextVar("look", default=(Look(), ""))
 """How the figure that is being drawn is wanted, and what was selected for it."""
 
@@ -128,6 +134,13 @@ def width_or(natural: float) -> float:
     """The width that is wanted, else the natural one [in]."""
     width = _look.get()[0].width
     return natural if width is None else width / INCH
+
+
+def fit_panels(figure: Figure, axes: Axes, height: float, rows: int = 1) -> None:
+    """Make a figure as high as lets each of its rows of panels be `height` [in]: titles and legends take none of it."""
+    figure.draw_without_rendering()  # lays the figure out
+    now = axes.get_position(original=True).height * figure.get_figheight()
+    figure.set_figheight(figure.get_figheight() + rows * (height - now))
 
 
 def grid_of(n: int, most: int = MOST_COLUMNS) -> tuple[int, int]:

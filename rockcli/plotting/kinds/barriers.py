@@ -16,6 +16,7 @@ from rockcli.plotting.common.style import (
     BODY_FACE,
     COLOURS,
     GROUND_LINE,
+    PAIR,
     QUIET,
     SINGLE,
     headline,
@@ -44,14 +45,19 @@ def without_barriers(dataset: xarray.Dataset) -> str:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """Above the body in the direction of the first case, below the barriers of each mesh."""
+    """The body in the direction of the first case, and the barriers of each mesh beside it, or below in a column."""
     bodies = _positions(dataset, ("barrier",))
     shown = spread(bodies, _MOST_MESHES)
-    figure = new_figure(width_or(SINGLE), 5.6)
-    grid = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.25), hspace=0.06)
-    above = figure.add_subplot(grid[0])
+    width = width_or(SINGLE)
+    if width >= PAIR:
+        figure = new_figure(width, 1.0 + 0.5 * width)
+        grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.25), wspace=0.06)
+    else:
+        figure = new_figure(width, 2.5 + 0.9 * width)
+        grid = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.25), hspace=0.06)
+    first = figure.add_subplot(grid[0])
     below: Any = figure.add_subplot(grid[1], projection="polar")
-    _draw_body(above, dataset, bodies[0])
+    _draw_body(first, dataset, bodies[0])
     azimuth = np.asarray(dataset["azimuth"].values, dtype=float)
     most = max(float(np.nanmax(values_at(dataset, "barrier", position))) for position in shown)
     unit, words = (1e3, "mm") if most < 1.0 else (1.0, "m")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from rockcli.plotting.common.cases import Array, Shown, axes_of, outcome_at, pick, selection_note, values_at
+from rockcli.plotting.common.cases import Shown, axes_of, outcome_at, pick, selection_note, values_at
 from rockcli.plotting.common.ground import draw_ground, motions
 from rockcli.plotting.common.labels import path_of, title_of, variable_label
 from rockcli.plotting.common.response import SHOWN_UP_TO, Window, over_alpha, window
@@ -34,8 +34,8 @@ BENDING = "u_top_bending"
 _ROWS: tuple[str, ...] = ("theta", "u_top", BENDING)
 """Rows from the top."""
 
-_GROUND, _ROW = 0.5, 0.85
-"""Heights of the panels of a_g and of the rows below it, over 1.75 in."""
+_GROUND, _ROW, _STRIP = 0.5, 0.85, 0.45
+"""Heights of the panels of a_g, of the rows below it, and of bending where it has several, over 1.75 in."""
 
 _APART = ("motion", "block", "initial", "let", "g")
 """Axes under these keys are columns; cases that differ in anything else are compared with one another."""
@@ -62,7 +62,10 @@ def without_bending(dataset: xarray.Dataset) -> str:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """A column for each motion, body or start; in each the ground, if it moves, and the rows of all models."""
+    """A column for each motion, body or start; in each the ground, if it moves, and the rows of all models.
+
+    Of several bodies that bend each has a panel of its bending: vibrations over one another hide one another.
+    """
     every = axes_of(dataset)
     across = tuple(axis for axis in every if _apart(dataset, axis))
     lines = tuple(axis for axis in every if axis not in across)
@@ -72,30 +75,35 @@ def draw(dataset: xarray.Dataset) -> Figure:
     curves, n_curves = pick(dataset, MOST_LINES, lines)
     cases = [[_join(column.position, curve.position) for curve in curves] for column in columns]
     grounds = [motions(dataset, positions) for positions in cases]
-    heights = [_GROUND] * any(grounds) + [_ROW] * len(_ROWS)
+    bent = [i for i in range(len(curves)) if any(_bends(dataset, positions[i]) for positions in cases)]
+    below = [[i] for i in bent] if len(bent) > 1 else [[*range(len(curves))]]
+    rows = [*((name, [*range(len(curves))]) for name in _ROWS if name != BENDING), *((BENDING, each) for each in below)]
+    heights = [_GROUND] * any(grounds) + [_STRIP if name == BENDING and len(below) > 1 else _ROW for name, _ in rows]
     figure = new_figure(width_or(DOUBLE), 0.7 + 1.75 * sum(heights))
     grid = figure.subplots(len(heights), len(columns), sharex="col", sharey="row", squeeze=False, height_ratios=heights)
     notes = [selection_note(len(columns), n_columns, "columns"), selection_note(len(curves), n_curves, "curves")]
-    limits = np.zeros((len(_ROWS), 2))
+    limits = dict.fromkeys(_ROWS, (0.0, 0.0))
     fell = False
     for number, (column, positions) in enumerate(zip(columns, cases, strict=True)):
         panels = grid[:, number]
         seen = window(dataset, positions)
         if grounds[number]:
             draw_ground(panels[0], dataset["time"].values, grounds[number], coloured=len(grounds[number]) > 1)
-        for row, name in enumerate(_ROWS):
-            axes = panels[row - len(_ROWS)]
-            for i, position in enumerate(positions):
-                low, high = _curve(axes, dataset, name, position, seen, i)
-                limits[row] = min(limits[row, 0], low), max(limits[row, 1], high)
+        for axes, (name, members) in zip(panels[-len(rows) :], rows, strict=True):
+            for i in members:
+                low, high = _curve(axes, dataset, name, positions[i], seen, i)
+                limits[name] = min(limits[name][0], low), max(limits[name][1], high)
             axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+            if len(members) < len(curves) and number == 0:
+                axes.set_title(curves[members[0]].label, loc="left", fontsize=8.0, pad=2.0)
         fell |= any(outcome_at(dataset, position).startswith("overturned") for position in positions)
         panels[0].set_title(column.label, fontsize=9.0)
         panels[-1].set_xlabel("time [s]")
         panels[-1].set_xlim(seen.start, seen.end)
         if len(columns) == 1:
             notes.append(seen.note)
-    _name(grid, limits)
+    for line, (name, _) in zip(grid[-len(rows) :], rows, strict=True):
+        _name(line, name, limits[name])
     figure.align_ylabels()
     notes.append("crosses: overturning" if fell else "")
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
@@ -145,20 +153,21 @@ def _look(number: int, *, dashed: bool = True) -> dict[str, Any]:
     return look | ({"dashes": dashes} if dashes else {})
 
 
-def _name(grid: NDArray[Any], limits: Array) -> None:
-    """Labels of the rows, room for what they show, and theta = alpha where it is in sight."""
-    for row, name in enumerate(_ROWS):
-        at = row - len(_ROWS)
-        low, high = limits[row]
-        margin = 0.08 * (high - low) or 0.1
-        for axes in grid[at]:
-            axes.set_ylim(low - margin, high + margin)
-            for level in (-1.0, 1.0):
-                if name == "theta" and low - margin < level < high + margin:
-                    axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
-        grid[at, 0].set_ylabel(r"$\theta_{\mathrm{base}}/\alpha$" if name == "theta" else variable_label(name))
-    for axes in grid[:, 1:].flat:
+def _bends(dataset: xarray.Dataset, position: Position) -> bool:
+    return bool(np.nan_to_num(values_at(dataset, BENDING, position)).any())
+
+
+def _name(line: NDArray[Any], name: str, limits: tuple[float, float]) -> None:
+    """Label of a row, room for what it shows, and theta = alpha where it is in sight."""
+    low, high = limits
+    margin = 0.08 * (high - low) or 0.1
+    for axes in line:
+        axes.set_ylim(low - margin, high + margin)
+        for level in (-1.0, 1.0):
+            if name == "theta" and low - margin < level < high + margin:
+                axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
         axes.set_ylabel("")
+    line[0].set_ylabel(r"$\theta_{\mathrm{base}}/\alpha$" if name == "theta" else variable_label(name))
 
 
 def _legend(figure: Figure, curves: list[Shown]) -> None:

@@ -18,6 +18,7 @@ from rockcli.plotting.common.style import (
     DOUBLE,
     GROUND_LINE,
     MOST_PANELS,
+    PAIR,
     QUIET,
     SINGLE,
     grid_of,
@@ -55,9 +56,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.25 if columns == 1 else DOUBLE)
     figure = new_figure(width, 0.7 + rows * (3.4 if columns == 1 else 2.9))
+    beside = columns == 1 and width >= PAIR  # where there is room beside the body
     grid = figure.subplots(rows, columns, squeeze=False)
     for axes, position in zip(grid.flat, shown, strict=False):
-        _draw(axes, dataset, position)
+        _draw(axes, dataset, position, beside=beside)
         if len(bodies) > 1:
             panel_title(axes, group_label(dataset, [position], _named(dataset)), width / columns)
     for axes in list(grid.flat)[len(shown) :]:
@@ -87,7 +89,7 @@ def _rectangles(dataset: xarray.Dataset) -> list[tuple[int, ...]]:
     return [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
 
 
-def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...]) -> None:
+def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, beside: bool) -> None:
     body = body_of(dataset, position)
     points = outline(body, 0.0)
     h = 0.5 * body.height
@@ -113,15 +115,16 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...]) -> Non
         lines = [(lines[0][0].replace(r"_{\mathrm{left}}", ""), "black")]
     axes.plot(0.0, h, "o", color="black", markersize=4.0, zorder=5)
     axes.plot([0.0, 0.0], [0.0, h], color=QUIET, linewidth=0.6, linestyle=(0, (1, 2)), zorder=3)
+    where, begins = ((1.0, 0.5), (8.0, 6.0)) if beside else ((0.5, 0.0), (0.0, -32.0))
     for number, (words, colour) in enumerate(lines):
         axes.annotate(
             words,
-            (0.5, 0.0),
-            (0.0, -32.0 - 12.0 * number),
+            where,
+            (begins[0], begins[1] - 12.0 * number),
             xycoords="axes fraction",
             textcoords="offset points",
             color=colour,
-            ha="center",
+            ha="left" if beside else "center",
             va="top",
             fontsize=8.0,
         )

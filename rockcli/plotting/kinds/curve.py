@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_STRIP: dict[str, str] = {"failed": "+", "unresolved": "d", "no answer": "+", "sliding": "s", "overturned": "x"}
-"""What has no value, or slides and has none but 0, from the bottom of the strip upwards, and its mark."""
+_STRIP = ("failed", "unresolved", "no answer", "sliding", "overturned")
+"""What has no value, or slides and has none but 0, from the bottom of the strip upwards."""
 
 
 _SOME_POINTS = 5
@@ -108,7 +108,7 @@ def _lonely(y: Array) -> NDArray[np.intp]:
 
 
 def _strip(axes: Axes, x: Array, rows: list[str], missing: list[dict[str, NDArray[np.bool_]]]) -> None:
-    """A row for each reason, in it a line of marks for each curve."""
+    """A row for each reason, in it a line of the marks of each curve."""
     for level, row in enumerate(rows):
         for number, found in enumerate(missing):
             where = x[found[row]] if row in found else np.empty(0)
@@ -116,10 +116,10 @@ def _strip(axes: Axes, x: Array, rows: list[str], missing: list[dict[str, NDArra
             axes.plot(
                 where,
                 np.full(len(where), height),
-                _STRIP[row],
+                MARKERS[number],
                 color=COLOURS[number],
-                markersize=3.0,
-                markeredgewidth=0.7,
+                markersize=2.8,
+                markeredgewidth=0.0,
             )
     axes.set_yticks(range(len(rows)), rows)
     axes.set_ylim(-0.5, len(rows) - 0.5)

@@ -13,7 +13,9 @@ from rockcli.plotting.common.style import (
     DOUBLE,
     LINES,
     MARKERS,
+    SHORTEST,
     SINGLE,
+    fit_panels,
     grid_of,
     headline,
     legend_below,
@@ -62,7 +64,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     shown, total = panels(dataset, suite)
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
-    figure = new_figure(width, 1.25 + rows * (width / columns) * (0.72 if columns == 1 else 0.85))
+    figure = new_figure(width, 1.25 + rows * (width / columns))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     single = len(shown) == 1
     x = _intensity(dataset, suite)
@@ -82,7 +84,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     first.set_ylim(-0.02, 1.02)
     log = is_log(np.sort(x))
     scale_axes(first, log)
-    first.set_xlim(float(x.min()) if log else 0.0, float(x.max()))
+    begin = float(dataset["fragility_begins_at"].min()) / shown_unit(dataset, "fragility_median")[0]
+    first.set_xlim(max(float(x.min()), 0.7 * begin) if log else 0.0, float(x.max()))
     legend_below(figure, first.get_legend_handles_labels()[0], 1 if single else 3)
     second = _second_words(dataset) if single else ""
     limits = "bands" if dataset.sizes["limit_state"] <= _BANDS else "bars"
@@ -90,6 +93,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     words = f"{members_word(dataset, suite)}; {second}{points}{limits}: 95 % limits"
     words += " of the medians" if limits == "bars" else ""
     headline(figure, title_of(dataset), "; ".join(filter(None, [words, selection_note(len(shown), total, "panels")])))
+    fit_panels(figure, first, max(0.62 * width / columns, SHORTEST), rows)
     return figure
 
 

@@ -195,6 +195,8 @@ def _marked_impacts(dataset: xarray.Dataset, case: Shown, seen: Window) -> Array
 def _rate(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:
     low, high = 0.0, 0.0
     for number, case in enumerate(shown):
+        if outcome_at(dataset, case.position) == "sliding":
+            continue
         response = response_of(dataset, case.position)
         rate = response.theta_dot
         axes.plot(response.time, rate, zorder=3, **_look(dataset, case, number))

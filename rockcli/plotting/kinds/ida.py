@@ -25,7 +25,9 @@ from rockcli.plotting.common.style import (
     DOUBLE,
     LIFTS,
     QUIET,
+    SHORTEST,
     SINGLE,
+    fit_panels,
     grid_of,
     headline,
     legend_below,
@@ -77,7 +79,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     shown, total = panels(dataset, suite)
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
-    figure = new_figure(width, 1.0 + rows * (width / columns) * (0.72 if columns == 1 else 0.85))
+    figure = new_figure(width, 1.0 + rows * (width / columns))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     intensity = axis_values(dataset, suite.along)
     order = np.argsort(intensity)
@@ -105,10 +107,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
             axes.set_ylabel(axis_label(dataset, suite.along))
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
-    low = float(intensity.min())
     grid.flat[0].set_xlim(0.0, right)
     scale_axes(grid.flat[0], False, is_log(intensity[order]))
-    grid.flat[0].set_ylim(low if is_log(intensity[order]) else min(0.0, low), _top(dataset, suite, intensity))
+    low = _bottom(dataset, suite, intensity) if is_log(intensity[order]) else min(0.0, float(intensity.min()))
+    grid.flat[0].set_ylim(low, _top(dataset, suite, intensity))
     looks = [(members_word(dataset, suite), _MANY)]
     looks += [(word, {"color": BOLD, "linewidth": 1.6, "dashes": dashes}) for _, word, dashes in FRACTILES]
     if few:  # each is named, and no percentile is drawn: it would leap from one of them to another
@@ -124,6 +126,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     legend_below(figure, words)
     note = "; ".join(filter(None, [selection_note(len(shown), total, "panels"), "overturned cases leave to the right"]))
     headline(figure, title_of(dataset), note)
+    fit_panels(figure, grid.flat[0], max(0.62 * width / columns, SHORTEST), rows)
     return figure
 
 
@@ -145,6 +148,14 @@ def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
         return False
     axes.axhline(float(np.tan(part["alpha"])) * unit_g(part) / shown_unit(part, along)[0], zorder=0, **LIFTS)
     return True
+
+
+def _bottom(dataset: xarray.Dataset, suite: Suite, intensity: Array) -> float:
+    """Bottom of a logarithmic axis: not far below where the first body moves, as there is nothing to see."""
+    peaks = dataset[PEAK].transpose(suite.along, ...).values
+    moved = intensity[(peaks.reshape(len(peaks), -1) > 0.0).any(axis=1)]
+    still = intensity[intensity < (moved.min() if len(moved) else np.inf)]
+    return float(min(0.7 * moved.min(), still.max()) if len(moved) and len(still) else intensity.min())
 
 
 def _top(dataset: xarray.Dataset, suite: Suite, intensity: Array) -> float:

@@ -10,7 +10,7 @@ from rockcli.motion.spectrum import displacement_spectrum, forcing
 from rockcli.plotting.common.cases import Array, axes_of, selection_note
 from rockcli.plotting.common.ground import Motion, motions
 from rockcli.plotting.common.labels import title_of
-from rockcli.plotting.common.style import COLOURS, DOUBLE, LINES, QUIET, headline, legend_of, new_figure, width_or
+from rockcli.plotting.common.style import COLOURS, DOUBLE, LINES, PAIR, QUIET, headline, legend_of, new_figure, width_or
 from rockcli.scene.excitation import Samples
 
 if TYPE_CHECKING:
@@ -36,15 +36,22 @@ def without_motion(dataset: xarray.Dataset) -> str:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """Left the acceleration of each motion, right the response spectra of all."""
+    """Left the acceleration of each motion, right the response spectra of all, or below where there is no room."""
     sizes = [int(dataset.sizes[axis]) for axis in axes_of(dataset)]
     every = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)][:_EVERY]
     found = [motion for motion in motions(dataset, every) if np.nanmax(np.abs(motion.horizontal), initial=0.0) > 0.0]
     shown = found[:_MOST]
-    figure = new_figure(width_or(DOUBLE), 1.5 + 0.75 * max(len(shown), 1))
-    grid = figure.add_gridspec(len(shown), 2, width_ratios=(1.7, 1.0))
+    n = len(shown)
+    width = width_or(DOUBLE)
+    if width >= PAIR:
+        figure = new_figure(width, 1.5 + 0.75 * n)
+        grid = figure.add_gridspec(n, 2, width_ratios=(1.7, 1.0))
+        right = figure.add_subplot(grid[:, 1])
+    else:
+        figure = new_figure(width, 2.9 + 1.1 * n)
+        grid = figure.add_gridspec(n + 1, 1, height_ratios=(*n * (1.0,), 1.6))
+        right = figure.add_subplot(grid[n, 0])
     time = np.asarray(dataset["time"].values, dtype=float)
-    right = figure.add_subplot(grid[:, 1])
     first = None
     for number, motion in enumerate(shown):
         left = figure.add_subplot(grid[number, 0], sharex=first, sharey=first)

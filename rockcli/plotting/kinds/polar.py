@@ -34,6 +34,12 @@ _FEWEST = 5
 _TELLING = 0.2
 """Peak over the largest from which the worst direction of a curve is marked."""
 
+_BESIDE, _ABOVE, _BELOW = 0.4, 0.2, 0.25
+"""Room for the angles and numbers at either side of a half circle, above and below it [in]."""
+
+_TITLE, _GAP = 0.25, 0.06
+"""Room for the title of the panel, and next to those of the figure [in]."""
+
 _EDGE = 1.12
 """Radius at which what overturns is marked, over the largest drawn."""
 
@@ -66,7 +72,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     curves = [np.asarray(dataset[PEAK].isel(place).values, dtype=float) for place in rest]
     closed = _closes(angle)
     flat = not closed and angle.min() >= 0.0 and angle.max() > 0.5 * np.pi  # a half circle, above its diameter
-    figure = new_figure(width_or(SINGLE), 0.9 + (0.95 if closed else 0.55 if flat else 0.7) * width_or(SINGLE))
+    width = width_or(SINGLE)
+    side = width - 2.0 * _BESIDE
+    figure = new_figure(width, 0.9 + 0.95 * width)
     axes: Any = figure.add_subplot(projection="polar")
     top = max((float(np.max(y, where=np.isfinite(y), initial=0.0)) for y in curves), default=0.0) or 1.0
     if top > 0.7:
@@ -77,6 +85,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
         finite = np.where(np.isfinite(y), y, np.nan)
         axes.plot(angle[around], finite[around], color=colour, linestyle=LINES[number % len(LINES)], label=case.label,
                   marker=MARKERS[number], markersize=2.4, markeredgewidth=0.0)  # fmt: skip
+        if len(shown) == 1 and np.isfinite(y).all():
+            axes.fill(angle, y, color=colour, alpha=0.12, linewidth=0.0)
         fell = np.isposinf(y)
         axes.plot(angle[fell], np.full(int(fell.sum()), _EDGE * top), "x", color=colour, markersize=3.5)
         if not fell.any() and np.isfinite(y).any() and np.nanmax(finite) > _TELLING * top:
@@ -95,7 +105,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     axes.yaxis.get_major_locator().base.set_params(nbins=4, prune="lower")
     axes.tick_params(labelsize=7.5, pad=1.0)
     axes.grid(color=QUIET, linewidth=0.4, alpha=0.6)
-    axes.set_title(f"{variable_label(PEAK)} by direction", fontsize=8.5, pad=8.0)
+    place = {"y": 0.75 + _ABOVE / side} if flat else {}
+    axes.set_title(f"{variable_label(PEAK)} by direction", fontsize=8.5, pad=8.0, **place)
     notes = (
         selection_note(len(shown), total, "curves"),
         "ring: worst direction",
@@ -104,7 +115,23 @@ def draw(dataset: xarray.Dataset) -> Figure:
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     if len(shown) > 1:
         legend_of(figure, axes, 3)
+    if flat:
+        _crop(figure, axes, side)
     return figure
+
+
+def _crop(figure: Figure, axes: Any, side: float) -> None:
+    """Place the square `side` [in] of a half circle, two quarters of it empty, between title and legend."""
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    beside = [figure._suptitle, *figure.legends]  # type: ignore[attr-defined]
+    title, legend = (
+        sum(each.get_window_extent(renderer).height / figure.dpi + _GAP for each in some if each is not None)
+        for some in (beside[:1], beside[1:])
+    )
+    high = legend + _BELOW + 0.5 * side + _ABOVE + _TITLE + title
+    figure.set_figheight(high)
+    low = legend + _BELOW - 0.25 * side
+    axes.set_position((_BESIDE / figure.get_figwidth(), low / high, side / figure.get_figwidth(), side / high))
 
 
 def _closes(angle: Array) -> bool:

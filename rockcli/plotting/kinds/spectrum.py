@@ -1,6 +1,6 @@
 """Rocking spectra: peaks against 2 pi/p, the size of the body as a period; of one motion, or of a suite.
 
-Where cases overturn there is no curve, but marks at the top where that begins and ends.
+Where cases overturn there is no curve, but a bar at the top.
 """
 
 from __future__ import annotations
@@ -197,9 +197,9 @@ def _prescreens(part: xarray.Dataset, row: Row) -> list[tuple[str, Any, str]]:
 def _leaving(dataset: xarray.Dataset, rows: list[Row]) -> str:
     """What is not drawn as a value: cases that overturn, or of a search what lies outside its range."""
     if not rows[0].name.endswith(FOUND):
-        return "triangles: ends of where cases overturn"
+        return "bars at the top: overturned"
     state = thresholds_in(dataset, rows[0].name).state
-    words = ["triangles: ends of where nothing in the range overturns"]
+    words = ["bars at the top: nothing in the range overturns"]
     for flag, why in ((BELOW, "below the range"), (BRACKETED, "without an answer")):
         if count := int((state == flag).sum()):
             words.append(f"{count} of {state.size} {why}, not drawn")
@@ -225,16 +225,14 @@ def _largest(curves: list[Array]) -> float:
 
 
 def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...] = (), **style: Any) -> None:
-    """One curve; what has no answer leaves a gap, what overturned, too, between marks at the top."""
+    """One curve; what has no answer leaves a gap, what overturned, too, under a bar at the top."""
     (line,) = axes.plot(x, np.where(np.isposinf(y), np.nan, y), **style)
     if dashes:
         line.set_dashes(dashes)
-    fell = np.isposinf(y)
-    ends = fell & (np.append(~fell[1:], True) | np.append(True, ~fell[:-1]))
-    member = style.get("zorder") == _MEMBERS  # below those of the median, and smaller
-    mark: dict[str, Any] = {"markersize": 2.4 if member else 3.8, "markeredgewidth": 0.0}
-    height = np.full(int(ends.sum()), (0.94 if member else 0.98) * top)
-    axes.plot(x[ends], height, "^", color=style["color"], zorder=style.get("zorder", 3), **mark)
+    member = style.get("zorder") == _MEMBERS  # below those of the median, and thinner
+    bar: dict[str, Any] = {"linewidth": 0.8 if member else 2.0, "marker": "|", "markersize": 3.0 if member else 4.5}
+    height = np.where(np.isposinf(y), (0.93 if member else 0.97) * top, np.nan)
+    axes.plot(x, height, color=style["color"], zorder=style.get("zorder", 3), **bar)
 
 
 def _finish(axes: Axes, row: Row, top: float) -> None:

@@ -1,0 +1,142 @@
+"""Figures at the widths of journals: nothing leaves the page or lies on other words, and no colour is needed to read them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import combinations
+
+import numpy as np
+import pytest
+import xarray
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.text import Text
+from plotting.columns import columns
+from plotting.test_gallery import gallery
+from plotting.test_work_precision import traded
+
+import rockcli
+
+MADE = {
+    "bending": lambda: columns(),
+    "work_precision": lambda: traded(["event", "scipy RK45", "frame"]).assign_attrs(axes=""),
+}
+"""Datasets made by hand, where the study of the gallery takes long."""
+
+KINDS = [kind for kind in gallery.PICTURES if kind not in ("histories", "motion", "work_precision")]
+WIDTHS = (90, 120, 180)
+
+
+@pytest.fixture(scope="module")
+def datasets() -> dict[str, xarray.Dataset]:
+    """By study, each run once."""
+    return {}
+
+
+@pytest.fixture(scope="module")
+def figures() -> dict[tuple[str, float], Figure]:
+    """By kind and width, each drawn once."""
+    return {}
+
+
+@pytest.fixture
+def drawn(datasets: dict[str, xarray.Dataset], figures: dict[tuple[str, float], Figure]) -> Callable[..., Figure]:
+    def figure(kind: str, width: float) -> Figure:
+        study, _, options = gallery.PICTURES[kind]
+        key = kind if kind in MADE else study
+        if key not in datasets:
+            datasets[key] = MADE[kind]() if kind in MADE else gallery.dataset(kind)
+        if (kind, width) not in figures:
+            figures[kind, width] = rockcli.plot(datasets[key], kind, width=width, **options)
+            figures[kind, width].draw_without_rendering()
+        return figures[kind, width]
+
+    return figure
+
+
+def words(figure: Figure) -> list[Text]:
+    """Words that are seen."""
+    found = [figure._suptitle, *(text for legend in figure.legends for text in legend.get_texts())]
+    for axes in figure.axes:
+        found += [axes.title, axes._left_title, *axes.texts]
+        for axis in (axes.xaxis, axes.yaxis) if axes.axison else ():
+            low, high = sorted(axis.get_view_interval())
+            room = 1e-9 * (high - low)
+            ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+            found += [axis.label, *(tick.label1 for tick in ticks if low - room <= tick.get_loc() <= high + room)]
+            found += [tick.label2 for tick in ticks if low - room <= tick.get_loc() <= high + room]
+    return [text for text in found if text is not None and text.get_visible() and text.get_text().strip()]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_words_stay_on_the_page_and_off_one_another(drawn, kind, width):
+    figure = drawn(kind, width)
+    boxes = [(text.get_text(), text.get_window_extent()) for text in words(figure)]
+    page = figure.bbox
+    for said, box in boxes:
+        assert box.x0 >= page.x0 - 1.0, said
+        assert box.x1 <= page.x1 + 1.0, said
+        assert box.y0 >= page.y0 - 1.0, said
+        assert box.y1 <= page.y1 + 1.0, said
+    for (one, a), (other, b) in combinations(boxes, 2):
+        across = min(a.x1, b.x1) - max(a.x0, b.x0)
+        down = min(a.y1, b.y1) - max(a.y0, b.y0)
+        assert across < 2.0 or down < 2.0, (one, other)
+
+
+def looks(handle: object) -> tuple[tuple[object, ...], float]:
+    """What tells an entry of a legend from another without colours, and its lightness."""
+    if isinstance(handle, Line2D):
+        marker = handle.get_marker() if handle.get_markersize() > 1.0 else ""
+        return (str(handle._dash_pattern), marker, handle.get_linewidth()), lightness(handle.get_color())
+    assert isinstance(handle, Patch)
+    return (handle.get_hatch(),), lightness(handle.get_facecolor())
+
+
+def lightness(colour: object) -> float:
+    """L* of CIE 1976."""
+    c = np.array(to_rgb(colour))
+    y = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4) @ [0.2126, 0.7152, 0.0722]
+    return float(116.0 * np.cbrt(y) - 16.0 if y > 0.008856 else 903.3 * y)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_legend_needs_no_colours(drawn, kind):
+    figure = drawn(kind, 120)
+    for legend in figure.legends:
+        for one, other in combinations(legend.legend_handles, 2):
+            (a, light), (b, dark) = looks(one), looks(other)
+            assert a != b or abs(light - dark) > 9.0, (one.get_label(), other.get_label())
+
+
+@pytest.mark.parametrize("kind", ["ida", "fragility"])
+def test_titles_and_legends_take_nothing_from_the_panels(drawn, kind):
+    """However many lines they have, panels are as high as they are wide, nearly, and never flat."""
+    for width in WIDTHS:
+        figure = drawn(kind, width)
+        box = figure.axes[0].get_window_extent()
+        assert box.height / figure.dpi >= 1.55
+        assert 0.6 < box.height / box.width < 1.3
+
+
+def test_half_a_circle_leaves_no_half_empty(drawn):
+    for width in WIDTHS:
+        figure = drawn("polar", width)
+        (axes,) = figure.axes
+        half = axes.patch.get_window_extent()
+        title = axes.title.get_window_extent()
+        above = title.y0 - half.y1
+        below = half.y0 - figure.bbox.y0
+        assert 0.0 < above < 0.35 * figure.dpi
+        assert 0.0 < below < 0.4 * figure.dpi
+        assert half.width > 0.75 * figure.bbox.width
+
+
+def test_panels_with_little_in_common_stand_below_one_another_in_a_column(drawn):
+    for width, abreast in ((90, False), (180, True)):
+        body, barrier = drawn("barriers", width).axes
+        assert (body.get_position().x1 < barrier.get_position().x0) == abreast
+        assert (body.get_position().y0 > barrier.get_position().y1) != abreast
