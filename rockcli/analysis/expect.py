@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,7 @@ from rockcli.analysis.suites import variables
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.axis_path import axis_path
+from rockcli.scene.batch import Batch
 from rockcli.scene.curves import variables_of
 from rockcli.scene.excitation import Pulses
 from rockcli.scene.models import FLEXIBLE
@@ -23,10 +25,14 @@ from rockcli.scene.rules import RULES
 from rockcli.scene.units import SI, Units
 from rockcli.scene.variables import AUDIT, COUNTS, HISTORIES, IMPACTS, LARGE, ROTATION, VARIABLES
 from rockcli.storage.contents import COORDINATES, DIM_TIME, Contents
+from rockcli.storage.on_disk import Block, in_blocks
 from rockcli.study.cases.buildable import buildable
-from rockcli.study.study import Expect, Study
+from rockcli.study.study import Expect, Index, Study
 
 Mask = NDArray[np.bool_]
+
+_BUILT = 4096
+"""Cases built at a time to see what they have."""
 
 _OF_PULSES, _OF_MOTIONS, _OF_FLEXIBLE = {"a_p", "omega_p"}, {"pga", "pgv"}, {"u_top_bending"}
 _OF_FRICTION = {"slide", "slide_dot", "lift", "contact_mode"}
@@ -84,7 +90,7 @@ def _of_cases(study: Study, asked: set[str]) -> set[str]:
     """Those of some quantities that the motion and the model of some case give."""
     found: set[str] = set()
     if asked:
-        for _, batch in buildable(study.batches, np.arange(study.size)):
+        for _, batch in _batches(study):
             motion = batch.excitation.horizontal
             found |= _OF_PULSES if isinstance(motion, Pulses) else set()
             found |= _OF_MOTIONS if motion is not None and study.size <= LARGE else set()
@@ -95,50 +101,80 @@ def _of_cases(study: Study, asked: set[str]) -> set[str]:
     return found
 
 
+def _batches(study: Study) -> Iterator[tuple[Index, Batch]]:
+    """All that can be built, some cases at a time."""
+    for first in range(0, study.size, _BUILT):
+        yield from buildable(study.batches, np.arange(first, min(first + _BUILT, study.size)))
+
+
 def judge(contents: Contents, clauses: tuple[Expect, ...], units: Units = SI) -> list[Verdict]:
     """Judge every clause, in order; `units` are those of the words."""
     return [_judge(contents, clause, units) for clause in clauses]
 
 
-def expected_failures(contents: Contents, clauses: tuple[Expect, ...]) -> Mask:
-    """Cases a clause expects to fail (`quantity: outcome, is: failed`), over the axes."""
-    mask = np.zeros(contents.shape, dtype=bool)
+def expected_failures(contents: Contents, clauses: tuple[Expect, ...], at: Block) -> Mask:
+    """Cases of a block that a clause expects to fail (`quantity: outcome, is: failed`), over the axes."""
+    mask = np.zeros([part.stop - part.start for part in at], dtype=bool)
     for clause in clauses:
         if clause.quantity == "outcome" and clause.check == "is" and FAILED in _flags(clause):
-            mask[_selection(contents, clause)] = True
+            mask[tuple(map(_inside, _selection(contents, clause), at))] = True
     return mask
+
+
+def _inside(chosen: slice, part: slice) -> slice:
+    """What of a slice is in another one, counted from the beginning of that."""
+    first, stop, _ = chosen.indices(part.stop)
+    return slice(max(first - part.start, 0), max(stop - part.start, 0))
 
 
 def _judge(contents: Contents, clause: Expect, units: Units) -> Verdict:
     text = describe(contents, clause, units)
     if clause.quantity not in contents.fields:
         return Verdict(clause, text, 0, 0, "not in the dataset", "")
-    values = _values(contents, clause)
-    speaks = _points(values, clause)
-    distance = _distance(values, clause)
-    failing = speaks & ~(distance <= 0.0)  # a NaN distance satisfies nothing
-    points, bad = int(speaks.sum()), int(failing.sum())
-    if points == 0:
+    every = _asked(contents, clause)
+    points = bad = 0
+    largest, worst, where = -np.inf, np.nan, None
+    for part in _parts(contents, clause, every):
+        values = _values(contents, clause, every[part])
+        speaks = _points(values, clause)
+        distance = _distance(values, clause)
+        failing = speaks & ~(distance <= 0.0)  # a NaN distance satisfies nothing
+        points, bad = points + int(speaks.sum()), bad + int(failing.sum())
+        rank = np.where(speaks, np.where(np.isnan(distance), np.inf, distance), -np.inf)
+        if not rank.size:
+            continue
+        at = np.unravel_index(int(np.argmax(rank)), rank.shape)
+        if where is None or rank[at] > largest:
+            firsts = [s.start for s in part] + [0] * (len(at) - len(part))
+            largest, worst = rank[at], values[at]
+            where = tuple(first + int(i) for first, i in zip(firsts, at, strict=True))
+    if points == 0 or where is None:
         return Verdict(clause, text, 0, 0, "no value", "")
-    rank = np.where(speaks, np.where(np.isnan(distance), np.inf, distance), -np.inf)
-    at = np.unravel_index(int(np.argmax(rank)), rank.shape)
-    worst = OUTCOMES[int(values[at])] if clause.quantity == "outcome" else _word(contents, clause, values[at], units)
-    return Verdict(clause, text, points, bad, worst, _place(contents, clause, at, units))
+    word = OUTCOMES[int(worst)] if clause.quantity == "outcome" else _word(contents, clause, worst, units)
+    return Verdict(clause, text, points, bad, word, _place(contents, clause, where, units))
 
 
-def _values(contents: Contents, clause: Expect) -> NDArray[Any]:
-    """Values the clause speaks of: (axes..., [time or impact]), axes named in `at` of length 1; no answer is NaN."""
+def _asked(contents: Contents, clause: Expect) -> NDArray[Any]:
+    """What is stored of what a clause speaks of: (axes..., [time or impact]), axes named in `at` of length 1."""
     item = contents.fields[clause.quantity]
-    beside = tuple(dim for dim in item.dims if dim not in contents.axes)
-    values = contents.over_axes(clause.quantity)
+    chosen = zip(contents.axes, _selection(contents, clause), strict=True)
+    return contents.over_axes(clause.quantity)[
+        tuple(part if axis in item.dims else slice(0, 1) for axis, part in chosen)
+    ]
+
+
+def _parts(contents: Contents, clause: Expect, every: NDArray[Any]) -> Iterable[Block]:
+    """Parts in which it is looked at: what has times or impacts is looked at whole."""
+    return in_blocks(every) if set(contents.fields[clause.quantity].dims) <= {*contents.axes} else [()]
+
+
+def _values(contents: Contents, clause: Expect, values: NDArray[Any]) -> NDArray[Any]:
+    """Stored values as the clause means them, at the time or rotation it speaks of; no answer is NaN."""
+    beside = tuple(dim for dim in contents.fields[clause.quantity].dims if dim not in contents.axes)
     if clause.quantity != "outcome":
         values = values.astype(float)
         if clause.quantity in COUNTS:
             values = np.where(values < 0, np.nan, values)
-    chosen = _selection(contents, clause)
-    values = values[
-        tuple(part if axis in item.dims else slice(0, 1) for axis, part in zip(contents.axes, chosen, strict=True))
-    ]
     for dim in beside:
         if dim in clause.at:
             values = np.take(values, [locate(contents, dim, clause.at[dim])], axis=values.ndim - 1)

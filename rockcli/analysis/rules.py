@@ -80,13 +80,12 @@ def with_rules(contents: Contents, study: Study) -> Contents:
 
 def misled(contents: Contents) -> tuple[Misled, ...]:
     """Every rule in a dataset against the outcomes in it."""
-    if "outcome" not in contents.fields:
+    asked = [rule for rule in RULES.values() if rule.of_overturning and rule.variable in contents.fields]
+    if "outcome" not in contents.fields or not asked:
         return ()
     share = members_of(contents).share
     found = []
-    for rule in RULES.values():
-        if rule.variable not in contents.fields or not rule.of_overturning:
-            continue
+    for rule in asked:
         values = contents.values(rule.variable)
         both = ~np.isnan(share) & ~np.isnan(values)
         predicted = np.isinf(values) | (values > rule.limit)

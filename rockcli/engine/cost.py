@@ -17,6 +17,8 @@ import numpy as np
 from rockcli.analysis.measures import peaks
 from rockcli.engine.sweep.chunk_result import DTYPES
 from rockcli.engine.sweep.chunks import CHUNK
+from rockcli.engine.sweep.parts import MOST
+from rockcli.engine.sweep.results import LET_GO
 from rockcli.scene.auto import highest
 from rockcli.scene.backends import BACKENDS, EVENT
 from rockcli.scene.batch import Batch
@@ -26,6 +28,7 @@ from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event.unpack import FORCES
+from rockcli.storage.on_disk import IN_MEMORY
 from rockcli.study.study import Study
 
 KNOWN = Path(__file__).parent / "costs.csv"
@@ -143,9 +146,11 @@ def share_refined(study: Study) -> float:
 
 def memory(study: Study, histories: float) -> float:
     """Memory that one process needs to solve a study, its results among it; `histories`: size of those [bytes]."""
-    each = sum(np.dtype(DTYPES.get(name, np.float64)).itemsize for name in study.scalars)
+    sizes = [np.dtype(DTYPES.get(name, np.float64)).itemsize for name in study.scalars]
+    held = sum(size * (study.size if size * study.size <= IN_MEMORY else LET_GO) for size in sizes)
+    waiting = (sum(sizes) + np.dtype(np.int64).itemsize) * min(study.size, MOST)
     over = STATISTICAL + MEMBER * study.size if study.over is not None else 0.0
-    return PROGRAM + each * study.size + WORKING * min(study.size, CHUNK) + HISTORIES * histories + over
+    return PROGRAM + held + waiting + WORKING * min(study.size, CHUNK) + HISTORIES * histories + over
 
 
 def _of_features(batch: Batch) -> float:

@@ -41,6 +41,9 @@ from rockcli.study.study import Study
 if TYPE_CHECKING:
     import xarray
 
+DRAWN = 25_000_000
+"""Cases up to which a run draws its plots: 130 bytes of each are in memory then."""
+
 
 def opened(source: dict[str, Any] | str | Path) -> Study:
     """A checked study from a mapping, whose `name` may be left out, or a file.
@@ -186,7 +189,7 @@ def run_study(
     path = dataset_path(study, out_dir)
     team = team or Team()
     parts = Parts(path.parent, study)
-    sweep = Sweep(team, parts, share, progress=progress)
+    sweep = Sweep(team, parts, share, folder=path.parent, progress=progress)
     with locked(path.parent, share):
         check_study(study, out_dir, fresh=fresh)
         if share is None:
@@ -197,9 +200,10 @@ def run_study(
             if netcdf.identity(path) == study.identity:
                 contents, status = _renewed(study, path, sweep), UP_TO_DATE
                 return _reported(study, contents, status, path, started, plot_format if plots else None, si=si)
-            old = reuse_results(study, netcdf.read(path))
-            assert old is not None
-            known, sweep.known = len(old.cases), (old,)
+            old = netcdf.read(path)
+            found = reuse_results(study, old)
+            assert found is not None
+            known, sweep.known = int(np.prod(old.shape, dtype=np.int64)), found
         if fresh:
             parts.remove(of_others=True)
         try:
@@ -281,6 +285,8 @@ def _renewed(study: Study, path: Path, sweep: Sweep) -> Contents:
 def _draw(study: Study, path: Path, plot_format: str) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     from rockcli.engine.draw import draw
 
+    if study.size > DRAWN and study.plots != ():
+        return (), (f"not drawn: of {study.size} cases, as a figure holds all it shows in memory (at most {DRAWN})",)
     return draw(path, study.plots, plot_format)
 
 

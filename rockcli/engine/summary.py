@@ -21,6 +21,7 @@ from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import SI, Units
 from rockcli.storage.contents import Contents
+from rockcli.storage.on_disk import in_blocks
 from rockcli.study.study import Study
 
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -155,14 +156,20 @@ def outcomes_of(contents: Contents) -> dict[str, int]:
     if "outcome" not in contents.fields:
         return {}
     flags = contents.values("outcome")
-    return {name: count for flag, name in OUTCOMES.items() if (count := int((flags == flag).sum()))}
+    counts = dict.fromkeys(OUTCOMES, 0)
+    for at in in_blocks(flags):
+        for flag in counts:
+            counts[flag] += int(np.count_nonzero(flags[at] == flag))
+    return {name: counts[flag] for flag, name in OUTCOMES.items() if counts[flag]}
 
 
 def _failed(study: Study, contents: Contents) -> int:
     if "outcome" not in contents.fields:  # of a search: a trial of the case failed
         return int(np.sum(contents.values("reason") > 0)) if study.search and "reason" in contents.fields else 0
-    failed = contents.values("outcome") == FAILED
-    return int(np.sum(failed & ~expected_failures(contents, study.expect)))
+    flags = contents.values("outcome")
+    return sum(
+        int(np.sum((flags[at] == FAILED) & ~expected_failures(contents, study.expect, at))) for at in in_blocks(flags)
+    )
 
 
 def largest(contents: Contents, name: str, units: Units) -> tuple[float | None, str]:
@@ -170,11 +177,13 @@ def largest(contents: Contents, name: str, units: Units) -> tuple[float | None, 
     if name not in contents.fields:
         return None, ""
     values = contents.values(name)
-    finite = np.where(np.isfinite(values), values, -1.0)
-    if not finite.size or finite.max() < 0.0:
-        return None, ""
-    at = np.unravel_index(int(np.argmax(finite)), finite.shape)
-    return float(finite[at]), place(contents, contents.axes, at, units)
+    most, where = -1.0, ()
+    for at in in_blocks(values):
+        finite = np.where(np.isfinite(values[at]), values[at], -1.0)
+        if finite.size and finite.max() > most:
+            inside = np.unravel_index(int(np.argmax(finite)), finite.shape)
+            most, where = float(finite[inside]), tuple(s.start + int(i) for s, i in zip(at, inside, strict=True))
+    return (None, "") if most < 0.0 else (most, place(contents, contents.axes, where, units))
 
 
 def _overturns(contents: Contents, units: Units) -> dict[str, str]:
@@ -189,11 +198,14 @@ def _overturns(contents: Contents, units: Units) -> dict[str, str]:
 def _reasons(contents: Contents) -> dict[str, int]:
     if "reason" not in contents.fields:
         return {}
-    codes, counts = np.unique(contents.values("reason"), return_counts=True)
-    sentences = contents.values("reasons")
+    codes, sentences = contents.values("reason"), contents.values("reasons")
+    counts = np.zeros(len(sentences), dtype=np.int64)
+    for at in in_blocks(codes):
+        counts += np.bincount(codes[at].ravel(), minlength=len(sentences))
     kinds: dict[str, tuple[str, int]] = {}
-    for code, count in zip(codes, counts, strict=True):
-        if sentence := str(sentences[code]):
+    for code in np.flatnonzero(counts):
+        sentence, count = str(sentences[code]), counts[code]
+        if sentence:
             # what `model: auto` expects are numbers that belong to the sentence; others tell one case from the next
             kind = sentence if sentence.startswith("auto: ") else _NUMBER.sub("#", sentence)
             example, before = kinds.get(kind, (sentence, 0))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from rockcli.storage.contents import Contents
+from rockcli.storage.on_disk import in_blocks
 
 NAME = "checksum"
 
@@ -37,8 +38,8 @@ def checksum(contents: Contents) -> str:
         if item.is_text:
             add([str(value) for value in item.values.ravel()])
         elif name not in FREE_VALUES:
-            # not copied, as `tobytes` does: it may be large
-            total.update(np.ascontiguousarray(item.values).reshape(-1).view(np.uint8).data)
+            for at in in_blocks(item.values):
+                total.update(np.ascontiguousarray(item.values[at]).reshape(-1).view(np.uint8).data)
     return total.hexdigest()
 
 

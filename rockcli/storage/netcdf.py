@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
@@ -10,18 +11,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rockcli.errors import OutputError, StudyError
-from rockcli.storage import checksum
+from rockcli.storage import checksum, on_disk
 from rockcli.storage.atomic import replacing
 from rockcli.storage.contents import Contents, Field
+from rockcli.storage.on_disk import blocks, full, let_go
 from rockcli.storage.places import reason
 
 _COMPRESSED_FROM = 4096
 """Values from which a variable is compressed (lossless)."""
-
-_BLOCK = 1 << 22
-"""Values written at a time, at least."""
 
 _AXES = "axes"
 
@@ -82,13 +82,18 @@ def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:
     beside = [other for other, coord in contents.fields.items() if _is_auxiliary(other, coord, item)]
     if beside and not item.coordinate:
         variable.setncattr("coordinates", " ".join(beside))
-    if item.is_text or item.values.size < _BLOCK:
+    if item.is_text:
         variable[...] = item.values
         return
-    pitch = variable.chunking()[0]  # what is compressed together is written at once
-    rows = pitch * -(-_BLOCK * len(item.values) // (item.values.size * pitch))
-    for first in range(0, len(item.values), rows):  # the library works on a copy
-        variable[first : first + rows] = item.values[first : first + rows]
+    for at in blocks(item.values.shape, _pitch(variable)):  # the library works on a copy
+        variable[at or ...] = item.values[at]
+        let_go(item.values)
+
+
+def _pitch(variable: Any) -> tuple[int, ...]:
+    """What is compressed together, and so is written and read at once."""
+    found = variable.chunking()
+    return () if found == "contiguous" else tuple(found)
 
 
 def _is_auxiliary(name: str, coordinate: Field, of: Field) -> bool:
@@ -159,17 +164,30 @@ def _read(path: Path) -> Contents:
             attrs = {name: str(file.getncattr(name)) for name in file.ncattrs()}
             axes = tuple(attrs.pop(_AXES).split())
             listed = {c for v in file.variables.values() for c in getattr(v, "coordinates", "").split()}
-            fields = {name: _read_field(variable, name, listed) for name, variable in file.variables.items()}
+            room = path.parent if os.access(path.parent, os.W_OK) else Path(tempfile.gettempdir())
+            fields = {name: _read_field(each, name, listed, room) for name, each in file.variables.items()}
+        except OutputError:
+            raise
         except Exception as error:
             raise StudyError(f"is damaged: {error}", file=path) from None
     return Contents(axes, fields, attrs)
 
 
-def _read_field(variable: Any, name: str, listed: set[str]) -> Field:
+def _read_field(variable: Any, name: str, listed: set[str], room: Path) -> Field:
     kept = [key for key in variable.ncattrs() if key not in ("_FillValue", "coordinates")]
     dims = tuple(variable.dimensions)
-    values = np.asarray(variable[...])
+    values = _read_values(variable, room)
     return Field(dims, values, {k: variable.getncattr(k) for k in kept}, name in listed or dims == (name,))
+
+
+def _read_values(variable: Any, room: Path) -> NDArray[Any]:
+    if variable.dtype is str or variable.size * variable.dtype.itemsize <= on_disk.IN_MEMORY:
+        return np.asarray(variable[...])
+    values = full(variable.shape, 0, variable.dtype, room)
+    for at in blocks(variable.shape, _pitch(variable)):
+        values[at] = variable[at]
+        let_go(values)
+    return values
 
 
 def identity(path: Path) -> str | None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.storage.on_disk import in_blocks
+
 Array = NDArray[np.float64]
 
 
@@ -14,7 +16,8 @@ def reduce(values: Array, axes: tuple[str, ...]) -> tuple[tuple[str, ...], Array
     for axis in axes:
         at = len(kept)
         first = np.take(values, [0], axis=at)
-        if same(values, first).all():
+        everywhere = np.broadcast_to(first, values.shape)
+        if all(same(values[block], everywhere[block]).all() for block in in_blocks(values)):
             values = first.squeeze(axis=at)
         else:
             kept.append(axis)

@@ -99,5 +99,5 @@ def test_memory_grows_with_what_is_kept() -> None:
         return memory(study(top=axes, save={"histories": False, "scalars": scalars}), 0.0)
 
     many, more = of(200_000, ["outcome"]), of(200_000, SUITE)
-    assert more - many == pytest.approx(3.2e6)
-    assert of(400_000, SUITE) - more == pytest.approx(3.4e6)
+    assert more - many == pytest.approx(2 * 3.2e6)  # as results, and waiting to be written
+    assert of(400_000, SUITE) - more == pytest.approx(2 * 3.4e6 + 1.6e6)  # with their numbers

@@ -80,6 +80,6 @@ def test_what_is_reused_has_the_same_ground() -> None:
     whole = solve(study())
     known = reuse_results(study(), whole)
     assert known is not None
-    again = solve(study(), sweep=sweep.Sweep(sweep.Team(), known=(known,)))
+    again = solve(study(), sweep=sweep.Sweep(sweep.Team(), known=known))
     for name in ("theta", "a_g", "a_v"):
         np.testing.assert_array_equal(again.values(name), whole.values(name))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.engine.sweep.chunk_symbols import Values
 from rockcli.scene.response import FAILED
+from rockcli.storage.on_disk import full
 from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
@@ -106,10 +108,13 @@ class ChunkResult(_Travelling):
         )
 
 
-def blank(names: tuple[str, ...], n: int) -> dict[str, NDArray[Any]]:
-    """Scalars of n cases of which nothing is known, (n,) each; `reason` is told by sentences."""
+def blank(names: tuple[str, ...], n: int, folder: Path | None = None) -> dict[str, NDArray[Any]]:
+    """Scalars of n cases of which nothing is known, (n,) each; `reason` is told by sentences.
+
+    Large ones lie in a folder, None = in memory (`storage.on_disk`).
+    """
     return {
-        name: np.full(n, UNSAID.get(name, np.nan), dtype=DTYPES.get(name, np.float64))
+        name: full(n, UNSAID.get(name, np.nan), DTYPES.get(name, np.float64), folder)
         for name in names
         if name != "reason"
     }

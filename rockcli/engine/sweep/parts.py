@@ -23,6 +23,9 @@ FOLDER = ".parts"
 EVERY = 5.0
 """Time between two parts [s]; what took less and was not written is solved again."""
 
+MOST = 1 << 22
+"""Cases that wait at most to be written."""
+
 _KINDS = ("scalars", "histories", "impacts", "shaken")
 
 _FORMAT = 2
@@ -55,6 +58,7 @@ class Parts:
         self.identity = study.identity
         self.damaged = 0
         self._waiting: list[ChunkResult] = []
+        self._cases = 0
         self._since = monotonic()
 
     def kept(self) -> Iterator[ChunkResult]:
@@ -69,7 +73,8 @@ class Parts:
     def keep(self, answer: ChunkResult) -> None:
         """Keep an answer; it is written with others every few seconds."""
         self._waiting.append(answer)
-        if monotonic() - self._since > EVERY:
+        self._cases += len(answer.cases)
+        if monotonic() - self._since > EVERY or self._cases > MOST:
             self.flush()
 
     def flush(self) -> None:
@@ -89,6 +94,7 @@ class Parts:
                 self._tidy()
                 raise
             self._waiting = []
+        self._cases = 0
         self._since = monotonic()
 
     def sweep(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,11 @@ from rockcli.engine.sweep.chunk_symbols import Reduction
 from rockcli.engine.sweep.settings_used import Used, joined
 from rockcli.engine.sweep.symbols import Symbols
 from rockcli.scene.response import FAILED, MAX_IMPACTS_STORED
+from rockcli.storage.on_disk import full, in_blocks, let_go
 from rockcli.study.study import Index, Study
 
-_BLOCK = 1 << 20
-"""Cases renumbered at a time."""
+LET_GO = 1 << 21
+"""Cases put after which what lies on disk is no longer held in memory too."""
 
 
 @dataclass(eq=False)
@@ -66,6 +68,7 @@ class Results:
         symmetric: whether every body is.
         answered: cases of which there is an answer.
         solved: (n,) of a refined map, 1 where the case was solved and 0 where its outcome is filled in; else None.
+        folder: where what is too large for memory lies; None = in memory.
     """
 
     size: int
@@ -83,16 +86,19 @@ class Results:
     symmetric: bool = True
     answered: int = 0
     solved: NDArray[np.int8] | None = None
+    folder: Path | None = None
     _warnings: set[str] = field(default_factory=set)
     _used: list[tuple[int, Used]] = field(default_factory=list)
     _pending: list[ChunkResult] = field(default_factory=list)
+    _held: int = 0
 
     @classmethod
-    def of(cls, study: Study, symbols: Symbols, *, solved: bool = True) -> Results:
+    def of(cls, study: Study, symbols: Symbols, folder: Path | None = None, *, solved: bool = True) -> Results:
         """Nothing yet; `solved`: whether there will be answers."""
-        scalars = blank(study.scalars, study.size) if solved else {}
+        scalars = blank(study.scalars, study.size, folder) if solved else {}
         asked = "reason" in study.scalars
-        return cls(study.size, scalars, symbols, np.zeros(study.size if asked else 0, dtype=np.int32), asked)
+        reason = full(study.size if asked else 0, 0, np.int32, folder)
+        return cls(study.size, scalars, symbols, reason, asked, folder=folder)
 
     describes = True
 
@@ -134,11 +140,15 @@ class Results:
         self._used = joined([*self._used, *answer.used])
         if answer.histories or answer.impacts:
             self._pending.append(answer)
+        self._held += len(cases)
+        if self._held > LET_GO:
+            self._held = 0
+            let_go(self.reason, *self.scalars.values(), *self.symbols.arrays)
 
     def explain(self, sentence: str, where: Index) -> None:
         """Give cases a sentence."""
         if not len(self.reason):
-            self.reason = np.zeros(self.size, dtype=np.int32)
+            self.reason = full(self.size, 0, np.int32, self.folder)
         said = self.said.setdefault(sentence, Said(len(self.said) + 1, int(where.min()), 0))
         said.first = min(said.first, int(where.min()))
         said.count += len(where)
@@ -150,9 +160,8 @@ class Results:
         self.reasons = ["", *(sentence for sentence, _ in order)]
         place = np.zeros(len(order) + 1, dtype=np.int32)
         place[[said.code for _, said in order]] = np.arange(1, len(order) + 1)
-        for start in range(0, len(self.reason), _BLOCK):
-            block = self.reason[start : start + _BLOCK]
-            block[...] = place[block]
+        for at in in_blocks(self.reason):
+            self.reason[at] = place[self.reason[at]]
         self._join_histories()
 
     def _join_histories(self) -> None:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from rockcli.engine.sweep.chunk_result import ChunkResult
 from rockcli.scene.variables import GROUND, HISTORIES, IMPACTS
+from rockcli.storage import on_disk
 from rockcli.storage.contents import Contents
-from rockcli.study.study import Study
+from rockcli.study.study import Index, Study
 
 
-def reuse_results(study: Study, old: Contents) -> ChunkResult | None:
-    """The answers that a dataset has for cases of a study; None if it is not of the same numbers.
+def reuse_results(study: Study, old: Contents) -> Iterator[ChunkResult] | None:
+    """The answers that a dataset has for cases of a study, some at a time; None if it is not of the same numbers.
 
     It is if case, let, save, version and the kinds of axes are the same, and every point of its axes, with the bytes
     of its record, is among the study's points.
@@ -22,13 +24,21 @@ def reuse_results(study: Study, old: Contents) -> ChunkResult | None:
     places = _places(study, old)
     if places is None:
         return None
-    flat = np.ravel_multi_index(np.ix_(*places), study.shape).ravel()
-    order = np.argsort(flat)
-    cases = flat[order].astype(np.int64)
+    size = int(np.prod(old.shape, dtype=np.int64))
+    firsts = range(0, size, on_disk.BLOCK)
+    return (_answer(study, old, places, np.arange(i, min(i + on_disk.BLOCK, size))) for i in firsts)
+
+
+def _answer(study: Study, old: Contents, places: list[Any], theirs: Index) -> ChunkResult:
+    """The answers of some flat cases of a dataset, as those of the study."""
+    points = np.unravel_index(theirs, old.shape)
+    mine = np.ravel_multi_index([of[at] for of, at in zip(places, points, strict=True)], study.shape)
+    order = np.argsort(mine)
+    cases = mine[order].astype(np.int64)
 
     def rows(name: str) -> Any:
         values = old.values(name)
-        return values.reshape(len(order), *values.shape[len(places) :])[order]
+        return values.reshape(-1, *values.shape[len(places) :])[theirs[order]]
 
     answer = ChunkResult(cases, {name: rows(name) for name in study.scalars if name != "reason"})
     if "reason" in old.fields:

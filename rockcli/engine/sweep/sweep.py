@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.models import DEFORMABLE
 from rockcli.scene.response import Response
 from rockcli.scene.variables import GROUND
+from rockcli.storage.on_disk import full, in_blocks, let_go
 from rockcli.study.cases.buildable import Unsolved, build_isolated, buildable
 from rockcli.study.study import OF_RECORDS, Index, Study
 
@@ -50,6 +52,7 @@ class Sweep:
         keeper: keeps what is finished where a killed run finds it again; None = nowhere.
         share: (K, N): only the K-th of N shares of the cases.
         known: answers there are already, of the same numbers.
+        folder: where results too large for memory lie until the dataset is written; None = in memory.
         progress: called with (cases done, cases in all) after every chunk.
         resumed: afterwards, how many cases the keeper had.
     """
@@ -58,6 +61,7 @@ class Sweep:
     keeper: Keeper | None = None
     share: tuple[int, int] | None = None
     known: Iterable[ChunkResult] = ()
+    folder: Path | None = None
     progress: Progress | None = None
     resumed: int = 0
 
@@ -133,7 +137,7 @@ def solve_cases(study: Study, progress: Progress | None = None, sweep: Sweep | N
 
 def _solve_cases(study: Study, sweep: Sweep) -> Results:
     keep_freed()
-    results = Results.of(study, symbols_of(study))
+    results = Results.of(study, symbols_of(study, sweep.folder), sweep.folder)
     todo = take_known(sweep, results)
     known = results.answered
     chunks = Chunks(study.size, todo if known else None, _by_record(study))
@@ -141,7 +145,9 @@ def _solve_cases(study: Study, sweep: Sweep) -> Results:
         del todo  # a byte for every case
     _work_off_at_pace(study, sweep, results, chunks)
     if known:
-        describe_rest(study, results, ~todo)
+        for at in in_blocks(todo):
+            np.logical_not(todo[at], out=todo[at])
+        describe_rest(study, results, todo)
     results.finish()
     return results
 
@@ -183,7 +189,7 @@ def _by_record(study: Study) -> Turned | None:
 
 def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:
     """Put the answers there are already into results; which cases are left, (n,)."""
-    todo = np.ones(results.size, dtype=bool)
+    todo = full(results.size, True, np.bool_, sweep.folder)
     for answer in sweep.known:
         todo[answer.cases] = False
         results.put(answer)
@@ -192,6 +198,7 @@ def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:
         todo[fresh.cases] = False
         results.put(fresh)
         sweep.resumed += len(fresh.cases)
+        let_go(todo)
     _note_damaged(sweep)
     return todo
 

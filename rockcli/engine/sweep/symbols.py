@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.sweep.chunk_symbols import Reduced, Reduction, Values, places_of
+from rockcli.storage.on_disk import full, in_blocks
 from rockcli.storage.reduced import reduce, same
 from rockcli.study.study import Index
 
@@ -29,10 +31,12 @@ class Symbols:
     Args:
         shape: points of every axis.
         look: symbols of some flat cases, ascending.
+        folder: where what is too large for memory lies; None = in memory.
     """
 
-    def __init__(self, shape: tuple[int, ...], look: Callable[[Index], Values]) -> None:
+    def __init__(self, shape: tuple[int, ...], look: Callable[[Index], Values], folder: Path | None = None) -> None:
         self.shape = shape
+        self._folder = folder
         self._kept: dict[str, tuple[int, ...]] = {}
         self._values: dict[str, Array] = {}
         self._known: dict[str, NDArray[np.bool_]] = {}
@@ -43,6 +47,11 @@ class Symbols:
                     kept = self._kept.setdefault(name, ())
                     if isinstance(values, np.ndarray) and axis not in kept:
                         self._kept[name] = tuple(sorted((*kept, axis)))
+
+    @property
+    def arrays(self) -> tuple[Array, ...]:
+        """What is held."""
+        return tuple(self._values.values())
 
     def _line(self, axis: int, corner: Index) -> Index:
         n = self.shape[axis]
@@ -66,8 +75,9 @@ class Symbols:
     ) -> None:
         kept = self._kept.setdefault(name, tuple(range(len(self.shape))))
         if name not in self._values:
-            size = [self.shape[axis] for axis in kept]
-            self._values[name], self._known[name] = np.full(size, np.nan), np.zeros(size, dtype=bool)
+            size = tuple(self.shape[axis] for axis in kept)
+            self._values[name] = full(size, np.nan, np.float64, self._folder)
+            self._known[name] = np.zeros(() if len(kept) == len(self.shape) else size, dtype=bool)
         held = self._values[name].reshape(-1)
         if isinstance(values, Reduced) and values.axes != kept:  # by now it is known to depend on more
             values = values.expanded(cases, self.shape)
@@ -93,13 +103,15 @@ class Symbols:
 
     def _over_all(self, name: str, kept: tuple[int, ...]) -> None:
         inserted = tuple(slice(None) if axis in kept else None for axis in range(len(self.shape)))
-        self._values[name] = np.broadcast_to(self._values[name][inserted], self.shape).copy()
+        held = self._values[name][inserted]
+        self._values[name] = full(self.shape, np.nan, np.float64, self._folder)
+        self._values[name][...] = held
         self._kept[name] = tuple(range(len(self.shape)))
         del self._known[name]
 
     def over(self, name: str, axes: tuple[str, ...]) -> tuple[tuple[str, ...], Array] | None:
         """Dims and values of a symbol over the axes it depends on; None if no case has it."""
         values = self._values.get(name)
-        if values is None or np.isnan(values).all():
+        if values is None or all(np.isnan(values[at]).all() for at in in_blocks(values)):
             return None
         return reduce(values, tuple(axes[axis] for axis in self._kept[name]))

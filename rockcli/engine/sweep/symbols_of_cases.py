@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -88,14 +89,14 @@ def describe(study: Study, built: list[tuple[Index, Batch]]) -> Description:
     return found
 
 
-def symbols_of(study: Study) -> Symbols:
-    """Where the symbols of a study are collected."""
+def symbols_of(study: Study, folder: Path | None = None) -> Symbols:
+    """Where the symbols of a study are collected; `folder`: where what is too large for memory lies."""
 
     def look(cases: Index) -> Values:
         built = list(buildable(study.suites, cases))
         return describe(study, built).symbols
 
-    return Symbols(study.shape, look)
+    return Symbols(study.shape, look, folder)
 
 
 def _may_be_asymmetric(resolved: dict[str, Any]) -> bool:
