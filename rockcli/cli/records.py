@@ -258,7 +258,7 @@ LINES = (
     ("npts", "values", ""),
     ("dt", "time step", "s"),
     ("duration", "duration", "s"),
-    ("units", "units in file", ""),
+    ("units", "values read in", ""),
     ("pga_g", "PGA", "g"),
     ("pgv", "PGV", "m/s"),
     ("pgd", "PGD", "m"),
@@ -269,11 +269,13 @@ LINES = (
 )
 """The table of `info`: key, words, unit."""
 
+_UNIT_WORDS = {"g": "g, the acceleration of gravity", "m/s2": "metres per second squared"}
+
 
 def _table(row: dict[str, Any]) -> str:
     rows = []
     for key, words, unit in LINES:
-        value = f"{row[key]:.6g}" if isinstance(row[key], float) else str(row[key])
+        value = f"{row[key]:.6g}" if isinstance(row[key], float) else _UNIT_WORDS.get(row[key], str(row[key]))
         if value:
             rows.append((words, f"{value} {unit}".rstrip()))
     rows += [("processing", sentence) for sentence in row["processing"]]

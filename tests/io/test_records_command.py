@@ -29,6 +29,14 @@ def test_info_prints_the_measures() -> None:
         assert line in text
 
 
+def test_info_says_in_words_in_which_units_values_were_read(tmp_path: Path) -> None:
+    assert "values read in   g, the acceleration of gravity" in run("info", ROCK)
+    (tmp_path / "q.txt").write_text("# units: cm/s2\n0 0\n0.01 100\n0.02 0\n")
+    text = run("info", tmp_path / "q.txt")
+    assert "values read in   metres per second squared" in text
+    assert "cm/s2 converted" in text
+
+
 def test_info_as_json() -> None:
     (row,) = json.loads(run("info", "--json", ROCK))
     motion = read_record(ROCK)

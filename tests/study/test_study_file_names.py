@@ -64,6 +64,32 @@ def test_a_glob_in_a_named_setting_is_a_point_for_every_file(here):
 
 
 @pytest.mark.parametrize(
+    ("path", "below"),
+    [
+        ("motion.record", lambda file: {"file": file, "pga": "0.3*g"}),
+        ("motion", lambda file: {"record": {"file": file, "pga": "0.3*g"}}),
+        ("case", lambda file: {"motion.record.file": file, "motion.record.pga": "0.3*g"}),
+        ("case", lambda file: {"motion": {"record": {"file": file, "pga": "0.3*g"}}, "block.b": 0.2}),
+    ],
+)
+def test_a_glob_inside_a_setting_keeps_what_else_the_setting_says(here, path, below):
+    """Against the same points written out by hand."""
+    down = {"down": below("ground_01.AT2")}
+    globbed = {"up": below("roof_*.AT2")} | down
+    by_hand = {f"up {name}": below(name) for name in ("roof_01.AT2", "roof_02.AT2")} | down
+    found, written = (rockcli.run(study("ground_01.AT2", {path: points})) for points in (globbed, by_hand))
+    axis = found.theta_peak_over_alpha.dims[0]
+    assert found[axis].values.tolist() == [*by_hand]
+    np.testing.assert_array_equal(found.theta_peak_over_alpha.values, written.theta_peak_over_alpha.values)
+    assert float(found.pga) == pytest.approx(0.3 * 9.81)
+
+
+def test_a_glob_where_no_axis_stands_says_where_it_may(here):
+    with pytest.raises(MissingRecordError, match=r"points of its named settings"):
+        open_study(study("ground_*.AT2", {}))
+
+
+@pytest.mark.parametrize(
     ("file", "vary", "words"),
     [
         ("{wher}_01.AT2", {"where": ["ground"]}, "'where' is not a path"),

@@ -135,7 +135,8 @@ class Records:
         """What is missing, where it was sought and how to get it: a line each."""
         lines = [f"the record {name[:200]!r} was not found"]
         if WILDCARDS & set(name):
-            lines.append("A pattern stands for several files, which make an axis: vary: {motion.record.file: ...}")
+            lines.append("A pattern stands for several files, which are an axis or points of its named settings:")
+            lines.append("vary: {motion.record.file: PATTERN}, or vary: {motion.record: {near: {file: PATTERN}}}")
         lines.append(f"Searched: {', '.join(self._searched())}")
         close = get_close_matches(Path(name).name[:200], list(self._present()), n=3, cutoff=0.6)
         if close:

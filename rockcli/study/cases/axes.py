@@ -24,7 +24,7 @@ from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
 from rockcli.study.document.overlay import Setting, leaves, same_twice
 from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
-from rockcli.study.document.tree import List, Map, Places, Source, Where, nearest, place
+from rockcli.study.document.tree import List, Map, Places, Source, Where, nearest, place, put_at, value_at
 from rockcli.study.document.values import WEAKEST, describe, is_finite, number_or_expression
 from rockcli.study.schema import StudyPart
 from rockcli.study.study import MATCH, Axis
@@ -371,17 +371,28 @@ class _Reader:
         return self.labelled(list(entry), settings, Places(tuple(places)))
 
     def globbed(self, entry: Map) -> Map:
-        """The entry with a point for every file that a glob matches, `label file`."""
-        if not self.is_file:
-            return entry
+        """The entry with a point for every file that the glob of a setting matches, `label file`."""
         whole = Map()
         for label, value in entry.items():
-            glob = isinstance(value, str) and bool(set(value) & WILDCARDS)
             where = entry.where.get(label)
-            for name in self.records.match(f"vary.{self.text}.{label}", value, where) if glob else [value]:
-                point = f"{label} {PurePosixPath(name).name}" if glob else label
-                whole[point], whole.where[point] = name, where
+            keys = self.glob_of(value)
+            if keys is None:
+                whole[label], whole.where[label] = value, where
+                continue
+            pattern = value_at(value, keys)
+            for name in self.records.match(f"vary.{self.text}.{label}", pattern, where):
+                point = f"{label} {PurePosixPath(name).name}"
+                whole[point], whole.where[point] = put_at(value, keys, name), where
         return whole
+
+    def glob_of(self, value: Any) -> Path | None:
+        """Where in a setting the file of the record is a glob; None where it is none."""
+        for keys, said in leaves(value):
+            path = ".".join((*self.path, *keys)).split(".")
+            of_record = path[-3:] == ["motion", "record", "file"] or path[-2:] == ["motion", "record"]
+            if of_record and isinstance(said, str) and set(said) & WILDCARDS:
+                return keys
+        return None
 
     @staticmethod
     def as_number(path: Path, value: Any) -> Any:

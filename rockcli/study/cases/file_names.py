@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from rockcli.study.document.tree import List, Map, value_at
+from rockcli.study.document.tree import List, Map, put_at, value_at
 
 LABELS = "labels"
 """Where axes that are only names stand in the tree of a study."""
@@ -34,15 +34,9 @@ def filled_in(study: Map, labels: Mapping[str, str]) -> Map:
         new = (
             List([_with(name, labels) for name in said], said.where) if isinstance(said, List) else _with(said, labels)
         )
-        study = _put(study, (*keys, "file"), new)
+        study = put_at(study, (*keys, "file"), new)
     return study
 
 
 def _with(name: Any, labels: Mapping[str, str]) -> Any:
     return _NAME.sub(lambda found: labels.get(found[1]) or found[0], name) if isinstance(name, str) else name
-
-
-def _put(tree: Map, keys: tuple[str, ...], value: Any) -> Map:
-    copy = Map(tree, tree.where, whole=tree.whole)
-    copy[keys[0]] = value if len(keys) == 1 else _put(tree[keys[0]], keys[1:], value)
-    return copy

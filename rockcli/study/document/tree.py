@@ -129,6 +129,15 @@ def value_at(tree: Any, keys: Keys) -> Any:
     return tree
 
 
+def put_at(tree: Any, keys: tuple[str, ...], value: Any) -> Any:
+    """A copy of a tree with another value at `keys`, which are there; parts that do not change are shared."""
+    if not keys:
+        return value
+    copy = Map(tree, tree.where, whole=tree.whole)
+    copy[keys[0]] = put_at(tree[keys[0]], keys[1:], value)
+    return copy
+
+
 def meant(key: str, known: Iterable[str], cutoff: float = 0.55) -> str | None:
     """The known key that is nearest to what is written; None if none is near."""
     lowered = {name.lower(): name for name in reversed(list(known))}
