@@ -221,13 +221,13 @@ def test_contents_and_picture():
     assert set(front_rows["part"].values) == {"numerics", "model"}
     assert default_kinds(dataset) == ("work_precision",)
     drawn = figure("work_precision", dataset)
-    assert [axes.get_title() for axes in drawn.axes] == ["numerics", "models, at accuracy standard", "numerics"]
+    assert [axes.get_title() for axes in drawn.axes] == ["numerics", "numerics", "models, at accuracy standard"]
     lines = {line.get_label(): line for line in drawn.axes[0].get_lines()}
     assert {"event", "Pareto front"} <= set(lines)
     np.testing.assert_array_equal(
         lines["event"].get_xdata(), [p.cost for p in found.points if p.setting.part == "numerics"]
     )
-    (again,) = (line for line in drawn.axes[2].get_lines() if line.get_label() == "event")
+    (again,) = (line for line in drawn.axes[1].get_lines() if line.get_label() == "event")
     np.testing.assert_array_equal(again.get_xdata(), np.median(dataset["n_rhs"][dataset["part"] == "numerics"], axis=1))
     older = figure("work_precision", dataset.drop_vars("n_rhs"))
     assert len(older.axes) == 2

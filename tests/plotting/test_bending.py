@@ -49,6 +49,17 @@ def test_rows_show_what_the_dataset_holds():
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["rigid", "flexible"]
 
 
+def test_bodies_that_bend_have_a_panel_each_on_one_scale():
+    dataset = columns()  # a rigid one, and two that bend
+    figure = figures.figure("bending", dataset)
+    *_, one, other = figure.axes
+    assert rows(figure)[-2] == rows(figure)[-1]
+    assert [axes.get_title(loc="left") for axes in (one, other)] == ["flexible", "fallen"]
+    np.testing.assert_array_equal(one.lines[0].get_ydata(), dataset["u_top_bending"][1])
+    assert one.lines[0].get_color() != other.lines[0].get_color()
+    assert one.get_ylim() == other.get_ylim()
+
+
 def test_a_ground_at_rest_has_no_panel():
     dataset = columns(("rigid", "flexible"))
     dataset["a_g"][:] = 0.0

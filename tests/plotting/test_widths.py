@@ -25,7 +25,7 @@ MADE = {
 }
 """Datasets made by hand, where the study of the gallery takes long."""
 
-KINDS = [kind for kind in gallery.PICTURES if kind not in ("histories", "motion", "work_precision")]
+KINDS = [kind for kind in gallery.PICTURES if kind not in ("histories", "motion")]
 WIDTHS = (90, 120, 180)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray
 
+import rockcli
 from rockcli.plotting.figures import figure
 from rockcli.plotting.kinds import work_precision
 from rockcli.solvers.general.methods import METHODS
@@ -64,6 +65,24 @@ def test_samplings_of_several_models_say_whose_they_are():
         dataset["part"][2:], dataset["step"][2:], dataset["model"][2:] = "data", "half", models
         words[len(set(models))] = {text.get_text() for text in figure("work_precision", dataset).axes[1].texts}
     assert words == {1: {"half"}, 2: {"half, rigid", "half, 1 corotational"}}
+
+
+def with_evaluations(dataset):
+    n = dataset.sizes["setting"]
+    return dataset.assign(n_rhs=(("setting", "case"), np.geomspace(10.0, 1e4, n)[:, None])).assign_attrs(axes="")
+
+
+@pytest.mark.parametrize(("width", "across"), [(90, 1), (120, 2), (180, 3)])
+def test_panels_stand_beside_one_another_where_there_is_room(width, across):
+    whole = rockcli.plot(with_evaluations(traded(["event", "frame"])), "work_precision", width=width)
+    whole.draw_without_rendering()
+    assert [axes.get_title() for axes in whole.axes] == ["numerics", "numerics", "models, at accuracy standard"]
+    high = [round(axes.get_position().y0, 2) for axes in whole.axes]
+    assert high.count(high[0]) == across
+    time, evaluations, models = whole.axes
+    assert time.get_ylim() == evaluations.get_ylim()
+    low, high = models.get_ylim()  # its own scale: the points take more than half of it
+    assert np.log(max(MODELS.values()) / min(MODELS.values())) > 0.5 * np.log(high / low)
 
 
 def test_names_do_not_lie_on_one_another():

@@ -12,6 +12,7 @@ from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
+    PAIR,
     QUIET,
     headline,
     legend_below,
@@ -34,14 +35,17 @@ LEAST = 1e-17
 MOST_MODELS = 3
 """Panels of numerical errors at most, one per model of the study."""
 
-LINE = 0.048
-"""Height of a line of names over that of a panel."""
-
-COLUMN = 0.3
-"""Share of the width of a panel that points with names beside them take."""
+LINE, LETTER = 0.14, 0.055
+"""Height of a line of names and width of a letter [in]."""
 
 _WIDE = 5.6
-"""Width from which names of settings have room in a panel that is narrower than the others [in]."""
+"""Width from which three panels have room beside one another [in]."""
+
+_PARTS = 6
+"""Columns of the grid, of which each of one, two or three panels of a row takes its share."""
+
+HIGH = 2.5
+"""Height of a row of panels, unless it only has a few names [in]."""
 
 FRONT = "Pareto front"
 
@@ -62,6 +66,11 @@ LOOKS: dict[str, tuple[str, str, str]] = {
     "scipy RK45, impacts not located": (COLOURS[5], "--", ">"),
 }
 """Colour, line and marker of a family, the same in every study: general methods solid, other backends dashed."""
+
+_NEAR = 0.15
+"""Powers of ten that errors differ by at most where one line of names is for both."""
+
+_ERROR = r"median error of $|\theta|_{\mathrm{max}}/\alpha$"
 
 UNKNOWN = (QUIET, ":", "*")
 """Look of a family that is not in the table."""
@@ -84,46 +93,67 @@ def without_trade(dataset: xarray.Dataset) -> str:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """A panel of numerical errors per model of the study, one of model errors, one of sampling; they share an axis.
+    """A panel of numerical errors per model of the study, one of model errors, one of sampling, over time.
 
-    Below, where the file knows them, the numerical errors again over evaluations of the right-hand side.
+    The numerical errors have one scale, and again a panel over evaluations of the right-hand side where the file knows
+    them; what has names beside its points has a scale of its own.
     """
     parts = dataset["part"].values
-    models = list(dict.fromkeys(dataset["model"].values[parts == "numerics"]))
-    shown = [("numerics", model) for model in models[:MOST_MODELS]]
-    shown += [(part, "") for part in ("model", "data") if (parts == part).any()]
     drawable = _drawable(dataset)
-    shown = [(part, model) for part, model in shown if (drawable & _rows(dataset, part, model)).any()]
-    width = width_or(DOUBLE if len(shown) > 1 else DOUBLE * 0.6)
+    models = list(dict.fromkeys(dataset["model"].values[parts == "numerics"]))
+    numerics = [("numerics", model) for model in models[:MOST_MODELS]]
+    numerics = [one for one in numerics if (drawable & _rows(dataset, *one)).any()]
+    named = [(part, "") for part in ("model", "data") if (drawable & _rows(dataset, part, "")).any()]
     efforts = {"cost": np.asarray(dataset["cost"].values, dtype=float), "n_rhs": _evaluations(dataset)}
     known = drawable & np.isfinite(efforts["n_rhs"])
-    again = [one for one in shown if one[0] == "numerics" and (known & _rows(dataset, *one)).any()]
-    figure = new_figure(width, 7.0 if again else 4.3)
-    errors = _errors(dataset, drawable)
-    for axes, (part, model), over in _panels(figure, shown, again):
-        rows = drawable & _rows(dataset, part, model) & np.isfinite(efforts[over])
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_ylim(errors.min() / 10.0, errors.max() * 10.0)
-        if part == "numerics":
-            _numerics(axes, dataset, rows, efforts[over])
-            if over == "cost":
-                _front(axes, dataset, rows)
-        else:
-            _named(axes, dataset, rows, part)
-        axes.set_xlabel(_OVER[over])
-        head = f"numerics: model {model}" if model and len(models) > 1 else _HEADS[part]
-        panel_title(axes, head, width / len(shown if over == "cost" else again))
-        axes.grid(visible=True, which="major", color="#EBEBEB", linewidth=0.5)
-        axes.set_axisbelow(True)
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        if (part, model) == shown[0]:
-            axes.set_ylabel(r"median error of $|\theta|_{\mathrm{max}}/\alpha$")
+    again = [one for one in numerics if (known & _rows(dataset, *one)).any()]
+    width = width_or(DOUBLE if len(numerics) + len(again) + len(named) > 1 else DOUBLE * 0.6)
+    shown = _arranged(numerics, again, named, 3 if width >= _WIDE else 2 if width >= PAIR else 1)
+    lines = {part: len(_labels_of(dataset, drawable & _rows(dataset, part, ""), part)) for part, _ in named}
+    highs = [HIGH if any(part == "numerics" for (part, _), _ in row) else
+             max(1.1, LINE * (2 + max(lines[part] for (part, _), _ in row))) for row in shown]  # fmt: skip
+    figure = new_figure(width, 0.8 + sum(0.75 + high for high in highs))
+    grid = figure.add_gridspec(len(shown), _PARTS, height_ratios=highs)
+    for number, row in enumerate(shown):
+        share = _PARTS // len(row)
+        for column, ((part, model), over) in enumerate(row):
+            axes = figure.add_subplot(grid[number, column * share : (column + 1) * share])
+            rows = drawable & _rows(dataset, part, model) & np.isfinite(efforts[over])
+            axes.set_xscale("log")
+            axes.set_yscale("log")
+            axes.set_xlabel(_OVER[over])
+            first = ((part, model), over) == row[0]
+            if part == "numerics":
+                errors = _errors(dataset, drawable & (parts == "numerics"))
+                axes.set_ylim(errors.min() / 10.0, errors.max() * 10.0)
+                axes.tick_params(labelleft=first)
+                _numerics(axes, dataset, rows, efforts[over])
+                if over == "cost":
+                    _front(axes, dataset, rows)
+            else:
+                _named(axes, dataset, rows, part, (width / len(row) - 0.7, HIGH if len(row) > 1 else highs[-1]))
+            if first or part != "numerics":
+                axes.set_ylabel(_ERROR if part == "numerics" else "median error")
+            head = f"numerics: model {model}" if model and len(models) > 1 else _HEADS[part]
+            panel_title(axes, head, width / len(row))
+            axes.grid(visible=True, which="major", color="#EBEBEB", linewidth=0.5)
+            axes.set_axisbelow(True)
+            axes.xaxis.set_minor_formatter(NullFormatter())
     handles = _legend(figure.axes)
     legend_below(figure, handles, columnspacing=1.2)
     absent = int((drawable & (parts == "numerics") & ~known).sum()) if again else 0
     headline(figure, f"{title_of(dataset)}: error against cost", _note(dataset, absent))
     return figure
+
+
+def _arranged(
+    numerics: list[Panel], again: list[Panel], named: list[Panel], most: int
+) -> list[list[tuple[Panel, str]]]:
+    """Rows of (panel, what it is over), filled alike; the panels of several models have rows of their own."""
+    over = [(one, "cost") for one in numerics], [(one, "n_rhs") for one in again], [(one, "cost") for one in named]
+    rows, loose = (list(over[:2]), over[2]) if len(numerics) > 1 else ([], [each for some in over for each in some])
+    across = -(-len(loose) // max(-(-len(loose) // most), 1))
+    return [*filter(None, rows), *(loose[i : i + across] for i in range(0, len(loose), across))]
 
 
 def _drawable(dataset: xarray.Dataset) -> NDArray[np.bool_]:
@@ -134,19 +164,6 @@ def _drawable(dataset: xarray.Dataset) -> NDArray[np.bool_]:
 def _rows(dataset: xarray.Dataset, part: str, model: str) -> NDArray[np.bool_]:
     of_part = dataset["part"].values == part
     return np.asarray(of_part & (dataset["model"].values == model) if model else of_part)
-
-
-def _panels(figure: Figure, shown: list[Panel], again: list[Panel]) -> list[tuple[Axes, Panel, str]]:
-    """Axes for what is shown in the first row over time, and again in a second one over evaluations."""
-    rows = {"cost": shown, "n_rhs": again} if again else {"cost": shown}
-    parts = figure.subfigures(len(rows), 1, squeeze=False)[:, 0]
-    made = []
-    for place, (over, panels) in zip(parts, rows.items(), strict=True):
-        wide = width_or(DOUBLE) >= _WIDE
-        widths = [1.6 if model and wide else 1.0 for _, model in panels]
-        grid = place.subplots(1, len(panels), sharey=True, squeeze=False, width_ratios=widths)[0]
-        made += [(axes, panel, over) for axes, panel in zip(grid, panels, strict=True)]
-    return made
 
 
 def _errors(dataset: xarray.Dataset, rows: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -191,33 +208,40 @@ def _front(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_]) -> None
         )  # fmt: skip
 
 
-def _named(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], part: str) -> None:
-    """Points at the left, their names in a column at the right, and a thin line from each point to its name."""
+def _named(axes: Axes, dataset: xarray.Dataset, rows: NDArray[np.bool_], part: str, size: tuple[float, float]) -> None:
+    """Points at the left, their names in a column at the right of a panel of some size [in], and lines between."""
     cost, error = np.asarray(dataset["cost"].values[rows], dtype=float), _errors(dataset, rows)
-    names = [str(model) for model in dataset["model"].values[rows]]
-    if part == "data":
-        of = [f", {model}" if len(set(names)) > 1 else "" for model in names]
-        names = [f"{how}{whose}" for how, whose in zip(dataset["step"].values[rows], of, strict=True)]
-    bottom, top = np.log10(axes.get_ylim())
-    gap = LINE * (top - bottom)
-    labels = _labels(names, np.log10(error), 0.2 * gap)
-    low, high = np.log10(cost.min()) - 0.15, max(np.log10(cost.max()), np.log10(cost.min()) + 0.5) + 0.15
-    right = low + (high - low) / COLUMN
+    labels = _labels_of(dataset, rows, part)
+    least, most = np.log10(error.min()), np.log10(error.max())
+    around = max(0.15 * (most - least), 0.5)
+    bottom, top = least - around, most + around
+    axes.set_ylim(10.0**bottom, 10.0**top)
+    gap = (top - bottom) * LINE / size[1]
+    low, high = np.log10(cost.min()) - 0.15, max(np.log10(cost.max()), np.log10(cost.min()) + 0.9) + 0.15
+    column = max(1.0 - (LETTER * max(len(words) for words, _ in labels) + 0.35) / size[0], 0.2)
+    right = low + (high - low) / column
     axes.set_xlim(10.0**low, 10.0**right)
+    axes.spines["bottom"].set_bounds(10.0**low, 10.0**high)
+    tens = range(int(np.floor(low)), int(np.floor(high)) + 1)
+    axes.set_xticks([10.0**n for n in tens if n >= low])
+    axes.set_xticks([k * 10.0**n for n in tens for k in range(2, 10) if low <= n + np.log10(k) <= high], minor=True)
+    axes.xaxis.label.set_x(0.5 * column)
     axes.plot(cost, error, linestyle="", marker="o", markersize=3.6, color="#000000", markeredgewidth=0.0)
-    beside = 10.0 ** (low + (COLUMN + 0.09) * (right - low))
+    beside = 10.0 ** (high + 0.25 * (right - low) / size[0])
     wanted = np.array([np.log10(error[members]).mean() for _, members in labels])
     for (words, members), place in zip(labels, _apart(wanted, gap, bottom, top), strict=True):
         for i in members:
             axes.plot([cost[i], beside], [error[i], 10.0**place], color=QUIET, linewidth=0.4, zorder=1)
-        axes.annotate(
-            words,
-            (beside, 10.0**place),
-            xytext=(2, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=7.0 if width_or(DOUBLE) >= _WIDE else 6.0,
-        )
+        axes.annotate(words, (beside, 10.0**place), (2, 0), textcoords="offset points", va="center", fontsize=7.0)
+
+
+def _labels_of(dataset: xarray.Dataset, rows: NDArray[np.bool_], part: str) -> list[tuple[str, list[int]]]:
+    """(words, points they name) of a panel from low to high."""
+    names = [str(model) for model in dataset["model"].values[rows]]
+    if part == "data":
+        of = [f", {model}" if len(set(names)) > 1 else "" for model in names]
+        names = [f"{how}{whose}" for how, whose in zip(dataset["step"].values[rows], of, strict=True)]
+    return _labels(names, np.log10(_errors(dataset, rows)), _NEAR)
 
 
 def _labels(names: list[str], heights: NDArray[np.float64], near: float) -> list[tuple[str, list[int]]]:
@@ -264,5 +288,5 @@ def _note(dataset: xarray.Dataset, absent: int) -> str:
         better = dict.fromkeys(str(a) for a in dataset["against"].values[dataset["part"].values == "model"])
         said.append("models against " + "; ".join(better))
     if absent:
-        said.append(f"{absent} without a number of right-hand sides above 0 are in the upper row only")
+        said.append(f"{absent} without a number of right-hand sides above 0 are over time only")
     return ". ".join(filter(None, said))
