@@ -11,6 +11,7 @@ import pytest
 import rockcli
 from rockcli.analysis.boundaries import KINDS, curves_of
 from rockcli.plotting import figures
+from rockcli.plotting.kinds.boundaries import smoothed
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response
 
@@ -110,6 +111,59 @@ def test_a_figure_of_lines(dataset, tmp_path: Path):
     assert len(drawn.axes[0].lines) == len(set(dataset["boundary_curve"].values))
     figures.save(drawn, tmp_path / "lines.svg", "svg")
     assert "after impact" not in figures.why_not("boundaries", dataset)
+
+
+def off_the_disc(x, y, radius: float):
+    """How far points are from a disc of `made_up`, in points of the map, and how far their neighbours turn."""
+    u, v = (y - 0.05) / 0.1 * (N - 1), (x - 1.0) * (N - 1)
+    along = np.unwrap(np.arctan2(np.diff(v), np.diff(u)))
+    return np.abs(np.hypot(u - 100.0, v - 100.0) - radius * (N - 1)), np.abs(np.diff(along))
+
+
+def test_lines_are_drawn_without_the_steps_of_the_map(dataset):
+    """Nearer to the disc on the whole than the points between its pixels, and never turning by a corner of them."""
+    (axes,) = figures.figure("boundaries", dataset).axes
+    mass = (
+        dataset["boundary_block_mass"].values if "boundary_block_mass" in dataset else dataset["boundary_mass"].values
+    )
+    at = (dataset["boundary"].values == OVERTURNING) & (mass == 1.0)
+    y, x = (dataset[f"boundary_{name}"].values[at] for name in ("block_R", "initial_theta"))
+    raw, corners = off_the_disc(y, x, 0.3)
+    line = next(
+        one for one in axes.lines if one.get_linestyle() == "-" and one.get_color() == axes.lines[0].get_color()
+    )
+    shown = dict(zip(("x", "y"), line.get_data(), strict=True))
+    smooth, turns = off_the_disc(shown["y"], shown["x"], 0.3)
+    assert len(smooth) == len(raw)
+    assert smooth.max() < np.sqrt(0.5)  # half the diagonal of a pixel
+    assert np.sqrt(np.mean(smooth**2)) < 0.7 * np.sqrt(np.mean(raw**2))
+    assert corners.max() > 0.7  # an eighth of a circle
+    assert turns.max() < 0.25
+
+
+def test_no_point_of_a_line_leaves_its_place_by_more_than_is_known():
+    rng = np.random.default_rng(0)
+    for closed in (False, True):
+        line = np.cumsum(rng.integers(-1, 2, (60, 2)), axis=0).astype(float)
+        line = np.concatenate([line, line[:1]]) if closed else line
+        found = smoothed(line)
+        assert np.abs(found - line).max() <= 0.5
+        assert (found[0] == found[-1]).all() if closed else (found[[0, -1]] == line[[0, -1]]).all()
+
+
+def test_islands_of_few_points_are_dots(monkeypatch):
+    def speckled(batch: Batch) -> Response:
+        x, y = batch.theta_0, batch.block.R[:, 0]
+        spot = (np.abs(x - 0.1) < 1e-4) & (np.abs(y - 1.5) < 1e-3)
+        outcome = np.where(spot, 3, np.where(y > 1.6, 3, 1)).astype(np.int8)
+        return Response(scalars={"outcome": outcome}, reasons=[""] * batch.size, used={"backend": "made up"})
+
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", speckled)
+    vary = {key: values for key, values in STUDY["vary"].items() if key != "block.mass"}
+    drawn = figures.figure("boundaries", rockcli.run(STUDY | {"vary": vary}))
+    dots = [line.get_xydata() for line in drawn.axes[0].lines if line.get_marker() == "o"]
+    np.testing.assert_allclose(dots, [[[0.1, 1.5]]], rtol=1e-12)
+    assert "islands of a few points of the map" in [text.get_text() for text in drawn.legends[0].get_texts()]
 
 
 def test_a_whole_map_has_none(monkeypatch):

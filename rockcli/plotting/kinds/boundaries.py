@@ -1,4 +1,8 @@
-"""Boundaries between outcomes of a refined map as lines: overturning spectra for a journal."""
+"""Boundaries between outcomes of a refined map as lines: overturning spectra for a journal.
+
+A boundary lies somewhere between two neighbouring points of the map.  Half-way between them it goes in steps; it is
+drawn as a smooth line that stays between them.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from rockcli.plotting.common.cases import axes_of
+from rockcli.plotting.common.cases import Array, axes_of
 from rockcli.plotting.common.labels import axis_label, axis_symbol, axis_values, title_of
 from rockcli.plotting.common.style import COLOURS, MOST_CURVES, SINGLE, headline, legend_below, new_figure, width_or
 from rockcli.plotting.kinds.map import is_log, plane, scale_axes
@@ -17,6 +21,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _STYLES: dict[str, Any] = {"uplift": ":", "overturning": "-", "overturning_after_impact": (0, (3.5, 1.6))}
+
+_SMOOTHED = 30
+"""Times that the points of a line move towards their neighbours: steps go, and a circle does not shrink yet."""
+
+_ISLAND = 12
+"""Points of a closed line that is drawn as such; of smaller ones the map does not know the shape, and a dot says so."""
+
+_DOT: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 1.8, "markeredgewidth": 0.0}
 
 _WORDS = {
     "uplift": "uplift",
@@ -42,16 +54,23 @@ def draw(dataset: xarray.Dataset) -> Figure:
     groups = list(dict.fromkeys(group.tolist())) if others else [""]
     meanings = str(dataset["boundary"].attrs["flag_meanings"]).split()
     kinds, numbers = dataset["boundary"].values, dataset["boundary_curve"].values
-    x, y = (dataset[f"boundary_{axis}"].values * _scale(dataset, axis) for axis in found)
-    figure = new_figure(width_or(SINGLE * 1.3), SINGLE)
+    places = [_places(dataset, axis) for axis in found]
+    values = [axis_values(dataset, axis) for axis in found]
+    width = width_or(SINGLE * 1.3)
+    figure = new_figure(width, max(SINGLE, 0.9 + 0.56 * width))
     axes = figure.subplots()
+    dots = False
     begins = np.flatnonzero(np.diff(numbers, prepend=-1))
     for begin, end in zip(begins, [*begins[1:], len(numbers)], strict=True):
         which = groups.index(group[begin]) if others else 0
         if which < MOST_CURVES:
-            style = _STYLES[meanings[kinds[begin]]]
-            axes.plot(x[begin:end], y[begin:end], color=_colour(which, others), linestyle=style, linewidth=0.9)
-    values = [axis_values(dataset, axis) for axis in found]
+            line = np.column_stack([place[begin:end] for place in places])
+            small = end - begin < _ISLAND and bool((line[0] == line[-1]).all())
+            line = line[:-1].mean(axis=0, keepdims=True) if small else smoothed(line)
+            style = _DOT if small else {"linestyle": _STYLES[meanings[kinds[begin]]], "linewidth": 0.9}
+            x, y = (np.interp(i, np.arange(len(v)), v) for i, v in zip(line.T, values, strict=True))
+            axes.plot(x, y, color=_colour(which, others), **style)
+            dots |= small
     scale_axes(axes, *(is_log(v) for v in values))
     axes.set_xlim(values[0].min(), values[0].max())
     axes.set_ylim(values[1].min(), values[1].max())
@@ -63,6 +82,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     ]
     shown = enumerate(groups[:MOST_CURVES]) if others else ()
     handles += [Line2D([], [], color=_colour(i, others), label=label) for i, label in shown]
+    if dots:
+        handles.append(Line2D([], [], color="black", label="islands of a few points of the map", **_DOT))
     legend_below(figure, handles, 2)
     left = f"{MOST_CURVES} of {len(groups)} maps" if len(groups) > MOST_CURVES else ""
     headline(figure, title_of(dataset), left)
@@ -78,8 +99,24 @@ def _colour(which: int, others: tuple[str, ...]) -> str:
     return COLOURS[which] if others else "black"
 
 
-def _scale(dataset: xarray.Dataset, axis: str) -> float:
-    """What figures multiply the values of an axis with: accelerations are shown in g."""
-    raw, shown = dataset[axis].values, axis_values(dataset, axis)
-    at = int(np.argmax(np.abs(raw)))
-    return float(shown[at] / raw[at])
+def _places(dataset: xarray.Dataset, axis: str) -> Array:
+    """Points of the boundaries along an axis, in numbers of its points."""
+    along = np.asarray(dataset[axis].values, dtype=float)
+    order = np.argsort(along)
+    return np.asarray(np.interp(dataset[f"boundary_{axis}"].values, along[order], order.astype(float)))
+
+
+def smoothed(line: Array) -> Array:
+    """A line (n, 2) between points of a map, in numbers of its points, without its steps.
+
+    No point leaves its place by more than half the distance of two points of the map; ends stay where they are.
+    """
+    closed = len(line) > 1 and bool((line[0] == line[-1]).all())
+    found = line
+    for _ in range(_SMOOTHED):
+        before, after = (np.roll(found[:-1], 1, axis=0), found[1:]) if closed else (found[:-2], found[2:])
+        inner = found[:-1] if closed else found[1:-1]
+        moved = 0.5 * inner + 0.25 * (before + after)
+        found = np.concatenate([moved, moved[:1]]) if closed else np.concatenate([found[:1], moved, found[-1:]])
+        found = np.clip(found, line - 0.5, line + 0.5)
+    return found
