@@ -22,6 +22,7 @@ from rockcli.scene.variables import (
     TIME,
     VARIABLES,
 )
+from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Keys, Map, Source, nearest, place
 from rockcli.study.document.values import describe
@@ -60,8 +61,12 @@ def read_expect(
     Raises:
         StudyError: an unknown quantity, a point that is on no axis, none or several of `value`, `min`, ...
     """
-    n = len(study.get("expect") or ())
-    return tuple(_clause(source, study, axes, i, evaluate, found, suite) for i in range(n))
+    complaints, clauses = Complaints(), []
+    for i in range(len(study.get("expect") or ())):
+        with complaints.gathered():
+            clauses.append(_clause(source, study, axes, i, evaluate, found, suite))
+    complaints.tell()
+    return tuple(clauses)
 
 
 def _axes_of(quantity: str, axes: Sequence[Axis], suite: Over | None) -> Sequence[Axis]:

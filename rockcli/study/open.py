@@ -26,9 +26,9 @@ from rockcli.scene.variables import (
     SCALARS_ROLLING,
     SCALARS_SLIDING,
 )
-from rockcli.study.building.batch import build_batch
+from rockcli.study.building.batch import build_batch, build_pieces
 from rockcli.study.building.numbers import Numbers
-from rockcli.study.building.records import Records
+from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.building.resolved import DT_OUT, Found
 from rockcli.study.cases.axes import Evaluate, read_axes
 from rockcli.study.cases.cases import Cases
@@ -39,6 +39,7 @@ from rockcli.study.cases.suite_axes import of_search, read_over
 from rockcli.study.cases.uncertain import placed, read_uncertain
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_study, check_with_base
+from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.overrides import apply_overrides, without_effect
@@ -52,7 +53,7 @@ from rockcli.study.plausibility import surely_meant
 from rockcli.study.plots import looks_of, said_of
 from rockcli.study.rules_spectrum import read_rules_spectrum
 from rockcli.study.schema import NO_PLOTS, CasePart, OverPart, StudyPart
-from rockcli.study.study import SAMPLE, Expect, Study
+from rockcli.study.study import SAMPLE, Expect, Index, Study
 from rockcli.study.unused import replaced_records, unused_symbols
 
 HISTORIES_UP_TO = 100
@@ -187,13 +188,34 @@ def check_symbol(source: Source, tree: Map, name: str) -> None:
 
 
 def _probe(cases: Cases, found: Found) -> None:
-    """Build what shows all that can be wrong (see `Cases.probe`)."""
-    for part, combination, points, named in cases.groups_of_suites(cases.probe()):
-        try:
-            _look(cases, found, cases.numbers(combination, points, len(part), named))
-        except (StudyError, RecordError):
-            for some, of_one, points_of_one in cases.groups(part):  # which tells what is wrong, and where
-                _look(cases, found, cases.numbers(of_one, points_of_one, len(some)))
+    """Build what shows all that can be wrong (see `Cases.probe`), and tell all of it that is."""
+    complaints = Complaints()
+    with complaints.gathered():
+        for part, combination, points, named in cases.groups_of_suites(cases.probe()):
+            try:
+                _look(cases, found, cases.numbers(combination, points, len(part), named))
+            except (StudyError, RecordError):
+                _gather(cases, found, part, complaints)
+            if complaints.enough:
+                break
+    complaints.tell(MissingRecordError)
+
+
+def _gather(cases: Cases, found: Found, part: Index, complaints: Complaints) -> None:
+    """What is wrong with cases, each with its own record, so that places are told; halved to find what else is."""
+    pending = [part]
+    while pending and not complaints.enough:
+        some, before = pending.pop(0), complaints.tried
+        for these, combination, points in cases.groups(some):
+            numbers, tried = cases.numbers(combination, points, len(these)), complaints.tried
+            with complaints.gathered():
+                _look(cases, found, numbers)
+            if complaints.tried > tried:
+                for piece in build_pieces(numbers, cases.records):
+                    with complaints.gathered(), np.errstate(all="ignore"):
+                        piece()
+        if complaints.tried > before and len(some) > 1:
+            pending += np.array_split(some, 2)
 
 
 def _look(cases: Cases, found: Found, numbers: Numbers) -> None:

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from rockcli.errors import StudyError
+from rockcli.study.building.records import MissingRecordError
 from rockcli.study.open import open_study
 from rockcli.study.schema import json_schema
 
@@ -257,3 +258,68 @@ def test_the_json_schema_describes_every_key():
     assert "restitution" in json.dumps(schema["$defs"]["CasePart"]["properties"]["damping"])
     assert schema["$defs"]["BlockPart"]["properties"]["R"]["anyOf"][0]["type"] == ["number", "string"]
     assert schema["additionalProperties"] is False
+
+
+WRONG_TOGETHER = """\
+name: together
+case:
+  block: {height: 2.0, width: 0.5}
+  motion:
+    record: {file: nowhere.AT2, pga: 1}
+  initial: {theta: 3}
+  solver: {rtol: 0}
+vary:
+  block.mu: [0.3, -0.4, 0.5, -0.6]
+  motion.record.file:
+    - synthetic_rock_m65.AT2
+    - lost.AT2
+    - gone.AT2
+"""
+
+
+def test_what_is_wrong_in_several_cases_and_pieces_is_told_at_once(tmp_path):
+    with pytest.raises(StudyError) as caught:
+        open_study(write(tmp_path, WRONG_TOGETHER))
+    first, *others = str(caught.value).splitlines()
+    assert "study.yaml:6: case.initial.theta = 3: must be between" in first
+    begins = [
+        "  line 7: case.solver.rtol = 0: must be",
+        "  line 9: case.block.mu = -0.4: must",
+        "  line 9: case.block.mu = -0.6: must",
+        "  line 12: the record 'lost.AT2' was not found",
+        "  line 13: the record 'gone.AT2' was not found",
+    ]
+    assert len(others) == len(begins), others
+    assert [other.startswith(begin) for other, begin in zip(others, begins, strict=True)] == [True] * len(begins)
+
+
+def test_records_alone_that_are_missing_are_told_at_once_and_may_be_passed_over(tmp_path):
+    text = WRONG_TOGETHER.replace("theta: 3", "theta: 0").replace("rtol: 0", "rtol: 1e-9").replace("-0.", "1.")
+    with pytest.raises(MissingRecordError, match=r"(?s):12: the record 'lost.AT2'.*Searched.*line 13: .*gone.AT2"):
+        open_study(write(tmp_path, text))
+
+
+def test_wrong_axes_are_told_at_once(tmp_path):
+    vary = "vary:\n  case: cab.csv\n  block.wide: [1]\n  block.mu: [1, 1]\n  motion.record.file: 'no/*.AT2'\n"
+    with pytest.raises(StudyError) as caught:
+        open_study(write(tmp_path, WRONG_TOGETHER.partition("vary:")[0] + vary))
+    first, *others = str(caught.value).splitlines()
+    assert first.endswith("study.yaml:9: the table " + str(tmp_path / "cab.csv") + " does not exist")
+    assert [other.split(":")[0] for other in others] == ["  line 10", "  line 11", "  line 12"]
+
+
+def test_no_more_is_told_than_is_read(tmp_path):
+    names = ", ".join(f"lost{i}.AT2" for i in range(30))
+    vary = f"vary:\n  motion.record.file: [{names}]\n"
+    with pytest.raises(MissingRecordError) as caught:
+        open_study(write(tmp_path, WRONG_TOGETHER.partition("  initial")[0] + vary))
+    assert str(caught.value).count("was not found") == 8
+
+
+def test_clauses_that_say_nothing_are_told_at_once(tmp_path):
+    clauses = "expect:\n  - {quantity: theta_pea, max: 1}\n  - {quantity: outcome, is: rockin}\n"
+    with pytest.raises(StudyError) as caught:
+        open_study(write(tmp_path, GOOD.partition("expect:")[0] + clauses))
+    first, other = str(caught.value).splitlines()
+    assert ":12: " in first
+    assert other.startswith("  line 13: ")

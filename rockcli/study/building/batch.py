@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,6 +38,17 @@ def build_batch(numbers: Numbers, records: Records, save: Save) -> Batch:
     # overflow and its kin are found as values that are not finite
     with np.errstate(all="ignore"):
         return _built(numbers, records, save)
+
+
+def build_pieces(numbers: Numbers, records: Records) -> tuple[Callable[[], object], ...]:
+    """What a batch is built from, piece by piece: each raises what is wrong with it, whatever the others are."""
+    return (
+        lambda: numbers.block,
+        lambda: build_damping(numbers, []),
+        lambda: build_excitation(numbers, records, []),
+        lambda: _initial(numbers),
+        lambda: _numerics(numbers),
+    )
 
 
 def _built(numbers: Numbers, records: Records, save: Save) -> Batch:

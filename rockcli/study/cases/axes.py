@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from rockcli.errors import StudyError
 from rockcli.study.building.matching import WILDCARDS
 from rockcli.study.building.numbers import in_words
-from rockcli.study.building.records import Records
+from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.cases.file_names import LABELS, names_in
 from rockcli.study.cases.table import Table, read_table
 from rockcli.study.cases.variation import Variation
+from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
 from rockcli.study.document.overlay import Setting, leaves, same_twice
 from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
@@ -72,11 +73,14 @@ def read_axes(
         StudyError: an unknown path, an entry that is none of the forms, no points, points that repeat.
     """
     vary = part.vary
-    read = {text: _Reader(source, study, text, records) for text in vary}
+    complaints = Complaints()
+    read: dict[str, _Reader] = {}
     done: dict[str, Variation] = {}
-    for text, reader in read.items():
-        with suppress(_NeedsCase):
-            done[text] = reader.read()
+    for text in vary:
+        with complaints.gathered(), suppress(_NeedsCase):
+            read[text] = _Reader(source, study, text, records)
+            done[text] = read[text].read()
+    complaints.tell(MissingRecordError)
     evaluate = evaluator(list(done.values())) if len(done) < len(read) else None
     for text, reader in read.items():
         if text not in done:

@@ -8,6 +8,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from rockcli.errors import StudyError
+from rockcli.study.document.complaints import MOST, short
 from rockcli.study.document.tree import Keys, Map, Source, Where, dotted, meant, nearest, place, value_at
 from rockcli.study.document.values import Number, describe
 from rockcli.study.schema import CasePart, Part, StudyPart
@@ -24,10 +25,6 @@ EXPECTED = {
     "less_than_equal": "at most {le}",
 }
 """What was expected instead, by the beginning of the kind of pydantic's error."""
-
-
-MOST, SHORT = 8, 180
-"""Complaints about one study that are told; characters of each but the first."""
 
 
 def check_study(source: Source, study: Map) -> StudyPart:
@@ -106,7 +103,7 @@ def _validated(study: Map, part: type[P], at: Keys, *, complete: bool) -> tuple[
 def _error(source: Source, complaints: list[Complaint]) -> StudyError:
     """All of them as one error, the first at its place."""
     (where, first), *others = complaints
-    lines = [f"\n  {_at(at)}{_short(sentence)}" for at, sentence in others[: MOST - 1]]
+    lines = [f"\n  {_at(at)}{short(sentence)}" for at, sentence in others[: MOST - 1]]
     if len(others) >= MOST:
         lines.append(f"\n  and {len(others) - MOST + 1} more")
     return source.placed(where, first + "".join(lines))
@@ -114,10 +111,6 @@ def _error(source: Source, complaints: list[Complaint]) -> StudyError:
 
 def _at(where: Where) -> str:
     return "" if where is None else f"line {where}: " if isinstance(where, int) else f"{where}: "
-
-
-def _short(sentence: str) -> str:
-    return sentence if len(sentence) <= SHORT else sentence[: SHORT - 4] + " ..."
 
 
 def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) -> tuple[Any, str]:
