@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from half_sines import SUITE
 from typer.testing import CliRunner
 
 import rockcli
@@ -19,20 +20,6 @@ from rockcli.plotting.page.facts import facts_of, sentence_of
 from rockcli.plotting.page.page import page
 from rockcli.storage import netcdf
 from rockcli.study.open import open_study
-
-SUITE = {
-    "name": "suite",
-    "case": {
-        "block": {"R": 2.0, "tan_alpha": 0.2},
-        "motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "omega_p": 1.0}},
-    },
-    "over": "motion.pulse.omega_p",
-    "vary": {
-        "motion.pulse.omega_p": [2.0, 3.0, 4.0, 5.0, 6.0],
-        "motion.pulse.a_p": {"from": "0.1*g", "to": "2*g", "n": 20},
-    },
-    "save": {"histories": False},
-}
 
 VOID = {"meta", "img", "br", "wbr"}
 

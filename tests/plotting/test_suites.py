@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from half_sines import SUITE
 from scipy.special import ndtr
 
 import rockcli
@@ -16,21 +17,7 @@ G = 9.81
 
 
 def suite(**more):
-    base = {
-        "name": "suite",
-        "title": "Half sines",
-        "case": {
-            "block": {"R": 2.0, "tan_alpha": 0.2},
-            "motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "omega_p": 1.0}},
-        },
-        "over": "motion.pulse.omega_p",
-        "vary": {
-            "motion.pulse.omega_p": [2.0, 3.0, 4.0, 5.0, 6.0],
-            "motion.pulse.a_p": {"from": "0.1*g", "to": "2*g", "n": 20},
-        },
-        "save": {"histories": False},
-    }
-    return base | more
+    return SUITE | {"title": "Half sines"} | more
 
 
 @pytest.fixture(scope="module")
