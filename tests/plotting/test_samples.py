@@ -32,6 +32,15 @@ def test_exceedance_ends_at_the_probability_and_bars_are_correlations():
     assert "Spearman" in right.get_xlabel()
 
 
+@pytest.mark.parametrize(("rate", "bottom"), [(1.0, False), (3.0, True)])
+def test_where_most_overturn_the_axis_begins_below_that(rate, bottom):
+    data = rockcli.run(study())
+    data["p_overturned_ci_low"][...] = 0.3 * rate
+    low, high = figure("samples", data).axes[0].get_ylim()
+    assert (low > 0.5) == bottom
+    assert low < 0.3 * rate < high
+
+
 def test_sobol_indices_are_drawn_where_the_design_has_them():
     data = rockcli.run(study(sampling="saltelli"))
     _, right = figure("samples", data).axes

@@ -200,6 +200,19 @@ def test_panels_of_risk_stand_below_one_another_where_the_figure_is_narrow(width
     assert len({round(axes.get_position().x0, 2) for axes in panels}) == columns
 
 
+def test_bodies_beside_one_another_name_their_scales_once():
+    curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
+    data = rockcli.run(suite(hazard=[curve], vary=suite()["vary"] | {"block.tan_alpha": [0.1, 0.2]}))
+    for width, times in ((90, 1), (180, 2)):
+        figure = rockcli.plot(data, "risk", width=width)
+        named = [axes.get_ylabel() for axes in figure.axes if axes.get_ylabel()]
+        assert sorted(named) == sorted(times * [*dict.fromkeys(named)])
+        assert len(set(named)) == 4
+        assert figure.get_figheight() < 240.0 / 25.4  # a page of a journal
+    first, second = (axes for axes in figure.axes if axes.get_ylabel() == "annual rate of exceedance")
+    assert first.get_ylim() == second.get_ylim()
+
+
 def test_a_limit_of_the_slide_is_exceeded_by_what_overturns():
     assert fragility._state("slide_peak > 0.05 m").endswith("> 0.05 m or overturned")
     assert "overturned" not in fragility._state("0.5")

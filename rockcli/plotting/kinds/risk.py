@@ -35,7 +35,7 @@ _LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1))
 
 _MOST_BODIES = 3
 
-_THREE, _PANEL = 5.6, 2.2
+_THREE, _PANEL = 5.6, 1.55
 """Widths that three panels beside one another need, and one panel [in]."""
 
 
@@ -54,19 +54,29 @@ def draw(dataset: xarray.Dataset) -> Figure:
     width = width_or(DOUBLE)
     figure, grid = _grid(width, len(shown))
     label = intensity_label(dataset, suite)
-    for row, (case, place) in zip(grid, shown, strict=True):
+    abreast = _abreast(width, len(shown))
+    for number, (row, (case, place)) in enumerate(zip(grid, shown, strict=True)):
         part = dataset.isel(place).isel(limit_state=-1)
-        _hazard(row[0], part)
+        beside = _hazard(row[0], part)
         _deaggregation(row[1], part)
         _survival(row[2], part)
         for axes in row[:2]:
             axes.set_xlabel(label)
         if case.label:
             panel_title(row[0], case.label, width / 3.0)
+        first, last = number == 0, number == len(shown) - 1
+        for axes in (*(row if abreast and not first else ()), *((beside,) if abreast and not last else ())):
+            axes.set_ylabel("")
+            axes.tick_params(axis="y", labelleft=False, labelright=False)
     legend_of(figure, grid[0, 0])
     note = "of overturning; bands: 95 % by the scatter of the suite"
     headline(figure, title_of(dataset), "; ".join(filter(None, [note, selection_note(len(shown), total, "bodies")])))
     return figure
+
+
+def _abreast(width: float, bodies: int) -> bool:
+    """Whether bodies stand beside one another, each with its panels below: their scales are one, and named once."""
+    return width < _THREE and width >= _PANEL * bodies
 
 
 def _grid(width: float, bodies: int) -> tuple[Figure, Any]:
@@ -74,9 +84,9 @@ def _grid(width: float, bodies: int) -> tuple[Figure, Any]:
     if width >= _THREE:
         figure = new_figure(width, 0.85 + 2.3 * bodies)
         return figure, figure.subplots(bodies, 3, squeeze=False)
-    if width >= _PANEL * bodies:
+    if _abreast(width, bodies):
         figure = new_figure(width, 0.85 + 2.0 * 3)
-        return figure, figure.subplots(3, bodies, squeeze=False).T
+        return figure, figure.subplots(3, bodies, squeeze=False, sharey="row").T
     figure = new_figure(width, 0.85 + 1.7 * 3 * bodies)
     return figure, figure.subplots(3 * bodies, 1, squeeze=False).reshape(bodies, 3)
 
@@ -85,8 +95,8 @@ def _style(i: int) -> dict[str, Any]:
     return {"color": COLOURS[i % len(COLOURS)], "linestyle": _LINES[i % len(_LINES)]}
 
 
-def _hazard(axes: Axes, part: xarray.Dataset) -> None:
-    """Hazard curves, and the fragility of the body on an axis of its own."""
+def _hazard(axes: Axes, part: xarray.Dataset) -> Axes:
+    """Hazard curves, and the fragility of the body on an axis of its own, which is returned."""
     from scipy.special import ndtr  # late: other figures need none of it
 
     divisor = shown_unit(part, "hazard_intensity")[0]
@@ -110,6 +120,7 @@ def _hazard(axes: Axes, part: xarray.Dataset) -> None:
         beside.plot(x / divisor, p, color="black", linewidth=1.4)
         axes.plot([], [], color="black", linewidth=1.4, label="fragility")
         axes.set_xlim(low, high)
+    return beside
 
 
 def _deaggregation(axes: Axes, part: xarray.Dataset) -> None:

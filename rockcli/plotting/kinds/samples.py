@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -56,12 +57,12 @@ def draw(dataset: xarray.Dataset) -> Figure:
         if np.isfinite(p):
             at = end * (1.04 + 0.02 * number)
             left.errorbar([at], [p], [[max(p - low, 0.0)], [max(high - p, 0.0)]], fmt="o", color=colour,
-                          markersize=3.5, capsize=2.0, linewidth=0.9, clip_on=False)  # fmt: skip
+                          markersize=3.0, capsize=3.0, linewidth=0.9, clip_on=False)  # fmt: skip
         _bars(right, part, inputs, number, len(shown), colour)
     if end > 1.05:
         left.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
     left.set_xlim(0.0, end * (1.07 + 0.02 * len(shown)))
-    left.set_ylim(-0.02, 1.02)
+    left.set_ylim(_bottom(part for _, place in shown for part in (whole.isel(place),)), 1.02)
     left.set_xlabel(variable_label(PEAK))
     left.set_ylabel("probability of exceedance")
     right.set_yticks(range(len(inputs)), [_symbol(dataset, path) for path in inputs])
@@ -73,6 +74,12 @@ def draw(dataset: xarray.Dataset) -> Figure:
     note = f"{members_word(whole, members)}; points: overturned, with 95 % limits"
     headline(figure, title_of(dataset), "; ".join(filter(None, [note, selection_note(len(shown), total, "points")])))
     return figure
+
+
+def _bottom(parts: Iterable[xarray.Dataset]) -> float:
+    """Bottom of the axis: 0, or just below the probability of overturning where that is high."""
+    least = min(float(np.nan_to_num(part["p_overturned_ci_low"])) for part in parts)
+    return -0.02 if least < 0.5 else np.floor(10.0 * least - 1.0) / 10.0
 
 
 def _exceedance(axes: Axes, peaks: Array, end: float, colour: str, label: str) -> None:

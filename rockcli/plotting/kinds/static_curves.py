@@ -1,4 +1,4 @@
-"""Static curves: the block in black, the models in colour, their error below; a column for each slenderness."""
+"""Static curves: the block as a pale band, the models on it, their error below; a column for each slenderness."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ MOST_COLUMNS = 4
 _SPRING: dict[str, Any] = {"color": QUIET, "linewidth": 0.9, "dashes": (1, 1.5), "zorder": 1}
 """The springs of all models have the same moment: that at which the block begins to turn."""
 
-_BLOCK: dict[str, Any] = {"color": "#000000", "linewidth": 1.4, "zorder": 2}
+_BLOCK: dict[str, Any] = {"color": "#B8B8B8", "linewidth": 2.8, "zorder": 2}
 
-_PIVOT_SIDE: dict[str, Any] = _BLOCK | {"dashes": (1, 1.2)}
+_PIVOT_SIDE: dict[str, Any] = _BLOCK | {"dashes": (1, 0.8)}
 
 _DASHES: tuple[tuple[float, ...], ...] = ((), (5, 1.5), (2, 1.2), (6, 1.5, 1, 1.5))
 
