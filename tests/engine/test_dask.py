@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import os
+import pickle
 import shutil
 import signal
 import socket
@@ -15,17 +16,21 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from swept import STUDY, assert_same, study, write_study
 
 from rockcli.engine.run import run_study, solve
+from rockcli.engine.sweep import cluster as cluster_of
 from rockcli.engine.sweep import sweep
-from rockcli.engine.sweep.cluster import check_cluster
+from rockcli.engine.sweep.chunk_result import spans_of
+from rockcli.engine.sweep.chunks import Chunks, Pace
+from rockcli.engine.sweep.cluster import check_cluster, on_cluster
 from rockcli.engine.sweep.sweep import Sweep
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import MachineError, StudyError
 from rockcli.storage import netcdf
-from rockcli.study.study import Study
+from rockcli.study.study import Index, Study
 
 
 def test_nobody_answers(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -261,3 +266,46 @@ def test_a_search_on_the_cluster(
         save={},
     )
     assert_same(solve(searched), solve(searched, sweep=Sweep(Team(dask=cluster[0]))))
+
+
+class Grumbling:
+    """Work on numbers that a machine refuses at one of them."""
+
+    def __init__(self, refused: int) -> None:
+        self.refused = refused
+
+    def __call__(self, cases: Index) -> list[int]:
+        if self.refused in cases:
+            raise MemoryError("too much")
+        return cases.tolist()
+
+    def lost(self, cases: Index, why: str) -> str:
+        return why
+
+
+def test_a_task_of_many_chunks_gives_the_answer_of_each() -> None:
+    cases = np.array([3, 4, 5, 6, 9, 12, 13])
+    answers, refused, seconds = cluster_of._solve(pickle.dumps(Grumbling(-1)), spans_of(cases), 3)
+    assert [pickle.loads(answer) for answer in answers] == [[3, 4, 5], [6, 9, 12], [13]]
+    assert refused is None
+    assert seconds >= 0.0
+
+
+def test_what_the_machine_refuses_costs_its_chunk_alone() -> None:
+    answers, refused, _ = cluster_of._solve(pickle.dumps(Grumbling(5)), spans_of(np.arange(9)), 2)
+    assert [pickle.loads(answer) for answer in answers] == [[0, 1], [2, 3]]
+    assert isinstance(refused, MemoryError)
+
+
+@pytest.mark.slow
+def test_nothing_is_lost_where_the_machine_refuses(cluster: tuple[str, list[subprocess.Popen[bytes]]]) -> None:
+    """The answers before it count, what comes after it goes into other tasks, and the case itself is told."""
+    pace = Pace(1e-3, 4)
+    pace.learn(1000, 1.0)  # so that the first task holds many chunks
+    found = {
+        int(cases[0]): (cases.tolist(), answer)
+        for cases, answer in on_cluster(Grumbling(37), Chunks(100), pace, Team(dask=cluster[0]))
+    }
+    assert found.pop(37) == ([37], "MemoryError: too much")
+    assert all(cases == answer for cases, answer in found.values())
+    assert sorted(case for cases, _ in found.values() for case in cases) == sorted({*range(100)} - {37})

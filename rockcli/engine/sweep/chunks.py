@@ -166,10 +166,10 @@ class Pace:
         self.measured += 1
         self.refused = 0
 
-    def step(self, left: int, workers: int = 1) -> int:
-        """Cases of the next chunk."""
+    def step(self, left: int, workers: int = 1, chunks: int = 1) -> int:
+        """Cases of the next chunk, or of so many at once."""
         target = TARGET if self.measured else FIRST
-        wanted = min(target / self.seconds_per_case, self.most)
+        wanted = min(target / self.seconds_per_case, self.most * chunks)
         if workers > 1:
             wanted = min(wanted, -(-left // (SHARES * workers)))
         return max(int(wanted), 1)

@@ -12,7 +12,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rockcli import version
+from rockcli.engine.sweep.chunk_result import cases_of, spans_of
 from rockcli.engine.sweep.chunks import Chunks, Pace
+from rockcli.engine.sweep.memory import keep_freed
 from rockcli.engine.sweep.work import Team, Work, in_halves
 from rockcli.errors import MACHINE, MachineError, StudyError
 from rockcli.study.cases.buildable import Unsolved
@@ -27,7 +29,13 @@ LONGEST = 200
 """Characters passed on of what somebody else answers."""
 
 AHEAD = 2
-"""Chunks at the scheduler for every thread of a worker."""
+"""Tasks at the scheduler for every thread of a worker."""
+
+CHUNKS = 32
+"""Chunks in a task, at most: what a task costs beside its work hardly depends on what it holds."""
+
+ANSWER = 1 << 24
+"""Size that the answer of a task may have, unless one chunk's has more [bytes]."""
 
 _turn = threading.Lock()
 """Kernels are loaded by one thread, and a process solves one chunk at a time."""
@@ -52,23 +60,25 @@ def on_cluster(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterato
 
         packed = pickle.dumps(work)
         held = client.submit(_kept, packed, pure=False)  # a task: if who holds it dies, another one makes it again
-        taken: dict[Any, Index] = {}
+        taken: dict[Any, tuple[Index, int]] = {}
+        size = float(ANSWER)  # of the answer of a case
         threads = max(sum(client.nthreads().values()), 1)
 
         def submit() -> list[Any]:
             new = []
             while chunks.left and len(taken) < AHEAD * threads:
-                cases = chunks.take(pace.step(chunks.left, threads))
-                future = client.submit(_solve, held, cases, pure=False, retries=0)
-                taken[future.key] = cases
+                chunk = pace.most
+                cases = chunks.take(pace.step(chunks.left, threads, int(np.clip(ANSWER / (size * chunk), 1, CHUNKS))))
+                future = client.submit(_solve, held, spans_of(cases), chunk, pure=False, retries=0)
+                taken[future.key] = cases, chunk
                 new.append(future)
             return new
 
         results = _as_completed(submit(), client)
         for future in results:
-            cases = taken.pop(future.key)
+            cases, chunk = taken.pop(future.key)
             try:
-                answer, seconds = future.result()
+                answers, refused, seconds = future.result()
             except KilledWorker:
                 team.note("worker processes of the cluster died; their cases were solved again")
                 if len(cases) == 1:
@@ -81,8 +91,17 @@ def on_cluster(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterato
             except CancelledError:
                 raise MachineError(f"--dask {team.dask}: the scheduler cannot be reached any more") from None
             else:
-                pace.learn(len(cases), seconds)
-                yield cases, answer
+                parts = _in_chunks(cases, chunk)
+                if answers:
+                    done = sum(map(len, parts[: len(answers)]))
+                    size = sum(map(len, answers)) / done
+                    pace.learn(done, seconds)
+                for part, answer in zip(parts, answers, strict=False):
+                    yield part, pickle.loads(answer)
+                for untouched in parts[len(answers) + 1 :]:
+                    chunks.give_back(untouched)
+                if refused is not None:
+                    yield from in_halves(work, parts[len(answers)], refused, chunks, pace)
             for new in submit():
                 results.add(new)
 
@@ -99,16 +118,31 @@ def _kept(packed: bytes) -> bytes:
     return packed
 
 
-def _solve(packed: bytes, cases: Index) -> tuple[Any, float]:
-    """On a worker: the answer of a chunk, and the time it took [s]."""
+def _in_chunks(cases: Index, most: int) -> list[Index]:
+    return [cases[first : first + most] for first in range(0, len(cases), most)]
+
+
+def _solve(packed: bytes, spans: Index, most: int) -> tuple[list[bytes], Exception | None, float]:
+    """On a worker: the answers of a task's chunks, what the machine said to the next one, and the time it took [s].
+
+    Answers travel as bytes, which Dask hands on as they are.
+    """
     with _turn:
         key = hash(packed)
         if key not in _unpacked:
+            keep_freed()
             _unpacked.clear()
             _unpacked[key] = pickle.loads(packed)
         began = perf_counter()
+        answers: list[bytes] = []
+        refused = None
         with np.errstate(all="ignore"):
-            return _unpacked[key](cases), perf_counter() - began
+            try:
+                for cases in _in_chunks(cases_of(spans), most):
+                    answers.append(pickle.dumps(_unpacked[key](cases), pickle.HIGHEST_PROTOCOL))
+            except MACHINE as error:
+                refused = error
+        return answers, refused, perf_counter() - began
 
 
 def _version() -> str:
