@@ -12,12 +12,15 @@ from rockcli.cli.say import say
 if TYPE_CHECKING:
     from rockcli.analysis.experiments.scores import Score
     from rockcli.engine.experiments.score import Prediction, Report
+    from rockcli.study.schema import ScorePart
 
 
 def score(
     files: Annotated[
         list[Path],
-        typer.Argument(metavar="[STUDY.yaml] RUNS.csv", help="The study that predicts, and the table of runs."),
+        typer.Argument(
+            metavar="[STUDY.yaml] [RUNS.csv]", help="The study that predicts, and the table of runs; or its `score`."
+        ),
     ],
     folds: Annotated[
         str | None,
@@ -26,9 +29,15 @@ def score(
     calibration: Annotated[
         Path | None, typer.Option("--calibration", metavar="FILE.json", help="What `rock calibrate` wrote.")
     ] = None,
-    count: Annotated[int, typer.Option("--count", metavar="K", min=0, help="Folds; 0 = one per group.")] = 5,
-    repeats: Annotated[int, typer.Option("--repeats", metavar="N", min=1, help="Divisions into folds.")] = 5,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the folds and of the bootstrap.")] = 0,
+    count: Annotated[
+        int | None, typer.Option("--count", metavar="K", min=0, help="Folds; 0 = one per group; default 5.")
+    ] = None,
+    repeats: Annotated[
+        int | None, typer.Option("--repeats", metavar="N", min=1, help="Divisions into folds; default 5.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option("--seed", min=0, help="Of the folds and of the bootstrap; default 0.")
+    ] = None,
     predictions: Annotated[
         str | None, typer.Option("--predictions", metavar="A,B", help="Columns to score; default: all that can be.")
     ] = None,
@@ -55,6 +64,7 @@ def score(
 ) -> None:
     """Score predictions of overturning against experiments.
 
+    A study may say all of it under `score`: rock score STUDY.yaml; options given here replace what it says.
     Without a study the predictions are columns of the table: probabilities, or outcomes.  With a study and --folds each
     run is predicted by a calibration on the other groups, without them as the study stands.
     """
@@ -68,7 +78,10 @@ def score(
     from rockcli.engine.sweep.work import Team
     from rockcli.errors import StudyError
 
-    study, table = _sources(files)
+    study, table, said = _sources(files)
+    folds, specimen, against = folds or said.groups, specimen or said.specimen, against or said.against
+    if calibration is None and said.calibration is not None:
+        calibration = Path(said.calibration)
     reading = {key: value for key, value in (("units", units), ("dt", dt)) if value is not None}
     if study is not None and reading:
         raise StudyError("--units and --dt are for records without a study, which says them itself")
@@ -76,9 +89,14 @@ def score(
         raise StudyError("--calibration is of a study's bodies: give STUDY.yaml too")
     if out is not None:
         check_target(out)
-    named = None if predictions is None else [name.strip() for name in predictions.split(",") if name.strip()]
+    named = said.predictions
+    if predictions is not None:
+        named = [name.strip() for name in predictions.split(",") if name.strip()]
     runs = read_runs(table, group=folds or GROUP, predictions=named)
-    options = Options(count=count, repeats=repeats, seed=seed, baselines=not no_baselines, against=against)
+    asked = {"count": count, "repeats": repeats, "seed": seed}
+    numbers = {key: getattr(said, key) if given is None else given for key, given in asked.items()}
+    numbers = {key: value for key, value in numbers.items() if value is not None}
+    options = Options(**numbers, baselines=said.baselines and not no_baselines, against=against)
     chosen = by_specimen(runs, specimen)
     if calibration is not None and len(chosen) > 1:
         raise StudyError(f"has {len(chosen)} specimens, a calibration is of one: choose with --specimen", file=table)
@@ -106,7 +124,7 @@ def score(
     if as_json:
         import json
 
-        plain = {"runs": str(table), "study": None if study is None else str(study), "seed": seed}
+        plain = {"runs": str(table), "study": None if study is None else str(study), "seed": options.seed}
         say(json.dumps(plain | {"specimens": [as_plain(report) for report in reports]}, indent=2))
     else:
         say("\n\n".join(text(report) for report in reports))
@@ -117,15 +135,20 @@ def score(
         say(str(out), err=True)
 
 
-def _sources(files: list[Path]) -> tuple[Path | None, Path]:
-    """The study, if any, and the table."""
+def _sources(files: list[Path]) -> tuple[Path | None, Path, ScorePart]:
+    """The study, if any, the table, and what a study without a table says of how it is scored."""
     from rockcli.errors import StudyError
+    from rockcli.study.schema import ScorePart
+    from rockcli.study.scoring import read_score
 
     yaml = [file for file in files if file.suffix.lower() in (".yaml", ".yml")]
     tables = [file for file in files if file not in yaml]
-    if len(tables) != 1 or len(yaml) > 1:
-        raise StudyError("expected RUNS.csv, or STUDY.yaml RUNS.csv")
-    return (yaml[0] if yaml else None), tables[0]
+    if len(tables) > 1 or len(yaml) > 1:
+        raise StudyError("expected RUNS.csv, STUDY.yaml RUNS.csv, or a STUDY.yaml with `score`")
+    if tables:
+        return (yaml[0] if yaml else None), tables[0], ScorePart(file=str(tables[0]))
+    said = read_score(yaml[0])
+    return yaml[0], Path(said.file), said
 
 
 def text(report: Report) -> str:

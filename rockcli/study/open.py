@@ -59,6 +59,8 @@ from rockcli.study.unused import replaced_records, unused_symbols
 HISTORIES_UP_TO = 100
 """Cases up to which histories are saved unless the study says otherwise."""
 
+NOT_SCORED = "`score` is for `rock score`, which puts the bodies on the motions of experiments; nothing is scored here"
+
 SAMPLES_WITH_ALL = 10_000
 """Cases of a study of uncertain inputs up to which all scalars are saved unless it says otherwise."""
 
@@ -151,6 +153,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
             *replaced_records(base, variations),
             *found.plausibility_warnings(tree),
             *((RECORDS,) if refine and found.uses else ()),
+            *((NOT_SCORED,) if part.score is not None else ()),
         ),
         histories_at=at,
         curves=tuple(dict.fromkeys(part.curves)),

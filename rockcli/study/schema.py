@@ -453,6 +453,23 @@ class HazardPart(Part):
     site: Pair | None = key("[longitude, latitude] of a file of several sites")
 
 
+class ScorePart(Part):
+    """How `rock score` scores the study against experiments; its options say the same, and replace what stands here."""
+
+    file: Text = key("CSV of the runs, beside the study: record, outcome, group, scale, other predictions", ...)
+    groups: Text | None = key(
+        "column of the runs that belong together: predict each by a calibration on the others", alias="folds"
+    )
+    calibration: Text | None = key("what `rock calibrate` wrote, beside the study")
+    count: int | None = key("folds, 0 = one per group; default 5", ge=0)
+    repeats: int | None = key("divisions into folds; default 5", ge=1)
+    seed: int | None = key("of the folds and of the bootstrap; default 0", ge=0)
+    predictions: list[Text] | None = key("columns to score; default: all that can be")
+    against: Text | None = key("prediction that the others are tested against; default: the study's")
+    specimen: Text | None = key("only the runs of this one")
+    baselines: bool = key("whether those that know the ground motion alone are fitted", True)
+
+
 def _hazards(value: Any) -> Any:
     """One curve is a list of one; a name is that of a file."""
     if value is None:
@@ -518,6 +535,7 @@ class StudyPart(Part):
     )
     hazard: Hazards = key("hazard curves that fragility is convolved with: FILE.csv or {intensity, rate}, or a list")
     age: Number | None = key("years for which the probability of exceedance, and of survival, is told")
+    score: ScorePart | None = key("experiments that `rock score STUDY.yaml` holds the study against")
     refine: bool = key("trace the outcome boundary of a two-axis map instead of solving every pixel", False)
     save: SavePart = key("what is kept", SavePart.model_construct())
     plots: Plots = key("kinds of plot, or {kind, select, width, title, labels, limits, letters}; none or []: draw none")

@@ -14,6 +14,8 @@ from rockcli.analysis.experiments.baselines import logistic
 from rockcli.engine.experiments.runs import read_runs
 from rockcli.engine.experiments.score import Options, baselines
 from rockcli.errors import StudyError
+from rockcli.study.open import NOT_SCORED, open_study
+from rockcli.study.scoring import read_score
 
 DT = 0.01
 BODY = {"h": 0.3, "b": 0.06}
@@ -75,6 +77,36 @@ def test_a_study_is_scored_beside_columns_and_baselines(rock, experiments, capsy
     assert test["p_value"] == min(1.0, 2.0 * 0.5 ** test["first_only"])
     assert found["predictions"]["logistic: pgv"]["kind"] == "baseline"
     assert [row["p"] for row in found["probabilities"]] == [float(row[2]) for row in rows]
+
+
+def test_a_study_says_how_it_is_scored(rock, experiments, tmp_path, capsys, monkeypatch):
+    given = "--no-baselines --folds group --seed 3 --predictions guess --against guess --workers 1 --json"
+    assert rock("score", "study.yaml", "runs.csv", *given.split()) == 0
+    by_options = json.loads(capsys.readouterr().out)["specimens"]
+    below = tmp_path / "elsewhere"
+    below.mkdir()
+    said = {"file": "runs.csv", "folds": "group", "predictions": ["guess"], "against": "guess"}
+    said |= {"seed": 3, "baselines": False}
+    (tmp_path / "scored.yaml").write_text(yaml.safe_dump(STUDY | {"score": said}))
+    monkeypatch.chdir(below)
+    assert rock("score", "../scored.yaml", "--workers", 1, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["specimens"] == by_options
+    assert found["seed"] == 3
+    assert rock("score", "../scored.yaml", "--workers", 1, "--json", "--seed", 4, "--against", "table") == 0
+    again = json.loads(capsys.readouterr().out)
+    assert (again["seed"], again["specimens"][0]["against"]) == (4, "table")
+    with pytest.raises(StudyError, match=r"`score: \{file: RUNS.csv\}` in the study"):
+        read_score(tmp_path / "study.yaml")
+    assert rock("score", "../study.yaml") == 2
+    assert "expected RUNS.csv" in capsys.readouterr().err
+
+
+def test_score_changes_no_result_and_run_says_that_it_does_not_score(tmp_path):
+    study = {"name": "x", "case": {"block": BODY, "initial": {"theta": 0.05}}}
+    plain, scored = open_study(study), open_study(study | {"score": {"file": "runs.csv"}})
+    assert plain.identity == scored.identity
+    assert [one for one in scored.warnings if one not in plain.warnings] == [NOT_SCORED]
 
 
 def test_baselines_are_fitted_on_other_runs_where_they_are_given(experiments):

@@ -97,7 +97,9 @@ def bodies_of(source: Path | dict[str, Any], runs: Runs, amplitudes: Sequence[fl
         ("plots", "none"),
     ]
     overrides += [(name, "[]") for name in ("expect", "curves", "rules") if tree.get(name)]
-    overrides += [(name, "null") for name in ("over", "compare_to", "hazard", "age") if tree.get(name) is not None]
+    overrides += [
+        (name, "null") for name in ("over", "compare_to", "hazard", "age", "score") if tree.get(name) is not None
+    ]
     study = open_study(source, overrides=overrides)
     check_answers(study)
     return study
