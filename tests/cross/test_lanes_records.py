@@ -201,7 +201,7 @@ def test_the_choice_depends_on_what_is_asked_alone():
 
 
 def test_bodies_the_lanes_do_not_take():
-    """Two different edges, a duration: solved one by one, in the same batch."""
+    """A duration: solved alone, in a batch with one that the lanes take and one of two different edges."""
     values, dt = own()
     batch = suite(values, dt, [1.5, 2.0, 2.5], [1.0], [0.2])
     edges = batch.block.b.copy()

@@ -35,8 +35,9 @@ def random_outline(rng):
     return np.array(points)[ConvexHull(points).vertices]
 
 
-def random_case(seed):
-    """A batch of one body that rolls, under a pulse or, every third, a record of noise."""
+def random_case(seed, record=None):
+    """A batch of one body that rolls, under a record of noise or a pulse; if not said, every third a record."""
+    record = seed % 3 == 2 if record is None else record
     rng = np.random.default_rng(seed)
     while True:
         outline = random_outline(rng)
@@ -44,7 +45,7 @@ def random_case(seed):
         noise = np.cumsum(rng.normal(size=300))
         shape = str(rng.choice(SHAPES))
         motion = {"pulse": {"shape": shape, "a_p": f"{strength}*g*tan_alpha", "T_p": period}}
-        if seed % 3 == 2:
+        if record:
             noise = np.convolve(noise - np.linspace(noise[0], noise[-1], 300), np.ones(9) / 9, mode="same")
             noise *= np.hanning(300) / np.abs(noise).max()
         case = {"block": {"outline": outline.tolist(), "stands": "settled"}, "motion": motion}
@@ -54,7 +55,7 @@ def random_case(seed):
             continue
         if not batch.block.rolls.all():
             continue
-        if seed % 3 == 2:
+        if record:
             pga = 0.7 * strength * 9.81 * batch.block.tan_alpha.min()
             record = Samples(noise, 0.02, np.array([pga]), name="noise")
             batch = replace(batch, excitation=replace(batch.excitation, horizontal=record))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rockcli.kernels.constants import LEFT_TO_MARCH
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rolling import results as results_of_rolling
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
 from rockcli.scene.variables import (
@@ -71,22 +72,35 @@ AT_ONCE = 1 << 20
 
 
 def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
-    """Which rows (n, N_PAR) of a batch the lanes take, (n,): of bodies with two equal edges, without a duration.
+    """Which rows (n, N_PAR) of a batch the lanes take, (n,): of bodies without a duration.
 
     Not those that a sample grazes, nor those that cannot overturn: they turn farther than the sines of the lanes reach.
+    Of bodies with two different edges those without friction, if no forces are asked for.
     """
+    alike = even(rows)
+    apart = ~alike & np.isnan(batch.block.mu) & (not batch.save.scalars & FORCES)
+    taken = (alike | apart) & (rows[:, at.HAS_DURATION] == 0.0)
+    for edge in (at.RIGHT, at.LEFT):
+        taken &= np.isfinite(rows[:, edge + at.Q_STAR])
+        if edge == at.RIGHT or apart.any():
+            taken &= ~grazed(batch, rows, edge)
+    return np.asarray(taken)
+
+
+def grazed(batch: Batch, rows: Array, edge: int) -> NDArray[np.bool_]:
+    """Whether a sample grazes the uplift about an edge of each row (n, N_PAR) of a batch, (n,)."""
     with np.errstate(divide="ignore"):
-        guard = rows[:, at.G] * rows[:, at.RIGHT + at.THRESHOLD] / np.abs(rows[:, at.FACTOR_H])
-    grazed = np.zeros(len(rows), dtype=bool)
+        guard = rows[:, at.G] * rows[:, edge + at.THRESHOLD] / np.abs(rows[:, at.FACTOR_H])
+    found = np.zeros(len(rows), dtype=bool)
     for record, cases in _by_record(batch, len(rows)):
-        grazed[cases] = _grazed(np.abs(record.values), guard[cases])
-    return np.asarray(even(rows) & np.isfinite(rows[:, at.RIGHT + at.Q_STAR]) & ~grazed)
+        found[cases] = _grazed(np.abs(record.values), guard[cases])
+    return found
 
 
 def even(rows: Array) -> NDArray[np.bool_]:
-    """Which rows (n, N_PAR) are of bodies with two equal edges, without a duration, (n,)."""
+    """Which rows (n, N_PAR) are of bodies with two equal edges, (n,)."""
     left, right = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
-    return np.asarray(np.all(left == right, axis=1) & (rows[:, at.HAS_DURATION] == 0.0))
+    return np.asarray(np.all(left == right, axis=1))
 
 
 def _grazed(sizes: Array, guard: Array) -> NDArray[np.bool_]:
@@ -120,8 +134,9 @@ def run(
     *,
     cases: NDArray[np.int64] | None = None,
     path: bool = False,
+    bodies: Array | None = None,
 ) -> Array:
-    """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch, all without `cases`: symmetric bodies.
+    """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch, all without `cases`.
 
     NaN in STATUS for a body that is left to the single-body kernels, whose `Settings` are `how`.
 
@@ -129,22 +144,41 @@ def run(
         starts: rows of `kernels.handover` for bodies that stop where their foot may give way: STATUS is GIVES_WAY, and
             `starts` says where.
         path: follow a fall to its end whatever is asked.
+        bodies: table of bodies that roll, `kernels.rolling.parameters`; then the rows and the results are longer:
+            `kernels.lanes.records.facets`, `kernels.rolling.results`.
     """
+    width = to.N_OUT if bodies is None else results_of_rolling.N_OUT
     if not len(rows):
-        return np.empty((0, to.N_OUT))
+        return np.empty((0, width))
     path = path or how.detail == lanes.ALL or bool(batch.save.scalars & PATH)
-    found = np.zeros((len(rows), to.N_OUT))
+    found = np.zeros((len(rows), width))
     holds = starts is not None
     if starts is None:
         starts = np.empty((len(rows), 0))
+    table = np.empty((0, 0)) if bodies is None else bodies
+    alike = even(rows) if bodies is None else np.zeros(len(rows), dtype=bool)
     for records, theirs in _some_at_a_time(_by_record(batch, len(rows), cases)):
         ground = laid_out(records, lanes.BLOCK, path=path)
         spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
-        places = np.concatenate(theirs)
-        out = np.zeros((len(places), to.N_OUT))
-        begin = starts[places]
-        lanes.march_lanes(rows[places], how, *ground[:-1], spans, holds, begin, lanes.work_space(), out)
-        found[places], starts[places] = out, begin
+        every = np.concatenate(theirs)
+        for two_sided in np.unique(~alike[every]).tolist():  # apart, so that no body depends on others
+            of_those = ~alike[every] == two_sided
+            places = every[of_those]
+            out = np.zeros((len(places), width))
+            begin = starts[places]
+            lanes.march_lanes(
+                rows[places],
+                table,
+                how,
+                *ground[:-1],
+                spans[of_those],
+                two_sided,
+                holds,
+                begin,
+                lanes.work_space(),
+                out,
+            )
+            found[places], starts[places] = out, begin
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
 

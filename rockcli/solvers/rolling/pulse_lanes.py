@@ -21,10 +21,15 @@ from rockcli.solvers.event.pulse_lanes import in_lanes
 Array = NDArray[np.float64]
 
 
-def fit(batch: Batch, pars: Array) -> NDArray[np.bool_]:
+def fit(batch: Batch, pars: Array, bodies: Array) -> NDArray[np.bool_]:
     """Which rows (n, N_PAR) the lanes take, (n,): bodies that stand, without friction, whose report ends by itself."""
     if not asked(batch):
         return np.zeros(len(pars), dtype=bool)
+    return stands_free(batch, pars)
+
+
+def stands_free(batch: Batch, pars: Array) -> NDArray[np.bool_]:
+    """Which rows (n, N_PAR) are of bodies that stand, without friction, whose report ends by itself, (n,)."""
     stands = (pars[:, at.THETA_0] == 0.0) & (pars[:, at.THETA_DOT_0] == 0.0)
     return np.asarray(stands & (pars[:, at.HAS_DURATION] == 0.0) & np.isnan(batch.block.mu))
 

@@ -26,13 +26,15 @@ from rockcli.solvers.contact.solver import Opened, with_contact
 from rockcli.solvers.event.nudges import finer_than, nudges
 from rockcli.solvers.event.pack import COMPILE_ABOVE, order_of, settings_of
 from rockcli.solvers.event.unpack import FORCES, Raw
+from rockcli.solvers.rolling import pulse_lanes, record_lanes
 from rockcli.solvers.rolling.answers import answer, histories_of
 from rockcli.solvers.rolling.pack import facets_in, parameters_of
-from rockcli.solvers.rolling.pulse_lanes import METHOD, asked, fit
-from rockcli.solvers.rolling.pulse_lanes import run as run_lanes
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+LANES: dict[str, Any] = {"lanes.pulses.march": pulse_lanes, "lanes.records.march": record_lanes}
+"""What takes bodies into the lanes of a kernel."""
 
 METHOD_OF_ROLLING = "Taylor series to order {} from vertex to vertex, events located on the polynomial"
 
@@ -43,16 +45,17 @@ def solve(batch: Batch) -> Response:
     level = batch.numerics.tolerances
     facets = facets_in(batch)
     seconds = _estimated_seconds(batch, facets)
-    kernels.load("rolling.march", compile_them=seconds > COMPILE_ABOVE)
-    run = _run(batch, facets, level, histories=batch.save.histories)
-    judgement = _judged(batch, facets, level, run, seconds) if batch.save.scalars & CERTAINTY else None
+    kernels.load("rolling.march", compile_them=record_lanes.asked(batch) or seconds > COMPILE_ABOVE)
+    way = _way(batch)
+    run = _run(batch, facets, level, way, histories=batch.save.histories)
+    judgement = _judged(batch, facets, level, way, run, seconds) if batch.save.scalars & CERTAINTY else None
     scalars, reasons = answer(batch, facets, run)
     if judgement is not None:
         judgement.enter(scalars, reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",
-        "method": METHOD if asked(batch) else METHOD_OF_ROLLING.format(order_of(level.rtol)),
+        "method": LANES[way].METHOD if way else METHOD_OF_ROLLING.format(order_of(level.rtol)),
         "rtol": repr(level.rtol),
         "rest_speed": repr(level.rest_speed),
     }
@@ -62,20 +65,30 @@ def solve(batch: Batch) -> Response:
     return with_contact(batch, response, level, Opened(nothing, nothing))
 
 
-def _run(batch: Batch, facets: Facets, level: Accuracy, *, histories: bool) -> Raw:
-    """Raw results; a case that needs more steps than plain Python may take is solved again compiled."""
+def _way(batch: Batch) -> str:
+    """The kernel of the lanes that find what is asked, "" where none do."""
+    if record_lanes.asked(batch) and kernels.compiled:
+        return "lanes.records.march"
+    return "lanes.pulses.march" if pulse_lanes.asked(batch) else ""
+
+
+def _run(batch: Batch, facets: Facets, level: Accuracy, way: str, *, histories: bool) -> Raw:
+    """Raw results, by the lanes of a kernel as far as they go.
+
+    A case that needs more steps than plain Python may take is solved again compiled.
+    """
     pars, bodies = parameters_of(batch, facets)
     n_time = output_times(batch.save.dt_out, pars[:, at.T_STOP].max()) if histories else 0
 
     def attempt() -> Raw:
         run = Raw(batch.size, n_time, MAX_IMPACTS_STORED if histories else 0)
         run.out = np.zeros((batch.size, also.N_OUT))
-        alone = ~fit(batch, pars)
+        alone = ~LANES[way].fit(batch, pars, bodies) if way else np.ones(batch.size, dtype=bool)
         if not alone.all():
             cases = np.flatnonzero(~alone)
-            lanes = kernels.load("lanes.pulses.march", compile_them=bool(kernels.compiled))
+            lanes = kernels.load(way, compile_them=bool(kernels.compiled))
             how = settings_of(lanes, batch, level, _detail(batch))
-            run.out[cases] = run_lanes(lanes, batch, pars, bodies, how, cases)
+            run.out[cases] = LANES[way].run(lanes, batch, pars, bodies, how, cases)
             alone |= np.isnan(run.out[:, to.STATUS])
         if alone.all():
             _march(batch, pars, bodies, level, run)
@@ -128,7 +141,7 @@ def _detail(batch: Batch) -> int:
     return 0 if scalars <= {"outcome", "wall_time", "reason", "residual_tilt"} else 1
 
 
-def _judged(batch: Batch, facets: Facets, level: Accuracy, run: Raw, seconds: float) -> Judgement:
+def _judged(batch: Batch, facets: Facets, level: Accuracy, way: str, run: Raw, seconds: float) -> Judgement:
     """What further runs show; where two part, the more accurate one takes the place of the first in `run`."""
     finer = finer_than(level)
     peaks = replace(
@@ -142,12 +155,15 @@ def _judged(batch: Batch, facets: Facets, level: Accuracy, run: Raw, seconds: fl
         kernels.load("rolling.march", compile_them=compiled)
         others = nudged(peaks, rows, factors)
         its = facets_in(others)
-        return traces_of(others, its, _run(others, its, finer if fine else level, histories=False).out)
+        how_well = finer if fine else level
+        its_way = way if how_well.rtol >= record_lanes.FINEST_AGAIN else ""
+        return traces_of(others, its, _run(others, its, how_well, its_way, histories=False).out)
 
     def refine(rows: Index) -> Traces:
         if finer.rtol < level.rtol:
             some = batch.rows(rows)
-            run.put(rows, _as_long(_run(some, facets_in(some), finer, histories=batch.save.histories), run))
+            its_way = way if finer.rtol >= record_lanes.FINEST_AGAIN else ""
+            run.put(rows, _as_long(_run(some, facets_in(some), finer, its_way, histories=batch.save.histories), run))
         return traces_of(batch, facets, run.out).rows(rows)
 
     first, second, reach = nudges(level, finer)

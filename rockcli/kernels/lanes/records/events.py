@@ -7,12 +7,12 @@ import math
 from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, NO_ROOT, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.facets import BALLISTIC, BALLISTIC_AFTER, rolls
 from rockcli.kernels.lanes.records.forces import account, drive, look_into, work_until
 from rockcli.kernels.lanes.records.peaks import note_height
 from rockcli.kernels.lanes.records.rest import (
-    BALLISTIC,
-    BALLISTIC_AFTER,
     FARTHER,
+    FINISHED,
     ROCKING,
     STANDING,
     finish,
@@ -21,6 +21,7 @@ from rockcli.kernels.lanes.records.rest import (
     stop,
     turn,
 )
+from rockcli.kernels.lanes.records.rolling import arrive_rolling, note_passage, roll_over, touch_next
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.rigid import parameters as at
@@ -34,27 +35,29 @@ from rockcli.kernels.rigid.series import slope, value
 
 
 @jit_lean
-def arrive(st, i, par, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out):
+def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out):
     """A rocking lane at the end of its samples: the motion's, or the report's.
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
     """
+    if rolls(par):
+        return arrive_rolling(st, i, par, bodies, how, len(velocity) == 0, out)
     q, v, s = st[lane.Q + i], st[lane.V + i], st[lane.SIDE + i]
     last = st[lane.LAST + i]
-    edge = edge_of(par, at.RIGHT)  # both are alike
-    verdict = free_rocking(edge, edge, q, v, how.linear, how.margin * edge.alpha)
+    edge, other = edge_of(par, at.RIGHT if s > 0.0 else at.LEFT), edge_of(par, at.LEFT if s > 0.0 else at.RIGHT)
+    verdict = free_rocking(edge, other, q, v, how.linear, how.margin * edge.alpha)
     if st[lane.END + i] == last:
         out[to.VERDICT] = verdict
         if how.detail == OUTCOME:
             if verdict == FALLS and separatrix(edge, q, v, how.linear) < 0.0:  # an impact comes first
                 st[lane.IMPACTS + i] += 1.0
             out[to.T_END] = par[at.T_MOTION]
-            return finish(st, i, verdict, out)
-        if verdict == FALLS and v > 0.0 and len(velocity) > 0:
+            return finish(st, i, par, verdict, out)
+        if verdict == FALLS and v > 0.0 and len(velocity) > 0 and separatrix(edge, q, v, how.linear) > 0.0:
             if hold:  # it may yet slip before it is beyond the equilibrium
                 return stop(st, i, par, how, values, slopes, start, out)
             out[to.T_END], out[to.PEAK_SIDE] = par[at.T_MOTION], s
-            return finish(st, i, verdict, out)
+            return finish(st, i, par, verdict, out)
         if how.detail == ALL:
             st[lane.WORK + i] -= values[int(last)] * drive(st, i, q, how.linear)
         st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = last + 1.0, last + 2.0, 0.0
@@ -72,12 +75,13 @@ def arrive(st, i, par, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, h
     if how.detail == ALL:
         account(st, i, par, energy(edge, q, v, how.linear), out)
     afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
-    return finish(st, i, verdict, out)
+    return finish(st, i, par, verdict, out)
 
 
 @jit_lean
 def attend(
-    st, i, par, how, values, slopes, blocks, tail, velocity, c, guard, sin_q, cos_q, a, a_v, force, hold, start, out
+    st, i, par, bodies, how, values, slopes, blocks, tail, velocity, c, guard, sin_q, cos_q, a, a_v, force, hold, start,
+    out,
 ):  # fmt: skip
     """Look at the step lane i tried, go as far as its first event, and see to that."""
     q, h, x0 = st[lane.Q + i], st[lane.H + i], st[lane.X + i]
@@ -91,13 +95,13 @@ def attend(
     last, piece = int(st[lane.LAST + i]), int(st[lane.PIECE + i])
     free = piece > last
     t0 = (par[at.T_MOTION] if free else (piece - st[lane.FIRST + i]) * st[lane.DT + i]) + x0
-    s = st[lane.SIDE + i]
-    edge = edge_of(par, at.RIGHT)  # both are alike
+    s, e = st[lane.SIDE + i], at.RIGHT if st[lane.SIDE + i] > 0.0 else at.LEFT
+    edge = edge_of(par, e)
     path, watch = len(velocity) == 0, how.detail == ALL
-    if not (path or free or q < edge.q_star or c[1] <= 0.0):
+    if not (path or free or q < edge.q_star or c[1] <= 0.0 or rolls(par)):
         if lost(st, i, values, slopes, velocity, how.linear):
             out[to.T_END], out[to.PEAK_SIDE] = t0, s
-            return finish(st, i, FALLS, out)
+            return finish(st, i, par, FALLS, out)
         st[lane.LOOK + i] = min(FARTHER * max(q, st[lane.LOOK + i]), HALF_PI)
     skip = 0
     if q == 0.0:
@@ -119,7 +123,11 @@ def attend(
     for k in range(lane.ORDER, -1, -1):
         reach = reach * x + abs(c[k])
     star = edge.q_star
-    if reach >= HALF_PI:
+    touches = False
+    if rolls(par):
+        touches, x = touch_next(st, i, par, c, guard, x, reach)
+        impact = impact and not touches
+    elif reach >= HALF_PI:
         if star == math.inf:
             return hand_over(out)
         for k in range(lane.ORDER + 1):
@@ -142,7 +150,9 @@ def attend(
     if reach > st[lane.PEAK + i] and c[1] > 0.0 >= v:
         y = turning_point(c, lane.ORDER, 0.0, x)
         note_height(st, i, par, value(c, lane.ORDER, y), t0 + y * h, hold and watch, out)
-    if path and reach >= star:
+    if path and rolls(par):
+        note_passage(par, s, c, guard, x, reach, t0, h, out)
+    elif path and reach >= star:
         passed = last_passage(c, lane.ORDER, star, x, 1)
         if passed != NO_ROOT:
             out[to.T_OVERTURN] = t0 + passed * h
@@ -162,10 +172,10 @@ def attend(
             st[lane.WORK + i] -= ground * drive(st, i, q_x, how.linear)
             account(st, i, par, energy(edge, q_x, v, how.linear), out)
         afterwards(edge, how, s, q_x, v, t0 + x * h, FALLS, c, sin_q, cos_q, a, a_v, out)
-        return finish(st, i, FALLS, out)
+        return finish(st, i, par, FALLS, out)
 
     # go there
-    st[lane.Q + i], st[lane.V + i] = 0.0 if impact else value(c, lane.ORDER, x), v
+    st[lane.Q + i], st[lane.V + i] = 0.0 if impact or touches else value(c, lane.ORDER, x), v
     length = st[lane.LEN + i]
     place = x0 + x * h
     if (x == 1.0 and h == length - x0) or place >= length:
@@ -188,14 +198,16 @@ def attend(
             st[lane.IMPACTS + i] += 1.0
             if s > 0.0:
                 st[lane.ONTO_LEFT + i] += 1.0
-        st[lane.V + i] = edge.eta * rate
-        turn(st, i, par, -s)
-        if not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
-            state = rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out)
-            if state != ROCKING:
-                return state
+        st[lane.V + i] = st[lane.ETA + i] * rate
+        turn(st, i, par, -s, out)
+    if touches and roll_over(st, i, par, bodies, path, out) == FINISHED:
+        return FINISHED
+    if (impact or touches) and not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
+        state = rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out)
+        if state != ROCKING:
+            return state
     if at_end:
-        return arrive(st, i, par, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out)
+        return arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out)
     return STANDING
 
 

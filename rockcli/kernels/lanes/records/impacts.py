@@ -1,4 +1,4 @@
-"""Steps that may touch the base, many at a time: the guard q = 0 and the reset (docs/sweeps.md)."""
+"""Steps that may touch the base or the next facet, many at a time: the guards and the reset (docs/sweeps.md)."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from rockcli.kernels.lanes.vector.plain import load, select, some, sqrt
 
 
 @jit_lean
-def land(st, queue, j, path, watch, linear):
+def land(st, queue, j, path, watch, linear, onward):
     """Take the lanes queue[j: j + WIDTH] to the first zero of their polynomials, turned over, or to their steps' ends.
 
     Returns (lanes at the end of their samples, lanes that may come to rest in the sample they are in, lanes whose
-    forces to look into).  `path`: what impacts carry is asked for; `watch`: forces are.
+    forces to look into, lanes that have turned over).  `path`: what impacts carry is asked for; `watch`: forces are.
+    `onward`: to where the next facet touches, not turned over and with the rate at which they come, which are not those
+    that `path` and `watch` ask for.
     """
     lanes = load(queue, j)
     q, h = gather(st, lanes + lane.Q), gather(st, lanes + lane.H)
@@ -26,10 +28,14 @@ def land(st, queue, j, path, watch, linear):
     c7, c8 = gather(st, lanes + (lane.COEFFICIENTS + 6 * WIDTH)), gather(st, lanes + (lane.COEFFICIENTS + 7 * WIDTH))
 
     # first root by (T4); the zero at the start of a flight is divided out
-    off = q == 0.0
-    b0, b1, b2, b3 = select(off, c1, q), select(off, c2, c1), select(off, c3, c2), select(off, c4, c3)
-    b4, b5, b6, b7 = select(off, c5, c4), select(off, c6, c5), select(off, c7, c6), select(off, c8, c7)
-    b8 = select(off, 0.0 * c8, c8)
+    if onward:
+        b0, b1, b2, b3, b4 = gather(st, lanes + lane.WALL) - q, -c1, -c2, -c3, -c4
+        b5, b6, b7, b8 = -c5, -c6, -c7, -c8
+    else:
+        off = q == 0.0
+        b0, b1, b2, b3 = select(off, c1, q), select(off, c2, c1), select(off, c3, c2), select(off, c4, c3)
+        b4, b5, b6, b7 = select(off, c5, c4), select(off, c6, c5), select(off, c7, c6), select(off, c8, c7)
+        b8 = select(off, 0.0 * c8, c8)
     M = 2.0 * abs(b2) + 6.0 * abs(b3) + 12.0 * abs(b4) + 20.0 * abs(b5)
     M = M + (30.0 * abs(b6) + 42.0 * abs(b7) + 56.0 * abs(b8))
     x = 0.0 * q
@@ -89,6 +95,8 @@ def land(st, queue, j, path, watch, linear):
         when = carried * (begun + fma(x, h, place))
         scatter(st, lanes + lane.SWINGS_T, gather(st, lanes + lane.SWINGS_T) + when)
     v = select(hit, gather(st, lanes + lane.ETA) * inward, rate)
+    if onward:
+        v = rate
     now = fma(x, h, place)
     whole = (now >= full) | (x == 1.0) & (h == full - place)
     piece = select(whole, piece + 1.0, piece)
@@ -97,12 +105,14 @@ def land(st, queue, j, path, watch, linear):
     scatter(st, lanes + lane.V, v)
     scatter(st, lanes + lane.X, now)
     scatter(st, lanes + lane.PIECE, piece)
+    over = piece >= gather(st, lanes + lane.END)
+    if onward:
+        return bits(over), 0, 0, bits(hit)
     scatter(st, lanes + lane.SIDE, side * turned)
     scatter(st, lanes + lane.FORCING_C, gather(st, lanes + lane.FORCING_C) * turned)
     scatter(st, lanes + lane.FORCING_S, gather(st, lanes + lane.FORCING_S) * turned)
     scatter(st, lanes + lane.IMPACTS, gather(st, lanes + lane.IMPACTS) + count)
     scatter(st, lanes + lane.ONTO_LEFT, gather(st, lanes + lane.ONTO_LEFT) + select(side > 0.0, count, 0.0 * count))
-    over = piece >= gather(st, lanes + lane.END)
     late = v * gather(st, lanes + lane.SETTLING) > full - now
     slow = hit & ~over & ~late & (v <= gather(st, lanes + lane.SLOW))
-    return bits(over), bits(slow), doubtful
+    return bits(over), bits(slow), doubtful, bits(hit)

@@ -17,7 +17,8 @@ from rockcli.kernels.lanes.records.forces import commit, look_into
 from rockcli.kernels.lanes.records.impacts import land
 from rockcli.kernels.lanes.records.peaks import top
 from rockcli.kernels.lanes.records.rest import BLOCK as BLOCK
-from rockcli.kernels.lanes.records.rest import FINISHED, STANDING, begin, hand_over, park, rest
+from rockcli.kernels.lanes.records.rest import FINISHED, STANDING, begin, hand_over, park, rest, turn
+from rockcli.kernels.lanes.records.rolling import bounce, roll_over
 from rockcli.kernels.lanes.records.state import place
 from rockcli.kernels.lanes.records.step import advance, advance_linear
 from rockcli.kernels.lanes.vector import WIDTH
@@ -34,17 +35,21 @@ ROUNDS = 1024
 
 
 def work_space():
-    """Work space of `march_lanes`: state, lanes that land and that turn, series, ground, forces."""
+    """Work space of `march_lanes`: state, lanes that land, turn and touch the next facet, series, ground, forces."""
     return (
-        room(lane.STATE), room(lane.LANES + WIDTH), room(lane.LANES + WIDTH),
+        room(lane.STATE), *(room(lane.LANES + WIDTH) for _ in range(3)),
         *(room(MAX_ORDER + 1) for _ in range(4)), room(2), room(2), room(6),
     )  # fmt: skip
 
 
-@entry(MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, bool, MATRIX, (VECTOR,) * 10, MATRIX)
-def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, starts, work, out):
-    """`march_all` for bodies with two equal edges, no damper, under sampled motions; no histories.
+@entry(
+    MATRIX, MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, bool, bool, MATRIX, (VECTOR,) * 11, MATRIX
+)  # fmt: skip
+def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out):
+    """`march_all` for bodies on two edges, no damper, under sampled motions; no histories.
 
+    two_sided: the edges of these bodies differ; then no forces.  bodies: none, or the table of
+    `kernels.rolling.parameters` of bodies that roll, whose rows of `pars` are longer (`facets`), and are written to.
     values, slopes: of one motion after the other, each followed by two of zeros or more, so that the next begins with
     a block.  blocks: largest |value| of each block; tail: running bound to the end of a motion.
     spans: of the motion of each body, first and last sample and the time between two.
@@ -56,8 +61,8 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
     A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
     """
     page_the_stack()
-    st, landings, turns, c, guard, sin_q, cos_q, a, a_v, force = work
-    path, watch = len(velocity) == 0, how.detail == ALL
+    st, landings, turns, touches, c, guard, sin_q, cos_q, a, a_v, force = work
+    path, watch, rolling = len(velocity) == 0, how.detail == ALL, len(bodies) > 0
     n_case = len(pars)
     following = busy = rounds = 0
     for number in range(lane.LANES):
@@ -68,7 +73,9 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
             k = following
             following += 1
             i = place(busy)
-            state = begin(st, i, pars[k], spans[k], how, values, slopes, blocks, tail, path, hold, starts[k], out[k])
+            state = begin(
+                st, i, pars[k], spans[k], how, values, slopes, blocks, tail, path, two_sided, hold, starts[k], out[k]
+            )  # fmt: skip
             if state == STANDING:
                 st[lane.CASE + i] = k
                 busy += 1
@@ -76,13 +83,13 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
                 park(st, i)
         if busy == 0:
             return
-        landing = turning = 0
+        landing = turning = touching = 0
         emptied = False
         for o in range(0, place(busy - 1) + 1, lane.STRIDE):
             if how.linear:
-                calls, moved, near, tops = advance_linear(st, o, values, slopes, watch)
+                calls, moved, near, tops, next_facet = advance_linear(st, o, values, slopes, watch)
             else:
-                calls, moved, near, tops = advance(st, o, values, slopes, watch, hold)
+                calls, moved, near, tops, next_facet = advance(st, o, values, slopes, watch, hold)
             if watch:
                 doubtful = commit(st, o)
                 while doubtful != 0:
@@ -93,6 +100,8 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
                         look_into(st, i, pars[k], st[lane.SIDE + i], 1.0, guard, force, a, a_v, out[k])
             landing = note(near, 1.0 * o, landings, landing)
             turning = note(tops, 1.0 * o, turns, turning)
+            if rolling:
+                touching = note(next_facet, 1.0 * o, touches, touching)
             while calls != 0:
                 bit = lowest_bit(calls)
                 calls &= calls - 1
@@ -100,11 +109,12 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
                 k = int(st[lane.CASE + i])
                 if (moved >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k], out[k]
+                        st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],
+                        out[k],
                     )  # fmt: skip
                 else:
                     state = attend(
-                        st, i, pars[k], how, values, slopes, blocks, tail, velocity,
+                        st, i, pars[k], bodies, how, values, slopes, blocks, tail, velocity,
                         c, guard, sin_q, cos_q, a, a_v, force, hold, starts[k], out[k],
                     )  # fmt: skip
                 if state == FINISHED:
@@ -116,7 +126,7 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
         for j in range(landing, min(landing + WIDTH, len(landings))):
             landings[j] = place(lane.LANES)
         for j in range(0, landing, WIDTH):
-            over, slow, doubtful = land(st, landings, j, path, watch, how.linear)
+            over, slow, doubtful, hit = land(st, landings, j, path, watch, how.linear, False)
             while doubtful != 0:
                 bit = lowest_bit(doubtful)
                 doubtful &= doubtful - 1
@@ -126,6 +136,18 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
                 k = int(st[lane.CASE + i])
                 s, x = st[lane.SIDE_BEFORE + i], st[lane.X_HIT + i]
                 look_into(st, i, pars[k], s, x, guard, force, a, a_v, out[k])
+            while two_sided and hit != 0:
+                bit = lowest_bit(hit)
+                hit &= hit - 1
+                if j + bit >= landing:
+                    break
+                i = int(landings[j + bit])
+                k = int(st[lane.CASE + i])
+                turn(st, i, pars[k], st[lane.SIDE + i], out[k])
+                free = rolling and not path and st[lane.PIECE + i] > st[lane.LAST + i]
+                if free and bounce(st, i, pars[k], bodies, how.rest_speed, out[k]) == FINISHED:
+                    st[lane.CASE + i], emptied = -1.0, True
+                    over, slow = over & ~(1 << bit), slow & ~(1 << bit)
             calls = over | slow
             while calls != 0:
                 bit = lowest_bit(calls)
@@ -136,9 +158,34 @@ def march_lanes(pars, how, values, slopes, blocks, tail, velocity, spans, hold, 
                 k = int(st[lane.CASE + i])
                 if (over >> bit) & 1:
                     state = arrive(
-                        st, i, pars[k], how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k], out[k]
+                        st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],
+                        out[k],
                     )  # fmt: skip
                 else:
+                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k])
+                if state == FINISHED:
+                    st[lane.CASE + i], emptied = -1.0, True
+        for j in range(touching, min(touching + WIDTH, len(touches))):
+            touches[j] = place(lane.LANES)
+        for j in range(0, touching, WIDTH):
+            over, slow, doubtful, hit = land(st, touches, j, path, watch, how.linear, True)
+            calls = over | hit
+            while calls != 0:
+                bit = lowest_bit(calls)
+                calls &= calls - 1
+                if j + bit >= touching:
+                    break
+                i = int(touches[j + bit])
+                k = int(st[lane.CASE + i])
+                state = STANDING
+                if (hit >> bit) & 1:
+                    state = roll_over(st, i, pars[k], bodies, path, out[k])
+                if state != FINISHED and (over >> bit) & 1:
+                    state = arrive(
+                        st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],
+                        out[k],
+                    )  # fmt: skip
+                elif state != FINISHED and (hit >> bit) & 1 and st[lane.V + i] <= st[lane.SLOW + i]:
                     state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k])
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = -1.0, True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.facets import TILT, rolls, top_of
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
@@ -53,5 +54,11 @@ def top(st, i, par, both, out):
 @jit_lean
 def note_height(st, i, par, q, t, both, out):
     """Raise the peak to a turning point of lane i; `both`: the peaks of either side, not the larger alone."""
-    set_peak(par[at.RIGHT + at.ALPHA], st[lane.SIDE + i], q, t, out)
+    s = st[lane.SIDE + i]
+    if st[lane.UNLIKE + i] > 0.0:
+        tilt, alpha = abs(par[TILT]) if rolls(par) else 0.0, par[(at.RIGHT if s > 0.0 else at.LEFT) + at.ALPHA]
+        set_peak(1.0 if rolls(par) else alpha, s, q + tilt, t, out)
+        st[lane.PEAK + i] = top_of(par, s, out)
+        return
+    set_peak(par[at.RIGHT + at.ALPHA], s, q, t, out)
     st[lane.PEAK + i] = min(out[to.PEAK_LEFT], out[to.PEAK_RIGHT]) if both else out[to.PEAK]

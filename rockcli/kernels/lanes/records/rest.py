@@ -5,10 +5,24 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels import handover as carry
+from rockcli.kernels.constants import FALLS, GIVES_WAY, LEFT_TO_MARCH, NOT_YET, RETURNS, STANDSTILL
 from rockcli.kernels.constants import FAST as COUNTED
-from rockcli.kernels.constants import GIVES_WAY, LEFT_TO_MARCH, NOT_YET, RETURNS, STANDSTILL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.facets import (
+    BALLISTIC,
+    EXTENT_LEFT,
+    EXTENT_RIGHT,
+    FACET,
+    FALL_LEFT,
+    FALL_RIGHT,
+    SCALE,
+    TILT,
+    face,
+    rolls,
+    scales,
+    top_of,
+)
 from rockcli.kernels.lanes.records.forces import account, begin_watch, bounces_matter, drive, stood
 from rockcli.kernels.lanes.records.peaks import note_height
 from rockcli.kernels.lanes.records.step import HALF_PI
@@ -16,6 +30,7 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import edge_of, energy, pressed
 from rockcli.kernels.rigid.march import ALL
+from rockcli.kernels.rolling import results as also
 
 FINISHED, STANDING, ROCKING = 0, 1, 2
 """What becomes of a lane: its body is done, or goes on from where it is; ROCKING: it does not come to rest."""
@@ -26,15 +41,15 @@ FARTHER = 1.25
 BLOCK = 64
 """Samples per block of the bounds."""
 
+NEAR = 1e-3
+"""Bounces taken so reach no farther than this fraction of the turn to the next facet."""
+
 NEARLY_STEADY = 5e-5
 """Change of the moment from one impact to the next, relative, below which it is taken to first order."""
 
-BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
-"""Impacts slower than this fraction of p alpha bounce under a constant moment, during the motion and after it."""
-
 
 @jit_lean
-def begin(st, i, par, span, how, values, slopes, blocks, tail, path, hold, start, out):
+def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, hold, start, out):
     """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED.  span: of its motion."""
     for k in range(to.N_OUT):
         out[k] = 0.0
@@ -45,9 +60,19 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, hold, start
     st[lane.FREE_0 + i], st[lane.FREE_S + i], st[lane.FREE_C + i] = (
         -p2 * par[at.RIGHT + at.R0], -p2 * par[at.RIGHT + at.RS], -p2 * par[at.RIGHT + at.RC],
     )  # fmt: skip
+    st[lane.UNLIKE + i], st[lane.AHEAD + i], st[lane.WALL + i] = (
+        1.0 if two_sided else 0.0,
+        1.0 if path else FARTHER,
+        HALF_PI,
+    )
     # the first term left out is at most an eighth of the last one kept: a hundredth of what the level allows, as an
     # error may grow with every impact, and it costs a tenth more steps
     st[lane.SMALL + i] = 0.08 * how.tol * par[at.RIGHT + at.ALPHA]
+    if two_sided:
+        st[lane.SMALL + i] = 0.08 * how.tol * min(par[at.LEFT + at.ALPHA], par[at.RIGHT + at.ALPHA])
+    if rolls(par):
+        st[lane.SMALL + i] = min(st[lane.SMALL + i], 0.08 * how.tol * par[SCALE])
+        out[also.FACET] = -1.0
     st[lane.PEAK + i] = 0.0
     # who does not ask when it passes the equilibrium looks where it is farther from there, and mostly lost
     star = par[at.RIGHT + at.Q_STAR]
@@ -80,7 +105,7 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, hold, start
                 k += 1
             st[lane.PIECE + i], st[lane.X + i] = span[0] + k, start[carry.T] - k * dt
             st[lane.Q + i], st[lane.V + i] = start[carry.Q], start[carry.V]
-            turn(st, i, par, start[carry.SIDE])
+            turn(st, i, par, start[carry.SIDE], out)
             begin_watch(st, i, par, how.linear, start[carry.Q], start[carry.V], ground(st, i, values, slopes))
             if start[carry.Q] == 0.0 and start[carry.V] == 0.0:
                 return lift(st, i, par, watch, values, slopes, blocks, tail, out)
@@ -94,10 +119,10 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, hold, start
     q, v = abs(par[at.THETA_0]), s * par[at.THETA_DOT_0]
     out[to.T_UPLIFT] = 0.0
     out[to.PEAK_SIDE] = s
-    if q >= par[at.RIGHT + at.Q_STAR]:
+    if q >= par[(at.RIGHT if s > 0.0 else at.LEFT) + at.Q_STAR]:
         out[to.T_OVERTURN] = 0.0
     st[lane.Q + i], st[lane.V + i] = q, v
-    turn(st, i, par, s)
+    turn(st, i, par, s, out)
     if v <= 0.0:
         note_height(st, i, par, q, 0.0, hold and watch, out)
     if watch or hold:
@@ -113,11 +138,14 @@ def ground(st, i, values, slopes):
 
 
 @jit_lean
-def turn(st, i, par, s):
+def turn(st, i, par, s, out):
     """Put lane i on side s."""
+    e = at.RIGHT if s > 0.0 else at.LEFT
     st[lane.SIDE + i] = s
-    force = -par[at.RIGHT + at.P2] * s * par[at.FACTOR_H] / par[at.G]
-    st[lane.FORCING_C + i], st[lane.FORCING_S + i] = force * par[at.RIGHT + at.FC], force * par[at.RIGHT + at.FS]
+    force = -par[e + at.P2] * s * par[at.FACTOR_H] / par[at.G]
+    st[lane.FORCING_C + i], st[lane.FORCING_S + i] = force * par[e + at.FC], force * par[e + at.FS]
+    if st[lane.UNLIKE + i] > 0.0:
+        face(st, i, par, s, out)
 
 
 @jit_lean
@@ -127,7 +155,8 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
     Samples that cannot open the guard are not looked at: the next that can is found by the bounds of blocks.
     """
     g, factor = par[at.G], par[at.FACTOR_H]
-    quiet = g * par[at.RIGHT + at.THRESHOLD]
+    left, right = g * par[at.LEFT + at.THRESHOLD], g * par[at.RIGHT + at.THRESHOLD]
+    quiet = min(left, right)
     first, last, dt = int(st[lane.FIRST + i]), int(st[lane.LAST + i]), st[lane.DT + i]
     k, x = int(st[lane.PIECE + i]), st[lane.X + i]
     k_0, x_0 = k, x
@@ -138,12 +167,13 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
             rate = slopes[k] * factor
             best, s_up = math.inf, 0.0
             for sign in (-1.0, 1.0):
-                d, dd = quiet + sign * a_g, sign * rate
+                own = right if sign > 0.0 else left
+                d, dd = own + sign * a_g, sign * rate
                 y = math.inf
                 if d < 0.0:
                     y = 0.0
                 elif dd < 0.0:
-                    y = 0.0 if d <= 1e-15 * quiet else (d + 2e-15 * quiet) / -dd  # open beyond rounding
+                    y = 0.0 if d <= 1e-15 * own else (d + 2e-15 * own) / -dd  # open beyond rounding
                 if y <= dt - x and y < best:
                     best, s_up = y, sign
             if s_up != 0.0 and x + best >= dt:  # at the sample's end: what counts is the next one's slope
@@ -156,7 +186,7 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
                 if watch and (k > k_0 or x + best > x_0):  # while at rest |a_g| is nowhere above what lifts it
                     stood(st, i, par, abs(values[k] + slopes[k] * (x + best)))
                 st[lane.PIECE + i], st[lane.X + i], st[lane.Q + i], st[lane.V + i] = k, x + best, 0.0, 0.0
-                turn(st, i, par, s_up)
+                turn(st, i, par, s_up, out)
                 if math.isnan(out[to.T_UPLIFT]):
                     out[to.T_UPLIFT] = (k - first) * dt + (x + best)
                 return STANDING
@@ -173,7 +203,11 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
         if k_0 < last:
             stood(st, i, par, max(abs(values[k_0] + slopes[k_0] * x_0), tail[k_0 + 1]))
         account(st, i, par, 0.0, out)
-    return finish(st, i, RETURNS, out)
+    if rolls(par):
+        if not par[FALL_LEFT] < par[TILT] < par[FALL_RIGHT]:
+            return finish(st, i, par, FALLS, out)
+        out[also.FACET] = par[FACET]
+    return finish(st, i, par, RETURNS, out)
 
 
 @jit_lean
@@ -192,8 +226,11 @@ def following(values, blocks, level, k, last):
 
 
 @jit_lean
-def finish(st, i, verdict, out):
+def finish(st, i, par, verdict, out):
     """Note how it ended."""
+    if rolls(par) and verdict == FALLS:
+        theta = par[TILT] + st[lane.SIDE + i] * st[lane.Q + i]
+        out[to.PEAK_SIDE] = 1.0 if theta > 0.0 or (theta == 0.0 and st[lane.SIDE + i] > 0.0) else -1.0
     out[to.VERDICT] = verdict
     out[to.N_STEPS], out[to.N_IMPACTS] = st[lane.STEPS + i], st[lane.IMPACTS + i]
     out[to.SWINGS], out[to.SWINGS_T] = st[lane.SWINGS + i], st[lane.SWINGS_T + i]
@@ -206,7 +243,8 @@ def park(st, i):
     """Leave lane i without a body: in a sample without end, where no event comes of it, nor of the ground's force."""
     st[lane.CASE + i], st[lane.SHAKE + i] = -1.0, 0.0
     st[lane.Q + i], st[lane.V + i], st[lane.X + i], st[lane.PIECE + i], st[lane.END + i] = 1.0, 0.0, 0.0, 0.0, math.inf
-    st[lane.LEN + i], st[lane.CAP + i], st[lane.SMALL + i], st[lane.LOOK + i] = math.inf, 1.0, 0.0, math.inf
+    st[lane.LEN + i], st[lane.CAP + i], st[lane.SMALL + i] = math.inf, 1.0, 0.0
+    st[lane.LOOK + i] = st[lane.WALL + i] = math.inf
     st[lane.FORCING_C + i] = st[lane.FORCING_S + i] = st[lane.FREE_0 + i] = st[lane.FREE_S + i] = st[
         lane.FREE_C + i
     ] = 0.0
@@ -232,7 +270,7 @@ def stop(st, i, par, how, values, slopes, start, out):
     if how.detail == ALL:
         st[lane.WORK + i] -= ground(st, i, values, slopes) * drive(st, i, q, how.linear)
         account(st, i, par, energy(edge_of(par, at.RIGHT), q, v, how.linear), out)
-    finish(st, i, NOT_YET, out)
+    finish(st, i, par, NOT_YET, out)
     out[to.STATUS] = GIVES_WAY
     return FINISHED
 
@@ -244,29 +282,43 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
     Slow bounces are flights under a moment linear in time; each is solved for its end and its impact counted.
     """
     s, v = st[lane.SIDE + i], st[lane.V + i]
-    e = at.RIGHT if s > 0.0 else at.LEFT
+    e, o = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
     p = math.sqrt(par[e + at.P2])
-    p_alpha = p * par[e + at.ALPHA]
     k, x = int(st[lane.PIECE + i]), st[lane.X + i]
     left = st[lane.LEN + i] - x
-    press = pressed(edge_of(par, e), s, 0.0, 0.0)
+    # about its edge and about the other: what presses it down at rest, and what the ground adds, linear in time
+    press, press_o = pressed(edge_of(par, e), s, 0.0, 0.0), pressed(edge_of(par, o), -s, 0.0, 0.0)
     force = s * par[e + at.P2] * par[e + at.FC] * par[at.FACTOR_H] / par[at.G]
-    u0, u1 = force * (values[k] + slopes[k] * x), force * slopes[k]
-    eta = par[e + at.ETA]
-    still, watch = STANDSTILL * p_alpha, how.detail == ALL
-    if abs(u0) >= press:  # a standing body that the ground just fails to lift must not bounce on one spot for ever
+    force_o = -s * par[o + at.P2] * par[o + at.FC] * par[at.FACTOR_H] / par[at.G]
+    a = values[k] + slopes[k] * x
+    u0, u1, w0, w1 = force * a, force * slopes[k], force_o * a, force_o * slopes[k]
+    eta, eta_o = par[e + at.ETA], par[o + at.ETA]
+    scale, scale_o = scales(par, e, o)
+    still, watch = STANDSTILL * (p * par[SCALE] if rolls(par) else scale), how.detail == ALL
+    if press <= 0.0 or press_o <= 0.0:  # the ground alone holds it on this facet, if anything does
+        return ROCKING if v > still else hand_over(out)
+    if press + u0 <= 0.0 or press_o + w0 <= 0.0:
+        # a standing body that the ground just fails to lift must not bounce on one spot for ever
         return lift(st, i, par, watch, values, slopes, blocks, tail, out) if v <= still else ROCKING
-    if v > still and eta >= 1.0:
+    per_cycle = eta * eta_o
+    if v > still and per_cycle >= 1.0:
         return ROCKING
     y, rate, turned = 0.0, v, 1.0
     counted = onto_left = 0.0
     if v > still:
-        whole = 2.0 * v * (1.0 / (press + u0) + eta / (press - u0)) / (1.0 - eta * eta)
+        whole = 2.0 * v * (1.0 / (press + u0) + eta_o / (press_o + w0)) / (1.0 - per_cycle)
         lowest = press - max(abs(u0), abs(u0 + u1 * whole))
-        if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > st[lane.PEAK + i]:
+        highest = st[lane.PEAK + i]
+        if st[lane.UNLIKE + i] > 0.0:
+            lowest = min(lowest, press_o - max(abs(w0), abs(w0 + w1 * whole)))
+            highest = min(highest, top_of(par, -s, out))
+            if rolls(par):
+                highest = min(highest, NEAR * min(par[EXTENT_LEFT], par[EXTENT_RIGHT]))
+        if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > highest:
             return ROCKING
         slow = how.rest_speed * p * math.sin(par[e + at.ALPHA])
-        a = values[k] + slopes[k] * x
+        if rolls(par):
+            slow = how.rest_speed * min(press + u0, press_o + w0) / p
         change = slopes[k] * whole
         if hold and v > slow and bounces_matter(st, i, par, s, a, change, 0.0, st[lane.MU_HELD + i]):
             if start[carry.T] < 0.0:  # so that all that never stop have the bits of pure rocking
@@ -275,36 +327,44 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
         least, most = st[lane.N_LEAST + i], st[lane.MU_MOST + i]
         if watch and v > slow and bounces_matter(st, i, par, s, a, change, least, most):
             return ROCKING
-        straight = NEARLY_STEADY * lowest * lowest / abs(u1)
+        straight = NEARLY_STEADY * lowest * lowest / max(abs(u1), abs(w1))
+        fast, fast_o = COUNTED * scale, COUNTED * scale_o
         while rate > slow and rate > straight:
-            D, D1 = press + turned * (u0 + u1 * y), turned * u1
+            D, D1 = press + (u0 + u1 * y), u1
             flight = 2.0 * rate / (0.5 * D + math.sqrt(0.25 * D * D + 2.0 / 3.0 * D1 * rate))
             y += flight
-            if not (y < left and abs(u0 + u1 * y) < press):
+            if not (y < left and press + (u0 + u1 * y) > 0.0 and press_o + (w0 + w1 * y) > 0.0):
                 return ROCKING
             rate = (D + 0.5 * D1 * flight) * flight - rate
-            if rate > st[lane.FAST + i]:
+            if rate > fast:
                 counted += 1.0
                 if turned * s > 0.0:
                     onto_left += 1.0
-            rate *= eta
+            rate *= eta_o
             turned = -turned
+            press, press_o, u0, w0, u1, w1 = press_o, press, w0, u0, w1, u1
+            eta, eta_o, fast, fast_o, force, force_o = eta_o, eta, fast_o, fast, force_o, force
+            if rolls(par):
+                slow = how.rest_speed * min(press + (u0 + u1 * y), press_o + (w0 + w1 * y)) / p
         if rate > still:  # the rest is a geometric series
-            u = turned * (u0 + u1 * y)
-            here, there = press + u, press - u
-            series = 1.0 / (1.0 - eta * eta)
-            y += 2.0 * rate * (1.0 / here + eta / there) * series
-            if not (y < left and abs(u0 + u1 * y) < press):
+            here, there = press + (u0 + u1 * y), press_o + (w0 + w1 * y)
+            series = 1.0 / (1.0 - per_cycle)
+            if rolls(par):
+                slow = how.rest_speed * min(here, there) / p
+            y += 2.0 * rate * (1.0 / here + eta_o / there) * series
+            if not (y < left and press + (u0 + u1 * y) > 0.0 and press_o + (w0 + w1 * y) > 0.0):
                 return ROCKING
             if rate > slow:  # they are worth counting
-                drift = turned * u1 * rate * (1.0 / (here * here) - eta / (there * there)) * series
+                back = force_o / force if u1 != 0.0 else -1.0
+                drift = u1 * rate * (1.0 / (here * here) + back * eta_o / (there * there)) * series
                 rate *= 1.0 + 2.0 / 3.0 * drift
-                while rate > st[lane.FAST + i]:
+                while rate > fast and rate > slow:
                     counted += 1.0
                     if turned * s > 0.0:
                         onto_left += 1.0
-                    rate *= eta
+                    rate *= eta_o
                     turned = -turned
+                    eta, eta_o, fast, fast_o = eta_o, eta, fast_o, fast
     st[lane.IMPACTS + i] += counted
     st[lane.ONTO_LEFT + i] += onto_left
     st[lane.LOST + i] += 0.5 * par[e + at.RADIUS] * (v / p) ** 2
@@ -312,6 +372,8 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
         out[to.T_END] = par[at.T_MOTION] + (x + y)
         if watch:
             account(st, i, par, 0.0, out)
-        return finish(st, i, out[to.VERDICT], out)
+        if rolls(par) and out[to.VERDICT] == RETURNS:
+            out[also.FACET] = par[FACET]
+        return finish(st, i, par, out[to.VERDICT], out)
     st[lane.X + i] = x + y
     return lift(st, i, par, watch, values, slopes, blocks, tail, out)

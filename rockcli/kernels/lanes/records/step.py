@@ -5,6 +5,8 @@ The polynomial is in the fraction of the step gone by, c_k = q^(k) h^k / k!, so 
 
 from __future__ import annotations
 
+import math
+
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.forces import gives_way, weigh
@@ -96,9 +98,10 @@ def advance_linear(st, i, values, slopes, watch):
 @jit_lean
 def settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7, d8):
     """Move WIDTH lanes to the end of their steps: (lanes that call for attention, those of them that have moved,
-    those that may touch the base and nothing else, those that turn where the peak may be).
+    those that may touch the base and nothing else, those that turn where the peak may be, those that may touch the next
+    facet and nothing else).
 
-    A lane stays where it is if it may touch the base, passes LOOK or the ground, is `weak` as its foot may give way, or
+    A lane stays where it is if it may touch the base, passes LOOK or WALL, is `weak` as its foot may give way, or
     if its last term is too large: then its next step is half as long.  One that moved and calls all the same has come
     to the end of its samples.  What was tried is stored for every lane, as a branch that is taken often costs more than
     the stores.
@@ -110,18 +113,21 @@ def settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7
     bend = (abs(c2) + abs(c3)) + ((abs(c4) + abs(c5)) + (abs(c6) + (abs(c7) + error)))
     reach = abs(c1) + bend
     small, look, peak = load(st, lane.SMALL + i), load(st, lane.LOOK + i), load(st, lane.PEAK + i)
-    smooth = error <= small
+    smooth, wall = error <= small, load(st, lane.WALL + i)
     lost = ~smooth & ~(h > 1e-9 * full)
     # one that leaves rest: nothing but its first terms, upward, counts
     launch = (c1 == 0.0) & (q == 0.0) & (c2 >= 0.0) & (c3 > 0.0) & (2.0 * (abs(c2) + abs(c3)) > bend)
     base = smooth & (q <= reach) & (c1 <= bend) & ~launch
     upper = q + reach
-    low = smooth & (upper < look)
+    low = smooth & (upper < look) & (upper < wall)
+    weak = smooth & weak
     higher = (v > 0.0) & (upper > peak)
     turns = higher & (v_end <= 0.0)
-    weak = smooth & weak
     near = low & base & (abs(c1) > 0.0) & ~(higher & (v_end > 0.0)) & ~weak
-    passes = smooth & (upper >= look) & (turns | (q < look) & (q_end >= look) | (upper >= HALF_PI))
+    touches = smooth & (upper >= wall)
+    passes = smooth & (upper >= look) & (turns | (q < look) & (q_end >= look)) | touches
+    # up to the next facet, and nothing else: none where LOOK says that more is to be seen to
+    touches = touches & ~base & (look == math.inf) & (v > 0.0) & (v_end > 0.0) & ~weak
     place = x + h
     whole = (h == full - x) | (place >= full)
     piece_end = select(whole, piece + 1.0, piece)
@@ -145,4 +151,5 @@ def settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7
     store(st, lane.COEFFICIENTS + 5 * WIDTH + i, c6)
     store(st, lane.COEFFICIENTS + 6 * WIDTH + i, c7)
     store(st, lane.COEFFICIENTS + 7 * WIDTH + i, c8)
-    return bits(base & ~near | passes | lost | last | over | weak), bits(over), near, low & turns & ~last & ~weak
+    calls = base & ~near | passes & ~touches | lost | last | over | weak
+    return bits(calls), bits(over), near, low & turns & ~last & ~weak, touches
