@@ -68,3 +68,23 @@ def test_every_study_of_the_tutorials_is_in_one_and_links_lead_somewhere():
         assert f"({page.name})" in text["README.md"]
     for target in re.findall(r"\]\(([^)#]+)[^)]*\)", whole):
         assert (ROOT / "docs" / "tutorials" / target).exists(), target
+
+
+@pytest.mark.parametrize(
+    ("page", "text"),
+    [
+        (page, text)
+        for page in PAGES
+        for text in re.findall(r"^```yaml\n(name: .*?)^```", page.read_text("utf-8"), re.S | re.M)
+    ],
+    ids=lambda value: value.stem if isinstance(value, Path) else value.splitlines()[0],
+)
+def test_a_study_shown_in_a_tutorial_runs_to_table_and_page(page, text, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("study.yaml").write_text(text, encoding="utf-8")
+    name = text.split()[1]
+    file = f"results/{name}/{name}.nc"
+    for command in (["run", "study.yaml", "--no-plots"], ["report", file], ["table", file, "--of", "fragility"]):
+        found = CliRunner().invoke(app, command)
+        assert found.exit_code == 0, (command, found.output)
+    assert "overturned" in found.output
