@@ -1,9 +1,9 @@
 """Where each backend converges, where it is merely wrong and by how much, where it fails, and whether it says so.
 
-    python benchmarks/stability_maps.py [MAP ...]
+    python benchmarks/stability_maps.py [--draw | MAP ...]
 
 Writes `results/stability_maps.csv` (one row per case) and a picture `docs/stability_<map>.png` per map; with names only
-those maps are solved anew.  Every map is a study over two axes; its error is that of the peak theta/alpha against another
+those maps are solved anew, with --draw none: pictures are drawn from the rows that are there.  Every map is a study over two axes; its error is that of the peak theta/alpha against another
 solver: the event-driven one for stepping codes, DOP853 with located events for the event-driven one.
 """
 
@@ -38,6 +38,10 @@ PICTURES = HERE.parent / "docs"
 COLUMNS = ("map", "panel", "y", "x", "outcome", "same_outcome", "error", "error_estimate", "seconds", "reason")
 
 FAILED = -2
+
+COLOURS, DARK = "Blues", 0.6
+"""Pale is right, dark is wrong; share of the scale from which words are white."""
+
 LOW, HIGH = 1e-14, 1.0
 """Ends of the colour scale, error of theta/alpha."""
 
@@ -221,7 +225,7 @@ def draw(name: str, what: Map, rows: list[dict[str, Any]]) -> None:
     """One panel per base case: colour and number = error of theta/alpha; a frame where its own estimate is too small."""
     with rc_context(RC):
         nx, ny, n = len(what.x[2]), len(what.y[2]), len(what.panels)
-        figure = Figure(figsize=(n * (0.4 * nx + 0.2) + 1.9, 0.3 * ny + 1.5), layout="constrained", dpi=110)
+        figure = Figure(figsize=(n * (0.4 * nx + 0.2) + 1.9, 0.3 * ny + 1.5), layout="constrained", dpi=180)
         FigureCanvasAgg(figure)
         norm = LogNorm(LOW, HIGH)
         image = None
@@ -232,7 +236,7 @@ def draw(name: str, what: Map, rows: list[dict[str, Any]]) -> None:
             image = ax.imshow(
                 np.ma.masked_invalid(np.clip(size, LOW, HIGH)),
                 norm=norm,
-                cmap="RdYlGn_r",
+                cmap=COLOURS,
                 aspect="auto",
                 origin="lower",
             )
@@ -245,13 +249,13 @@ def draw(name: str, what: Map, rows: list[dict[str, Any]]) -> None:
             if k == 0:
                 ax.set_ylabel(what.y[1])
         figure.suptitle("\n".join(textwrap.wrap(what.title, int(13 * figure.get_figwidth()))), fontsize=9.5)
-        figure.colorbar(image, ax=figure.axes, label="|error| of the peak theta/alpha")
+        figure.colorbar(image, ax=figure.axes, label="error of the peak theta/alpha")
         figure.savefig(PICTURES / f"stability_{name}.png")
 
 
 def mark(ax: Any, row: dict[str, Any], i: int, j: int) -> None:
     """The number in a cell, `x` failed, `o` overturned as the reference does, `!` another outcome."""
-    error, outcome = float(row["error"]), int(row["outcome"])
+    error, outcome, share = float(row["error"]), int(row["outcome"]), 0.0
     if outcome < 0:
         text = "x" if outcome == FAILED else "?"
     elif not int(row["same_outcome"]):
@@ -259,10 +263,11 @@ def mark(ax: Any, row: dict[str, Any], i: int, j: int) -> None:
     elif not np.isfinite(error):
         text = "o"
     else:
+        share = np.log(np.clip(abs(error), LOW, HIGH) / LOW) / np.log(HIGH / LOW)
         text = "0" if abs(error) < LOW else in_words(abs(error)) if abs(error) < 0.01 else f"{abs(error):.1g}"
         if abs(error) > 3.0 * float(row["error_estimate"]) and abs(error) > 1e-11:
-            ax.add_patch(Rectangle((i - 0.46, j - 0.46), 0.92, 0.92, fill=False, edgecolor="black", linewidth=1.0))
-    colour = {"?": "#CC79A7", "o": "#8A8A8A"}.get(text, "#000000")
+            ax.add_patch(Rectangle((i - 0.45, j - 0.45), 0.9, 0.9, fill=False, edgecolor="#D55E00", linewidth=1.4))
+    colour = "white" if share > DARK else "#666666" if text == "o" else "black"
     ax.text(i, j, text, ha="center", va="center", fontsize=7, color=colour)
 
 
@@ -276,7 +281,7 @@ def kept_rows(anew: list[str]) -> list[dict[str, Any]]:
 
 def main() -> None:
     warnings.simplefilter("ignore")
-    anew = sys.argv[1:] or list(MAPS)
+    anew = [] if sys.argv[1:] == ["--draw"] else sys.argv[1:] or list(MAPS)
     rows = kept_rows(anew)
     for name in anew:
         rows += rows_of(name, MAPS[name])
@@ -284,6 +289,8 @@ def main() -> None:
     for name, what in MAPS.items():
         if mine := [row for row in rows if row["map"] == name]:
             draw(name, what, mine)
+    if not anew:
+        return
     with RESULTS.open("w", newline="") as out:
         out.write(f"# {machine()}\n")
         writer = csv.DictWriter(out, COLUMNS)

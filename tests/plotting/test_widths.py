@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable
 from itertools import combinations
 
@@ -18,6 +19,7 @@ from plotting.test_gallery import gallery
 from plotting.test_work_precision import traded
 
 import rockcli
+from rockcli.plotting.common.style import wrapped
 
 MADE = {
     "bending": lambda: columns(),
@@ -110,6 +112,18 @@ def test_a_legend_needs_no_colours(drawn, kind):
         for one, other in combinations(legend.legend_handles, 2):
             (a, light), (b, dark) = looks(one), looks(other)
             assert a != b or abs(light - dark) > 9.0, (one.get_label(), other.get_label())
+
+
+def test_no_word_of_a_title_is_left_alone():
+    said = "Which direction of a polarised motion rocks a block most"
+    assert wrapped(said, 50) == ["Which direction of a polarised", "motion rocks a block most"]
+    assert wrapped(said, 80) == [said]
+    assert wrapped("", 20) == []
+    for room in range(12, 60):
+        lines = wrapped(said, room)
+        assert " ".join(lines) == said
+        assert max(map(len, lines)) <= room
+        assert len(lines) == len(textwrap.wrap(said, room))
 
 
 @pytest.mark.parametrize("kind", ["ida", "fragility"])

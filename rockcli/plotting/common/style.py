@@ -179,9 +179,9 @@ def headline(figure: Figure, title: str, note: str = "", over: Axes | None = Non
     if look.title is None:
         return
     columns = int(figure.get_figwidth() * (14.5 if over is None else 12.5))
-    words = "\n".join(textwrap.wrap(title, columns))
+    words = "\n".join(wrapped(title, columns))
     if note:
-        words += "\n" + "\n".join(textwrap.wrap(note, columns + 6))
+        words += "\n" + "\n".join(wrapped(note, columns + 6))
     figure.suptitle(words, fontsize=9.5, linespacing=1.3)
     if over is not None:
         figure.draw_without_rendering()  # lays the figure out
@@ -189,11 +189,22 @@ def headline(figure: Figure, title: str, note: str = "", over: Axes | None = Non
         figure.suptitle(words, fontsize=9.5, linespacing=1.3, x=0.5 * (box.x0 + box.x1))
 
 
+def wrapped(words: str, columns: int) -> list[str]:
+    """Words in as few lines as `columns` letters a line allow, of nearly one length."""
+    lines = textwrap.wrap(words, columns)
+    for fewer in range(columns - 1, max(map(len, words.split()), default=1) - 1, -1):
+        narrower = textwrap.wrap(words, fewer)
+        if len(narrower) > len(lines):
+            break
+        lines = narrower
+    return lines
+
+
 def panel_title(axes: Axes, words: str, width: float, fontsize: float = 8.5) -> None:
     """Title of a panel, wrapped to its width [in]."""
     columns = max(int(width * 135.0 / fontsize), 12)
     visible = re.sub(r"\\(?:mathrm|[a-z]+)|[${}]", "", words)  # what mathematics is written with takes no room
-    axes.set_title("\n".join(textwrap.wrap(words, columns + len(words) - len(visible))), fontsize=fontsize)
+    axes.set_title("\n".join(wrapped(words, columns + len(words) - len(visible))), fontsize=fontsize)
 
 
 def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **style: Any) -> Legend | None:
