@@ -82,18 +82,22 @@ def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
     taken = (alike | apart) & (rows[:, at.HAS_DURATION] == 0.0)
     for edge in (at.RIGHT, at.LEFT):
         taken &= np.isfinite(rows[:, edge + at.Q_STAR])
-        if edge == at.RIGHT or apart.any():
-            taken &= ~grazed(batch, rows, edge)
-    return np.asarray(taken)
+    return np.asarray(taken & ~grazed(batch, rows))
 
 
-def grazed(batch: Batch, rows: Array, edge: int) -> NDArray[np.bool_]:
+def grazed(batch: Batch, rows: Array) -> NDArray[np.bool_]:
     """Whether a sample grazes the uplift about an edge of each row (n, N_PAR) of a batch, (n,)."""
-    with np.errstate(divide="ignore"):
-        guard = rows[:, at.G] * rows[:, edge + at.THRESHOLD] / np.abs(rows[:, at.FACTOR_H])
+    guards: list[Array] = []
+    for edge in (at.RIGHT, at.LEFT):
+        with np.errstate(divide="ignore"):
+            guard = rows[:, at.G] * rows[:, edge + at.THRESHOLD] / np.abs(rows[:, at.FACTOR_H])
+        if not guards or (guard != guards[0]).any():
+            guards.append(guard)
     found = np.zeros(len(rows), dtype=bool)
     for record, cases in _by_record(batch, len(rows)):
-        found[cases] = _grazed(np.abs(record.values), guard[cases])
+        sizes = np.abs(record.values)
+        for guard in guards:
+            found[cases] |= _grazed(sizes, guard[cases])
     return found
 
 
@@ -106,7 +110,8 @@ def even(rows: Array) -> NDArray[np.bool_]:
 def _grazed(sizes: Array, guard: Array) -> NDArray[np.bool_]:
     """Whether one of these accelerations is as large as each guard, nearly, (n,)."""
     if len(guard) <= FEW:
-        return np.array([np.isfinite(one) and np.abs(sizes - one).min() <= GRAZING * one for one in guard], dtype=bool)
+        most = (1.0 + 2.0 * GRAZING) * sizes.max()  # what lifts off under no sample at all is grazed by none
+        return np.array([one <= most and np.abs(sizes - one).min() <= GRAZING * one for one in guard], dtype=bool)
     sizes = np.append(np.sort(sizes), np.inf)
     above = np.searchsorted(sizes[:-1], guard)
     near = np.minimum(sizes[above] - guard, guard - sizes[np.maximum(above - 1, 0)])
@@ -158,7 +163,7 @@ def run(
     table = np.empty((0, 0)) if bodies is None else bodies
     alike = even(rows) if bodies is None else np.zeros(len(rows), dtype=bool)
     for records, theirs in _some_at_a_time(_by_record(batch, len(rows), cases)):
-        ground = laid_out(records, lanes.BLOCK, path=path)
+        ground = laid_out(records, lanes.BLOCK, path=path, falls=bodies is None)
         spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
         every = np.concatenate(theirs)
         for two_sided in np.unique(~alike[every]).tolist():  # apart, so that no body depends on others
@@ -212,21 +217,22 @@ class Ground(NamedTuple):
     spans: Array
 
 
-def laid_out(records: list[Samples], block: int, *, path: bool) -> Ground:
+def laid_out(records: list[Samples], block: int, *, path: bool, falls: bool = True) -> Ground:
     """Motions one after the other, each beginning with a block and followed by two samples of zeros or more.
 
-    Without the velocity of the ground where the `path` of a fall is asked for.
+    Without the velocity of the ground where the `path` of a fall is asked for; nor is it told, though there is a row,
+    where nobody asks whether what remains of the motion can stop a fall (`falls`).
     """
     lengths = np.array([len(record.values) for record in records])
     firsts = np.concatenate([[0], np.cumsum(-(-(lengths + 2) // block) * block)])
     values, slopes, tail = (np.zeros(firsts[-1]) for _ in range(3))
-    velocity = np.zeros((0 if path else firsts[-1], 3))
+    velocity = np.zeros((0 if path else firsts[-1] if falls else 1, 3))
     for record, first, length in zip(records, firsts[:-1].tolist(), lengths.tolist(), strict=True):
         here, last = slice(first, first + length), first + length - 1
         values[here] = record.values
         slopes[first:last] = np.diff(record.values) / record.dt
         tail[here] = np.maximum.accumulate(np.abs(record.values)[::-1])[::-1]
-        if not path:
+        if falls and not path:
             velocity[here] = velocity_of(record.values, record.dt)
     spans = np.column_stack([firsts[:-1], firsts[:-1] + lengths - 1, [record.dt for record in records]])
     blocks = np.abs(values).reshape(-1, block).max(axis=1)

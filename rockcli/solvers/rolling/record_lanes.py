@@ -37,9 +37,9 @@ def fit(batch: Batch, pars: Array, bodies: Array) -> NDArray[np.bool_]:
     if not asked(batch):
         return np.zeros(len(pars), dtype=bool)
     rows = on_the_stand(pars, bodies)
-    held = stands_free(batch, pars)
+    held = stands_free(batch, pars) & ~record_lanes.grazed(batch, rows)
     for edge in (rigid.LEFT, rigid.RIGHT):
-        held &= (rows[:, edge + rigid.THRESHOLD] > 0.0) & ~record_lanes.grazed(batch, rows, edge)
+        held &= rows[:, edge + rigid.THRESHOLD] > 0.0
     return held
 
 

@@ -156,7 +156,7 @@ def _judged(batch: Batch, facets: Facets, level: Accuracy, way: str, run: Raw, s
         others = nudged(peaks, rows, factors)
         its = facets_in(others)
         how_well = finer if fine else level
-        its_way = way if how_well.rtol >= record_lanes.FINEST_AGAIN else ""
+        its_way = _way(others) if how_well.rtol >= record_lanes.FINEST_AGAIN else ""
         return traces_of(others, its, _run(others, its, how_well, its_way, histories=False).out)
 
     def refine(rows: Index) -> Traces:
