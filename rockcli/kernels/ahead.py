@@ -74,6 +74,7 @@ def symbol_of(name: str) -> str:
 SCALARS: dict[Any, Any] = {bool: ctypes.c_uint8, int: ctypes.c_int64, float: ctypes.c_double}
 
 
+@cache
 def members(kind: Any) -> tuple[Any, ...] | None:
     """What a tuple holds, given as a class of named values or as a tuple of kinds; None if it is no tuple."""
     if isinstance(kind, Array):
@@ -100,11 +101,11 @@ def flatten(kind: Any, value: Any, into: list[Any]) -> None:
         if value.ndim != kind.ndim or value.dtype.str != "<f8" or not value.flags.c_contiguous:
             raise TypeError(f"a kernel takes doubles, {kind.ndim} dimensions in order: {value.dtype} {value.strides}")
         into += (None, None, value.size, 8, value.ctypes.data, *value.shape, *value.strides)
-    elif (inside := members(kind)) is not None:
-        for each, part in zip(inside, value, strict=True):
-            flatten(each, part, into)
-    else:
+    elif kind in SCALARS:
         into.append(kind(value))
+    else:
+        for each, part in zip(members(kind) or (), value, strict=True):
+            flatten(each, part, into)
 
 
 class Entry:

@@ -46,9 +46,9 @@ def test_onset(row):
     if mode == "slide":
         flows.slide(mu, foot, 4, w)
     elif mode == "rock":
-        flows.rock(par, foot, 0.1, 1e-16, 8, w)
+        flows.rock(par, foot, 0.1, 1e-16, 8, 1, w)
     elif mode == "slide_rock":
-        flows.slide_rock(par, foot, 0.1, 1e-16, 8, w)
+        flows.slide_rock(par, foot, 0.1, 1e-16, 8, 1, w)
     if theta_dd is not None:
         assert 2 * s * c[2] == pytest.approx(theta_dd, abs=NEAR)
     if slide_dd is not None:

@@ -9,41 +9,28 @@ from rockcli.kernels.contact import workspace as row
 from rockcli.kernels.contact.state import edge_under
 from rockcli.kernels.jit import jit_lean
 
-
-@jit_lean
-def trigonometry(c, k, sin_b, cos_b):
-    """Coefficient k > 0 of sin and cos of beta = alpha - q from those of q up to k."""
-    up = down = 0.0
-    for j in range(1, k + 1):
-        rate = j * c[j]
-        up += rate * cos_b[k - j]
-        down += rate * sin_b[k - j]
-    sin_b[k], cos_b[k] = -up / k, down / k
-
-
-@jit_lean
-def product(x, y, k):
-    """Coefficient k of the product of two series."""
-    total = 0.0
-    for j in range(k + 1):
-        total += x[j] * y[k - j]
-    return total
-
-
-@jit_lean
-def squared_rate(c, k):
-    """Coefficient k of q'^2."""
-    total = 0.0
-    for j in range(k + 1):
-        total += (j + 1) * c[j + 1] * (k - j + 1) * c[k - j + 1]
-    return total
-
-
 COARSER = 1e3
 """Accelerations need be known to so many times the truncation of the rotation."""
 
-ENOUGH = 4
-"""Terms in a row that must be small, as sines may cancel in three."""
+ENOUGH, ENOUGH_OF_STRAIGHT = 4, 2
+"""Terms in a row that must be small, as sines of the ground's motion may cancel in three, a straight line in one."""
+
+
+@jit_lean
+def turn(c, k, w):
+    """Coefficient k of q' and of the rate of sin(beta), k + 1 of sin and cos of beta = alpha - q, from those of q.
+
+    Both sums in one loop: each waits for its last addition, not for the other's.
+    """
+    rate, lean, sin_b, cos_b = w[row.RATE], w[row.LEAN], w[row.SIN_B], w[row.COS_B]
+    rate[k] = (k + 1) * c[k + 1]
+    up = down = 0.0
+    for j in range(k + 1):
+        up += rate[j] * cos_b[k - j]
+        down += rate[j] * sin_b[k - j]
+    lean[k] = -up
+    share = 1.0 / (k + 1)
+    sin_b[k + 1], cos_b[k + 1] = -up * share, down * share
 
 
 @jit_lean
@@ -53,85 +40,88 @@ def converged(c, k, power, h, coarse, small):
 
 
 @jit_lean
-def rock(par, foot, h, small, n, w):
+def rock(par, foot, h, small, n, degree, w):
     """Series of q, of the normal force and friction at the edge (two orders less) of a foot that holds, into `w`.
 
-    Returns the order: before n it stops where the terms of q at h are below `small`, those of q'' below p^2 COARSER
-    times as much.
+    degree: of the ground's motion.  Returns the order: before n it stops where the terms of q at h are below `small`,
+    those of q'' below p^2 COARSER times as much.  N and T are the accelerations of R cos(beta) and -s R sin(beta).
     """
-    a, W, c, sin_b, cos_b, rate2 = w[row.A_G], w[row.WEIGHT], w[row.Q], w[row.SIN_B], w[row.COS_B], w[row.RATE2]
+    a, W, c, sin_b, cos_b = w[row.A_G], w[row.WEIGHT], w[row.Q], w[row.SIN_B], w[row.COS_B]
     N, T = w[row.NORMAL], w[row.FRICTION]
     s, q, e = foot.s, foot.q, edge_under(foot.s)
     R, beta = par[e + at.RADIUS], par[e + at.ALPHA] - q
     lever = R / (par[at.RG2] + R * R)
     coarse, below, power = COARSER * small * par[at.G] * lever, 0, 1.0
+    enough = ENOUGH if degree > 1 else ENOUGH_OF_STRAIGHT
     c[0], c[1] = q, foot.v
     sin_b[0], cos_b[0] = math.sin(beta), math.cos(beta)
     for k in range(n - 1):
-        if k > 0:
-            trigonometry(c, k, sin_b, cos_b)
-        c[k + 2] = -lever * (product(W, sin_b, k) + s * product(a, cos_b, k)) / ((k + 1) * (k + 2))
-        rate2[k] = squared_rate(c, k)
+        turn(c, k, w)
+        moment = 0.0
+        for j in range(min(k, degree) + 1):
+            moment += W[j] * sin_b[k - j] + s * a[j] * cos_b[k - j]
+        c[k + 2] = -lever * moment / ((k + 1) * (k + 2))
         below = below + 1 if converged(c, k, power, h, coarse, small) else 0
         power *= h
-        if below >= ENOUGH:
+        if below >= enough:
             n = k + 2
             break
-    trigonometry(c, n - 1, sin_b, cos_b)
+    turn(c, n - 1, w)
     for k in range(n - 1):
-        across = along = 0.0
-        for j in range(k + 1):
-            acc = (j + 1) * (j + 2) * c[j + 2]
-            across += sin_b[k - j] * acc - cos_b[k - j] * rate2[j]
-            along += cos_b[k - j] * acc + sin_b[k - j] * rate2[j]
-        N[k] = W[k] + R * across
-        T[k] = a[k] + s * R * along
+        twice = (k + 1) * (k + 2)
+        N[k] = W[k] + R * twice * cos_b[k + 2]
+        T[k] = a[k] - s * R * twice * sin_b[k + 2]
     return n
 
 
 @jit_lean
-def slide_rock(par, foot, h, small, n, w):
+def slide_rock(par, foot, h, small, n, degree, w):
     """Series of q, of the slip velocity (an order less), of N, A and the numerator of N (two less) of a foot that slips
     (K5, K6), into `w`; returns the order, as `rock` does.
 
     The slip velocity is that of the centre of mass, whose acceleration is -a_g + T, and the turning of the edge about
-    it.
+    it.  As R cos(beta) q'^2 is -R q' times the rate of sin(beta), all sums of a term go on in one loop.
     """
-    a, W, c, sin_b, cos_b, rate2 = w[row.A_G], w[row.WEIGHT], w[row.Q], w[row.SIN_B], w[row.COS_B], w[row.RATE2]
+    a, W, c, sin_b, cos_b, rate, lean = (
+        w[row.A_G], w[row.WEIGHT], w[row.Q], w[row.SIN_B], w[row.COS_B], w[row.RATE], w[row.LEAN],
+    )  # fmt: skip
     N, A, held, tilt, slip = w[row.NORMAL], w[row.STIFFNESS], w[row.HELD], w[row.TILT], w[row.SLIP]
     s, sigma, q, e = foot.s, foot.sigma, foot.q, edge_under(foot.s)
     R, beta, mu = par[e + at.RADIUS], par[e + at.ALPHA] - q, par[at.MU_K]
     k2, way = R * R / par[at.RG2], mu * s * sigma
     coarse, below, power = COARSER * small * par[at.G] * R / (par[at.RG2] + R * R), 0, 1.0
-    c[0], c[1] = q, foot.v
+    enough = ENOUGH if degree > 1 else ENOUGH_OF_STRAIGHT
+    c[0], c[1], part = q, foot.v, 0.0
     sin_b[0], cos_b[0] = math.sin(beta), math.cos(beta)
     for k in range(n - 1):
-        if k > 0:
-            trigonometry(c, k, sin_b, cos_b)
+        turn(c, k, w)
         tilt[k] = sin_b[k] - way * cos_b[k]
-        A[k] = k2 * product(sin_b, tilt, k)
+        stiff, driven = sin_b[0] * tilt[k], lean[0] * rate[k]
+        given = turned = 0.0
+        for j in range(1, k):
+            stiff += sin_b[j] * tilt[k - j]
+            driven += lean[j] * rate[k - j]
+            given += A[j] * N[k - j]
+            turned += N[j] * tilt[k - j]
         if k == 0:
-            A[0] += 1.0
-        rate2[k] = squared_rate(c, k)
-        held[k] = W[k] - R * product(cos_b, rate2, k)
-        taken = held[k]
-        for j in range(1, k + 1):
-            taken -= A[j] * N[k - j]
-        N[k] = taken / A[0]
-        c[k + 2] = -k2 / R * product(N, tilt, k) / ((k + 1) * (k + 2))
+            A[0], held[0] = 1.0 + k2 * stiff, W[0] + R * driven
+            part = 1.0 / A[0]
+            N[0] = held[0] * part
+        else:
+            A[k], held[k] = k2 * (stiff + sin_b[k] * tilt[0]), W[k] + R * (driven + lean[k] * rate[0])
+            N[k] = (held[k] - given - A[k] * N[0]) * part
+            turned += N[0] * tilt[k]
+        c[k + 2] = -k2 / R * (turned + N[k] * tilt[0]) / ((k + 1) * (k + 2))
         near = abs(N[k]) * power <= COARSER * small * par[at.G]
         below = below + 1 if near and converged(c, k, power, h, coarse, small) else 0
         power *= h
-        if below >= ENOUGH and k >= 2:
+        if below >= enough and k >= 2:
             n = k + 2
             break
-    trigonometry(c, n - 1, sin_b, cos_b)
+    turn(c, n - 1, w)
     slip[0] = foot.u
     for k in range(1, n):
-        turning = 0.0
-        for j in range(k + 1):
-            turning += cos_b[k - j] * (j + 1) * c[j + 1]
-        slip[k] = -(a[k - 1] + mu * sigma * N[k - 1]) / k - s * R * turning
+        slip[k] = s * R * lean[k] - (a[k - 1] + mu * sigma * N[k - 1]) / k
     return n
 
 

@@ -112,16 +112,18 @@ def scales_of(par, tol):
 
 @jit_lean
 def begin(par, start, out):
-    """Results of a case of which nothing is known but how it starts; returns (foot, what the mode is chosen for)."""
+    """Where a case starts, and its results so far: (foot, what the mode is chosen for).
+
+    Of one that goes on from a row of `handover` `out` holds what has been found up to there.
+    """
+    if start[carry.T] >= 0.0:
+        q, v = start[carry.Q], start[carry.V]
+        return Foot(start[carry.SIDE], 0.0, q, v, 0.0, start[carry.SLIDE]), ON_BASE if q == v == 0.0 else ON_EDGE
     for i in range(to.N_OUT):
         out[i] = 0.0
     for i in (to.T_PEAK, to.T_UPLIFT, to.T_OVERTURN, to.T_REST, to.T_SLIP, to.T_SLIDE_ROCK, to.T_FLIGHT):
         out[i] = math.nan
     out[to.N_MIN] = out[to.NEARLY_FLAT] = math.inf
-    out[to.VERDICT] = UNDECIDED
-    if start[carry.T] >= 0.0:
-        q, v = start[carry.Q], start[carry.V]
-        return Foot(start[carry.SIDE], 0.0, q, v, 0.0, start[carry.SLIDE]), ON_BASE if q == v == 0.0 else ON_EDGE
     s, q, v, pick = 1.0, abs(par[at.THETA_0]), 0.0, ON_BASE
     if par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0:
         lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
@@ -170,7 +172,7 @@ def still_until(par, horizontal, h_data, i):
 
 @jit_lean
 def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histories, impacts, events, w, out):
-    """Solve one case, from where `start`, a row of `handover`, has it.
+    """Solve one case, from where `start`, a row of `handover`, has it: then `out` goes on from what it holds.
 
     Motion channels as those of `rigid.march`.  `histories` are theta, theta', slide, slide rate, mode and lift at
     i dt_out as far as they are long, `impacts` t, theta' before and after, `events` time and mode entered; the mode
@@ -182,8 +184,9 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
         for k in range(MAX_ORDER + 2):
             w[i][k] = 0.0
     foot, pick = begin(par, start, out)
+    out[to.STATUS], out[to.VERDICT] = DONE, UNDECIDED
     air = Air(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, NO_EDGE)
-    balance = energy_on_edge(par, foot)
+    balance = energy_on_edge(par, foot) + out[to.BALANCE]
     t, mode, launch = max(start[carry.T], 0.0), REST, 0
     ih = iv = i_hist = stalled = 0
     t_held = t

@@ -16,24 +16,6 @@ from rockcli.kernels.rigid.law import potential
 from rockcli.kernels.rigid.roots import last_passage, lowest_point, turning_point
 from rockcli.kernels.rigid.series import slope, value
 
-# half of the nodes of Gauss and Legendre on [-1, 1], and their weights
-NODES = (
-    0.09501250983763744, 0.2816035507792589, 0.45801677765722737, 0.6178762444026438,
-    0.755404408355003, 0.8656312023878318, 0.9445750230732326, 0.9894009349916499,
-)  # fmt: skip
-WEIGHTS = (
-    0.1894506104550685, 0.18260341504492358, 0.16915651939500254, 0.14959598881657674,
-    0.12462897125553388, 0.09515851168249279, 0.062253523938647894, 0.02715245941175409,
-)  # fmt: skip
-
-# the same of half as many, for steps whose series end early
-FEWER_NODES = (0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363)
-FEWER_WEIGHTS = (0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763)
-
-SHORT = 12
-"""Order of the series of a step up to which eight nodes integrate its work to rounding: they are exact to order 15."""
-
-
 LOOKS = 8
 """Parts of a step in which extremes are looked for."""
 
@@ -59,55 +41,47 @@ def energy_in_flight(par, air):
 
 
 @jit_lean
-def power(par, mode, foot, step, n, d, y, w):
-    """Power of the ground motion and of friction at y over m: -a_g x' - a_v z' + T v_t [W/kg]."""
-    c, slip, height = w[row.Q], w[row.SLIP], w[row.HEIGHT]
-    a_g, weight, g = value(w[row.A_G], d, y), value(w[row.WEIGHT], d, y), par[at.G]
-    s, sigma, m, ns, e = foot.s, foot.sigma, step.order, step.slip_order, edge_under(foot.s)
-    if mode == FLIGHT:
-        return -a_g * value(slip, ns, y) - (weight - g) * slope(height, n, y)
-    if mode == SLIDE:
-        u = value(slip, ns, y)
-        return -(a_g + par[at.MU_K] * sigma * weight) * u
-    R, v = par[e + at.RADIUS], slope(c, m, y)
-    beta = par[e + at.ALPHA] - value(c, m, y)
-    sin_b, cos_b = math.sin(beta), math.cos(beta)
-    x_rate, z_rate = s * R * cos_b * v, R * sin_b * v
-    u, way = value(slip, ns, y), par[at.MU_K] * s * sigma
-    N = (weight - R * cos_b * v * v) / (1.0 + R * R / par[at.RG2] * sin_b * (sin_b - way * cos_b))
-    return -a_g * (x_rate + u) - (weight - g) * z_rate - par[at.MU_K] * sigma * N * u
+def work_of(force, d, rate, n, x):
+    """Integral of the product of two series, of orders d <= n, from 0 to x; to order n, as far as they are known."""
+    total, power = 0.0, x
+    for k in range(n + 1 if d > 1 else n + d + 1):
+        product = 0.0
+        for j in range(max(k - n, 0), min(d, k) + 1):
+            product += force[j] * rate[k - j]
+        total += product * power / (k + 1)
+        power *= x
+    return total
 
 
 @jit_lean
 def work(par, mode, foot, step, n, d, w):
-    """Work of the ground motion and of friction on a step over m [J/kg].
+    """Work of the ground motion and of friction on a step over m, of -a_g x' - a_v z' + T v_t [J/kg].
 
-    Of forces times velocities, so that the balance of energy judges the flow: of a foot that holds from their series,
-    else by quadrature.
+    Of forces times velocities, so that the balance of energy judges the flow.
     """
     if mode == REST or step.x == 0.0:
         return 0.0
+    a, W, slip, x = w[row.A_G], w[row.WEIGHT], w[row.SLIP], step.x
+    grip = par[at.MU_K] * foot.sigma
+    if mode == FLIGHT:
+        height, rise = w[row.HEIGHT], w[row.PATH]
+        for k in range(n):
+            rise[k] = (k + 1) * height[k + 1]
+        lifted = par[at.G] * integral(rise, n - 1, x)
+        return lifted - work_of(W, d, rise, n - 1, x) - work_of(a, d, slip, n, x)
+    if mode == SLIDE:
+        return -work_of(a, d, slip, step.slip_order, x) - grip * work_of(W, d, slip, step.slip_order, x)
+    turned = work_turning(par, foot, step, d, w)
     if mode == ROCK:
-        return work_rocking(par, foot, step, d, w)
-    total, half = 0.0, 0.5 * step.x
-    if mode == SLIDE_ROCK and max(step.order, step.slip_order) <= SHORT:
-        for i in range(4):
-            for side in range(2):
-                y = half * (1.0 + (FEWER_NODES[i] if side == 1 else -FEWER_NODES[i]))
-                total += FEWER_WEIGHTS[i] * power(par, mode, foot, step, n, d, y, w)
-        return total * half
-    for i in range(8):
-        for side in range(2):
-            y = half * (1.0 + (NODES[i] if side == 1 else -NODES[i]))
-            total += WEIGHTS[i] * power(par, mode, foot, step, n, d, y, w)
-    return total * half
+        return turned
+    rubbed = work_of(w[row.NORMAL], step.order - 2, slip, step.slip_order, x)
+    return turned - work_of(a, d, slip, step.slip_order, x) - grip * rubbed
 
 
 @jit_lean
-def work_rocking(par, foot, step, d, w):
-    """`work` about an edge that holds: x' is -s R times the rate of sin(beta), z' is R times that of cos(beta)."""
+def work_turning(par, foot, step, d, w):
+    """`work` of the turning about the edge: x' is -s R times the rate of sin(beta), z' is R times that of cos(beta)."""
     a, W, sin_b, cos_b, x = w[row.A_G], w[row.WEIGHT], w[row.SIN_B], w[row.COS_B], step.x
-    flows.trigonometry(w[row.Q], step.order, sin_b, cos_b)
     total, power = 0.0, x
     for k in range(1, step.order + d + 1):
         drive = 0.0
@@ -168,8 +142,19 @@ def note_top(found, out):
 
 
 @jit_lean
+def within_reach(c, n, x):
+    """A bound of |c| on [0, x]."""
+    total = 0.0
+    for k in range(n, -1, -1):
+        total = total * x + abs(c[k])
+    return total
+
+
+@jit_lean
 def note_rotation(foot, step, t, looks, w, out):
     """Largest rotation of a step on one edge."""
+    if step.reach <= out[to.PEAK_RIGHT if foot.s > 0.0 else to.PEAK_LEFT]:
+        return
     found = w[row.FOUND]
     extremes(w[row.Q], step.order, step.x, looks, found)
     note_angle(found[0], foot.s, t + found[1], out)
@@ -177,16 +162,22 @@ def note_rotation(foot, step, t, looks, w, out):
 
 @jit_lean
 def note_rocking(par, mode, foot, step, looks, w, out):
-    """Extremes of a step on one edge: rate of the rotation, the normal force, the top."""
-    c, guard, found, m, x = w[row.Q], w[row.GUARD], w[row.FOUND], step.order, step.x
+    """Extremes of a step on one edge: rate of the rotation, the normal force, the top; where they may be larger yet."""
+    c, N, guard, found, m, x = w[row.Q], w[row.NORMAL], w[row.GUARD], w[row.FOUND], step.order, step.x
     for k in range(m):
         guard[k] = (k + 1) * c[k + 1]
-    extremes(guard, m - 1, x, looks, found)
-    out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(found[0]), abs(found[2]))
-    extremes(w[row.NORMAL], m - 2, x, looks, found)
-    out[to.N_MIN] = min(out[to.N_MIN], found[2] / par[at.G])
+    if within_reach(guard, m - 1, x) > out[to.RATE_PEAK]:
+        extremes(guard, m - 1, x, looks, found)
+        out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(found[0]), abs(found[2]))
+    if N[0] + abs(N[0]) - within_reach(N, m - 2, x) < out[to.N_MIN] * par[at.G]:
+        extremes(N, m - 2, x, looks, found)
+        out[to.N_MIN] = min(out[to.N_MIN], found[2] / par[at.G])
+    slip = w[row.SLIP]
+    slid = within_reach(slip, step.slip_order, x) * x if mode == SLIDE_ROCK else 0.0
+    if abs(foot.place) + slid + par[at.TOP] * math.sin(min(step.reach, 0.5 * math.pi)) <= out[to.TOP_PEAK]:
+        return
     # the top: slide + top sin(theta)
-    alpha, sin_b, cos_b, slip = par[edge_under(foot.s) + at.ALPHA], w[row.SIN_B], w[row.COS_B], w[row.SLIP]
+    alpha, sin_b, cos_b = par[edge_under(foot.s) + at.ALPHA], w[row.SIN_B], w[row.COS_B]
     for k in range(m):
         guard[k] = foot.s * par[at.TOP] * (math.sin(alpha) * cos_b[k] - math.cos(alpha) * sin_b[k])
         if mode == SLIDE_ROCK and k > 0:

@@ -80,6 +80,11 @@ def starts(c, n, h, handled):
         skip += 1
     if c[skip] <= 0.0:
         return 0.0
+    least = 0.0
+    for k in range(n, skip, -1):
+        least = (least - abs(c[k])) * h
+    if c[skip] + least > FAR * c[skip]:  # as mostly
+        return NO_ROOT
     return first_root(c, n, h, skip)
 
 
@@ -217,13 +222,14 @@ def on_one_edge(par, how, scales, mode, foot, launch, ahead, w):
     """A step of a body that rocks, its foot held or slipping."""
     c, n, slip_order = w[row.Q], how.order, how.order
     h = min(ahead.h, 1.0 / scales.p_max)
+    last = 2 if ahead.degree > 1 else 1
     if mode == ROCK:
-        m = flows.rock(par, foot, h, scales.small, n, w)
+        m = flows.rock(par, foot, h, scales.small, n, ahead.degree, w)
     else:
-        m = flows.slide_rock(par, foot, h, scales.small, n, w)
+        m = flows.slide_rock(par, foot, h, scales.small, n, ahead.degree, w)
         slip_order = m - 1
-        h = within(w[row.SLIP], m - 3, m - 1, scales.speed, h)
-    h = within(c, m - 2, m, scales.small, h)
+        h = within(w[row.SLIP], m - last - 1, m - 1, scales.speed, h)
+    h = within(c, m - last, m, scales.small, h)
     if not h > 0.0 or math.isnan(c[m]):
         return Step(DIVERGES, 0.0, h, m, slip_order, 0.0)
     event = sooner(Event(NO_EVENT, NO_ROOT, 0.0), LANDS, lands(scales, foot, m, h, w), 0.0)

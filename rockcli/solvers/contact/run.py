@@ -44,8 +44,8 @@ class Raw:
         self.histories = np.full((n, len(HISTORIES), n_time), np.nan)
         self.impacts = np.full((n, 3, n_impacts), np.nan)
 
-    def rows(self, kept: NDArray[np.bool_]) -> Raw:
-        """Of some cases."""
+    def rows(self, kept: NDArray[np.bool_] | NDArray[np.int64]) -> Raw:
+        """A copy of some cases."""
         some = Raw(0, 0, 0)
         for name, values in vars(self).items():
             setattr(some, name, values[kept])
@@ -91,7 +91,7 @@ def march(
     """The kernel for the rows of parameters of some cases of a batch, all without `cases`, into `raw`.
 
     Args:
-        starts: rows of `kernels.handover`, where they begin.
+        starts: rows of `kernels.handover`, where they begin; `raw` goes on from what it holds of those under way.
         hands_back: a case stops where its foot has held for a while, STATUS is HOLDS, and `starts` says where.
     """
     suite = batch.excitation.suite
@@ -99,7 +99,7 @@ def march(
         _march(batch, batch.excitation.horizontal, pars, level, raw, starts, hands_back=hands_back)
         return
     for record, rows in suite.cases(cases):
-        part = Raw(len(rows), raw.histories.shape[2], raw.impacts.shape[2])
+        part = raw.rows(rows)
         begun = from_the_beginning(len(rows)) if starts is None else starts[rows]
         _march(batch, record, pars[rows], level, part, begun, hands_back=hands_back)
         raw.put(rows, part)

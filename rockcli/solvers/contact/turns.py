@@ -41,13 +41,22 @@ OF_ALL_STEPS = EXTREMES | {"energy_residual"}
 MOST_TURNS = 100
 """Turns after which a body stays with the kernel of contact."""
 
-ADDED = ("N_STEPS", "N_IMPACTS", "N_SLIPS", "N_FLIGHTS", "N_JAMS", "TWO_WAYS", "SWINGS", "SWINGS_T", "BALANCE")
-EARLIEST = ("T_UPLIFT", "T_SLIP", "T_SLIDE_ROCK", "T_FLIGHT", "NEARLY_FLAT", "N_MIN")
-LARGEST = ("PEAK_LEFT", "PEAK_RIGHT", "RATE_PEAK", "TOP_PEAK", "GAIN")
-AT_PEAK = ("PEAK", "PEAK_SIDE", "T_PEAK")
-LAST = ("STATUS", "VERDICT", "T_END", "SLIDE_END")
-"""How results of two parts of a path, one after the other, become those of both; of passages of the equilibrium the
-last counts, of slides the largest either way."""
+
+def _columns(*names: str) -> NDArray[np.int64]:
+    return np.array([getattr(to, name) for name in names])
+
+
+ADDED = _columns("N_STEPS", "N_IMPACTS", "SWINGS", "SWINGS_T", "BALANCE")
+EARLIEST = _columns("T_UPLIFT", "N_MIN")
+LARGEST = _columns("PEAK_LEFT", "PEAK_RIGHT", "RATE_PEAK", "TOP_PEAK")
+AT_PEAK = _columns("PEAK", "PEAK_SIDE", "T_PEAK")
+LAST = _columns("STATUS", "VERDICT", "T_END", "SLIDE_END")
+"""How results of a part of the path in lanes are added to those so far; of passages of the equilibrium the last counts,
+of slides the largest either way."""
+
+SHARED = [name for name in vars(to) if name.isupper() and name != "N_OUT" and hasattr(in_lanes, name)]
+OF_BOTH, OF_LANES = _columns(*SHARED), np.array([getattr(in_lanes, name) for name in SHARED])
+"""Columns of results of contact that lanes give too, and theirs."""
 
 
 def can_take_turns(batch: Batch) -> Mask:
@@ -146,7 +155,8 @@ def _followed(batch: Batch, rows: Array, level: Accuracy, then: Array, starts: A
     on, begun, turn = np.arange(batch.size), starts, 0
     while len(on):
         stopped = then[:, in_lanes.STATUS] == GIVES_WAY
-        ended = (then[:, in_lanes.STATUS] == DONE) & np.isin(then[:, in_lanes.VERDICT], (RETURNS, FALLS))
+        verdict = then[:, in_lanes.VERDICT]
+        ended = (then[:, in_lanes.STATUS] == DONE) & ((verdict == RETURNS) | (verdict == FALLS))
         known = stopped | ended
         whole[on[~known]] = True
         rocked = on[known]
@@ -155,9 +165,9 @@ def _followed(batch: Batch, rows: Array, level: Accuracy, then: Array, starts: A
         on, begun = on[stopped], begun[stopped]
         if not len(on):
             break
-        slid = Raw(len(on), 0, 0)
+        slid = raw.rows(on)
         march(batch, pars[on], level, slid, begun, cases=on, hands_back=turn < MOST_TURNS)
-        raw.out[on] = _joined(raw.out[on], slid.out)
+        raw.put(on, slid)
         holds = slid.out[:, to.STATUS] == HOLDS
         on, begun, turn = on[holds], begun[holds], turn + 1
         starts[on] = begun
@@ -183,9 +193,7 @@ _NOTHING_YET = _nothing_yet()
 def _of_contact(lanes: Array, g: Array, top: Array, slide: Array) -> Array:
     """Results of lanes in the columns of contact: of bodies whose base has slid so far, and holds."""
     out = np.tile(_NOTHING_YET, (len(lanes), 1))
-    for name, column in vars(to).items():
-        if name.isupper() and name != "N_OUT" and hasattr(in_lanes, name):
-            out[:, column] = lanes[:, getattr(in_lanes, name)]
+    out[:, OF_BOTH] = lanes[:, OF_LANES]
     out[:, to.BALANCE] = g * lanes[:, in_lanes.ENERGY]
     out[:, to.SLIDE_PEAK] = out[:, to.SLIDE_END] = slide
     for sign, column in ((1.0, to.PEAK_RIGHT), (-1.0, to.PEAK_LEFT)):
@@ -195,23 +203,15 @@ def _of_contact(lanes: Array, g: Array, top: Array, slide: Array) -> Array:
 
 
 def _joined(total: Array, part: Array) -> Array:
-    """Results of contact with those of the next part of the path."""
-    both = total.copy()
-    for name in (*ADDED, *EARLIEST, *LARGEST, *LAST):
-        column, of = both[:, getattr(to, name)], part[:, getattr(to, name)]
-        if name in ADDED:
-            column += of
-        elif name in EARLIEST:
-            column[:] = np.fmin(column, of)
-        elif name in LARGEST:
-            column[:] = np.maximum(column, of)
-        else:
-            column[:] = of
-    higher = part[:, to.PEAK] > both[:, to.PEAK] * (1.0 + 1e-12)
-    for name in AT_PEAK:
-        both[higher, getattr(to, name)] = part[higher, getattr(to, name)]
+    """Results of contact so far, which it writes over, with those of a further part in lanes."""
+    total[:, ADDED] += part[:, ADDED]
+    total[:, EARLIEST] = np.fmin(total[:, EARLIEST], part[:, EARLIEST])
+    total[:, LARGEST] = np.maximum(total[:, LARGEST], part[:, LARGEST])
+    total[:, LAST] = part[:, LAST]
+    higher = np.flatnonzero(part[:, to.PEAK] > total[:, to.PEAK] * (1.0 + 1e-12))[:, None]
+    total[higher, AT_PEAK] = part[higher, AT_PEAK]
     passed = np.isfinite(part[:, to.T_OVERTURN])
-    both[passed, to.T_OVERTURN] = part[passed, to.T_OVERTURN]
-    farther = np.abs(part[:, to.SLIDE_PEAK]) > np.abs(both[:, to.SLIDE_PEAK])
-    both[farther, to.SLIDE_PEAK] = part[farther, to.SLIDE_PEAK]
-    return both
+    total[passed, to.T_OVERTURN] = part[passed, to.T_OVERTURN]
+    farther = np.abs(part[:, to.SLIDE_PEAK]) > np.abs(total[:, to.SLIDE_PEAK])
+    total[farther, to.SLIDE_PEAK] = part[farther, to.SLIDE_PEAK]
+    return total

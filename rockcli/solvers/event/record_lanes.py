@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -163,7 +164,7 @@ def run(
     table = np.empty((0, 0)) if bodies is None else bodies
     alike = even(rows) if bodies is None else np.zeros(len(rows), dtype=bool)
     for records, theirs in _some_at_a_time(_by_record(batch, len(rows), cases)):
-        ground = laid_out(records, lanes.BLOCK, path=path, falls=bodies is None)
+        ground = laid_out(tuple(records), lanes.BLOCK, path=path, falls=bodies is None)
         spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
         every = np.concatenate(theirs)
         for two_sided in np.unique(~alike[every]).tolist():  # apart, so that no body depends on others
@@ -217,11 +218,13 @@ class Ground(NamedTuple):
     spans: Array
 
 
-def laid_out(records: list[Samples], block: int, *, path: bool, falls: bool = True) -> Ground:
+@lru_cache(maxsize=2)
+def laid_out(records: tuple[Samples, ...], block: int, *, path: bool, falls: bool = True) -> Ground:
     """Motions one after the other, each beginning with a block and followed by two samples of zeros or more.
 
     Without the velocity of the ground where the `path` of a fall is asked for; nor is it told, though there is a row,
-    where nobody asks whether what remains of the motion can stop a fall (`falls`).
+    where nobody asks whether what remains of the motion can stop a fall (`falls`).  Those of the last two calls are
+    kept: bodies that slip come back to the same motions again and again.
     """
     lengths = np.array([len(record.values) for record in records])
     firsts = np.concatenate([[0], np.cumsum(-(-(lengths + 2) // block) * block)])
