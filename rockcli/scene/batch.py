@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -73,7 +74,7 @@ class Batch:
         """Number of cases."""
         return len(self.g)
 
-    @property
+    @cached_property
     def p(self) -> Array:
         """Frequency parameter of each edge, (n, 2) [rad/s]."""
         return self.block.p(self.g)

@@ -147,9 +147,11 @@ def make_block(
     if r_g is not None:
         ratio = 1.0 + (_column(r_g, n)[:, None] / R_) ** 2
     else:
-        rectangle = 1.0 + (height**2 + (0.5 * edges.sum(axis=1, keepdims=True)) ** 2) / (3.0 * R_**2)
         given = RECTANGLE_INERTIA if inertia is None else _column(inertia, n)[:, None]
-        ratio = np.where(symmetric, given, rectangle)
+        ratio = np.ascontiguousarray(np.broadcast_to(given, (n, 2)))
+        if not symmetric.all():
+            rectangle = 1.0 + (height**2 + (0.5 * edges.sum(axis=1, keepdims=True)) ** 2) / (3.0 * R_**2)
+            ratio = np.where(symmetric, ratio, rectangle)
     return Block(
         h=h_,
         b=edges,
@@ -175,6 +177,8 @@ def housner_eta(block: Block) -> Array:
     the caller clamps and says so.
     """
     symmetric = 1.0 - 2.0 * np.sin(block.alpha) ** 2 / block.inertia
+    if block.symmetric.all():
+        return symmetric
     I_cm = (block.inertia - 1.0) * block.R**2
     product = (block.b[:, LEFT] * block.b[:, RIGHT])[:, None]
     general = (I_cm + np.prod(block.heights, axis=1)[:, None] - product) / (block.inertia * block.R**2)

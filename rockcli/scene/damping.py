@@ -147,9 +147,11 @@ def _restitution(values: Values, block: Block, g: Array) -> Damping:
     eta, r_energy = values["eta"], values["r_energy"]
     if r_energy is not None:
         eta = np.sqrt(r_energy)
+    if eta is not None and block.vertices is None:
+        return Damping("restitution", np.repeat(eta[:, None], 2, axis=1))
     housner = housner_eta(block)
     if eta is not None:
-        return Damping("restitution", np.repeat(eta[:, None], 2, axis=1), loss=_loss(block, _power(eta, housner)))
+        return Damping("restitution", np.repeat(eta[:, None], 2, axis=1), loss=_power(eta, housner))
     kept = np.maximum(housner, 0.0) if (housner < 0.0).any() else housner
     if values["loss"] is None:
         return Damping("restitution", kept, loss=_loss(block, np.ones(block.size)))

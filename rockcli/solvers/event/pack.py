@@ -33,10 +33,11 @@ def parameters_of(batch: Batch) -> Array:
     """One row per case in the layout of `kernels.rigid.parameters`."""
     model = MODELS[batch.model, batch.geometry]
     block, p = batch.block, batch.p
-    law = model.law(block.alpha, block.tan_alpha)
+    alpha, tan_alpha = _once(block.alpha, block.tan_alpha)
+    law = model.law(alpha, tan_alpha)
+    of_law = (law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star, _slope(law, model.linear))
     edges = (
-        p**2, block.alpha, law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star,
-        _slope(law, model.linear), batch.damping.eta, _damper(batch), block.R,
+        p**2, block.alpha, *(np.broadcast_to(x, p.shape) for x in of_law), batch.damping.eta, _damper(batch), block.R,
     )  # fmt: skip
     lasts = durations_of(batch)
     columns = (
@@ -51,6 +52,12 @@ def parameters_of(batch: Batch) -> Array:
         for column, values in enumerate(columns):
             part[:, column] = values[begin : begin + BLOCK]
     return rows
+
+
+def _once(*values: Array) -> tuple[Array, ...]:
+    """Values (n, 2), or the first row of each where all rows of all are alike, (1, 2)."""
+    alike = all(bool((each == each[:1]).all()) for each in values)
+    return tuple(each[:1] for each in values) if alike else values
 
 
 def settings_of(kernel: ModuleType, batch: Batch, level: Accuracy, detail: int) -> Any:

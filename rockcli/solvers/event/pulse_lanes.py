@@ -69,7 +69,8 @@ def in_lanes(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any,
     width = results_of_rolling.N_OUT if len(bodies) else to.N_OUT
     found = np.zeros((len(rows), width))
     how = how._replace(order=_order(how.tol), max_steps=MAX_STEPS)
-    uneven = np.any(rows[:, at.LEFT : at.LEFT + at.EDGE] != rows[:, at.RIGHT : at.RIGHT + at.EDGE], axis=1)
+    differs = rows[:, at.LEFT : at.LEFT + at.EDGE] != rows[:, at.RIGHT : at.RIGHT + at.EDGE]
+    uneven = np.any(differs, axis=1) if differs.any() else np.zeros(len(rows), dtype=bool)  # row by row is slow
     uneven |= len(bodies) > 0
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
         for two_sided in np.unique(uneven).tolist():  # apart, so that no body depends on others

@@ -192,11 +192,12 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     run = Raw(batch.size, 0, 0)
     pulses = lane_pulses.asked(batch)
     # with friction, what does not settle it in lanes of pulses is better told one by one
-    fit = (
-        ~given | (lane_records.even(rows) & (rows[:, at.HAS_DURATION] == 0.0))
-        if pulses
-        else lane_records.fit(batch, rows)
-    )
+    if not pulses:
+        fit = lane_records.fit(batch, rows)
+    elif given.any():
+        fit = ~given | (lane_records.even(rows) & (rows[:, at.HAS_DURATION] == 0.0))
+    else:
+        fit = ~given
     detail = _detail(march, batch, False)
     forces = bool(batch.save.scalars & FORCES)
     how_much = int(march.PEAKS) if given.any() and not forces else detail
