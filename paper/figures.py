@@ -9,7 +9,7 @@ import rockcli
 HERE = Path(__file__).resolve().parent
 FIGURES = {
     "first_rock.png": ("studies/examples/first_rock.yaml", "histories"),
-    "sweep.png": ("studies/examples/sweep.yaml", "map"),
+    "sine.png": ("studies/spectra/sine.yaml", "map"),
 }
 """File -> study and kind of plot."""
 

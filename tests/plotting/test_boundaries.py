@@ -66,6 +66,13 @@ def test_the_lines_are_the_closed_forms_over_g_tan_alpha() -> None:
         assert off < 2e-3
 
 
+def test_the_line_of_uplift_crosses_the_whole_map() -> None:
+    axes = figures.figure("map", mapped()).axes[0]
+    (line,) = (line for line in axes.lines if line.get_gid() == outcomes.UPLIFT)
+    assert (line.get_xdata()[0], line.get_xdata()[-1]) == axes.get_xlim()
+    assert set(np.asarray(line.get_ydata())) == {1.0}
+
+
 def test_they_agree_with_the_outcomes_of_a_map() -> None:
     """Beside the solid line and inside the dashed one the solver says what the figure says."""
     dataset = mapped()

@@ -175,7 +175,11 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
     low, high = axes.get_ylim()
     if not ((level > low) & (level < high)).any():
         return False
-    axes.plot(axis_values(dataset, x), level, zorder=5, gid=UPLIFT, **LIFTS)
+    at = axis_values(dataset, x)
+    order = np.argsort(at)
+    along = np.concatenate([axes.get_xlim()[:1], at[order], axes.get_xlim()[1:]])  # to the borders of the outer cells
+    level = np.pad(level[order], 1, mode="edge")
+    axes.plot(along, level, zorder=5, gid=UPLIFT, **LIFTS)
     return True
 
 
