@@ -85,13 +85,21 @@ def test_panels_stand_beside_one_another_where_there_is_room(width, across):
     assert np.log(max(MODELS.values()) / min(MODELS.values())) > 0.5 * np.log(high / low)
 
 
-def test_names_do_not_lie_on_one_another():
-    whole = figure("work_precision", traded(["event"]))
-    axes = whole.axes[1]
+@pytest.mark.parametrize("width", [90, 120, 180])
+@pytest.mark.parametrize("parts", [("model",), ("model", "data")])
+def test_names_do_not_lie_on_one_another(width, parts):
+    dataset = traded(["event"])
+    again = dataset.isel(setting=slice(2, None)).copy(deep=True)
+    again["part"][:] = "data"
+    again["step"] = ("setting", [f"every {i}" for i in range(again.sizes["setting"])])
+    dataset = xarray.concat([dataset, again], "setting") if "data" in parts else dataset
+    whole = rockcli.plot(with_evaluations(dataset), "work_precision", width=width)
     whole.draw_without_rendering()
-    boxes = sorted((text.get_window_extent() for text in axes.texts), key=lambda box: box.y0)
-    assert all(low.y1 <= high.y0 for low, high in pairwise(boxes))
-    assert all(box.x1 <= whole.bbox.x1 for box in boxes)
+    for axes in whole.axes[2:]:
+        boxes = sorted((text.get_window_extent() for text in axes.texts), key=lambda box: box.y0)
+        assert len(boxes) > 3
+        assert all(low.y1 <= high.y0 + 1.0 for low, high in pairwise(boxes))
+        assert all(box.x1 <= whole.bbox.x1 for box in boxes)
 
 
 @pytest.mark.parametrize(

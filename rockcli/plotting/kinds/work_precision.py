@@ -131,7 +131,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
                 if over == "cost":
                     _front(axes, dataset, rows)
             else:
-                _named(axes, dataset, rows, part, (width / len(row) - 0.7, HIGH if len(row) > 1 else highs[-1]))
+                _named(axes, dataset, rows, part, (width / len(row) - 0.7, highs[number]))
             if first or part != "numerics":
                 axes.set_ylabel(_ERROR if part == "numerics" else "median error")
             head = f"numerics: model {model}" if model and len(models) > 1 else _HEADS[part]
