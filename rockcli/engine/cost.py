@@ -38,6 +38,9 @@ PLAIN, OUTCOME, EVERY, FORCED, FALL = (
     "plain block: outcome, peak and impacts", "outcome alone", "every scalar and the certainty (default)", "forces",
     "time of overturning",
 )  # fmt: skip
+APART_FORCED = "asymmetric body, every scalar (default)"
+"""Forces of two different edges are those of one body at a time, under whatever motion."""
+
 UNDER_PULSES, UNDER_RECORD = "pulse", "record"
 
 SAMPLES = 3000
@@ -169,7 +172,9 @@ def _of_features(batch: Batch) -> float:
     saved = EVERY if scalars & CERTAINTY else FORCED if scalars & FORCES else None
     if saved is None and scalars & {"t_overturn", "t_end"}:
         saved = FALL
-    if saved is not None and alone:  # as of bodies that are solved one at a time in any case
+    if scalars & FORCES and not batch.block.symmetric.all():
+        found = max(found, of(APART_FORCED))
+    elif saved is not None and alone:  # as of bodies that are solved one at a time in any case
         found *= max(of(saved, UNDER_PULSES) / of(FALL, UNDER_PULSES), 1.0)
     elif saved is not None:
         found *= of(saved) / plain
