@@ -46,5 +46,8 @@ def ink(shown: Image.Image) -> float:
 @pytest.mark.parametrize("kind", ["phase", "polar", "body"])
 def test_a_picture_is_drawn_anew_as_it_is_there(kind):
     with Image.open(BytesIO(gallery.drawn(kind))) as anew, Image.open(gallery.FOLDER / f"{kind}.png") as there:
-        assert anew.size == pytest.approx(there.size, abs=1)  # other versions of Matplotlib round otherwise
+        assert anew.width == there.width
+        assert anew.height == pytest.approx(
+            there.height, rel=0.03
+        )  # versions of Matplotlib lay figures out differently
         assert ink(anew) == pytest.approx(ink(there), rel=0.1)

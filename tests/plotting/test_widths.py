@@ -46,6 +46,8 @@ def figures() -> dict[tuple[str, float], Figure]:
 @pytest.fixture
 def drawn(datasets: dict[str, xarray.Dataset], figures: dict[tuple[str, float], Figure]) -> Callable[..., Figure]:
     def figure(kind: str, width: float) -> Figure:
+        if kind == "barriers":
+            pytest.importorskip("trimesh", reason="meshes are read by trimesh: pip install -e '.[meshes]'")
         study, _, options = gallery.PICTURES[kind]
         key = kind if kind in MADE else study
         if key not in datasets:
