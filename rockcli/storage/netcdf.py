@@ -17,7 +17,7 @@ from rockcli.errors import OutputError, StudyError
 from rockcli.storage import checksum, on_disk
 from rockcli.storage.atomic import replacing
 from rockcli.storage.contents import Contents, Field
-from rockcli.storage.on_disk import blocks, full, let_go
+from rockcli.storage.on_disk import blocks, full, let_go, put, taken
 from rockcli.storage.places import reason
 
 _COMPRESSED_FROM = 4096
@@ -86,7 +86,7 @@ def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:
         variable[...] = item.values
         return
     for at in blocks(item.values.shape, _pitch(variable)):  # the library works on a copy
-        variable[at or ...] = item.values[at]
+        variable[at or ...] = taken(item.values, at)
         let_go(item.values)
 
 
@@ -185,8 +185,7 @@ def _read_values(variable: Any, room: Path) -> NDArray[Any]:
         return np.asarray(variable[...])
     values = full(variable.shape, 0, variable.dtype, room)
     for at in blocks(variable.shape, _pitch(variable)):
-        values[at] = variable[at]
-        let_go(values)
+        put(values, at, np.asarray(variable[at]))
     return values
 
 

@@ -20,6 +20,9 @@ IN_MEMORY = 1 << 26
 BLOCK = 1 << 20
 """Values of an array that are worked on at a time."""
 
+_ROWS = 64
+"""Parts of rows brought in at a time."""
+
 Block = tuple[slice, ...]
 
 
@@ -57,6 +60,26 @@ def let_go(*arrays: NDArray[Any]) -> None:
             held = held.base
         if isinstance(held, np.memmap) and hasattr(mmap, "MADV_DONTNEED"):
             held._mmap.madvise(mmap.MADV_DONTNEED)  # type: ignore[attr-defined]
+
+
+def taken(values: NDArray[Any], at: Block) -> NDArray[Any]:
+    """A block of an array, a copy where it is not one piece: with parts of rows the system brings in what is beside."""
+    part = values[at]
+    if part.flags.c_contiguous:
+        return part
+    copy = np.empty(part.shape, dtype=part.dtype)
+    for first in range(0, len(part), _ROWS):
+        copy[first : first + _ROWS] = part[first : first + _ROWS]
+        let_go(values)
+    return copy
+
+
+def put(values: NDArray[Any], at: Block, block: NDArray[Any]) -> None:
+    """Set a block of an array, in the way of `taken`."""
+    part = values[at]
+    for first in range(0, len(part), _ROWS):
+        part[first : first + _ROWS] = block[first : first + _ROWS]
+        let_go(values)
 
 
 def in_blocks(*arrays: NDArray[Any]) -> Iterator[Block]:

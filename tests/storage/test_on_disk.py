@@ -12,7 +12,7 @@ import pytest
 
 from rockcli.errors import OutputError
 from rockcli.storage import on_disk
-from rockcli.storage.on_disk import blocks, full, in_blocks, let_go
+from rockcli.storage.on_disk import blocks, full, in_blocks, let_go, put, taken
 
 SHAPES = [(), (0,), (1,), (5,), (100,), (3, 4), (4, 25), (25, 4), (7, 3, 11), (2, 3, 4, 5), (3, 0, 2)]
 
@@ -53,6 +53,16 @@ def test_a_large_array_is_one_of_one_value(small: None, tmp_path: Path, fill: fl
         other[..., 0] = 1
         np.testing.assert_array_equal(one, other)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("shape", [(100,), (200, 3), (150, 90), (70, 5, 9)])
+def test_blocks_are_taken_and_put_whole(small: None, tmp_path: Path, shape: tuple[int, ...]) -> None:
+    wanted = np.random.default_rng(3).random(shape)
+    values = full(shape, np.nan, float, tmp_path)
+    for at in blocks(shape, (66,) * len(shape)):
+        put(values, at, wanted[at])
+        np.testing.assert_array_equal(taken(values, at), wanted[at])
+    np.testing.assert_array_equal(values, wanted)
 
 
 def shared() -> int:
