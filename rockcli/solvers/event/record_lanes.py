@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels import handover as carry
 from rockcli.kernels.constants import LEFT_TO_MARCH
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
@@ -67,6 +68,7 @@ GRAZING = 1e-9
 
 FEW = 24
 """Bodies up to which the samples that they graze are sought one by one: to order 6000 takes as long as for so many."""
+
 
 AT_ONCE = 1 << 20
 """Samples of a suite laid out at a time, at least: 50 MB."""
@@ -165,6 +167,8 @@ def run(
     alike = even(rows) if bodies is None else np.zeros(len(rows), dtype=bool)
     for records, theirs in _some_at_a_time(_by_record(batch, len(rows), cases)):
         ground = laid_out(tuple(records), lanes.BLOCK, path=path, falls=bodies is None)
+        if holds:  # those at one place of a motion together: they read the same samples
+            theirs = [some[np.argsort(starts[some, carry.T], kind="stable")] for some in theirs]
         spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
         every = np.concatenate(theirs)
         for two_sided in np.unique(~alike[every]).tolist():  # apart, so that no body depends on others
