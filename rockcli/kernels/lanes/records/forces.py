@@ -86,13 +86,14 @@ def at_end(d1, d2, d3, d4, d5, d6, d7, d8):
 
 
 @jit_lean
-def forces_at_ends(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
-    """`forces_of` at the start of the steps that WIDTH lanes try, and rate, acceleration and forces at their ends.
+def gives_way(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
+    """Which of WIDTH lanes may need more friction than they have, or leave the ground, in the steps they try.
 
-    s0, k0, s1, k1: sin q and cos q at the start and the end; a, a1: the ground and its change over the step.
+    Arguments as those of `weigh`.
     """
     sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
     shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
+    most = load(st, lane.MU_HELD + i)
     T, N, dT, dN = forces_of(
         fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight
     )
@@ -100,16 +101,6 @@ def forces_at_ends(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, 
     T_1, N_1, dT_1, dN_1 = forces_of(
         fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, weight
     )
-    return T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1
-
-
-@jit_lean
-def gives_way(st, i, h, d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1):
-    """Which of WIDTH lanes may need more friction than they have, or leave the ground, in the steps they try.
-
-    Arguments as those of `weigh`.
-    """
-    most = load(st, lane.MU_HELD + i)
     at_ends = (abs(T) <= most * N) & (abs(T_1) <= most * N_1)
     # in between a rate is of no account: infinite, none is larger
     between = may_peak(d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, math.inf, 0.0 * N, most)
@@ -119,14 +110,22 @@ def gives_way(st, i, h, d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1):
 
 
 @jit_lean
-def weigh(st, i, q, v, area, a, a1, pitch, h, d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1):
+def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8):
     """What WIDTH lanes have at the start of the steps they try, and what these may hide.
 
-    area: integral of G over the fraction of the step; a, a1: the ground and its change over the step; pitch: the same a
-    second; T and what follows: of `forces_at_ends`.
+    s0, k0, s1, k1: sin q and cos q at the start and the end; area: integral of G over the fraction of the step; a, a1:
+    the ground and its change over the step; pitch: the same a second.
     """
-    weight = load(st, lane.WEIGHT + i) * (h * h)
+    sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
+    shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
     least, most, rate = load(st, lane.N_LEAST + i), load(st, lane.MU_MOST + i), load(st, lane.RATE_MAX + i)
+    T, N, dT, dN = forces_of(
+        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight
+    )
+    v_1, acc_1, jerk_1 = at_end(d1, d2, d3, d4, d5, d6, d7, d8)
+    T_1, N_1, dT_1, dN_1 = forces_of(
+        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, weight
+    )
     doubt = may_peak(d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, rate * h, least * weight, most)
     store(st, lane.RATE_MAX + i, select(abs(v) > rate, abs(v), rate))
     size = abs(T)

@@ -9,7 +9,7 @@ import math
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
-from rockcli.kernels.lanes.records.forces import forces_at_ends, gives_way, weigh
+from rockcli.kernels.lanes.records.forces import gives_way, weigh
 from rockcli.kernels.lanes.records.sines import sin_cos
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import bits, fma, gather
@@ -59,16 +59,13 @@ def advance(st, i, values, slopes, watch, hold):
     if watch or hold:
         s_end = s0 + (s1 + (s2 + (s3 + (s4 + (s5 + s6)))))
         k_end = k0 + (k1 + (k2 + (k3 + (k4 + (k5 + k6)))))
-        T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1 = forces_at_ends(
-            st, i, s0, k0, s_end, k_end, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8
-        )
     if watch:
         sines = s0 + (I2 * s1 + (I3 * s2 + (I4 * s3 + (I5 * s4 + (I6 * s5 + I7 * s6)))))
         cosines = k0 + (I2 * k1 + (I3 * k2 + (I4 * k3 + (I5 * k4 + (I6 * k5 + I7 * k6)))))
         area = fma(load(st, lane.FORCING_C + i), sines, load(st, lane.FORCING_S + i) * (1.0 - cosines))
-        weigh(st, i, q, v, area, a, a1, pitch, h, d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1)
+        weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8)
     if hold:
-        weak = gives_way(st, i, h, d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1)
+        weak = gives_way(st, i, s0, k0, s_end, k_end, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8)
     return settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7, d8)
 
 
@@ -94,10 +91,7 @@ def advance_linear(st, i, values, slopes, watch):
         s_end, k_end = sin_cos(q + (d1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8))))))
         sines = I4 * c3 + (I5 * c4 + (I6 * c5 + (I7 * c6 + (I8 * c7 + c8 / 9.0))))
         area = load(st, lane.FORCING_C + i) * (q + (I2 * d1 + (I3 * c2 + sines)))
-        T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1 = forces_at_ends(
-            st, i, s0, k0, s_end, k_end, a, a1 * h, h, d1, d2, d3, d4, d5, d6, d7, d8
-        )
-        weigh(st, i, q, v, area, a, a1 * h, a1, h, d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1)
+        weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1 * h, a1, h, d1, d2, d3, d4, d5, d6, d7, d8)
     return settle(st, i, q, v, x, piece, full, cap, h, h < 0.0, d1, d2, d3, d4, d5, d6, d7, d8)
 
 
