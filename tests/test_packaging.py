@@ -95,7 +95,8 @@ def test_the_wheel_has_every_file_that_the_program_reads():
     assert below("rockcli", "*.py") <= there
     assert below("rockcli/cli/templates", "*.yaml") <= there
     shipped = set().union(*(below(folder, "*.*") for folder in ("records", "studies/examples", "studies/tutorials")))
-    assert {f"rockcli/shipped/{name}" for name in shipped if "/results/" not in name} <= there
+    made = ("/results/", "/__pycache__/")
+    assert {f"rockcli/shipped/{name}" for name in shipped if not any(folder in name for folder in made)} <= there
     single = ("engine/costs.csv", "plotting/page/template.html", "study/catalog.yaml", "py.typed")
     assert {f"rockcli/{name}" for name in single} <= there
     assert {name.partition("/")[0] for name in there} == {"rockcli"}
