@@ -11,7 +11,7 @@ from test_rolling_dop853 import SHAPES, random_case, random_outline, reference
 
 from rockcli import kernels
 from rockcli.errors import StudyError
-from rockcli.scene.response import overturned
+from rockcli.scene.response import ROCKING, overturned
 from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.event.solver import solve
 from rockcli.solvers.rolling import solver as rolling_bodies
@@ -165,3 +165,17 @@ def test_a_case_does_not_depend_on_the_others(record):
         some = in_lanes(batch.rows(rows))
         for name in FOUND:
             np.testing.assert_array_equal(some[name], whole[name][rows])
+
+
+@pytest.mark.parametrize("record", [RECORD, "synthetic_rock_m65.AT2", "synthetic_soil_m70.AT2"])
+def test_the_error_estimate_of_lanes_holds_what_parts_them_from_one_body_alone(record, alone):
+    """Also where runs part, and more accurate ones are reported: small bounces on a short facet are theirs."""
+    for seed in (1, 18, 39, 54, 57):
+        batch = amplitudes(seed, 60, record=record)
+        asked = replace(batch, save=replace(batch.save, scalars=frozenset((*FOUND, *CERTAINTY))))
+        names = (*asked.save.scalars, "theta_peak_over_alpha")
+        ours, theirs = in_lanes(asked, names), alone(asked)
+        rocks = (ours["outcome"] == ROCKING) & (theirs["outcome"] == ROCKING)
+        peaks = (run["theta_peak_over_alpha"][rocks] for run in (ours, theirs))
+        errors = (run["error_estimate"][rocks] for run in (ours, theirs))
+        assert np.all(np.abs(np.subtract(*peaks)) <= 3.0 * np.add(*errors) + 1e-9)

@@ -13,7 +13,6 @@ from rockcli.kernels.rigid import parameters as rigid
 from rockcli.kernels.rolling import parameters as at
 from rockcli.scene.batch import Batch
 from rockcli.solvers.event import record_lanes
-from rockcli.solvers.event.record_lanes import FINEST_AGAIN as FINEST_AGAIN
 from rockcli.solvers.event.record_lanes import METHOD as METHOD
 from rockcli.solvers.event.unpack import FORCES
 from rockcli.solvers.rolling.pulse_lanes import on_the_stand, stands_free

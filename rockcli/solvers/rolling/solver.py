@@ -48,7 +48,7 @@ def solve(batch: Batch) -> Response:
     kernels.load("rolling.march", compile_them=record_lanes.asked(batch) or seconds > COMPILE_ABOVE)
     way = _way(batch)
     run = _run(batch, facets, level, way, histories=batch.save.histories)
-    judgement = _judged(batch, facets, level, way, run, seconds) if batch.save.scalars & CERTAINTY else None
+    judgement = _judged(batch, facets, level, run, seconds) if batch.save.scalars & CERTAINTY else None
     scalars, reasons = answer(batch, facets, run)
     if judgement is not None:
         judgement.enter(scalars, reasons)
@@ -141,8 +141,12 @@ def _detail(batch: Batch) -> int:
     return 0 if scalars <= {"outcome", "wall_time", "reason", "residual_tilt"} else 1
 
 
-def _judged(batch: Batch, facets: Facets, level: Accuracy, way: str, run: Raw, seconds: float) -> Judgement:
-    """What further runs show; where two part, the more accurate one takes the place of the first in `run`."""
+def _judged(batch: Batch, facets: Facets, level: Accuracy, run: Raw, seconds: float) -> Judgement:
+    """What further runs show; where two part, the more accurate one takes the place of the first in `run`.
+
+    The more accurate ones are those of the single body: what lanes take small bounces for does not get better with the
+    tolerance.
+    """
     finer = finer_than(level)
     peaks = replace(
         batch,
@@ -156,14 +160,13 @@ def _judged(batch: Batch, facets: Facets, level: Accuracy, way: str, run: Raw, s
         others = nudged(peaks, rows, factors)
         its = facets_in(others)
         how_well = finer if fine else level
-        its_way = _way(others) if how_well.rtol >= record_lanes.FINEST_AGAIN else ""
+        its_way = "" if fine else _way(others)
         return traces_of(others, its, _run(others, its, how_well, its_way, histories=False).out)
 
     def refine(rows: Index) -> Traces:
         if finer.rtol < level.rtol:
             some = batch.rows(rows)
-            its_way = way if finer.rtol >= record_lanes.FINEST_AGAIN else ""
-            run.put(rows, _as_long(_run(some, facets_in(some), finer, its_way, histories=batch.save.histories), run))
+            run.put(rows, _as_long(_run(some, facets_in(some), finer, "", histories=batch.save.histories), run))
         return traces_of(batch, facets, run.out).rows(rows)
 
     first, second, reach = nudges(level, finer)
