@@ -177,14 +177,18 @@ def test_from_a_tilt():
 
 
 def test_neighbours_order_and_chunks_do_not_matter():
-    """Bit for bit: alone, in any order, in chunks of any size; more bodies than lanes, so that lanes are refilled."""
     values, dt = own()
     batch = suite(values, dt, np.linspace(0.9, 5.0, 40), np.geomspace(0.4, 6.0, 5), [0.1, 0.2, 0.3])
+    same_bits_apart(batch, (*SCALARS, "n_steps", "u_top_peak", "mu_impact"))
+
+
+def same_bits_apart(batch, names):
+    """Bit for bit: alone, in any order, in chunks of any size; of more bodies than lanes, so that lanes are refilled."""
     whole = solve(batch).scalars
     mixed = np.random.default_rng(3).permutation(batch.size)
     again = solve(batch.rows(mixed)).scalars
     chunks = [solve(batch.rows(rows)).scalars for rows in np.split(np.arange(batch.size), [1, 2, 9, 50, 51, 333])]
-    for name in (*SCALARS, "n_steps", "u_top_peak", "mu_impact"):
+    for name in names:
         np.testing.assert_array_equal(again[name], whole[name][mixed], err_msg=name)
         np.testing.assert_array_equal(np.concatenate([c[name] for c in chunks]), whole[name], err_msg=name)
 

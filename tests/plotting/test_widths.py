@@ -81,10 +81,10 @@ def test_words_stay_on_the_page_and_off_one_another(drawn, kind, width):
     boxes = [(text.get_text(), text.get_window_extent()) for text in words(figure)]
     page = figure.bbox
     for said, box in boxes:
-        assert box.x0 >= page.x0 - 1.0, said
-        assert box.x1 <= page.x1 + 1.0, said
-        assert box.y0 >= page.y0 - 1.0, said
-        assert box.y1 <= page.y1 + 1.0, said
+        assert box.x0 >= page.x0 + 1.0, said
+        assert box.x1 <= page.x1 - 1.0, said
+        assert box.y0 >= page.y0 + 1.0, said
+        assert box.y1 <= page.y1 - 1.0, said
     for (one, a), (other, b) in combinations(boxes, 2):
         across = min(a.x1, b.x1) - max(a.x0, b.x0)
         down = min(a.y1, b.y1) - max(a.y0, b.y0)

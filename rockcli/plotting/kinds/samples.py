@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MATTERS: tuple[tuple[str, str, str], ...] = (
-    ("sobol_total", "sobol_first", "Sobol index of overturning\n(total; filled: first order)"),
-    ("sobol_total_peak", "sobol_first_peak", "Sobol index of the peak\n(total; filled: first order)"),
-    ("input_spearman", "input_spearman", "rank correlation with the peak\n(Spearman)"),
+    ("sobol_total", "sobol_first", "Sobol index of\noverturning (total;\nfilled: first order)"),
+    ("sobol_total_peak", "sobol_first_peak", "Sobol index of\nthe peak (total;\nfilled: first order)"),
+    ("input_spearman", "input_spearman", "rank correlation\nwith the peak\n(Spearman)"),
 )
 """What tells which input matters, the best first: outer and filled bar, and what they are."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -68,7 +67,6 @@ GRAZING = 1e-9
 
 FEW = 24
 """Bodies up to which the samples that they graze are sought one by one: to order 6000 takes as long as for so many."""
-
 
 AT_ONCE = 1 << 20
 """Samples of a suite laid out at a time, at least: 50 MB."""
@@ -166,7 +164,7 @@ def run(
     table = np.empty((0, 0)) if bodies is None else bodies
     alike = even(rows) if bodies is None else np.zeros(len(rows), dtype=bool)
     for records, theirs in _some_at_a_time(_by_record(batch, len(rows), cases)):
-        ground = laid_out(tuple(records), lanes.BLOCK, path=path, falls=bodies is None)
+        ground = laid_out(records, lanes.BLOCK, path=path, falls=bodies is None)
         if holds:  # those at one place of a motion together: they read the same samples
             theirs = [some[np.argsort(starts[some, carry.T], kind="stable")] for some in theirs]
         spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
@@ -177,17 +175,9 @@ def run(
             out = np.zeros((len(places), width))
             begin = starts[places]
             lanes.march_lanes(
-                rows[places],
-                table,
-                how,
-                *ground[:-1],
-                spans[of_those],
-                two_sided,
-                holds,
-                begin,
-                lanes.work_space(),
+                rows[places], table, how, *ground[:-1], spans[of_those], two_sided, holds, begin, lanes.work_space(),
                 out,
-            )
+            )  # fmt: skip
             found[places], starts[places] = out, begin
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
@@ -222,13 +212,11 @@ class Ground(NamedTuple):
     spans: Array
 
 
-@lru_cache(maxsize=2)
-def laid_out(records: tuple[Samples, ...], block: int, *, path: bool, falls: bool = True) -> Ground:
+def laid_out(records: list[Samples], block: int, *, path: bool, falls: bool = True) -> Ground:
     """Motions one after the other, each beginning with a block and followed by two samples of zeros or more.
 
     Without the velocity of the ground where the `path` of a fall is asked for; nor is it told, though there is a row,
-    where nobody asks whether what remains of the motion can stop a fall (`falls`).  Those of the last two calls are
-    kept: bodies that slip come back to the same motions again and again.
+    where nobody asks whether what remains of the motion can stop a fall (`falls`).
     """
     lengths = np.array([len(record.values) for record in records])
     firsts = np.concatenate([[0], np.cumsum(-(-(lengths + 2) // block) * block)])
