@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from test_rolling_dop853 import SHAPES, random_case, random_outline, reference
 
 from rockcli import kernels
 from rockcli.errors import StudyError
+from rockcli.kernels.rolling.bounces import duration
 from rockcli.scene.response import ROCKING, overturned
 from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.event.solver import solve
@@ -179,3 +181,21 @@ def test_the_error_estimate_of_lanes_holds_what_parts_them_from_one_body_alone(r
         peaks = (run["theta_peak_over_alpha"][rocks] for run in (ours, theirs))
         errors = (run["error_estimate"][rocks] for run in (ours, theirs))
         assert np.all(np.abs(np.subtract(*peaks)) <= 3.0 * np.add(*errors) + 1e-9)
+
+
+def test_the_time_of_a_bounce_is_the_integral_of_its_law():
+    """From v to w while the centre of mass rises, cos(alpha - q) from c to d: dt = dw/(p^2 sin(alpha - q))."""
+    rng, wrong = np.random.default_rng(3), []
+    for _ in range(300):
+        p2, end = rng.uniform(1.0, 20.0), rng.uniform(0.3, 0.98)  # sin of at least a fifth
+        start = max(0.0, end - (1.0 - end) * 10.0 ** rng.uniform(-3.0, 0.3))
+        w = rng.choice([0.0, rng.uniform(0.0, 5.0)])
+        v = np.sqrt(w * w + 2.0 * p2 * (end - start))
+
+        def slowness(rate, p2=p2, start=start, v=v):
+            near = start + 0.5 * (v * v - rate * rate) / p2
+            return 1.0 / (p2 * np.sqrt(1.0 - near * near))
+
+        exact = quad(slowness, w, v, epsabs=0.0, epsrel=1e-12)[0]
+        wrong.append(abs(duration(p2, start, v, w) / exact - 1.0))
+    assert max(wrong) < 1e-6

@@ -13,8 +13,12 @@ from rockcli.kernels.rolling.free_rolling import MOST_SEGMENTS
 from rockcli.kernels.rolling.law import end_of, energy
 from rockcli.kernels.rolling.rest import NEAR
 
+FEW, FEW_WEIGHTS = (np.polynomial.legendre.leggauss(3)[0] + 1.0) / 2.0, np.polynomial.legendre.leggauss(3)[1] / 2.0
 NODES, WEIGHTS = (np.polynomial.legendre.leggauss(8)[0] + 1.0) / 2.0, np.polynomial.legendre.leggauss(8)[1] / 2.0
 """Of Gauss and Legendre on [0, 1]."""
+
+EVEN = 0.1
+"""Change of cos(alpha - q) along a swing over its distance from 1, up to which few nodes are good to 1e-6."""
 
 STEEP = 0.2
 """Least moment on a swing over the largest, from which on the quadrature is good to 1e-5 of its time."""
@@ -55,12 +59,22 @@ def duration(p2, start, v, w):
 
     dt = dw/|M| with M^2 = p^4 [1 - cos^2(alpha - q)], and cos(alpha - q) = cos(alpha - q_v) + (v^2 - w^2)/(2 p^2).
     """
+    change = 0.5 * (v - w) * (v + w) / p2
     total = 0.0
-    for i in range(8):
-        rate = w + (v - w) * NODES[i]
-        near = start + 0.5 * (v - rate) * (v + rate) / p2
-        total += WEIGHTS[i] / math.sqrt(max(1.0 - near * near, 1e-300))
+    if abs(change) < EVEN * (1.0 - max(start, start + change)):
+        for i in range(3):
+            total += FEW_WEIGHTS[i] / moment(p2, start, v, w + (v - w) * FEW[i])
+    else:
+        for i in range(8):
+            total += WEIGHTS[i] / moment(p2, start, v, w + (v - w) * NODES[i])
     return abs(v - w) * total / p2
+
+
+@jit_lean
+def moment(p2, start, v, rate):
+    """|M|/p^2 where the rate has gone from v to `rate`."""
+    near = start + 0.5 * (v - rate) * (v + rate) / p2
+    return math.sqrt(max(1.0 - near * near, 1e-300))
 
 
 @jit_lean
@@ -72,11 +86,10 @@ def impacts_until(body, g, facet, s, v, t, stop, rest_speed):
     for _ in range(MOST_SEGMENTS):
         if end.alpha > 0.0 and other.alpha > 0.0:
             down, down_other = end.p2 * end.fs, other.p2 * other.fs
-            slow = v * math.sqrt(end.p2) <= rest_speed * min(down, down_other)
-            if slow and 0.5 * v * v <= NEAR * min(down * end.extent, down_other * other.extent):
+            least, lowest = rest_speed * min(down, down_other), min(down * end.extent, down_other * other.extent)
+            if v * v * end.p2 <= least * least and 0.5 * v * v <= NEAR * lowest:
                 break
-        risen = 4.0 * end.p2 * math.sin(0.5 * end.extent) * math.sin(end.alpha - 0.5 * end.extent)
-        rate2 = v * v - risen
+        rate2 = v * v - 2.0 * end.p2 * end.rise
         start = end.fc  # cos(alpha)
         if rate2 <= 0.0 or 0.0 < end.alpha <= end.extent:  # turns back before the next facet
             t += 2.0 * duration(end.p2, start, v, 0.0)
@@ -90,7 +103,7 @@ def impacts_until(body, g, facet, s, v, t, stop, rest_speed):
             end, other = end_of(body, g, facet, s), end_of(body, g, facet, -s)
         if t >= stop:
             break
-        if rate > FAST * math.sqrt(end.p2) * scale:
+        if rate * rate > FAST * FAST * end.p2 * scale * scale:
             count += 1
         v = end.eta * rate
         if v == 0.0:

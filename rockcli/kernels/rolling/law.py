@@ -33,6 +33,7 @@ class End(NamedTuple):
     damper: float
     radius: float
     extent: float
+    rise: float
     eta: float
     b: float
     height: float
@@ -47,8 +48,8 @@ def end_of(body, g, facet, s):
     sine, cosine = body[e + at.SIN], body[e + at.COS]
     return End(
         g, g * body[e + at.P2], body[e + at.ALPHA], 0.0, -cosine, sine, cosine, sine, sine / cosine, 0.0,
-        body[e + at.RADIUS], body[e + at.EXTENT], body[e + at.ETA], body[e + at.B], body[of_facet + at.HEIGHT],
-        body[of_facet + at.TILT],
+        body[e + at.RADIUS], body[e + at.EXTENT], body[e + at.RISE], body[e + at.ETA], body[e + at.B],
+        body[of_facet + at.HEIGHT], body[of_facet + at.TILT],
     )  # fmt: skip
 
 

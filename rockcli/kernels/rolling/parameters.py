@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 # one end of a facet, from its offset on
-P2, ALPHA, SIN, COS, RADIUS, EXTENT, ETA, B, END = range(9)
-"""p^2 over g; alpha, its sine and cosine; R; turn to the next facet on that side; restitution when landing on this
-end; its distance from the foot of the centre of mass; then the length."""
+P2, ALPHA, SIN, COS, RADIUS, EXTENT, RISE, ETA, B, END = range(10)
+"""p^2 over g; alpha, its sine and cosine; R; turn to the next facet on that side, and how far the centre of mass
+rises by it over R; restitution when landing on this end; its distance from the foot of the centre of mass; then the
+length."""
 
 # one facet
 TILT, HEIGHT, LEFT, RIGHT, FACET = 0, 1, 2, 2 + END, 2 + 2 * END

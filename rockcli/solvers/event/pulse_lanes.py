@@ -69,19 +69,29 @@ def in_lanes(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any,
     width = results_of_rolling.N_OUT if len(bodies) else to.N_OUT
     found = np.zeros((len(rows), width))
     how = how._replace(order=_order(how.tol), max_steps=MAX_STEPS)
-    differs = rows[:, at.LEFT : at.LEFT + at.EDGE] != rows[:, at.RIGHT : at.RIGHT + at.EDGE]
-    uneven = np.any(differs, axis=1) if differs.any() else np.zeros(len(rows), dtype=bool)  # row by row is slow
-    uneven |= len(bodies) > 0
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
-        for two_sided in np.unique(uneven).tolist():  # apart, so that no body depends on others
-            some = slice(None) if (uneven == two_sided).all() else np.flatnonzero(uneven == two_sided)
-            part = np.zeros((len(rows[some]), width))
+        for two_sided, some in _kinds(rows, bodies):  # apart, so that no body depends on others
+            part = found[some]
             lanes.sweep(rows[some], bodies, how, tables[some], pieces, two_sided, lanes.work_space(how.order), part)
             found[some] = part
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known
     found[:, to.N_MIN] = found[:, to.N_STANDING] = np.inf  # nobody looked
     return found
+
+
+def _kinds(rows: Array, bodies: Array) -> list[tuple[bool, Any]]:
+    """Bodies whose edges are alike, and those whose edges differ: (whether they do, rows), as far as there are any."""
+    whole = slice(0, len(rows))
+    if len(bodies):
+        return [(True, whole)]
+    differs = rows[:, at.LEFT : at.LEFT + at.EDGE] != rows[:, at.RIGHT : at.RIGHT + at.EDGE]
+    if not differs.any():
+        return [(False, whole)]
+    uneven = differs.any(axis=1)  # row by row is slow
+    if uneven.all():
+        return [(True, whole)]
+    return [(False, np.flatnonzero(~uneven)), (True, np.flatnonzero(uneven))]
 
 
 def _order(rtol: float) -> int:

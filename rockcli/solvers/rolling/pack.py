@@ -56,10 +56,11 @@ def bodies_of(facets: Facets, r_g2: Array, loss: Array) -> Array:
     _barriers(table, facets, inertia, kept)
     for side, place in ((0, at.LEFT), (1, at.RIGHT)):
         end = each[:, :, place : place + at.END]
-        R, alpha = facets.R[:, :, side], facets.alpha[:, :, side]
+        R, alpha, extent = facets.R[:, :, side], facets.alpha[:, :, side], facets.extent[:, :, side]
         end[:, :, at.P2] = R / inertia[:, :, side]  # over g
         end[:, :, at.ALPHA], end[:, :, at.SIN], end[:, :, at.COS] = alpha, np.sin(alpha), np.cos(alpha)
-        end[:, :, at.RADIUS], end[:, :, at.EXTENT] = R, facets.extent[:, :, side]
+        end[:, :, at.RADIUS], end[:, :, at.EXTENT] = R, extent
+        end[:, :, at.RISE] = 2.0 * np.sin(0.5 * extent) * np.sin(alpha - 0.5 * extent)
         end[:, :, at.ETA] = kept * np.sqrt(inertia[:, :, 1 - side] / inertia[:, :, side])
         end[:, :, at.B] = facets.b[:, :, side]
     return np.nan_to_num(table)

@@ -49,9 +49,9 @@ def run(lanes: ModuleType, batch: Batch, pars: Array, bodies: Array, how: Any, c
 
 def on_the_stand(pars: Array, bodies: Array) -> Array:
     """Rows of `kernels.rigid.parameters` of the facet on which each body stands, and the row of the body."""
-    body = pars[:, at.BODY].astype(int)
+    body = pars[:, at.BODY].astype(int) if len(bodies) > 1 else np.zeros(1, dtype=int)
     rows = np.zeros((len(pars), rigid.N_PAR + 1))
-    rows[:, rigid.G], rows[:, rigid.N_PAR] = pars[:, at.G], body
+    rows[:, rigid.G], rows[:, rigid.N_PAR] = pars[:, at.G], pars[:, at.BODY]
     for name in ("THETA_0", "THETA_DOT_0", "T_MOTION", "T_STOP", "HAS_DURATION", "FACTOR_H", "FACTOR_V"):
         rows[:, getattr(rigid, name)] = pars[:, getattr(at, name)]
     first = at.FIRST + bodies[body, at.STANDING].astype(int) * at.FACET
