@@ -14,6 +14,7 @@ LAYERS = {
     "errors": 0,
     "version": 0,
     "process_groups": 0,
+    "forks": 1,
     "kernels": 1,
     "scene": 2,
     "motion": 3,

@@ -70,6 +70,7 @@ def run(
         [*(settings or ()), *(["audit=true"] if audit else [])],
         skip_missing=skip_missing,
         also=lambda study: check_study(study, out, fresh=fresh),
+        readers=workers or usable_cores(),
     )
     if junit is not None:
         check_junit(junit, [dataset_path(study, out) for study in opened.studies])

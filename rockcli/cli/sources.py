@@ -57,6 +57,7 @@ def open_all(
     *,
     skip_missing: bool = False,
     also: Callable[[Study], None] | None = None,
+    readers: int = 1,
 ) -> Opened:
     """Open and check every study before any is solved.
 
@@ -65,6 +66,7 @@ def open_all(
         settings: `--set` assignments, for every study.
         skip_missing: put studies whose record is absent aside.
         also: a further check of each study.
+        readers: processes that read records.
 
     Raises:
         StudyError, RecordError: the last of all complaints; those before it are printed to stderr.
@@ -78,7 +80,7 @@ def open_all(
     complaints: list[RockError] = []
     for file in study_files(paths):
         try:
-            study = open_study(file, overrides=pairs)
+            study = open_study(file, overrides=pairs, readers=readers)
             if also is not None:
                 also(study)
         except RockError as error:

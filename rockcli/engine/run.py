@@ -45,8 +45,8 @@ DRAWN = 25_000_000
 """Cases up to which a run draws its plots: 130 bytes of each are in memory then."""
 
 
-def opened(source: dict[str, Any] | str | Path) -> Study:
-    """A checked study from a mapping, whose `name` may be left out, or a file.
+def opened(source: dict[str, Any] | str | Path, readers: int = 1) -> Study:
+    """A checked study from a mapping, whose `name` may be left out, or a file; `readers`: processes that read records.
 
     Raises `StudyError` or `RecordError` for what is wrong with it.
     """
@@ -54,7 +54,7 @@ def opened(source: dict[str, Any] | str | Path) -> Study:
 
     if not isinstance(source, dict | str | os.PathLike):
         raise StudyError(f"a study is a mapping or the path of a file, not {type(source).__name__}")
-    study = open_study({"name": "study", **source} if isinstance(source, dict) else Path(source))
+    study = open_study({"name": "study", **source} if isinstance(source, dict) else Path(source), readers=readers)
     check_answers(study)
     return study
 
@@ -71,7 +71,7 @@ def solve_study(
 
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
         raise StudyError(f"workers is {workers!r}; expected a whole number of processes greater than 0, or None")
-    study = opened(source)
+    study = opened(source, workers or 1)
     return to_xarray(solve(study, sweep=Sweep(Team(workers or 1), progress=progress)))
 
 

@@ -65,12 +65,15 @@ SAMPLES_WITH_ALL = 10_000
 """Cases of a study of uncertain inputs up to which all scalars are saved unless it says otherwise."""
 
 
-def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple[str, str]] = ()) -> Study:
+def open_study(
+    source: Path | str | dict[str, Any], *, overrides: Sequence[tuple[str, str]] = (), readers: int = 1
+) -> Study:
     """Read and check a study: everything that can be said against it is said here, before anything is solved.
 
     Args:
         source: path of a YAML file, or a mapping of the same form.
         overrides: (path, text of a YAML value) as of `--set case.block.R=2`, in order.
+        readers: processes that read records, where there are many.
 
     Raises:
         StudyError: the study is wrong; names file, line and key.
@@ -84,7 +87,7 @@ def open_study(source: Path | str | dict[str, Any], *, overrides: Sequence[tuple
     tree = apply_overrides(expanded(tree), overrides)
     part = _check_top(where, tree)
     base = Map({"case": tree["case"], "let": tree.get("let") or Map()}, tree.where)
-    records = Records(where, given=given)
+    records = Records(where, given=given, readers=readers)
     provisional = Save(histories=False, dt_out=DT_OUT, scalars=frozenset())
 
     def evaluator(known: list[Variation]) -> Evaluate:

@@ -11,7 +11,6 @@ import multiprocessing
 import os
 import pickle
 import signal
-import sys
 import threading
 import time
 import warnings
@@ -28,7 +27,8 @@ from rockcli.engine.sweep.chunk_result import cases_of, spans_of
 from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.work import Team, Work, in_halves
 from rockcli.errors import MACHINE
-from rockcli.process_groups import GROUPS, held_back, lead_group, release, signal_group
+from rockcli.forks import FORKS, OURS, begin_as_child
+from rockcli.process_groups import GROUPS, held_back, signal_group
 from rockcli.study.cases.buildable import Unsolved
 from rockcli.study.study import Index
 
@@ -47,16 +47,10 @@ MAX_RETRIES = 2
 MAX_CRASHES = 64
 """Dead workers after which what kills one more is not looked into."""
 
-OURS = {signal.SIGINT, signal.SIGTERM}
-"""Signals that the parent answers for all."""
-
 OWN_FAULT = {
     getattr(signal, name, None) for name in ("SIGSEGV", "SIGBUS", "SIGFPE", "SIGILL", "SIGABRT", "SIGSYS", "SIGTRAP")
 }
 """Signals that a process brings upon itself; others come from outside, as SIGKILL where memory has run out."""
-
-FORKS = sys.platform == "linux" and hasattr(os, "fork")
-"""A forked process has the study, the records and the compiled kernels at once; only Linux forks safely."""
 
 LOOK_EVERY = 0.5
 """Time between two looks whether the parent is alive [s]."""
@@ -191,11 +185,7 @@ def _end(worker: Worker) -> None:
 
 def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent: int) -> None:
     """What a worker does: answer one chunk after the other until it is ended."""
-    lead_group()  # Ctrl-C in a terminal is for the parent, who ends this group
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    signal.set_wakeup_fd(-1)
-    release(OURS)
+    begin_as_child()
     for other in foreign:
         other.close()
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()

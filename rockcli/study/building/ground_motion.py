@@ -108,10 +108,13 @@ def _suite(numbers: Numbers, named: Named, records: Records, warnings: list[str]
     record: RecordPart = numbers.said(keys)
     g = _g_of_records(numbers)
     reading, steps = _reading(numbers, keys)
-    prepared = [
-        records.prepare(name, where, reading={**reading, "component": record.component}, steps=steps, g=g)
-        for name, where in named.names
-    ]
+    prepared = records.prepare_all(
+        named.names,
+        reading={**reading, "component": record.component},
+        steps=steps,
+        g=g,
+        measure=lambda each, name: _unscaled(each, (name,), g),
+    )
     for each in prepared:
         warnings.extend(f"{each.motion.name}: {sentence}" for sentence in each.motion.warnings)
     unscaled = tuple(_unscaled(each, (name,), g) for each, (name, _) in zip(prepared, named.names, strict=True))
