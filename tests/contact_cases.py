@@ -106,7 +106,9 @@ def run(par, horizontal=NOTHING, vertical=NOTHING, *, tol=1e-16, order=24, rest_
         tol=tol, rest_speed=rest_speed, max_steps=1_000_000, order=order, balance=True, extremes=True, hands_back=False
     )
     starts = array([[-1.0] * N_HANDOVER])
-    march.march_all(array([par]), how, *channels, dt, starts, histories, impacts, events, march.work_space(), out)
+    march.march_all(
+        array([par]), how, *channels, table(0, 0), dt, starts, histories, impacts, events, march.work_space(), out
+    )
     (out,), (histories,), (impacts,), ((t, modes),) = out, histories, impacts, events
     n_events = int(out[to.N_EVENTS])
     found = [MODES[int(m)] for m in modes[:n_events]]

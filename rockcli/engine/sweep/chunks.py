@@ -18,6 +18,9 @@ CHUNK = 16384
 FIRST, TARGET = 0.2, 1.0
 """Time that the first chunk and the others are meant to take [s]."""
 
+REST = 1.25
+"""A chunk is up to so many times as large as it should be if it is the last then: few cases cost more each."""
+
 SHARES = 4
 """Chunks that are left for every worker near the end, so that none waits long for the last."""
 
@@ -169,7 +172,10 @@ class Pace:
     def step(self, left: int, workers: int = 1, chunks: int = 1) -> int:
         """Cases of the next chunk, or of so many at once."""
         target = TARGET if self.measured else FIRST
-        wanted = min(target / self.seconds_per_case, self.most * chunks)
+        most = self.most * chunks
+        wanted = min(target / self.seconds_per_case, most)
+        if wanted < left <= min(REST * wanted, most):
+            wanted = left
         if workers > 1:
             wanted = min(wanted, -(-left // (SHARES * workers)))
         return max(int(wanted), 1)

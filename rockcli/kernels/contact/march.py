@@ -386,15 +386,22 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
         write_rest(foot, out[to.T_END], dt_out, i_hist, histories)
 
 
-@entry(MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, float, MATRIX, CUBE, CUBE, CUBE, MATRIX, MATRIX)
-def march_all(pars, how, horizontal, h_data, vertical, v_data, dt_out, starts, histories, impacts, events, w, out):
+@entry(MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, MATRIX, float, MATRIX, CUBE, CUBE, CUBE, MATRIX, MATRIX)
+def march_all(
+    pars, how, horizontal, h_data, vertical, v_data, spans, dt_out, starts, histories, impacts, events, w, out
+):  # fmt: skip
     """`march` for every row of `pars`; starts, histories, impacts, events, results, tables of pulses row by row too.
 
+    spans: none, or of each case its motion in a row of many that `h_data` is: first and last sample, time between two.
     w: `work_space()`.
     """
     for i in range(len(pars)):
         ih, iv = (i if horizontal.kind == PULSES else 0), (i if vertical.kind == PULSES else 0)
+        motion, samples = horizontal, h_data[ih]
+        if len(spans) > 0:
+            first, last = int(spans[i][0]), int(spans[i][1])
+            motion, samples = Channel(SAMPLES, spans[i][2], last - first), h_data[0][first : last + 1]
         march(
-            pars[i], how, horizontal, h_data[ih], vertical, v_data[iv], dt_out, starts[i], histories[i], impacts[i],
+            pars[i], how, motion, samples, vertical, v_data[iv], dt_out, starts[i], histories[i], impacts[i],
             events[i], w, out[i],
         )  # fmt: skip

@@ -19,6 +19,7 @@ from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED
 from rockcli.solvers.common.duration import durations_of, output_times
 from rockcli.solvers.common.ground import channel_of, factors_of
+from rockcli.solvers.event.record_lanes import Laid
 
 Array = NDArray[np.float64]
 
@@ -87,14 +88,19 @@ def march(
     *,
     cases: NDArray[np.int64] | None = None,
     hands_back: bool = False,
+    laid: Laid | None = None,
 ) -> None:
     """The kernel for the rows of parameters of some cases of a batch, all without `cases`, into `raw`.
 
     Args:
         starts: rows of `kernels.handover`, where they begin; `raw` goes on from what it holds of those under way.
         hands_back: a case stops where its foot has held for a while, STATUS is HOLDS, and `starts` says where.
+        laid: the motions, if they are laid out for more runs than this.
     """
     suite = batch.excitation.suite
+    if laid is not None:
+        _march(batch, None, pars, level, raw, starts, hands_back=hands_back, many=laid.motions(cases))
+        return
     if suite is None:
         _march(batch, batch.excitation.horizontal, pars, level, raw, starts, hands_back=hands_back)
         return
@@ -116,20 +122,24 @@ def _march(
     starts: Array | None,
     *,
     hands_back: bool,
+    many: tuple[Array, Array] | None = None,
 ) -> None:
-    """`march` under one motion."""
+    """`march` under one motion, or with `many` each case under its own: values of all in a row, span of each case."""
     kernel = kernels.load("contact.march", compile_them=bool(kernels.compiled))
     channels = (horizontal_motion, batch.excitation.vertical)
     (horizontal, h_data), (vertical, v_data) = (channel_of(kernel, c, batch.size) for c in channels)
+    spans = np.empty((0, 0))
+    if many is not None:
+        h_data, spans = many
     events = np.empty((len(pars), 2, 0))  # for tests
     arrays = [raw.histories, raw.impacts, events, raw.out]
     if starts is None:
         starts = from_the_beginning(len(pars))
-    inputs: list[Any] = [pars, h_data, v_data, starts]
+    inputs: list[Any] = [pars, h_data, v_data, spans, starts]
     outputs: list[Any] = list(arrays)
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python
         inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
-    rows, h_data, v_data, begun = inputs
+    rows, h_data, v_data, spans, begun = inputs
     how = kernel.Settings(
         tol=level.rtol,
         rest_speed=level.rest_speed,
@@ -141,8 +151,9 @@ def _march(
     )
     *written, out = outputs
     kernel.march_all(
-        rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, begun, *written, kernel.work_space(), out
-    )
+        rows, how, horizontal, h_data, vertical, v_data, spans, batch.save.dt_out, begun, *written,
+        kernel.work_space(), out,
+    )  # fmt: skip
     if not kernels.compiled:
         for array, output in zip((*arrays, starts), (*outputs, begun), strict=True):
             array[...] = output

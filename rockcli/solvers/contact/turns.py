@@ -27,6 +27,7 @@ from rockcli.solvers.contact.screen import ROUNDING
 from rockcli.solvers.event import record_lanes
 from rockcli.solvers.event.pack import parameters_of as pack
 from rockcli.solvers.event.pack import settings_of
+from rockcli.solvers.event.record_lanes import Laid
 from rockcli.solvers.event.unpack import FORCES
 
 Array = NDArray[np.float64]
@@ -92,7 +93,9 @@ def by_turns(batch: Batch, rows: Array, level: Accuracy) -> tuple[Array, Mask, R
         begun = _held(batch)[late]
         found[late] = record_lanes.run(lanes, batch, rows[late], how, begun, cases=late, path=True)
         starts[late] = begun
-    raw = _followed(batch.rows(stopped), rows[stopped], level, found[stopped], starts[stopped])
+    slipping = batch.rows(stopped)
+    laid = Laid.of(lanes, slipping)
+    raw = _followed(slipping, rows[stopped], level, found[stopped], starts[stopped], laid)
     slips = ~only_rocks(raw.out)
     slides[stopped[slips]] = True
     found[stopped[slips], in_lanes.STATUS] = DONE  # as far as it goes
@@ -111,8 +114,9 @@ def solved(batch: Batch, level: Accuracy) -> Raw:
     lanes, how = _lanes_of(batch, level)
     some, taking = (batch, rows) if turns.all() else (batch.rows(np.flatnonzero(turns)), rows[turns])
     starts = _held(some)
-    found = record_lanes.run(lanes, some, taking, how, starts, path=True)
-    raw = _followed(some, taking, level, found, starts)
+    laid = Laid.of(lanes, some)
+    found = record_lanes.run(lanes, some, taking, how, starts, path=True, laid=laid)
+    raw = _followed(some, taking, level, found, starts, laid)
     if turns.all():
         return raw
     both, others = Raw(batch.size, 0, 0), np.flatnonzero(~turns)
@@ -142,7 +146,7 @@ def _lanes_of(batch: Batch, level: Accuracy) -> tuple[ModuleType, Any]:
     return lanes, settings_of(lanes, batch, level, int(detail))
 
 
-def _followed(batch: Batch, rows: Array, level: Accuracy, then: Array, starts: Array) -> Raw:
+def _followed(batch: Batch, rows: Array, level: Accuracy, then: Array, starts: Array, laid: Laid | None) -> Raw:
     """Raw results of contact of bodies that lanes have taken as far as `then` says, those that stopped to `starts`.
 
     A body of which lanes do not know the end begins anew, with the kernel of contact alone.
@@ -166,12 +170,12 @@ def _followed(batch: Batch, rows: Array, level: Accuracy, then: Array, starts: A
         if not len(on):
             break
         slid = raw.rows(on)
-        march(batch, pars[on], level, slid, begun, cases=on, hands_back=turn < MOST_TURNS)
+        march(batch, pars[on], level, slid, begun, cases=on, hands_back=turn < MOST_TURNS, laid=laid)
         raw.put(on, slid)
         holds = slid.out[:, to.STATUS] == HOLDS
         on, begun, turn = on[holds], begun[holds], turn + 1
         starts[on] = begun
-        then = record_lanes.run(lanes, batch, rows[on], how, begun, cases=on, path=True)
+        then = record_lanes.run(lanes, batch, rows[on], how, begun, cases=on, path=True, laid=laid)
     left = np.flatnonzero(whole)
     if len(left):
         raw.put(left, run(batch.rows(left), level))

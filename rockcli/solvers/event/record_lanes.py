@@ -141,6 +141,7 @@ def run(
     cases: NDArray[np.int64] | None = None,
     path: bool = False,
     bodies: Array | None = None,
+    laid: Laid | None = None,
 ) -> Array:
     """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch, all without `cases`.
 
@@ -152,6 +153,7 @@ def run(
         path: follow a fall to its end whatever is asked.
         bodies: table of bodies that roll, `kernels.rolling.parameters`; then the rows and the results are longer:
             `kernels.lanes.records.facets`, `kernels.rolling.results`.
+        laid: the motions, if they are laid out for more runs than this; with the path of a fall.
     """
     width = to.N_OUT if bodies is None else results_of_rolling.N_OUT
     if not len(rows):
@@ -163,14 +165,15 @@ def run(
         starts = np.empty((len(rows), 0))
     table = np.empty((0, 0)) if bodies is None else bodies
     alike = even(rows) if bodies is None else np.zeros(len(rows), dtype=bool)
-    for records, theirs in _some_at_a_time(_by_record(batch, len(rows), cases)):
-        ground = laid_out(records, lanes.BLOCK, path=path, falls=bodies is None)
+    for ground, theirs in _grounds(lanes, batch, len(rows), cases, path=path, falls=bodies is None, laid=laid):
         if holds:  # those at one place of a motion together: they read the same samples
             theirs = [some[np.argsort(starts[some, carry.T], kind="stable")] for some in theirs]
         spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
         every = np.concatenate(theirs)
-        for two_sided in np.unique(~alike[every]).tolist():  # apart, so that no body depends on others
+        for two_sided in (False, True):  # apart, so that no body depends on others
             of_those = ~alike[every] == two_sided
+            if not of_those.any():
+                continue
             places = every[of_those]
             out = np.zeros((len(places), width))
             begin = starts[places]
@@ -181,6 +184,24 @@ def run(
             found[places], starts[places] = out, begin
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
+
+
+def _grounds(
+    lanes: ModuleType,
+    batch: Batch,
+    n: int,
+    cases: NDArray[np.int64] | None,
+    *,
+    path: bool,
+    falls: bool,
+    laid: Laid | None,
+) -> Iterator[tuple[Ground, list[NDArray[np.int64]]]]:
+    """Motions laid out, as many as are at a time, and the places of the n cases under each."""
+    if laid is not None:
+        yield laid.ground, laid.cases(cases)
+        return
+    for records, theirs in _some_at_a_time(_by_record(batch, n, cases)):
+        yield laid_out(records, lanes.BLOCK, path=path, falls=falls), theirs
 
 
 def _some_at_a_time(
@@ -210,6 +231,36 @@ class Ground(NamedTuple):
     tail: Array
     velocity: Array
     spans: Array
+
+
+class Laid(NamedTuple):
+    """Motions laid out for many runs of cases of a batch, and which of them each case has, (n,)."""
+
+    ground: Ground
+    which: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, lanes: ModuleType, batch: Batch) -> Laid | None:
+        """The motions of a batch, with the path of a fall; None if they have more than AT_ONCE samples."""
+        motion = batch.excitation
+        if motion.suite is None:
+            assert isinstance(motion.horizontal, Samples)
+            records, which = [motion.horizontal], np.zeros(batch.size, dtype=np.int64)
+        else:
+            records, which = list(motion.suite.records), motion.suite.which
+        if sum(len(record.values) for record in records) > AT_ONCE:
+            return None
+        return cls(laid_out(records, lanes.BLOCK, path=True), which)
+
+    def cases(self, some: NDArray[np.int64] | None) -> list[NDArray[np.int64]]:
+        """Places of some cases, all without `some`, among these, motion by motion."""
+        which = self.which if some is None else self.which[some]
+        counts = np.bincount(which, minlength=len(self.ground.spans))
+        return np.split(np.argsort(which, kind="stable"), np.cumsum(counts)[:-1])
+
+    def motions(self, some: NDArray[np.int64] | None) -> tuple[Array, Array]:
+        """Values of all motions in a row, (1, k), and where that of each of some cases is, (n, 3) as `Ground.spans`."""
+        return self.ground.values[None, :], self.ground.spans[self.which if some is None else self.which[some]]
 
 
 def laid_out(records: list[Samples], block: int, *, path: bool, falls: bool = True) -> Ground:
