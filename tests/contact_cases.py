@@ -107,7 +107,18 @@ def run(par, horizontal=NOTHING, vertical=NOTHING, *, tol=1e-16, order=24, rest_
     )
     starts = array([[-1.0] * N_HANDOVER])
     march.march_all(
-        array([par]), how, *channels, table(0, 0), dt, starts, histories, impacts, events, march.work_space(), out
+        array([par]),
+        how,
+        *channels,
+        table(0, 0),
+        dt,
+        starts,
+        table(0, 0),
+        histories,
+        impacts,
+        events,
+        march.work_space(),
+        out,
     )
     (out,), (histories,), (impacts,), ((t, modes),) = out, histories, impacts, events
     n_events = int(out[to.N_EVENTS])

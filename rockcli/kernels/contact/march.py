@@ -14,6 +14,7 @@ from rockcli.kernels.constants import (
     DONE,
     FALLS,
     FAST,
+    GIVES_WAY,
     HOLDS,
     MAX_ORDER,
     MEANINGFUL,
@@ -58,6 +59,7 @@ from rockcli.kernels.contact.events import (
     struck_flat,
     take_off,
 )
+from rockcli.kernels.contact.parts import add_part
 from rockcli.kernels.contact.readings import (
     LOOKS,
     energy_in_flight,
@@ -386,16 +388,23 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
         write_rest(foot, out[to.T_END], dt_out, i_hist, histories)
 
 
-@entry(MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, MATRIX, float, MATRIX, CUBE, CUBE, CUBE, MATRIX, MATRIX)
+@entry(
+    MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, MATRIX, float, MATRIX, MATRIX, CUBE, CUBE, CUBE, MATRIX, MATRIX
+)
 def march_all(
-    pars, how, horizontal, h_data, vertical, v_data, spans, dt_out, starts, histories, impacts, events, w, out
+    pars, how, horizontal, h_data, vertical, v_data, spans, dt_out, starts, parts, histories, impacts, events, w, out
 ):  # fmt: skip
     """`march` for every row of `pars`; starts, histories, impacts, events, results, tables of pulses row by row too.
 
     spans: none, or of each case its motion in a row of many that `h_data` is: first and last sample, time between two.
+    parts: none, or what lanes have found of each case up to its start, which is added first; one may have ended there.
     w: `work_space()`.
     """
     for i in range(len(pars)):
+        if len(parts) > 0:
+            add_part(pars[i], starts[i][carry.SLIDE], parts[i], out[i])
+            if out[i][to.STATUS] != GIVES_WAY:
+                continue
         ih, iv = (i if horizontal.kind == PULSES else 0), (i if vertical.kind == PULSES else 0)
         motion, samples = horizontal, h_data[ih]
         if len(spans) > 0:

@@ -99,16 +99,19 @@ def _by_side(batch: Batch, out: Array, peak: Array) -> dict[str, Array]:
 def _reasons(
     batch: Batch, out: Array, scalars: dict[str, NDArray[Any]], only: NDArray[np.bool_], unknown: NDArray[np.bool_]
 ) -> list[str]:
-    reasons = []
-    for i, row in enumerate(out):
-        said = []
+    reasons = [""] * batch.size
+    outcome = scalars["outcome"]
+    counted = (out[:, to.N_JAMS] > 0) | (out[:, to.TWO_WAYS] > 0) | (out[:, to.NEARLY_FLAT] < ILL_POSED)
+    noted = (out[:, to.STATUS] != DONE) | unknown | (outcome == UNRESOLVED) | only | counted
+    for i in np.flatnonzero(noted):  # of most there is nothing to say
+        row, said = out[i], []
         if row[to.STATUS] != DONE:
             said.append(broke_off(row[to.STATUS], row[to.N_STEPS], row[to.T_END]))
         elif unknown[i]:
             said.append("leaves the ground or tips while it slides: this model has no consistent contact forces")
-        elif scalars["outcome"][i] == UNRESOLVED:
+        elif outcome[i] == UNRESOLVED:
             said.append(ON_SEPARATRIX)
-        elif only[i] and scalars["outcome"][i] == SLIDING and row[to.N_FLIGHTS] == 0:
+        elif only[i] and outcome[i] == SLIDING and row[to.N_FLIGHTS] == 0:
             said.append(SLIDES)
         if row[to.NEARLY_FLAT] < ILL_POSED and row[to.STATUS] == DONE and not unknown[i]:
             said.append(
@@ -122,6 +125,6 @@ def _reasons(
             )
         if row[to.TWO_WAYS] > 0:
             said.append("mu is so large that slip and flight are both consistent: flight was taken")
-        reasons.append("; ".join(said))
+        reasons[i] = "; ".join(said)
     note_unstored(batch, scalars["n_impacts"], reasons)
     return reasons

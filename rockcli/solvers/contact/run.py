@@ -88,6 +88,7 @@ def march(
     *,
     cases: NDArray[np.int64] | None = None,
     hands_back: bool = False,
+    parts: Array | None = None,
     laid: Laid | None = None,
 ) -> None:
     """The kernel for the rows of parameters of some cases of a batch, all without `cases`, into `raw`.
@@ -95,19 +96,21 @@ def march(
     Args:
         starts: rows of `kernels.handover`, where they begin; `raw` goes on from what it holds of those under way.
         hands_back: a case stops where its foot has held for a while, STATUS is HOLDS, and `starts` says where.
+        parts: what lanes have found of each case up to its start, (n, N_OUT) of theirs, which `raw` has to count in.
         laid: the motions, if they are laid out for more runs than this.
     """
     suite = batch.excitation.suite
     if laid is not None:
-        _march(batch, None, pars, level, raw, starts, hands_back=hands_back, many=laid.motions(cases))
+        _march(batch, None, pars, level, raw, starts, hands_back=hands_back, parts=parts, many=laid.motions(cases))
         return
     if suite is None:
-        _march(batch, batch.excitation.horizontal, pars, level, raw, starts, hands_back=hands_back)
+        _march(batch, batch.excitation.horizontal, pars, level, raw, starts, hands_back=hands_back, parts=parts)
         return
     for record, rows in suite.cases(cases):
         part = raw.rows(rows)
         begun = from_the_beginning(len(rows)) if starts is None else starts[rows]
-        _march(batch, record, pars[rows], level, part, begun, hands_back=hands_back)
+        theirs = None if parts is None else parts[rows]
+        _march(batch, record, pars[rows], level, part, begun, hands_back=hands_back, parts=theirs)
         raw.put(rows, part)
         if starts is not None:
             starts[rows] = begun
@@ -122,6 +125,7 @@ def _march(
     starts: Array | None,
     *,
     hands_back: bool,
+    parts: Array | None = None,
     many: tuple[Array, Array] | None = None,
 ) -> None:
     """`march` under one motion, or with `many` each case under its own: values of all in a row, span of each case."""
@@ -129,17 +133,19 @@ def _march(
     channels = (horizontal_motion, batch.excitation.vertical)
     (horizontal, h_data), (vertical, v_data) = (channel_of(kernel, c, batch.size) for c in channels)
     spans = np.empty((0, 0))
+    if parts is None:
+        parts = np.empty((0, 0))
     if many is not None:
         h_data, spans = many
     events = np.empty((len(pars), 2, 0))  # for tests
     arrays = [raw.histories, raw.impacts, events, raw.out]
     if starts is None:
         starts = from_the_beginning(len(pars))
-    inputs: list[Any] = [pars, h_data, v_data, spans, starts]
+    inputs: list[Any] = [pars, h_data, v_data, spans, starts, parts]
     outputs: list[Any] = list(arrays)
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python
         inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
-    rows, h_data, v_data, spans, begun = inputs
+    rows, h_data, v_data, spans, begun, parts = inputs
     how = kernel.Settings(
         tol=level.rtol,
         rest_speed=level.rest_speed,
@@ -151,7 +157,7 @@ def _march(
     )
     *written, out = outputs
     kernel.march_all(
-        rows, how, horizontal, h_data, vertical, v_data, spans, batch.save.dt_out, begun, *written,
+        rows, how, horizontal, h_data, vertical, v_data, spans, batch.save.dt_out, begun, parts, *written,
         kernel.work_space(), out,
     )  # fmt: skip
     if not kernels.compiled:

@@ -43,23 +43,6 @@ MOST_TURNS = 100
 """Turns after which a body stays with the kernel of contact."""
 
 
-def _columns(*names: str) -> NDArray[np.int64]:
-    return np.array([getattr(to, name) for name in names])
-
-
-ADDED = _columns("N_STEPS", "N_IMPACTS", "SWINGS", "SWINGS_T", "BALANCE")
-EARLIEST = _columns("T_UPLIFT", "N_MIN")
-LARGEST = _columns("PEAK_LEFT", "PEAK_RIGHT", "RATE_PEAK", "TOP_PEAK")
-AT_PEAK = _columns("PEAK", "PEAK_SIDE", "T_PEAK")
-LAST = _columns("STATUS", "VERDICT", "T_END", "SLIDE_END")
-"""How results of a part of the path in lanes are added to those so far; of passages of the equilibrium the last counts,
-of slides the largest either way."""
-
-SHARED = [name for name in vars(to) if name.isupper() and name != "N_OUT" and hasattr(in_lanes, name)]
-OF_BOTH, OF_LANES = _columns(*SHARED), np.array([getattr(in_lanes, name) for name in SHARED])
-"""Columns of results of contact that lanes give too, and theirs."""
-
-
 def can_take_turns(batch: Batch) -> Mask:
     """Bodies whose foot does not slip while they stand and where they land, (n,), and that nothing pushes."""
     block, eta = batch.block, batch.damping.eta
@@ -154,27 +137,19 @@ def _followed(batch: Batch, rows: Array, level: Accuracy, then: Array, starts: A
     lanes, how = _lanes_of(batch, level)
     raw, pars = Raw(batch.size, 0, 0), parameters_of(batch)
     raw.out[:] = _NOTHING_YET
-    weight, top = batch.g, batch.block.top
     whole = np.zeros(batch.size, dtype=bool)
     on, begun, turn = np.arange(batch.size), starts, 0
     while len(on):
-        stopped = then[:, in_lanes.STATUS] == GIVES_WAY
-        verdict = then[:, in_lanes.VERDICT]
-        ended = (then[:, in_lanes.STATUS] == DONE) & ((verdict == RETURNS) | (verdict == FALLS))
-        known = stopped | ended
-        whole[on[~known]] = True
-        rocked = on[known]
-        part = _of_contact(then[known], weight[rocked], top[rocked], starts[rocked, carry.SLIDE])
-        raw.out[rocked] = _joined(raw.out[rocked], part)
-        on, begun = on[stopped], begun[stopped]
-        if not len(on):
-            break
-        slid = raw.rows(on)
-        march(batch, pars[on], level, slid, begun, cases=on, hands_back=turn < MOST_TURNS, laid=laid)
-        raw.put(on, slid)
-        holds = slid.out[:, to.STATUS] == HOLDS
+        verdict, stopped = then[:, in_lanes.VERDICT], then[:, in_lanes.STATUS] == GIVES_WAY
+        known = stopped | (then[:, in_lanes.STATUS] == DONE) & ((verdict == RETURNS) | (verdict == FALLS))
+        if not known.all():
+            whole[on[~known]] = True
+            on, begun, then = on[known], begun[known], then[known]
+        some = raw.rows(on)
+        march(batch, pars[on], level, some, begun, cases=on, hands_back=turn < MOST_TURNS, parts=then, laid=laid)
+        raw.put(on, some)
+        holds = some.out[:, to.STATUS] == HOLDS
         on, begun, turn = on[holds], begun[holds], turn + 1
-        starts[on] = begun
         then = record_lanes.run(lanes, batch, rows[on], how, begun, cases=on, path=True, laid=laid)
     left = np.flatnonzero(whole)
     if len(left):
@@ -192,30 +167,3 @@ def _nothing_yet() -> Array:
 
 
 _NOTHING_YET = _nothing_yet()
-
-
-def _of_contact(lanes: Array, g: Array, top: Array, slide: Array) -> Array:
-    """Results of lanes in the columns of contact: of bodies whose base has slid so far, and holds."""
-    out = np.tile(_NOTHING_YET, (len(lanes), 1))
-    out[:, OF_BOTH] = lanes[:, OF_LANES]
-    out[:, to.BALANCE] = g * lanes[:, in_lanes.ENERGY]
-    out[:, to.SLIDE_PEAK] = out[:, to.SLIDE_END] = slide
-    for sign, column in ((1.0, to.PEAK_RIGHT), (-1.0, to.PEAK_LEFT)):
-        leant = np.abs(slide + sign * top * np.sin(np.minimum(out[:, column], 0.5 * np.pi)))
-        out[:, to.TOP_PEAK] = np.maximum(out[:, to.TOP_PEAK], leant)
-    return out
-
-
-def _joined(total: Array, part: Array) -> Array:
-    """Results of contact so far, which it writes over, with those of a further part in lanes."""
-    total[:, ADDED] += part[:, ADDED]
-    total[:, EARLIEST] = np.fmin(total[:, EARLIEST], part[:, EARLIEST])
-    total[:, LARGEST] = np.maximum(total[:, LARGEST], part[:, LARGEST])
-    total[:, LAST] = part[:, LAST]
-    higher = np.flatnonzero(part[:, to.PEAK] > total[:, to.PEAK] * (1.0 + 1e-12))[:, None]
-    total[higher, AT_PEAK] = part[higher, AT_PEAK]
-    passed = np.isfinite(part[:, to.T_OVERTURN])
-    total[passed, to.T_OVERTURN] = part[passed, to.T_OVERTURN]
-    farther = np.abs(part[:, to.SLIDE_PEAK]) > np.abs(total[:, to.SLIDE_PEAK])
-    total[farther, to.SLIDE_PEAK] = part[farther, to.SLIDE_PEAK]
-    return total

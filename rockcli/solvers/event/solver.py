@@ -85,10 +85,10 @@ def _on_two_edges(batch: Batch) -> Response:
         march = kernels.load(compile_them=True)
         run, opened = attempt()  # by the same kernels, so that no case depends on those it is solved with
 
-    judgement = None
+    judgement, leaves = None, _surely_leave(batch, run)
     if batch.save.scalars & CERTAINTY:
-        judgement = _judged(march, batch, parameters, level, run, _surely_leave(batch, run), in_lanes=in_lanes)
-    scalars, reasons = scalars_of(batch, run)
+        judgement = _judged(march, batch, parameters, level, run, leaves, in_lanes=in_lanes)
+    scalars, reasons = scalars_of(batch, run, leaves)
     if judgement is not None:
         judgement.enter(scalars, reasons)
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
@@ -155,7 +155,8 @@ def _surely_leave(batch: Batch, run: Raw) -> Mask:
     if not np.isfinite(batch.block.mu).any():
         return np.zeros(batch.size, dtype=bool)
     needs, least = friction_and_normal(batch, run.out)
-    return leaves_rocking(batch, np.where(batch.block.rise == 0.0, needs, np.nan), least)
+    leaves = leaves_rocking(batch, np.where(batch.block.rise == 0.0, needs, np.nan), least)
+    return np.asarray(np.isfinite(batch.block.mu) & leaves)
 
 
 def _estimated_seconds(batch: Batch, parameters: Array) -> float:

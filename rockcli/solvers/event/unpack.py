@@ -56,8 +56,10 @@ class Raw:
             getattr(self, name)[rows] = values
 
 
-def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
-    """Scalars by name and a sentence per case from the raw output."""
+def scalars_of(
+    batch: Batch, run: Raw, slides: NDArray[np.bool_] | bool = False
+) -> tuple[dict[str, NDArray[Any]], list[str]]:
+    """Scalars by name and a sentence per case from the raw output; none where `slides` has another solver answer."""
     out = run.out
     status, verdict = out[:, to.STATUS], out[:, to.VERDICT]
     found = Found(
@@ -105,7 +107,7 @@ def scalars_of(batch: Batch, run: Raw) -> tuple[dict[str, NDArray[Any]], list[st
         "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion
     }
     scalars |= {name: found.unless_failed(out[:, column]) for name, column in COLUMNS.items() if name not in scalars}
-    return scalars, sentences_of(batch, scalars, out)
+    return scalars, sentences_of(batch, scalars, out, slides)
 
 
 def _lossless(batch: Batch) -> NDArray[np.bool_]:
@@ -172,8 +174,17 @@ UNSOLVED = "which this model has no forces for"
 """Of a body that would slide."""
 
 
-def sentences_of(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array, unsolved: str = UNSOLVED) -> list[str]:
-    """A sentence a case; what friction or the ground cannot give is withdrawn from the scalars."""
+def sentences_of(
+    batch: Batch,
+    scalars: dict[str, NDArray[Any]],
+    out: Array,
+    elsewhere: NDArray[np.bool_] | bool = False,
+    unsolved: str = UNSOLVED,
+) -> list[str]:
+    """A sentence a case; what friction or the ground cannot give is withdrawn from the scalars.
+
+    `elsewhere`: solved cases that another solver answers, of which nothing is said, (n,).
+    """
     status = out[:, to.STATUS]
     reasons = [""] * batch.size
     outcome, mu = scalars["outcome"], batch.block.mu
@@ -184,7 +195,7 @@ def sentences_of(batch: Batch, scalars: dict[str, NDArray[Any]], out: Array, uns
     # with a mu the question is what the body does; without, it cannot slide, and lifting is a remark
     refused = (slides | (lifts & np.isfinite(mu))) & (outcome >= NO_UPLIFT)
     withdraw(scalars, refused)
-    for i in np.flatnonzero((outcome < 0) | slides | lifts):
+    for i in np.flatnonzero(((outcome < 0) | slides | lifts) & ~(elsewhere & (status == DONE))):
         said = []
         if status[i] != DONE:
             said.append(broke_off(status[i], out[i, to.N_STEPS], out[i, to.T_END]))

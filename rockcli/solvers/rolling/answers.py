@@ -72,7 +72,7 @@ def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[An
         "n_rhs": counts(out[:, to.N_STEPS]),
     }
     scalars |= {name: found.unless_failed(out[:, column]) for name, column in COLUMNS.items() if name not in scalars}
-    reasons = sentences_of(batch, scalars, out, UNSOLVED_ROLLING)
+    reasons = sentences_of(batch, scalars, out, unsolved=UNSOLVED_ROLLING)
     with np.errstate(invalid="ignore"):
         elsewhere = np.flatnonzero((np.abs(scalars["residual_tilt"]) > 0.0) & (scalars["outcome"] >= NO_UPLIFT))
     for i in elsewhere:
