@@ -24,7 +24,7 @@ COMPILING_ALWAYS = "compiling the kernels: 15 to 50 s in every run, as there is 
 
 ENTRIES = (
     "contact.march", "lanes.pulses.march", "column.automaton", "lanes.records.march", "rolling.march", "rigid.march",
-    "frame.march", "frame.newmark", "frame.elements",
+    "frame.march", "frame.newmark", "frame.elements", "lanes.records.layout",
 )  # fmt: skip
 """Modules with functions that Python calls, those first that take long to compile."""
 
@@ -52,10 +52,16 @@ def load(name: str = "rigid.march", *, compile_them: bool) -> ModuleType:
     return importlib.import_module(f"{__name__}.{name}")
 
 
+def compiled_ahead() -> bool:
+    """Whether kernels that are loaded compiled are there already, so that nobody waits for a compiler."""
+    word = os.environ.get("ROCK_KERNELS", "")
+    return word not in ("interpreted", "jit") and importlib.import_module(f"{__name__}.ahead").objects() is not None
+
+
 def _way(word: str) -> str:
     """How kernels are to be compiled that ROCK_KERNELS says this of."""
     jit = importlib.import_module(f"{__name__}.jit")
-    there = word != "jit" and jit.ahead.objects() is not None
+    there = compiled_ahead()
     if word == "ahead" and not there:
         raise ImportError(
             "ROCK_KERNELS is ahead, and no kernels of this version were compiled ahead of time for "

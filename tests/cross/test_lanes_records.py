@@ -17,7 +17,7 @@ from rockcli.scene.excitation import Excitation, Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
-from rockcli.solvers.event.record_lanes import velocity_of
+from rockcli.solvers.event.record_lanes import FEW, _grazed, laid_out
 from rockcli.solvers.event.solver import solve
 
 OWN = Path(__file__).resolve().parents[2] / "records"
@@ -134,7 +134,7 @@ def test_a_fall_is_known_before_it_ends(law):
 
 def test_bounds_of_the_velocity_to_come():
     values, dt = np.random.default_rng(5).normal(size=60), 0.02
-    velocity = velocity_of(values, dt)
+    velocity = laid_out([Samples(values, dt, np.empty(0))], 64, path=False).velocity
     t = np.linspace(0.0, 59 * dt, 59 * 400 + 1)
     a = np.interp(t, np.arange(60) * dt, values)
     dense = np.concatenate([[0.0], np.cumsum(0.5 * (a[1:] + a[:-1]) * np.diff(t))])
@@ -143,6 +143,40 @@ def test_bounds_of_the_velocity_to_come():
         assert velocity[k, 0] == pytest.approx(later[0], abs=1e-12)
         assert later.max() <= velocity[k, 1] <= later.max() + 1e-6
         assert later.min() - 1e-6 <= velocity[k, 2] <= later.min()
+
+
+def test_motions_are_laid_out_one_after_the_other():
+    rng = np.random.default_rng(6)
+    motions = [Samples(rng.normal(size=n), 0.01 * n, np.empty(0)) for n in (60, 63, 200)]
+    ground = laid_out(motions, 64, path=True)
+    assert len(ground.velocity) == 0
+    assert ground.spans[:, 0].tolist() == [0, 64, 192]  # 63 samples and two of zeros need another block
+    for motion, (first, last, dt) in zip(motions, ground.spans, strict=True):
+        first, last = int(first), int(last)
+        assert (last - first + 1, dt) == (len(motion.values), motion.dt)
+        np.testing.assert_array_equal(ground.values[first : last + 1], motion.values)
+        np.testing.assert_array_equal(ground.values[last + 1 : last + 3], 0.0)
+        np.testing.assert_allclose(ground.slopes[first:last], np.diff(motion.values) / dt, rtol=1e-15)
+        assert ground.slopes[last] == 0.0
+        assert ground.tail[first : last + 1].tolist() == [
+            max(map(abs, motion.values[k:])) for k in range(last - first + 1)
+        ]
+    assert ground.blocks.tolist() == [
+        max(map(abs, ground.values[k : k + 64])) for k in range(0, len(ground.values), 64)
+    ]
+
+
+@pytest.mark.parametrize("times", [1, 100])
+def test_samples_that_graze_a_threshold(times):
+    """Alike whether thresholds are looked at one by one or by the order of the samples."""
+    values = np.random.default_rng(7).normal(size=500)
+    near = np.abs(values[3]) * (1.0 + np.array([0.0, 0.5e-9, -0.5e-9, 3e-9, -3e-9]))
+    guard = np.tile([*near, 2.0 * np.abs(values).max(), np.inf], times)
+    layout = kernels.load("lanes.records.layout", compile_them=True)
+    assert (len(guard) > FEW) == (times > 1)
+    expected = [True, True, True, False, False, False, False]
+    with np.errstate(invalid="ignore"):
+        np.testing.assert_array_equal(_grazed(layout, values, guard), np.tile(expected, times))
 
 
 def test_at_the_threshold():

@@ -10,6 +10,7 @@ import pytest
 from rockcli.engine import cost, preview
 from rockcli.engine.cost import known, memory, seconds_per_case
 from rockcli.engine.speed import slowness
+from rockcli.engine.sweep.sweep import outlook
 from rockcli.scene.batch import Batch
 from rockcli.study.open import open_study
 from rockcli.study.study import Study
@@ -53,6 +54,16 @@ def microseconds(feature: str, motion: str = "pulse") -> float:
 def test_a_case_with_one_feature_costs_what_the_feature_was_measured_to(feature: str, said: dict[str, Any]) -> None:
     found = seconds_per_case(batch(**said), "event")
     assert found == pytest.approx(microseconds(feature))
+
+
+def test_a_sweep_reckons_with_cases_all_over() -> None:
+    """A weak motion lifts no body, and its cases are a tenth as dear as those of the strongest."""
+    axis = {"vary": {"motion.record.pga": {"from": "0.02*g", "to": "2*g", "n": 150}}}
+    whole = study({"record": {"file": "synthetic_rock_m65.AT2", "pga": "0.5*g"}}, top=axis)
+    ((_, first),), ((_, every),) = whole.batches(np.zeros(1, dtype=np.int64)), whole.batches(np.arange(150))
+    estimate, _ = outlook(whole, whole.size)
+    assert estimate == pytest.approx(seconds_per_case(every, "event"), rel=0.05)
+    assert estimate > 3.0 * seconds_per_case(first, "event")
 
 
 def test_features_together_cost_more_than_each(tmp_path: Any) -> None:

@@ -109,6 +109,25 @@ def test_processes_start_when_what_is_left_is_worth_it() -> None:
     assert executors._worth(Chunks(2), Pace(90.0))  # minutes per case: not even the first here
 
 
+@pytest.mark.skipif(not executors.FORKS, reason="other processes take longer to start than most studies")
+def test_processes_start_at_once_where_nothing_is_to_be_compiled() -> None:
+    assert executors._worth(Chunks(10**6), Pace(1e-6, at_once=True))
+    assert not executors._worth(Chunks(10**5), Pace(1e-6, at_once=True))
+
+
+def test_no_chunk_is_too_small_to_be_worth_sending() -> None:
+    pace = Pace(1.0)
+    assert pace.step(60, 2) == 1  # nothing is known yet
+    pace.learn(1000, 0.1)
+    sizes, left = [], 100_000
+    while left:
+        sizes.append(min(pace.step(left, 2), left))
+        left -= sizes[-1]
+    assert max(sizes) == 10_000
+    assert min(sizes[:-1]) >= 75  # 7.5 ms
+    assert max(sizes[-2:]) < 300
+
+
 def test_a_worker_that_dies_costs_nothing(by, tmp_path: Path) -> None:
     by(worth=NEVER)
     whole = solved(study())

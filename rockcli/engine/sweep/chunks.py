@@ -21,6 +21,9 @@ FIRST, TARGET = 0.2, 1.0
 REST = 1.25
 """A chunk is up to so many times as large as it should be if it is the last then: few cases cost more each."""
 
+LEAST = 0.03
+"""Time of the chunks near the end, a fourth of it of the last [s]: one costs 3 ms beside its cases."""
+
 SHARES = 4
 """Chunks that are left for every worker near the end, so that none waits long for the last."""
 
@@ -154,9 +157,12 @@ class Pace:
     Args:
         estimate: seconds per case.
         most: cases in a chunk, whatever they take.
+        at_once: whether nothing is to be learned from a first chunk, nor to be compiled for it, so that more than one
+            process may begin.
     """
 
-    def __init__(self, estimate: float, most: int = CHUNK) -> None:
+    def __init__(self, estimate: float, most: int = CHUNK, *, at_once: bool = False) -> None:
+        self.at_once = at_once
         self.seconds_per_case = estimate
         self.most = most
         self.measured = 0
@@ -177,5 +183,9 @@ class Pace:
         if wanted < left <= min(REST * wanted, most):
             wanted = left
         if workers > 1:
-            wanted = min(wanted, -(-left // (SHARES * workers)))
+            share = float(-(-left // (SHARES * workers)))
+            if self.measured:
+                least = LEAST / self.seconds_per_case
+                share = max(share, min(least, -(-left // (2 * workers))), least / 4.0)
+            wanted = min(wanted, share)
         return max(int(wanted), 1)

@@ -12,12 +12,16 @@ from rockcli.engine.sweep.cluster import on_cluster
 from rockcli.engine.sweep.work import Team, Work, in_halves
 from rockcli.engine.sweep.workers import on_workers
 from rockcli.errors import MACHINE
+from rockcli.forks import FORKS
 from rockcli.study.study import Index
 
 T = TypeVar("T")
 
 WORTH = 0.4
 """Estimated time that is left above which processes are started [s]."""
+
+WORTH_AT_ONCE = 0.15
+"""Estimated time of all above which processes are forked before anything is solved here [s]: one takes 10 to 20 ms."""
 
 COSTLY = 2.0
 """Time of one case above which not even the first is tried in this process [s]."""
@@ -34,8 +38,8 @@ def usable_cores() -> int:
 def answers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
     """Yield (cases, answer) until nothing is left, in no particular order.
 
-    Processes are started only when what is left is worth it; the first chunks are solved here, which also compiles
-    what the others then have.
+    Processes are started only when what is left is worth it.  Unless kernels were compiled ahead of time the first
+    chunks are solved here, which also compiles what the others then have.
     """
     if team.dask is not None and chunks.left:
         yield from on_cluster(work, chunks, pace, team)
@@ -56,7 +60,7 @@ def answers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterator[t
 
 
 def _worth(chunks: Chunks, pace: Pace) -> bool:
-    if not pace.measured:
-        return pace.seconds_per_case > COSTLY
     left = chunks.left * pace.seconds_per_case
+    if not pace.measured:
+        return pace.seconds_per_case > COSTLY or (FORKS and pace.at_once and left > WORTH_AT_ONCE)
     return left > WORTH * (1.0 if pace.measured >= WARM else 20.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,9 @@ from rockcli.study.study import OF_RECORDS, Index, Study
 Progress = Callable[[int, int], None]
 
 CHUNK_WITH_HISTORIES = 100
+
+LOOKED_AT, BATCHES_LOOKED_AT = 64, 8
+"""Cases by which the cost of all is estimated, and batches of theirs that are built for it."""
 
 COMPILED_ABOVE = 2.0
 """Time in plain Python above which a study's kernels are compiled [s]."""
@@ -178,7 +182,8 @@ def solve_share(study: Study, sweep: Sweep) -> int:
 def _work_off_at_pace(study: Study, sweep: Sweep, results: Results | Tally, chunks: Chunks) -> None:
     estimate, compiled = outlook(study, study.size) if chunks.left else (1.0, False)
     most = cases_at_a_time(study, CHUNK_WITH_HISTORIES) if study.histories else CHUNK
-    work_off(study, sweep, results, chunks, Pace(estimate, most), compiled=compiled)
+    pace = Pace(estimate, most, at_once=compiled and kernels.compiled_ahead())
+    work_off(study, sweep, results, chunks, pace, compiled=compiled)
 
 
 def _by_record(study: Study) -> Turned | None:
@@ -260,16 +265,20 @@ def _of_share(n: int, k: int, shares: int) -> Spans:
 
 
 def outlook(study: Study, size: int) -> tuple[float, bool]:
-    """Seconds per case, estimated from the first, and whether kernels are to be compiled for so many of them."""
-    for _, batch in buildable(study.batches, np.zeros(1, dtype=np.int64)):
+    """Seconds per case, estimated from some all over the study, and whether kernels are to be compiled for so many."""
+    some = np.unique(np.linspace(0, study.size - 1, LOOKED_AT).astype(np.int64))
+    seconds = in_plain_python = 0.0
+    seen = 0
+    for part, batch in islice(buildable(study.suites, some), BATCHES_LOOKED_AT):
         try:
             backend = choose(batch).name
         except SolverError:
-            break
-        plain = backend == "event" and highest(batch).model not in DEFORMABLE
-        compiled = plain and seconds_in_plain_python(batch) * size > COMPILED_ABOVE
-        return seconds_per_case(batch, backend), compiled
-    return 1e-3, False
+            continue
+        if backend == "event" and highest(batch).model not in DEFORMABLE:
+            in_plain_python += seconds_in_plain_python(batch) * len(part)
+        seconds += seconds_per_case(batch, backend) * len(part)
+        seen += len(part)
+    return (seconds / seen, in_plain_python / seen * size > COMPILED_ABOVE) if seen else (1e-3, False)
 
 
 def _gather(answer: ChunkResult, part: Index, response: Response, said: dict[str, list[Index]]) -> None:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli import kernels
 from rockcli.kernels import handover as carry
 from rockcli.kernels.constants import LEFT_TO_MARCH
 from rockcli.kernels.rigid import parameters as at
@@ -65,11 +66,16 @@ FINEST_AGAIN = 1e-15
 GRAZING = 1e-9
 """A sample this near the uplift threshold, relative to it, may be part of a plateau on which rounding decides."""
 
-FEW = 24
+FEW = 100
 """Bodies up to which the samples that they graze are sought one by one: to order 6000 takes as long as for so many."""
 
-AT_ONCE = 1 << 20
-"""Samples of a suite laid out at a time, at least: 50 MB."""
+LAYOUT = "lanes.records.layout"
+
+AT_ONCE = 1 << 18
+"""Samples of a suite laid out at a time, at least: 12 MB, which memory near the processor holds."""
+
+HELD = 1 << 20
+"""Samples of the motions that stay laid out for many runs, at most: 25 MB."""
 
 
 def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
@@ -94,11 +100,11 @@ def grazed(batch: Batch, rows: Array) -> NDArray[np.bool_]:
             guard = rows[:, at.G] * rows[:, edge + at.THRESHOLD] / np.abs(rows[:, at.FACTOR_H])
         if not guards or (guard != guards[0]).any():
             guards.append(guard)
+    layout = kernels.load(LAYOUT, compile_them=bool(kernels.compiled))
     found = np.zeros(len(rows), dtype=bool)
     for record, cases in _by_record(batch, len(rows)):
-        sizes = np.abs(record.values)
         for guard in guards:
-            found[cases] |= _grazed(sizes, guard[cases])
+            found[cases] |= _grazed(layout, record.values, guard[cases])
     return found
 
 
@@ -108,12 +114,13 @@ def even(rows: Array) -> NDArray[np.bool_]:
     return np.asarray(np.all(left == right, axis=1))
 
 
-def _grazed(sizes: Array, guard: Array) -> NDArray[np.bool_]:
+def _grazed(layout: ModuleType, values: Array, guard: Array) -> NDArray[np.bool_]:
     """Whether one of these accelerations is as large as each guard, nearly, (n,)."""
     if len(guard) <= FEW:
-        most = (1.0 + 2.0 * GRAZING) * sizes.max()  # what lifts off under no sample at all is grazed by none
-        return np.array([one <= most and np.abs(sizes - one).min() <= GRAZING * one for one in guard], dtype=bool)
-    sizes = np.append(np.sort(sizes), np.inf)
+        found = np.empty(len(guard))
+        layout.graze(np.ascontiguousarray(values), np.ascontiguousarray(guard), GRAZING, found)
+        return found > 0.0
+    sizes = np.append(np.sort(np.abs(values)), np.inf)
     above = np.searchsorted(sizes[:-1], guard)
     near = np.minimum(sizes[above] - guard, guard - sizes[np.maximum(above - 1, 0)])
     return np.asarray(np.abs(near) <= GRAZING * guard)
@@ -241,14 +248,14 @@ class Laid(NamedTuple):
 
     @classmethod
     def of(cls, lanes: ModuleType, batch: Batch) -> Laid | None:
-        """The motions of a batch, with the path of a fall; None if they have more than AT_ONCE samples."""
+        """The motions of a batch, with the path of a fall; None if they have more than HELD samples."""
         motion = batch.excitation
         if motion.suite is None:
             assert isinstance(motion.horizontal, Samples)
             records, which = [motion.horizontal], np.zeros(batch.size, dtype=np.int64)
         else:
             records, which = list(motion.suite.records), motion.suite.which
-        if sum(len(record.values) for record in records) > AT_ONCE:
+        if sum(len(record.values) for record in records) > HELD:
             return None
         return cls(laid_out(records, lanes.BLOCK, path=True), which)
 
@@ -274,28 +281,9 @@ def laid_out(records: list[Samples], block: int, *, path: bool, falls: bool = Tr
     values, slopes, tail = (np.zeros(firsts[-1]) for _ in range(3))
     velocity = np.zeros((0 if path else firsts[-1] if falls else 1, 3))
     for record, first, length in zip(records, firsts[:-1].tolist(), lengths.tolist(), strict=True):
-        here, last = slice(first, first + length), first + length - 1
-        values[here] = record.values
-        slopes[first:last] = np.diff(record.values) / record.dt
-        tail[here] = np.maximum.accumulate(np.abs(record.values)[::-1])[::-1]
-        if falls and not path:
-            velocity[here] = velocity_of(record.values, record.dt)
+        values[first : first + length] = record.values
     spans = np.column_stack([firsts[:-1], firsts[:-1] + lengths - 1, [record.dt for record in records]])
-    blocks = np.abs(values).reshape(-1, block).max(axis=1)
-    return Ground(values, slopes, blocks, tail, velocity, spans.astype(np.float64))
-
-
-def velocity_of(values: Array, dt: float) -> Array:
-    """The ground's velocity at each sample, and its largest and least from that sample on, (n, 3) [m/s].
-
-    values (n,): a_g [m/s²], linear between samples, so that a velocity may be extreme inside one.  The bounds are
-    widened by far more than rounding.
-    """
-    now = np.concatenate([[0.0], np.cumsum(0.5 * dt * (values[1:] + values[:-1]))])
-    turns = np.append(values[1:] * values[:-1] < 0.0, False)
-    slope = np.append(np.diff(values) / dt, 0.0)
-    between = now - np.divide(0.5 * values**2, slope, out=np.zeros(len(values)), where=turns)
-    slack = 1e-9 * np.ptp(between)
-    most = np.maximum.accumulate(np.maximum(now, between)[::-1])[::-1] + slack
-    least = np.minimum.accumulate(np.minimum(now, between)[::-1])[::-1] - slack
-    return np.column_stack([now, most, least])
+    ground = Ground(values, slopes, np.zeros(len(values) // block), tail, velocity, spans.astype(np.float64))
+    layout = kernels.load(LAYOUT, compile_them=bool(kernels.compiled))
+    layout.lay_out(values, ground.spans, slopes, ground.blocks, tail, velocity)
+    return ground
