@@ -40,7 +40,7 @@ Progress = Callable[[int, int], None]
 
 CHUNK_WITH_HISTORIES = 100
 
-LOOKED_AT, BATCHES_LOOKED_AT = 64, 8
+ESTIMATED_BY, BATCHES_BUILT = 64, 8
 """Cases by which the cost of all is estimated, and batches of theirs that are built for it."""
 
 COMPILED_ABOVE = 2.0
@@ -266,10 +266,10 @@ def _of_share(n: int, k: int, shares: int) -> Spans:
 
 def outlook(study: Study, size: int) -> tuple[float, bool]:
     """Seconds per case, estimated from some all over the study, and whether kernels are to be compiled for so many."""
-    some = np.unique(np.linspace(0, study.size - 1, LOOKED_AT).astype(np.int64))
+    some = np.unique(np.linspace(0, study.size - 1, ESTIMATED_BY).astype(np.int64))
     seconds = in_plain_python = 0.0
     seen = 0
-    for part, batch in islice(buildable(study.suites, some), BATCHES_LOOKED_AT):
+    for part, batch in islice(buildable(study.suites, some), BATCHES_BUILT):
         try:
             backend = choose(batch).name
         except SolverError:
