@@ -93,7 +93,6 @@ def gives_way(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
     """
     sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
     shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
-    most = load(st, lane.MU_HELD + i)
     T, N, dT, dN = forces_of(
         fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight
     )
@@ -101,11 +100,18 @@ def gives_way(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
     T_1, N_1, dT_1, dN_1 = forces_of(
         fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, weight
     )
+    return may_give_way(st, i, d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1)
+
+
+@jit_lean
+def may_give_way(st, i, v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1):
+    """`gives_way` from rates, accelerations, forces and their derivatives at both ends of the steps."""
+    most = load(st, lane.MU_HELD + i)
     at_ends = (abs(T) <= most * N) & (abs(T_1) <= most * N_1)
     # in between a rate is of no account: infinite, none is larger
-    between = may_peak(d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, math.inf, 0.0 * N, most)
+    between = may_peak(v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, math.inf, 0.0 * N, most)
     doubt = ~at_ends | between
-    store(st, lane.WEAK + i, select(doubt, 1.0, 0.0 * h))
+    store(st, lane.WEAK + i, select(doubt, 1.0, 0.0 * T))
     return doubt
 
 
@@ -114,7 +120,7 @@ def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5
     """What WIDTH lanes have at the start of the steps they try, and what these may hide.
 
     s0, k0, s1, k1: sin q and cos q at the start and the end; area: integral of G over the fraction of the step; a, a1:
-    the ground and its change over the step; pitch: the same a second.
+    the ground and its change over the step; pitch: the same a second.  Returns what `may_give_way` needs.
     """
     sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
     shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
@@ -138,6 +144,7 @@ def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5
     store(st, lane.Q_BEFORE + i, q)
     store(st, lane.A_0 + i, a)
     store(st, lane.A_1 + i, pitch)
+    return d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1
 
 
 @jit_lean

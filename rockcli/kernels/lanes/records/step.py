@@ -9,7 +9,7 @@ import math
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
-from rockcli.kernels.lanes.records.forces import gives_way, weigh
+from rockcli.kernels.lanes.records.forces import gives_way, may_give_way, weigh
 from rockcli.kernels.lanes.records.sines import sin_cos
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.fused import bits, fma, gather
@@ -63,8 +63,10 @@ def advance(st, i, values, slopes, watch, hold):
         sines = s0 + (I2 * s1 + (I3 * s2 + (I4 * s3 + (I5 * s4 + (I6 * s5 + I7 * s6)))))
         cosines = k0 + (I2 * k1 + (I3 * k2 + (I4 * k3 + (I5 * k4 + (I6 * k5 + I7 * k6)))))
         area = fma(load(st, lane.FORCING_C + i), sines, load(st, lane.FORCING_S + i) * (1.0 - cosines))
-        weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8)
-    if hold:
+        both = weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8)
+        if hold:
+            weak = may_give_way(st, i, *both)
+    elif hold:
         weak = gives_way(st, i, s0, k0, s_end, k_end, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8)
     return settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7, d8)
 
