@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import NO_ROOT
+from rockcli.kernels.constants import NO_ROOT, SAME
 from rockcli.kernels.contact import flows
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
@@ -174,7 +174,7 @@ def note_rocking(par, mode, foot, step, looks, w, out):
         out[to.N_MIN] = min(out[to.N_MIN], found[2] / par[at.G])
     slip = w[row.SLIP]
     slid = within_reach(slip, step.slip_order, x) * x if mode == SLIDE_ROCK else 0.0
-    if abs(foot.place) + slid + par[at.TOP] * math.sin(min(step.reach, 0.5 * math.pi)) <= out[to.TOP_PEAK]:
+    if abs(foot.place) + slid + par[at.TOP] * min(step.reach, 1.0) <= out[to.TOP_PEAK]:  # sin(q) is less than q
         return
     # the top: slide + top sin(theta)
     alpha, sin_b, cos_b = par[edge_under(foot.s) + at.ALPHA], w[row.SIN_B], w[row.COS_B]
@@ -190,7 +190,7 @@ def note_rocking(par, mode, foot, step, looks, w, out):
 @jit_lean
 def note_passage(alpha, step, t, w, out):
     """When the body last passes its unstable equilibrium outwards."""
-    if value(w[row.Q], step.order, step.x) >= alpha or step.reach >= alpha:
+    if step.reach * SAME >= alpha:  # else it stays below
         passed = last_passage(w[row.Q], step.order, alpha, step.x, LOOKS)
         if passed != NO_ROOT:
             out[to.T_OVERTURN] = t + passed
