@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scenes import G, block, make_batch, record
 
+from rockcli import kernels
 from rockcli.kernels.contact import results as to
 from rockcli.motion.reading import read_record
 from rockcli.scene.excitation import Excitation, Suite
@@ -15,6 +16,7 @@ from rockcli.scene.variables import SCALARS
 from rockcli.solvers.contact import solver as contact_solver
 from rockcli.solvers.contact import turns
 from rockcli.solvers.contact.run import run
+from rockcli.solvers.event import record_lanes
 from rockcli.solvers.event.solver import solve
 
 NAMES = frozenset(
@@ -121,7 +123,7 @@ def test_the_work_of_every_part_of_a_path_is_in_the_balance():
 
 
 @pytest.mark.parametrize("names", [NAMES, frozenset(SCALARS)], ids=["few", "every"])
-def test_bodies_of_many_records_slide_as_under_each(names):
+def test_bodies_of_many_records_slide_as_under_each(names, monkeypatch):
     motions = [read_record(f"records/synthetic_{name}.AT2") for name in ("soil_m70", "rock_m65")]
     records = tuple(record(motion.acceleration(G), motion.dt).horizontal for motion in motions)
     one = asked(scene("synthetic_soil_m70", n=40), names)
@@ -135,6 +137,28 @@ def test_bodies_of_many_records_slide_as_under_each(names):
         assert (apart["slide_peak"] > 0.0).mean() > 0.2
         for name in names & apart.keys() - {"wall_time"}:
             np.testing.assert_array_equal(found[name][rows], apart[name], err_msg=name)
+    monkeypatch.setattr(record_lanes, "HELD", 1)  # too many to be laid out for all turns
+    assert record_lanes.Laid.of(kernels.load("lanes.records.march", compile_them=True), together) is None
+    again = solve(together).scalars
+    for name in names & again.keys() - {"wall_time"}:
+        np.testing.assert_array_equal(again[name], found[name], err_msg=name)
+
+
+def test_a_body_without_friction_is_judged_as_it_is_where_others_have_some():
+    batch = asked(scene("synthetic_soil_m70", n=40), SCALARS)
+    free = np.arange(40) % 2 == 0
+    fast = np.where(free, -3.0 * np.sqrt(G / batch.block.R[:, 0]), 0.0)  # lifts off at once
+    batch = dataclasses.replace(batch, theta_0=np.where(free, 0.5 * batch.block.alpha[:, 0], 0.0), theta_dot_0=fast)
+
+    def solved_with(mu):
+        return solve(dataclasses.replace(batch, block=dataclasses.replace(batch.block, mu=mu))).scalars
+
+    nothing = np.full(40, np.nan)
+    mixed, without = solved_with(np.where(free, np.nan, batch.block.mu)), solved_with(nothing)
+    assert (without["N_min_over_mg"][free] <= 0.0).all()
+    assert np.isfinite(without["error_estimate"][free]).any()
+    for name in ("outcome", "theta_peak", "error_estimate", "overturn_share"):
+        np.testing.assert_array_equal(mixed[name][free], without[name][free], err_msg=name)
 
 
 @pytest.mark.parametrize("name", ["pulse_m70", "soil_m70", "rock_m65"])

@@ -171,7 +171,8 @@ def run(
     if starts is None:
         starts = np.empty((len(rows), 0))
     table = np.empty((0, 0)) if bodies is None else bodies
-    alike = even(rows) if bodies is None else np.zeros(len(rows), dtype=bool)
+    # those that friction holds have two equal edges
+    alike = np.full(len(rows), holds) if holds or bodies is not None else even(rows)
     for ground, theirs in _grounds(lanes, batch, len(rows), cases, path=path, falls=bodies is None, laid=laid):
         if holds:  # those at one place of a motion together: they read the same samples
             theirs = [some[np.argsort(starts[some, carry.T], kind="stable")] for some in theirs]
