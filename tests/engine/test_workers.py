@@ -96,6 +96,7 @@ def test_a_small_rest_goes_with_the_last_chunk() -> None:
     pace = Pace(1e-3, most=220)  # 200 cases in the first chunk
     assert [pace.step(left) for left in (150, 200, 201, 220, 221, 249)] == [200, 200, 201, 220, 200, 200]
     assert [Pace(1e-3).step(left) for left in (250, 251)] == [250, 200]
+    assert Pace(1e-3, at_once=True).step(5000) == 1000  # nothing to be learned from a smaller first one
     assert pace.step(220, workers=2) < 200  # where others would wait for it
 
 

@@ -16,7 +16,7 @@ CHUNK = 16384
 """Cases solved at a time, at most: what is known of four times as many no longer fits the caches (a twelfth slower)."""
 
 FIRST, TARGET = 0.2, 1.0
-"""Time that the first chunk and the others are meant to take [s]."""
+"""Time that the first chunk, where something is to be learned from it, and the others are meant to take [s]."""
 
 REST = 1.25
 """A chunk is up to so many times as large as it should be if it is the last then: few cases cost more each."""
@@ -177,7 +177,7 @@ class Pace:
 
     def step(self, left: int, workers: int = 1, chunks: int = 1) -> int:
         """Cases of the next chunk, or of so many at once."""
-        target = TARGET if self.measured else FIRST
+        target = TARGET if self.measured or self.at_once else FIRST
         most = self.most * chunks
         wanted = min(target / self.seconds_per_case, most)
         if wanted < left <= min(REST * wanted, most):

@@ -260,7 +260,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
         counted = t < t_stop or not lasts
         looks = 1 if ahead.degree == 1 and t < par[at.T_MOTION] else LOOKS
         if how.balance:
-            balance += work(par, mode, foot, step, n, ahead.degree, w)
+            balance += work(par, mode, foot, step, n, ahead.degree, ahead.level, w)
         if mode in (ROCK, SLIDE_ROCK):
             note_passage(par[edge_under(foot.s) + at.ALPHA], step, t, w, out)
             if counted:

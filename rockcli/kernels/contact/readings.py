@@ -54,10 +54,10 @@ def work_of(force, d, rate, n, x):
 
 
 @jit_lean
-def work(par, mode, foot, step, n, d, w):
+def work(par, mode, foot, step, n, d, level, w):
     """Work of the ground motion and of friction on a step over m, of -a_g x' - a_v z' + T v_t [J/kg].
 
-    Of forces times velocities, so that the balance of energy judges the flow.
+    Of forces times velocities, so that the balance of energy judges the flow.  d, level: of the ground, as in `Ahead`.
     """
     if mode == REST or step.x == 0.0:
         return 0.0
@@ -71,11 +71,26 @@ def work(par, mode, foot, step, n, d, w):
         return lifted - work_of(W, d, rise, n - 1, x) - work_of(a, d, slip, n, x)
     if mode == SLIDE:
         return -work_of(a, d, slip, step.slip_order, x) - grip * work_of(W, d, slip, step.slip_order, x)
-    turned = work_turning(par, foot, step, d, w)
+    shaken = work_of_line(par, mode, foot, step, w) if level and d == 1 else work_turning(par, foot, step, d, w)
     if mode == ROCK:
-        return turned
-    rubbed = work_of(w[row.NORMAL], step.order - 2, slip, step.slip_order, x)
-    return turned - work_of(a, d, slip, step.slip_order, x) - grip * rubbed
+        return shaken
+    if not (level and d == 1):
+        shaken -= work_of(a, d, slip, step.slip_order, x)
+    return shaken - grip * work_of(w[row.NORMAL], step.order - 2, slip, step.slip_order, x)
+
+
+@jit_lean
+def work_of_line(par, mode, foot, step, w):
+    """Work of a level ground's a_g that is a straight line, as in records: x' is the slip less s R sin(beta)'."""
+    a, lean, slip, x = w[row.A_G], w[row.LEAN], w[row.SLIP], step.x
+    lever, slides = foot.s * par[edge_under(foot.s) + at.RADIUS], mode == SLIDE_ROCK
+    total, power, before = 0.0, x, 0.0
+    for k in range(step.order):
+        back = lever * lean[k] - slip[k] if slides else lever * lean[k]
+        total += (a[0] * back + a[1] * before) * power / (k + 1)
+        power *= x
+        before = back
+    return total + a[1] * before * power / (step.order + 1)
 
 
 @jit_lean
@@ -164,9 +179,12 @@ def note_rotation(foot, step, t, looks, w, out):
 def note_rocking(par, mode, foot, step, looks, w, out):
     """Extremes of a step on one edge: rate of the rotation, the normal force, the top; where they may be larger yet."""
     c, N, guard, found, m, x = w[row.Q], w[row.NORMAL], w[row.GUARD], w[row.FOUND], step.order, step.x
-    for k in range(m):
-        guard[k] = (k + 1) * c[k + 1]
-    if within_reach(guard, m - 1, x) > out[to.RATE_PEAK]:
+    fastest = 0.0
+    for k in range(m, 0, -1):
+        fastest = fastest * x + k * abs(c[k])
+    if fastest > out[to.RATE_PEAK]:
+        for k in range(m):
+            guard[k] = (k + 1) * c[k + 1]
         extremes(guard, m - 1, x, looks, found)
         out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(found[0]), abs(found[2]))
     if N[0] + abs(N[0]) - within_reach(N, m - 2, x) < out[to.N_MIN] * par[at.G]:
