@@ -78,7 +78,7 @@ def by_turns(batch: Batch, rows: Array, level: Accuracy) -> tuple[Array, Mask, R
         starts[late] = begun
     slipping = batch.rows(stopped)
     laid = Laid.of(lanes, slipping)
-    raw = _followed(slipping, rows[stopped], level, found[stopped], starts[stopped], laid)
+    raw = _followed(slipping, rows[stopped], level, found[stopped], np.arange(len(stopped)), starts[stopped], laid)
     slips = ~only_rocks(raw.out)
     slides[stopped[slips]] = True
     found[stopped[slips], in_lanes.STATUS] = DONE  # as far as it goes
@@ -98,8 +98,9 @@ def solved(batch: Batch, level: Accuracy) -> Raw:
     some, taking = (batch, rows) if turns.all() else (batch.rows(np.flatnonzero(turns)), rows[turns])
     starts = _held(some)
     laid = Laid.of(lanes, some)
-    found = record_lanes.run(lanes, some, taking, how, starts, path=True, laid=laid)
-    raw = _followed(some, taking, level, found, starts, laid)
+    on, starts = _in_order(np.arange(some.size), starts, laid)
+    found = record_lanes.run(lanes, some, taking[on], how, starts, cases=on, path=True, laid=laid)
+    raw = _followed(some, taking, level, found, on, starts, laid)
     if turns.all():
         return raw
     both, others = Raw(batch.size, 0, 0), np.flatnonzero(~turns)
@@ -129,16 +130,27 @@ def _lanes_of(batch: Batch, level: Accuracy) -> tuple[ModuleType, Any]:
     return lanes, settings_of(lanes, batch, level, int(detail))
 
 
-def _followed(batch: Batch, rows: Array, level: Accuracy, then: Array, starts: Array, laid: Laid | None) -> Raw:
-    """Raw results of contact of bodies that lanes have taken as far as `then` says, those that stopped to `starts`.
+def _in_order(on: NDArray[np.int64], starts: Array, laid: Laid | None) -> tuple[NDArray[np.int64], Array]:
+    """Cases and where they start, as lanes had better take them."""
+    if laid is None:
+        return on, starts
+    order = laid.order(on, starts)
+    return on[order], starts[order]
 
-    A body of which lanes do not know the end begins anew, with the kernel of contact alone.
+
+def _followed(
+    batch: Batch, rows: Array, level: Accuracy, then: Array, on: NDArray[np.int64], begun: Array, laid: Laid | None
+) -> Raw:
+    """Raw results of contact of bodies that lanes have taken as far as `then` says, those that stopped to `begun`.
+
+    `on`: the cases of these rows, in whatever order.  A body of which lanes do not know the end begins anew, with the
+    kernel of contact alone.
     """
     lanes, how = _lanes_of(batch, level)
     raw, pars = Raw(batch.size, 0, 0), parameters_of(batch)
     raw.out[:] = _NOTHING_YET
     whole = np.zeros(batch.size, dtype=bool)
-    on, begun, turn = np.arange(batch.size), starts, 0
+    turn = 0
     while len(on):
         verdict, stopped = then[:, in_lanes.VERDICT], then[:, in_lanes.STATUS] == GIVES_WAY
         known = stopped | (then[:, in_lanes.STATUS] == DONE) & ((verdict == RETURNS) | (verdict == FALLS))
@@ -149,7 +161,8 @@ def _followed(batch: Batch, rows: Array, level: Accuracy, then: Array, starts: A
         march(batch, pars[on], level, some, begun, cases=on, hands_back=turn < MOST_TURNS, parts=then, laid=laid)
         raw.put(on, some)
         holds = some.out[:, to.STATUS] == HOLDS
-        on, begun, turn = on[holds], begun[holds], turn + 1
+        on, begun = _in_order(on[holds], begun[holds], laid)
+        turn += 1
         then = record_lanes.run(lanes, batch, rows[on], how, begun, cases=on, path=True, laid=laid)
     left = np.flatnonzero(whole)
     if len(left):

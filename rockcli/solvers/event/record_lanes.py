@@ -160,20 +160,29 @@ def run(
         path: follow a fall to its end whatever is asked.
         bodies: table of bodies that roll, `kernels.rolling.parameters`; then the rows and the results are longer:
             `kernels.lanes.records.facets`, `kernels.rolling.results`.
-        laid: the motions, if they are laid out for more runs than this; with the path of a fall.
+        laid: the motions, if they are laid out for more runs than this, with the path of a fall; then the bodies, which
+            have `starts`, are taken in the order in which they stand.
     """
     width = to.N_OUT if bodies is None else results_of_rolling.N_OUT
     if not len(rows):
         return np.empty((0, width))
     path = path or how.detail == lanes.ALL or bool(batch.save.scalars & PATH)
     found = np.zeros((len(rows), width))
+    if laid is not None:
+        _, spans = laid.motions(cases)
+        lanes.march_lanes(
+            rows, np.empty((0, 0)), how, *laid.ground[:-1], spans, False, True, starts, lanes.work_space(), found
+        )
+        found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
+        return found
     holds = starts is not None
     if starts is None:
         starts = np.empty((len(rows), 0))
     table = np.empty((0, 0)) if bodies is None else bodies
     # those that friction holds have two equal edges
     alike = np.full(len(rows), holds) if holds or bodies is not None else even(rows)
-    for ground, theirs in _grounds(lanes, batch, len(rows), cases, path=path, falls=bodies is None, laid=laid):
+    for records, theirs in _some_at_a_time(_by_record(batch, len(rows), cases)):
+        ground = laid_out(records, lanes.BLOCK, path=path, falls=bodies is None)
         if holds:  # those at one place of a motion together: they read the same samples
             theirs = [some[np.argsort(starts[some, carry.T], kind="stable")] for some in theirs]
         spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
@@ -192,24 +201,6 @@ def run(
             found[places], starts[places] = out, begin
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
-
-
-def _grounds(
-    lanes: ModuleType,
-    batch: Batch,
-    n: int,
-    cases: NDArray[np.int64] | None,
-    *,
-    path: bool,
-    falls: bool,
-    laid: Laid | None,
-) -> Iterator[tuple[Ground, list[NDArray[np.int64]]]]:
-    """Motions laid out, as many as are at a time, and the places of the n cases under each."""
-    if laid is not None:
-        yield laid.ground, laid.cases(cases)
-        return
-    for records, theirs in _some_at_a_time(_by_record(batch, n, cases)):
-        yield laid_out(records, lanes.BLOCK, path=path, falls=falls), theirs
 
 
 def _some_at_a_time(
@@ -260,11 +251,12 @@ class Laid(NamedTuple):
             return None
         return cls(laid_out(records, lanes.BLOCK, path=True), which)
 
-    def cases(self, some: NDArray[np.int64] | None) -> list[NDArray[np.int64]]:
-        """Places of some cases, all without `some`, among these, motion by motion."""
-        which = self.which if some is None else self.which[some]
-        counts = np.bincount(which, minlength=len(self.ground.spans))
-        return np.split(np.argsort(which, kind="stable"), np.cumsum(counts)[:-1])
+    def order(self, some: NDArray[np.int64], starts: Array) -> NDArray[np.int64]:
+        """Places of some cases among these such that those at one place of a motion are together.
+
+        They read the same samples.
+        """
+        return np.lexsort((starts[:, carry.T], self.which[some]))
 
     def motions(self, some: NDArray[np.int64] | None) -> tuple[Array, Array]:
         """Values of all motions in a row, (1, k), and where that of each of some cases is, (n, 3) as `Ground.spans`."""
