@@ -6,7 +6,9 @@ Records of 4000 to 8000 samples at .005 s, made here, in AT2 files; 490 of them 
 order, and 3000 under one, with outcome and peak and with the scalars saved by default.  `reading` is the processor
 time of reading the files alone, the floor of what a run that reads them can take.  The least of the rounds counts.
 Writes results/many_records.csv.  With the FOLDER of another build, which holds its package `rockcli` with objects of its
-kernels, the two builds run the studies in turn with outcome and peak: results/many_records_paired.csv.
+kernels, the two builds run the studies in turn with outcome and peak: results/many_records_paired.csv.  Python has
+compiled the modules of either before, as it has on a user's machine; where PYTHONDONTWRITEBYTECODE is set it would compile
+all of them in every command, half a second.
 """
 
 from __future__ import annotations
@@ -28,11 +30,13 @@ from rockcli.motion.reading import read_record
 
 HERE = Path(__file__).resolve().parent
 HEADINGS = (
-    "study", "saved", "cases", "wall [s]", "CPU [s]", "cases/s", "reading [CPU s]", "workers", "measured", "machine",
+    "study", "saved", "cases", "wall [s]", "CPU [s]", "cases/s", "reading [CPU s]", "workers", "load before", "measured",
+    "machine",
 )  # fmt: skip
 
 PAIRED = (
-    "study", "saved", "before [CPU s]", "after [CPU s]", "ratio", "workers", "rounds", "measured", "machine",
+    "study", "saved", "before [CPU s]", "after [CPU s]", "ratio", "before, wall [s]", "after, wall [s]", "ratio, wall",
+    "cases/s", "workers", "rounds", "load before", "measured", "machine",
 )  # fmt: skip
 
 RECORDS, FEWER = 3000, 490
@@ -91,6 +95,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--before", type=Path)
     options = parser.parse_args()
+    load = f"{os.getloadavg()[0]:.1f}"
     rows, pairs = [], []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -113,11 +118,12 @@ def main() -> None:
                 if options.before is not None:
                     if saved == next(iter(SAVED)):
                         builds = (options.before, HERE.parent)
-                        turns = [
-                            [measured(study, options.workers, b)[1] for b in builds] for _ in range(options.rounds)
-                        ]
-                        old, new = (min(turn[which] for turn in turns) for which in range(2))
-                        pairs.append([title, saved, f"{old:.2f}", f"{new:.2f}", f"{new / old:.2f}", options.workers])
+                        turns = [[measured(study, options.workers, b) for b in builds] for _ in range(options.rounds)]
+                        row = [title, saved]
+                        for kind in (1, 0):
+                            old, new = (min(turn[which][kind] for turn in turns) for which in range(2))
+                            row += [f"{old:.2f}", f"{new:.2f}", f"{new / old:.2f}"]
+                        pairs.append([*row, f"{cases / new:.0f}", options.workers])
                         print(*pairs[-1], sep="  ", flush=True)
                     continue
                 runs = [measured(study, options.workers) for _ in range(options.rounds)]
@@ -128,12 +134,12 @@ def main() -> None:
         with (HERE / "results" / "many_records_paired.csv").open("w", newline="", encoding="utf-8") as file:
             table = csv.writer(file, lineterminator="\n")
             table.writerow(PAIRED)
-            table.writerows([*row, options.rounds, date.today().isoformat(), machine()] for row in pairs)
+            table.writerows([*row, options.rounds, load, date.today().isoformat(), machine()] for row in pairs)
         return
     with (HERE / "results" / "many_records.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(HEADINGS)
-        table.writerows([*row, options.workers, date.today().isoformat(), machine()] for row in rows)
+        table.writerows([*row, options.workers, load, date.today().isoformat(), machine()] for row in rows)
 
 
 if __name__ == "__main__":

@@ -20,10 +20,8 @@ DIGITS = 15
 """A number of so many digits is one, too."""
 
 _BLANK, _SIGN, _DIGIT, _OTHER = 0, 1, 2, 3
-_KIND = np.full(256, _OTHER, dtype=np.uint8)
-_KIND[ord(" ")] = _BLANK
-_KIND[[ord("+"), ord("-")]] = _SIGN
-_KIND[[ord(digit) for digit in "0123456789"]] = _DIGIT
+_KINDS = dict.fromkeys(b" ", _BLANK) | dict.fromkeys(b"+-", _SIGN) | dict.fromkeys(b"0123456789", _DIGIT)
+_KIND = bytes(_KINDS.get(character, _OTHER) for character in range(256))
 
 
 def numbers_in_columns(text: bytes) -> Array | None:
@@ -65,11 +63,13 @@ def _parsed(cells: NDArray[np.uint8]) -> Array | None:
     if not 0 <= point < letter < len(first) - 2:
         return None
     behind, last = slice(point + 1, letter), slice(letter + 2, len(first))
-    before, fraction, power = _KIND[cells[:point]], cells[behind] - _ZERO, cells[last] - _ZERO
+    before = np.frombuffer(cells[:point].tobytes().translate(_KIND), dtype=np.uint8).reshape(point, cells.shape[1])
+    fraction, power, sign = cells[behind] - _ZERO, cells[last] - _ZERO, cells[letter + 1]
+    down = sign == ord("-")
     if (
         (cells[point] != ord(".")).any()
         or (cells[letter] | 32 != ord("e")).any()
-        or (_KIND[cells[letter + 1]] != _SIGN).any()
+        or not (down | (sign == ord("+"))).all()
         or letter - point == 1
         or letter - 1 > DIGITS
         or max(fraction.max(), power.max()) > 9  # characters before 0 are large here
@@ -80,7 +80,7 @@ def _parsed(cells: NDArray[np.uint8]) -> Array | None:
         return None
     whole = np.where(before == _DIGIT, cells[:point] - _ZERO, 0)
     mantissa = _said(np.concatenate([whole, fraction]))
-    exponent = np.where(cells[letter + 1] == ord("-"), -1.0, 1.0) * _said(power) - len(fraction)
+    exponent = np.where(down, -1.0, 1.0) * _said(power) - len(fraction)
     if (np.abs(exponent) > EXACT).any():
         return None
     ten = _POWERS[np.abs(exponent).astype(np.int64)]
@@ -89,8 +89,11 @@ def _parsed(cells: NDArray[np.uint8]) -> Array | None:
 
 
 def _said(digits: NDArray[np.uint8]) -> Array:
-    """Whole numbers of digits, (n, k): (k,)."""
-    return np.asarray(_POWERS[len(digits) - 1 :: -1] @ digits.astype(np.float64))
+    """Whole numbers of digits, (n, k): (k,).  Two digits are a number below a hundred before they are doubles."""
+    if len(digits) % 2:
+        digits = np.concatenate([np.zeros_like(digits[:1]), digits])
+    pairs = digits[::2] * np.uint8(10) + digits[1::2]
+    return np.asarray(_POWERS[2 * len(pairs) - 2 :: -2] @ pairs.astype(np.float64))
 
 
 _ZERO = np.uint8(48)
