@@ -156,9 +156,9 @@ PAIR = {RECORD: {"record": {"file": [FILES[0], FILES[0]], "angle": 0, "scale": 1
 FEATURES = [
     Feature("plain block: outcome, peak and impacts"),
     Feature("outcome alone", save=saved("outcome")),
-    Feature("every scalar and the certainty (default)", save={"histories": False}, why="forces and the path of a fall are told by the single-body solver under pulses, and each case is solved twice"),
-    Feature("forces", save=saved("outcome", "mu_required", "N_min_over_mg"), why="forces under pulses: one body at a time"),
-    Feature("time of overturning", save=saved("outcome", "t_overturn"), why="the lanes of pulses stop where the outcome is known: one body at a time"),
+    Feature("every scalar and the certainty (default)", save={"histories": False}),
+    Feature("forces", save=saved("outcome", "mu_required", "N_min_over_mg")),
+    Feature("time of overturning", save=saved("outcome", "t_overturn")),
     Feature(
         "histories", save={"histories": True, "scalars": ["outcome"]},
         why="some 2000 to 10 000 output times of eight variables a case are interpolated and kept",
@@ -171,7 +171,7 @@ FEATURES = [
     ),
     Feature("body that rolls, ten facets", {"block": {"outline": outline()}}, axes=losses),
     Feature("radius of gyration", {"block": {"R": 2, "tan_alpha": 0.2, "r_g": 1.1}}),
-    Feature("friction, mu = 0.6", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.6}}, why="contact is told where a body may slide"),
+    Feature("friction, mu = 0.6", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.6}}),
     Feature("friction, mu = 0.3", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.3}}, why="slides and impacts with friction are followed one body at a time"),
     Feature("initial rotation", {"initial": {"theta": "0.3*alpha"}}),
     Feature("duration", motion=EIGHT, why="under a record: one body at a time"),

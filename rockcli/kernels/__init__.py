@@ -79,6 +79,7 @@ def forget() -> None:
     kept = {f"{__name__}.{name}" for name in KEPT}
     for name in [name for name in sys.modules if name.startswith(f"{__name__}.") and name not in kept]:
         parent, _, child = name.rpartition(".")
-        vars(sys.modules.get(parent, sys)).pop(child, None)  # or `from parent import child` would find the old one
+        if parent in sys.modules:  # or `from parent import child` would find the old one
+            vars(sys.modules[parent]).pop(child, None)
         del sys.modules[name]
     compiled = None

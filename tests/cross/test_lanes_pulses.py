@@ -169,7 +169,7 @@ def test_the_lanes_take_features():
     for features in FEATURES:
         batch = with_features(features, 5)
         how = settings_of(lanes, batch, batch.numerics.tolerances, lanes.OUTCOME + 1)
-        raw = lane_pulses.run(lanes, batch, parameters_of(batch), how, slice(None))
+        raw = lane_pulses.run(lanes, batch, parameters_of(batch), how, slice(None), path=False)
         assert np.isnan(raw[:, to.STATUS]).mean() <= 0.2, names(features)
 
 

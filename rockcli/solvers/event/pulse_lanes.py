@@ -14,11 +14,23 @@ from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import results as results_of_rolling
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import PIECE_WIDTH, Pulses
-from rockcli.scene.variables import SCALARS_ASYMMETRIC, SCALARS_ROLLING
+from rockcli.scene.models import MODELS
+from rockcli.scene.variables import (
+    SCALARS_ASYMMETRIC,
+    SCALARS_AUTO,
+    SCALARS_FEMA,
+    SCALARS_FLEXIBLE,
+    SCALARS_ROLLING,
+    SCALARS_SLIDING,
+)
+from rockcli.solvers.common.certainty import CERTAINTY
+from rockcli.solvers.event.unpack import FORCES
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 METHOD = "Taylor series, many bodies in lanes, events located on the polynomial, outcomes decided early"
+METHOD_ON_PATH = "Taylor series, many bodies in lanes, events located on the polynomial"
 
 FINEST = 1e-13
 """Smallest tolerance of the lanes: the reference stays with the single-body kernels, as
@@ -30,7 +42,15 @@ WITHIN = frozenset(
         "wall_time", "reason", *SCALARS_ASYMMETRIC, *SCALARS_ROLLING,
     }
 )  # fmt: skip
-"""Scalars that the lanes find."""
+"""Scalars that the lanes find where they stop as soon as the outcome is known."""
+
+ON_PATH = frozenset(
+    {
+        "t_overturn", "t_end", "mu_impact", "n_steps", "n_rhs", *FORCES, *CERTAINTY, *SCALARS_FLEXIBLE, *SCALARS_FEMA,
+        *SCALARS_SLIDING, *SCALARS_AUTO,
+    }
+)  # fmt: skip
+"""What else they find where they follow the path of a body to its end, or what these bodies have not."""
 
 SECONDS = 0.01
 """A case in lanes of plain Python [s]."""
@@ -40,27 +60,55 @@ MAX_STEPS = 10_000
 
 
 def asked(batch: Batch) -> bool:
-    """Whether what is asked can be found in lanes, whatever the number of cases."""
+    """Whether what is asked can be found in lanes that stop early, whatever the number of cases."""
+    return is_for_lanes(batch) and batch.save.scalars <= WITHIN
+
+
+def path_asked(batch: Batch) -> bool:
+    """Whether more is asked than that, and lanes can follow the path: compiled, plain Python does it sooner alone."""
+    more = batch.save.scalars - WITHIN
+    return bool(more) and more <= ON_PATH and not MODELS[batch.model, batch.geometry].linear and is_for_lanes(batch)
+
+
+def is_for_lanes(batch: Batch) -> bool:
+    """Whether motions, damping and accuracy are for lanes, whatever is asked but histories."""
     motion = batch.excitation
     return (
         isinstance(motion.horizontal, Pulses)
         and motion.vertical is None
         and batch.damping.only_eta
         and not batch.save.histories
-        and batch.save.scalars <= WITHIN
         and batch.numerics.tolerances.rtol >= FINEST
     )
 
 
-def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any) -> Array:
+def fit(batch: Batch, rows: Array) -> Mask:
+    """Which rows (n, N_PAR) of a batch the lanes take, (n,).
+
+    Bodies whose edges differ, or whose report ends at a given time, without friction, and only as far as their peaks.
+    """
+    plain = even(rows) & (rows[:, at.HAS_DURATION] == 0.0)
+    return np.asarray(plain if path_asked(batch) else plain | np.isnan(batch.block.mu))
+
+
+def even(rows: Array) -> Mask:
+    """Which rows (n, N_PAR) are of bodies with two equal edges, (n,)."""
+    left, right = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
+    return np.asarray(np.all(left == right, axis=1))
+
+
+def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any, *, path: bool) -> Array:
     """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch.
 
-    `how`: `Settings` of the single-body kernels.  NaN in STATUS for a body that is left to the single-body kernels.
+    `how`: `Settings` of the single-body kernels; `path`: bodies are followed to the end of their paths.  NaN in STATUS
+    for a body that is left to the single-body kernels.
     """
-    return in_lanes(lanes, batch, rows, how, cases, np.empty((0, 0)))
+    return in_lanes(lanes, batch, rows, how, cases, np.empty((0, 0)), path=path)
 
 
-def in_lanes(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any, bodies: Array) -> Array:
+def in_lanes(
+    lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any, bodies: Array, *, path: bool = False
+) -> Array:
     """`run` of bodies on two edges, or of the `bodies` that roll: `kernels.rolling.parameters`."""
     channel = batch.excitation.horizontal
     assert isinstance(channel, Pulses)
@@ -72,11 +120,13 @@ def in_lanes(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any,
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
         for two_sided, some in _kinds(rows, bodies):  # apart, so that no body depends on others
             part = found[some]
-            lanes.sweep(rows[some], bodies, how, tables[some], pieces, two_sided, lanes.work_space(how.order), part)
+            work = lanes.work_space(how.order)
+            lanes.sweep(rows[some], bodies, how, tables[some], pieces, two_sided, path, work, part)
             found[some] = part
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
-    found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known
-    found[:, to.N_MIN] = found[:, to.N_STANDING] = np.inf  # nobody looked
+    if not path:
+        found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known
+        found[:, to.N_MIN] = found[:, to.N_STANDING] = np.inf  # nobody looked
     return found
 
 

@@ -26,7 +26,7 @@ from rockcli.scene.variables import (
     SCALARS_SLIDING,
 )
 from rockcli.solvers.common.certainty import CERTAINTY
-from rockcli.solvers.event.pulse_lanes import FINEST
+from rockcli.solvers.event.pulse_lanes import FINEST, even
 from rockcli.solvers.event.unpack import FORCES
 
 Array = NDArray[np.float64]
@@ -106,12 +106,6 @@ def grazed(batch: Batch, rows: Array) -> NDArray[np.bool_]:
         for guard in guards:
             found[cases] |= _grazed(layout, record.values, guard[cases])
     return found
-
-
-def even(rows: Array) -> NDArray[np.bool_]:
-    """Which rows (n, N_PAR) are of bodies with two equal edges, (n,)."""
-    left, right = (rows[:, side : side + at.EDGE] for side in (at.LEFT, at.RIGHT))
-    return np.asarray(np.all(left == right, axis=1))
 
 
 def _grazed(layout: ModuleType, values: Array, guard: Array) -> NDArray[np.bool_]:

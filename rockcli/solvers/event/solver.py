@@ -20,7 +20,7 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.contact import slides_only
-from rockcli.scene.excitation import Samples
+from rockcli.scene.excitation import Pulses, Samples
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response, merged
 from rockcli.solvers.common.certainty import (
@@ -72,7 +72,7 @@ def _on_two_edges(batch: Batch) -> Response:
     pulses, records = lane_pulses.asked(batch), lane_records.asked(batch)
     seconds = lane_pulses.SECONDS * batch.size if pulses else _estimated_seconds(batch, parameters)
     march = kernels.load(compile_them=records or seconds > COMPILE_ABOVE)
-    in_lanes = pulses or (records and bool(kernels.compiled))
+    in_lanes = pulses or (bool(kernels.compiled) and (records or lane_pulses.path_asked(batch)))
 
     def attempt() -> tuple[Raw, Opened]:
         if in_lanes:
@@ -94,7 +94,7 @@ def _on_two_edges(batch: Batch) -> Response:
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",
-        "method": _method(pulses, in_lanes, level),
+        "method": _method(batch, in_lanes, level),
         "rtol": repr(level.rtol),
         "rest_speed": repr(level.rest_speed),
     }
@@ -172,10 +172,12 @@ def _estimated_seconds(batch: Batch, parameters: Array) -> float:
     return passes * (batch.size * (0.01 + 60e-6 * pieces) + 1e-3 * swings)
 
 
-def _method(pulses: bool, in_lanes: bool, level: Accuracy) -> str:
+def _method(batch: Batch, in_lanes: bool, level: Accuracy) -> str:
     if not in_lanes:
         return METHOD.format(order_of(level.rtol))
-    return lane_pulses.METHOD if pulses else lane_records.METHOD
+    if lane_records.asked(batch):
+        return lane_records.METHOD
+    return lane_pulses.METHOD if lane_pulses.asked(batch) else lane_pulses.METHOD_ON_PATH
 
 
 def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) -> tuple[Raw, Opened]:
@@ -184,21 +186,15 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     One by one those the lanes do not take, and those they hand over.  What is found without a `mu` is found alike with
     one, so that friction that holds changes no bit.  Where nothing is asked of those that slide but what they do,
     bodies under a record go by turns.  Else, where that tells no forces, and how far a body rocks does not settle it
-    (K15), the lanes of a record look at its forces in a run of their own.  Open are those that may need more friction
-    than there is; of bodies without consistent contact forces that is told from the forces of pure rocking, one by one.
+    (K15), the lanes look at its forces in a run of their own.  Open are those that may need more friction than there
+    is; of bodies without consistent contact forces that is told from the forces of pure rocking, one by one.
     """
     rows = np.ascontiguousarray(parameters)
     given = np.isfinite(batch.block.mu)
     compiled = bool(kernels.compiled)
     run = Raw(batch.size, 0, 0)
-    pulses = lane_pulses.asked(batch)
-    # with friction, what does not settle it in lanes of pulses is better told one by one
-    if not pulses:
-        fit = lane_records.fit(batch, rows)
-    elif given.any():
-        fit = ~given | (lane_records.even(rows) & (rows[:, at.HAS_DURATION] == 0.0))
-    else:
-        fit = ~given
+    pulses = isinstance(batch.excitation.horizontal, Pulses)
+    fit = lane_pulses.fit(batch, rows) if pulses else lane_records.fit(batch, rows)
     detail = _detail(march, batch, False)
     forces = bool(batch.save.scalars & FORCES)
     how_much = int(march.PEAKS) if given.any() and not forces else detail
@@ -216,7 +212,8 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
     if pulses:
         lanes = kernels.load("lanes.pulses.march", compile_them=compiled)
-        found = lane_pulses.run(lanes, batch, rows[cases], settings_of(lanes, batch, level, how_much), cases)
+        how, path = settings_of(lanes, batch, level, how_much), lane_pulses.path_asked(batch)
+        found = lane_pulses.run(lanes, batch, rows[cases], how, cases, path=path)
     else:
         lanes = kernels.load("lanes.records.march", compile_them=compiled)
         some = None if fit.all() else np.flatnonzero(fit)
@@ -225,10 +222,13 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     if given.any() and not forces and not turns.all():
         held = surely_holds(batch, run.out[:, to.PEAK], run.out[:, to.VERDICT] == RETURNS)
         open_ = given & ~turns & ~held & ~slides_only(batch) & ~np.isnan(run.out[:, to.STATUS])
-        if not pulses and open_.any():
-            asked = np.flatnonzero(open_)
+        asked = np.flatnonzero(open_ & has_contact_forces(batch) if pulses else open_)
+        if len(asked) and (compiled or not pulses):
             how = settings_of(lanes, batch, level, int(lanes.ALL))
-            forced = lane_records.run(lanes, batch, rows[asked], how, cases=asked)
+            if pulses:
+                forced = lane_pulses.run(lanes, batch, rows[asked], how, asked, path=True)
+            else:
+                forced = lane_records.run(lanes, batch, rows[asked], how, cases=asked)
             needs, least = friction_and_normal(batch.rows(asked), forced)
             open_[asked] = ~surely_presses(batch.block.mu[asked], needs, least)
         run.out[open_ & ~has_contact_forces(batch), to.STATUS] = np.nan

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rockcli.kernels.constants import LEFT_TO_MARCH
+from rockcli.kernels.constants import FAST, LEFT_TO_MARCH, MEANINGFUL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
@@ -58,12 +58,15 @@ def swing(v, r0, rs, rc, linear):
 
 
 @jit_lean
-def impacts_until(stop, t, v, edge, other, linear, going):
+def impacts_until(stop, t, v, edge, other, linear, path, going):
     """Impacts of bodies that take off at t with rate v, up to the time `stop`; -1: too many.
 
-    edge, other: of the edge they turn about first, as in the backlog.
+    edge, other: of the edge they turn about first, as in the backlog.  Of two equal ones, with `path`, also when they
+    come to rest, or `stop`; what the impacts carry, the sum of (v/p alpha)^2; and the sum of that times their time.
     """
-    count = spread(0.0)
+    count, swung, swung_t, end = spread(0.0), spread(0.0), spread(0.0), stop
+    if path:
+        end = select(going & ~(v > edge[2]), rest_of(t, v, edge), end)
     going = going & (v > edge[2])
     for _ in range(MOST):
         if not some(going):
@@ -71,10 +74,23 @@ def impacts_until(stop, t, v, edge, other, linear, going):
         t = t + swing(v, edge[3], edge[4], edge[5], linear)
         going = going & (t <= stop)
         count = select(going & (v > edge[1]), count + 1.0, count)
+        if path:
+            size = v * FAST / edge[1]
+            carried = size * size - MEANINGFUL * MEANINGFUL
+            carried = select(going & (carried > 0.0), carried, 0.0)
+            swung, swung_t = swung + carried, swung_t + carried * t
         edge, other = other, edge
         v = edge[0] * v
+        if path:
+            end = select(going & ~(v > edge[2]), rest_of(t, v, edge), end)
         going = going & (v > edge[2])
-    return select(going, -1.0, count)
+    return select(going, -1.0, count), select(end < stop, end, stop), swung, swung_t
+
+
+@jit_lean
+def rest_of(t, v, edge):
+    """When bounces that begin with rate v at t have ended, between two equal edges: a geometric series."""
+    return t + 2.0 * v / ((edge[3] + edge[5]) * (1.0 - edge[0]))
 
 
 @jit_lean
@@ -87,20 +103,28 @@ def waiting_edge(backlog, first):
 
 
 @jit_lean
-def count_impacts(backlog, count, linear, two_sided, out):
-    """Add to the results of the cases in the backlog the impacts they still have."""
+def count_impacts(backlog, count, linear, two_sided, path, out):
+    """Add to the results of the cases in the backlog the impacts they still have, and what goes with their `path`."""
     for j in range(count, WIDTH):
         for field in range(BACKLOG):
             backlog[field * WIDTH + j] = backlog[field * WIDTH]
     second = 10 if two_sided else 4
-    more = impacts_until(
+    more, end, swung, swung_t = impacts_until(
         load(backlog, WIDTH), load(backlog, 2 * WIDTH), load(backlog, 3 * WIDTH),
-        waiting_edge(backlog, 4), waiting_edge(backlog, second), linear, load(backlog, 0) >= 0.0,
+        waiting_edge(backlog, 4), waiting_edge(backlog, second), linear, path,
+        load(backlog, 0) >= 0.0,
     )  # fmt: skip
     store(backlog, WIDTH, more)
+    store(backlog, 2 * WIDTH, end)
+    store(backlog, 3 * WIDTH, swung)
+    store(backlog, 4 * WIDTH, swung_t)
     for j in range(count):
         case = int(backlog[j])
         if backlog[WIDTH + j] >= 0.0:
             out[case][to.N_IMPACTS] += backlog[WIDTH + j]
+            if path:
+                out[case][to.T_END] = backlog[2 * WIDTH + j]
+                out[case][to.SWINGS] += backlog[3 * WIDTH + j]
+                out[case][to.SWINGS_T] += backlog[4 * WIDTH + j]
         else:
             out[case][to.STATUS] = LEFT_TO_MARCH

@@ -15,6 +15,16 @@ from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
 from rockcli.kernels.lanes.pulses.free_rocking import BACKLOG, LOW, count_impacts
 from rockcli.kernels.lanes.pulses.ground import expand
+from rockcli.kernels.lanes.pulses.path import (
+    bounces_matter,
+    enter_path,
+    follow,
+    is_followed,
+    judge_path,
+    leave_path,
+    never_lifted,
+    note_uplifts,
+)
 from rockcli.kernels.lanes.pulses.rolling import (
     SLOWEST,
     bounce,
@@ -55,7 +65,7 @@ from rockcli.kernels.lanes.vector.plain import load, note, room, select, some, s
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import edge_of, potential
-from rockcli.kernels.rigid.march import OUTCOME
+from rockcli.kernels.rigid.march import ALL, OUTCOME
 from rockcli.kernels.rigid.rest import rest_time
 from rockcli.kernels.rigid.settings import Degrees
 from rockcli.kernels.rigid.settings import Settings as Settings
@@ -68,16 +78,18 @@ NEAR = 0.5
 nothing, and by Cramer's bound |He_m(y)| < 1.09 sqrt(m!) exp(y^2/4) those left out are below the tolerance."""
 
 
-@entry(MATRIX, MATRIX, Settings, MATRIX, int, bool, VECTOR, MATRIX)
-def sweep(pars, bodies, how, tables, pieces, two_sided, work, out):
+@entry(MATRIX, MATRIX, Settings, MATRIX, int, bool, bool, VECTOR, MATRIX)
+def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
     """Solve every row of `pars` under the pulse of its row of `tables` with series of `how.order`.
 
-    `two_sided`: the edges of these bodies differ.  `work`: `work_space(how.order)`; `out` zeros.
+    `two_sided`: the edges of these bodies differ.  `path`: the whole path is asked for, and with `how.detail` ALL the
+    forces on it; then of bodies on two equal edges under a nonlinear law.  `work`: `work_space(how.order)`; `out`
+    zeros.
     bodies: none, or the table of `kernels.rolling.parameters` of bodies that roll; then the edges in `pars` are those
     of the facet on which a body stands, and a last column is the row of its body.
     What is not done here has STATUS LEFT_TO_MARCH.
     """
-    rolls = len(bodies) > 0
+    rolls, watch = len(bodies) > 0, path and how.detail == ALL
     linear, tol, n, detail = how.linear, how.tol, how.order, how.detail
     state, scratch, screened, backlog, lists = split(work, n)
     lanes = lane.VECTORS * WIDTH
@@ -98,34 +110,40 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, work, out):
         for j in range(n_ending):
             i = int(ending[j])
             if state[i + lane.CASE * WIDTH] >= 0.0:
-                finish_case(state, i, two_sided, rolls, out)
+                finish_case(state, i, two_sided, rolls, path, watch, pars, out)
                 busy -= 1
             upcoming, came = next_case(
                 state, i, upcoming, screened, pars, bodies, tables, pieces, linear, two_sided, 100.0 * how.margin,
-                detail == OUTCOME, out,
+                detail == OUTCOME, path, watch, out,
             )  # fmt: skip
             busy += came
         if busy == 0:
             if n_postponed > 0:
-                count_impacts(backlog, n_postponed, linear, two_sided, out)
+                count_impacts(backlog, n_postponed, linear, two_sided, path, out)
             return
         n_asking = n_lifting = n_ending = n_moving = n_slowing = n_bouncing = 0
         for o in range(0, lane.VECTORS * size, size):
-            look(state, o, n, linear, two_sided, rolls, tol, scratch)
+            look(state, o, n, linear, two_sided, rolls or path, tol, scratch)
             event = load(state, o + lane.EVENT * WIDTH)
             n_asking = note(event == lane.IMPACT, 1.0 * o, asking, n_asking)
             n_lifting = note(event == lane.UPLIFT, 1.0 * o, lifting, n_lifting)
         find_impacts(state, n, scratch, asking, n_asking)
         find_uplifts(state, n, two_sided, scratch, lifting, n_lifting)
-        n_touching = find_touches(state, n, scratch, touching) if rolls else 0
+        n_touching = find_touches(state, n, scratch, touching) if rolls or path else 0
         if detail > OUTCOME:
             find_tops(state, n, tol, scratch, asking)
         for j in range(n_touching):
             i = int(touching[j])
-            if state[i + lane.EVENT * WIDTH] == lane.TOUCH:
+            if path and state[i + lane.EVENT * WIDTH] == lane.TOUCH:
+                put(state, i, lane.NEW_Q, state[i + lane.L_EXTENT * WIDTH])
+            elif state[i + lane.EVENT * WIDTH] == lane.TOUCH:
                 par = pars[int(state[i + lane.CASE * WIDTH])]
                 roll_over(state, i, bodies[int(par[at.N_PAR])], par[at.G])
         for o in range(0, lane.VECTORS * size, size):
+            if path:
+                follow(state, o, n, watch)
+            if watch:
+                note_uplifts(state, o)
             advance(state, o, two_sided, rolls, SLOWEST * how.rest_speed if rolls else how.rest_speed)
             event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
             past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
@@ -134,14 +152,20 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, work, out):
             if detail > OUTCOME and rolls:
                 n_bouncing = note(may_only_bounce(state, o), 1.0 * o, bouncing, n_bouncing)
             elif detail > OUTCOME:
-                n_bouncing = note(only_bounces(state, o, tol, linear, two_sided), 1.0 * o, bouncing, n_bouncing)
+                bounces = only_bounces(state, o, tol, linear, two_sided)
+                if watch:
+                    bounces = bounces & ~bounces_matter(state, o)
+                n_bouncing = note(bounces, 1.0 * o, bouncing, n_bouncing)
         for j in range(n_slowing):
             i = int(slowing[j])
             par = pars[int(state[i + lane.CASE * WIDTH])]
             if rolls:
                 rest_on_facet(state, i, n, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed, scratch)
             else:
+                v = state[i + lane.V * WIDTH]
                 come_to_rest(state, i, n, par, how.rest_speed, scratch)
+                if path and state[i + lane.V * WIDTH] == 0.0:
+                    put(state, i, lane.LOST, state[i + lane.LOST * WIDTH] + v * v)
         for j in range(n_moving):
             i = int(moving[j])
             next_piece(state, i, tables[int(state[i + lane.CASE * WIDTH])], pieces)
@@ -154,7 +178,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, work, out):
             postpone(state, i, backlog, n_postponed, how.rest_speed)
             n_postponed += 1
             if n_postponed == WIDTH:
-                count_impacts(backlog, n_postponed, linear, two_sided, out)
+                count_impacts(backlog, n_postponed, linear, two_sided, path, out)
                 n_postponed = 0
         for o in range(0, lane.VECTORS * size, size):
             if rolls:
@@ -164,6 +188,8 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, work, out):
                     par = pars[int(state[i + lane.CASE * WIDTH])]
                     roll_freely(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.margin, detail)
                 judge_rolling(state, o, how)
+            elif path:
+                judge_path(state, o, how)
             else:
                 judge(state, o, how, two_sided)
             n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
@@ -185,20 +211,26 @@ def split(work, n):
 
 
 @jit_lean
-def finish_case(state, i, two_sided, rolls, out):
+def finish_case(state, i, two_sided, rolls, path, watch, pars, out):
     """The case in lane i has its answer, or is left to `march`."""
     case = int(state[i + lane.CASE * WIDTH])
     if state[i + lane.EVENT * WIDTH] == lane.FOR_MARCH:
         out[case][to.STATUS] = LEFT_TO_MARCH
+    if path and state[i + lane.VERDICT * WIDTH] == FALLS:
+        put(state, i, lane.L_GIVEN, 1.0)  # its rotation grows to the end, as that of a report cut off
     leave(state, i, two_sided and not rolls, state[i + lane.VERDICT * WIDTH], out[case])
     if rolls:
         leave_rolling(state, i, out[case])
+    if path:
+        leave_path(state, i, watch, pars[case], out[case])
     put(state, i, lane.CASE, -1.0)
     put(state, i, lane.EVENT, lane.IDLE)
 
 
 @jit_lean
-def next_case(state, i, upcoming, screened, pars, bodies, tables, pieces, linear, two_sided, doubt, early, out):
+def next_case(
+    state, i, upcoming, screened, pars, bodies, tables, pieces, linear, two_sided, doubt, early, path, watch, out
+):  # fmt: skip
     """The next case that has to be followed goes into lane i: (number of the one after it, 1 or 0 if there is none)."""
     while upcoming < len(pars):
         case, place = upcoming, upcoming % WIDTH
@@ -207,12 +239,18 @@ def next_case(state, i, upcoming, screened, pars, bodies, tables, pieces, linear
         upcoming += 1
         if screened[place + KNOWN * WIDTH] > 0.0:
             leave_screened(screened, place, pars[case], out[case])
+            if watch and not never_lifted(pars[case], tables[case], pieces, out[case]):
+                out[case][to.STATUS] = LEFT_TO_MARCH
+        elif path and not is_followed(pars[case], tables[case], pieces):
+            out[case][to.STATUS] = LEFT_TO_MARCH
         elif enter(
             state, i, case, pars[case], tables[case], pieces, linear, two_sided, screened[place + ENERGY * WIDTH],
             screened[place + UPLIFT_T * WIDTH], screened[place + SIDE * WIDTH], screened[place + BELL_E * WIDTH],
         ):  # fmt: skip
             if len(bodies) > 0:
                 enter_rolling(state, i, bodies[int(pars[case][at.N_PAR])], pars[case][at.G])
+            if path:
+                enter_path(state, i, pars[case], watch)
             next_piece(state, i, tables[case], pieces)
             return upcoming, 1
         else:

@@ -27,8 +27,10 @@ VECTORS = 8
     L_PULL, L_EXTENT, L_MASS, L_END, L_STOP, L_GIVEN,
     L_BOUND, KIND, ORIGIN, C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, EVENT, NEW_Q, NEW_V, REACH, BRACKET, BREADTH, SINE,
     COSINE, BELL_E, TOP_SIDE, FACET, OUTSIDE_LEFT, OUTSIDE_RIGHT, TILT, FLOOR, BRIM, SWAY, KEEP_LEFT, KEEP_RIGHT,
-    RESTS_ON, PEAK_LEFT, PEAK_RIGHT, PEAK_LEFT_T, PEAK_RIGHT_T, OTHER,
-) = range(75)  # fmt: skip
+    RESTS_ON, PEAK_LEFT, PEAK_RIGHT, PEAK_LEFT_T, PEAK_RIGHT_T,
+    RATE_MAX, MU_MOST, WORK, LOST, SWUNG, SWUNG_T, MU_UP, N_UP, N_LEAST, OVER_T, GRIP, SHAKE, WEIGHT, SIN_ALPHA,
+    COS_ALPHA, OTHER,
+) = range(90)  # fmt: skip
 """CASE row of the case, -1 idle.  T, T_NEXT now and the next breakpoint; H the step, X how far it goes.  UP_T uplift.
 L_*: constants of the case, p^2 and 1/g multiplied in; L_ALONG, L_ACROSS: the restoring
 moment as r0 + along f + across df/dq, f = fc cos q + fs sin q; L_GUARD uplift |a_g|; L_TOP energy of the equilibrium;
@@ -40,6 +42,8 @@ What goes with an edge, L_SIDE to L_MASS, is that of the edge the body turns abo
 that of the other one, in the same order, stands from OTHER on, and the two change places as the body turns over.
 TOP, TOP_T: the peak so far, of a body with two different edges that of its side; TOP_SIDE where it was.
 Of a body that rolls (`rolling`) the two edges are the ends of a facet, L_EXTENT to FACET and on.
+Of one whose path is followed (`path`) L_EXTENT is a quarter turn; RATE_MAX to OVER_T are its results, GRIP |a_g|/g at
+uplift, SHAKE 1/R, WEIGHT g/R.
 After the fields come the coefficients of q, orders 0 to n and four more that stay zero, then those of a_g."""
 
 OF_EDGE = L_MASS + 1 - L_SIDE
@@ -269,7 +273,7 @@ def leave(state, i, two_sided, verdict, out):
         if second > top:
             out[to.PEAK], out[to.PEAK_SIDE] = second, -out[to.PEAK_SIDE]
             out[to.PEAK_ALPHA], out[to.T_PEAK] = state[there + L_ALPHA * WIDTH], state[there + TOP_T * WIDTH]
-    out[to.T_END] = state[i + T * WIDTH]
+    out[to.T_END] = max(out[to.T_END], state[i + T * WIDTH])  # later where its bounces have been counted
     if verdict == FALLS:
         out[to.PEAK_SIDE] = s
     put(state, i, MODE, IDLE)

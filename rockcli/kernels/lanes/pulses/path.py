@@ -1,0 +1,371 @@
+"""The whole path of bodies in the lanes of pulses: passages of the equilibrium, forces, rates, energy (docs/sweeps.md).
+
+For what is asked of the way there, and not of the outcome alone: a body is followed until it lies on its side or
+nothing is left of its motion, its forces looked at at the nodes of a quadrature of the work of the ground (theory.md
+T9).  Bodies on two equal edges that stand at first; nonlinear laws.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rockcli.kernels.constants import FALLS, MEANINGFUL, RETURNS
+from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.pulses import state as lane
+from rockcli.kernels.lanes.pulses.early_outcome import now
+from rockcli.kernels.lanes.pulses.ground import to_come
+from rockcli.kernels.lanes.pulses.state import put, series_of_a, series_of_q
+from rockcli.kernels.lanes.vector import WIDTH
+from rockcli.kernels.lanes.vector.elementary import sin_cos
+from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
+from rockcli.kernels.rigid import parameters as at
+from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.law import potential
+
+PLACES = 10
+NODES, WEIGHTS = (
+    (np.polynomial.legendre.leggauss(PLACES)[0] + 1.0) / 2.0,
+    np.polynomial.legendre.leggauss(PLACES)[1] / 2.0,
+)
+"""Of Gauss and Legendre on [0, 1]: where forces and power are looked at, beside the ends of a step."""
+
+BEYOND = 2.0
+"""How far beyond the values at its ends a quantity may go between two places, in slopes times the distance."""
+
+SHARP = math.sqrt(3.0 - math.sqrt(6.0))
+"""|y| of the largest |(y^3 - 3 y) exp(-y^2/2)|."""
+
+
+@jit_lean
+def enter_path(state, i, par, watch):
+    """A body that stands, or has just been lifted, has been put into lane i."""
+    R, g = par[at.RIGHT + at.RADIUS], par[at.G]
+    for field in range(lane.RATE_MAX, lane.GRIP):
+        put(state, i, field, 0.0)
+    put(state, i, lane.L_EXTENT, 0.5 * math.pi)
+    put(state, i, lane.SIN_ALPHA, math.sin(par[at.RIGHT + at.ALPHA]))
+    put(state, i, lane.COS_ALPHA, math.cos(par[at.RIGHT + at.ALPHA]))
+    put(state, i, lane.SHAKE, 1.0 / R)
+    put(state, i, lane.WEIGHT, g / R)
+    put(state, i, lane.GRIP, par[at.RIGHT + at.THRESHOLD])
+    put(state, i, lane.N_LEAST, math.inf)
+    put(state, i, lane.OVER_T, math.nan)
+    put(state, i, lane.N_UP, math.inf)
+    if watch and state[i + lane.UP_T * WIDTH] > 0.0:
+        stood(state, i)
+
+
+@jit_lean
+def is_followed(par, table, pieces):
+    """Whether the path of a body is for lanes: one that stands at first, and that the ground may lift."""
+    guard = par[at.G] * par[at.RIGHT + at.THRESHOLD]
+    return par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0 and pieces > 0 and table[13] >= guard
+
+
+@jit_lean
+def stood(state, i):
+    """Lane i has been at rest until the ground lifted it."""
+    put(state, i, lane.N_LEAST, min(state[i + lane.N_LEAST * WIDTH], 1.0))
+    put(state, i, lane.MU_MOST, max(state[i + lane.MU_MOST * WIDTH], state[i + lane.GRIP * WIDTH]))
+
+
+@jit_lean
+def never_lifted(par, table, pieces, out):
+    """Friction of a body that a bell does not lift, whose results `out` are else known; False if that is not known.
+
+    The largest |a_g| of a bell that lasts longer than its extreme: that of the even one is at y = 0.
+    """
+    if pieces != 1 or table[2] != lane.BELL:
+        return False
+    w, even, odd = table[4], table[5], table[8]
+    begin, end = w * (table[0] - table[3]), w * (min(table[1], par[at.T_MOTION]) - table[3])
+    if not begin <= -SHARP <= SHARP <= end:
+        return False
+    z = SHARP * SHARP
+    out[to.MU] = max(abs(even), abs(odd) * SHARP * (3.0 - z) * math.exp(-0.5 * z)) / par[at.G]
+    out[to.N_MIN] = 1.0
+    return True
+
+
+@jit_lean
+def forces_at(state, o, n, y):
+    """Of a vector, at y in the step under way: q, its rate and acceleration, sin q, cos q, a_g; T, N and their slopes.
+
+    T (towards the edge) and N are over m R; the slope of |T|/N to its sign and size.
+    """
+    c, a = series_of_q(o), series_of_a(o, n)
+    q, ground = load(state, c + n * WIDTH), load(state, a + n * WIDTH)
+    v, bend, third, rise = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+    for k in range(n - 1, -1, -1):
+        third = third * y + bend
+        bend = bend * y + v
+        v = v * y + q
+        q = q * y + load(state, c + k * WIDTH)
+        rise = rise * y + ground
+        ground = ground * y + load(state, a + k * WIDTH)
+    acc, jerk, vv = 2.0 * bend, 6.0 * third, v * v
+    sine, cosine = sin_cos(q)
+    up, along = load(state, o + lane.SIN_ALPHA * WIDTH), load(state, o + lane.COS_ALPHA * WIDTH)
+    sin_b, cos_b = up * cosine - along * sine, along * cosine + up * sine
+    shake = load(state, o + lane.S * WIDTH) * load(state, o + lane.SHAKE * WIDTH)
+    T = shake * ground + cos_b * acc + sin_b * vv
+    N = load(state, o + lane.WEIGHT * WIDTH) + sin_b * acc - cos_b * vv
+    dT = shake * rise + cos_b * jerk + v * (3.0 * sin_b * acc - cos_b * vv)
+    dN = sin_b * jerk - v * (3.0 * cos_b * acc + sin_b * vv)
+    return q, v, acc, sine, cosine, ground, T, N, dN, T * (dT * N - T * dN)
+
+
+@jit_lean
+def size_of(T, N):
+    """|T|/N, infinite where nothing presses."""
+    return select(N > 0.0, abs(T) / N, math.inf)
+
+
+@jit_lean
+def slope_of(what, v, acc, T, N, dN, turn):
+    """Of |q'|, -N or |T|/N, by number 0, 1 and 2: value and slope."""
+    if what == 0:
+        speed = abs(v)
+        return speed, select(v > 0.0, acc, -acc)
+    if what == 1:
+        return -N, -dN
+    size = size_of(T, N)
+    return size, turn / (abs(T) * (N * N) + 1e-300)
+
+
+@jit_lean
+def follow(state, o, n, watch):
+    """One vector, before it takes its step: what happens on the way to X."""
+    event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
+    taken = (event >= lane.NONE) & (event < lane.DONE)
+    going = taken & (mode == lane.ROCK)
+    t, x = load(state, o + lane.T * WIDTH), load(state, o + lane.X * WIDTH)
+    if some(going):
+        _between_places(state, o, n, watch, going, t, x)
+    lands = going & (event == lane.IMPACT)
+    if some(lands):
+        rate = load(state, o + lane.NEW_V * WIDTH)
+        of_alpha = rate / (load(state, o + lane.L_P * WIDTH) * load(state, o + lane.L_ALPHA * WIDTH))
+        carried = of_alpha * of_alpha - MEANINGFUL * MEANINGFUL
+        carried = select(lands & (carried > 0.0) & (t < load(state, o + lane.L_STOP * WIDTH)), carried, 0.0)
+        eta = load(state, o + lane.L_ETA * WIDTH)
+        add(state, o, lane.SWUNG, carried)
+        add(state, o, lane.SWUNG_T, carried * (t + x))
+        add(state, o, lane.LOST, select(lands, rate * rate * (1.0 - eta * eta), 0.0))
+
+
+@jit_lean
+def add(state, o, field, value):
+    """Add to one number of the vector at o."""
+    store(state, o + field * WIDTH, load(state, o + field * WIDTH) + value)
+
+
+@jit_lean
+def _between_places(state, o, n, watch, going, t, x):
+    """Passages of the equilibrium, work and extremes of `follow`, from place to place of the steps of a vector."""
+    star, s = load(state, o + lane.L_STAR * WIDTH), load(state, o + lane.S * WIDTH)
+    fc, fs = load(state, o + lane.L_FC * WIDTH), load(state, o + lane.L_FS * WIDTH)
+    reported = going & (t < load(state, o + lane.L_STOP * WIDTH))
+    may_pass = going & (load(state, o + lane.REACH * WIDTH) >= star)
+    passes = some(may_pass)
+    if not (watch or passes):
+        return
+    work, low = spread(0.0), spread(0.0)
+    was = forces_at(state, o, n, low)
+    if watch:
+        note_extremes(state, o, was, reported)
+    for j in range(PLACES + 1):
+        high = NODES[j] * x if j < PLACES else x
+        new = forces_at(state, o, n, high)
+        if passes:
+            over = may_pass & (was[0] < star) & (new[0] >= star)
+            if some(over):
+                _pass(state, o, n, watch, over, reported, star, t, low, high, was, new)
+        if watch:
+            note_extremes(state, o, new, reported)
+            _look_between(state, o, n, reported, low, high, was, new)
+            if j < PLACES:
+                work = work + WEIGHTS[j] * (new[5] * (fc * new[4] + fs * new[3]) * new[1])
+        low, was = high, new
+    if watch:
+        add(state, o, lane.WORK, select(going, s * x * work, 0.0))
+
+
+@jit_lean
+def note_extremes(state, o, forces, where):
+    """Raise the largest rate and friction, lower the smallest normal force."""
+    v, T, N = forces[1], forces[6], forces[7]
+    rate, least = load(state, o + lane.RATE_MAX * WIDTH), load(state, o + lane.N_LEAST * WIDTH)
+    most, weight = load(state, o + lane.MU_MOST * WIDTH), load(state, o + lane.WEIGHT * WIDTH)
+    speed, normal, size = abs(v), N / weight, size_of(T, N)
+    store(state, o + lane.RATE_MAX * WIDTH, select(where & (speed > rate), speed, rate))
+    store(state, o + lane.N_LEAST * WIDTH, select(where & (normal < least), normal, least))
+    store(state, o + lane.MU_MOST * WIDTH, select(where & (size > most), size, most))
+
+
+@jit_lean
+def _look_between(state, o, n, where, low, high, was, new):
+    """Extremes between two places of which the slopes tell."""
+    for what in range(3):
+        one, f_low = slope_of(what, was[1], was[2], was[6], was[7], was[8], was[9])
+        two, f_high = slope_of(what, new[1], new[2], new[6], new[7], new[8], new[9])
+        if what == 0:
+            best = load(state, o + lane.RATE_MAX * WIDTH)
+        elif what == 1:
+            best = -load(state, o + lane.N_LEAST * WIDTH) * load(state, o + lane.WEIGHT * WIDTH)
+        else:
+            best = load(state, o + lane.MU_MOST * WIDTH)
+        far = BEYOND * (high - low)
+        from_low, from_high = one + far * f_low, two - far * f_high
+        most = select(from_low < from_high, from_low, from_high)
+        inside = where & (f_low > 0.0) & (f_high < 0.0) & (most > best)
+        if some(inside):
+            _find_extreme(state, o, n, what, inside, low, high, f_low, f_high)
+
+
+@jit_lean
+def _find_extreme(state, o, n, what, where, lo, hi, f_lo, f_hi):
+    """Locate maxima by their slopes (Illinois method) and note them."""
+    going, z, kept = where, lo, spread(0.0)
+    for _ in range(40):
+        new = (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
+        far = abs(new - z) > 1e-9 * hi  # flat here: the error is of second order
+        z = select(going, new, z)
+        forces = forces_at(state, o, n, z)
+        _, f = slope_of(what, forces[1], forces[2], forces[6], forces[7], forces[8], forces[9])
+        below = f < 0.0
+        f_lo = select(going & below & (kept > 0.0), 0.5 * f_lo, select(going & ~below, f, f_lo))
+        f_hi = select(going & ~below & (kept < 0.0), 0.5 * f_hi, select(going & below, f, f_hi))
+        hi, lo = select(going & below, z, hi), select(going & ~below, z, lo)
+        kept = select(below, 1.0, -1.0)
+        going = going & far
+        if not some(going):
+            break
+    note_extremes(state, o, forces_at(state, o, n, z), where)
+
+
+@jit_lean
+def _pass(state, o, n, watch, over, reported, star, t, low, high, was, new):
+    """The equilibrium is passed between two places: when, and the extremes until then."""
+    lo, hi = low, select(over, high, low)
+    z, going = hi, over
+    for _ in range(60):
+        forces = forces_at(state, o, n, z)
+        miss = forces[0] - star
+        lo, hi = select(going & (miss < 0.0), z, lo), select(going & ~(miss < 0.0), z, hi)
+        step = z - miss / forces[1]
+        step = select((lo < step) & (step < hi), step, 0.5 * (lo + hi))
+        far = abs(step - z) > 4e-16 * (t + z)
+        z = select(going & far, step, z)
+        going = going & far
+        if not some(going):
+            break
+    store(state, o + lane.OVER_T * WIDTH, select(over, t + z, load(state, o + lane.OVER_T * WIDTH)))
+    counts = over & reported
+    if watch and some(counts):
+        there = forces_at(state, o, n, z)
+        note_extremes(state, o, there, counts)
+        _look_between(state, o, n, counts, low, z, was, there)
+        for field, until in ((lane.MU_MOST, lane.MU_UP), (lane.N_LEAST, lane.N_UP)):
+            kept = load(state, o + until * WIDTH)
+            store(state, o + until * WIDTH, select(counts, load(state, o + field * WIDTH), kept))
+
+
+@jit_lean
+def note_uplifts(state, o):
+    """Resting lanes that lift have stood until now; those whose friction at rest is not known are left to `march`.
+
+    At rest |a_g| is below the uplift threshold, which a body that has once been lifted from rest has needed already.
+    """
+    event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
+    rests = (event >= lane.NONE) & (event < lane.DONE) & (mode == lane.REST)
+    if not some(rests):
+        return
+    x, up = load(state, o + lane.X * WIDTH), load(state, o + lane.UP_T * WIDTH)
+    grip, most = load(state, o + lane.GRIP * WIDTH), load(state, o + lane.MU_MOST * WIDTH)
+    lifts = rests & (event == lane.UPLIFT)
+    stands = lifts & (x > 0.0)
+    least = load(state, o + lane.N_LEAST * WIDTH)
+    store(state, o + lane.N_LEAST * WIDTH, select(stands & (least > 1.0), 1.0, least))
+    store(state, o + lane.MU_MOST * WIDTH, select(stands & (most < grip), grip, most))
+    moved = up >= 0.0
+    unknown = rests & ~stands & (most < grip) & (moved | (lifts & (load(state, o + lane.T * WIDTH) > 0.0)))
+    store(state, o + lane.EVENT * WIDTH, select(unknown, lane.FOR_MARCH, event))
+
+
+@jit_lean
+def bounces_matter(state, o):
+    """Lanes whose later swings, lower than those before and free, may need more friction, or press less, than so far.
+
+    Not those where |q''| = down and the present rate together do not: both are less from now on.
+    """
+    v, weight = load(state, o + lane.V * WIDTH), load(state, o + lane.WEIGHT * WIDTH)
+    down = load(state, o + lane.L_R0 * WIDTH) + load(state, o + lane.L_RC * WIDTH)
+    up = load(state, o + lane.SIN_ALPHA * WIDTH)
+    normal = 1.0 - (up * down + v * v) / weight
+    friction = (down + up * v * v) / weight
+    least, most = load(state, o + lane.N_LEAST * WIDTH), load(state, o + lane.MU_MOST * WIDTH)
+    return ~((normal >= least) & (friction <= most * normal))
+
+
+@jit_lean
+def judge_path(state, o, how):
+    """One vector: what is known once the motion has ended, and which lanes are done."""
+    event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
+    going = (mode >= lane.REST) & (event < lane.DONE)
+    if not some(going):
+        return
+    t, q, v = load(state, o + lane.T * WIDTH), load(state, o + lane.Q * WIDTH), load(state, o + lane.V * WIDTH)
+    sine, bend = now(state, o, q, False)
+    to_come(state, o, t)
+    r0, rs, rc = (
+        load(state, o + lane.L_R0 * WIDTH), load(state, o + lane.L_RS * WIDTH), load(state, o + lane.L_RC * WIDTH),
+    )  # fmt: skip
+    stored, top = 2.0 * potential(r0, rc, q, rs * bend, sine), 2.0 * load(state, o + lane.L_TOP * WIDTH)
+    excess, inside = v * v + stored - top, q < load(state, o + lane.L_STAR * WIDTH)
+    p = load(state, o + lane.L_P * WIDTH)
+    near = 10.0 * how.margin * load(state, o + lane.L_ALPHA * WIDTH) * p * (abs(v) + sqrt(abs(top - stored)))
+    near = abs(excess) <= near + 1e-13 * p * p
+
+    over, stop = t >= load(state, o + lane.L_END * WIDTH), load(state, o + lane.L_STOP * WIDTH)
+    verdict = load(state, o + lane.VERDICT * WIDTH)
+    asked = going & over & (mode == lane.ROCK) & (verdict < 0.0)
+    falls = (inside & (excess > 0.0) & (v > 0.0)) | (~inside & ((excess < 0.0) | (v > 0.0)))
+    verdict = select(asked & inside & (excess < 0.0), 1.0 * RETURNS, select(asked & falls, 1.0 * FALLS, verdict))
+    still = going & (mode == lane.REST) & over
+    lies = going & (event == lane.TOUCH)
+    verdict = select(still, 1.0 * RETURNS, select(lies, 1.0 * FALLS, verdict))
+    back = (verdict == 1.0 * RETURNS) & (t >= stop) & (v <= 0.0)
+    next_event = select(still | lies | back, lane.DONE, lane.NONE)
+    doubtful = (asked & near & ~lies) | (load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps)
+    next_event = select(doubtful, lane.FOR_MARCH, next_event)
+    store(state, o + lane.VERDICT * WIDTH, verdict)
+    store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))
+
+
+@jit_lean
+def leave_path(state, i, watch, par, out):
+    """What goes with the path of a case that leaves lane i."""
+    out[to.T_OVERTURN] = state[i + lane.OVER_T * WIDTH]
+    out[to.T_END] = min(out[to.T_END], state[i + lane.L_STOP * WIDTH])
+    out[to.SWINGS] += state[i + lane.SWUNG * WIDTH]
+    out[to.SWINGS_T] += state[i + lane.SWUNG_T * WIDTH]
+    right = state[i + lane.TOP_SIDE * WIDTH] > 0.0
+    out[to.PEAK_RIGHT if right else to.PEAK_LEFT] = state[i + lane.TOP * WIDTH]
+    out[to.ONTO_LEFT] = out[to.ONTO_RIGHT] = state[i + lane.N_IMPACTS * WIDTH]
+    out[to.N_MIN] = out[to.N_STANDING] = math.inf
+    if not watch:
+        return
+    out[to.RATE_PEAK], out[to.MU] = state[i + lane.RATE_MAX * WIDTH], state[i + lane.MU_MOST * WIDTH]
+    out[to.N_MIN] = state[i + lane.N_LEAST * WIDTH]
+    out[to.MU_STANDING], out[to.N_STANDING] = state[i + lane.MU_UP * WIDTH], state[i + lane.N_UP * WIDTH]
+    q, v, p2 = state[i + lane.Q * WIDTH], state[i + lane.V * WIDTH], par[at.RIGHT + at.P2]
+    half = math.sin(0.5 * q)
+    stored = potential(
+        state[i + lane.L_R0 * WIDTH], state[i + lane.L_RC * WIDTH], q,
+        state[i + lane.L_RS * WIDTH] * 2.0 * half * half, math.sin(q),
+    )  # fmt: skip
+    left = 0.5 * (v * v + state[i + lane.LOST * WIDTH]) + stored
+    out[to.ENERGY] = -(state[i + lane.WORK * WIDTH] + left) * par[at.RIGHT + at.RADIUS] / p2

@@ -1,0 +1,167 @@
+"""Whole paths of bodies in lanes of pulses: against single bodies at reference accuracy, and an independent DOP853."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from reference import flights, symmetric
+from scenes import G, pulse
+from scipy.optimize import brentq
+from test_lanes_pulses import ALPHA, map_of, uneven
+
+from rockcli import kernels
+from rockcli.kernels.rigid import results as to
+from rockcli.scene.models import MODELS
+from rockcli.scene.pulses import SHAPES
+from rockcli.scene.response import overturned
+from rockcli.solvers.event import pulse_lanes as lane_pulses
+from rockcli.solvers.event.pack import parameters_of, settings_of
+from rockcli.solvers.event.solver import solve
+
+TIMES = ("t_peak", "t_uplift", "t_overturn", "t_end")
+SIZES = ("theta_peak", "theta_peak_over_alpha", "theta_dot_peak", "mu_required", "mu_impact", "N_min_over_mg")
+FOUND = ("outcome", "n_impacts", "energy_residual", *TIMES, *SIZES)
+NONLINEAR = [pair for pair, model in MODELS.items() if not model.linear]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def compiled():
+    kernels.load(compile_them=True)
+
+
+def assert_same(batch) -> None:
+    found = solve(batch)
+    assert found.used["method"] == lane_pulses.METHOD_ON_PATH
+    exact = solve(replace(batch, numerics=replace(batch.numerics, accuracy="reference"))).scalars
+    np.testing.assert_array_equal(found.scalars["outcome"], exact["outcome"])
+    for name in (*TIMES, *SIZES):
+        ours, theirs = found.scalars[name], exact[name]
+        np.testing.assert_array_equal(np.isnan(ours), np.isnan(theirs), err_msg=name)
+        np.testing.assert_array_equal(np.isinf(ours), np.isinf(theirs), err_msg=name)
+        known = np.isfinite(theirs)
+        error = np.abs(ours[known] - theirs[known])
+        assert np.median(error) < 1e-9, name
+        assert np.quantile(error, 0.99) < 1e-6, name
+    assert np.nanmax(np.abs(found.scalars["energy_residual"])) < 1e-7
+    assert np.mean(found.scalars["n_impacts"] != exact["n_impacts"]) < 5e-3  # one at the very end of the report
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_shapes(shape):
+    assert_same(map_of(shape, 6, scalars=FOUND))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", SHAPES)
+def test_shapes_in_detail(shape):
+    assert_same(map_of(shape, 60, scalars=FOUND))
+
+
+@pytest.mark.parametrize(("model", "geometry"), NONLINEAR)
+def test_models(model, geometry):
+    assert_same(map_of("ricker", 5, model=model, geometry=geometry, scalars=FOUND))
+
+
+@pytest.mark.parametrize("eta", [0.0, 0.5, 0.99, 1.0])
+def test_restitution(eta):
+    assert_same(map_of("sine", 6, eta=eta, scalars=FOUND))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("eta", [0.0, 0.3, 0.8, 0.99, 1.0])
+def test_restitution_in_detail(eta):
+    assert_same(map_of("cosine", 60, eta=eta, scalars=FOUND))
+
+
+def test_what_lanes_do_not_follow_is_solved_alone():
+    batch = map_of("ricker", 5, scalars=FOUND)
+    for other in (uneven(batch), replace(batch, theta_0=np.full(batch.size, -0.4 * ALPHA))):
+        found = solve(other).scalars
+        exact = solve(replace(other, numerics=replace(other.numerics, accuracy="reference"))).scalars
+        np.testing.assert_array_equal(found["outcome"], exact["outcome"])
+        np.testing.assert_allclose(found["mu_required"], exact["mu_required"], rtol=1e-3)  # one at rest by a parabola
+    few = solve(map_of("ricker", 5, model="linearized", scalars=FOUND))
+    assert few.used["method"] != lane_pulses.METHOD_ON_PATH
+
+
+@pytest.mark.parametrize("shape", ["ricker", "sine", "square_cycle"])
+def test_few_are_handed_over(shape):
+    batch = map_of(shape, 30, scalars=FOUND)
+    lanes = kernels.load("lanes.pulses.march", compile_them=True)
+    how = settings_of(lanes, batch, batch.numerics.tolerances, lanes.ALL)
+    raw = lane_pulses.run(lanes, batch, parameters_of(batch), how, slice(None), path=True)
+    lifted = solve(batch).scalars["outcome"] != 0
+    assert np.isnan(raw[lifted, to.STATUS]).mean() < 0.02
+
+
+@pytest.mark.parametrize("shape", ["ricker", "ricker_antisymmetric"])
+def test_one_that_never_lifts_needs_the_pga(shape):
+    batch = map_of(shape, 5, scalars=("outcome", "mu_required", "N_min_over_mg"))
+    a_p = np.linspace(0.1, 0.9, batch.size) * G * np.tan(ALPHA)
+    low = replace(batch, excitation=pulse(shape, a_p, batch.excitation.horizontal.omega_p))
+    found = solve(low).scalars
+    assert np.all(found["outcome"] == 0)
+    np.testing.assert_allclose(found["mu_required"], a_p / G, rtol=1e-6)
+    np.testing.assert_array_equal(found["N_min_over_mg"], 1.0)
+
+
+def test_certainty_is_that_of_single_bodies(monkeypatch):
+    batch = map_of("ricker", 12, scalars=("outcome", "overturn_share", "error_estimate", "theta_peak"))
+    found = solve(batch).scalars
+    monkeypatch.setattr(lane_pulses, "path_asked", lambda batch: False)
+    alone = solve(batch).scalars
+    np.testing.assert_array_equal(found["outcome"], alone["outcome"])
+    np.testing.assert_array_equal(found["overturn_share"], alone["overturn_share"])
+    stands = np.isfinite(alone["error_estimate"]) & (alone["error_estimate"] > 0.0)
+    ratio = found["error_estimate"][stands] / alone["error_estimate"][stands]
+    assert np.all((ratio > 0.3) & (ratio < 3.0))
+
+
+def forces_by_dop853(A: float, W: float, eta: float) -> tuple[float, float, float]:
+    """Largest |T|/N, smallest N/(m g) and largest rate of a block of p = 1 under a Ricker pulse in g, from uplift on.
+
+    Up to the last passage of alpha if it falls; from accelerations by the equation of motion, at 400 times a flight.
+    """
+    t0, end = 4.0 * np.pi / W, 8.0 * np.pi / W
+
+    def a(t):
+        x = 0.5 * (W * (t - t0)) ** 2
+        return A * np.tan(ALPHA) * (1.0 - x) * np.exp(-0.5 * x)
+
+    grid = np.linspace(0.0, end, 200_001)
+    first = int(np.argmax(np.abs(a(grid)) > np.tan(ALPHA)))
+    lo, hi = grid[first - 1], grid[first]
+    for _ in range(60):
+        lo, hi = (lo, 0.5 * (lo + hi)) if abs(a(0.5 * (lo + hi))) > np.tan(ALPHA) else (0.5 * (lo + hi), hi)
+    body, R = symmetric(ALPHA, 1.0, eta), 0.75
+    pieces = [(end, a), (end + 20.0, lambda t: 0.0 * t)]
+    most, least, fastest = np.tan(ALPHA), 1.0, 0.0
+    for sol, s in flights(body, -int(np.sign(a(hi))), (0.0, 0.0), hi, pieces, rest=1e-6):
+        stop = sol.t[-1]
+        if sol.t_events[1].size:  # its last passage of alpha
+            stop = brentq(lambda t, sol=sol, s=s: s * sol.sol(t)[0] - ALPHA, sol.t[np.argmin(s * sol.y[0])], stop)
+        t = np.linspace(sol.t[0], stop, 400)
+        theta, w = sol.sol(t)
+        ground = a(t) if t[0] < end else 0.0 * t
+        b = s * ALPHA - theta
+        acc = -(np.sin(b) + ground * np.cos(b))
+        # of the centre of mass at R (sin b, cos b) from the edge, times -s along
+        T = ground + R * (np.cos(b) * acc + np.sin(b) * w * w)
+        N = 1.0 + R * (np.sin(b) * acc - np.cos(b) * w * w)
+        fastest = max(fastest, float(np.abs(w).max()))
+        most, least = max(most, float(np.max(np.abs(T) / N))), min(least, float(N.min()))
+    return most, least, fastest
+
+
+@pytest.mark.parametrize(("A", "W"), [(1.5, 2.0), (2.5, 4.0), (4.0, 3.0), (3.0, 1.0), (5.5, 6.5)])
+def test_forces_are_those_of_an_independent_path(A, W):
+    batch = map_of("ricker", 1, scalars=FOUND)
+    batch = replace(batch, excitation=pulse("ricker", [A * G * np.tan(ALPHA)], [W]))
+    found = {name: values[0] for name, values in solve(batch).scalars.items() if name in FOUND}
+    most, least, fastest = forces_by_dop853(A, W, 0.9)
+    assert found["mu_required"] == pytest.approx(most, rel=2e-4)
+    assert found["N_min_over_mg"] == pytest.approx(least, rel=2e-4)
+    if not overturned(found["outcome"]):
+        assert found["theta_dot_peak"] == pytest.approx(fastest, rel=2e-4)
