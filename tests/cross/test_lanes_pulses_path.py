@@ -44,7 +44,7 @@ def assert_same(batch) -> None:
         error = np.abs(ours[known] - theirs[known])
         assert np.median(error) < 1e-9, name
         assert np.quantile(error, 0.99) < 1e-6, name
-    assert np.nanmax(np.abs(found.scalars["energy_residual"])) < 1e-7
+    assert np.nanmax(np.abs(found.scalars["energy_residual"])) < 1e-8
     assert np.mean(found.scalars["n_impacts"] != exact["n_impacts"]) < 5e-3  # one at the very end of the report
 
 
