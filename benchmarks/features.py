@@ -167,7 +167,7 @@ FEATURES = [
     Feature("asymmetric body", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights),
     Feature(
         "asymmetric body, every scalar (default)", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights, save={"histories": False},
-        why="forces of two different edges: one body at a time",
+        why="under pulses forces of two different edges: one body at a time",
     ),
     Feature("body that rolls, ten facets", {"block": {"outline": outline()}}, axes=losses),
     Feature("radius of gyration", {"block": {"R": 2, "tan_alpha": 0.2, "r_g": 1.1}}),

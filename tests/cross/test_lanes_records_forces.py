@@ -12,6 +12,8 @@ from cross.test_lanes_records import LAWS, _lanes_only, own, read, reference, su
 from scenes import SHARED
 
 from rockcli.scene.batch import Batch, Save
+from rockcli.scene.block import make_block
+from rockcli.scene.damping import housner_eta
 from rockcli.scene.response import NO_UPLIFT, ROCKING, overturned
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.certainty import CERTAINTY, nudged
@@ -77,6 +79,33 @@ def test_every_restitution(eta):
     assert_forces(*everything(suite(values, dt, [0.5, 1.05, 2.0, 3.0, 4.5], [1.0, 3.0], [0.15], eta=eta)))
 
 
+def uneven(batch: Batch, ratio: float, eta: float | None = None) -> Batch:
+    """The same bodies with their left edge nearer to the centre of mass, or farther from it."""
+    block = batch.block
+    body = make_block(h=block.h, b=block.b * [ratio, 1.0], n=batch.size)
+    kept = np.clip(housner_eta(body), 0.0, 1.0) if eta is None else np.full((batch.size, 2), eta)
+    return replace(batch, block=body, damping=replace(batch.damping, eta=kept))
+
+
+@pytest.mark.parametrize(("ratio", "eta"), [(0.5, None), (0.93, None), (1.6, 0.8), (0.7, 0.0), (0.8, 1.0)])
+def test_two_different_edges(ratio, eta):
+    values, dt = own("synthetic_rock_m65.AT2")
+    batch = uneven(suite(values, dt, [0.5, 1.05, 2.0, 3.0, 4.5], [1.0, 3.0], [0.15]), ratio, eta)
+    found, exact, changes = everything(batch)
+    assert_forces(found, exact, changes)
+    np.testing.assert_allclose(found["mu_impact"], exact["mu_impact"], rtol=1e-12)
+    if eta is None:
+        assert overturned(found["outcome"]).any()
+
+
+def test_two_different_edges_from_a_tilt():
+    t = np.arange(400) * 0.02
+    values = np.cos(7.0 * t) * np.exp(-0.2 * t) + 0.2 * np.cos(23.0 * t)
+    for state in ({"theta_0": 0.05}, {"theta_0": -0.02, "theta_dot_0": 0.15}, {"theta_dot_0": -0.15}):
+        tilted = {name: np.full(8, value) for name, value in state.items()}
+        assert_forces(*everything(uneven(suite(values, 0.02, [0.2, 0.3, 0.9, 3.0], [1.0, 3.0], [0.2], **tilted), 0.7)))
+
+
 @pytest.mark.parametrize("start", [{"theta_0": 0.05}, {"theta_0": -0.02, "theta_dot_0": 0.3}, {"theta_dot_0": -0.4}])
 def test_from_a_tilt_under_a_motion_that_begins_and_ends_at_once(start):
     """The ground's work has an end at either side: its acceleration is not zero there."""
@@ -115,4 +144,6 @@ def test_certainty_by_lanes_is_that_of_single_bodies():
 def test_recorded_motions():
     for path in sorted(Path(SHARED / "records").glob("*.AT2"))[:6]:
         values, dt = read(path)
-        assert_forces(*everything(suite(values, dt, np.geomspace(0.8, 8.0, 8), [0.5, 1.5, 5.0], [0.1, 0.3])))
+        batch = suite(values, dt, np.geomspace(0.8, 8.0, 8), [0.5, 1.5, 5.0], [0.1, 0.3])
+        assert_forces(*everything(batch))
+        assert_forces(*everything(uneven(batch, 0.8)))

@@ -82,10 +82,10 @@ def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
     """Which rows (n, N_PAR) of a batch the lanes take, (n,): of bodies without a duration.
 
     Not those that a sample grazes, nor those that cannot overturn: they turn farther than the sines of the lanes reach.
-    Of bodies with two different edges those without friction, if no forces are asked for.
+    Of bodies with two different edges those without friction.
     """
     alike = even(rows)
-    apart = ~alike & np.isnan(batch.block.mu) & (not batch.save.scalars & FORCES)
+    apart = ~alike & np.isnan(batch.block.mu)
     taken = (alike | apart) & (rows[:, at.HAS_DURATION] == 0.0)
     for edge in (at.RIGHT, at.LEFT):
         taken &= np.isfinite(rows[:, edge + at.Q_STAR])

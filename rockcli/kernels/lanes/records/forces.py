@@ -3,8 +3,8 @@
 Extremes are looked for at the start of every step and at landings, many lanes at a time; a step inside which something
 may be larger than so far is looked at by itself with the means of a single body.
 
-With G = FORCING_C sin q + FORCING_S (1 - cos q), which is zero wherever a body lands or rests, the work of the ground
-is R/p^2 times the change of a G less the integral of G da; `WORK` is that without the factor, with the other sign.
+With G = R/p^2 [FORCING_C sin q + FORCING_S (1 - cos q)], which is zero wherever a body lands or rests, the work of the
+ground is the change of a G less the integral of G da; `WORK` is that with the other sign.
 """
 
 from __future__ import annotations
@@ -34,23 +34,35 @@ share of what that does."""
 @jit_lean
 def begin_watch(st, i, par, linear, q, v, a):
     """The constants of a body in lane i, and what it begins with: q, its rate v, and the ground a."""
-    edge = edge_of(par, at.RIGHT)  # both are alike
-    st[lane.SIN_ALPHA + i], st[lane.COS_ALPHA + i] = math.sin(edge.alpha), math.cos(edge.alpha)
-    st[lane.SHAKE + i], st[lane.WEIGHT + i] = par[at.FACTOR_H] / edge.radius, edge.g / edge.radius
-    st[lane.LOSS + i] = 0.5 * edge.radius / edge.p2 * (1.0 - edge.eta * edge.eta)
+    side = st[lane.SIDE + i] if q != 0.0 or v != 0.0 else 1.0
+    watch_edge(st, i, par, side)
     st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i] = abs(v), math.inf, 0.0
     st[lane.WORK + i] = st[lane.LOST + i] = 0.0
     if q != 0.0 or v != 0.0:
+        edge = edge_of(par, at.RIGHT if side > 0.0 else at.LEFT)
         st[lane.LOST + i], st[lane.WORK + i] = -energy(edge, q, v, linear), a * drive(st, i, q, linear)
+
+
+@jit_lean
+def watch_edge(st, i, par, s):
+    """The constants of a body in lane i that turns about its edge on side s."""
+    right, left = edge_of(par, at.RIGHT), edge_of(par, at.LEFT)
+    edge, other = (right, left) if s > 0.0 else (left, right)
+    st[lane.SIN_ALPHA + i], st[lane.COS_ALPHA + i] = math.sin(edge.alpha), math.cos(edge.alpha)
+    st[lane.SHAKE + i], st[lane.WEIGHT + i] = par[at.FACTOR_H] / edge.radius, edge.g / edge.radius
+    inertia = edge.radius / edge.p2
+    st[lane.INERTIA + i] = inertia
+    st[lane.LOSS + i] = 0.5 * (inertia - other.radius / other.p2 * other.eta * other.eta)
 
 
 @jit_lean
 def drive(st, i, q, linear):
     """G of lane i at q."""
+    inertia = st[lane.INERTIA + i]
     if linear:
-        return st[lane.FORCING_C + i] * q
+        return inertia * st[lane.FORCING_C + i] * q
     half = math.sin(0.5 * q)
-    return st[lane.FORCING_C + i] * math.sin(q) + st[lane.FORCING_S + i] * 2.0 * half * half
+    return inertia * (st[lane.FORCING_C + i] * math.sin(q) + st[lane.FORCING_S + i] * 2.0 * half * half)
 
 
 @jit_lean
@@ -140,7 +152,7 @@ def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5
         store(st, lane.MU_MOST + i, select(more, select(N > 0.0, size / N, math.inf), most))
         store(st, lane.N_LEAST + i, select(less, N / weight, least))
     store(st, lane.DOUBT + i, select(doubt, 1.0, 0.0 * q))
-    store(st, lane.STEP_WORK + i, a1 * area)
+    store(st, lane.STEP_WORK + i, load(st, lane.INERTIA + i) * (a1 * area))
     store(st, lane.Q_BEFORE + i, q)
     store(st, lane.A_0 + i, a)
     store(st, lane.A_1 + i, pitch)
@@ -211,7 +223,7 @@ def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, hit, end, 
         cosines = fma(x, fma(x, fma(x, fma(x, k6 / 7.0, k5 / 6.0), k4 / 5.0), k3 / 4.0), k2 / 3.0)
         cosines = x * fma(x, fma(x, cosines, k1 / 2.0), k0)
         area = gather(st, lanes + lane.FORCING_C) * sines + gather(st, lanes + lane.FORCING_S) * (x - cosines)
-    scatter(st, lanes + lane.WORK, gather(st, lanes + lane.WORK) + a1 * area)
+    scatter(st, lanes + lane.WORK, gather(st, lanes + lane.WORK) + gather(st, lanes + lane.INERTIA) * (a1 * area))
     return bits(doubt)
 
 
@@ -233,7 +245,7 @@ def work_until(st, i, x, c, sin_q, cos_q, linear):
         versine = (1.0 if k == 0 else 0.0) - cos_q[k]
         total += (st[lane.FORCING_C + i] * sin_q[k] + st[lane.FORCING_S + i] * versine) * power / (k + 1)
         power *= x
-    st[lane.WORK + i] += st[lane.A_1 + i] * abs(st[lane.H + i]) * total
+    st[lane.WORK + i] += st[lane.INERTIA + i] * st[lane.A_1 + i] * abs(st[lane.H + i]) * total
 
 
 @jit_lean
@@ -246,7 +258,7 @@ def look_into(st, i, par, s, x, space, force, a, a_v, out):
         space[k + 1] = st[lane.COEFFICIENTS + k * WIDTH + i] * scale
     a[0], a[1], a_v[0] = st[lane.A_0 + i] * par[at.FACTOR_H], st[lane.A_1 + i] * par[at.FACTOR_H], 0.0
     out[to.RATE_PEAK], out[to.N_MIN], out[to.MU] = st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i]
-    edge = edge_of(par, at.RIGHT)  # both are alike
+    edge = edge_of(par, at.RIGHT if s > 0.0 else at.LEFT)
     watch_rocking(edge, s, space, lane.ORDER, x * h, a, a_v, Degrees(1, 0), 1, force, out)
     st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i] = out[to.RATE_PEAK], out[to.N_MIN], out[to.MU]
 
@@ -254,15 +266,18 @@ def look_into(st, i, par, s, x, space, force, a, a_v, out):
 @jit_lean
 def bounces_matter(st, i, par, s, a, da, least, most):
     """Whether N/(m g) may be below `least`, or |T|/N above `most`, in small bounces, the ground from a to a + da."""
-    edge = edge_of(par, at.RIGHT)  # both are alike
-    unshaken = CLEAR * pressed(edge, s, 0.0, 0.0) / st[lane.WEIGHT + i]
     for side in (s, -s):
+        edge = edge_of(par, at.RIGHT if side > 0.0 else at.LEFT)
+        sin_a, cos_a, weight = st[lane.SIN_ALPHA + i], st[lane.COS_ALPHA + i], st[lane.WEIGHT + i]
+        if st[lane.UNLIKE + i] > 0.0:
+            sin_a, cos_a, weight = math.sin(edge.alpha), math.cos(edge.alpha), edge.g / edge.radius
+        unshaken = CLEAR * pressed(edge, side, 0.0, 0.0) / weight
         for ground in (a, a + da):
             shaken = ground * par[at.FACTOR_H]
             acc = -pressed(edge, side, shaken, 0.0)
-            N = 1.0 + st[lane.SIN_ALPHA + i] * acc / st[lane.WEIGHT + i]
-            T = abs(shaken / edge.g + side * st[lane.COS_ALPHA + i] * acc / st[lane.WEIGHT + i])
-            low, size = N - unshaken * st[lane.SIN_ALPHA + i], T + unshaken * st[lane.COS_ALPHA + i]
+            N = 1.0 + sin_a * acc / weight
+            T = abs(shaken / edge.g + side * cos_a * acc / weight)
+            low, size = N - unshaken * sin_a, T + unshaken * cos_a
             if low < least or size > low * most:
                 return True
     return False
@@ -279,5 +294,4 @@ def stood(st, i, par, most):
 def account(st, i, par, left, out):
     """Results of lane i, whose body has the energy `left` over m g."""
     out[to.RATE_PEAK], out[to.N_MIN], out[to.MU] = st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i]
-    work = -st[lane.WORK + i] * par[at.RIGHT + at.RADIUS] / par[at.RIGHT + at.P2]
-    out[to.ENERGY] = work - st[lane.LOST + i] - left
+    out[to.ENERGY] = -st[lane.WORK + i] - st[lane.LOST + i] - left

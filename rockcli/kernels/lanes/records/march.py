@@ -48,7 +48,7 @@ def work_space():
 def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out):
     """`march_all` for bodies on two edges, no damper, under sampled motions; no histories.
 
-    two_sided: the edges of these bodies differ; then no forces.  bodies: none, or the table of
+    two_sided: the edges of these bodies differ; rolling ones have no forces.  bodies: none, or the table of
     `kernels.rolling.parameters` of bodies that roll, whose rows of `pars` are longer (`facets`), and are written to.
     values, slopes: of one motion after the other, each followed by two of zeros or more, so that the next begins with
     a block.  blocks: largest |value| of each block; tail: running bound to the end of a motion.

@@ -23,7 +23,7 @@ from rockcli.kernels.lanes.records.facets import (
     scales,
     top_of,
 )
-from rockcli.kernels.lanes.records.forces import account, begin_watch, bounces_matter, drive, stood
+from rockcli.kernels.lanes.records.forces import account, begin_watch, bounces_matter, drive, stood, watch_edge
 from rockcli.kernels.lanes.records.peaks import note_height
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.rigid import parameters as at
@@ -94,6 +94,7 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
     st[lane.END + i] = span[1]
     st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = 0.0
     watch = how.detail == ALL
+    st[lane.WATCHED + i] = 1.0 if watch and two_sided else 0.0
     if hold:
         st[lane.MU_HELD + i], st[lane.WEAK + i] = start[carry.MU], 0.0
         if start[carry.T] >= 0.0:
@@ -146,6 +147,8 @@ def turn(st, i, par, s, out):
     st[lane.FORCING_C + i], st[lane.FORCING_S + i] = force * par[e + at.FC], force * par[e + at.FS]
     if st[lane.UNLIKE + i] > 0.0:
         face(st, i, par, s, out)
+        if st[lane.WATCHED + i] > 0.0:
+            watch_edge(st, i, par, s)
 
 
 @jit_lean
@@ -184,7 +187,10 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
                 continue
             if s_up != 0.0:
                 if watch and (k > k_0 or x + best > x_0):  # while at rest |a_g| is nowhere above what lifts it
-                    stood(st, i, par, abs(values[k] + slopes[k] * (x + best)))
+                    most = abs(values[k] + slopes[k] * (x + best))
+                    if st[lane.UNLIKE + i] > 0.0:  # to one side; to the other it may be
+                        most = max(most, loudest(values, slopes, k_0, x_0, k))
+                    stood(st, i, par, most)
                 st[lane.PIECE + i], st[lane.X + i], st[lane.Q + i], st[lane.V + i] = k, x + best, 0.0, 0.0
                 turn(st, i, par, s_up, out)
                 if math.isnan(out[to.T_UPLIFT]):
@@ -208,6 +214,15 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
             return finish(st, i, par, FALLS, out)
         out[also.FACET] = par[FACET]
     return finish(st, i, par, RETURNS, out)
+
+
+@jit_lean
+def loudest(values, slopes, k_0, x_0, k):
+    """Largest modulus from x_0 in sample k_0 to the beginning of sample k."""
+    most = abs(values[k_0] + slopes[k_0] * x_0)
+    for j in range(k_0 + 1, k + 1):
+        most = max(most, abs(values[j]))
+    return most
 
 
 @jit_lean

@@ -37,7 +37,8 @@ VECTORS = (LANES // WIDTH + 1) * STRIDE
 (
     SIN_ALPHA, COS_ALPHA, SHAKE, WEIGHT, LOSS, RATE_MAX, N_LEAST, MU_MOST, WORK, LOST, Q_BEFORE, A_0, A_1, X_HIT,
     SIDE_BEFORE, STEP_WORK, DOUBT, SWINGS, SWINGS_T, FIRST, LAST, DT, MU_HELD, WEAK, UNLIKE, AHEAD,
-) = (VECTORS + field * WIDTH for field in range(26))  # fmt: skip
+    INERTIA, WATCHED,
+) = (VECTORS + field * WIDTH for field in range(28))  # fmt: skip
 """What `forces`, the comparison of runs and clocks need, apart from the rest, so that what a step reads stays together.
 
 sin(alpha), cos(alpha); scale of the motion over R, g/R; energy lost at an impact over m g and its rate squared.
@@ -45,7 +46,8 @@ Largest rate, least normal force over m g, largest friction; work of the ground 
 Of the step tried: q and the ground at its start, its slope [m/s^3]; where it landed and on which side it was; its
 work; whether something may be extreme inside it.  What impacts carry, and the same times their time.
 Of the body's motion: its first and its last sample, the time between two [s].  Friction that holds its foot; whether it
-may give way in the step tried.  Whether its edges differ; LOOK over the rotation of the equilibrium.
+may give way in the step tried.  Whether its edges differ; LOOK over the rotation of the equilibrium.  R/p^2; whether
+forces of two different edges are watched.
 """
 
 STATE = 2 * VECTORS
