@@ -1,9 +1,9 @@
 """What friction costs in a sweep of records, over the time of pure rocking, and in a map of mu and amplitude.
 
-    python benchmarks/contact_cost.py [FOLDER_WITH_AT2_RECORDS] [--times 1.5] [--bodies 400]
+    python benchmarks/contact_cost.py [FOLDER_WITH_AT2_RECORDS] [--times 1.5 3] [--bodies 400]
 
 As many bodies (R from 0.5 to 5 m, tan(alpha) from 0.1 to 0.4) under every AT2 file of the folder (default: records/),
-scaled to `times` g tan(alpha), by mu/tan(alpha), with outcome, peak and slide, and with the default scalars: processor
+scaled to `times` g tan(alpha), each in turn, by mu/tan(alpha), with outcome, peak and slide, and with the default scalars: processor
 time of the whole study without a `mu`, with it, how many slide.  Medians of 15 rounds, in each of which every mu is solved beside pure rocking, so that
 what else the machine does meets all alike; kernels compiled before.  Then a map of mu and amplitude of 100 000 pulses.  Writes results/contact_cost.csv.
 """
@@ -31,6 +31,7 @@ ROUNDS = 15
 SAVED = {"few": ["outcome", "theta_peak_over_alpha", "slide_peak"], "default": "all"}
 HEADER = [
     "what",
+    "pga_over_g_tan_alpha",
     "scalars",
     "mu_over_tan_alpha",
     "cases",
@@ -68,7 +69,7 @@ def memory() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
-def over_records(studies: dict[float | None, dict[str, Any]], saved: str) -> list[list[Any]]:
+def over_records(studies: dict[float | None, dict[str, Any]], intensity: float, saved: str) -> list[list[Any]]:
     """Rows of the studies by mu/tan(alpha), that of pure rocking first."""
     found = {ratio: rockcli.run(study) for ratio, study in studies.items()}  # compiled by now
     rounds = np.array([[measured(study)[0] for study in studies.values()] for _ in range(ROUNDS)])
@@ -77,11 +78,13 @@ def over_records(studies: dict[float | None, dict[str, Any]], saved: str) -> lis
     for ratio, cost, times in zip(studies, seconds.tolist(), over.tolist(), strict=True):
         slides = "" if ratio is None else float((found[ratio]["slide_peak"].values > 0.0).mean())
         named = "" if ratio is None else ratio
-        rows.append(["records", saved, named, found[ratio]["outcome"].size, slides, cost, times, memory(), machine()])
+        rows.append(
+            ["records", intensity, saved, named, found[ratio]["outcome"].size, slides, cost, times, memory(), machine()]
+        )
         print(rows[-1], flush=True)
     whole = rounds[:, 1:].mean(axis=1)
     mean, times = float(np.median(whole)), float(np.median(whole / rounds[:, 0]))
-    rows.append(["records, all mu", saved, "", "", "", mean, times, "", machine()])
+    rows.append(["records, all mu", intensity, saved, "", "", "", mean, times, "", machine()])
     print(rows[-1], flush=True)
     return rows
 
@@ -89,18 +92,18 @@ def over_records(studies: dict[float | None, dict[str, Any]], saved: str) -> lis
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, nargs="?", default=HERE.parent / "records")
-    parser.add_argument("--times", type=float, default=1.5)
+    parser.add_argument("--times", type=float, nargs="+", default=[1.5, 3.0])
     parser.add_argument("--bodies", type=int, default=400)
     asked = parser.parse_args()
     files = sorted(asked.folder.glob("*.AT2"))
     rows: list[list[Any]] = []
-    for saved in SAVED:
-        rows += over_records(
-            {ratio: sweep(files, asked.times, asked.bodies, ratio, saved) for ratio in (None, *RATIOS)}, saved
-        )
+    for intensity in asked.times:
+        for saved in SAVED:
+            studies = {ratio: sweep(files, intensity, asked.bodies, ratio, saved) for ratio in (None, *RATIOS)}
+            rows += over_records(studies, intensity, saved)
     cost, pulses = measured(map_study())
     slides = float((pulses["slide_peak"].values > 0.0).mean())
-    rows.append(["map of pulses", "few", "", pulses["outcome"].size, slides, cost, "", memory(), machine()])
+    rows.append(["map of pulses", "", "few", "", pulses["outcome"].size, slides, cost, "", memory(), machine()])
     print(rows[-1], flush=True)
     with TABLE.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
