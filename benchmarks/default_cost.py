@@ -57,6 +57,11 @@ vary:
   motion.pulse.a_p: {from: 0.1*g, to: 2*g, n: 100}
   motion.pulse.T_p: {from: 0.1, to: 3, n: 100}
 """,
+    "pulse map 300 x 300": """case: {block: {R: 2, tan_alpha: 0.2}, motion: {pulse: {shape: sine, a_p: 1, T_p: 1}}}
+vary:
+  motion.pulse.a_p: {from: 0.1*g, to: 2*g, n: 300}
+  motion.pulse.T_p: {from: 0.1, to: 3, n: 300}
+""",
 }
 
 

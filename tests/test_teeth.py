@@ -161,7 +161,7 @@ FAULTS = {
     ),
     "record lanes: normal force": Fault(record_forces, K + "lanes.records.forces", "weight - cos_b * vv)", "weight + cos_b * vv)"),
     "record lanes: inside a step": Fault(record_forces, K + "lanes.records.forces", "return fast | light | rough", "return fast & light & rough"),
-    "record lanes: work": Fault(record_forces, K + "lanes.records.forces", "lane.STEP_WORK + i, a1 * area)", "lane.STEP_WORK + i, 0.999 * a1 * area)"),
+    "record lanes: work": Fault(record_forces, K + "lanes.records.forces", "load(st, lane.INERTIA + i) * (a1 * area))", "load(st, lane.INERTIA + i) * (0.999 * a1 * area))"),
     "contact: sign": Fault(planar_contact, K + "contact.flows", "-(a[k] + mu * foot.sigma * W[k])", "-(a[k] - mu * foot.sigma * W[k])"),
     "contact: restitution": Fault(
         planar_contact, K + "contact.impacts", "dw = -(h * f + place) / rg2", "dw = -(h * f + 0.99 * place) / rg2"
