@@ -18,6 +18,7 @@ from cli import test_sweep
 from contact import test_contact_closed_forms as contact
 from contact_tables import LANDINGS, SLIDES_UNDER_A_CONSTANT
 from cross import test_lanes_pulses as lanes_pulses
+from cross import test_lanes_pulses_path as paths_of_lanes
 from cross import test_lanes_records as lanes_records
 from cross import test_lanes_records_forces as forces_of_lanes
 from flexible import test_column as column
@@ -40,6 +41,12 @@ def march() -> None:
 
 def pulse_lanes() -> None:
     lanes_pulses.assert_same(lanes_pulses.map_of("ricker", 3), 1e-10)
+
+
+def pulse_paths() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):  # idle lanes divide by zero too
+        paths_of_lanes.assert_same(lanes_pulses.map_of("ricker", 3, scalars=paths_of_lanes.FOUND))
 
 
 def record_lanes() -> None:
@@ -156,6 +163,14 @@ FAULTS = {
     "record lanes: end of a step": Fault(
         record_lanes, K + "lanes.records.impacts", "now = fma(x, h, place)", "now = fma(0.999 * x, h, place)"
     ),
+    "paths of pulses: friction": Fault(
+        pulse_paths, K + "lanes.pulses.path", "T = shake * ground + cos_b * acc", "T = shake * ground - cos_b * acc"
+    ),
+    "paths of pulses: work": Fault(pulse_paths, K + "lanes.pulses.path", "fc * new[4] + fs * new[3]", "fc * new[4] - fs * new[3]"),
+    "paths of pulses: between places": Fault(
+        pulse_paths, K + "lanes.pulses.path", "inside = where & (f_low > 0.0)", "inside = where & (f_low > 1e9)"
+    ),
+    "paths of pulses: passage": Fault(pulse_paths, K + "lanes.pulses.path", "miss = forces[0] - star", "miss = forces[0] - 1.01 * star"),
     "record lanes: friction": Fault(
         record_forces, K + "lanes.records.forces", "T = fma(shake, a, fma(cos_b, acc", "T = fma(shake, a, fma(-cos_b, acc"
     ),

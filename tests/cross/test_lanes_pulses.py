@@ -182,8 +182,8 @@ def test_no_wrong_outcome_among_forty_thousand(shape):
     np.testing.assert_array_equal(found >= 2, exact >= 2)
 
 
-def overturns_by_dop853(A: float, W: float, eta: float) -> bool:
-    """A block of p = 1 under a Ricker pulse, in g, from its uplift on; the energy decides at the end."""
+def ricker_in_g(A: float, W: float):
+    """A Ricker pulse of A g tan(alpha) as a function of time, in g, its end, and when it first lifts the block."""
     t0, end = 4.0 * np.pi / W, 8.0 * np.pi / W
 
     def a(t):
@@ -195,6 +195,12 @@ def overturns_by_dop853(A: float, W: float, eta: float) -> bool:
     lo, hi = grid[first - 1], grid[first]
     for _ in range(60):
         lo, hi = (lo, 0.5 * (lo + hi)) if abs(a(0.5 * (lo + hi))) > np.tan(ALPHA) else (0.5 * (lo + hi), hi)
+    return a, end, hi
+
+
+def overturns_by_dop853(A: float, W: float, eta: float) -> bool:
+    """A block of p = 1 under a Ricker pulse, in g, from its uplift on; the energy decides at the end."""
+    a, end, hi = ricker_in_g(A, W)
     body = symmetric(ALPHA, 1.0, eta)
     *_, (sol, s) = flights(body, -int(np.sign(a(hi))), (0.0, 0.0), hi, [(end, a)])
     return bool(sol.t_events[1].size) or falls(body, s, sol.y[:, -1])

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cross.test_lanes_pulses import ALPHA, map_of, ricker_in_g, uneven
 from reference import flights, symmetric
 from scenes import G, pulse
 from scipy.optimize import brentq
-from test_lanes_pulses import ALPHA, map_of, uneven
 
 from rockcli import kernels
 from rockcli.kernels.rigid import results as to
@@ -124,17 +124,7 @@ def forces_by_dop853(A: float, W: float, eta: float) -> tuple[float, float, floa
 
     Up to the last passage of alpha if it falls; from accelerations by the equation of motion, at 400 times a flight.
     """
-    t0, end = 4.0 * np.pi / W, 8.0 * np.pi / W
-
-    def a(t):
-        x = 0.5 * (W * (t - t0)) ** 2
-        return A * np.tan(ALPHA) * (1.0 - x) * np.exp(-0.5 * x)
-
-    grid = np.linspace(0.0, end, 200_001)
-    first = int(np.argmax(np.abs(a(grid)) > np.tan(ALPHA)))
-    lo, hi = grid[first - 1], grid[first]
-    for _ in range(60):
-        lo, hi = (lo, 0.5 * (lo + hi)) if abs(a(0.5 * (lo + hi))) > np.tan(ALPHA) else (0.5 * (lo + hi), hi)
+    a, end, hi = ricker_in_g(A, W)
     body, R = symmetric(ALPHA, 1.0, eta), 0.75
     pieces = [(end, a), (end + 20.0, lambda t: 0.0 * t)]
     most, least, fastest = np.tan(ALPHA), 1.0, 0.0
