@@ -87,7 +87,7 @@ def main() -> None:
             shutil.copy(path, folder / "suite" / f"{'a' if number == 0 else f'r{number}'}.AT2")
         shutil.copy(SHIPPED / "synthetic_pulse_m70.AT2", folder / "one.AT2")
         for family, text in FAMILIES.items():
-            cases = 100 * (len(paths) if "suite" in family else 100)
+            cases = 100 * len(paths) if "suite" in family else 90_000 if "300" in family else 10_000
             studies = {}
             for what, save in (("two", TWO), ("all", ALL)):
                 studies[what] = folder / f"{what}.yaml"
