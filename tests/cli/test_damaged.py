@@ -71,9 +71,9 @@ def test_a_whole_one_is(made, rock, capsys):
     "damage",
     [
         {"without": "outcome"},
-        {"without": "omega_p"},
-        {"warnings": "["},
-        {"axes": "omega_p nothing"},
+        pytest.param({"without": "omega_p"}, marks=pytest.mark.slow),
+        pytest.param({"warnings": "["}, marks=pytest.mark.slow),
+        pytest.param({"axes": "omega_p nothing"}, marks=pytest.mark.slow),
         {"solver_settings": "7"},
     ],
 )

@@ -108,6 +108,7 @@ def test_a_sweep_has_the_same_results_with_two_workers(elsewhere: Path) -> None:
     assert same(study.parent / "here/sweep/sweep.nc", study.parent / "there/sweep/sweep.nc")
 
 
+@pytest.mark.slow
 def test_an_interrupted_sweep_keeps_others_out_and_resumes(elsewhere: Path) -> None:
     study = SWEEP.replace("n: 40", "n: 100").replace("n: 25", "n: 80")
     (elsewhere.parent / "sweep.yaml").write_text(study)

@@ -102,9 +102,19 @@ def test_axes_may_not_be_called_rotation():
     assert "let_rotation" in rockcli.run(study).sizes
 
 
-@pytest.mark.parametrize("curves", [ALL, ["pushover"]], ids=len)
-@pytest.mark.parametrize("case", [{}, {"block": {"R": 1, "tan_alpha": 0.3}, "model": 3}], ids=["axes", "one"])
-def test_figures(curves: list[str], case: dict, tmp_path: Path):
+ONE = {"block": {"R": 1, "tan_alpha": 0.3}, "model": 3}
+
+
+@pytest.mark.parametrize(
+    ("case", "curves"),
+    [
+        pytest.param({}, ALL, marks=pytest.mark.slow, id="axes, all"),
+        pytest.param({}, ["pushover"], id="axes"),
+        pytest.param(ONE, ALL, id="one, all"),
+        pytest.param(ONE, ["pushover"], id="one"),
+    ],
+)
+def test_figures(case: dict, curves: list[str], tmp_path: Path):
     study = STILL | {"curves": curves, "plots": ["curves"]}
     if case:
         study = {"name": "still", "case": case, "curves": curves, "plots": ["curves"]}

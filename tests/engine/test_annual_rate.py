@@ -133,6 +133,7 @@ def test_the_dataset_has_rates_survival_and_where_they_come_from(data):
     np.testing.assert_allclose(data["deaggregation"].sum("intensity_bin"), 1.0, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_limits_of_a_rate_are_those_of_curves_drawn_from_the_estimates():
     """Rates of medians and betas drawn from their normal distribution: their scatter in logarithms."""
     data = rockcli.run(study(over={"axis": "motion.pulse.omega_p", "along": "a_p", "limits": [], "begins_at": 0}))

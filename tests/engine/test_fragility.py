@@ -215,6 +215,7 @@ def test_the_unit_of_the_intensity_does_not_matter():
         np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_standard_errors_are_those_of_the_jackknife():
     """The members are left out one by one, each with its whole curve."""
     x = np.linspace(0.4, 15.0, 40)  # the median is far from the middle of the range

@@ -37,8 +37,17 @@ def _records(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROCK_RECORDS", str(Path(__file__).parents[2] / "records"))
 
 
-@pytest.mark.parametrize("duration", [None, 5.0])
-@pytest.mark.parametrize("backend", ["event", "scipy", "fema356"])
+@pytest.mark.parametrize(
+    ("backend", "duration"),
+    [
+        ("event", None),
+        ("event", 5.0),
+        ("fema356", None),
+        ("fema356", 5.0),
+        ("scipy", 5.0),
+        pytest.param("scipy", None, marks=pytest.mark.slow),
+    ],
+)
 def test_the_ground_of_every_case_is_its_record_as_long_as_it_is_told(backend: str, duration: float | None) -> None:
     of = study(backend, duration)
     told = []

@@ -119,7 +119,7 @@ def test_memory_does_not_grow_with_the_cases(tmp_path: Path, monkeypatch: pytest
         return (most(many, tmp_path / where / "many", status) - most(few, tmp_path / where / "few", status)) / more
 
     most(few, tmp_path / "first", SOLVED)  # imports
-    assert growth("memory", SOLVED) > 9.0
+    assert growth("memory", SOLVED) > 8.5  # nine, but for what the smaller study asks for besides
     monkeypatch.setattr(on_disk, "IN_MEMORY", 10_000)
     assert growth("disk", SOLVED) < 1.0
     assert growth("disk", UP_TO_DATE) < 1.0

@@ -37,10 +37,11 @@ def table(path: Path, rows: list[dict[str, object]]) -> Path:
 
 
 @pytest.fixture
-def experiments(tmp_path: Path) -> Path:
+def experiments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Twelve sines of three periods on a block, whose fate the program itself has told, and a column of guesses."""
     import rockcli
 
+    monkeypatch.setattr("rockcli.analysis.experiments.baselines.TREES", 20)
     rows = []
     for period in (0.3, 0.6, 1.0):
         for factor in (1.0, 2.0, 4.0, 8.0):

@@ -162,6 +162,7 @@ def test_start_a_billionth_above_the_separatrix():
     assert overturns(rock(unit_block(0.2), still(), theta_0=0.2 * (1.0 + 1e-9)))
 
 
+@pytest.mark.slow
 def test_energy_over_a_hundred_thousand_periods():
     """eta = 1: 2e5 impacts, p t = 526 937.68; the last one on time and the energy kept to 1e-9."""
     end = 526937.680234847317

@@ -186,6 +186,7 @@ def test_what_is_wrong_with_a_floor_is_said(motion, words, monkeypatch):
         open_study(study(case={"block": case["block"], "motion": {"through": NAMED["floor"]}}))
 
 
+@pytest.mark.slow
 def test_of_very_many_floors_the_history_tells_some():
     pulse = {"shape": "ricker", "a_p": "0.5*g", "T_p": 0.5}
     case = {"block": {"h": 0.9, "b": 0.2}, "motion": {"pulse": pulse, "through": [{"T": "T", "zeta": 0.05}]}}
@@ -223,7 +224,7 @@ def test_an_intensity_of_what_arrives_is_said_not_to_be_the_grounds():
     assert not any(said in one for one in json.loads(rockcli.run(study).attrs["warnings"]))
 
 
-@pytest.mark.parametrize("name", ["pga", "pgv", "sa(1)"])
+@pytest.mark.parametrize("name", ["pgv", "sa(1)", pytest.param("pga", marks=pytest.mark.slow)])
 def test_an_intensity_of_the_ground_is_that_of_the_same_motion_without_floors(name):
     found = rockcli.run(floor_suite({"intensity": f"ground_{name}"}))
     assert not any("motion that arrives" in one for one in json.loads(found.attrs["warnings"]))

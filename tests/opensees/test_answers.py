@@ -128,6 +128,7 @@ def test_flexible_histories_have_a_bending_part():
     assert set(h) == set(other)
 
 
+@pytest.mark.slow
 def test_a_winkler_base_as_a_law_and_as_fibres():
     batch = replace(flexible(eta="housner", zeta=0.01, mass="consistent"), base=Base("winkler", array(1e11)))
     law = peak(solve(batch))
