@@ -17,15 +17,8 @@ from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import results as results_of_rolling
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
-from rockcli.scene.variables import (
-    SCALARS_ASYMMETRIC,
-    SCALARS_AUTO,
-    SCALARS_FEMA,
-    SCALARS_FLEXIBLE,
-    SCALARS_ROLLING,
-    SCALARS_SLIDING,
-)
 from rockcli.solvers.common.certainty import CERTAINTY
+from rockcli.solvers.event import pulse_lanes
 from rockcli.solvers.event.pulse_lanes import FINEST, even
 from rockcli.solvers.event.unpack import FORCES
 
@@ -33,14 +26,7 @@ Array = NDArray[np.float64]
 
 METHOD = "Taylor series of order 8 from sample to sample, many bodies in lanes, events located on the polynomial"
 
-WITHIN = frozenset(
-    {
-        "outcome", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "t_peak", "t_uplift", "t_overturn", "t_end",
-        "n_impacts", "mu_impact", "wall_time", "n_steps", "n_rhs", "reason", *FORCES, *CERTAINTY,
-        *SCALARS_FLEXIBLE, *SCALARS_FEMA, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO,
-        *SCALARS_ROLLING,
-    }
-)  # fmt: skip
+WITHIN = pulse_lanes.WITHIN | pulse_lanes.ON_PATH
 """Scalars that the lanes find, or that these bodies have not."""
 
 PATH = frozenset({"t_overturn", "t_end", *FORCES, *CERTAINTY})

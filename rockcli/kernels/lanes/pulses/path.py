@@ -182,7 +182,7 @@ def _between_places(state, o, n, watch, going, t, x):
         if passes:
             over = may_pass & (was[0] < star) & (new[0] >= star)
             if some(over):
-                _pass(state, o, n, watch, over, reported, star, t, low, high, was, new)
+                _pass(state, o, n, watch, over, reported, star, t, low, high, was)
         if watch:
             note_extremes(state, o, new, reported)
             _look_between(state, o, n, reported, low, high, was, new)
@@ -247,7 +247,7 @@ def _find_extreme(state, o, n, what, where, lo, hi, f_lo, f_hi):
 
 
 @jit_lean
-def _pass(state, o, n, watch, over, reported, star, t, low, high, was, new):
+def _pass(state, o, n, watch, over, reported, star, t, low, high, was):
     """The equilibrium is passed between two places: when, and the extremes until then."""
     lo, hi = low, select(over, high, low)
     z, going = hi, over
@@ -319,7 +319,7 @@ def judge_path(state, o, how):
         return
     t, q, v = load(state, o + lane.T * WIDTH), load(state, o + lane.Q * WIDTH), load(state, o + lane.V * WIDTH)
     sine, bend = now(state, o, q, False)
-    to_come(state, o, t)
+    to_come(state, o, t)  # sets BELL_E
     r0, rs, rc = (
         load(state, o + lane.L_R0 * WIDTH), load(state, o + lane.L_RS * WIDTH), load(state, o + lane.L_RC * WIDTH),
     )  # fmt: skip
