@@ -165,10 +165,7 @@ FEATURES = [
     ),
     Feature("vertical motion", motion=VERTICAL, why="one body at a time"),
     Feature("asymmetric body", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights),
-    Feature(
-        "asymmetric body, every scalar (default)", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights, save={"histories": False},
-        why="under pulses forces of two different edges: one body at a time",
-    ),
+    Feature("asymmetric body, every scalar (default)", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights, save={"histories": False}),
     Feature("body that rolls, ten facets", {"block": {"outline": outline()}}, axes=losses),
     Feature("radius of gyration", {"block": {"R": 2, "tan_alpha": 0.2, "r_g": 1.1}}),
     Feature("friction, mu = 0.6", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.6}}),

@@ -49,6 +49,14 @@ def pulse_paths() -> None:
         paths_of_lanes.assert_same(lanes_pulses.map_of("ricker", 3, scalars=paths_of_lanes.FOUND))
 
 
+def uneven_paths() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):
+        paths_of_lanes.assert_same(
+            lanes_pulses.uneven(lanes_pulses.map_of("sine", 3, scalars=paths_of_lanes.FOUND), 1.1, 0.7)
+        )
+
+
 def record_lanes() -> None:
     with_record_lanes()
     t = np.arange(90) * 0.02
@@ -170,6 +178,10 @@ FAULTS = {
     "paths of pulses: between places": Fault(
         pulse_paths, K + "lanes.pulses.path", "inside = where & (f_low > 0.0)", "inside = where & (f_low > 1e9)"
     ),
+    "paths of pulses: friction at rest": Fault(
+        uneven_paths, K + "lanes.pulses.path", "size * shake / weight, most)", "most, most)"
+    ),
+    "paths of pulses: other edge": Fault(uneven_paths, K + "lanes.pulses.path", "mass - onto * eta * eta", "mass - mass * eta * eta"),
     "paths of pulses: passage": Fault(pulse_paths, K + "lanes.pulses.path", "miss = forces[0] - star", "miss = forces[0] - 1.01 * star"),
     "record lanes: friction": Fault(
         record_forces, K + "lanes.records.forces", "T = fma(shake, a, fma(cos_b, acc", "T = fma(shake, a, fma(-cos_b, acc"

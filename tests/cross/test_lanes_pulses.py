@@ -96,9 +96,9 @@ def cut(batch: Batch) -> Batch:
     return replace(batch, excitation=replace(batch.excitation, duration=np.linspace(2.0, 9.0, batch.size)))
 
 
-def uneven(batch: Batch) -> Batch:
+def uneven(batch: Batch, left: float = 0.7, right: float = 1.1) -> Batch:
     h, b = 0.75 * G * np.cos(ALPHA), 0.75 * G * np.sin(ALPHA)
-    return replace(batch, block=make_block(h=h, b=np.tile([0.7 * b, 1.1 * b], (batch.size, 1)), n=batch.size))
+    return replace(batch, block=make_block(h=h, b=np.tile([left * b, right * b], (batch.size, 1)), n=batch.size))
 
 
 FEATURES = [

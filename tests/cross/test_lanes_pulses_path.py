@@ -43,9 +43,13 @@ def assert_same(batch) -> None:
         known = np.isfinite(theirs)
         error = np.abs(ours[known] - theirs[known])
         assert np.median(error) < 1e-9, name
-        assert np.quantile(error, 0.99) < 1e-6, name
+        # to the stronger side |a_g| may be largest where a body comes to rest, which is as sharp as the accuracy has it
+        at_rest = name == "mu_required" and not batch.block.symmetric.all()
+        assert np.quantile(error, 0.99) < (1e-5 if at_rest else 1e-6), name
     assert np.nanmax(np.abs(found.scalars["energy_residual"])) < 1e-8
-    assert np.mean(found.scalars["n_impacts"] != exact["n_impacts"]) < 5e-3  # one at the very end of the report
+    if batch.block.symmetric.all():  # else what still counts of the last bounces depends on the accuracy
+        # an impact at the very end of the report may fall on either side of it
+        assert np.mean(found.scalars["n_impacts"] != exact["n_impacts"]) < 5e-3
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -75,20 +79,35 @@ def test_restitution_in_detail(eta):
     assert_same(map_of("cosine", 60, eta=eta, scalars=FOUND))
 
 
+@pytest.mark.parametrize("shape", ["ricker", "sine", "square_cycle", "mavroeidis_papageorgiou"])
+@pytest.mark.parametrize("eta", [0.0, 0.6, 0.9])
+def test_two_different_edges(shape, eta):
+    batch = map_of(shape, 6, eta=eta, scalars=(*FOUND, "theta_peak_left", "theta_peak_right"))
+    assert_same(uneven(batch))
+    assert_same(uneven(batch, 1.1, 0.7))  # the first half of a pulse is held by the wider side
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", SHAPES)
+def test_two_different_edges_in_detail(shape):
+    assert_same(uneven(map_of(shape, 60, scalars=FOUND)))
+
+
 def test_what_lanes_do_not_follow_is_solved_alone():
     batch = map_of("ricker", 5, scalars=FOUND)
-    for other in (uneven(batch), replace(batch, theta_0=np.full(batch.size, -0.4 * ALPHA))):
-        found = solve(other).scalars
-        exact = solve(replace(other, numerics=replace(other.numerics, accuracy="reference"))).scalars
-        np.testing.assert_array_equal(found["outcome"], exact["outcome"])
-        np.testing.assert_allclose(found["mu_required"], exact["mu_required"], rtol=1e-3)  # one at rest by a parabola
+    other = replace(batch, theta_0=np.full(batch.size, -0.4 * ALPHA))
+    found = solve(other).scalars
+    exact = solve(replace(other, numerics=replace(other.numerics, accuracy="reference"))).scalars
+    np.testing.assert_array_equal(found["outcome"], exact["outcome"])
+    np.testing.assert_allclose(found["mu_required"], exact["mu_required"], rtol=1e-6)
     few = solve(map_of("ricker", 5, model="linearized", scalars=FOUND))
     assert few.used["method"] != lane_pulses.METHOD_ON_PATH
 
 
+@pytest.mark.parametrize("of", [lambda batch: batch, uneven], ids=["symmetric", "asymmetric"])
 @pytest.mark.parametrize("shape", ["ricker", "sine", "square_cycle"])
-def test_few_are_handed_over(shape):
-    batch = map_of(shape, 30, scalars=FOUND)
+def test_few_are_handed_over(shape, of):
+    batch = of(map_of(shape, 30, scalars=FOUND))
     lanes = kernels.load("lanes.pulses.march", compile_them=True)
     how = settings_of(lanes, batch, batch.numerics.tolerances, lanes.ALL)
     raw = lane_pulses.run(lanes, batch, parameters_of(batch), how, slice(None), path=True)

@@ -97,7 +97,13 @@ def watch_rest(a, a_v, deg, g, x, out):
         mu = abs(value(a, deg.a, width * j)) / N if N > 0.0 else math.inf
         out[to.MU] = max(out[to.MU], mu)
         if j >= 2 and mu_1 > mu_0 and mu_1 >= mu and mu_1 < math.inf:
-            # vertex of the parabola through three points
+            # from the vertex of the parabola through three points, by Newton's method on the slope
             z = width * (j - 1) + 0.5 * width * (mu_0 - mu) / (mu_0 - 2.0 * mu_1 + mu)
+            for _ in range(3):
+                A, N = value(a, deg.a, z), g + value(a_v, deg.v, z)
+                bent = bend(a, deg.a, z) * N - A * bend(a_v, deg.v, z)
+                if bent != 0.0:
+                    step = (slope(a, deg.a, z) * N - A * slope(a_v, deg.v, z)) / bent
+                    z = min(max(z - step, width * (j - 2)), width * j)
             out[to.MU] = max(out[to.MU], abs(value(a, deg.a, z)) / (g + value(a_v, deg.v, z)))
         mu_0, mu_1 = mu_1, mu

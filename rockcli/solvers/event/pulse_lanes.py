@@ -89,10 +89,10 @@ def is_for_lanes(batch: Batch) -> bool:
 def fit(batch: Batch, rows: Array) -> Mask:
     """Which rows (n, N_PAR) of a batch the lanes take, (n,).
 
-    Bodies whose edges differ, or whose report ends at a given time, without friction, and only as far as their peaks.
+    Bodies whose report ends at a given time only without friction, and only as far as their peaks.
     """
-    plain = even(rows) & (rows[:, at.HAS_DURATION] == 0.0)
-    return np.asarray(plain if path_asked(batch) else plain | np.isnan(batch.block.mu))
+    ends = rows[:, at.HAS_DURATION] == 0.0
+    return np.asarray(ends if path_asked(batch) else ends | np.isnan(batch.block.mu))
 
 
 def even(rows: Array) -> Mask:

@@ -33,7 +33,7 @@ def judge(state, o, how, two_sided):
     energy, top = v * v + stored, 2.0 * load(state, o + lane.L_TOP * WIDTH)
     least = top  # of both edges: the rate goes on over an impact, less by eta
     if two_sided:
-        there = o + (lane.OTHER - lane.L_SIDE) * WIDTH
+        there = o + lane.TO_OTHER
         least, other = 2.0 * load(state, there + lane.L_TOP * WIDTH), load(state, there + lane.L_PULL * WIDTH)
         least, pull = select(least < top, least, top), select(other > pull, other, pull)
     both = pull * (plus + minus)

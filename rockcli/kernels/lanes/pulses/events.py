@@ -71,7 +71,7 @@ def find_uplifts(state, n, two_sided, poly, lanes, count):
         onto = gather(state, chosen + 1.0 * (lane.L_SIDE * WIDTH))
         other = one
         if two_sided:
-            other = gather(state, chosen + 1.0 * ((lane.OTHER + lane.L_GUARD - lane.L_SIDE) * WIDTH))
+            other = gather(state, chosen + 1.0 * (lane.TO_OTHER + lane.L_GUARD * WIDTH))
         side, first = spread(0.0), spread(NO_ROOT)
         for sign in (-1.0, 1.0):
             for k in range(n + 1):

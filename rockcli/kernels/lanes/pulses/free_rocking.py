@@ -61,12 +61,12 @@ def swing(v, r0, rs, rc, linear):
 def impacts_until(stop, t, v, edge, other, linear, path, going):
     """Impacts of bodies that take off at t with rate v, up to the time `stop`; -1: too many.
 
-    edge, other: of the edge they turn about first, as in the backlog.  Of two equal ones, with `path`, also when they
+    edge, other: of the edge they turn about first, as in the backlog.  With `path`, also when they
     come to rest, or `stop`; what the impacts carry, the sum of (v/p alpha)^2; and the sum of that times their time.
     """
     count, swung, swung_t, end = spread(0.0), spread(0.0), spread(0.0), stop
     if path:
-        end = select(going & ~(v > edge[2]), rest_of(t, v, edge), end)
+        end = select(going & ~(v > edge[2]), rest_of(t, v, edge, other), end)
     going = going & (v > edge[2])
     for _ in range(MOST):
         if not some(going):
@@ -82,15 +82,15 @@ def impacts_until(stop, t, v, edge, other, linear, path, going):
         edge, other = other, edge
         v = edge[0] * v
         if path:
-            end = select(going & ~(v > edge[2]), rest_of(t, v, edge), end)
+            end = select(going & ~(v > edge[2]), rest_of(t, v, edge, other), end)
         going = going & (v > edge[2])
     return select(going, -1.0, count), select(end < stop, end, stop), swung, swung_t
 
 
 @jit_lean
-def rest_of(t, v, edge):
-    """When bounces that begin with rate v at t have ended, between two equal edges: a geometric series."""
-    return t + 2.0 * v / ((edge[3] + edge[5]) * (1.0 - edge[0]))
+def rest_of(t, v, edge, other):
+    """When bounces that begin with rate v about an edge at t have ended: a geometric series."""
+    return t + 2.0 * v * (1.0 / (edge[3] + edge[5]) + other[0] / (other[3] + other[5])) / (1.0 - edge[0] * other[0])
 
 
 @jit_lean
@@ -124,6 +124,8 @@ def count_impacts(backlog, count, linear, two_sided, path, out):
             out[case][to.N_IMPACTS] += backlog[WIDTH + j]
             if path:
                 out[case][to.T_END] = backlog[2 * WIDTH + j]
+                out[case][to.ONTO_LEFT] += backlog[WIDTH + j]  # to and fro
+                out[case][to.ONTO_RIGHT] += backlog[WIDTH + j]
                 out[case][to.SWINGS] += backlog[3 * WIDTH + j]
                 out[case][to.SWINGS_T] += backlog[4 * WIDTH + j]
         else:

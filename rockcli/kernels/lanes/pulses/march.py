@@ -23,7 +23,7 @@ from rockcli.kernels.lanes.pulses.path import (
     judge_path,
     leave_path,
     never_lifted,
-    note_uplifts,
+    note_standing,
 )
 from rockcli.kernels.lanes.pulses.rolling import (
     SLOWEST,
@@ -83,7 +83,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
     """Solve every row of `pars` under the pulse of its row of `tables` with series of `how.order`.
 
     `two_sided`: the edges of these bodies differ.  `path`: the whole path is asked for, and with `how.detail` ALL the
-    forces on it; then of bodies on two equal edges under a nonlinear law.  `work`: `work_space(how.order)`; `out`
+    forces on it; then of bodies on two edges under a nonlinear law.  `work`: `work_space(how.order)`; `out`
     zeros.
     bodies: none, or the table of `kernels.rolling.parameters` of bodies that roll; then the edges in `pars` are those
     of the facet on which a body stands, and a last column is the row of its body.
@@ -141,10 +141,10 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
                 roll_over(state, i, bodies[int(par[at.N_PAR])], par[at.G])
         for o in range(0, lane.VECTORS * size, size):
             if path:
-                follow(state, o, n, watch)
+                follow(state, o, n, watch, two_sided)
             if watch:
-                note_uplifts(state, o)
-            advance(state, o, two_sided, rolls, SLOWEST * how.rest_speed if rolls else how.rest_speed)
+                note_standing(state, o, n)
+            advance(state, o, two_sided, rolls, path, SLOWEST * how.rest_speed if rolls else how.rest_speed)
             event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
             past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
             n_moving = note((event >= lane.NONE) & (event < lane.DONE) & past, 1.0 * o, moving, n_moving)
@@ -154,7 +154,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
             elif detail > OUTCOME:
                 bounces = only_bounces(state, o, tol, linear, two_sided)
                 if watch:
-                    bounces = bounces & ~bounces_matter(state, o)
+                    bounces = bounces & ~bounces_matter(state, o, two_sided)
                 n_bouncing = note(bounces, 1.0 * o, bouncing, n_bouncing)
         for j in range(n_slowing):
             i = int(slowing[j])
@@ -165,7 +165,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
                 v = state[i + lane.V * WIDTH]
                 come_to_rest(state, i, n, par, how.rest_speed, scratch)
                 if path and state[i + lane.V * WIDTH] == 0.0:
-                    put(state, i, lane.LOST, state[i + lane.LOST * WIDTH] + v * v)
+                    put(state, i, lane.LOST, state[i + lane.LOST * WIDTH] + state[i + lane.L_MASS * WIDTH] * v * v)
         for j in range(n_moving):
             i = int(moving[j])
             next_piece(state, i, tables[int(state[i + lane.CASE * WIDTH])], pieces)
@@ -189,7 +189,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
                     roll_freely(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.margin, detail)
                 judge_rolling(state, o, how)
             elif path:
-                judge_path(state, o, how)
+                judge_path(state, o, how, two_sided)
             else:
                 judge(state, o, how, two_sided)
             n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
@@ -222,7 +222,7 @@ def finish_case(state, i, two_sided, rolls, path, watch, pars, out):
     if rolls:
         leave_rolling(state, i, out[case])
     if path:
-        leave_path(state, i, watch, pars[case], out[case])
+        leave_path(state, i, watch, two_sided, pars[case], out[case])
     put(state, i, lane.CASE, -1.0)
     put(state, i, lane.EVENT, lane.IDLE)
 
@@ -250,7 +250,7 @@ def next_case(
             if len(bodies) > 0:
                 enter_rolling(state, i, bodies[int(pars[case][at.N_PAR])], pars[case][at.G])
             if path:
-                enter_path(state, i, pars[case], watch)
+                enter_path(state, i, pars[case], tables[case], watch)
             next_piece(state, i, tables[case], pieces)
             return upcoming, 1
         else:
@@ -284,7 +284,7 @@ def look(state, o, n, linear, two_sided, rolls, tol, work):
         rock_h = select(rocks, rock_h, h)
         a, guard = series_of_a(o, n), load(state, o + lane.L_GUARD * WIDTH)
         if two_sided:
-            other = load(state, o + (lane.OTHER + lane.L_GUARD - lane.L_SIDE) * WIDTH)
+            other = load(state, o + lane.TO_OTHER + lane.L_GUARD * WIDTH)
             guard = select(other < guard, other, guard)
         rest_h = reach_of(state, a, n, 1e-16 * guard, h)
         h = select(rocks, rock_h, rest_h)
@@ -334,7 +334,7 @@ def may_land(state, o, c, h, P, dP, M, reach):
 
 
 @jit_lean
-def advance(state, o, two_sided, rolls, rest_speed):
+def advance(state, o, two_sided, rolls, path, rest_speed):
     """One vector: take the step, turn over at impacts, leave rest at uplifts."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     if not some(event >= lane.NONE):
@@ -353,7 +353,7 @@ def advance(state, o, two_sided, rolls, rest_speed):
     s = select(lands, -s, s)
     if two_sided:
         store(state, o + lane.S * WIDTH, s)
-        to_the_edge(state, o, lane.OF_EDGE if rolls else lane.OF_EDGE - 2)
+        to_the_edge(state, o, lane.OF_EDGE if path else (lane.OF_ROLLING if rolls else lane.OF_PLAIN))
         p_alpha = load(state, o + lane.L_P * WIDTH) * load(state, o + lane.L_ALPHA * WIDTH)
     if rolls:
         counted = lands & (rate > FAST * p_alpha) & (t < stop)
@@ -383,7 +383,7 @@ def only_bounces(state, o, tol, linear, two_sided):
     if some(lands):
         lands = lands & swings_low(state, o, v, tol, linear)
         if two_sided:
-            there = o + (lane.OTHER - lane.L_SIDE) * WIDTH
+            there = o + lane.TO_OTHER
             lands = lands & swings_low(state, there, v, tol, linear) & (load(state, there + lane.L_ETA * WIDTH) <= 1.0)
     return lands
 
@@ -412,7 +412,7 @@ def postpone(state, i, backlog, slot, rest_speed):
     backlog[slot], backlog[WIDTH + slot] = state[i + lane.CASE * WIDTH], state[i + lane.L_STOP * WIDTH]
     backlog[2 * WIDTH + slot], backlog[3 * WIDTH + slot] = state[i + lane.T * WIDTH], state[i + lane.V * WIDTH]
     for edge in range(2):
-        o, b = i + edge * (lane.OTHER - lane.L_SIDE) * WIDTH, slot + (4 + 6 * edge) * WIDTH
+        o, b = i + edge * lane.TO_OTHER, slot + (4 + 6 * edge) * WIDTH
         p, alpha = state[o + lane.L_P * WIDTH], state[o + lane.L_ALPHA * WIDTH]
         backlog[b], backlog[b + WIDTH] = state[o + lane.L_ETA * WIDTH], FAST * p * alpha
         backlog[b + 2 * WIDTH] = rest_speed * p * math.sin(alpha)

@@ -2,7 +2,7 @@
 
 For what is asked of the way there, and not of the outcome alone: a body is followed until it lies on its side or
 nothing is left of its motion, its forces looked at at the nodes of a quadrature of the work of the ground (theory.md
-T9).  Bodies on two equal edges that stand at first; nonlinear laws.
+T9).  Bodies on two edges that stand at first; nonlinear laws.
 """
 
 from __future__ import annotations
@@ -11,18 +11,19 @@ import math
 
 import numpy as np
 
-from rockcli.kernels.constants import FALLS, MEANINGFUL, RETURNS
+from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import now
 from rockcli.kernels.lanes.pulses.ground import to_come
+from rockcli.kernels.lanes.pulses.series import look_along
 from rockcli.kernels.lanes.pulses.state import put, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
-from rockcli.kernels.rigid.law import potential
+from rockcli.kernels.rigid.law import edge_of, potential
 
 PLACES = 10
 NODES, WEIGHTS = (
@@ -31,60 +32,80 @@ NODES, WEIGHTS = (
 )
 """Of Gauss and Legendre on [0, 1]: where forces and power are looked at, beside the ends of a step."""
 
+STANDING = 3
+"""What is looked for beside the numbers of `slope_of`: |a_g| of a body that rests."""
+
 BEYOND = 2.0
 """How far beyond the values at its ends a quantity may go between two places, in slopes times the distance."""
 
-SHARP = math.sqrt(3.0 - math.sqrt(6.0))
-"""|y| of the largest |(y^3 - 3 y) exp(-y^2/2)|."""
+EXTREMES = (0.0, math.sqrt(3.0), math.sqrt(3.0 - math.sqrt(6.0)), math.sqrt(3.0 + math.sqrt(6.0)))
+"""|y| of the extremes of a bell: two of the even one, two of the odd one."""
 
 
 @jit_lean
-def enter_path(state, i, par, watch):
+def enter_path(state, i, par, table, watch):
     """A body that stands, or has just been lifted, has been put into lane i."""
-    R, g = par[at.RIGHT + at.RADIUS], par[at.G]
-    for field in range(lane.RATE_MAX, lane.GRIP):
+    for field in range(lane.RATE_MAX, lane.N_UP):
         put(state, i, field, 0.0)
-    put(state, i, lane.L_EXTENT, 0.5 * math.pi)
-    put(state, i, lane.SIN_ALPHA, math.sin(par[at.RIGHT + at.ALPHA]))
-    put(state, i, lane.COS_ALPHA, math.cos(par[at.RIGHT + at.ALPHA]))
-    put(state, i, lane.SHAKE, 1.0 / R)
-    put(state, i, lane.WEIGHT, g / R)
-    put(state, i, lane.GRIP, par[at.RIGHT + at.THRESHOLD])
+    for o, side in ((i, state[i + lane.S * WIDTH]), (i + lane.TO_OTHER, -state[i + lane.S * WIDTH])):
+        edge = edge_of(par, at.RIGHT if side > 0.0 else at.LEFT)
+        put(state, o, lane.L_EXTENT, 0.5 * math.pi)
+        put(state, o, lane.L_MASS, edge.radius * edge.g / edge.p2)  # I/m
+        put(state, o, lane.L_SIN, math.sin(edge.alpha))
+        put(state, o, lane.L_COS, math.cos(edge.alpha))
+        put(state, o, lane.L_SHAKE, 1.0 / edge.radius)
+        put(state, o, lane.L_WEIGHT, edge.g / edge.radius)
+        put(state, o, lane.L_GRIP, edge.threshold)
     put(state, i, lane.N_LEAST, math.inf)
     put(state, i, lane.OVER_T, math.nan)
     put(state, i, lane.N_UP, math.inf)
     if watch and state[i + lane.UP_T * WIDTH] > 0.0:
-        stood(state, i)
+        stood(state, i, table)
 
 
 @jit_lean
 def is_followed(par, table, pieces):
     """Whether the path of a body is for lanes: one that stands at first, and that the ground may lift."""
-    guard = par[at.G] * par[at.RIGHT + at.THRESHOLD]
+    guard = par[at.G] * min(par[at.LEFT + at.THRESHOLD], par[at.RIGHT + at.THRESHOLD])
     return par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0 and pieces > 0 and table[13] >= guard
 
 
 @jit_lean
-def stood(state, i):
-    """Lane i has been at rest until the ground lifted it."""
-    put(state, i, lane.N_LEAST, min(state[i + lane.N_LEAST * WIDTH], 1.0))
-    put(state, i, lane.MU_MOST, max(state[i + lane.MU_MOST * WIDTH], state[i + lane.GRIP * WIDTH]))
+def stood(state, i, table):
+    """Lane i has been at rest until a bell lifted it."""
+    until = table[4] * (state[i + lane.UP_T * WIDTH] - table[3])
+    largest = largest_of_bell(table, until) * state[i + lane.L_SHAKE * WIDTH] / state[i + lane.L_WEIGHT * WIDTH]
+    put(state, i, lane.N_LEAST, 1.0)
+    put(state, i, lane.MU_MOST, max(largest, state[i + lane.L_GRIP * WIDTH]))
+
+
+@jit_lean
+def largest_of_bell(table, end):
+    """Largest |a_g| of a bell up to its y = end: there, where it begins, or at an extreme between."""
+    even, odd = table[5], table[8]
+    begin = table[4] * (table[0] - table[3])
+    most = max(abs(bell(even, odd, begin)), abs(bell(even, odd, end)))
+    for y in EXTREMES:
+        for side in range(2):
+            place = y if side == 0 else -y
+            if begin < place < end:
+                most = max(most, abs(bell(even, odd, place)))
+    return most
+
+
+@jit_lean
+def bell(even, odd, y):
+    """a_g of a bell at y."""
+    z = y * y
+    return (even * (1.0 - z) + odd * y * (z - 3.0)) * math.exp(-0.5 * z)
 
 
 @jit_lean
 def never_lifted(par, table, pieces, out):
-    """Friction of a body that a bell does not lift, whose results `out` are else known; False if that is not known.
-
-    The largest |a_g| of a bell that lasts longer than its extreme: that of the even one is at y = 0.
-    """
+    """Friction of a body that a bell does not lift, whose results `out` are else known; False if that is not known."""
     if pieces != 1 or table[2] != lane.BELL:
         return False
-    w, even, odd = table[4], table[5], table[8]
-    begin, end = w * (table[0] - table[3]), w * (min(table[1], par[at.T_MOTION]) - table[3])
-    if not begin <= -SHARP <= SHARP <= end:
-        return False
-    z = SHARP * SHARP
-    out[to.MU] = max(abs(even), abs(odd) * SHARP * (3.0 - z) * math.exp(-0.5 * z)) / par[at.G]
+    out[to.MU] = largest_of_bell(table, table[4] * (min(table[1], par[at.T_MOTION]) - table[3])) / par[at.G]
     out[to.N_MIN] = 1.0
     return True
 
@@ -107,11 +128,11 @@ def forces_at(state, o, n, y):
         ground = ground * y + load(state, a + k * WIDTH)
     acc, jerk, vv = 2.0 * bend, 6.0 * third, v * v
     sine, cosine = sin_cos(q)
-    up, along = load(state, o + lane.SIN_ALPHA * WIDTH), load(state, o + lane.COS_ALPHA * WIDTH)
+    up, along = load(state, o + lane.L_SIN * WIDTH), load(state, o + lane.L_COS * WIDTH)
     sin_b, cos_b = up * cosine - along * sine, along * cosine + up * sine
-    shake = load(state, o + lane.S * WIDTH) * load(state, o + lane.SHAKE * WIDTH)
+    shake = load(state, o + lane.S * WIDTH) * load(state, o + lane.L_SHAKE * WIDTH)
     T = shake * ground + cos_b * acc + sin_b * vv
-    N = load(state, o + lane.WEIGHT * WIDTH) + sin_b * acc - cos_b * vv
+    N = load(state, o + lane.L_WEIGHT * WIDTH) + sin_b * acc - cos_b * vv
     dT = shake * rise + cos_b * jerk + v * (3.0 * sin_b * acc - cos_b * vv)
     dN = sin_b * jerk - v * (3.0 * cos_b * acc + sin_b * vv)
     return q, v, acc, sine, cosine, ground, T, N, dN, T * (dT * N - T * dN)
@@ -136,7 +157,7 @@ def slope_of(what, v, acc, T, N, dN, turn):
 
 
 @jit_lean
-def follow(state, o, n, watch):
+def follow(state, o, n, watch, two_sided):
     """One vector, before it takes its step: what happens on the way to X."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     taken = (event >= lane.NONE) & (event < lane.DONE)
@@ -150,10 +171,16 @@ def follow(state, o, n, watch):
         of_alpha = rate / (load(state, o + lane.L_P * WIDTH) * load(state, o + lane.L_ALPHA * WIDTH))
         carried = of_alpha * of_alpha - MEANINGFUL * MEANINGFUL
         carried = select(lands & (carried > 0.0) & (t < load(state, o + lane.L_STOP * WIDTH)), carried, 0.0)
-        eta = load(state, o + lane.L_ETA * WIDTH)
         add(state, o, lane.SWUNG, carried)
         add(state, o, lane.SWUNG_T, carried * (t + x))
-        add(state, o, lane.LOST, select(lands, rate * rate * (1.0 - eta * eta), 0.0))
+        there = o + lane.TO_OTHER if two_sided else o
+        mass, onto = load(state, o + lane.L_MASS * WIDTH), load(state, there + lane.L_MASS * WIDTH)
+        eta = load(state, there + lane.L_ETA * WIDTH)
+        add(state, o, lane.LOST, select(lands, rate * rate * (mass - onto * eta * eta), 0.0))
+        counted = lands & (abs(of_alpha) > FAST) & (t < load(state, o + lane.L_STOP * WIDTH))
+        right = load(state, o + lane.S * WIDTH) > 0.0
+        add(state, o, lane.ONTO_LEFT, select(counted & right, 1.0, 0.0))
+        add(state, o, lane.ONTO_RIGHT, select(counted & ~right, 1.0, 0.0))
 
 
 @jit_lean
@@ -190,7 +217,7 @@ def _between_places(state, o, n, watch, going, t, x):
                 work = work + WEIGHTS[j] * (new[5] * (fc * new[4] + fs * new[3]) * new[1])
         low, was = high, new
     if watch:
-        add(state, o, lane.WORK, select(going, s * x * work, 0.0))
+        add(state, o, lane.WORK, select(going, load(state, o + lane.L_MASS * WIDTH) * (s * x * work), 0.0))
 
 
 @jit_lean
@@ -198,7 +225,7 @@ def note_extremes(state, o, forces, where):
     """Raise the largest rate and friction, lower the smallest normal force."""
     v, T, N = forces[1], forces[6], forces[7]
     rate, least = load(state, o + lane.RATE_MAX * WIDTH), load(state, o + lane.N_LEAST * WIDTH)
-    most, weight = load(state, o + lane.MU_MOST * WIDTH), load(state, o + lane.WEIGHT * WIDTH)
+    most, weight = load(state, o + lane.MU_MOST * WIDTH), load(state, o + lane.L_WEIGHT * WIDTH)
     speed, normal, size = abs(v), N / weight, size_of(T, N)
     store(state, o + lane.RATE_MAX * WIDTH, select(where & (speed > rate), speed, rate))
     store(state, o + lane.N_LEAST * WIDTH, select(where & (normal < least), normal, least))
@@ -214,7 +241,7 @@ def _look_between(state, o, n, where, low, high, was, new):
         if what == 0:
             best = load(state, o + lane.RATE_MAX * WIDTH)
         elif what == 1:
-            best = -load(state, o + lane.N_LEAST * WIDTH) * load(state, o + lane.WEIGHT * WIDTH)
+            best = -load(state, o + lane.N_LEAST * WIDTH) * load(state, o + lane.L_WEIGHT * WIDTH)
         else:
             best = load(state, o + lane.MU_MOST * WIDTH)
         far = BEYOND * (high - low)
@@ -222,19 +249,23 @@ def _look_between(state, o, n, where, low, high, was, new):
         most = select(from_low < from_high, from_low, from_high)
         inside = where & (f_low > 0.0) & (f_high < 0.0) & (most > best)
         if some(inside):
-            _find_extreme(state, o, n, what, inside, low, high, f_low, f_high)
+            there = forces_at(state, o, n, _top_between(state, o, n, what, inside, low, high, f_low, f_high))
+            note_extremes(state, o, there, inside)
 
 
 @jit_lean
-def _find_extreme(state, o, n, what, where, lo, hi, f_lo, f_hi):
-    """Locate maxima by their slopes (Illinois method) and note them."""
+def _top_between(state, o, n, what, where, lo, hi, f_lo, f_hi):
+    """Where maxima are, by their slopes (Illinois method)."""
     going, z, kept = where, lo, spread(0.0)
     for _ in range(40):
         new = (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
         far = abs(new - z) > 1e-9 * hi  # flat here: the error is of second order
         z = select(going, new, z)
-        forces = forces_at(state, o, n, z)
-        _, f = slope_of(what, forces[1], forces[2], forces[6], forces[7], forces[8], forces[9])
+        if what == STANDING:
+            _, f = ground_at(state, o, n, z)
+        else:
+            forces = forces_at(state, o, n, z)
+            _, f = slope_of(what, forces[1], forces[2], forces[6], forces[7], forces[8], forces[9])
         below = f < 0.0
         f_lo = select(going & below & (kept > 0.0), 0.5 * f_lo, select(going & ~below, f, f_lo))
         f_hi = select(going & ~below & (kept < 0.0), 0.5 * f_hi, select(going & below, f, f_hi))
@@ -243,7 +274,7 @@ def _find_extreme(state, o, n, what, where, lo, hi, f_lo, f_hi):
         going = going & far
         if not some(going):
             break
-    note_extremes(state, o, forces_at(state, o, n, z), where)
+    return z
 
 
 @jit_lean
@@ -274,36 +305,76 @@ def _pass(state, o, n, watch, over, reported, star, t, low, high, was):
 
 
 @jit_lean
-def note_uplifts(state, o):
-    """Resting lanes that lift have stood until now; those whose friction at rest is not known are left to `march`.
-
-    At rest |a_g| is below the uplift threshold, which a body that has once been lifted from rest has needed already.
-    """
+def note_standing(state, o, n):
+    """Friction |a_g|/g and weight of resting lanes on the step they are about to take, not of those lifted at once."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
-    rests = (event >= lane.NONE) & (event < lane.DONE) & (mode == lane.REST)
+    x = load(state, o + lane.X * WIDTH)
+    rests = (event >= lane.NONE) & (event < lane.DONE) & (mode == lane.REST) & (x > 0.0)
     if not some(rests):
         return
-    x, up = load(state, o + lane.X * WIDTH), load(state, o + lane.UP_T * WIDTH)
-    grip, most = load(state, o + lane.GRIP * WIDTH), load(state, o + lane.MU_MOST * WIDTH)
-    lifts = rests & (event == lane.UPLIFT)
-    stands = lifts & (x > 0.0)
     least = load(state, o + lane.N_LEAST * WIDTH)
-    store(state, o + lane.N_LEAST * WIDTH, select(stands & (least > 1.0), 1.0, least))
-    store(state, o + lane.MU_MOST * WIDTH, select(stands & (most < grip), grip, most))
-    moved = up >= 0.0
-    unknown = rests & ~stands & (most < grip) & (moved | (lifts & (load(state, o + lane.T * WIDTH) > 0.0)))
-    store(state, o + lane.EVENT * WIDTH, select(unknown, lane.FOR_MARCH, event))
+    store(state, o + lane.N_LEAST * WIDTH, select(rests & (least > 1.0), 1.0, least))
+    x = select(rests, x, 0.0)
+    _, _, _, bound = look_along(state, series_of_a(o, n), n, x)
+    if not some(rests & _is_most(state, o, bound)):
+        return
+    low = spread(0.0)
+    was = ground_at(state, o, n, low)
+    _note_grip(state, o, was[0], rests)
+    for j in range(PLACES + 1):
+        high = NODES[j] * x if j < PLACES else x
+        new = ground_at(state, o, n, high)
+        _note_grip(state, o, new[0], rests)
+        turns = rests & (was[1] > 0.0) & (new[1] < 0.0)
+        if some(turns):
+            z = _top_between(state, o, n, STANDING, turns, low, high, was[1], new[1])
+            size, _ = ground_at(state, o, n, z)
+            _note_grip(state, o, size, turns)
+        low, was = high, new
 
 
 @jit_lean
-def bounces_matter(state, o):
-    """Lanes whose later swings, lower than those before and free, may need more friction, or press less, than so far.
+def ground_at(state, o, n, y):
+    """|a_g| of a vector at y in the step under way, and its slope."""
+    a = series_of_a(o, n)
+    ground, rise = load(state, a + n * WIDTH), spread(0.0)
+    for k in range(n - 1, -1, -1):
+        rise = rise * y + ground
+        ground = ground * y + load(state, a + k * WIDTH)
+    return abs(ground), select(ground > 0.0, rise, -rise)
+
+
+@jit_lean
+def _is_most(state, o, size):
+    """Where |a_g| = size needs more friction of a body that stands than was needed so far."""
+    shake, weight = load(state, o + lane.L_SHAKE * WIDTH), load(state, o + lane.L_WEIGHT * WIDTH)
+    return size * shake > load(state, o + lane.MU_MOST * WIDTH) * weight
+
+
+@jit_lean
+def _note_grip(state, o, size, where):
+    """Raise the largest friction to that of a body that stands while |a_g| = size."""
+    shake, weight = load(state, o + lane.L_SHAKE * WIDTH), load(state, o + lane.L_WEIGHT * WIDTH)
+    most = load(state, o + lane.MU_MOST * WIDTH)
+    store(state, o + lane.MU_MOST * WIDTH, select(where & _is_most(state, o, size), size * shake / weight, most))
+
+
+@jit_lean
+def bounces_matter(state, o, two_sided):
+    """Lanes whose later swings, lower and free, may need more friction, or press less, than those so far."""
+    matter = matter_about(state, o, o)
+    return matter | matter_about(state, o, o + lane.TO_OTHER) if two_sided else matter
+
+
+@jit_lean
+def matter_about(state, o, edge):
+    """`bounces_matter` of the swings about the edge whose numbers stand at `edge`.
 
     Not those where |q''| = down and the present rate together do not: both are less from now on.
     """
-    v, weight = load(state, o + lane.V * WIDTH), load(state, o + lane.WEIGHT * WIDTH)
-    down = load(state, o + lane.L_R0 * WIDTH) + load(state, o + lane.L_RC * WIDTH)
-    up = load(state, o + lane.SIN_ALPHA * WIDTH)
+    v, weight = load(state, o + lane.V * WIDTH), load(state, edge + lane.L_WEIGHT * WIDTH)
+    down = load(state, edge + lane.L_R0 * WIDTH) + load(state, edge + lane.L_RC * WIDTH)
+    up = load(state, edge + lane.L_SIN * WIDTH)
     normal = 1.0 - (up * down + v * v) / weight
     friction = (down + up * v * v) / weight
     least, most = load(state, o + lane.N_LEAST * WIDTH), load(state, o + lane.MU_MOST * WIDTH)
@@ -311,7 +382,7 @@ def bounces_matter(state, o):
 
 
 @jit_lean
-def judge_path(state, o, how):
+def judge_path(state, o, how, two_sided):
     """One vector: what is known once the motion has ended, and which lanes are done."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     going = (mode >= lane.REST) & (event < lane.DONE)
@@ -325,15 +396,20 @@ def judge_path(state, o, how):
     )  # fmt: skip
     stored, top = 2.0 * potential(r0, rc, q, rs * bend, sine), 2.0 * load(state, o + lane.L_TOP * WIDTH)
     excess, inside = v * v + stored - top, q < load(state, o + lane.L_STAR * WIDTH)
+    missing = excess  # to fall over either edge: the rate goes on over an impact, less by eta
+    if two_sided:
+        missing = v * v + stored - 2.0 * load(state, o + lane.TO_OTHER + lane.L_TOP * WIDTH)
+        missing = select(missing > excess, missing, excess)
     p = load(state, o + lane.L_P * WIDTH)
     near = 10.0 * how.margin * load(state, o + lane.L_ALPHA * WIDTH) * p * (abs(v) + sqrt(abs(top - stored)))
-    near = abs(excess) <= near + 1e-13 * p * p
+    near = near + 1e-13 * p * p
+    near = (abs(excess) <= near) | (abs(missing) <= near)
 
     over, stop = t >= load(state, o + lane.L_END * WIDTH), load(state, o + lane.L_STOP * WIDTH)
     verdict = load(state, o + lane.VERDICT * WIDTH)
     asked = going & over & (mode == lane.ROCK) & (verdict < 0.0)
     falls = (inside & (excess > 0.0) & (v > 0.0)) | (~inside & ((excess < 0.0) | (v > 0.0)))
-    verdict = select(asked & inside & (excess < 0.0), 1.0 * RETURNS, select(asked & falls, 1.0 * FALLS, verdict))
+    verdict = select(asked & inside & (missing < 0.0), 1.0 * RETURNS, select(asked & falls, 1.0 * FALLS, verdict))
     still = going & (mode == lane.REST) & over
     lies = going & (event == lane.TOUCH)
     verdict = select(still, 1.0 * RETURNS, select(lies, 1.0 * FALLS, verdict))
@@ -346,26 +422,28 @@ def judge_path(state, o, how):
 
 
 @jit_lean
-def leave_path(state, i, watch, par, out):
+def leave_path(state, i, watch, two_sided, par, out):
     """What goes with the path of a case that leaves lane i."""
     out[to.T_OVERTURN] = state[i + lane.OVER_T * WIDTH]
     out[to.T_END] = min(out[to.T_END], state[i + lane.L_STOP * WIDTH])
     out[to.SWINGS] += state[i + lane.SWUNG * WIDTH]
     out[to.SWINGS_T] += state[i + lane.SWUNG_T * WIDTH]
-    right = state[i + lane.TOP_SIDE * WIDTH] > 0.0
-    out[to.PEAK_RIGHT if right else to.PEAK_LEFT] = state[i + lane.TOP * WIDTH]
-    out[to.ONTO_LEFT] = out[to.ONTO_RIGHT] = state[i + lane.N_IMPACTS * WIDTH]
+    if not two_sided:
+        right = state[i + lane.TOP_SIDE * WIDTH] > 0.0
+        out[to.PEAK_RIGHT if right else to.PEAK_LEFT] = state[i + lane.TOP * WIDTH]
+    out[to.ONTO_LEFT] += state[i + lane.ONTO_LEFT * WIDTH]
+    out[to.ONTO_RIGHT] += state[i + lane.ONTO_RIGHT * WIDTH]
     out[to.N_MIN] = out[to.N_STANDING] = math.inf
     if not watch:
         return
     out[to.RATE_PEAK], out[to.MU] = state[i + lane.RATE_MAX * WIDTH], state[i + lane.MU_MOST * WIDTH]
     out[to.N_MIN] = state[i + lane.N_LEAST * WIDTH]
     out[to.MU_STANDING], out[to.N_STANDING] = state[i + lane.MU_UP * WIDTH], state[i + lane.N_UP * WIDTH]
-    q, v, p2 = state[i + lane.Q * WIDTH], state[i + lane.V * WIDTH], par[at.RIGHT + at.P2]
+    q, v, mass = state[i + lane.Q * WIDTH], state[i + lane.V * WIDTH], state[i + lane.L_MASS * WIDTH]
     half = math.sin(0.5 * q)
     stored = potential(
         state[i + lane.L_R0 * WIDTH], state[i + lane.L_RC * WIDTH], q,
         state[i + lane.L_RS * WIDTH] * 2.0 * half * half, math.sin(q),
     )  # fmt: skip
-    left = 0.5 * (v * v + state[i + lane.LOST * WIDTH]) + stored
-    out[to.ENERGY] = -(state[i + lane.WORK * WIDTH] + left) * par[at.RIGHT + at.RADIUS] / p2
+    left = mass * (0.5 * v * v + stored) + 0.5 * state[i + lane.LOST * WIDTH]
+    out[to.ENERGY] = -(state[i + lane.WORK * WIDTH] + left) / par[at.G]

@@ -33,8 +33,6 @@ from rockcli.kernels.rolling.rest import rest_time
 SLOWEST = 8.0
 """Impacts up to this many times the rest speed are looked at, as the ground's acceleration presses a body down too."""
 
-TO_OTHER = (lane.OTHER - lane.L_SIDE) * WIDTH
-
 
 @jit_lean
 def enter_rolling(state, i, body, g):
@@ -62,8 +60,8 @@ def put_facet(state, i, body, g, facet, s):
     put(state, i, lane.TILT, tilt)
     put(state, i, lane.FLOOR, g * (body[at.FIRST + facet * at.FACET + at.HEIGHT] - body[at.LOWEST]))
     put_end(state, i, body, end_of(body, g, facet, s), s)
-    put_end(state, i + TO_OTHER, body, end_of(body, g, facet, -s), -s)
-    for o, side in ((i, s), (i + TO_OTHER, -s)):
+    put_end(state, i + lane.TO_OTHER, body, end_of(body, g, facet, -s), -s)
+    for o, side in ((i, s), (i + lane.TO_OTHER, -s)):
         peak = state[i + (lane.PEAK_RIGHT if side > 0.0 else lane.PEAK_LEFT) * WIDTH]
         put(state, o, lane.TOP, peak - abs(tilt) if side * tilt >= 0.0 else math.inf)
 
@@ -122,7 +120,7 @@ def find_touches(state, n, poly, lanes):
 def note_tops(state, i):
     """The peaks of the facet that lane i turns about become those of the body."""
     tilt = abs(state[i + lane.TILT * WIDTH])
-    for o in (i, i + TO_OTHER):
+    for o in (i, i + lane.TO_OTHER):
         t = state[o + lane.TOP_T * WIDTH]
         if t >= 0.0:
             right = state[o + lane.L_SIDE * WIDTH] > 0.0

@@ -24,13 +24,12 @@ VECTORS = 8
 (
     CASE, MODE, PIECE, T, T_NEXT, H, X, Q, V, S, VERDICT, LAUNCH, N_STEPS, N_IMPACTS, UP_T,
     L_SIDE, TOP, TOP_T, L_P, L_ALPHA, L_R0, L_RS, L_RC, L_FC, L_FS, L_ALONG, L_ACROSS, L_GUARD, L_STAR, L_TOP, L_ETA,
-    L_PULL, L_EXTENT, L_MASS, L_END, L_STOP, L_GIVEN,
+    L_PULL, L_EXTENT, L_MASS, L_SIN, L_COS, L_SHAKE, L_WEIGHT, L_GRIP, L_END, L_STOP, L_GIVEN,
     L_BOUND, KIND, ORIGIN, C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, EVENT, NEW_Q, NEW_V, REACH, BRACKET, BREADTH, SINE,
     COSINE, BELL_E, TOP_SIDE, FACET, OUTSIDE_LEFT, OUTSIDE_RIGHT, TILT, FLOOR, BRIM, SWAY, KEEP_LEFT, KEEP_RIGHT,
     RESTS_ON, PEAK_LEFT, PEAK_RIGHT, PEAK_LEFT_T, PEAK_RIGHT_T,
-    RATE_MAX, MU_MOST, WORK, LOST, SWUNG, SWUNG_T, MU_UP, N_UP, N_LEAST, OVER_T, GRIP, SHAKE, WEIGHT, SIN_ALPHA,
-    COS_ALPHA, OTHER,
-) = range(90)  # fmt: skip
+    RATE_MAX, MU_MOST, WORK, LOST, SWUNG, SWUNG_T, MU_UP, ONTO_LEFT, ONTO_RIGHT, N_UP, N_LEAST, OVER_T, OTHER,
+) = range(92)  # fmt: skip
 """CASE row of the case, -1 idle.  T, T_NEXT now and the next breakpoint; H the step, X how far it goes.  UP_T uplift.
 L_*: constants of the case, p^2 and 1/g multiplied in; L_ALONG, L_ACROSS: the restoring
 moment as r0 + along f + across df/dq, f = fc cos q + fs sin q; L_GUARD uplift |a_g|; L_TOP energy of the equilibrium;
@@ -38,18 +37,21 @@ L_PULL p^2 max|f|/g; L_BOUND of |a_g|; L_GIVEN whether the report ends at a give
 the motion (scene/excitation.py).  EVENT, NEW_*: what the step under way comes to; REACH bound of |q| on it, BRACKET
 where the part of it with a turning point begins, and BREADTH how long that is, as shares of X.
 SINE, COSINE of q (q, 1 if linear), BELL_E exp(-y^2/2): now.
-What goes with an edge, L_SIDE to L_MASS, is that of the edge the body turns about; of a body with two different edges
+What goes with an edge, L_SIDE to L_GRIP, is that of the edge the body turns about; of a body with two different edges
 that of the other one, in the same order, stands from OTHER on, and the two change places as the body turns over.
 TOP, TOP_T: the peak so far, of a body with two different edges that of its side; TOP_SIDE where it was.
 Of a body that rolls (`rolling`) the two edges are the ends of a facet, L_EXTENT to FACET and on.
-Of one whose path is followed (`path`) L_EXTENT is a quarter turn; RATE_MAX to OVER_T are its results, GRIP |a_g|/g at
-uplift, SHAKE 1/R, WEIGHT g/R.
+Of one whose path is followed (`path`) L_EXTENT is a quarter turn, L_SIN and L_COS are of alpha, L_SHAKE is 1/R,
+L_WEIGHT g/R, L_GRIP |a_g|/g at uplift; RATE_MAX to OVER_T are its results.
 After the fields come the coefficients of q, orders 0 to n and four more that stay zero, then those of a_g."""
 
-OF_EDGE = L_MASS + 1 - L_SIDE
-"""Fields that go with an edge; the last two are those of bodies that roll."""
+OF_PLAIN, OF_ROLLING, OF_EDGE = L_PULL + 1 - L_SIDE, L_MASS + 1 - L_SIDE, L_GRIP + 1 - L_SIDE
+"""Fields that go with an edge: of bodies on two edges, of those that roll, of those whose path is followed."""
 
 FIELDS = OTHER + OF_EDGE
+
+TO_OTHER = (OTHER - L_SIDE) * WIDTH
+"""From a number that goes with the edge under a body to that of its other edge."""
 
 NONE, IMPACT, TOUCH, UPLIFT, DONE, FOR_MARCH = 0.0, 1.0, 1.5, 2.0, 3.0, 4.0
 """EVENT; TOUCH: the next facet lies flat; DONE: the case leaves with its verdict; FOR_MARCH: it is left to `march`."""
@@ -121,9 +123,9 @@ def enter(state, i, case, par, table, pieces, linear, two_sided, energy, t_uplif
     put_edge(state, i, edge_of(par, first), s, par[first + at.Q_STAR])
     put(state, i, L_TOP, energy)
     if two_sided:
-        put_edge(state, i + (OTHER - L_SIDE) * WIDTH, edge_of(par, second), -s, par[second + at.Q_STAR])
+        put_edge(state, i + TO_OTHER, edge_of(par, second), -s, par[second + at.Q_STAR])
         put(state, i, L_TOP, equilibrium(par, first, linear))
-        put(state, i + (OTHER - L_SIDE) * WIDTH, L_TOP, equilibrium(par, second, linear))
+        put(state, i + TO_OTHER, L_TOP, equilibrium(par, second, linear))
     put(state, i, CASE, case)
     put(state, i, T, 0.0)
     put(state, i, T_NEXT, 0.0)
@@ -265,7 +267,7 @@ def leave(state, i, two_sided, verdict, out):
     out[to.PEAK_ALPHA] = state[i + L_ALPHA * WIDTH] if top > 0.0 else 1.0
     out[to.T_PEAK], out[to.T_UPLIFT] = state[i + TOP_T * WIDTH], state[i + UP_T * WIDTH]
     if two_sided:
-        there = i + (OTHER - L_SIDE) * WIDTH
+        there = i + TO_OTHER
         second = state[there + TOP * WIDTH]
         out[to.PEAK_SIDE] = state[i + L_SIDE * WIDTH]
         right = out[to.PEAK_SIDE] > 0.0
