@@ -19,6 +19,9 @@ _RATES = {LINEAR: (4,), WAVES: (5, 8, 11), BELL: (4,)}
 _TIMES = {LINEAR: (), WAVES: (3,), BELL: (3,)}
 """Columns that are times, beside those of the beginning and the end."""
 
+FEW = 4
+"""Kinds of pulses that are found without sorting all."""
+
 
 def peaks(channel: Channel | None, n: int, duration: Array | None = None) -> tuple[Array, Array]:
     """Peak ground acceleration [m/s²] and velocity [m/s] of each of n cases; NaN without a motion.
@@ -78,13 +81,31 @@ def _of_pulses(pulses: Pulses, until: Array) -> tuple[Array, Array]:
     until = np.minimum(until * pulses.omega_p, table[:, -1, 1])
     # what is measured is the rounded pulse itself, so that it does not depend on the cases it stands among
     keys = np.asarray(np.round(np.column_stack([table.reshape(n, -1), until]), 12), dtype=np.float64)
-    distinct, inverse = np.unique(keys, axis=0, return_inverse=True)
+    distinct, inverse = _distinct(keys)
     if len(distinct) == 1:  # as at every point of a search
         pga, pgv = _of_one(distinct.tobytes(), table.shape[1])
     else:
         pga, pgv = _of_distinct(distinct, table.shape[1])
-    inverse = inverse.reshape(-1)
     return pga[inverse] * a_p, pgv[inverse] * a_p / pulses.omega_p
+
+
+def _distinct(rows: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Distinct rows (k, m), and which of them each of all rows (n, m) is, (n,).
+
+    To sort rows takes longer than to solve the pulses; the first few kinds are found by comparison with one of each.
+    """
+    kinds: list[Array] = []
+    which, left = np.zeros(len(rows), dtype=np.int64), np.arange(len(rows))
+    while len(left) and len(kinds) < FEW:
+        alike = (rows[left] == rows[left[0]]).all(axis=1)
+        which[left[alike]] = len(kinds)
+        kinds.append(rows[left[:1]])
+        left = left[~alike]
+    if len(left):
+        others, of = np.unique(rows[left], axis=0, return_inverse=True)
+        which[left] = len(kinds) + of.reshape(-1)
+        kinds.append(others)
+    return np.concatenate(kinds), which
 
 
 def _of_distinct(keys: Array, pieces: int) -> tuple[Array, Array]:
