@@ -23,6 +23,9 @@ WORTH = 0.4
 WORTH_AT_ONCE = 0.15
 """Estimated time of all above which processes are forked before anything is solved here [s]: one takes 10 to 20 ms."""
 
+TASTE = 4
+"""Cases solved in this process before it is forked."""
+
 COSTLY = 2.0
 """Time of one case above which not even the first is tried in this process [s]."""
 
@@ -38,24 +41,28 @@ def usable_cores() -> int:
 def answers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterator[tuple[Index, T]]:
     """Yield (cases, answer) until nothing is left, in no particular order.
 
-    Processes are started only when what is left is worth it.  Unless kernels were compiled ahead of time the first
-    chunks are solved here, which also compiles what the others then have.
+    Processes are started only when what is left is worth it.  The first cases are solved here, which also compiles what
+    the others then have; where kernels were compiled ahead of time a few are, so that what is loaded is loaded once.
     """
     if team.dask is not None and chunks.left:
         yield from on_cluster(work, chunks, pace, team)
         return
+    loaded = not pace.at_once
     while chunks.left:
-        if team.workers > 1 and chunks.left > 1 and _worth(chunks, pace):
+        shared = team.workers > 1 and chunks.left > 1 and _worth(chunks, pace)
+        if shared and loaded:
             yield from on_workers(work, chunks, pace, team)
             continue  # with what is left if no process could be started
-        cases = chunks.take(pace.step(chunks.left))
+        cases = chunks.take(TASTE if shared else pace.step(chunks.left))
         began = perf_counter()
         try:
             answer = work(cases)
         except MACHINE as error:
             yield from in_halves(work, cases, error, chunks, pace)
             continue
-        pace.learn(len(cases), perf_counter() - began)
+        if not shared:
+            pace.learn(len(cases), perf_counter() - began)
+        loaded = True
         yield cases, answer
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -56,7 +57,7 @@ class Results:
     """Everything the solvers said, over the flat cases of a study.
 
     Attributes:
-        scalars: (n,) by name; floats NaN and counts -1 where there is no answer.
+        names: of the scalars.
         symbols: R alpha p eta a_p omega_p pga pgv, over the axes they depend on.
         reason: (n,) code of the sentence of each case, 0 for none; where the study does not save it, of those alone
             that failed, and empty if none did.
@@ -72,7 +73,7 @@ class Results:
     """
 
     size: int
-    scalars: dict[str, NDArray[Any]]
+    names: tuple[str, ...]
     symbols: Symbols
     reason: NDArray[np.int32]
     reason_asked: bool = True
@@ -95,12 +96,19 @@ class Results:
     @classmethod
     def of(cls, study: Study, symbols: Symbols, folder: Path | None = None, *, solved: bool = True) -> Results:
         """Nothing yet; `solved`: whether there will be answers."""
-        scalars = blank(study.scalars, study.size, folder) if solved else {}
         asked = "reason" in study.scalars
         reason = full(study.size if asked else 0, 0, np.int32, folder)
-        return cls(study.size, scalars, symbols, reason, asked, folder=folder)
+        return cls(study.size, study.scalars if solved else (), symbols, reason, asked, folder=folder)
 
     describes = True
+
+    @cached_property
+    def scalars(self) -> dict[str, NDArray[Any]]:
+        """(n,) by name; floats NaN and counts -1 where there is no answer.
+
+        Laid out with the first answer, while workers are busy with the next.
+        """
+        return blank(self.names, self.size, self.folder)
 
     @property
     def reduction(self) -> Reduction:

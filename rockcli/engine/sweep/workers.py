@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import pickle
 import signal
+import socket
 import threading
 import time
 import warnings
@@ -40,6 +41,9 @@ QUICK = 0.5
 SMALL = 128
 """Runs of cases that fit into a pipe whose other end is not listening: more are sent only to a worker that waits, or
 both ends might wait for each other for ever."""
+
+ANSWER = 1 << 20
+"""Size of an answer, as a rule less [bytes]."""
 
 MAX_RETRIES = 2
 """Workers that a chunk may cost before it is halved to find the case that kills them."""
@@ -165,6 +169,7 @@ def _own_fault(code: int | None) -> bool:
 def _start(work: Work[Any], others: list[Connection]) -> Worker:
     context: Any = multiprocessing.get_context("fork" if FORKS else "spawn")
     mine, theirs = context.Pipe()
+    _widen(theirs)
     foreign = [mine, *others] if FORKS else []
     process = context.Process(target=_serve, args=(theirs, foreign, work, os.getpid()), daemon=True)
     with held_back(OURS), warnings.catch_warnings():  # until it no longer has our handlers
@@ -173,6 +178,13 @@ def _start(work: Work[Any], others: list[Connection]) -> Worker:
         process.start()
     theirs.close()
     return Worker(process, mine)
+
+
+def _widen(pipe: Connection) -> None:
+    """Let an answer lie in a pipe whole, as far as the system allows: a worker does not wait until it is read."""
+    if FORKS:
+        with socket.socket(fileno=os.dup(pipe.fileno())) as end:
+            end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, ANSWER)
 
 
 def _end(worker: Worker) -> None:
