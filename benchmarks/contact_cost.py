@@ -1,11 +1,12 @@
 """What friction costs in a sweep of records, over the time of pure rocking, and in a map of mu and amplitude.
 
-    python benchmarks/contact_cost.py [FOLDER_WITH_AT2_RECORDS] [--times 1.5 3] [--bodies 400]
+    python benchmarks/contact_cost.py [FOLDER_WITH_AT2_RECORDS] [--times 1.5 3] [--bodies 400] [--amplitudes 1000]
 
 As many bodies (R from 0.5 to 5 m, tan(alpha) from 0.1 to 0.4) under every AT2 file of the folder (default: records/),
 scaled to `times` g tan(alpha), each in turn, by mu/tan(alpha), with outcome, peak and slide, and with the default scalars: processor
 time of the whole study without a `mu`, with it, how many slide.  Medians of 15 rounds, in each of which every mu is solved beside pure rocking, so that
-what else the machine does meets all alike; kernels compiled before.  Then a map of mu and amplitude of 100 000 pulses.  Writes results/contact_cost.csv.
+what else the machine does meets all alike; kernels compiled before.  The same of one body (R = 2 m, tan(alpha) = 0.2)
+under every file at amplitudes from 0.5 to 10 g tan(alpha), five rounds.  Then a map of mu and amplitude of 100 000 pulses.  Writes results/contact_cost.csv.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ HERE = Path(__file__).resolve().parent
 TABLE = HERE / "results" / "contact_cost.csv"
 
 RATIOS = (0.8, 1.02, 1.05, 1.1, 1.2, 1.5, 2.0)
-ROUNDS = 15
+ROUNDS, ROUNDS_OF_SUITE = 15, 5
 SAVED = {"few": ["outcome", "theta_peak_over_alpha", "slide_peak"], "default": "all"}
 HEADER = [
     "what",
@@ -59,6 +60,13 @@ def sweep(files: list[Path], times: float, bodies: int, ratio: float | None, sav
     }
 
 
+def suite(files: list[Path], amplitudes: int, ratio: float | None, saved: str) -> dict[str, Any]:
+    study = sweep(files, 1.0, 1, ratio, saved)
+    study["case"]["block"] |= {"R": 2.0}
+    levels = {"motion.record.pga_over_g_tan_alpha": {"from": 0.5, "to": 10.0, "n": amplitudes}}
+    return study | {"vary": {"motion.record.file": study["vary"]["motion.record.file"]} | levels}
+
+
 def measured(study: dict[str, Any]) -> tuple[float, Any]:
     began = time.process_time()
     found = rockcli.run(study)
@@ -69,10 +77,12 @@ def memory() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
-def over_records(studies: dict[float | None, dict[str, Any]], intensity: float, saved: str) -> list[list[Any]]:
+def over_records(
+    studies: dict[float | None, dict[str, Any]], intensity: float | str, saved: str, turns: int = ROUNDS
+) -> list[list[Any]]:
     """Rows of the studies by mu/tan(alpha), that of pure rocking first."""
     found = {ratio: rockcli.run(study) for ratio, study in studies.items()}  # compiled by now
-    rounds = np.array([[measured(study)[0] for study in studies.values()] for _ in range(ROUNDS)])
+    rounds = np.array([[measured(study)[0] for study in studies.values()] for _ in range(turns)])
     seconds, over = np.median(rounds, axis=0), np.median(rounds / rounds[:, :1], axis=0)
     rows: list[list[Any]] = []
     for ratio, cost, times in zip(studies, seconds.tolist(), over.tolist(), strict=True):
@@ -94,6 +104,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path, nargs="?", default=HERE.parent / "records")
     parser.add_argument("--times", type=float, nargs="+", default=[1.5, 3.0])
     parser.add_argument("--bodies", type=int, default=400)
+    parser.add_argument("--amplitudes", type=int, default=1000)
     asked = parser.parse_args()
     files = sorted(asked.folder.glob("*.AT2"))
     rows: list[list[Any]] = []
@@ -101,6 +112,9 @@ def main() -> None:
         for saved in SAVED:
             studies = {ratio: sweep(files, intensity, asked.bodies, ratio, saved) for ratio in (None, *RATIOS)}
             rows += over_records(studies, intensity, saved)
+    for saved in SAVED:
+        studies = {ratio: suite(files, asked.amplitudes, ratio, saved) for ratio in (None, *RATIOS)}
+        rows += over_records(studies, "0.5 to 10", saved, ROUNDS_OF_SUITE)
     cost, pulses = measured(map_study())
     slides = float((pulses["slide_peak"].values > 0.0).mean())
     rows.append(["map of pulses", "", "few", "", pulses["outcome"].size, slides, cost, "", memory(), machine()])
