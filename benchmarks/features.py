@@ -46,6 +46,7 @@ ENOUGH, FIRST, MOST = 0.2, 8, 512
 
 PULSE, RECORD = "pulse", "record"
 FILES = ("synthetic_pulse_m70.AT2", "synthetic_soil_m70.AT2", "synthetic_rock_m65.AT2")
+TO_THE_END = "under pulses: two runs of every case, each to its end, where the plain block stops when its outcome is known"
 MOTIONS: dict[str, dict[str, Any]] = {
     PULSE: {"pulse": {"shape": "ricker", "a_p": 1, "T_p": 1}},
     RECORD: {"record": {"file": FILES[0], "pga": 1}},
@@ -156,7 +157,7 @@ PAIR = {RECORD: {"record": {"file": [FILES[0], FILES[0]], "angle": 0, "scale": 1
 FEATURES = [
     Feature("plain block: outcome, peak and impacts"),
     Feature("outcome alone", save=saved("outcome")),
-    Feature("every scalar and the certainty (default)", save={"histories": False}),
+    Feature("every scalar and the certainty (default)", save={"histories": False}, why=TO_THE_END),
     Feature("forces", save=saved("outcome", "mu_required", "N_min_over_mg")),
     Feature("time of overturning", save=saved("outcome", "t_overturn")),
     Feature(
@@ -165,7 +166,10 @@ FEATURES = [
     ),
     Feature("vertical motion", motion=VERTICAL, why="one body at a time"),
     Feature("asymmetric body", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights),
-    Feature("asymmetric body, every scalar (default)", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights, save={"histories": False}),
+    Feature(
+        "asymmetric body, every scalar (default)", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights, save={"histories": False},
+        why=TO_THE_END,
+    ),
     Feature("body that rolls, ten facets", {"block": {"outline": outline()}}, axes=losses),
     Feature("radius of gyration", {"block": {"R": 2, "tan_alpha": 0.2, "r_g": 1.1}}),
     Feature("friction, mu = 0.6", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.6}}),
