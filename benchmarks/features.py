@@ -46,7 +46,9 @@ ENOUGH, FIRST, MOST = 0.2, 8, 512
 
 PULSE, RECORD = "pulse", "record"
 FILES = ("synthetic_pulse_m70.AT2", "synthetic_soil_m70.AT2", "synthetic_rock_m65.AT2")
-TO_THE_END = "under pulses: two runs of every case, each to its end, where the plain block stops when its outcome is known"
+TO_THE_END = (
+    "under pulses: two runs of every case, each to its end, where the plain block stops when its outcome is known"
+)
 MOTIONS: dict[str, dict[str, Any]] = {
     PULSE: {"pulse": {"shape": "ricker", "a_p": 1, "T_p": 1}},
     RECORD: {"record": {"file": FILES[0], "pga": 1}},
