@@ -90,20 +90,21 @@ def watch_rest(a, a_v, deg, g, x, out):
     """Friction |a_g|/(g + a_v) and normal force of a body at rest on [0, x]."""
     parts = 1 if max(deg.a, deg.v) <= 1 else 32
     width = x / parts
-    mu_0 = mu_1 = 0.0
+    before = 0.0
     for j in range(parts + 1):
-        N = g + value(a_v, deg.v, width * j)
+        y = width * j if j < parts else x
+        A, N = value(a, deg.a, y), g + value(a_v, deg.v, y)
         out[to.N_MIN] = min(out[to.N_MIN], N / g)
-        mu = abs(value(a, deg.a, width * j)) / N if N > 0.0 else math.inf
-        out[to.MU] = max(out[to.MU], mu)
-        if j >= 2 and mu_1 > mu_0 and mu_1 >= mu and mu_1 < math.inf:
-            # from the vertex of the parabola through three points, by Newton's method on the slope
-            z = width * (j - 1) + 0.5 * width * (mu_0 - mu) / (mu_0 - 2.0 * mu_1 + mu)
+        out[to.MU] = max(out[to.MU], abs(A) / N if N > 0.0 else math.inf)
+        rise = A * (slope(a, deg.a, y) * N - A * slope(a_v, deg.v, y))
+        if before > 0.0 > rise and N > 0.0:
+            # from where a parabola turns, by Newton's method on the slope
+            z = y - width * rise / (rise - before)
             for _ in range(3):
                 A, N = value(a, deg.a, z), g + value(a_v, deg.v, z)
                 bent = bend(a, deg.a, z) * N - A * bend(a_v, deg.v, z)
                 if bent != 0.0:
                     step = (slope(a, deg.a, z) * N - A * slope(a_v, deg.v, z)) / bent
-                    z = min(max(z - step, width * (j - 2)), width * j)
+                    z = min(max(z - step, y - width), y)
             out[to.MU] = max(out[to.MU], abs(value(a, deg.a, z)) / (g + value(a_v, deg.v, z)))
-        mu_0, mu_1 = mu_1, mu
+        before = rise
