@@ -89,6 +89,7 @@ USERS = (
     "frame",
     "general",
     "literature",
+    "rolling_cases",
     "swept",
 )
 """Packages whose modules hold names of others: the program, and the tests by folder."""

@@ -26,6 +26,10 @@ class Rolled:
     theta: float = 0.0
     moved: bool = False
     rested: bool = False
+    rate: float = 0.0
+    friction: float = 0.0
+    normal: float = np.inf
+    push: float = 0.0
     t_impact: list = field(default_factory=list)
     w_after: list = field(default_factory=list)
 
@@ -65,6 +69,17 @@ class Rock:
         without = np.sqrt(inertia[0] / inertia[1])
         return rate * without * max(kept / without, 0.0) ** self.power
 
+    def forces(self, theta, rate, i, a_g, a_v):
+        """Along the ground and up per unit mass: what moves the centre of mass as it does, turning about vertex i."""
+        x, z = -self.turned(theta)[i]
+        turning = self.acceleration(theta, i, a_g, a_v)
+        return z * turning - x * rate**2 + a_g, -x * turning - z * rate**2 + self.g + a_v
+
+    def ratio(self, theta, before, after, old, new):
+        """Of the impulses along the ground and up that change the velocity of the centre of mass so."""
+        (x_old, z_old), (x_new, z_new) = -self.turned(theta)[[old, new]]
+        return abs(z_new * after - z_old * before) / (x_old * before - x_new * after)
+
     def neighbours(self, i):
         """The vertices that touch next when the body turns right and left from vertex i, and at which theta."""
         found = {}
@@ -81,10 +96,21 @@ class Rock:
         return found
 
 
-def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, linear=False, finer=1):
+def largest(values):
+    """Of a smooth function at equal distances, by the parabola through the largest and those beside it."""
+    k = int(np.argmax(values))
+    if not 0 < k < len(values) - 1 or not np.all(np.isfinite(values[k - 1 : k + 2])):
+        return values[k]
+    low, top, high = values[k - 1 : k + 2]
+    bend = low - 2.0 * top + high
+    return top - 0.125 * (low - high) ** 2 / bend if bend < 0.0 else top
+
+
+def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, linear=False, finer=1, report=np.inf):
     """The body under motion(t) -> (a_g, a_v), smooth between `breaks`, until t_end, then free until it rests or falls.
 
     linear: the motion is so between breaks.  finer: of the steps, within which two impacts are not seen.
+    report: when forces, rates and impulses are no longer looked at.
     """
     out = Rolled()
     t, theta, rate, pivot = 0.0, theta_0, 0.0, None
@@ -101,6 +127,11 @@ def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, lin
         out.peak_right, out.peak_left = max(out.peak_right, value), max(out.peak_left, -value)
         out.peak = max(out.peak_right, out.peak_left)
 
+    def press(along, up):
+        out.normal = min(out.normal, -largest(-up / rock.g))
+        with np.errstate(divide="ignore"):
+            out.friction = max(out.friction, largest(np.where(up > 0.0, np.abs(along) / np.maximum(up, 0.0), np.inf)))
+
     note(theta)
     for stop in ends:
         while t < stop:
@@ -116,11 +147,14 @@ def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, lin
                 when = np.linspace(t, stop, 2 if linear else 400)
                 values = [tips(w) for w in when]
                 k = next((k for k, value in enumerate(values) if value < 0.0), None)
+                until = stop if k is None else t if k == 0 else brentq(tips, when[k - 1], when[k], xtol=1e-15)
+                if until > t:
+                    along, up = np.transpose([motion(w, middle) for w in np.linspace(t, until, 400)])
+                    press(along, up + rock.g)
+                t = until
                 if k is None:
-                    t = stop
                     break
                 if k > 0:
-                    t = brentq(tips, when[k - 1], when[k], xtol=1e-15)
                     while tips(t) >= 0.0:
                         t += 1e-15 * max(t, 1.0)
                 a_g, a_v = motion(t, middle)
@@ -145,10 +179,22 @@ def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, lin
             to_right.terminal = to_left.terminal = True
             to_right.direction = to_left.direction = -1
             turns.terminal = False
-            run = solve_ivp(rhs, (t, stop), [theta, rate], method="DOP853", rtol=rtol, atol=1e-15,
-                            events=(to_right, to_left, turns), max_step=0.1 / p / finer)  # fmt: skip
+            back = rock.acceleration(theta, pivot, *motion(t, middle))
+            low = abs(rate / back) if rate * back < 0.0 else np.inf  # a step inside a low flight, to see its end
+            first = min(0.1 / p / finer, low, stop - t)
+            run = solve_ivp(rhs, (t, stop), [theta, rate], method="DOP853", rtol=rtol, atol=1e-15, first_step=first,
+                            dense_output=True, events=(to_right, to_left, turns), max_step=0.1 / p / finer)  # fmt: skip
             for state in run.y_events[2]:
                 note(state[0])
+            for begin, end in zip(run.t, run.t[1:], strict=False):
+                if begin >= report:
+                    break
+                when = np.linspace(begin, min(end, report), 33)
+                at, speed = run.sol(when)
+                ground = [motion(w, middle) for w in when]
+                along_up = [rock.forces(a, w, pivot, *b) for a, w, b in zip(at, speed, ground, strict=True)]
+                press(*np.transpose(along_up))
+                out.rate = max(out.rate, largest(np.abs(speed)))
             t, (theta, rate) = run.t[-1], run.y[:, -1]
             note(theta)
             if run.status == 1:
@@ -161,6 +207,8 @@ def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, lin
                 rate = rock.after(theta, rate, pivot, new)
                 if abs(went) > 1e-6 * p * rock.scale:
                     out.n_impacts += 1
+                    if t < report:
+                        out.push = max(out.push, rock.ratio(theta, went, rate, pivot, new))
                     out.t_impact.append(t)
                     out.w_after.append(rate)
                 pair = sorted((pivot, new), key=lambda j: rock.points[j, 0])

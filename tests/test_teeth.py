@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+import rolling_cases
 import swept
 from analytic import test_asymmetric as asymmetric
 from cli import test_sweep
@@ -73,6 +74,24 @@ def record_forces() -> None:
         forces_of_lanes.assert_forces(
             *forces_of_lanes.everything(lanes_records.suite(values, 0.02, [1.1, 1.7, 2.5], [1.5], [0.2], eta=0.8))
         )
+
+
+def rolling() -> None:
+    rolling_cases.compare(139)
+
+
+def rolling_pulses() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):
+        for seed in (16, 139):
+            rolling_cases.compare_with_march(seed, path=True)
+
+
+def rolling_records() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):
+        for seed in (210, 1044):
+            rolling_cases.compare_with_march(seed, record=True, path=True)
 
 
 def planar_contact() -> None:
@@ -189,6 +208,32 @@ FAULTS = {
     "record lanes: normal force": Fault(record_forces, K + "lanes.records.forces", "weight - cos_b * vv)", "weight + cos_b * vv)"),
     "record lanes: inside a step": Fault(record_forces, K + "lanes.records.forces", "return fast | light | rough", "return fast & light & rough"),
     "record lanes: work": Fault(record_forces, K + "lanes.records.forces", "load(st, lane.INERTIA + i) * (a1 * area))", "load(st, lane.INERTIA + i) * (0.999 * a1 * area))"),
+    "rolling: restitution": Fault(rolling, K + "rolling.march", "v = eta * abs(rate)", "v = 1.001 * eta * abs(rate)"),
+    "rolling: impulses": Fault(rolling, K + "rolling.law", "pushed = other_b + eta * b", "pushed = other_b - eta * b"),
+    "rolling, pulse lanes: next facet": Fault(
+        rolling_pulses, K + "lanes.pulses.rolling", "facet += 1 if s > 0.0 else -1\n    mass", "facet += 0\n    mass"
+    ),
+    "rolling, pulse lanes: loss": Fault(
+        rolling_pulses, K + "lanes.pulses.rolling", "(mass - onto * eta * eta)", "(mass - mass * eta * eta)"
+    ),
+    "rolling, pulse lanes: impulses": Fault(
+        rolling_pulses, K + "lanes.pulses.rolling", "(lane.ONTO_LEFT, at.LEFT, at.RIGHT)", "(lane.ONTO_LEFT, at.RIGHT, at.LEFT)"
+    ),
+    "rolling, pulse lanes: levers": Fault(
+        rolling_pulses, K + "lanes.pulses.rolling", "put_levers(state, i, end, end.fs, end.fc)", "put_levers(state, i, end, end.fc, end.fs)"
+    ),
+    "rolling, record lanes: loss": Fault(
+        rolling_records, K + "lanes.records.rolling", "0.5 * (inertia * rate**2 - st", "0.5 * (inertia * rate**2 - 0.99 * st"
+    ),
+    "rolling, record lanes: work": Fault(
+        rolling_records, K + "lanes.records.rolling", "* drive(st, i, extent, False)", "* drive(st, i, 0.9 * extent, False)"
+    ),
+    "rolling, record lanes: height": Fault(
+        rolling_records, K + "lanes.records.facets", "return par[RISEN] if rolls(par) else 0.0", "return 0.0"
+    ),
+    "rolling, record lanes: landing": Fault(
+        rolling_records, K + "lanes.records.impacts", "lands = hit & (x < 0.0) if onward else hit", "lands = hit"
+    ),
     "contact: sign": Fault(planar_contact, K + "contact.flows", "-(a[k] + mu * foot.sigma * W[k])", "-(a[k] - mu * foot.sigma * W[k])"),
     "contact: restitution": Fault(
         planar_contact, K + "contact.impacts", "dw = -(h * f + place) / rg2", "dw = -(h * f + 0.99 * place) / rg2"

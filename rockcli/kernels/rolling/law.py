@@ -54,6 +54,16 @@ def end_of(body, g, facet, s):
 
 
 @jit_lean
+def push_of(height, eta, b, other_b):
+    """Ratio of the impulses of a landing, along the ground and up: the body turns from one end of a facet to the other.
+
+    b, other_b: of the end it turns onto and of the one it comes from.
+    """
+    pushed = other_b + eta * b
+    return height * abs(1.0 - eta) / pushed if pushed > 0.0 else math.inf
+
+
+@jit_lean
 def energy(end, q, v):
     """Energy over m g: R v^2/(2 p^2) and the height of the centre of mass above the ground."""
     # R (cos(alpha - q) - cos(alpha)), which is small near q = 0, without cancellation

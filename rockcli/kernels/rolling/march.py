@@ -41,7 +41,7 @@ from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling import results as also
 from rockcli.kernels.rolling.free_rolling import free_rolling
 from rockcli.kernels.rolling.glide import glide, waits
-from rockcli.kernels.rolling.law import end_of, energy
+from rockcli.kernels.rolling.law import end_of, energy, push_of
 from rockcli.kernels.rolling.rest import rest_time
 
 SURE = 1.0 - 1e-9
@@ -295,9 +295,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
             out[to.SWINGS_T] += carried * t
         if abs(rate) > FAST * p * scale and reported:
             out[to.N_IMPACTS] += 1
-            pushed = other.b + eta * end.b
-            ratio = end.height * abs(1.0 - eta) / pushed if pushed > 0.0 else math.inf
-            out[also.MU_IMPACT] = max(out[also.MU_IMPACT], ratio)
+            out[also.MU_IMPACT] = max(out[also.MU_IMPACT], push_of(end.height, eta, end.b, other.b))
             k = int(out[to.IMPACTS_STORED])
             if k < n_store:
                 t_impact[k], rate_before[k], rate_after[k] = t, rate, eta * rate

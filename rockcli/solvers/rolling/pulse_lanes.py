@@ -8,17 +8,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli import kernels
 from rockcli.kernels.constants import STRICTER
 from rockcli.kernels.rigid import parameters as rigid
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling import results as also
 from rockcli.scene.batch import Batch
-from rockcli.solvers.event.pulse_lanes import METHOD as METHOD
-from rockcli.solvers.event.pulse_lanes import asked as asked
-from rockcli.solvers.event.pulse_lanes import in_lanes
+from rockcli.solvers.event import pulse_lanes
+from rockcli.solvers.event.pulse_lanes import METHOD, METHOD_ON_PATH, OF_PATH, in_lanes, path_asked
 
 Array = NDArray[np.float64]
+
+
+def asked(batch: Batch) -> bool:
+    """Whether what is asked can be found in lanes, whatever the number of cases."""
+    return pulse_lanes.asked(batch) or (bool(kernels.compiled) and path_asked(batch))
+
+
+def method(batch: Batch) -> str:
+    """What is said of how a batch was solved."""
+    return METHOD_ON_PATH if path_asked(batch) else METHOD
 
 
 def fit(batch: Batch, pars: Array, bodies: Array) -> NDArray[np.bool_]:
@@ -40,8 +50,9 @@ def run(lanes: ModuleType, batch: Batch, pars: Array, bodies: Array, how: Any, c
     `how`: `Settings` of the single-body kernels.  NaN in STATUS for a body that is left to `kernels.rolling`.
     """
     rows = on_the_stand(pars[cases], bodies)
-    how = how._replace(tol=STRICTER * how.tol)
-    found = in_lanes(lanes, batch, rows, how, cases, bodies)
+    path = path_asked(batch)
+    how = how._replace(tol=(OF_PATH if path else STRICTER) * how.tol)
+    found = in_lanes(lanes, batch, rows, how, cases, bodies, path=path)
     never = np.isnan(found[:, to.T_UPLIFT])
     found[never, also.FACET] = bodies[rows[never, rigid.N_PAR].astype(int), at.STANDING]
     return found

@@ -55,7 +55,7 @@ def solve(batch: Batch) -> Response:
     scalars["wall_time"] = np.full(batch.size, (time.perf_counter() - began) / batch.size)
     used = {
         "backend": "event",
-        "method": LANES[way].METHOD if way else METHOD_OF_ROLLING.format(order_of(level.rtol)),
+        "method": LANES[way].method(batch) if way else METHOD_OF_ROLLING.format(order_of(level.rtol)),
         "rtol": repr(level.rtol),
         "rest_speed": repr(level.rest_speed),
     }

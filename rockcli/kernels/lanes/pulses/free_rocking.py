@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from rockcli.kernels.constants import FAST, LEFT_TO_MARCH, MEANINGFUL
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
+from rockcli.kernels.quadrature import NODES, POINTS, WEIGHTS
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import potential, restoring
-
-NODES, WEIGHTS = (np.polynomial.legendre.leggauss(10)[0] + 1.0) / 2.0, np.polynomial.legendre.leggauss(10)[1] / 2.0
-"""Of Gauss and Legendre on [0, 1]."""
 
 LOW = 0.7
 """Rate at take-off over that which reaches the equilibrium, up to which the quadrature is good to 1e-11."""
@@ -39,7 +35,7 @@ def swing(v, r0, rs, rc, linear):
     sought = False
     if not linear:
         sought = some(abs(r0) > 0.0)
-    for i in range(10):
+    for i in range(POINTS):
         u = 0.5 * v * v * (1.0 - NODES[i] * NODES[i])
         square = m0 * m0 + 2.0 * rs * u
         if not linear:

@@ -83,7 +83,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
     """Solve every row of `pars` under the pulse of its row of `tables` with series of `how.order`.
 
     `two_sided`: the edges of these bodies differ.  `path`: the whole path is asked for, and with `how.detail` ALL the
-    forces on it; then of bodies on two edges under a nonlinear law.  `work`: `work_space(how.order)`; `out`
+    forces on it; then under a nonlinear law.  `work`: `work_space(how.order)`; `out`
     zeros.
     bodies: none, or the table of `kernels.rolling.parameters` of bodies that roll; then the edges in `pars` are those
     of the facet on which a body stands, and a last column is the row of its body.
@@ -110,7 +110,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
         for j in range(n_ending):
             i = int(ending[j])
             if state[i + lane.CASE * WIDTH] >= 0.0:
-                finish_case(state, i, two_sided, rolls, path, watch, pars, out)
+                finish_case(state, i, two_sided, bodies, path, watch, pars, out)
                 busy -= 1
             upcoming, came = next_case(
                 state, i, upcoming, screened, pars, bodies, tables, pieces, linear, two_sided, 100.0 * how.margin,
@@ -132,16 +132,19 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
         n_touching = find_touches(state, n, scratch, touching) if rolls or path else 0
         if detail > OUTCOME:
             find_tops(state, n, tol, scratch, asking)
+        if path:
+            for o in range(0, lane.VECTORS * size, size):
+                follow(state, o, n, watch, two_sided, rolls)
         for j in range(n_touching):
             i = int(touching[j])
-            if path and state[i + lane.EVENT * WIDTH] == lane.TOUCH:
-                put(state, i, lane.NEW_Q, state[i + lane.L_EXTENT * WIDTH])
-            elif state[i + lane.EVENT * WIDTH] == lane.TOUCH:
+            if state[i + lane.EVENT * WIDTH] != lane.TOUCH:
+                continue
+            if rolls:
                 par = pars[int(state[i + lane.CASE * WIDTH])]
-                roll_over(state, i, bodies[int(par[at.N_PAR])], par[at.G])
+                roll_over(state, i, bodies[int(par[at.N_PAR])], par[at.G], path)
+            else:
+                put(state, i, lane.NEW_Q, state[i + lane.L_EXTENT * WIDTH])
         for o in range(0, lane.VECTORS * size, size):
-            if path:
-                follow(state, o, n, watch, two_sided)
             if watch:
                 note_standing(state, o, n)
             advance(state, o, two_sided, rolls, path, SLOWEST * how.rest_speed if rolls else how.rest_speed)
@@ -173,7 +176,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
             i = int(bouncing[j])
             if rolls:
                 par = pars[int(state[i + lane.CASE * WIDTH])]
-                bounce(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed)
+                bounce(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed, path, watch)
                 continue
             postpone(state, i, backlog, n_postponed, how.rest_speed)
             n_postponed += 1
@@ -187,7 +190,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
                     i = int(touching[j])
                     par = pars[int(state[i + lane.CASE * WIDTH])]
                     roll_freely(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.margin, detail)
-                judge_rolling(state, o, how)
+                judge_rolling(state, o, how, path)
             elif path:
                 judge_path(state, o, how, two_sided)
             else:
@@ -211,18 +214,19 @@ def split(work, n):
 
 
 @jit_lean
-def finish_case(state, i, two_sided, rolls, path, watch, pars, out):
+def finish_case(state, i, two_sided, bodies, path, watch, pars, out):
     """The case in lane i has its answer, or is left to `march`."""
+    rolls = len(bodies) > 0
     case = int(state[i + lane.CASE * WIDTH])
     if state[i + lane.EVENT * WIDTH] == lane.FOR_MARCH:
         out[case][to.STATUS] = LEFT_TO_MARCH
     if path and state[i + lane.VERDICT * WIDTH] == FALLS:
         put(state, i, lane.L_GIVEN, 1.0)  # its rotation grows to the end, as that of a report cut off
     leave(state, i, two_sided and not rolls, state[i + lane.VERDICT * WIDTH], out[case])
-    if rolls:
-        leave_rolling(state, i, out[case])
     if path:
         leave_path(state, i, watch, two_sided, pars[case], out[case])
+    if rolls:
+        leave_rolling(state, i, bodies[int(pars[case][at.N_PAR])], pars[case][at.G], path, out[case])
     put(state, i, lane.CASE, -1.0)
     put(state, i, lane.EVENT, lane.IDLE)
 
@@ -248,9 +252,9 @@ def next_case(
             screened[place + UPLIFT_T * WIDTH], screened[place + SIDE * WIDTH], screened[place + BELL_E * WIDTH],
         ):  # fmt: skip
             if len(bodies) > 0:
-                enter_rolling(state, i, bodies[int(pars[case][at.N_PAR])], pars[case][at.G])
+                enter_rolling(state, i, bodies[int(pars[case][at.N_PAR])], pars[case][at.G], path)
             if path:
-                enter_path(state, i, pars[case], tables[case], watch)
+                enter_path(state, i, pars[case], tables[case], len(bodies) > 0, watch)
             next_piece(state, i, tables[case], pieces)
             return upcoming, 1
         else:

@@ -2,14 +2,12 @@
 
 For what is asked of the way there, and not of the outcome alone: a body is followed until it lies on its side or
 nothing is left of its motion, its forces looked at at the nodes of a quadrature of the work of the ground (theory.md
-T9).  Bodies on two edges that stand at first; nonlinear laws.
+T9).  Bodies that stand at first; nonlinear laws.
 """
 
 from __future__ import annotations
 
 import math
-
-import numpy as np
 
 from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, RETURNS
 from rockcli.kernels.jit import jit_lean
@@ -21,16 +19,10 @@ from rockcli.kernels.lanes.pulses.state import put, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
+from rockcli.kernels.quadrature import NODES, POINTS, WEIGHTS
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import edge_of, potential
-
-PLACES = 10
-NODES, WEIGHTS = (
-    (np.polynomial.legendre.leggauss(PLACES)[0] + 1.0) / 2.0,
-    np.polynomial.legendre.leggauss(PLACES)[1] / 2.0,
-)
-"""Of Gauss and Legendre on [0, 1]: where forces and power are looked at, beside the ends of a step."""
 
 STANDING = 3
 """What is looked for beside the numbers of `slope_of`: |a_g| of a body that rests."""
@@ -43,24 +35,31 @@ EXTREMES = (0.0, math.sqrt(3.0), math.sqrt(3.0 - math.sqrt(6.0)), math.sqrt(3.0 
 
 
 @jit_lean
-def enter_path(state, i, par, table, watch):
+def enter_path(state, i, par, table, rolls, watch):
     """A body that stands, or has just been lifted, has been put into lane i."""
     for field in range(lane.RATE_MAX, lane.N_UP):
         put(state, i, field, 0.0)
     for o, side in ((i, state[i + lane.S * WIDTH]), (i + lane.TO_OTHER, -state[i + lane.S * WIDTH])):
-        edge = edge_of(par, at.RIGHT if side > 0.0 else at.LEFT)
-        put(state, o, lane.L_EXTENT, 0.5 * math.pi)
-        put(state, o, lane.L_MASS, edge.radius * edge.g / edge.p2)  # I/m
-        put(state, o, lane.L_SIN, math.sin(edge.alpha))
-        put(state, o, lane.L_COS, math.cos(edge.alpha))
-        put(state, o, lane.L_SHAKE, 1.0 / edge.radius)
-        put(state, o, lane.L_WEIGHT, edge.g / edge.radius)
-        put(state, o, lane.L_GRIP, edge.threshold)
+        if not rolls:  # else done as its facet was put there
+            edge = edge_of(par, at.RIGHT if side > 0.0 else at.LEFT)
+            put(state, o, lane.L_EXTENT, 0.5 * math.pi)
+            put(state, o, lane.L_MASS, edge.radius * edge.g / edge.p2)  # I/m
+            put_levers(state, o, edge, math.sin(edge.alpha), math.cos(edge.alpha))
     put(state, i, lane.N_LEAST, math.inf)
     put(state, i, lane.OVER_T, math.nan)
     put(state, i, lane.N_UP, math.inf)
     if watch and state[i + lane.UP_T * WIDTH] > 0.0:
         stood(state, i, table)
+
+
+@jit_lean
+def put_levers(state, i, edge, sine, cosine):
+    """What forces about an edge need, sine and cosine those of its alpha."""
+    put(state, i, lane.L_SIN, sine)
+    put(state, i, lane.L_COS, cosine)
+    put(state, i, lane.L_SHAKE, 1.0 / edge.radius)
+    put(state, i, lane.L_WEIGHT, edge.g / edge.radius)
+    put(state, i, lane.L_GRIP, edge.threshold)
 
 
 @jit_lean
@@ -157,8 +156,11 @@ def slope_of(what, v, acc, T, N, dN, turn):
 
 
 @jit_lean
-def follow(state, o, n, watch, two_sided):
-    """One vector, before it takes its step: what happens on the way to X."""
+def follow(state, o, n, watch, two_sided, rolls):
+    """One vector, before it takes its step: what happens on the way to X.
+
+    Not the landing on the next facet of one that rolls.
+    """
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     taken = (event >= lane.NONE) & (event < lane.DONE)
     going = taken & (mode == lane.ROCK)
@@ -167,13 +169,14 @@ def follow(state, o, n, watch, two_sided):
         _between_places(state, o, n, watch, going, t, x)
     lands = going & (event == lane.IMPACT)
     if some(lands):
+        there = o + lane.TO_OTHER if two_sided else o
+        paced = there if rolls else o
         rate = load(state, o + lane.NEW_V * WIDTH)
-        of_alpha = rate / (load(state, o + lane.L_P * WIDTH) * load(state, o + lane.L_ALPHA * WIDTH))
+        of_alpha = rate / (load(state, paced + lane.L_P * WIDTH) * load(state, paced + lane.L_ALPHA * WIDTH))
         carried = of_alpha * of_alpha - MEANINGFUL * MEANINGFUL
         carried = select(lands & (carried > 0.0) & (t < load(state, o + lane.L_STOP * WIDTH)), carried, 0.0)
         add(state, o, lane.SWUNG, carried)
         add(state, o, lane.SWUNG_T, carried * (t + x))
-        there = o + lane.TO_OTHER if two_sided else o
         mass, onto = load(state, o + lane.L_MASS * WIDTH), load(state, there + lane.L_MASS * WIDTH)
         eta = load(state, there + lane.L_ETA * WIDTH)
         add(state, o, lane.LOST, select(lands, rate * rate * (mass - onto * eta * eta), 0.0))
@@ -195,7 +198,7 @@ def _between_places(state, o, n, watch, going, t, x):
     star, s = load(state, o + lane.L_STAR * WIDTH), load(state, o + lane.S * WIDTH)
     fc, fs = load(state, o + lane.L_FC * WIDTH), load(state, o + lane.L_FS * WIDTH)
     reported = going & (t < load(state, o + lane.L_STOP * WIDTH))
-    may_pass = going & (load(state, o + lane.REACH * WIDTH) >= star)
+    may_pass = going & (star > 0.0) & (load(state, o + lane.REACH * WIDTH) >= star)
     passes = some(may_pass)
     if not (watch or passes):
         return
@@ -203,8 +206,8 @@ def _between_places(state, o, n, watch, going, t, x):
     was = forces_at(state, o, n, low)
     if watch:
         note_extremes(state, o, was, reported)
-    for j in range(PLACES + 1):
-        high = NODES[j] * x if j < PLACES else x
+    for j in range(POINTS + 1):
+        high = NODES[j] * x if j < POINTS else x
         new = forces_at(state, o, n, high)
         if passes:
             over = may_pass & (was[0] < star) & (new[0] >= star)
@@ -213,7 +216,7 @@ def _between_places(state, o, n, watch, going, t, x):
         if watch:
             note_extremes(state, o, new, reported)
             _look_between(state, o, n, reported, low, high, was, new)
-            if j < PLACES:
+            if j < POINTS:
                 work = work + WEIGHTS[j] * (new[5] * (fc * new[4] + fs * new[3]) * new[1])
         low, was = high, new
     if watch:
@@ -321,8 +324,8 @@ def note_standing(state, o, n):
     low = spread(0.0)
     was = ground_at(state, o, n, low)
     _note_grip(state, o, was[0], rests)
-    for j in range(PLACES + 1):
-        high = NODES[j] * x if j < PLACES else x
+    for j in range(POINTS + 1):
+        high = NODES[j] * x if j < POINTS else x
         new = ground_at(state, o, n, high)
         _note_grip(state, o, new[0], rests)
         turns = rests & (was[1] > 0.0) & (new[1] < 0.0)

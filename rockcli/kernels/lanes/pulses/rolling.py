@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import FALLS, NO_ROOT, NOT_YET, RETURNS, UNDECIDED
+from rockcli.kernels.constants import FALLS, FAST, LEFT_TO_MARCH, MEANINGFUL, NO_ROOT, NOT_YET, RETURNS, UNDECIDED
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import now
 from rockcli.kernels.lanes.pulses.events import padded
 from rockcli.kernels.lanes.pulses.ground import to_come
+from rockcli.kernels.lanes.pulses.path import put_levers
 from rockcli.kernels.lanes.pulses.state import put, put_edge, series_of_a, series_of_q, stride
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.plain import gather, load, note, select, some, sqrt, store
@@ -25,9 +26,9 @@ from rockcli.kernels.rigid.march import OUTCOME
 from rockcli.kernels.rigid.settings import Degrees
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling import results as also
-from rockcli.kernels.rolling.bounces import impacts_until, swings_low
+from rockcli.kernels.rolling.bounces import impacts_until, swings_low, swings_softly
 from rockcli.kernels.rolling.free_rolling import SAME_TOP, free_rolling
-from rockcli.kernels.rolling.law import end_of
+from rockcli.kernels.rolling.law import end_of, push_of
 from rockcli.kernels.rolling.rest import rest_time
 
 SLOWEST = 8.0
@@ -35,7 +36,7 @@ SLOWEST = 8.0
 
 
 @jit_lean
-def enter_rolling(state, i, body, g):
+def enter_rolling(state, i, body, g, path):
     """A body that stands, or has just been lifted, has been put into lane i as one on two edges."""
     put(state, i, lane.PEAK_LEFT, 0.0)
     put(state, i, lane.PEAK_RIGHT, 0.0)
@@ -47,27 +48,27 @@ def enter_rolling(state, i, body, g):
     put(state, i, lane.SWAY, body[at.SWAY])
     put(state, i, lane.KEEP_LEFT, body[at.KEEP_LEFT])
     put(state, i, lane.KEEP_RIGHT, body[at.KEEP_RIGHT])
-    put_facet(state, i, body, g, int(body[at.STANDING]), state[i + lane.S * WIDTH])
+    put_facet(state, i, body, g, int(body[at.STANDING]), state[i + lane.S * WIDTH], path)
 
 
 @jit_lean
-def put_facet(state, i, body, g, facet, s):
-    """Lane i turns about the end s of a facet."""
+def put_facet(state, i, body, g, facet, s, path):
+    """Lane i turns about the end s of a facet; with what forces need where its `path` is followed."""
     tilt = body[at.FIRST + facet * at.FACET + at.TILT]
     put(state, i, lane.FACET, 1.0 * facet)
     put(state, i, lane.OUTSIDE_LEFT, 1.0 * facet)
     put(state, i, lane.OUTSIDE_RIGHT, body[at.COUNT] - 1.0 - facet)
     put(state, i, lane.TILT, tilt)
     put(state, i, lane.FLOOR, g * (body[at.FIRST + facet * at.FACET + at.HEIGHT] - body[at.LOWEST]))
-    put_end(state, i, body, end_of(body, g, facet, s), s)
-    put_end(state, i + lane.TO_OTHER, body, end_of(body, g, facet, -s), -s)
+    put_end(state, i, body, end_of(body, g, facet, s), s, path)
+    put_end(state, i + lane.TO_OTHER, body, end_of(body, g, facet, -s), -s, path)
     for o, side in ((i, s), (i + lane.TO_OTHER, -s)):
         peak = state[i + (lane.PEAK_RIGHT if side > 0.0 else lane.PEAK_LEFT) * WIDTH]
         put(state, o, lane.TOP, peak - abs(tilt) if side * tilt >= 0.0 else math.inf)
 
 
 @jit_lean
-def put_end(state, i, body, end, s):
+def put_end(state, i, body, end, s, path):
     """What goes with an end on the side s: its equilibrium is the last barrier on that side, or is of no account."""
     fall = body[at.FALL_RIGHT if s > 0.0 else at.FALL_LEFT]
     star, top = math.inf, math.inf
@@ -82,6 +83,8 @@ def put_end(state, i, body, end, s):
     put(state, i, lane.L_TOP, top)
     put(state, i, lane.L_EXTENT, end.extent)
     put(state, i, lane.L_MASS, end.radius * end.g / end.p2)  # I/m
+    if path:
+        put_levers(state, i, end, end.fs, end.fc)
 
 
 @jit_lean
@@ -129,28 +132,65 @@ def note_tops(state, i):
 
 
 @jit_lean
-def roll_over(state, i, body, g):
+def roll_over(state, i, body, g, path):
     """Lane i touches the next facet, or the ground where there is none: it has an impact there, at that facet's end.
 
-    `advance` takes it for one that lands and turns over, from the near end to the far one.
+    `advance` takes it for one that lands and turns over, from the near end to the far one.  Where its `path` is
+    followed it goes as far as the ground.
     """
     s, facet = state[i + lane.S * WIDTH], int(state[i + lane.FACET * WIDTH])
     if state[i + (lane.OUTSIDE_RIGHT if s > 0.0 else lane.OUTSIDE_LEFT) * WIDTH] == 0.0:
+        if path:
+            put(state, i, lane.NEW_Q, state[i + lane.L_EXTENT * WIDTH])
+            return
         put(state, i, lane.VERDICT, 1.0 * FALLS)
         put(state, i, lane.EVENT, lane.DONE)
         return
     note_tops(state, i)
+    if path:
+        note_pushes(state, i, body)
     facet += 1 if s > 0.0 else -1
+    mass, rate = state[i + lane.L_MASS * WIDTH], state[i + lane.NEW_V * WIDTH]
     tilt, t = body[at.FIRST + facet * at.FACET + at.TILT], state[i + lane.T * WIDTH] + state[i + lane.X * WIDTH]
     right = tilt > 0.0
     peak = lane.PEAK_RIGHT if right else lane.PEAK_LEFT
     if tilt != 0.0 and abs(tilt) > state[i + peak * WIDTH]:
         put(state, i, peak, abs(tilt))
         put(state, i, lane.PEAK_RIGHT_T if right else lane.PEAK_LEFT_T, t)
-    put_facet(state, i, body, g, facet, s)
+    put_facet(state, i, body, g, facet, s, path)
     put(state, i, lane.S, -s)
-    put(state, i, lane.NEW_V, -state[i + lane.NEW_V * WIDTH])
+    put(state, i, lane.NEW_V, -rate)
     put(state, i, lane.EVENT, lane.IMPACT)
+    if path:
+        carry_over(state, i, s, mass, rate, t)
+
+
+@jit_lean
+def carry_over(state, i, s, mass, rate, t):
+    """What the impact of lane i on the facet it has been put on carries and loses; mass: I/m before it."""
+    eta, onto = state[i + lane.L_ETA * WIDTH], state[i + lane.L_MASS * WIDTH]
+    put(state, i, lane.LOST, state[i + lane.LOST * WIDTH] + rate * rate * (mass - onto * eta * eta))
+    if state[i + lane.T * WIDTH] >= state[i + lane.L_STOP * WIDTH]:
+        return
+    pace = rate / (state[i + lane.L_P * WIDTH] * state[i + lane.L_ALPHA * WIDTH])
+    carried = pace * pace - MEANINGFUL * MEANINGFUL
+    if carried > 0.0:
+        put(state, i, lane.SWUNG, state[i + lane.SWUNG * WIDTH] + carried)
+        put(state, i, lane.SWUNG_T, state[i + lane.SWUNG_T * WIDTH] + carried * t)
+    if pace > FAST:
+        put(state, i, lane.ONTO_RIGHT if s > 0.0 else lane.ONTO_LEFT, 1.0)
+
+
+@jit_lean
+def note_pushes(state, i, body):
+    """Raise the ratio of the impulses to those of the landings of lane i on the facet it is about to leave."""
+    first = at.FIRST + int(state[i + lane.FACET * WIDTH]) * at.FACET
+    height = body[first + at.HEIGHT]
+    for onto, end, far in ((lane.ONTO_LEFT, at.LEFT, at.RIGHT), (lane.ONTO_RIGHT, at.RIGHT, at.LEFT)):
+        if state[i + onto * WIDTH] > 0.0:
+            push = push_of(height, body[first + end + at.ETA], body[first + end + at.B], body[first + far + at.B])
+            put(state, i, lane.PUSHED, max(state[i + lane.PUSHED * WIDTH], push))
+        put(state, i, onto, 0.0)
 
 
 @jit_lean
@@ -168,6 +208,7 @@ def rest_on_facet(state, i, n, body, g, rest_speed, queue):
         state[i + lane.T_NEXT * WIDTH], rest_speed,
     )  # fmt: skip
     if rest_at >= 0.0 and end.threshold > 0.0 and other.threshold > 0.0:
+        put(state, i, lane.LOST, state[i + lane.LOST * WIDTH] + state[i + lane.L_MASS * WIDTH] * v * v)
         put(state, i, lane.T, rest_at)
         put(state, i, lane.V, 0.0)
     elif rest_at < 0.0 and v > 0.0:
@@ -211,69 +252,82 @@ def may_only_bounce(state, o):
 
 
 @jit_lean
-def bounce(state, i, body, g, rest_speed):
-    """Such a lane is done where no later swing is higher than the peaks: its impacts are counted."""
+def bounce(state, i, body, g, rest_speed, path, watch):
+    """Such a lane is done where no later swing is higher than the peaks: its impacts are counted.
+
+    With `watch` also only where the forces on these swings are of no account.
+    """
     note_tops(state, i)
     facet, s, v = int(state[i + lane.FACET * WIDTH]), state[i + lane.S * WIDTH], state[i + lane.V * WIDTH]
     if body[at.VALLEY] < 0.0 or body[at.LOSSLESS] == 1.0:
         return
     left, right = state[i + lane.PEAK_LEFT * WIDTH], state[i + lane.PEAK_RIGHT * WIDTH]
-    if swings_low(body, g, facet, s, v, left, right):
-        t, stop = state[i + lane.T * WIDTH], state[i + lane.L_STOP * WIDTH]
-        more = impacts_until(body, g, facet, s, v, t, stop, rest_speed)
-        put(state, i, lane.N_IMPACTS, state[i + lane.N_IMPACTS * WIDTH] + more)
-        put(state, i, lane.EVENT, lane.DONE)
+    if not swings_low(body, g, facet, s, v, left, right, path):
+        return
+    rate, least, most = (
+        state[i + lane.RATE_MAX * WIDTH],
+        state[i + lane.N_LEAST * WIDTH],
+        state[i + lane.MU_MOST * WIDTH],
+    )
+    if watch and not swings_softly(body, g, facet, s, v, rate, least, most):
+        return
+    t, stop = state[i + lane.T * WIDTH], state[i + lane.L_STOP * WIDTH]
+    more, until, swung, swung_t, push = impacts_until(body, g, facet, s, v, t, stop, rest_speed, path)
+    put(state, i, lane.N_IMPACTS, state[i + lane.N_IMPACTS * WIDTH] + more)
+    put(state, i, lane.EVENT, lane.DONE)
+    if path:
+        put(state, i, lane.T, until)
+        put(state, i, lane.SWUNG, state[i + lane.SWUNG * WIDTH] + swung)
+        put(state, i, lane.SWUNG_T, state[i + lane.SWUNG_T * WIDTH] + swung_t)
+        put(state, i, lane.PUSHED, max(state[i + lane.PUSHED * WIDTH], push))
 
 
 @jit_lean
-def judge_rolling(state, o, how):
-    """One vector: its energy against that of the last barriers, with what the rest of the motion can still change.
+def judge_rolling(state, o, how, path):
+    """One vector: what becomes of it, and which lanes are done; with its `path` followed, none before the motion's end.
 
-    The ground changes sqrt(2 E/m) by at most SWAY, the largest R/sqrt(I/m), times the integral of |a_g| (V6); an impact
-    leaves KEEP of it or more, of those beyond the last barrier.
+    One that rocks where nothing carries it, beyond the last barrier, and away from there is left to `march`.
     """
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     going = (mode >= lane.REST) & (event < lane.DONE)
     if not some(going):
         return
     t, q, v = load(state, o + lane.T * WIDTH), load(state, o + lane.Q * WIDTH), load(state, o + lane.V * WIDTH)
-    s = load(state, o + lane.S * WIDTH)
+    s, star, tilt = (
+        load(state, o + lane.S * WIDTH),
+        load(state, o + lane.L_STAR * WIDTH),
+        load(state, o + lane.TILT * WIDTH),
+    )
     sine, bend = now(state, o, q, how.linear)
     plus, minus = to_come(state, o, t)
-    rc, rs = load(state, o + lane.L_RC * WIDTH), load(state, o + lane.L_RS * WIDTH)
-    own = v * v + 2.0 * potential(0.0 * q, rc, q, rs * bend, sine)
-    mass, sway = load(state, o + lane.L_MASS * WIDTH), load(state, o + lane.SWAY * WIDTH)
-    energy = mass * own + 2.0 * load(state, o + lane.FLOOR * WIDTH)
-    brim, star = load(state, o + lane.BRIM * WIDTH), load(state, o + lane.L_STAR * WIDTH)
-    doubt = 1.0 - 100.0 * how.margin
-    inside, right = q < star, s > 0.0
-    speed = sqrt(select(energy > 0.0, energy, 0.0))
-    returns = inside & (speed + sway * (plus + minus) < brim * doubt)
-    over = t >= load(state, o + lane.L_END * WIDTH)
-    inward = select(right, plus, minus) * sway / sqrt(mass)
-    keep = doubt * select(right, load(state, o + lane.KEEP_RIGHT * WIDTH), load(state, o + lane.KEEP_LEFT * WIDTH))
-    crest = sqrt(2.0 * load(state, o + lane.L_TOP * WIDTH))
-    passes = (sqrt(select(own > 0.0, own, 0.0)) - inward - crest) * keep > inward
-    falls = (v > 0.0) & ~over & ((inside & passes) | (~inside & (star > 0.0) & (v * keep > inward)))
-
+    over, inside = t >= load(state, o + lane.L_END * WIDTH), q < star
     verdict = load(state, o + lane.VERDICT * WIDTH)
-    asked = going & (mode == lane.ROCK) & (verdict == 1.0 * NOT_YET)
-    falls = asked & falls
-    verdict = select(asked & returns, 1.0 * RETURNS, select(falls, 1.0 * FALLS, verdict))
+    if path:
+        falls = going & (event == lane.TOUCH)
+        astray = going & (mode == lane.ROCK) & (star < 0.0) & (s * tilt < 0.0)
+    else:
+        returns, falls = foreseen(state, o, how.margin, q, v, sine, bend, plus, minus)
+        asked = going & (mode == lane.ROCK) & (verdict == 1.0 * NOT_YET)
+        falls = asked & falls & ~over
+        astray = going & (t < 0.0)
+        verdict = select(asked & returns, 1.0 * RETURNS, verdict)
+    verdict = select(falls, 1.0 * FALLS, verdict)
     still = going & (mode == lane.REST) & over
     verdict = select(still, select(star < 0.0, 1.0 * FALLS, 1.0 * RETURNS), verdict)  # on a facet beyond
     known = verdict >= 0.0
     if how.detail > OUTCOME:
-        theta = load(state, o + lane.TILT * WIDTH) + s * q
+        theta = tilt + s * q
         ends = select(verdict == 1.0 * FALLS, 0.0, s * v * theta) <= 0.0
         ends = ends & ((verdict == 1.0 * RETURNS) | (~inside & (s * v * theta > 0.0)))
         known = still | falls | (known & ends & (t >= load(state, o + lane.L_STOP * WIDTH)))
-    # the facets that are still to touch as it falls
-    left = select(right, load(state, o + lane.OUTSIDE_RIGHT * WIDTH), load(state, o + lane.OUTSIDE_LEFT * WIDTH))
-    n_impacts = load(state, o + lane.N_IMPACTS * WIDTH)
-    store(state, o + lane.N_IMPACTS * WIDTH, select(falls, n_impacts + left, n_impacts))
+    if not path:  # the facets that are still to touch as it falls
+        out_right, out_left = load(state, o + lane.OUTSIDE_RIGHT * WIDTH), load(state, o + lane.OUTSIDE_LEFT * WIDTH)
+        n_impacts = load(state, o + lane.N_IMPACTS * WIDTH)
+        ahead = select(s > 0.0, out_right, out_left)
+        store(state, o + lane.N_IMPACTS * WIDTH, select(falls, n_impacts + ahead, n_impacts))
     next_event = select(known, lane.DONE, lane.NONE)
-    next_event = select(load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps, lane.FOR_MARCH, next_event)
+    too_long = load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps
+    next_event = select(astray | too_long, lane.FOR_MARCH, next_event)
     rests_on = load(state, o + lane.RESTS_ON * WIDTH)
     store(state, o + lane.RESTS_ON * WIDTH, select(still, load(state, o + lane.FACET * WIDTH), rests_on))
     store(state, o + lane.VERDICT * WIDTH, verdict)
@@ -281,8 +335,38 @@ def judge_rolling(state, o, how):
 
 
 @jit_lean
-def leave_rolling(state, i, out):
+def foreseen(state, o, margin, q, v, sine, bend, plus, minus):
+    """Which lanes return, and which fall, whatever the rest of the motion does: by their energy and the last barriers'.
+
+    The ground changes sqrt(2 E/m) by at most SWAY, the largest R/sqrt(I/m), times the integral of |a_g| (V6), `plus`
+    and `minus` to either side; an impact leaves KEEP of it or more, of those beyond the last barrier.
+    """
+    rc, rs = load(state, o + lane.L_RC * WIDTH), load(state, o + lane.L_RS * WIDTH)
+    own = v * v + 2.0 * potential(0.0 * q, rc, q, rs * bend, sine)
+    mass, sway = load(state, o + lane.L_MASS * WIDTH), load(state, o + lane.SWAY * WIDTH)
+    energy = mass * own + 2.0 * load(state, o + lane.FLOOR * WIDTH)
+    brim, star = load(state, o + lane.BRIM * WIDTH), load(state, o + lane.L_STAR * WIDTH)
+    doubt = 1.0 - 100.0 * margin
+    inside, right = q < star, load(state, o + lane.S * WIDTH) > 0.0
+    speed = sqrt(select(energy > 0.0, energy, 0.0))
+    returns = inside & (speed + sway * (plus + minus) < brim * doubt)
+    inward = select(right, plus, minus) * sway / sqrt(mass)
+    keep = doubt * select(right, load(state, o + lane.KEEP_RIGHT * WIDTH), load(state, o + lane.KEEP_LEFT * WIDTH))
+    crest = sqrt(2.0 * load(state, o + lane.L_TOP * WIDTH))
+    passes = (sqrt(select(own > 0.0, own, 0.0)) - inward - crest) * keep > inward
+    return returns, (v > 0.0) & ((inside & passes) | (~inside & (star > 0.0) & (v * keep > inward)))
+
+
+@jit_lean
+def leave_rolling(state, i, body, g, path, out):
     """The peaks of a case that leaves lane i, and where it comes to rest."""
+    if path:
+        note_pushes(state, i, body)
+        out[also.MU_IMPACT] = state[i + lane.PUSHED * WIDTH]
+        stood = body[at.FIRST + int(body[at.STANDING]) * at.FACET + at.HEIGHT] - body[at.LOWEST]
+        out[to.ENERGY] -= state[i + lane.FLOOR * WIDTH] / g - stood
+        if out[to.VERDICT] == FALLS and math.isnan(out[to.T_OVERTURN]):
+            out[to.STATUS] = LEFT_TO_MARCH
     note_tops(state, i)
     left, right = state[i + lane.PEAK_LEFT * WIDTH], state[i + lane.PEAK_RIGHT * WIDTH]
     out[to.PEAK_LEFT], out[to.PEAK_RIGHT], out[to.PEAK_ALPHA] = left, right, 1.0

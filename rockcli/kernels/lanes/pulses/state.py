@@ -28,8 +28,9 @@ VECTORS = 8
     L_BOUND, KIND, ORIGIN, C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, EVENT, NEW_Q, NEW_V, REACH, BRACKET, BREADTH, SINE,
     COSINE, BELL_E, TOP_SIDE, FACET, OUTSIDE_LEFT, OUTSIDE_RIGHT, TILT, FLOOR, BRIM, SWAY, KEEP_LEFT, KEEP_RIGHT,
     RESTS_ON, PEAK_LEFT, PEAK_RIGHT, PEAK_LEFT_T, PEAK_RIGHT_T,
-    RATE_MAX, MU_MOST, WORK, LOST, SWUNG, SWUNG_T, MU_UP, ONTO_LEFT, ONTO_RIGHT, N_UP, N_LEAST, OVER_T, OTHER,
-) = range(92)  # fmt: skip
+    RATE_MAX, MU_MOST, WORK, LOST, SWUNG, SWUNG_T, MU_UP, ONTO_LEFT, ONTO_RIGHT, PUSHED, N_UP, N_LEAST, OVER_T,
+    OTHER,
+) = range(93)  # fmt: skip
 """CASE row of the case, -1 idle.  T, T_NEXT now and the next breakpoint; H the step, X how far it goes.  UP_T uplift.
 L_*: constants of the case, p^2 and 1/g multiplied in; L_ALONG, L_ACROSS: the restoring
 moment as r0 + along f + across df/dq, f = fc cos q + fs sin q; L_GUARD uplift |a_g|; L_TOP energy of the equilibrium;
@@ -41,8 +42,9 @@ What goes with an edge, L_SIDE to L_GRIP, is that of the edge the body turns abo
 that of the other one, in the same order, stands from OTHER on, and the two change places as the body turns over.
 TOP, TOP_T: the peak so far, of a body with two different edges that of its side; TOP_SIDE where it was.
 Of a body that rolls (`rolling`) the two edges are the ends of a facet, L_EXTENT to FACET and on.
-Of one whose path is followed (`path`) L_EXTENT is a quarter turn, L_SIN and L_COS are of alpha, L_SHAKE is 1/R,
-L_WEIGHT g/R, L_GRIP |a_g|/g at uplift; RATE_MAX to OVER_T are its results.
+Of one whose path is followed (`path`) L_EXTENT is a quarter turn on two edges, L_SIN and L_COS are of alpha, L_SHAKE
+is 1/R, L_WEIGHT g/R, L_GRIP |a_g|/g at uplift; RATE_MAX to OVER_T are its results, of one that rolls ONTO_* since it
+came to its facet.
 After the fields come the coefficients of q, orders 0 to n and four more that stay zero, then those of a_g."""
 
 OF_PLAIN, OF_ROLLING, OF_EDGE = L_PULL + 1 - L_SIDE, L_MASS + 1 - L_SIDE, L_GRIP + 1 - L_SIDE

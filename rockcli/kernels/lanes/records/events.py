@@ -21,7 +21,7 @@ from rockcli.kernels.lanes.records.rest import (
     stop,
     turn,
 )
-from rockcli.kernels.lanes.records.rolling import arrive_rolling, note_passage, roll_over, touch_next
+from rockcli.kernels.lanes.records.rolling import arrive_rolling, passage_of, roll_over, touch_next
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.rigid import parameters as at
@@ -41,7 +41,7 @@ def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
     """
     if rolls(par):
-        return arrive_rolling(st, i, par, bodies, how, len(velocity) == 0, out)
+        return arrive_rolling(st, i, par, bodies, how, values, out)
     q, v, s = st[lane.Q + i], st[lane.V + i], st[lane.SIDE + i]
     last = st[lane.LAST + i]
     edge, other = edge_of(par, at.RIGHT if s > 0.0 else at.LEFT), edge_of(par, at.LEFT if s > 0.0 else at.RIGHT)
@@ -150,15 +150,16 @@ def attend(
     if reach > st[lane.PEAK + i] and c[1] > 0.0 >= v:
         y = turning_point(c, lane.ORDER, 0.0, x)
         note_height(st, i, par, value(c, lane.ORDER, y), t0 + y * h, hold and watch, out)
+    passed = NO_ROOT
     if path and rolls(par):
-        note_passage(par, s, c, guard, x, reach, t0, h, out)
+        passed = passage_of(par, s, c, guard, x, reach)
     elif path and reach >= star:
         passed = last_passage(c, lane.ORDER, star, x, 1)
-        if passed != NO_ROOT:
-            out[to.T_OVERTURN] = t0 + passed * h
-            if watch:
-                look_into(st, i, par, s, passed, guard, force, a, a_v, out)
-                out[to.MU_STANDING], out[to.N_STANDING] = st[lane.MU_MOST + i], st[lane.N_LEAST + i]
+    if passed != NO_ROOT:
+        out[to.T_OVERTURN] = t0 + passed * h
+        if watch:
+            look_into(st, i, par, s, passed, guard, force, a, a_v, out)
+            out[to.MU_STANDING], out[to.N_STANDING] = st[lane.MU_MOST + i], st[lane.N_LEAST + i]
     if watch:
         look_into(st, i, par, s, x, guard, force, a, a_v, out)
         work_until(st, i, x, c, sin_q, cos_q, how.linear)
@@ -200,7 +201,7 @@ def attend(
                 st[lane.ONTO_LEFT + i] += 1.0
         st[lane.V + i] = st[lane.ETA + i] * rate
         turn(st, i, par, -s, out)
-    if touches and roll_over(st, i, par, bodies, path, out) == FINISHED:
+    if touches and roll_over(st, i, par, bodies, values, slopes, path, watch, out) == FINISHED:
         return FINISHED
     if (impact or touches) and not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
         state = rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out)

@@ -15,13 +15,25 @@ from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import parameters as of
+from rockcli.kernels.rolling import results as also
+from rockcli.kernels.rolling.law import push_of
 
-BODY, FACET, TILT, EXTENT_LEFT, EXTENT_RIGHT, FALL_LEFT, FALL_RIGHT, SCALE, N_ROLLING = range(at.N_PAR, at.N_PAR + 9)
+(
+    BODY, FACET, TILT, EXTENT_LEFT, EXTENT_RIGHT, FALL_LEFT, FALL_RIGHT, SCALE, RISEN, PUSH_LEFT, PUSH_RIGHT, N_ROLLING,
+) = range(at.N_PAR, at.N_PAR + 12)  # fmt: skip
 """What the row of a body that rolls holds beside: the row of its body; the facet, theta when it lies flat, the turn to
-the next facet on each side; theta of the last barriers; rotation that errors are told by; the length of the row."""
+the next facet on each side; theta of the last barriers; rotation that errors are told by; height of the centre of mass
+over that on the stand; ratio of the impulses of a landing on each of its ends; the length of the row."""
 
 BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
 """Impacts slower than this fraction of p alpha bounce under a constant moment, during the motion and after it."""
+
+
+@jit_lean
+def stand(par, body):
+    """Write the facet on which a body stands, and what goes with the body, into its row."""
+    par[FALL_LEFT], par[FALL_RIGHT], par[SCALE] = body[of.FALL_LEFT], body[of.FALL_RIGHT], body[of.SCALE]
+    put_facet(par, body, int(body[of.STANDING]))
 
 
 @jit_lean
@@ -38,13 +50,34 @@ def put_facet(par, body, facet):
         par[e + at.RS], par[e + at.RC], par[e + at.FC], par[e + at.FS] = -cosine, sine, cosine, sine
         par[e + at.THRESHOLD], par[e + at.ETA] = sine / cosine, body[end + of.ETA]
     par[FACET], par[TILT] = facet, body[first + of.TILT]
-    par[EXTENT_LEFT], par[EXTENT_RIGHT] = body[first + of.LEFT + of.EXTENT], body[first + of.RIGHT + of.EXTENT]
+    left, right, height = first + of.LEFT, first + of.RIGHT, body[first + of.HEIGHT]
+    par[EXTENT_LEFT], par[EXTENT_RIGHT] = body[left + of.EXTENT], body[right + of.EXTENT]
+    par[RISEN] = height - body[of.FIRST + int(body[of.STANDING]) * of.FACET + of.HEIGHT]
+    par[PUSH_LEFT] = push_of(height, body[left + of.ETA], body[left + of.B], body[right + of.B])
+    par[PUSH_RIGHT] = push_of(height, body[right + of.ETA], body[right + of.B], body[left + of.B])
 
 
 @jit_lean
 def rolls(par):
     """Whether a row of parameters is of a body that rolls."""
     return len(par) > at.N_PAR
+
+
+@jit_lean
+def risen(par):
+    """How far the centre of mass stands above where it first stood."""
+    return par[RISEN] if rolls(par) else 0.0
+
+
+@jit_lean
+def note_pushes(st, i, par, out):
+    """Raise the ratio of the impulses to those of the landings of lane i on the facet it is about to leave."""
+    onto_left = st[lane.ONTO_LEFT + i] - st[lane.LEFT_BEFORE + i]
+    if onto_left > 0.0:
+        out[also.MU_IMPACT] = max(out[also.MU_IMPACT], par[PUSH_LEFT])
+    if st[lane.IMPACTS + i] - st[lane.IMPACTS_BEFORE + i] > onto_left:
+        out[also.MU_IMPACT] = max(out[also.MU_IMPACT], par[PUSH_RIGHT])
+    st[lane.LEFT_BEFORE + i], st[lane.IMPACTS_BEFORE + i] = st[lane.ONTO_LEFT + i], st[lane.IMPACTS + i]
 
 
 @jit_lean

@@ -168,8 +168,11 @@ def commit(st, i):
 
 
 @jit_lean
-def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, hit, end, rate, linear):
-    """`weigh` and `commit` for lanes that go as far as x, the fraction of a step: which of them to look into."""
+def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, lands, end, rate, linear):
+    """`weigh` and `commit` for lanes that go as far as x, the fraction of a step, and to q = end: which to look into.
+
+    lands: those that turn over onto their other edge.
+    """
     sin_a, cos_a, h2 = gather(st, lanes + lane.SIN_ALPHA), gather(st, lanes + lane.COS_ALPHA), h * h
     side = gather(st, lanes + lane.SIDE)
     shake, weight = side * gather(st, lanes + lane.SHAKE) * h2, gather(st, lanes + lane.WEIGHT) * h2
@@ -177,7 +180,7 @@ def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, hit, end, 
     fastest = gather(st, lanes + lane.RATE_MAX)
     a, a1 = gather(st, lanes + lane.A_0), gather(st, lanes + lane.A_1) * h
     s0, k0 = sin_cos(q)
-    s1, k1 = sin_cos(select(hit, 0.0 * q, end))
+    s1, k1 = sin_cos(end)
     v, acc, jerk = c1, 2.0 * c2, 6.0 * c3
     T, N, dT, dN = forces_of(
         fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), v, acc, jerk, shake, a, a1, weight
@@ -195,7 +198,7 @@ def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, hit, end, 
     scatter(st, lanes + lane.RATE_MAX, select(speed > fastest, speed, fastest))
     scatter(st, lanes + lane.MU_MOST, select(friction > most, friction, most))
     scatter(st, lanes + lane.N_LEAST, select(light < least, light, least))
-    lost = select(hit, gather(st, lanes + lane.LOSS) * rate * rate, 0.0 * q)
+    lost = select(lands, gather(st, lanes + lane.LOSS) * rate * rate, 0.0 * q)
     scatter(st, lanes + lane.LOST, gather(st, lanes + lane.LOST) + lost)
     scatter(st, lanes + lane.X_HIT, x)
     scatter(st, lanes + lane.SIDE_BEFORE, side)

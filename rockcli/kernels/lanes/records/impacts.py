@@ -17,8 +17,8 @@ def land(st, queue, j, path, watch, linear, onward):
 
     Returns (lanes at the end of their samples, lanes that may come to rest in the sample they are in, lanes whose
     forces to look into, lanes that have turned over).  `path`: what impacts carry is asked for; `watch`: forces are.
-    `onward`: to where the next facet touches, not turned over and with the rate at which they come, which are not those
-    that `path` and `watch` ask for.
+    `onward`: to where the next facet touches, not turned over and with the rate at which they come; what that impact
+    carries and loses is not counted here.
     """
     lanes = load(queue, j)
     q, h = gather(st, lanes + lane.Q), gather(st, lanes + lane.H)
@@ -84,8 +84,11 @@ def land(st, queue, j, path, watch, linear, onward):
     turned = select(hit, 0.0 * q - 1.0, 1.0)
     doubtful = 0
     if watch:
-        doubtful = weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, hit, end, rate, linear)
-    if path:
+        there = gather(st, lanes + lane.WALL) if onward else 0.0 * q
+        lands = hit & (x < 0.0) if onward else hit
+        there = select(hit, there, end)
+        doubtful = weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, lands, there, rate, linear)
+    if path and not onward:
         pace = FAST * inward / gather(st, lanes + lane.FAST)
         carried = pace * pace - MEANINGFUL * MEANINGFUL
         carried = select(hit & (carried > 0.0), carried, 0.0 * q)
@@ -107,7 +110,7 @@ def land(st, queue, j, path, watch, linear, onward):
     scatter(st, lanes + lane.PIECE, piece)
     over = piece >= gather(st, lanes + lane.END)
     if onward:
-        return bits(over), 0, 0, bits(hit)
+        return bits(over), 0, doubtful, bits(hit)
     scatter(st, lanes + lane.SIDE, side * turned)
     scatter(st, lanes + lane.FORCING_C, gather(st, lanes + lane.FORCING_C) * turned)
     scatter(st, lanes + lane.FORCING_S, gather(st, lanes + lane.FORCING_S) * turned)

@@ -13,6 +13,7 @@ from rockcli.kernels.constants import MAX_ORDER
 from rockcli.kernels.jit import entry
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.events import arrive, attend
+from rockcli.kernels.lanes.records.facets import BODY, stand
 from rockcli.kernels.lanes.records.forces import commit, look_into
 from rockcli.kernels.lanes.records.impacts import land
 from rockcli.kernels.lanes.records.peaks import top
@@ -48,7 +49,7 @@ def work_space():
 def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out):
     """`march_all` for bodies on two edges, no damper, under sampled motions; no histories.
 
-    two_sided: the edges of these bodies differ; rolling ones have no forces.  bodies: none, or the table of
+    two_sided: the edges of these bodies differ.  bodies: none, or the table of
     `kernels.rolling.parameters` of bodies that roll, whose rows of `pars` are longer (`facets`), and are written to.
     values, slopes: of one motion after the other, each followed by two of zeros or more, so that the next begins with
     a block.  blocks: largest |value| of each block; tail: running bound to the end of a motion.
@@ -73,6 +74,8 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
             k = following
             following += 1
             i = place(busy)
+            if rolling:
+                stand(pars[k], bodies[int(pars[k][BODY])])
             state = begin(
                 st, i, pars[k], spans[k], how, values, slopes, blocks, tail, path, two_sided, hold, starts[k], out[k]
             )  # fmt: skip
@@ -144,8 +147,8 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
                 i = int(landings[j + bit])
                 k = int(st[lane.CASE + i])
                 turn(st, i, pars[k], st[lane.SIDE + i], out[k])
-                free = rolling and not path and st[lane.PIECE + i] > st[lane.LAST + i]
-                if free and bounce(st, i, pars[k], bodies, how.rest_speed, out[k]) == FINISHED:
+                free = rolling and st[lane.PIECE + i] > st[lane.LAST + i]
+                if free and bounce(st, i, pars[k], bodies, how.rest_speed, path, watch, out[k]) == FINISHED:
                     st[lane.CASE + i], emptied = -1.0, True
                     over, slow = over & ~(1 << bit), slow & ~(1 << bit)
             calls = over | slow
@@ -169,6 +172,15 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
             touches[j] = place(lane.LANES)
         for j in range(0, touching, WIDTH):
             over, slow, doubtful, hit = land(st, touches, j, path, watch, how.linear, True)
+            while doubtful != 0:
+                bit = lowest_bit(doubtful)
+                doubtful &= doubtful - 1
+                if j + bit >= touching:
+                    break
+                i = int(touches[j + bit])
+                k = int(st[lane.CASE + i])
+                s, x = st[lane.SIDE_BEFORE + i], st[lane.X_HIT + i]
+                look_into(st, i, pars[k], s, x, guard, force, a, a_v, out[k])
             calls = over | hit
             while calls != 0:
                 bit = lowest_bit(calls)
@@ -179,7 +191,7 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
                 k = int(st[lane.CASE + i])
                 state = STANDING
                 if (hit >> bit) & 1:
-                    state = roll_over(st, i, pars[k], bodies, path, out[k])
+                    state = roll_over(st, i, pars[k], bodies, values, slopes, path, watch, out[k])
                 if state != FINISHED and (over >> bit) & 1:
                     state = arrive(
                         st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],

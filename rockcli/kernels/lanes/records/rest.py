@@ -19,6 +19,8 @@ from rockcli.kernels.lanes.records.facets import (
     SCALE,
     TILT,
     face,
+    note_pushes,
+    risen,
     rolls,
     scales,
     top_of,
@@ -92,7 +94,7 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
     st[lane.FIRST + i], st[lane.LAST + i], st[lane.DT + i] = span[0], span[1], span[2]
     st[lane.PIECE + i], st[lane.X + i], st[lane.LEN + i], st[lane.CAP + i] = span[0], 0.0, span[2], math.inf
     st[lane.END + i] = span[1]
-    st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = 0.0
+    st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = st[lane.LEFT_BEFORE + i] = st[lane.IMPACTS_BEFORE + i] = 0.0
     watch = how.detail == ALL
     st[lane.WATCHED + i] = 1.0 if watch and two_sided else 0.0
     if hold:
@@ -208,7 +210,7 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
     if watch:
         if k_0 < last:
             stood(st, i, par, max(abs(values[k_0] + slopes[k_0] * x_0), tail[k_0 + 1]))
-        account(st, i, par, 0.0, out)
+        account(st, i, par, risen(par), out)
     if rolls(par):
         if not par[FALL_LEFT] < par[TILT] < par[FALL_RIGHT]:
             return finish(st, i, par, FALLS, out)
@@ -243,6 +245,8 @@ def following(values, blocks, level, k, last):
 @jit_lean
 def finish(st, i, par, verdict, out):
     """Note how it ended."""
+    if rolls(par):
+        note_pushes(st, i, par, out)
     if rolls(par) and verdict == FALLS:
         theta = par[TILT] + st[lane.SIDE + i] * st[lane.Q + i]
         out[to.PEAK_SIDE] = 1.0 if theta > 0.0 or (theta == 0.0 and st[lane.SIDE + i] > 0.0) else -1.0
@@ -386,7 +390,7 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
     if k > st[lane.LAST + i]:
         out[to.T_END] = par[at.T_MOTION] + (x + y)
         if watch:
-            account(st, i, par, 0.0, out)
+            account(st, i, par, risen(par), out)
         if rolls(par) and out[to.VERDICT] == RETURNS:
             out[also.FACET] = par[FACET]
         return finish(st, i, par, out[to.VERDICT], out)
