@@ -173,6 +173,7 @@ FEATURES = [
         why=TO_THE_END,
     ),
     Feature("body that rolls, ten facets", {"block": {"outline": outline()}}, axes=losses),
+    Feature("body that rolls, every scalar (default)", {"block": {"outline": outline()}}, axes=losses, save={"histories": False}, why=TO_THE_END),
     Feature("radius of gyration", {"block": {"R": 2, "tan_alpha": 0.2, "r_g": 1.1}}),
     Feature("friction, mu = 0.6", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.6}}),
     Feature("friction, mu = 0.3", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.3}}, why="slides and impacts with friction are followed one body at a time"),

@@ -38,8 +38,8 @@ PLAIN, OUTCOME, EVERY, FORCED, FALL = (
     "plain block: outcome, peak and impacts", "outcome alone", "every scalar and the certainty (default)", "forces",
     "time of overturning",
 )  # fmt: skip
-APART_FORCED = "asymmetric body, every scalar (default)"
-"""Forces of two different edges are those of one body at a time, under whatever motion."""
+APART_FORCED, ROLLING_FORCED = "asymmetric body, every scalar (default)", "body that rolls, every scalar (default)"
+"""Forces of two different edges, and of one that rolls, cost other shares of the rest than those of the plain block."""
 
 UNDER_PULSES, UNDER_RECORD = "pulse", "record"
 
@@ -172,7 +172,9 @@ def _of_features(batch: Batch) -> float:
     saved = EVERY if scalars & CERTAINTY else FORCED if scalars & FORCES else None
     if saved is None and scalars & {"t_overturn", "t_end"}:
         saved = FALL
-    if scalars & FORCES and not batch.block.symmetric.all():
+    if scalars & FORCES and batch.block.rolls.any():
+        found = max(found, of(ROLLING_FORCED))
+    elif scalars & FORCES and not batch.block.symmetric.all():
         found = max(found, of(APART_FORCED))
     elif saved is not None and alone:  # as of bodies that are solved one at a time in any case
         found *= max(of(saved, UNDER_PULSES) / of(FALL, UNDER_PULSES), 1.0)
@@ -195,6 +197,7 @@ def _features(batch: Batch) -> list[str]:
     asked = {
         "vertical motion": motion.vertical is not None,
         "asymmetric body": not batch.block.symmetric.all(),
+        "body that rolls, ten facets": bool(batch.block.rolls.any()),
         "friction, mu = 0.6": len(mu) and float(mu.min()) >= 0.45,
         "friction, mu = 0.3": len(mu) and float(mu.min()) < 0.45,
         "initial rotation": bool(batch.theta_0.any() or batch.theta_dot_0.any()),
