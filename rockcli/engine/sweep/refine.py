@@ -60,7 +60,7 @@ def solve_refined(study: Study, progress: Progress | None = None, sweep: Sweep |
 
         while len(wanted := maps.wanted()):
             cases = maps.cases(wanted)
-            left = Chunks.of(np.sort(cases[todo[cases]]))
+            left = Chunks.of(np.sort(cases[todo[cases]], kind="stable"))
             work_off(study, sweep, results, left, pace, compiled=compiled)
             todo[cases] = False
             maps.take(wanted, results.scalars["outcome"][cases])
@@ -136,7 +136,7 @@ class Maps:
             found = self._looked_at[self._mixed(self._looked_at)]
             if self.pitch >= WIDE:
                 found = self._with_neighbours(found)
-            found = np.unique(found[~self._divided[found]])
+            found = _once(found[~self._divided[found]])
             self._divided[found] = True
             self._found.append(found)
             pixels = self._unsolved(self._corners(found))
@@ -147,7 +147,7 @@ class Maps:
                 return pixels
             self._halve()
             pixels = self._unsolved(self._corners(self._inside))
-            self._looked_at = np.union1d(self._inside, self._around(pixels))
+            self._looked_at = _once(np.concatenate([self._inside, self._around(pixels)]))
             if len(pixels):
                 return pixels
 
@@ -189,7 +189,7 @@ class Maps:
 
     def _unsolved(self, pixels: Index) -> Index:
         """Those of some flat pixels that are not solved, once each, (j, 3)."""
-        rest = np.unique(pixels[~self.solved.reshape(-1)[pixels]])
+        rest = _once(pixels[~self.solved.reshape(-1)[pixels]])
         return np.column_stack(np.unravel_index(rest, self.outcome.shape)).astype(np.int64)
 
     def _mixed(self, cells: Index) -> Mask:
@@ -206,7 +206,7 @@ class Maps:
             for j in (-1, 0, 1):
                 inside = (row + i >= 0) & (row + i < n) & (column + j >= 0) & (column + j < m)
                 found.append(((at * n + row + i) * m + column + j)[inside])
-        return np.unique(np.concatenate(found))
+        return _once(np.concatenate(found))
 
     def _around(self, pixels: Index) -> Index:
         """The cells that pixels (j, 3) of the present grid are corners of."""
@@ -217,19 +217,33 @@ class Maps:
             for j in (-1, 0):
                 inside = (row + i >= 0) & (row + i < n) & (column + j >= 0) & (column + j < m)
                 found.append(((pixels[:, 0] * n + row + i) * m + column + j)[inside])
-        return np.unique(np.concatenate(found))
+        return _once(np.concatenate(found))
 
     def _surround(self) -> None:
         """Give every pixel that is not on the coarse grid what the cell it lies in has in its first corner."""
-        first = [self.lines[i][_cell_of(self.lines[i], np.arange(n))] for i, n in enumerate(self.outcome.shape[1:])]
-        known = self.outcome[:, first[0][:, None], first[1]]
-        np.copyto(self.outcome, known, where=~self.solved)
+        rows, columns = self.lines
+        known = self.outcome[:, rows[:, None], columns]
+        _, n, m = self.outcome.shape
+        high, wide = np.append(np.diff(rows[:-1]), n - rows[-2]), np.append(np.diff(columns[:-1]), m - columns[-2])
+        along = np.repeat(known[:, :-1, :-1], wide, axis=2)
+        self.outcome[...] = np.repeat(along, high, axis=1)
+        self.outcome[:, rows[:, None], columns] = known
 
     def _fill(self, cells: Index) -> None:
-        """Give what is not solved inside cells, and before the next one, what they have in their first corner."""
+        """Give what is not solved inside cells, and before the next one, what they have in their first corner.
+
+        Of those pixels only the corner is solved, if the cell is not the last of an axis.
+        """
         at, row, column = self._place(cells)
-        y0, x0 = self.lines[0][row], self.lines[1][column]
+        _, rows, columns = self._cells
+        last = (row == rows - 1) | (column == columns - 1)
         _, n, m = self.outcome.shape
+        flat = self.outcome.reshape(-1)
+        corners = ((at * n + self.lines[0][row]) * m + self.lines[1][column])[~last]
+        for i in range(self.pitch):
+            flat[corners[:, None] + (i * m + np.arange(self.pitch))] = flat[corners][:, None]
+        at, row, column = at[last], row[last], column[last]
+        y0, x0 = self.lines[0][row], self.lines[1][column]
         (y1, x1), outcome = (self.lines[0][row + 1], self.lines[1][column + 1]), self.outcome[at, y0, x0]
         for i in range(self.pitch + 1):
             for j in range(self.pitch + 1):
@@ -240,7 +254,8 @@ class Maps:
 
     def _halve(self) -> None:
         """Halve the pitch: what is to be looked at are the cells inside those that are divided."""
-        self._fill(self._inside[~self._divided[self._inside]])
+        if self.pitch < coarse_pitch(min(self.outcome.shape[1:])):  # else all have been given that
+            self._fill(self._inside[~self._divided[self._inside]])
         at, row, column = self._place(np.concatenate(self._found))
         coarse = self.lines
         self.pitch //= 2
@@ -251,7 +266,7 @@ class Maps:
             for fine, of, place in zip(self.lines, coarse, (row, column), strict=True)
         )
         inside = [(at * n + y) * m + x for y in rows for x in columns]
-        self._inside = np.unique(np.concatenate(inside))
+        self._inside = _once(np.concatenate(inside))
         self._divided, self._found = np.zeros(len(self.outcome) * n * m, dtype=bool), []
 
 
@@ -264,6 +279,7 @@ def _grid(n: int, pitch: int) -> Index:
     return np.unique(np.append(np.arange(0, n, pitch), n - 1)).astype(np.int64)
 
 
-def _cell_of(lines: Index, points: Index) -> Index:
-    """The cells between `lines` that hold each point, from it on."""
-    return np.minimum(np.searchsorted(lines, points, side="right") - 1, len(lines) - 2).astype(np.int64)
+def _once(numbers: Index) -> Index:
+    """Each of these numbers once, in order.  As they come in a few ordered rows, merging takes a tenth of the time."""
+    ordered = np.sort(numbers, kind="stable")
+    return ordered[np.append(True, ordered[1:] != ordered[:-1])] if len(ordered) else ordered
