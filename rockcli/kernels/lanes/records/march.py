@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.constants import MAX_ORDER
-from rockcli.kernels.jit import entry
+from rockcli.kernels.jit import entry, jit_lean
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.events import arrive, attend
 from rockcli.kernels.lanes.records.facets import BODY, stand
@@ -130,15 +130,7 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
             landings[j] = place(lane.LANES)
         for j in range(0, landing, WIDTH):
             over, slow, doubtful, hit = land(st, landings, j, path, watch, how.linear, False)
-            while doubtful != 0:
-                bit = lowest_bit(doubtful)
-                doubtful &= doubtful - 1
-                if j + bit >= landing:
-                    break
-                i = int(landings[j + bit])
-                k = int(st[lane.CASE + i])
-                s, x = st[lane.SIDE_BEFORE + i], st[lane.X_HIT + i]
-                look_into(st, i, pars[k], s, x, guard, force, a, a_v, out[k])
+            look_into_those(st, landings, j, landing, doubtful, pars, guard, force, a, a_v, out)
             while two_sided and hit != 0:
                 bit = lowest_bit(hit)
                 hit &= hit - 1
@@ -172,15 +164,7 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
             touches[j] = place(lane.LANES)
         for j in range(0, touching, WIDTH):
             over, slow, doubtful, hit = land(st, touches, j, path, watch, how.linear, True)
-            while doubtful != 0:
-                bit = lowest_bit(doubtful)
-                doubtful &= doubtful - 1
-                if j + bit >= touching:
-                    break
-                i = int(touches[j + bit])
-                k = int(st[lane.CASE + i])
-                s, x = st[lane.SIDE_BEFORE + i], st[lane.X_HIT + i]
-                look_into(st, i, pars[k], s, x, guard, force, a, a_v, out[k])
+            look_into_those(st, touches, j, touching, doubtful, pars, guard, force, a, a_v, out)
             calls = over | hit
             while calls != 0:
                 bit = lowest_bit(calls)
@@ -225,3 +209,16 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
                 number += 1
         for number in range(busy, held):
             park(st, place(number))
+
+
+@jit_lean
+def look_into_those(st, queue, j, count, doubtful, pars, guard, force, a, a_v, out):
+    """`look_into` what `land` has taken of queue[j: count] and found doubtful."""
+    while doubtful != 0:
+        bit = lowest_bit(doubtful)
+        doubtful &= doubtful - 1
+        if j + bit >= count:
+            break
+        i = int(queue[j + bit])
+        k = int(st[lane.CASE + i])
+        look_into(st, i, pars[k], st[lane.SIDE_BEFORE + i], st[lane.X_HIT + i], guard, force, a, a_v, out[k])
