@@ -148,8 +148,8 @@ def roll(rock, motion, breaks, t_end, theta_0=0.0, *, free=80.0, rtol=1e-12, lin
                 values = [tips(w) for w in when]
                 k = next((k for k, value in enumerate(values) if value < 0.0), None)
                 until = stop if k is None else t if k == 0 else brentq(tips, when[k - 1], when[k], xtol=1e-15)
-                if until > t:
-                    along, up = np.transpose([motion(w, middle) for w in np.linspace(t, until, 400)])
+                if min(until, report) > t:
+                    along, up = np.transpose([motion(w, middle) for w in np.linspace(t, min(until, report), 400)])
                     press(along, up + rock.g)
                 t = until
                 if k is None:

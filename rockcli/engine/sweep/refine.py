@@ -240,8 +240,9 @@ class Maps:
         _, n, m = self.outcome.shape
         flat = self.outcome.reshape(-1)
         corners = ((at * n + self.lines[0][row]) * m + self.lines[1][column])[~last]
+        known, along = flat[corners][:, None], np.arange(self.pitch)
         for i in range(self.pitch):
-            flat[corners[:, None] + (i * m + np.arange(self.pitch))] = flat[corners][:, None]
+            flat[corners[:, None] + (i * m + along)] = known
         at, row, column = at[last], row[last], column[last]
         y0, x0 = self.lines[0][row], self.lines[1][column]
         (y1, x1), outcome = (self.lines[0][row + 1], self.lines[1][column + 1]), self.outcome[at, y0, x0]
