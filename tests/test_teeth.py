@@ -17,6 +17,7 @@ import swept
 from analytic import test_asymmetric as asymmetric
 from cli import test_sweep
 from contact import test_contact_closed_forms as contact
+from contact import test_contact_turns as turns_of_contact
 from contact_tables import LANDINGS, SLIDES_UNDER_A_CONSTANT
 from cross import test_lanes_pulses as lanes_pulses
 from cross import test_lanes_pulses_path as paths_of_lanes
@@ -92,6 +93,12 @@ def rolling_records() -> None:
     with np.errstate(all="ignore"):
         for seed in (210, 1044):
             rolling_cases.compare_with_march(seed, record=True, path=True)
+
+
+def slips() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):
+        turns_of_contact.assert_a_few_slip_in_lanes_as_alone()
 
 
 def planar_contact() -> None:
@@ -234,6 +241,13 @@ FAULTS = {
     "rolling, record lanes: landing": Fault(
         rolling_records, K + "lanes.records.impacts", "lands = hit & (x < 0.0) if onward else hit", "lands = hit"
     ),
+    "slips in lanes: friction": Fault(slips, K + "lanes.records.slips", "grip, lever, weight = mu * sigma,", "grip, lever, weight = 0.99 * mu * sigma,"),
+    "slips in lanes: way": Fault(slips, K + "lanes.records.slips", "path = fma(u, h, path)", "path = fma(u, 0.9 * h, path)"),
+    "slips in lanes: work": Fault(slips, K + "lanes.records.slips", "- grip * grips / h2", "+ grip * grips / h2"),
+    "slips in lanes: normal force": Fault(
+        slips, K + "lanes.records.slips", "held = 1.0 + stiff, held + g", "held = 1.0 + stiff, held + 1.01 * g"
+    ),
+    "slips in lanes: parts": Fault(slips, K + "lanes.records.footholds", "sl[slips.WORK + j] - energy_on_edge(par, foot)", "sl[slips.WORK + j]"),
     "contact: sign": Fault(planar_contact, K + "contact.flows", "-(a[k] + mu * foot.sigma * W[k])", "-(a[k] - mu * foot.sigma * W[k])"),
     "contact: restitution": Fault(
         planar_contact, K + "contact.impacts", "dw = -(h * f + place) / rg2", "dw = -(h * f + 0.99 * place) / rg2"

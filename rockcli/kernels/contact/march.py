@@ -14,10 +14,8 @@ from rockcli.kernels.constants import (
     DONE,
     FALLS,
     FAST,
-    GIVES_WAY,
     HOLDS,
     MAX_ORDER,
-    MEANINGFUL,
     NOT_FINITE,
     NOT_YET,
     OUT_OF_STEPS,
@@ -66,13 +64,12 @@ from rockcli.kernels.contact.readings import (
     energy_on_edge,
     extremes,
     note_angle,
+    note_carried,
     note_event,
     note_flight,
     note_flying,
     note_impact,
-    note_passage,
-    note_rocking,
-    note_rotation,
+    note_on_edge,
     note_slide,
     note_slip,
     note_uplift,
@@ -82,10 +79,11 @@ from rockcli.kernels.contact.readings import (
     write_rest,
     write_step,
 )
-from rockcli.kernels.contact.rest import frequency, settles
+from rockcli.kernels.contact.rest import scales_of, settles
 from rockcli.kernels.contact.selection import stiffness
-from rockcli.kernels.contact.state import Air, Foot, Scales, Settings, edge_under
-from rockcli.kernels.contact.steps import FAR, STALLED, ground_ahead, next_step
+from rockcli.kernels.contact.sliding import slide_on, still_until
+from rockcli.kernels.contact.state import Air, Foot, Settings, edge_under
+from rockcli.kernels.contact.steps import STALLED, ground_ahead, next_step
 from rockcli.kernels.jit import entry, jit_lean, rows
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, piece_at, piece_end
 from rockcli.kernels.rigid.settings import Channel
@@ -103,16 +101,6 @@ def work_space():
 
 
 @jit_lean
-def scales_of(par, tol):
-    """`Scales` of a case."""
-    p_left, p_right = frequency(par, at.LEFT), frequency(par, at.RIGHT)
-    alpha_min = min(par[at.LEFT + at.ALPHA], par[at.RIGHT + at.ALPHA])
-    R_min = min(par[at.LEFT + at.RADIUS], par[at.RIGHT + at.RADIUS])
-    p_max, small = max(p_left, p_right), tol * alpha_min
-    return Scales(min(p_left, p_right), p_max, alpha_min, R_min, small, small * p_max * R_min)
-
-
-@jit_lean
 def begin(par, start, out):
     """Where a case starts, and its results so far: (foot, what the mode is chosen for).
 
@@ -120,7 +108,8 @@ def begin(par, start, out):
     """
     if start[carry.T] >= 0.0:
         q, v = start[carry.Q], start[carry.V]
-        return Foot(start[carry.SIDE], 0.0, q, v, 0.0, start[carry.SLIDE]), ON_BASE if q == v == 0.0 else ON_EDGE
+        foot = Foot(start[carry.SIDE], 0.0, q, v, start[carry.U], start[carry.SLIDE])
+        return foot, ON_BASE if q == v == 0.0 else ON_EDGE
     for i in range(to.N_OUT):
         out[i] = 0.0
     for i in (to.T_PEAK, to.T_UPLIFT, to.T_OVERTURN, to.T_REST, to.T_SLIP, to.T_SLIDE_ROCK, to.T_FLIGHT):
@@ -160,19 +149,6 @@ def ended(par, scales, t, mode, foot, air):
 
 
 @jit_lean
-def still_until(par, horizontal, h_data, i):
-    """The first piece from i on in which a sampled motion might move a body at rest, or that is not its whole."""
-    hold = min(par[at.MU_S], par[at.LEFT + at.B] / par[at.H], par[at.RIGHT + at.B] / par[at.H])
-    quiet, end = par[at.G] * hold * (1.0 - FAR), min(par[at.T_MOTION], par[at.T_STOP])
-    factor = abs(par[at.FACTOR_H])
-    while i < horizontal.pieces and piece_end(horizontal, h_data, i) <= end:
-        if max(abs(h_data[i]), abs(h_data[i + 1])) * factor >= quiet:
-            return i
-        i += 1
-    return i
-
-
-@jit_lean
 def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histories, impacts, events, w, out):
     """Solve one case, from where `start`, a row of `handover`, has it: then `out` goes on from what it holds.
 
@@ -195,7 +171,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
     hands_back = how.hands_back and horizontal.kind == SAMPLES
     if horizontal.kind == SAMPLES:
         ih = max(int(t / horizontal.dt) - 1, 0)
-    slipped = jumped = False
+    slipped, jumped = foot.u != 0.0 and start[carry.T] >= 0.0, False
     skims = horizontal.kind == SAMPLES and vertical.kind == NOTHING and len(histories[0]) == 0
 
     while True:
@@ -216,6 +192,15 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
                 out[to.N_STEPS] += still - ih
                 out[to.N_MIN] = min(out[to.N_MIN], 1.0)
                 t, ih, stalled, launch = piece_end(horizontal, h_data, still - 1), still, 0, 0
+                continue
+        if skims and mode == SLIDE and pick == SETTLED and foot.u != 0.0 and t < par[at.T_MOTION]:
+            ih = piece_at(horizontal, h_data, ih, t)
+            after, foot, worked = slide_on(par, horizontal, h_data, ih, t, foot, out)
+            if after > ih:
+                balance += worked
+                out[to.N_STEPS] += after - ih
+                t, ih, stalled, launch = piece_end(horizontal, h_data, after - 1), after, 0, 0
+                t_held = t
                 continue
         if out[to.N_STEPS] >= how.max_steps:
             out[to.STATUS] = OUT_OF_STEPS
@@ -262,11 +247,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
         if how.balance:
             balance += work(par, mode, foot, step, n, ahead.degree, ahead.level, w)
         if mode in (ROCK, SLIDE_ROCK):
-            note_passage(par[edge_under(foot.s) + at.ALPHA], step, t, w, out)
-            if counted:
-                note_rotation(foot, step, t, looks, w, out)
-                if how.extremes:
-                    note_rocking(par, mode, foot, step, looks, w, out)
+            note_on_edge(par, how, mode, foot, step, t, counted, looks, w, out)
         elif mode == FLIGHT:
             note_flying(par, air, n, x, t, counted, w, out)
         elif counted and ahead.level:
@@ -324,10 +305,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
                 continue
             foot, change = landed(par, foot, out)
             balance += change
-            carried = (hit / (scales.p_min * scales.alpha_min)) ** 2 - MEANINGFUL**2
-            if carried > 0.0:
-                out[to.SWINGS] += carried
-                out[to.SWINGS_T] += carried * t
+            note_carried(scales, hit, t, out)
             if hit > FAST * scales.p_min * scales.alpha_min and reported:
                 note_impact(t, foot.s * hit, foot.s * foot.v, impacts, out)
             if stalled > STALLED:
@@ -375,7 +353,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
             note_event(t, mode, events, out)
 
     if hands_back:
-        start[carry.T], start[carry.SIDE], start[carry.SLIDE] = t, foot.s, foot.place
+        start[carry.T], start[carry.SIDE], start[carry.SLIDE], start[carry.U] = t, foot.s, foot.place, 0.0
         start[carry.Q], start[carry.V] = (0.0, 0.0) if mode == REST else (foot.q, foot.v)
     out[to.T_END] = t_stop if lasts else min(t, t_stop)
     if out[to.STATUS] != DONE:
@@ -388,29 +366,24 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
         write_rest(foot, out[to.T_END], dt_out, i_hist, histories)
 
 
-@entry(
-    MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, MATRIX, float, MATRIX, MATRIX, CUBE, CUBE, CUBE, MATRIX, MATRIX
-)
+@entry(MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, float, MATRIX, CUBE, CUBE, CUBE, MATRIX, MATRIX)
 def march_all(
-    pars, how, horizontal, h_data, vertical, v_data, spans, dt_out, starts, parts, histories, impacts, events, w, out
+    pars, how, horizontal, h_data, vertical, v_data, dt_out, starts, histories, impacts, events, w, out
 ):  # fmt: skip
     """`march` for every row of `pars`; starts, histories, impacts, events, results, tables of pulses row by row too.
 
-    spans: none, or of each case its motion in a row of many that `h_data` is: first and last sample, time between two.
-    parts: none, or what lanes have found of each case up to its start, which is added first; one may have ended there.
     w: `work_space()`.
     """
     for i in range(len(pars)):
-        if len(parts) > 0:
-            add_part(pars[i], starts[i][carry.SLIDE], parts[i], out[i])
-            if out[i][to.STATUS] != GIVES_WAY:
-                continue
         ih, iv = (i if horizontal.kind == PULSES else 0), (i if vertical.kind == PULSES else 0)
-        motion, samples = horizontal, h_data[ih]
-        if len(spans) > 0:
-            first, last = int(spans[i][0]), int(spans[i][1])
-            motion, samples = Channel(SAMPLES, spans[i][2], last - first), h_data[0][first : last + 1]
         march(
-            pars[i], how, motion, samples, vertical, v_data[iv], dt_out, starts[i], histories[i], impacts[i],
+            pars[i], how, horizontal, h_data[ih], vertical, v_data[iv], dt_out, starts[i], histories[i], impacts[i],
             events[i], w, out[i],
         )  # fmt: skip
+
+
+@entry(MATRIX, MATRIX, MATRIX, MATRIX)
+def add_parts(pars, starts, parts, out):
+    """Add to results what lanes have found of bodies up to their start, row by row."""
+    for i in range(len(pars)):
+        add_part(pars[i], starts[i][carry.SLIDE], parts[i], out[i])

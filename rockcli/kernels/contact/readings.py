@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import NO_ROOT, SAME
+from rockcli.kernels.constants import MEANINGFUL, NO_ROOT, SAME
 from rockcli.kernels.contact import flows
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
@@ -203,6 +203,25 @@ def note_rocking(par, mode, foot, step, looks, w, out):
     guard[0] += foot.place
     extremes(guard, m - 1, x, looks, found)
     note_top(found, out)
+
+
+@jit_lean
+def note_on_edge(par, how, mode, foot, step, t, counted, looks, w, out):
+    """Passage of the equilibrium and extremes of a step on one edge, `counted` if the report has not ended."""
+    note_passage(par[edge_under(foot.s) + at.ALPHA], step, t, w, out)
+    if counted:
+        note_rotation(foot, step, t, looks, w, out)
+        if how.extremes:
+            note_rocking(par, mode, foot, step, looks, w, out)
+
+
+@jit_lean
+def note_carried(scales, hit, t, out):
+    """What an impact carries (`MEANINGFUL`)."""
+    carried = (hit / (scales.p_min * scales.alpha_min)) ** 2 - MEANINGFUL**2
+    if carried > 0.0:
+        out[to.SWINGS] += carried
+        out[to.SWINGS_T] += carried * t
 
 
 @jit_lean

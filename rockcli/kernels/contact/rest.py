@@ -9,7 +9,7 @@ from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import workspace as row
 from rockcli.kernels.contact.codes import REST, SLIDE
 from rockcli.kernels.contact.selection import on_base, stiffness
-from rockcli.kernels.contact.state import edge_beyond, edge_under
+from rockcli.kernels.contact.state import Scales, edge_beyond, edge_under
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid.law import pull
 from rockcli.kernels.rigid.series import value
@@ -23,6 +23,16 @@ def frequency(par, e):
     """p of an edge."""
     R = par[e + at.RADIUS]
     return math.sqrt(par[at.G] * R / (par[at.RG2] + R * R))
+
+
+@jit_lean
+def scales_of(par, tol):
+    """`Scales` of a case."""
+    p_left, p_right = frequency(par, at.LEFT), frequency(par, at.RIGHT)
+    alpha_min = min(par[at.LEFT + at.ALPHA], par[at.RIGHT + at.ALPHA])
+    R_min = min(par[at.LEFT + at.RADIUS], par[at.RIGHT + at.RADIUS])
+    p_max, small = max(p_left, p_right), tol * alpha_min
+    return Scales(min(p_left, p_right), p_max, alpha_min, R_min, small, small * p_max * R_min)
 
 
 @jit_lean

@@ -232,6 +232,13 @@ def on_one_edge(par, how, scales, mode, foot, launch, ahead, w):
     h = within(c, m - last, m, scales.small, h)
     if not h > 0.0 or math.isnan(c[m]):
         return Step(DIVERGES, 0.0, h, m, slip_order, 0.0)
+    return first_event(par, scales, mode, foot, launch, h, ahead, m, slip_order, w)
+
+
+@jit_lean
+def first_event(par, scales, mode, foot, launch, h, ahead, m, slip_order, w):
+    """`on_one_edge` for a step of length h whose series, of order m, are in `w`."""
+    c = w[row.Q]
     event = sooner(Event(NO_EVENT, NO_ROOT, 0.0), LANDS, lands(scales, foot, m, h, w), 0.0)
     event = foot_gives_way(par, event, m, h, w) if mode == ROCK else slip_ends(par, event, foot, launch, m, h, w)
     normal, guard = (w[row.NORMAL] if mode == ROCK else w[row.HELD]), w[row.GUARD]

@@ -19,7 +19,6 @@ from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED
 from rockcli.solvers.common.duration import durations_of, output_times
 from rockcli.solvers.common.ground import channel_of, factors_of
-from rockcli.solvers.event.record_lanes import Laid
 
 Array = NDArray[np.float64]
 
@@ -79,73 +78,30 @@ def from_the_beginning(n: int) -> Array:
     return np.full((n, carry.N_HANDOVER), -1.0)
 
 
-def march(
-    batch: Batch,
-    pars: Array,
-    level: Accuracy,
-    raw: Raw,
-    starts: Array | None = None,
-    *,
-    cases: NDArray[np.int64] | None = None,
-    hands_back: bool = False,
-    parts: Array | None = None,
-    laid: Laid | None = None,
-) -> None:
-    """The kernel for the rows of parameters of some cases of a batch, all without `cases`, into `raw`.
-
-    Args:
-        starts: rows of `kernels.handover`, where they begin; `raw` goes on from what it holds of those under way.
-        hands_back: a case stops where its foot has held for a while, STATUS is HOLDS, and `starts` says where.
-        parts: what lanes have found of each case up to its start, (n, N_OUT) of theirs, which `raw` has to count in.
-        laid: the motions, if they are laid out for more runs than this.
-    """
+def march(batch: Batch, pars: Array, level: Accuracy, raw: Raw) -> None:
+    """The kernel for the rows of parameters of all cases of a batch, into `raw`."""
     suite = batch.excitation.suite
-    if laid is not None:
-        _march(batch, None, pars, level, raw, starts, hands_back=hands_back, parts=parts, many=laid.motions(cases))
-        return
     if suite is None:
-        _march(batch, batch.excitation.horizontal, pars, level, raw, starts, hands_back=hands_back, parts=parts)
+        _march(batch, batch.excitation.horizontal, pars, level, raw)
         return
-    for record, rows in suite.cases(cases):
+    for record, rows in suite.cases():
         part = raw.rows(rows)
-        begun = from_the_beginning(len(rows)) if starts is None else starts[rows]
-        theirs = None if parts is None else parts[rows]
-        _march(batch, record, pars[rows], level, part, begun, hands_back=hands_back, parts=theirs)
+        _march(batch, record, pars[rows], level, part)
         raw.put(rows, part)
-        if starts is not None:
-            starts[rows] = begun
 
 
-def _march(
-    batch: Batch,
-    horizontal_motion: Channel | None,
-    pars: Array,
-    level: Accuracy,
-    raw: Raw,
-    starts: Array | None,
-    *,
-    hands_back: bool,
-    parts: Array | None = None,
-    many: tuple[Array, Array] | None = None,
-) -> None:
-    """`march` under one motion, or with `many` each case under its own: values of all in a row, span of each case."""
+def _march(batch: Batch, horizontal_motion: Channel | None, pars: Array, level: Accuracy, raw: Raw) -> None:
+    """`march` under one motion."""
     kernel = kernels.load("contact.march", compile_them=bool(kernels.compiled))
     channels = (horizontal_motion, batch.excitation.vertical)
     (horizontal, h_data), (vertical, v_data) = (channel_of(kernel, c, batch.size) for c in channels)
-    spans = np.empty((0, 0))
-    if parts is None:
-        parts = np.empty((0, 0))
-    if many is not None:
-        h_data, spans = many
     events = np.empty((len(pars), 2, 0))  # for tests
     arrays = [raw.histories, raw.impacts, events, raw.out]
-    if starts is None:
-        starts = from_the_beginning(len(pars))
-    inputs: list[Any] = [pars, h_data, v_data, spans, starts, parts]
+    inputs: list[Any] = [pars, h_data, v_data, from_the_beginning(len(pars))]
     outputs: list[Any] = list(arrays)
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python
         inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
-    rows, h_data, v_data, spans, begun, parts = inputs
+    rows, h_data, v_data, starts = inputs
     how = kernel.Settings(
         tol=level.rtol,
         rest_speed=level.rest_speed,
@@ -153,15 +109,14 @@ def _march(
         order=ORDER,
         balance="energy_residual" in batch.save.scalars,
         extremes=bool(batch.save.scalars & EXTREMES),
-        hands_back=hands_back,
+        hands_back=False,
     )
     *written, out = outputs
     kernel.march_all(
-        rows, how, horizontal, h_data, vertical, v_data, spans, batch.save.dt_out, begun, parts, *written,
-        kernel.work_space(), out,
-    )  # fmt: skip
+        rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, starts, *written, kernel.work_space(), out
+    )
     if not kernels.compiled:
-        for array, output in zip((*arrays, starts), (*outputs, begun), strict=True):
+        for array, output in zip(arrays, outputs, strict=True):
             array[...] = output
 
 

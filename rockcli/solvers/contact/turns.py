@@ -1,8 +1,9 @@
-"""Bodies under a record by turns: in lanes while friction holds their foot, one by one while it slips or flies.
+"""Bodies under a record by turns: in lanes while they rock or slip on one edge, one by one in what else there is.
 
 A body that slides while it rocks does so for a small part of a record; the rest of its path is that of pure rocking,
-for which lanes take a fortieth of the time.  Lanes stop a body before the step in which its foot may give way, the
-kernel of contact takes it from there, and hands it back when the foot has held for a while.
+for which lanes take a fortieth of the time of the kernel of contact.  Lanes stop a body before the step in which its
+foot may give way; those that do then go on in lanes of those that rock and of those that slip, and with the kernel of
+contact where they bounce to rest, slide on their base or fly.
 """
 
 from __future__ import annotations
@@ -15,19 +16,18 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.kernels import handover as carry
-from rockcli.kernels.constants import DONE, FALLS, GIVES_WAY, HOLDS, RETURNS
+from rockcli.kernels.constants import DONE, FALLS, GIVES_WAY, LEFT_TO_MARCH
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.rigid import results as in_lanes
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
 from rockcli.scene.numerics import Accuracy
 from rockcli.solvers.common.certainty import CERTAINTY
-from rockcli.solvers.contact.run import EXTREMES, Raw, from_the_beginning, march, parameters_of, run
+from rockcli.solvers.contact.run import EXTREMES, Raw, from_the_beginning, parameters_of, run
 from rockcli.solvers.contact.screen import ROUNDING
 from rockcli.solvers.event import record_lanes
 from rockcli.solvers.event.pack import parameters_of as pack
 from rockcli.solvers.event.pack import settings_of
-from rockcli.solvers.event.record_lanes import Laid
 from rockcli.solvers.event.unpack import FORCES
 
 Array = NDArray[np.float64]
@@ -39,8 +39,9 @@ BESIDE = EXTREMES | FORCES | CERTAINTY | {"mu_impact"}
 OF_ALL_STEPS = EXTREMES | {"energy_residual"}
 """Scalars that lanes have to look for in every step."""
 
-MOST_TURNS = 100
-"""Turns after which a body stays with the kernel of contact."""
+
+SAME_PASSAGE = 1e-3
+"""Times of a passage of the equilibrium that differ less are of the same one, with slip or without [s]."""
 
 
 def can_take_turns(batch: Batch) -> Mask:
@@ -77,14 +78,19 @@ def by_turns(batch: Batch, rows: Array, level: Accuracy) -> tuple[Array, Mask, R
         found[late] = record_lanes.run(lanes, batch, rows[late], how, begun, cases=late, path=True)
         starts[late] = begun
     slipping = batch.rows(stopped)
-    laid = Laid.of(lanes, slipping)
-    raw = _followed(slipping, rows[stopped], level, found[stopped], np.arange(len(stopped)), starts[stopped], laid)
+    pars, raw = parameters_of(slipping), _nothing_found(len(stopped))
+    kernels.load("contact.march", compile_them=True).add_parts(pars, starts[stopped], found[stopped], raw.out)
+    _follow(slipping, rows[stopped], pars, level, raw, starts[stopped])
     slips = ~only_rocks(raw.out)
     slides[stopped[slips]] = True
     found[stopped[slips], in_lanes.STATUS] = DONE  # as far as it goes
     rocks = stopped[~slips]
     if len(rocks):
         found[rocks] = record_lanes.run(lanes, batch, rows[rocks], how, cases=rocks)
+        # one that slips beyond its equilibrium and falls may have come back once more had it not
+        apart = np.abs(found[rocks, in_lanes.T_OVERTURN] - raw.out[~slips, to.T_OVERTURN]) > SAME_PASSAGE
+        slides[rocks[apart]] = True
+        slips[~slips] = apart
     return found, slides, raw.rows(slips)
 
 
@@ -94,13 +100,9 @@ def solved(batch: Batch, level: Accuracy) -> Raw:
     turns = record_lanes.fit(batch, rows) & can_take_turns(batch)
     if not turns.any():
         return run(batch, level)
-    lanes, how = _lanes_of(batch, level)
     some, taking = (batch, rows) if turns.all() else (batch.rows(np.flatnonzero(turns)), rows[turns])
-    starts = _held(some)
-    laid = Laid.of(lanes, some)
-    on, starts = _in_order(np.arange(some.size), starts, laid)
-    found = record_lanes.run(lanes, some, taking[on], how, starts, cases=on, path=True, laid=laid)
-    raw = _followed(some, taking, level, found, on, starts, laid)
+    raw = _nothing_found(some.size)
+    _follow(some, taking, parameters_of(some), level, raw, _held(some))
     if turns.all():
         return raw
     both, others = Raw(batch.size, 0, 0), np.flatnonzero(~turns)
@@ -119,7 +121,7 @@ def only_rocks(out: Array) -> Mask:
 def _held(batch: Batch) -> Array:
     """Rows of `kernels.handover` for bodies that begin, with the friction that holds them."""
     starts = from_the_beginning(batch.size)
-    starts[:, carry.MU], starts[:, carry.SLIDE] = batch.block.mu * ROUNDING, 0.0
+    starts[:, carry.MU], starts[:, carry.SLIDE], starts[:, carry.U] = batch.block.mu * ROUNDING, 0.0, 0.0
     return starts
 
 
@@ -130,44 +132,23 @@ def _lanes_of(batch: Batch, level: Accuracy) -> tuple[ModuleType, Any]:
     return lanes, settings_of(lanes, batch, level, int(detail))
 
 
-def _in_order(on: NDArray[np.int64], starts: Array, laid: Laid | None) -> tuple[NDArray[np.int64], Array]:
-    """Cases and where they start, as lanes had better take them."""
-    if laid is None:
-        return on, starts
-    order = laid.order(on, starts)
-    return on[order], starts[order]
+def _nothing_found(n: int) -> Raw:
+    """Raw results of n bodies before anything has happened."""
+    raw = Raw(n, 0, 0)
+    raw.out[:] = _NOTHING_YET
+    return raw
 
 
-def _followed(
-    batch: Batch, rows: Array, level: Accuracy, then: Array, on: NDArray[np.int64], begun: Array, laid: Laid | None
-) -> Raw:
-    """Raw results of contact of bodies that lanes have taken as far as `then` says, those that stopped to `begun`.
+def _follow(batch: Batch, rows: Array, pars: Array, level: Accuracy, raw: Raw, starts: Array) -> None:
+    """Follow bodies from where they are to their end; `raw` goes on from what it holds of them.
 
-    `on`: the cases of these rows, in whatever order.  A body of which lanes do not know the end begins anew, with the
-    kernel of contact alone.
+    A body of which lanes do not know the end begins anew, with the kernel of contact alone.
     """
     lanes, how = _lanes_of(batch, level)
-    raw, pars = Raw(batch.size, 0, 0), parameters_of(batch)
-    raw.out[:] = _NOTHING_YET
-    whole = np.zeros(batch.size, dtype=bool)
-    turn = 0
-    while len(on):
-        verdict, stopped = then[:, in_lanes.VERDICT], then[:, in_lanes.STATUS] == GIVES_WAY
-        known = stopped | (then[:, in_lanes.STATUS] == DONE) & ((verdict == RETURNS) | (verdict == FALLS))
-        if not known.all():
-            whole[on[~known]] = True
-            on, begun, then = on[known], begun[known], then[known]
-        some = raw.rows(on)
-        march(batch, pars[on], level, some, begun, cases=on, hands_back=turn < MOST_TURNS, parts=then, laid=laid)
-        raw.put(on, some)
-        holds = some.out[:, to.STATUS] == HOLDS
-        on, begun = _in_order(on[holds], begun[holds], laid)
-        turn += 1
-        then = record_lanes.run(lanes, batch, rows[on], how, begun, cases=on, path=True, laid=laid)
-    left = np.flatnonzero(whole)
+    record_lanes.run(lanes, batch, rows, how, starts, path=True, feet=pars, felt=raw.out)
+    left = np.flatnonzero(raw.out[:, to.STATUS] == LEFT_TO_MARCH)
     if len(left):
         raw.put(left, run(batch.rows(left), level))
-    return raw
 
 
 def _nothing_yet() -> Array:

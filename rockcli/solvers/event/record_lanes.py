@@ -60,9 +60,6 @@ LAYOUT = "lanes.records.layout"
 AT_ONCE = 1 << 18
 """Samples of a suite laid out at a time, at least: 12 MB, which memory near the processor holds."""
 
-HELD = 1 << 20
-"""Samples of the motions that stay laid out for many runs, at most: 25 MB."""
-
 
 def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
     """Which rows (n, N_PAR) of a batch the lanes take, (n,): of bodies without a duration.
@@ -128,7 +125,8 @@ def run(
     cases: NDArray[np.int64] | None = None,
     path: bool = False,
     bodies: Array | None = None,
-    laid: Laid | None = None,
+    feet: Array | None = None,
+    felt: Array | None = None,
 ) -> Array:
     """Raw results (n, N_OUT) for the rows (n, N_PAR) of some cases of a batch, all without `cases`.
 
@@ -140,21 +138,17 @@ def run(
         path: follow a fall to its end whatever is asked.
         bodies: table of bodies that roll, `kernels.rolling.parameters`; then the rows and the results are longer:
             `kernels.lanes.records.facets`, `kernels.rolling.results`.
-        laid: the motions, if they are laid out for more runs than this, with the path of a fall; then the bodies, which
-            have `starts`, are taken in the order in which they stand.
+        feet: parameters of contact of bodies that have `starts`, (n, N_PAR) of that kernel: they do not stop, and what
+            becomes of them is added to the rows of `felt`, its results; STATUS LEFT_TO_MARCH: it is not known.
     """
     width = to.N_OUT if bodies is None else results_of_rolling.N_OUT
     if not len(rows):
         return np.empty((0, width))
     path = path or how.detail == lanes.ALL or bool(batch.save.scalars & PATH)
     found = np.zeros((len(rows), width))
-    if laid is not None:
-        _, spans = laid.motions(cases)
-        lanes.march_lanes(
-            rows, np.empty((0, 0)), how, *laid.ground[:-1], spans, False, True, starts, lanes.work_space(), found
-        )
-        found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
-        return found
+    if feet is None or felt is None:
+        feet = felt = np.empty((0, 0))
+    slides = len(feet) > 0
     holds = starts is not None
     if starts is None:
         starts = np.empty((len(rows), 0))
@@ -173,12 +167,14 @@ def run(
                 continue
             places = every[of_those]
             out = np.zeros((len(places), width))
-            begin = starts[places]
+            begin, foot, feels = starts[places], feet[places] if slides else feet, felt[places] if slides else felt
             lanes.march_lanes(
                 rows[places], table, how, *ground[:-1], spans[of_those], two_sided, holds, begin, lanes.work_space(),
-                out,
+                out, foot, lanes.work_space_of_slips(), *lanes.work_space_of_feet(), feels,
             )  # fmt: skip
             found[places], starts[places] = out, begin
+            if slides:
+                felt[places] = feels
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
 
@@ -210,37 +206,6 @@ class Ground(NamedTuple):
     tail: Array
     velocity: Array
     spans: Array
-
-
-class Laid(NamedTuple):
-    """Motions laid out for many runs of cases of a batch, and which of them each case has, (n,)."""
-
-    ground: Ground
-    which: NDArray[np.int64]
-
-    @classmethod
-    def of(cls, lanes: ModuleType, batch: Batch) -> Laid | None:
-        """The motions of a batch, with the path of a fall; None if they have more than HELD samples."""
-        motion = batch.excitation
-        if motion.suite is None:
-            assert isinstance(motion.horizontal, Samples)
-            records, which = [motion.horizontal], np.zeros(batch.size, dtype=np.int64)
-        else:
-            records, which = list(motion.suite.records), motion.suite.which
-        if sum(len(record.values) for record in records) > HELD:
-            return None
-        return cls(laid_out(records, lanes.BLOCK, path=True), which)
-
-    def order(self, some: NDArray[np.int64], starts: Array) -> NDArray[np.int64]:
-        """Places of some cases among these such that those at one place of a motion are together.
-
-        They read the same samples.
-        """
-        return np.lexsort((starts[:, carry.T], self.which[some]))
-
-    def motions(self, some: NDArray[np.int64] | None) -> tuple[Array, Array]:
-        """Values of all motions in a row, (1, k), and where that of each of some cases is, (n, 3) as `Ground.spans`."""
-        return self.ground.values[None, :], self.ground.spans[self.which if some is None else self.which[some]]
 
 
 def laid_out(records: list[Samples], block: int, *, path: bool, falls: bool = True) -> Ground:

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.constants import MAX_ORDER
-from rockcli.kernels.jit import entry, jit_lean
+from rockcli.kernels.contact import workspace as contact
+from rockcli.kernels.jit import entry, jit_lean, rows
+from rockcli.kernels.lanes.records import footholds, slips
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.events import arrive, attend
 from rockcli.kernels.lanes.records.facets import BODY, stand
@@ -23,8 +25,8 @@ from rockcli.kernels.lanes.records.rolling import bounce, roll_over
 from rockcli.kernels.lanes.records.state import place
 from rockcli.kernels.lanes.records.step import advance, advance_linear
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.fused import lowest_bit, page_the_stack
-from rockcli.kernels.lanes.vector.plain import note, room
+from rockcli.kernels.lanes.vector.fused import bits, lowest_bit, page_the_stack
+from rockcli.kernels.lanes.vector.plain import load, note, room
 from rockcli.kernels.rigid.march import ALL
 from rockcli.kernels.rigid.settings import Settings as Settings
 
@@ -43,10 +45,24 @@ def work_space():
     )  # fmt: skip
 
 
+def work_space_of_slips():
+    """Work space of `march_lanes` for bodies that slip: state, series, cases that are to go on in lanes."""
+    return room(slips.STATE), room(slips.SERIES), room(lane.LANES)
+
+
+def work_space_of_feet():
+    """The same of the kernel of contact, and the histories that it does not write."""
+    return rows(contact.N_ROWS, MAX_ORDER + 2), rows(6, 0)
+
+
 @entry(
-    MATRIX, MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, bool, bool, MATRIX, (VECTOR,) * 11, MATRIX
+    MATRIX, MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, bool, bool, MATRIX, (VECTOR,) * 11,
+    MATRIX, MATRIX, (VECTOR,) * 3, MATRIX, MATRIX, MATRIX,
 )  # fmt: skip
-def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out):
+def march_lanes(
+    pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out, feet,
+    slip_work, foot_work, nothing, felt,
+):  # fmt: skip
     """`march_all` for bodies on two edges, no damper, under sampled motions; no histories.
 
     two_sided: the edges of these bodies differ.  bodies: none, or the table of
@@ -59,20 +75,31 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
     hold: a body stops where friction may not hold its foot: STATUS GIVES_WAY.  starts: rows of `handover`, where it
     begins and, then, has stopped; not read without `hold`.  With forces beside it, PEAK_LEFT and PEAK_RIGHT are those
     of either side.
+    feet: none, or of such bodies the rows of `kernels.contact.parameters`: those do not stop but slip on in lanes, with
+    those that rock; what else comes of it the kernel of contact follows until their feet hold again.  What all parts of
+    their paths have found is added to `felt`, rows of `kernels.contact.results`.  nothing: no histories, (6, 0).
     A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
     """
     page_the_stack()
     st, landings, turns, touches, c, guard, sin_q, cos_q, a, a_v, force = work
     path, watch, rolling = len(velocity) == 0, how.detail == ALL, len(bodies) > 0
-    n_case = len(pars)
-    following = busy = rounds = 0
+    sl, series, ready = slip_work
+    n_case, slides = len(pars), len(feet) > 0
+    following = busy = rounds = slipping = waiting = 0
     for number in range(lane.LANES):
         park(st, place(number))
+    if slides:
+        for number in range(slips.STATE // slips.STRIDE * WIDTH):
+            slips.clear(sl, slips.place(number))
     while True:
-        # fill the free lanes
-        while busy < lane.LANES and following < n_case:
-            k = following
-            following += 1
+        # fill the free lanes, first with bodies whose foot holds again
+        while waiting > 0 or (busy + slipping < lane.LANES and following < n_case):
+            if waiting > 0:
+                waiting -= 1
+                k = int(ready[waiting])
+            else:
+                k = following
+                following += 1
             i = place(busy)
             if rolling:
                 stand(pars[k], bodies[int(pars[k][BODY])])
@@ -83,9 +110,15 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
                 st[lane.CASE + i] = k
                 busy += 1
             else:
+                if slides:
+                    footholds.count_in(feet[k], starts[k], out[k], felt[k])
                 park(st, i)
-        if busy == 0:
+        if busy == 0 and slipping == 0:
             return
+        if slipping > 0:
+            slipping, waiting = slip_on(
+                sl, slipping, series, foot_work, feet, how, spans, starts, values, slopes, ready, waiting, nothing, felt
+            )
         landing = turning = touching = 0
         emptied = False
         for o in range(0, place(busy - 1) + 1, lane.STRIDE):
@@ -121,7 +154,7 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
                         c, guard, sin_q, cos_q, a, a_v, force, hold, starts[k], out[k],
                     )  # fmt: skip
                 if state == FINISHED:
-                    st[lane.CASE + i], emptied = -1.0, True
+                    st[lane.CASE + i], emptied = left_by(k), True
         for j in range(turning):
             i = int(turns[j])
             k = int(st[lane.CASE + i])
@@ -141,7 +174,7 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
                 turn(st, i, pars[k], st[lane.SIDE + i], out[k])
                 free = rolling and st[lane.PIECE + i] > st[lane.LAST + i]
                 if free and bounce(st, i, pars[k], bodies, how.rest_speed, path, watch, out[k]) == FINISHED:
-                    st[lane.CASE + i], emptied = -1.0, True
+                    st[lane.CASE + i], emptied = left_by(k), True
                     over, slow = over & ~(1 << bit), slow & ~(1 << bit)
             calls = over | slow
             while calls != 0:
@@ -159,7 +192,7 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
                 else:
                     state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k])
                 if state == FINISHED:
-                    st[lane.CASE + i], emptied = -1.0, True
+                    st[lane.CASE + i], emptied = left_by(k), True
         for j in range(touching, min(touching + WIDTH, len(touches))):
             touches[j] = place(lane.LANES)
         for j in range(0, touching, WIDTH):
@@ -184,22 +217,41 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
                 elif state != FINISHED and (hit >> bit) & 1 and st[lane.V + i] <= st[lane.SLOW + i]:
                     state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k])
                 if state == FINISHED:
-                    st[lane.CASE + i], emptied = -1.0, True
+                    st[lane.CASE + i], emptied = left_by(k), True
         rounds += 1
         if rounds % ROUNDS == 0:
             for number in range(busy):
                 i = place(number)
                 samples = st[lane.LAST + i] - st[lane.FIRST + i]
-                if st[lane.CASE + i] >= 0.0 and st[lane.STEPS + i] > STEPS_PER_SAMPLE * samples + STEPS_AFTER:
-                    hand_over(out[int(st[lane.CASE + i])])
-                    st[lane.CASE + i], emptied = -1.0, True
+                k = int(st[lane.CASE + i])
+                if k >= 0 and st[lane.STEPS + i] > STEPS_PER_SAMPLE * samples + STEPS_AFTER:
+                    hand_over(out[k])
+                    st[lane.CASE + i], emptied = left_by(k), True
         if not emptied:
             continue
         # close the gaps
         number, held = 0, busy
         while number < busy:
             i = place(number)
-            if st[lane.CASE + i] < 0.0:
+            if number % WIDTH == 0 and bits(load(st, lane.CASE + i) < 0.0) == 0:
+                number += WIDTH
+            elif st[lane.CASE + i] < 0.0:
+                k = int(left_by(st[lane.CASE + i]))
+                if slides:
+                    j = slips.place(slipping)
+                    contact_how = footholds.settings(how)
+                    becomes = footholds.give_way(
+                        st, i, sl, j, k, feet[k], contact_how, starts[k], values, slopes, foot_work, out[k], felt[k]
+                    )
+                    if becomes == footholds.ELSEWHERE:
+                        becomes = footholds.follow(
+                            feet[k], contact_how, spans[k], starts[k], values, foot_work, nothing, felt[k]
+                        )
+                    if becomes == footholds.SLIPPING:
+                        slipping += 1
+                    elif becomes == footholds.HOLDING:
+                        ready[waiting] = k
+                        waiting += 1
                 busy -= 1
                 last = place(busy)
                 for field in range(0, lane.STRIDE, WIDTH):
@@ -209,6 +261,57 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
                 number += 1
         for number in range(busy, held):
             park(st, place(number))
+
+
+@jit_lean
+def left_by(k):
+    """What marks a lane whose body k is done; of that, k again."""
+    return -2.0 - k
+
+
+@jit_lean
+def slip_on(sl, count, series, w, feet, how, spans, starts, values, slopes, ready, waiting, nothing, felt):
+    """Step the bodies that slip, the first `count` of `sl`; those that hold again are appended to `ready`.
+
+    Returns how many slip and how many are ready.
+    """
+    contact_how, watch, thinned = footholds.settings(how), how.detail == ALL, False
+    for first in range(0, count, WIDTH):
+        o = slips.place(first)
+        calls, over, halved = slips.slide_on(sl, o, series, values, slopes, watch)
+        todo = calls | over | halved
+        while todo != 0:
+            bit = lowest_bit(todo)
+            todo &= todo - 1
+            if first + bit >= count:
+                break
+            j = o + bit
+            k = int(sl[slips.CASE + j])
+            if (calls >> bit) & 1:
+                becomes = footholds.look_after(
+                    sl, j, feet[k], contact_how, starts[k], values, slopes, series, w, felt[k]
+                )
+            else:
+                becomes = footholds.give_up(sl, j, feet[k], starts[k], felt[k])
+            if becomes == footholds.ELSEWHERE:
+                becomes = footholds.follow(feet[k], contact_how, spans[k], starts[k], values, w, nothing, felt[k])
+            if becomes != footholds.SLIPPING:
+                sl[slips.CASE + j], thinned = -1.0, True
+            if becomes == footholds.HOLDING:
+                ready[waiting] = k
+                waiting += 1
+    number = 0
+    while thinned and number < count:
+        j = slips.place(number)
+        if sl[slips.CASE + j] < 0.0:
+            count -= 1
+            last = slips.place(count)
+            for field in range(0, slips.STRIDE, WIDTH):
+                sl[j + field] = sl[last + field]
+            slips.clear(sl, last)
+        else:
+            number += 1
+    return count, waiting
 
 
 @jit_lean
