@@ -239,7 +239,7 @@ FAULTS = {
         rolling_records, K + "lanes.records.facets", "return par[RISEN] if rolls(par) else 0.0", "return 0.0"
     ),
     "rolling, record lanes: landing": Fault(
-        rolling_records, K + "lanes.records.impacts", "lands = hit & (x < 0.0) if onward else hit", "lands = hit"
+        rolling_records, K + "lanes.records.impacts", "loss = 0.0 * q if onward else select(", "loss = select("
     ),
     "slips in lanes: friction": Fault(slips, K + "lanes.records.slips", "grip, lever, weight = mu * sigma,", "grip, lever, weight = 0.99 * mu * sigma,"),
     "slips in lanes: way": Fault(slips, K + "lanes.records.slips", "path = fma(u, h, path)", "path = fma(u, 0.9 * h, path)"),

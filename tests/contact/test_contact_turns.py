@@ -126,6 +126,20 @@ def test_turns_end_where_the_kernel_of_contact_does_alone(name, how, every, monk
         assert not told.any() or np.median(np.abs(one[told] - other[told])) < 1e-10, close
 
 
+def test_a_slip_on_the_way_down_of_a_body_that_would_have_come_back_once_more(monkeypatch):
+    """It passes its equilibrium at 6.8 s, slips at 7.6 s and falls; without the slip it would pass it again at 8.6 s."""
+    body = block(np.array([0.79519893]), np.array([0.28961631]), 1)
+    body = dataclasses.replace(body, mu=np.array([0.40461482]), mu_kinetic=np.array([0.28323038]))
+    motion = read_record("records/synthetic_soil_m70.AT2")
+    values = record(motion.acceleration(G), motion.dt, factor=np.array([9.32075445]))
+    batch = asked(make_batch(body, values, accuracy="standard"), NAMES)
+    found, other = solve(batch).scalars, alone(batch, monkeypatch)
+    free = solve(dataclasses.replace(batch, block=dataclasses.replace(body, mu=np.full(1, np.nan)))).scalars
+    assert free["t_overturn"][0] > other["t_slip"][0] > other["t_overturn"][0]
+    for name in ("t_overturn", "t_end", "t_slip", "slide_peak"):
+        np.testing.assert_allclose(found[name], other[name], rtol=1e-7, err_msg=name)
+
+
 def test_who_does_not_slip_has_the_bits_of_a_body_that_cannot():
     batch = scene("synthetic_soil_m70")
     batch = dataclasses.replace(batch, block=dataclasses.replace(batch.block, mu=1.15 * batch.block.mu))

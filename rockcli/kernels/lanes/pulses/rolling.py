@@ -309,7 +309,6 @@ def judge_rolling(state, o, how, path):
         returns, falls = foreseen(state, o, how.margin, q, v, sine, bend, plus, minus)
         asked = going & (mode == lane.ROCK) & (verdict == 1.0 * NOT_YET)
         falls = asked & falls & ~over
-        astray = going & (t < 0.0)
         verdict = select(asked & returns, 1.0 * RETURNS, verdict)
     verdict = select(falls, 1.0 * FALLS, verdict)
     still = going & (mode == lane.REST) & over
@@ -327,7 +326,9 @@ def judge_rolling(state, o, how, path):
         store(state, o + lane.N_IMPACTS * WIDTH, select(falls, n_impacts + ahead, n_impacts))
     next_event = select(known, lane.DONE, lane.NONE)
     too_long = load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps
-    next_event = select(astray | too_long, lane.FOR_MARCH, next_event)
+    next_event = select(too_long, lane.FOR_MARCH, next_event)
+    if path:
+        next_event = select(astray, lane.FOR_MARCH, next_event)
     rests_on = load(state, o + lane.RESTS_ON * WIDTH)
     store(state, o + lane.RESTS_ON * WIDTH, select(still, load(state, o + lane.FACET * WIDTH), rests_on))
     store(state, o + lane.VERDICT * WIDTH, verdict)

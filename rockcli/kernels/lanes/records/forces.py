@@ -3,8 +3,8 @@
 Extremes are looked for at the start of every step and at landings, many lanes at a time; a step inside which something
 may be larger than so far is looked at by itself with the means of a single body.
 
-With G = R/p^2 [FORCING_C sin q + FORCING_S (1 - cos q)], which is zero wherever a body lands or rests, the work of the
-ground is the change of a G less the integral of G da; `WORK` is that with the other sign.
+With G = R/p^2 [FORCING_C sin q + FORCING_S (1 - cos q)], which is zero where a body turns over or rests, the work of
+the ground is the change of a G less the integral of G da; `WORK` is that with the other sign.
 """
 
 from __future__ import annotations
@@ -168,10 +168,10 @@ def commit(st, i):
 
 
 @jit_lean
-def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, lands, end, rate, linear):
+def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, end, rate, linear):
     """`weigh` and `commit` for lanes that go as far as x, the fraction of a step, and to q = end: which to look into.
 
-    lands: those that turn over onto their other edge.
+    loss: of those that turn over onto their other edge, energy lost over m g and its rate squared; else 0.
     """
     sin_a, cos_a, h2 = gather(st, lanes + lane.SIN_ALPHA), gather(st, lanes + lane.COS_ALPHA), h * h
     side = gather(st, lanes + lane.SIDE)
@@ -198,8 +198,7 @@ def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, lands, end
     scatter(st, lanes + lane.RATE_MAX, select(speed > fastest, speed, fastest))
     scatter(st, lanes + lane.MU_MOST, select(friction > most, friction, most))
     scatter(st, lanes + lane.N_LEAST, select(light < least, light, least))
-    lost = select(lands, gather(st, lanes + lane.LOSS) * rate * rate, 0.0 * q)
-    scatter(st, lanes + lane.LOST, gather(st, lanes + lane.LOST) + lost)
+    scatter(st, lanes + lane.LOST, gather(st, lanes + lane.LOST) + loss * rate * rate)
     scatter(st, lanes + lane.X_HIT, x)
     scatter(st, lanes + lane.SIDE_BEFORE, side)
 

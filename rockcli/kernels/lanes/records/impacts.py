@@ -85,9 +85,9 @@ def land(st, queue, j, path, watch, linear, onward):
     doubtful = 0
     if watch:
         there = gather(st, lanes + lane.WALL) if onward else 0.0 * q
-        lands = hit & (x < 0.0) if onward else hit
+        loss = 0.0 * q if onward else select(hit, gather(st, lanes + lane.LOSS), 0.0 * q)
         there = select(hit, there, end)
-        doubtful = weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, lands, there, rate, linear)
+        doubtful = weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, there, rate, linear)
     if path and not onward:
         pace = FAST * inward / gather(st, lanes + lane.FAST)
         carried = pace * pace - MEANINGFUL * MEANINGFUL
