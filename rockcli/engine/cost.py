@@ -64,7 +64,7 @@ IN_PLAIN_PYTHON = 100.0
 READING = 1.5e-7
 """A sample of a record that is read and laid out [s]."""
 
-REFINED = 30.0
+REFINED = 34.0
 """Cases that a refined map of n x n pixels solves, over n."""
 
 SPECTRUM = 0.02

@@ -117,6 +117,23 @@ def test_what_failed_is_never_filled_in(monkeypatch: pytest.MonkeyPatch) -> None
     np.testing.assert_array_equal(refined.values("outcome"), full.values("outcome"))
 
 
+def test_a_band_thinner_than_a_pixel_is_followed_over_its_gaps(monkeypatch: pytest.MonkeyPatch) -> None:
+    def solver(batch: Batch) -> Response:
+        found = made_up(batch)
+        y, x = batch.block.R[:, 0] - 1.0, (batch.theta_0 - 0.05) / 0.1
+        band = np.abs(y - 0.3 - 0.23 * (x - 0.3)) < 0.15 / (SIDE - 1)
+        outcome = np.where((np.hypot(x - 0.3, y - 0.3) < 0.06) | (band & (x > 0.3) & (x < 0.9)), 3, 1)
+        found.scalars["outcome"][:] = outcome
+        return found
+
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
+    refined, full = both(MAP)
+    across = (full.values("outcome") == 3)[:, 120:].any(axis=0)
+    assert 0.2 < across[:150].mean() < 0.4  # it meets a pixel in one column of three
+    np.testing.assert_array_equal(refined.values("outcome"), full.values("outcome"))
+    assert refined.values("solved").mean() < 0.15
+
+
 def test_an_island_between_the_coarse_pixels_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
     """What the documentation says is missed is missed, and what it says is found is found."""
 
@@ -141,7 +158,7 @@ def test_an_island_between_the_coarse_pixels_is_missed(monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize(
-    ("n", "pitch"), [(2, 1), (99, 1), (100, 2), (200, 4), (399, 4), (400, 8), (1000, 16), (9000, 16)]
+    ("n", "pitch"), [(2, 1), (99, 1), (100, 2), (200, 4), (399, 4), (400, 8), (1000, 16), (9000, 32)]
 )
 def test_the_coarse_grid_has_at_least_fifty_cells(n: int, pitch: int) -> None:
     assert coarse_pitch(n) == pitch

@@ -3,8 +3,10 @@
 The pixels of a coarse grid are solved.  A cell of the grid whose four corners do not have one outcome is halved in both
 directions, and so are its neighbours while cells are wide; the new pixels are solved and looked at in the same way,
 down to single pixels.  At every width this is repeated until no cell beside what is solved is left to look at, so that
-a boundary that leaves the cells it was found in is followed.  A pixel that is never solved lies in a cell whose corners
-have one outcome, and gets that.  Cells with a corner that failed or is unresolved are always halved.
+a boundary that leaves the cells it was found in is followed.  A band thinner than a pixel comes in fragments with gaps
+between: around every part of one pixel's width all pixels in reach are solved too.  A pixel that is never solved lies
+in a cell whose corners have one outcome, and gets that.  Cells with a corner that failed or is unresolved are always
+halved.
 
 What lies wholly between the pixels of the coarse grid, and is farther than a cell from anything found, is missed.
 """
@@ -30,11 +32,14 @@ Mask = NDArray[np.bool_]
 CELLS = 50
 """Cells of the coarse grid along an axis, at least; its pitch is the largest power of two that leaves so many."""
 
-COARSEST = 16
+COARSEST = 32
 """Pitch of the coarse grid, at most [pixels]."""
 
-WIDE = 4
+WIDE = 8
 """Cells at least this wide are halved together with their neighbours [pixels]."""
+
+REACH = 8
+"""Pixels around a part of one pixel's width in which its next fragment is sought."""
 
 UNSOLVED = np.int8(-128)
 
@@ -138,13 +143,15 @@ class Maps:
                 found = self._with_neighbours(found)
             found = _once(found[~self._divided[found]])
             self._divided[found] = True
+            pixels = self._unsolved(np.append(self._corners(found), self._near_thin()))
             self._found.append(found)
-            pixels = self._unsolved(self._corners(found))
             if len(pixels):
                 self._looked_at = self._around(pixels)
                 return pixels
             if self.pitch == 1:
-                return pixels
+                if not len(found):
+                    return pixels
+                continue  # what was found last has not been looked at for parts of one pixel's width
             self._halve()
             pixels = self._unsolved(self._corners(self._inside))
             self._looked_at = _once(np.concatenate([self._inside, self._around(pixels)]))
@@ -219,6 +226,26 @@ class Maps:
                 found.append(((pixels[:, 0] * n + row + i) * m + column + j)[inside])
         return _once(np.concatenate(found))
 
+    def _near_thin(self) -> Index:
+        """Flat pixels in reach of those found last that are one pixel wide; at a pitch of 1.
+
+        One pixel wide: those on both sides of it, along n or along m, have one outcome, and it has another.
+        """
+        if self.pitch > 1:
+            return self._looked_at[:0]
+        found, self._found = np.concatenate([self._looked_at[:0], *self._found]), []
+        pixels = _once(self._corners(found).reshape(-1))
+        _, n, m = self.outcome.shape
+        row, column = pixels // m % n, pixels % m
+        pixels = pixels[(row > 0) & (row < n - 1) & (column > 0) & (column < m - 1)]
+        flat = self.outcome.reshape(-1)
+        own, up, down, left, right = (flat[pixels + step] for step in (0, -m, m, -1, 1))
+        thin = pixels[((up == down) & (up != own)) | ((left == right) & (left != own))]
+        along, row, column = np.arange(-REACH, REACH + 1), thin // m % n, thin % m
+        rows, columns = np.clip(row[:, None] + along, 0, n - 1), np.clip(column[:, None] + along, 0, m - 1)
+        first = (thin // (n * m) * n)[:, None]
+        return np.asarray(((first + rows) * m)[:, :, None] + columns[:, None, :]).reshape(-1)
+
     def _surround(self) -> None:
         """Give every pixel that is not on the coarse grid what the cell it lies in has in its first corner."""
         rows, columns = self.lines
@@ -272,7 +299,7 @@ class Maps:
 
 
 def coarse_pitch(n: int) -> int:
-    """Pitch of the coarse grid over n pixels: 16 for 800 and more, 1 (which solves everything) below 100."""
+    """Pitch of the coarse grid over n pixels: 32 for 1600 and more, 1 (which solves everything) below 100."""
     return int(np.clip(2 ** int(np.log2(max(n / CELLS, 1.0))), 1, COARSEST))
 
 
