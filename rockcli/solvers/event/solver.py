@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.kernels.constants import NO_ANSWER, OUT_OF_STEPS, RETURNS
+from rockcli.kernels.constants import DONE, NO_ANSWER, OUT_OF_STEPS, RETURNS
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
@@ -187,7 +187,8 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     one, so that friction that holds changes no bit.  Where nothing is asked of those that slide but what they do,
     bodies under a record go by turns.  Else, where that tells no forces, and how far a body rocks does not settle it
     (K15), the lanes look at its forces in a run of their own.  Open are those that may need more friction than there
-    is; of bodies without consistent contact forces that is told from the forces of pure rocking, one by one.
+    is; of bodies without consistent contact forces that is told from the forces of pure rocking, one by one.  Bodies
+    that only slide do not rock at all unless it is asked what that would have needed.
     """
     rows = np.ascontiguousarray(parameters)
     given = np.isfinite(batch.block.mu)
@@ -199,10 +200,13 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     forces = bool(batch.save.scalars & FORCES)
     how_much = int(march.PEAKS) if given.any() and not forces else detail
     none = np.zeros(batch.size, dtype=bool)
-    turns, open_, slides, slid = none, none.copy(), none.copy(), None
-    if not pulses and given.any() and not batch.save.scalars & BESIDE:
-        turns = fit & can_take_turns(batch) & has_contact_forces(batch)
+    turns, idle, open_, slides, slid = none, none, none.copy(), none.copy(), None
+    if given.any() and not batch.save.scalars & BESIDE:
+        idle = slides_only(batch) & has_contact_forces(batch)
+        turns = none if pulses else fit & can_take_turns(batch) & has_contact_forces(batch)
     run.out[:, to.STATUS] = np.nan
+    run.out[idle] = _never_moved(run.out.shape[1])
+    fit &= ~idle
     if turns.any():
         taking = np.flatnonzero(turns)
         run.out[taking], slides[taking], slid = by_turns(
@@ -239,6 +243,14 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
         _march_rows(march, batch, rows[left], level, alone, detail, cases=left)
         run.out[left] = alone.out
     return run, Opened(open_, slides, slid)
+
+
+def _never_moved(n: int) -> Any:
+    """Results of a body of which nothing is told here, (n,)."""
+    out = np.zeros(n)
+    out[[to.T_PEAK, to.T_UPLIFT, to.T_OVERTURN]] = np.nan
+    out[[to.STATUS, to.VERDICT, to.PEAK_ALPHA]] = DONE, RETURNS, 1.0
+    return out
 
 
 def _march(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, *, histories: bool) -> Raw:
