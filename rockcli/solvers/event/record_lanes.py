@@ -146,9 +146,6 @@ def run(
         return np.empty((0, width))
     path = path or how.detail == lanes.ALL or bool(batch.save.scalars & PATH)
     found = np.zeros((len(rows), width))
-    if feet is None or felt is None:
-        feet = felt = np.empty((0, 0))
-    slides = len(feet) > 0
     holds = starts is not None
     if starts is None:
         starts = np.empty((len(rows), 0))
@@ -167,14 +164,18 @@ def run(
                 continue
             places = every[of_those]
             out = np.zeros((len(places), width))
-            begin, foot, feels = starts[places], feet[places] if slides else feet, felt[places] if slides else felt
-            lanes.march_lanes(
-                rows[places], table, how, *ground[:-1], spans[of_those], two_sided, holds, begin, lanes.work_space(),
-                out, foot, lanes.work_space_of_slips(), *lanes.work_space_of_feet(), feels,
-            )  # fmt: skip
-            found[places], starts[places] = out, begin
-            if slides:
+            begin = starts[places]
+            motions, room = (*ground[:-1], spans[of_those]), lanes.work_space()
+            if feet is None or felt is None:
+                lanes.march_lanes(rows[places], table, how, *motions, two_sided, holds, begin, room, out)
+            else:
+                slipping: Any = kernels.load("lanes.records.slipping", compile_them=bool(kernels.compiled))
+                slips, feels = (slipping.work_space_of_slips(), *slipping.work_space_of_feet()), felt[places]
+                slipping.march_slipping(
+                    rows[places], table, how, *motions, begin, room, out, feet[places], *slips, feels
+                )
                 felt[places] = feels
+            found[places], starts[places] = out, begin
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
 

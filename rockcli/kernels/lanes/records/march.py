@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.constants import MAX_ORDER
-from rockcli.kernels.contact import workspace as contact
-from rockcli.kernels.jit import entry, jit_lean, rows
+from rockcli.kernels.jit import entry, jit_lean
 from rockcli.kernels.lanes.records import footholds, slips
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.events import arrive, attend
@@ -45,21 +44,19 @@ def work_space():
     )  # fmt: skip
 
 
-def work_space_of_slips():
-    """Work space of `march_lanes` for bodies that slip: state, series, cases that are to go on in lanes."""
-    return room(slips.STATE), room(slips.SERIES), room(lane.LANES)
-
-
-def work_space_of_feet():
-    """The same of the kernel of contact, and the histories that it does not write."""
-    return rows(contact.N_ROWS, MAX_ORDER + 2), rows(6, 0)
-
-
 @entry(
-    MATRIX, MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, bool, bool, MATRIX, (VECTOR,) * 11,
-    MATRIX, MATRIX, (VECTOR,) * 3, MATRIX, MATRIX, MATRIX,
+    MATRIX, MATRIX, Settings, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, bool, bool, MATRIX, (VECTOR,) * 11, MATRIX
 )  # fmt: skip
-def march_lanes(
+def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out):
+    """`in_lanes` of bodies that do not slip, or stop where they may."""
+    in_lanes(
+        pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out, None,
+        None, None, None, None,
+    )  # fmt: skip
+
+
+@jit_lean
+def in_lanes(
     pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out, feet,
     slip_work, foot_work, nothing, felt,
 ):  # fmt: skip
@@ -75,30 +72,32 @@ def march_lanes(
     hold: a body stops where friction may not hold its foot: STATUS GIVES_WAY.  starts: rows of `handover`, where it
     begins and, then, has stopped; not read without `hold`.  With forces beside it, PEAK_LEFT and PEAK_RIGHT are those
     of either side.
-    feet: none, or of such bodies the rows of `kernels.contact.parameters`: those do not stop but slip on in lanes, with
+    feet: None, or of such bodies the rows of `kernels.contact.parameters`: those do not stop but slip on in lanes, with
     those that rock; what else comes of it the kernel of contact follows until their feet hold again.  What all parts of
     their paths have found is added to `felt`, rows of `kernels.contact.results`.  nothing: no histories, (6, 0).
+    Where `feet` is None, what asks for it and nothing else is not compiled.
     A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
     """
     page_the_stack()
     st, landings, turns, touches, c, guard, sin_q, cos_q, a, a_v, force = work
     path, watch, rolling = len(velocity) == 0, how.detail == ALL, len(bodies) > 0
-    sl, series, ready = slip_work
-    n_case, slides = len(pars), len(feet) > 0
+    n_case = len(pars)
     following = busy = rounds = slipping = waiting = 0
     for number in range(lane.LANES):
         park(st, place(number))
-    if slides:
+    if feet is not None:
+        sl, series, ready = slip_work
         for number in range(slips.STATE // slips.STRIDE * WIDTH):
             slips.clear(sl, slips.place(number))
     while True:
         # fill the free lanes, first with bodies whose foot holds again
         while waiting > 0 or (busy + slipping < lane.LANES and following < n_case):
-            if waiting > 0:
-                waiting -= 1
-                k = int(ready[waiting])
-            else:
-                k = following
+            k, again = following, waiting > 0
+            if feet is not None:  # noqa: SIM102
+                if again:
+                    waiting -= 1
+                    k = int(ready[waiting])
+            if not again:
                 following += 1
             i = place(busy)
             if rolling:
@@ -110,12 +109,12 @@ def march_lanes(
                 st[lane.CASE + i] = k
                 busy += 1
             else:
-                if slides:
+                if feet is not None:
                     footholds.count_in(feet[k], starts[k], out[k], felt[k])
                 park(st, i)
         if busy == 0 and slipping == 0:
             return
-        if slipping > 0:
+        if feet is not None:
             slipping, waiting = slip_on(
                 sl, slipping, series, foot_work, feet, how, spans, starts, values, slopes, ready, waiting, nothing, felt
             )
@@ -237,7 +236,7 @@ def march_lanes(
                 number += WIDTH
             elif st[lane.CASE + i] < 0.0:
                 k = int(left_by(st[lane.CASE + i]))
-                if slides:
+                if feet is not None:
                     j = slips.place(slipping)
                     contact_how = footholds.settings(how)
                     becomes = footholds.give_way(
