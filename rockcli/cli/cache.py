@@ -61,7 +61,7 @@ def cache(
     say(f"cache      {found['cache']}: {_mega(found['bytes'])}, {of_this}{can}")
     say(f"processor  {found['processor']}")
     if there is None:
-        say("kernels    compiled when first needed, 15 to 50 s; `rock cache --fill` does it beforehand")
+        say("kernels    compiled when first needed, 15 to 60 s; `rock cache --fill` does it beforehand")
     else:
         whose = "in the cache" if there.is_relative_to(places.cache_base()) else "with the program"
         say(f"kernels    compiled ahead of time, {whose}: {there}, {_mega(_size(there))}")

@@ -19,8 +19,8 @@ compiled: bool | None = None
 announce: Callable[[str], None] | None = None
 """Told when kernels are about to be compiled of which nothing is in the cache."""
 
-COMPILING = "compiling the kernels, once: 15 to 50 s (`rock cache --fill` does it beforehand)"
-COMPILING_ALWAYS = "compiling the kernels: 15 to 50 s in every run, as there is no place to keep them (ROCK_CACHE_DIR)"
+COMPILING = "compiling the kernels, once: 15 to 60 s (`rock cache --fill` does it beforehand)"
+COMPILING_ALWAYS = "compiling the kernels: 15 to 60 s in every run, as there is no place to keep them (ROCK_CACHE_DIR)"
 
 ENTRIES = (
     "lanes.records.slipping", "lanes.records.march", "contact.march", "lanes.pulses.march", "column.automaton",
