@@ -186,7 +186,7 @@ FEATURES = [
     Feature("linearized block", {"model": "linearized"}),
     *(Feature(f"model {number}", {"model": number}) for number in "1234"),
     Feature("five models in one study", axes=with_models),
-    Feature("bodies by name", axes=settings, why="each name is a batch of its own"),
+    Feature("bodies by name", axes=settings),
     Feature("one amplitude exactly at uplift", axes=at_uplift),
     Feature("suite of records", axes=suite, motions=(RECORD,)),
     Feature("two components, directions", motion=PAIR, axes=directions, motions=(RECORD,), why="each direction is a motion, and a batch, of its own"),

@@ -68,7 +68,7 @@ def sweep_id(
     axes = []
     for variation in variations:
         axis, points = variation.axis, None
-        if variation.columns is not None and not axis.numeric:
+        if variation.columns is not None and not variation.settings and not axis.numeric:
             paths = [".".join(path) for path in variation.columns]
             points = [content([paths, row]) for row in np.column_stack(list(variation.columns.values())).tolist()]
         elif not axis.numeric:
@@ -136,7 +136,7 @@ def lays_over(study: dict[str, Any], variations: Sequence[Variation]) -> bool:
 
 def _axis(variation: Variation) -> list[Any]:
     axis = variation.axis
-    if variation.columns is not None:
+    if variation.columns is not None and not variation.settings:
         content: Any = {".".join(p): hashlib.sha256(v.tobytes()).hexdigest() for p, v in variation.columns.items()}
     else:
         content = [[[".".join(path), _canonical(value)] for path, value, _ in point] for point in variation.settings]

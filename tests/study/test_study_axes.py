@@ -359,3 +359,45 @@ def test_a_tolerance_in_per_cent() -> None:
     ]
     assert len({study.identity for study in told}) == 1
     assert [next(iter(study.batches()))[1].tolerance.tolist() for study in told] == [[0.02]] * 3
+
+
+BODIES = {"one": {"R": 1, "tan_alpha": 0.2}, "two": {"tan_alpha": 0.3, "R": "2*m"}, "three": {"R": 3, "tan_alpha": 0.4}}
+
+
+class TestBodiesByName:
+    """Named mappings that say the same numbers are one batch, as a table of columns is."""
+
+    def test_one_batch(self):
+        study = study_of({"block": BODIES, "motion.pulse.omega_p_over_p": [1, 2]})
+        ((indices, batch),) = study.batches()
+        assert (indices == np.arange(6)).all()
+        assert batch.block.R[:, 0].tolist() == [1.0, 1.0, 2.0, 2.0, 3.0, 3.0]
+        np.testing.assert_allclose(np.tan(batch.block.alpha[:, 0]), np.repeat([0.2, 0.3, 0.4], 2), rtol=1e-15)
+
+    @pytest.mark.parametrize(
+        "two",
+        [{"R": 2, "tan_alpha": 0.3, "mu": 0.5}, {"h": 2, "b": [0.3, 0.4]}, {"R": 2, "tan_alpha": 0.3, "top": "0.1*R"}],
+    )
+    def test_other_keys_a_list_or_an_expression_have_a_batch_of_their_own(self, two):
+        study = study_of({"block": BODIES | {"two": two}})
+        assert len(list(study.batches())) == 3
+
+    def test_what_the_base_case_says_beside_them_stays_and_other_sizes_go(self):
+        study = study_of({"block": BODIES}, case={"block": {"h": 1, "b": 0.2, "mu": 0.7}})
+        ((_, batch),) = study.batches()
+        assert batch.block.mu.tolist() == [0.7] * 3
+        assert batch.block.R[:, 0].tolist() == [1.0, 2.0, 3.0]
+
+    def test_an_axis_inside_a_named_mapping_is_laid_over_it_whatever_the_order(self):
+        named = {"a": {"theta": 0.01, "theta_dot": 0.1}, "b": {"theta": 0.02, "theta_dot": 0.2}}
+        for vary in ({"initial": named, "initial.theta": [0.03]}, {"initial.theta": [0.03], "initial": named}):
+            ((_, batch),) = study_of(vary).batches()
+            assert batch.theta_0.tolist() == [0.03, 0.03]
+            assert batch.theta_dot_0.tolist() == [0.1, 0.2]
+
+    def test_an_error_names_the_line_of_the_number(self, tmp_path):
+        bodies = BODIES | {"two": {"R": 2, "tan_alpha": -0.3}}
+        with pytest.raises(StudyError, match=r"tan_alpha = -0\.3: must be greater than 0 \(at block = two\)") as error:
+            study_of({"block": bodies}, tmp_path)
+        lines = (tmp_path / "s.yaml").read_text().splitlines()
+        assert lines[error.value.line - 1].split() == ["tan_alpha:", "-0.3"]

@@ -65,7 +65,7 @@ class Numbers:
         case: the same case, validated: what is read.
         n: number of cases.
         column: (axis, column) -> (n,) values.
-        spot: (axis, i) -> place of the axis' value in case i, and the values of all axes there, as text.
+        spot: (number of an axis, i) -> its place in case i, and the values of all axes there, as text.
         pair, body: how the block with its two sizes, and from it the body, come of these numbers (`building.body`).
         suite: the names of the records, where each case has its own.
 
@@ -80,7 +80,7 @@ class Numbers:
         case: CasePart,
         n: int,
         column: Callable[[int, int], Array],
-        spot: Callable[[int | None, int], tuple[Where, str]],
+        spot: Callable[[Varied | None, int], tuple[Where, str]],
         pair: Callable[[Numbers], Block],
         body: Callable[[Numbers, Block], Block],
         suite: Named | None = None,
@@ -148,7 +148,7 @@ class Numbers:
         suffix, context, where = "", "", place(self.tree, keys)
         if i is not None:
             varied = found if isinstance(found, Varied) else None
-            at, context = self._spot(None if varied is None else varied.axis, i)
+            at, context = self._spot(varied, i)
             where = where if at is None else at
             if varied is not None:
                 suffix = f" = {self._column(varied.axis, varied.column)[i]:.10g}"

@@ -20,7 +20,7 @@ from rockcli.study.building.numbers import in_words
 from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.cases.file_names import LABELS, names_in
 from rockcli.study.cases.table import Table, read_table
-from rockcli.study.cases.variation import Variation
+from rockcli.study.cases.variation import Variation, numbers_of
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
 from rockcli.study.document.overlay import Setting, leaves, same_twice
@@ -272,19 +272,23 @@ class _Reader:
                 )
         axis = Axis(self.text, self.text, tuple(labels), False, files=files)
         columns = self.columns(settings)
-        return Variation(axis, self.path, () if columns else tuple(settings), columns, where, table)
+        mappings = any(isinstance(value, Map) for _, value, _ in settings[0])
+        return Variation(axis, self.path, () if columns and not mappings else tuple(settings), columns, where, table)
 
     def columns(self, settings: list[tuple[Setting, ...]]) -> dict[Path, NDArray[np.float64]] | None:
         """The settings as columns of numbers, if every point sets the same numbers that may differ in a batch."""
-        paths = [path for path, _, _ in settings[0]]
+        paths = sorted(path for path, _, _ in numbers_of(settings[0]))
         if not paths or not all(varies_in_batch(path) for path in paths):
             return None
+        rows = []
         for point in settings:
-            if [path for path, _, _ in point] != paths:
+            said = {path: self.as_number(path, value) for path, value, _ in numbers_of(point)}
+            if sorted(said) != paths:
                 return None
-            if not all(type(value) in (int, float) and is_finite(value) for _, value, _ in point):
+            if not all(type(value) in (int, float) and is_finite(value) for value in said.values()):
                 return None
-        return {path: np.array([float(point[k][1]) for point in settings]) for k, path in enumerate(paths)}
+            rows.append(said)
+        return {path: np.array([float(said[path]) for said in rows]) for path, _, _ in numbers_of(settings[0])}
 
     def put(self, value: Any, where: Where, *more: str | int) -> tuple[Setting, ...]:
         """What one point puts into a case."""

@@ -176,8 +176,10 @@ class Cases:
             assert columns is not None
             return list(columns.values())[which][points[axis]]
 
-        def spot(axis: int | None, i: int) -> tuple[Where, str]:
-            where = None if axis is None else self.variations[axis].where(int(points[axis][i]))
+        def spot(varied: Varied | None, i: int) -> tuple[Where, str]:
+            where = None
+            if varied is not None:
+                where = self.variations[varied.axis].place(varied.column, int(points[varied.axis][i]))
             at = (f"{v.axis.path} = {_shown(v.axis.values[points[a][i]])}" for a, v in enumerate(self.variations))
             return where, ", ".join(at)
 
@@ -198,9 +200,7 @@ class Cases:
             if variation.columns is None:
                 points.append(variation.settings[chosen[axis]])
             else:
-                where = variation.where(0)
-                columns = enumerate(variation.columns.items())
-                points.append([(path, Varied.of(axis, which, of[0]), where) for which, (path, of) in columns])
+                points.append(variation.varied(axis))
         axes = (v.axis for i, v in enumerate(self.variations) if i in chosen)
         labels = {axis.name: str(axis.values[chosen[i]]) for axis, i in zip(axes, sorted(chosen), strict=True)}
         return filled_in(overlaid(self.study, *points), labels)

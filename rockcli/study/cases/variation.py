@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.study.building.numbers import Varied
 from rockcli.study.document.overlay import Path, Setting
-from rockcli.study.document.tree import Where
+from rockcli.study.document.tree import Map, Where
 from rockcli.study.study import Axis
 
 
@@ -20,7 +22,8 @@ class Variation:
     Attributes:
         axis: as the dataset has it.
         path: of the axis from the top of a study.
-        settings: per point, what is put where (several settings for `case` and for a table).
+        settings: per point, what is put where (several settings for `case` and for a table); none where `columns`
+            say all of it, as they do but for points that are mappings.
         columns: path -> number of every point, for an axis whose points differ only in numbers that may differ
             within a batch; None for others.
         where: place of every point in the study file.
@@ -47,4 +50,37 @@ class Variation:
         """What each point puts into a case; of points that differ only in numbers, the first."""
         if self.columns is None:
             return self.settings
+        if self.settings:
+            return self.settings[:1]
         return (tuple((path, values[0], self.where(0)) for path, values in self.columns.items()),)
+
+    def varied(self, axis: int) -> tuple[Setting, ...]:
+        """What the points of this axis, the one at a place among all, put into a case: `Varied` for their columns."""
+        assert self.columns is not None
+        numbers = {path: Varied.of(axis, k, of[0]) for k, (path, of) in enumerate(self.columns.items())}
+        if self.settings:
+            return tuple((path, _replaced(path, value, numbers), where) for path, value, where in self.settings[0])
+        return tuple((path, number, self.where(0)) for path, number in numbers.items())
+
+    def place(self, column: int, point: int) -> Where:
+        """Place in the study file of the number of a column at a point."""
+        if not self.settings or self.columns is None:
+            return self.where(point)
+        path = list(self.columns)[column]
+        return next((where for at, _, where in numbers_of(self.settings[point]) if at == path), self.where(point))
+
+
+def numbers_of(point: tuple[Setting, ...]) -> Iterator[Setting]:
+    """The settings of a point with what mappings say one by one; a mapping that stands for all of a key as it is."""
+    for path, value, where in point:
+        if isinstance(value, Map) and not value.whole:
+            yield from numbers_of(tuple(((*path, key), item, value.where.get(key)) for key, item in value.items()))
+        else:
+            yield path, value, where
+
+
+def _replaced(path: Path, value: Any, numbers: dict[Path, Varied]) -> Any:
+    """A value at a path with some of the numbers in it replaced."""
+    if not isinstance(value, Map):
+        return numbers.get(path, value)
+    return Map({key: _replaced((*path, key), item, numbers) for key, item in value.items()}, value.where)
