@@ -206,21 +206,26 @@ def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> Prepa
             component = components[i] if isinstance(components, list) else components
             where = place(numbers.tree, (*keys, "file", i))
             pair.append(records.prepare(name, where, reading={**reading, "component": component}, steps=steps, g=g))
-        return _in_direction(pair, angle)
+        one, two = pair
+        if (one, two, angle) not in records.directions:
+            records.directions[one, two, angle] = _in_direction(one, two, angle)
+        return records.directions[one, two, angle]
     except MissingRecordError:
         raise
     except RecordError as error:
         raise _at_its_key(numbers, keys, error) from None
 
 
-def _in_direction(pair: list[Prepared], angle: float) -> Prepared:
+def _in_direction(one: Prepared, two: Prepared, angle: float) -> Prepared:
     """Two processed components in one direction; as filed too, as long as both components last there."""
     from rockcli.motion.direction import in_direction
 
-    one, two = pair
+    motion = in_direction(one.motion, two.motion, angle)
+    if one.raw is one.motion and two.raw is two.motion:
+        return Prepared(motion, motion, one.path)
     common = min(len(one.raw.values), len(two.raw.values))
-    raw_one, raw_two = (replace(part.raw, values=part.raw.values[:common]) for part in pair)
-    return Prepared(in_direction(one.motion, two.motion, angle), in_direction(raw_one, raw_two, angle), one.path)
+    raw_one, raw_two = (replace(part.raw, values=part.raw.values[:common]) for part in (one, two))
+    return Prepared(motion, in_direction(raw_one, raw_two, angle), one.path)
 
 
 def _at_its_key(numbers: Numbers, keys: Keys, error: RecordError) -> RecordError:

@@ -55,6 +55,7 @@ class Records:
 
     source: Source
     prepared: dict[tuple[str, str], Prepared] = field(default_factory=dict)
+    directions: dict[tuple[Prepared, Prepared, float], Prepared] = field(default_factory=dict)
     found: dict[str, Path] = field(default_factory=dict)
     arrivals: dict[tuple[bytes, float, bytes, bytes], Arrival] = field(default_factory=dict)
     given: Mapping[str, Given | Motion] = field(default_factory=dict)
