@@ -189,7 +189,7 @@ FEATURES = [
     Feature("bodies by name", axes=settings),
     Feature("one amplitude exactly at uplift", axes=at_uplift),
     Feature("suite of records", axes=suite, motions=(RECORD,)),
-    Feature("two components, directions", motion=PAIR, axes=directions, motions=(RECORD,), why="each direction is a motion, and a batch, of its own"),
+    Feature("two components, directions", motion=PAIR, axes=directions, motions=(RECORD,)),
     Feature("on a floor", motion=FLOOR, motions=(RECORD,), why="what arrives has eight times the samples of its ground"),
     Feature("uncertain inputs", axes=uncertain, top={"uncertain": {"block.R": {"normal": [2, 0.1]}}}),
     Feature(

@@ -54,6 +54,9 @@ class Axis:
 OF_RECORDS = ("motion.record", "motion.record.file")
 """Paths of an axis that may name a record at each point."""
 
+OF_DIRECTIONS = "motion.record.angle"
+"""Path of an axis of directions of two components."""
+
 SAMPLE = "sample"
 """The axis of the samples of uncertain inputs."""
 

@@ -138,3 +138,42 @@ def test_chunks_hold_all_cases_of_few_records(most: int, some: bool) -> None:
         assert len(records) <= 2 + most // (24 if todo is None else 8)
     wanted = np.arange(240) if todo is None else np.flatnonzero(todo)
     np.testing.assert_array_equal(np.sort(np.concatenate(told)), wanted)
+
+
+def directions(folder: Path, **more: Any) -> dict[str, Any]:
+    """Two components of one length, in some directions, for some bodies."""
+    n, dt = RECORDS["a"]
+    rng = np.random.default_rng(3)
+    for name in ("one", "two"):
+        wave = np.sin(np.linspace(0.0, 40.0, n) + rng.uniform(0.0, 6.0)) * np.hanning(n) * rng.uniform(0.2, 0.5)
+        (folder / f"{name}.at2").write_text(at2_text(wave, dt, ["x", name]))
+    record = {"file": [str(folder / "one.at2"), str(folder / "two.at2")], "angle": 0, "scale": 1.0}
+    vary = {"block.R": [0.5, 1, 3], "motion.record.angle": {"from": 0, "to": "pi", "n": 9}}
+    case = {"block": BLOCK, "motion": {"record": record}}
+    return {"name": "s", "case": case, "vary": vary, "save": {"histories": False}, **more}
+
+
+@pytest.mark.parametrize("more", [{}, {"save": {"histories": False, "scalars": ["outcome", "n_impacts"]}}])
+def test_every_direction_is_as_alone_and_all_are_one_batch(folder: Path, more: dict[str, Any]) -> None:
+    kernels.load(compile_them=True)
+    one, other = (solved(open_study(directions(folder, **more)), together=together) for together in (False, True))
+    for name in one:
+        np.testing.assert_array_equal(one[name], other[name], err_msg=name)
+    assert len(set(one["outcome"].tolist())) > 1
+    what = open_study(directions(folder, **more))
+    assert [batch.size for _, batch in what.suites(np.arange(what.size))] == [27]
+    assert len(list(what.batches())) == 9
+
+
+def test_directions_with_something_beside_stay_apart(folder: Path) -> None:
+    plan = directions(folder)
+    plan["case"]["motion"]["duration"] = 3.0
+    what = open_study(plan)
+    assert len(list(what.suites(np.arange(what.size)))) == 9
+
+
+def test_degrees_for_radians_are_told_once(folder: Path) -> None:
+    plan = directions(folder)
+    plan["vary"]["motion.record.angle"] = [0, 45, 90]
+    said = [sentence for sentence in open_study(plan).warnings if "deg" in sentence]
+    assert said == ["motion.record.angle is 90 rad: if degrees are meant, write 90*deg"]

@@ -34,7 +34,7 @@ from rockcli.scene.response import Response
 from rockcli.scene.variables import GROUND
 from rockcli.storage.on_disk import full, in_blocks, let_go
 from rockcli.study.cases.buildable import Unsolved, build_isolated, buildable
-from rockcli.study.study import OF_RECORDS, Index, Study
+from rockcli.study.study import OF_DIRECTIONS, OF_RECORDS, Index, Study
 
 Progress = Callable[[int, int], None]
 
@@ -188,8 +188,9 @@ def _work_off_at_pace(study: Study, sweep: Sweep, results: Results | Tally, chun
 
 def _by_record(study: Study) -> Turned | None:
     """How chunks hold all cases of few records, not some of all: a record is laid out for every chunk that has it."""
-    records = [i for i, axis in enumerate(study.axes) if axis.path in OF_RECORDS and not axis.numeric]
-    return (study.shape, records[0]) if records and records[0] > 0 else None
+    of_records = (axis.path == OF_DIRECTIONS or (axis.path in OF_RECORDS and not axis.numeric) for axis in study.axes)
+    first = next((i for i, each in enumerate(of_records) if each), 0)
+    return (study.shape, first) if first > 0 else None
 
 
 def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,30 +13,39 @@ from rockcli.errors import RecordError
 from rockcli.scene.constants import STANDARD_G
 from rockcli.scene.excitation import Channel, Excitation, Samples, Suite
 from rockcli.study.building.floors import OF_ARRIVAL, goes_through, of_pulse, of_record
-from rockcli.study.building.numbers import Named, Numbers, in_range
+from rockcli.study.building.numbers import Motions, Numbers, in_range
 from rockcli.study.building.pulse import build_pulses
 from rockcli.study.building.records import MissingRecordError, Prepared, Records
 from rockcli.study.document.expressions import Value
 from rockcli.study.document.tree import Keys, dotted, place
 from rockcli.study.schema import CasePart, MotionPart, Part, RecordPart, VerticalPart
 
+if TYPE_CHECKING:
+    from rockcli.motion.motion import Motion
+
 Array = NDArray[np.float64]
 
 MOTION: Keys = ("case", "motion")
 SCALING = ("scale", "pga", "pgv", "pga_over_g_tan_alpha")
+DIRECTIONS_KEPT = 512
+"""Of two components: a batch is built some times."""
+
 STEPS = ("window", "detrend", "taper", "highpass", "lowpass", "bandpass", "resample")
 
 
-def alike_but_for_records(case: CasePart) -> bool:
-    """Whether cases like this one may have a record each, in one batch: one component, with nothing above or below."""
+def alike_but_for_records(case: CasePart, *, directions: bool) -> bool:
+    """Whether cases like this one may have a record each, in one batch, with nothing above or below.
+
+    Of one component, or each two in a direction of its own.
+    """
     motion, record = case.motion, case.motion.record
     beside = motion.pulse is not None or motion.vertical is not None or motion.duration is not None
     beside |= any(getattr(motion, key) for key in ("through", *OF_ARRIVAL))
     scheme = getattr(case.damping, "scheme", None)
-    return (
-        record is not None and isinstance(record.file, str) and record.angle is None
-        and not isinstance(record.component, list) and not beside and scheme != "fema356"
-    )  # fmt: skip
+    if record is None or beside or scheme == "fema356":
+        return False
+    single = isinstance(record.file, str) and record.angle is None and not isinstance(record.component, list)
+    return not isinstance(record.file, str) if directions else single
 
 
 def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) -> Excitation:
@@ -93,35 +102,45 @@ def _samples(
 ) -> tuple[Samples, Value]:
     record: RecordPart = numbers.said(keys)
     g = _g_of_records(numbers)
-    prepared = _prepared(numbers, keys, records, g)
+    prepared = _prepared(numbers, keys, records, g, numbers.constant((*keys, "angle")))
     files = (record.file,) if isinstance(record.file, str) else tuple(record.file)
     samples = _unscaled(prepared, files, g)
     motion = prepared.motion
-    warnings.extend(sentence if len(files) > 1 else f"{motion.name}: {sentence}" for sentence in motion.warnings)
+    warnings.extend(_told(motion, two=len(files) > 1))
     factor, amplitude = _factor(numbers, keys, samples.measures, motion.in_g, inherited)
     return replace(samples, factor=factor), amplitude
 
 
-def _suite(numbers: Numbers, named: Named, records: Records, warnings: list[str]) -> Suite:
+def _suite(numbers: Numbers, motions: Motions, records: Records, warnings: list[str]) -> Suite:
     """The motions of cases that have a record each, all read and scaled in the same way."""
     keys: Keys = (*MOTION, "record")
     record: RecordPart = numbers.said(keys)
     g = _g_of_records(numbers)
-    reading, steps = _reading(numbers, keys)
-    prepared = records.prepare_all(
-        named.names,
-        reading={**reading, "component": record.component},
-        steps=steps,
-        g=g,
-        measure=lambda each, name: _unscaled(each, (name,), g),
-    )
+    if motions.directions:
+        files = [tuple(record.file)] * len(motions.points)
+        prepared = [_prepared(numbers, keys, records, g, float(angle)) for angle, _ in motions.points]
+    else:
+        files = [(name,) for name, _ in motions.points]
+        reading, steps = _reading(numbers, keys)
+        prepared = records.prepare_all(
+            motions.points,
+            reading={**reading, "component": record.component},
+            steps=steps,
+            g=g,
+            measure=lambda each, name: _unscaled(each, (name,), g),
+        )
     for each in prepared:
-        warnings.extend(f"{each.motion.name}: {sentence}" for sentence in each.motion.warnings)
-    unscaled = tuple(_unscaled(each, (name,), g) for each, (name, _) in zip(prepared, named.names, strict=True))
-    measures = {name: np.array([each.measures[name] for each in unscaled])[named.which] for name in ("pga", "pgv")}
-    in_g = np.array([each.motion.in_g for each in prepared])[named.which]
+        warnings.extend(_told(each.motion, two=motions.directions))
+    unscaled = tuple(_unscaled(each, names, g) for each, names in zip(prepared, files, strict=True))
+    measures = {name: np.array([each.measures[name] for each in unscaled])[motions.which] for name in ("pga", "pgv")}
+    in_g = np.array([each.motion.in_g for each in prepared])[motions.which]
     factor, _ = _factor(numbers, keys, measures, in_g, 1.0)
-    return Suite(unscaled, named.which, factor)
+    return Suite(unscaled, motions.which, factor)
+
+
+def _told(motion: Motion, *, two: bool) -> list[str]:
+    """What is remarkable about a record, under its name; that of two components is under theirs already."""
+    return list(motion.warnings) if two else [f"{motion.name}: {sentence}" for sentence in motion.warnings]
 
 
 def _g_of_records(numbers: Numbers) -> float:
@@ -177,8 +196,8 @@ def _reading(numbers: Numbers, keys: Keys) -> tuple[dict[str, Any], dict[str, An
     return {"units": record.units, "dt": numbers.constant((*keys, "dt"))}, steps
 
 
-def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> Prepared:
-    """The processed record, of two components in the direction asked for.
+def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float, angle: float | None) -> Prepared:
+    """The processed record, of two components in the direction of an angle [rad].
 
     Raises:
         RecordError: a file is missing or cannot be read, or two components do not fit together.
@@ -186,7 +205,6 @@ def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> Prepa
     record: RecordPart = numbers.said(keys)
     reading, steps = _reading(numbers, keys)
     names, components = record.file, record.component
-    angle = numbers.constant((*keys, "angle"))
     try:
         if isinstance(names, str):
             if angle is not None:
@@ -208,6 +226,8 @@ def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float) -> Prepa
             pair.append(records.prepare(name, where, reading={**reading, "component": component}, steps=steps, g=g))
         one, two = pair
         if (one, two, angle) not in records.directions:
+            if len(records.directions) >= DIRECTIONS_KEPT:
+                records.directions.clear()
             records.directions[one, two, angle] = _in_direction(one, two, angle)
         return records.directions[one, two, angle]
     except MissingRecordError:

@@ -36,11 +36,23 @@ class Varied(float):
 
 
 @dataclass(frozen=True, eq=False)
-class Named:
-    """Records that an axis names: each with its place in the study, and which of them each case has, (n,)."""
+class Motions:
+    """Recorded motions that an axis makes: files, or directions of two components.
 
-    names: tuple[tuple[str, Where], ...]
+    Attributes:
+        keys: where the axis stands, the record's `file` or `angle`.
+        points: the names of the files or the angles [rad], each with its place in the study.
+        which: place of each case's motion among them, (n,).
+    """
+
+    keys: Keys
+    points: tuple[tuple[Any, Where], ...]
     which: NDArray[np.int64]
+
+    @property
+    def directions(self) -> bool:
+        """Whether they are directions."""
+        return self.keys[-1] == "angle"
 
 
 def in_range(numbers: Numbers, keys: Keys, value: Any) -> None:
@@ -67,7 +79,7 @@ class Numbers:
         column: (axis, column) -> (n,) values.
         spot: (number of an axis, i) -> its place in case i, and the values of all axes there, as text.
         pair, body: how the block with its two sizes, and from it the body, come of these numbers (`building.body`).
-        suite: the names of the records, where each case has its own.
+        suite: the recorded motions, where each case has its own.
 
     Attributes:
         remarks: sentences about what was made of them.
@@ -83,7 +95,7 @@ class Numbers:
         spot: Callable[[Varied | None, int], tuple[Where, str]],
         pair: Callable[[Numbers], Block],
         body: Callable[[Numbers, Block], Block],
-        suite: Named | None = None,
+        suite: Motions | None = None,
     ) -> None:
         self.source, self.tree, self.case, self.n = source, tree, case, n
         self._column, self._spot, self.suite = column, spot, suite
@@ -100,6 +112,8 @@ class Numbers:
         Raises:
             StudyError: an expression that cannot be evaluated.
         """
+        if self.suite is not None and self.suite.directions and keys == self.suite.keys:
+            return np.array([angle for angle, _ in self.suite.points])[self.suite.which]
         found = self.said(keys)
         if found is None:
             return None

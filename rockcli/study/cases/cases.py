@@ -17,16 +17,16 @@ from rockcli.study.building.batch import build_batch
 from rockcli.study.building.body import make_body, sufficient_pair
 from rockcli.study.building.floors import waveforms
 from rockcli.study.building.ground_motion import alike_but_for_records
-from rockcli.study.building.numbers import Named, Numbers, Varied
+from rockcli.study.building.numbers import Motions, Numbers, Varied
 from rockcli.study.building.records import Records
 from rockcli.study.cases.file_names import filled_in, names_in
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_case
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.overlay import Setting, overlaid
-from rockcli.study.document.tree import Map, Source, Where
+from rockcli.study.document.tree import Keys, Map, Source, Where
 from rockcli.study.schema import CasePart
-from rockcli.study.study import OF_RECORDS, Index
+from rockcli.study.study import OF_DIRECTIONS, OF_RECORDS, Index
 
 Array = NDArray[np.float64]
 Points = dict[int, NDArray[np.int64]]
@@ -86,36 +86,43 @@ class Cases:
         Raises:
             StudyError, RecordError: a case cannot be built.
         """
-        for part, combination, points, named in self.groups_of_suites(np.asarray(indices, dtype=np.int64)):
+        for part, combination, points, motions in self.groups_of_suites(np.asarray(indices, dtype=np.int64)):
             built = None
-            if named is not None:
+            if motions is not None:
                 with suppress(StudyError, RecordError):  # told below, by the batch of the record that is at fault
-                    built = build_batch(self.numbers(combination, points, len(part), named), self.records, self.save)
+                    built = build_batch(self.numbers(combination, points, len(part), motions), self.records, self.save)
             if built is None:
                 yield from self.batches(part)
             else:
                 yield part, built
 
-    def groups_of_suites(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points, Named | None]]:
-        """`groups`, but records together where they may be, with their names; None for a group as it is."""
+    def groups_of_suites(self, indices: Index) -> Iterator[tuple[Index, tuple[int, ...], Points, Motions | None]]:
+        """`groups`, but recorded motions together where they may be; None for a group as it is."""
         axis = self._of_records
         if axis is None:
             yield from ((*group, None) for group in self.groups(indices))
             return
         for part, combination, points in self._by_structure(indices, axis):
             there = np.unique(points[axis])
-            if len(there) == 1 or not alike_but_for_records(self.checked(combination)[1]):
+            directions = self.variations[axis].axis.path == OF_DIRECTIONS
+            if len(there) == 1 or not alike_but_for_records(self.checked(combination)[1], directions=directions):
                 yield from ((*group, None) for group in self.groups(part))
                 continue
-            named = [self.variations[axis].settings[point][0] for point in there.tolist()]
-            names = tuple((str(name), where) for _, name, where in named)
-            yield part, combination, points, Named(names, np.searchsorted(there, points[axis]))
+            settings = [self.variations[axis].settings[point][0] for point in there.tolist()]
+            said = tuple((value, where) for _, value, where in settings)
+            keys: Keys = ("case", "motion", "record", "angle" if directions else "file")
+            yield part, combination, points, Motions(keys, said, np.searchsorted(there, points[axis]))
 
     @property
     def _of_records(self) -> int | None:
-        """The axis that names a record at each point and sets nothing else; None if there is none."""
+        """The axis of directions, or the one that names a record at each point and sets nothing else; None for none."""
+        if self.save.histories:
+            return None
+        turned = [i for i, v in enumerate(self.variations) if v.columns is None and v.axis.path == OF_DIRECTIONS]
+        if turned:
+            return turned[0]
         found = [i for i, v in enumerate(self.variations) if v.columns is None and v.axis.path in OF_RECORDS]
-        if len(found) != 1 or self.save.histories:
+        if len(found) != 1:
             return None
         plain = all(len(s) == 1 and isinstance(s[0][1], str) for s in self.variations[found[0]].settings)
         return found[0] if plain and not names_in([s[0][1] for s in self.variations[found[0]].settings]) else None
@@ -168,7 +175,7 @@ class Cases:
             combination = tuple(int(points[i][rows[0]]) for i in structural)
             yield indices[rows], combination, {i: p[rows] for i, p in enumerate(points)}
 
-    def numbers(self, combination: tuple[int, ...], points: Points, n: int, suite: Named | None = None) -> Numbers:
+    def numbers(self, combination: tuple[int, ...], points: Points, n: int, suite: Motions | None = None) -> Numbers:
         """The numbers of the cases at a combination of structural points; those of a suite have a record each."""
 
         def column(axis: int, which: int) -> Array:
@@ -249,8 +256,8 @@ class Cases:
         """
         expression = parse(text)
         first: float | None = None
-        for part, combination, points, named in self.groups_of_suites(self.probe()):
-            values = np.ravel(expression.evaluate(self.numbers(combination, points, len(part), named).symbol))
+        for part, combination, points, motions in self.groups_of_suites(self.probe()):
+            values = np.ravel(expression.evaluate(self.numbers(combination, points, len(part), motions).symbol))
             first = float(values[0]) if first is None else first
             if not (values == first).all():
                 raise ExpressionError(

@@ -82,5 +82,5 @@ def numbers_of(point: tuple[Setting, ...]) -> Iterator[Setting]:
 def _replaced(path: Path, value: Any, numbers: dict[Path, Varied]) -> Any:
     """A value at a path with some of the numbers in it replaced."""
     if not isinstance(value, Map):
-        return numbers.get(path, value)
+        return numbers[path] if path in numbers else value
     return Map({key: _replaced((*path, key), item, numbers) for key, item in value.items()}, value.where)
