@@ -81,6 +81,8 @@ def numbers_of(point: tuple[Setting, ...]) -> Iterator[Setting]:
 
 def _replaced(path: Path, value: Any, numbers: dict[Path, Varied]) -> Any:
     """A value at a path with some of the numbers in it replaced."""
+    if path in numbers:
+        return numbers[path]
     if not isinstance(value, Map):
-        return numbers[path] if path in numbers else value
+        return value
     return Map({key: _replaced((*path, key), item, numbers) for key, item in value.items()}, value.where)
