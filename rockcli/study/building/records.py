@@ -132,6 +132,8 @@ class Records:
         measure: Callable[[Prepared, str], object],
     ) -> list[Prepared]:
         """`prepare` of many, each with its place; of many files in several processes, which `measure` them too."""
+        from rockcli.motion.reading import ready_for
+
         options = _key(reading, steps, g)
 
         def made(one: tuple[str, Path]) -> Prepared:
@@ -140,16 +142,16 @@ class Records:
             measure(prepared, name)
             return prepared
 
-        if self.readers > 1:
-            new: dict[tuple[str, str], tuple[str, Path]] = {}
-            with suppress(RecordError):  # told below
-                for name, where in named:
-                    key = str(self._path(name, where)), options
-                    if key not in self.prepared and name not in self.given:
-                        new[key] = name, self._path(name, where)
-            if len(new) >= MANY:
-                found = zip(new, shared_out(made, list(new.values()), self.readers), strict=True)
-                self.prepared |= {key: prepared for key, prepared in found if prepared is not None}
+        new: dict[tuple[str, str], tuple[str, Path]] = {}
+        with suppress(RecordError):  # told below
+            for name, where in named:
+                path = self._path(name, where)
+                if (str(path), options) not in self.prepared and name not in self.given:
+                    new[str(path), options] = name, path
+        ready_for(len(new))  # before processes are forked
+        if len(new) >= MANY and self.readers > 1:
+            found = zip(new, shared_out(made, list(new.values()), self.readers), strict=True)
+            self.prepared |= {key: prepared for key, prepared in found if prepared is not None}
         return [self._prepared(name, where, reading, steps, g, options) for name, where in named]
 
     def _prepared(
