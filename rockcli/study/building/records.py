@@ -80,8 +80,8 @@ class Records:
         """
         if name not in self.found:
             for folder in self._sought(name):
-                if _is_file(folder / name):
-                    self.found[name] = folder / name
+                if os.path.isfile(path := folder / name):
+                    self.found[name] = path
                     break
             else:
                 raise self.source.record_error(where, self._missing(name), MissingRecordError)
@@ -96,14 +96,15 @@ class Records:
         """
         for folder in [Path()] if os.path.isabs(pattern) else self._sought(pattern):
             try:
-                names = [name for name in matched(pattern, folder) if _is_file(folder / name)]
+                there = {name: path for name in matched(pattern, folder) if os.path.isfile(path := folder / name)}
             except (OSError, ValueError, RecursionError):
                 continue
             except TooManyFiles:
                 why = f"looks through more than {MOST} files; begin with the folder in which the records are"
                 raise self.source.record_error(where, f"{key} is {pattern[:200]!r}, which {why}") from None
-            if names:
-                return names
+            if there:
+                self.found |= there  # where `find` would find them: no folder before this one has any
+                return list(there)
         lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Searched: {', '.join(self._searched())}"]
         raise self.source.record_error(where, "\n  ".join(lines + how_to_obtain(pattern)), MissingRecordError)
 
@@ -230,10 +231,3 @@ def _shipped() -> Path:
 
 def _environment() -> list[str]:
     return [entry for entry in os.environ.get("ROCK_RECORDS", "").split(os.pathsep) if entry]
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
