@@ -28,7 +28,6 @@ SINGLE, DOUBLE = WIDTHS["single"] / INCH, WIDTHS["double"] / INCH
 """Widths of one and two journal columns [in]."""
 
 DPI, SCREEN_DPI = 300, 110
-
 COLOURS: tuple[str, ...] = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5D3A9B", "#000000",
 )  # fmt: skip
@@ -245,7 +244,8 @@ def _settle(figure: Figure) -> None:
     if figure.get_layout_engine() is None:
         return
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    with mpl.rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
+        figure.set_layout_engine(None)  # "none" would have the figure laid out once more when it is written
     for axes in figure.axes:
         left, bottom, width, height = axes.get_position(original=True).bounds
         axes.set_position((round(left, 9), round(bottom, 9), round(width, 9), round(height, 9)))
