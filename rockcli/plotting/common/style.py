@@ -135,9 +135,16 @@ def width_or(natural: float) -> float:
     return natural if width is None else width / INCH
 
 
+def lay_out(figure: Figure) -> None:
+    """Find where the panels of a figure go; a drawing without pixels does so too, and more that nobody needs."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+
+
 def fit_panels(figure: Figure, axes: Axes, height: float, rows: int = 1) -> None:
     """Make a figure as high as lets each of its rows of panels be `height` [in]: titles and legends take none of it."""
-    figure.draw_without_rendering()  # lays the figure out
+    lay_out(figure)
     now = axes.get_position(original=True).height * figure.get_figheight()
     figure.set_figheight(figure.get_figheight() + rows * (height - now))
 
@@ -183,7 +190,7 @@ def headline(figure: Figure, title: str, note: str = "", over: Axes | None = Non
         words += "\n" + "\n".join(wrapped(note, columns + 6))
     figure.suptitle(words, fontsize=9.5, linespacing=1.3)
     if over is not None:
-        figure.draw_without_rendering()  # lays the figure out
+        lay_out(figure)
         box = over.get_position()
         figure.suptitle(words, fontsize=9.5, linespacing=1.3, x=0.5 * (box.x0 + box.x1))
 
@@ -243,7 +250,7 @@ def _settle(figure: Figure) -> None:
     """
     if figure.get_layout_engine() is None:
         return
-    figure.draw_without_rendering()
+    lay_out(figure)
     with mpl.rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
         figure.set_layout_engine(None)  # "none" would have the figure laid out once more when it is written
     for axes in figure.axes:
