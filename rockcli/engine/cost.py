@@ -61,7 +61,7 @@ STARTING = 0.9
 IN_PLAIN_PYTHON = 100.0
 """How much slower the event-driven solver is in plain Python."""
 
-READING = 1.5e-7
+READING = 9e-8
 """A sample of a record that is read and laid out [s]."""
 
 LAYING_OUT = 1.2e-8

@@ -88,12 +88,15 @@ def read_text(text: bytes, first: int, file: str, expected: int | None = None) -
 def _read_at_once(text: bytes, expected: int | None) -> Numbers | None:
     """The numbers of a text that holds nothing but finite ones as `float` takes them; None of others."""
     values = _parsed(text, expected)
-    if values is None and not text.translate(None, _OF_NUMBERS):
-        try:
-            values = np.array([*map(float, text.split())])
-        except ValueError:
-            return None
-    return Numbers(values, text) if values is not None and np.isfinite(values).all() else None
+    if values is not None:
+        return Numbers(values, text)
+    if text.translate(None, _OF_NUMBERS):
+        return None
+    try:
+        values = np.array([*map(float, text.split())])
+    except ValueError:
+        return None
+    return Numbers(values, text) if np.isfinite(values).all() else None
 
 
 def _parsed(text: bytes, expected: int | None) -> Array | None:

@@ -194,15 +194,15 @@ def _motion(found: Found, path: Path, sha256: str) -> Motion:
         name=path.name,
         sha256=sha256,
         processing=(*found.processing, *converted),
-        warnings=(*found.warnings, *_remarks(values, found.dt, in_g)),
+        warnings=(*found.warnings, *_remarks(values, peak, found.dt, in_g)),
         format=found.format,
         component=found.component,
         header=found.header,
     )
 
 
-def _remarks(values: NDArray[np.float64], dt: float, in_g: bool) -> tuple[str, ...]:
-    peak, mean = float(np.abs(values).max()), float(values.mean())
+def _remarks(values: NDArray[np.float64], peak: float, dt: float, in_g: bool) -> tuple[str, ...]:
+    mean = float(values.mean())
     unit = "g" if in_g else "m/s2"
     remarks = []
     if peak > (LARGE if in_g else LARGE * 9.81):
