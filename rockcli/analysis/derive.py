@@ -14,9 +14,18 @@ from rockcli.analysis.direction import with_worst_direction
 from rockcli.analysis.outlines import with_outlines
 from rockcli.analysis.prescreen import with_prescreen
 from rockcli.analysis.rules import with_rules
-from rockcli.analysis.suites import with_ensembles
 from rockcli.storage.contents import Contents
 from rockcli.study.study import Study
+
+
+def _with_ensembles(contents: Contents, study: Study) -> Contents:
+    """The statistics of suites, a third of the modules of `analysis`: loaded where there are any or were."""
+    if study.over is None and "ensemble" not in contents.attrs:
+        return contents
+    from rockcli.analysis.suites import with_ensembles
+
+    return with_ensembles(contents, study)
+
 
 DERIVED: tuple[Callable[[Contents, Study], Contents], ...] = (
     with_comparison,
@@ -27,7 +36,7 @@ DERIVED: tuple[Callable[[Contents, Study], Contents], ...] = (
     with_curves,
     with_rules,
     with_prescreen,
-    with_ensembles,
+    _with_ensembles,
 )
 """Each adds what the study asks for and takes away what it no longer asks for; later ones may read earlier ones."""
 

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from rockcli.analysis.compare_to_reference import NEEDED_BY, locate
 from rockcli.analysis.direction import WORST, angle_axis
 from rockcli.analysis.places import coordinate, place
-from rockcli.analysis.suites import variables
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.axis_path import axis_path
@@ -67,7 +66,11 @@ def check_quantities(study: Study) -> None:
     saved = {*study.scalars, *COORDINATES, *variables_of(study.curves), *(RULES[name].variable for name in study.rules)}
     if study.histories:
         saved |= {*HISTORIES, *IMPACTS}
-    saved |= {*variables(study), *(AUDIT if study.audit else ())}
+    if study.over is not None:
+        from rockcli.analysis.suites import variables
+
+        saved |= variables(study)
+    saved |= {*(AUDIT if study.audit else ())}
     if study.search is not None:
         saved |= {study.search.name, *study.search.results(study.over)}
     if angle_axis(study) is not None:

@@ -63,10 +63,12 @@ def info(
     from rockcli.cli.record_tables import listed, pair_facts, rows_table, spectral
     from rockcli.errors import RecordError
     from rockcli.motion.flatfile import metadata_of
+    from rockcli.motion.reading import ready_for
 
     periods = _periods(sa or [])
     _check_spectrum(spectrum)
     chosen = listed(files)
+    ready_for(len(chosen))
     if rotd and len(chosen) % 2:
         raise RecordError(f"--rotd needs pairs of components; these are {len(chosen)} files")
     rows: list[dict[str, Any]] = []

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import platform
+import re
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, distribution
 from typing import Any
 
 from rockcli.engine.sweep.results import Results
 from rockcli.storage.contents import root_attributes
 from rockcli.study.study import Study
 from rockcli.version import __version__
+
+_VERSION = re.compile(r"^Version: *(\S+)", re.M)
 
 _LIBRARIES = ("numpy", "scipy", "numba", "obspy", "netCDF4")
 
@@ -61,9 +64,11 @@ def versions() -> dict[str, str]:
     found = {"rockcli": __version__, "python": platform.python_version(), "machine": platform.machine()}
     for name in _LIBRARIES:
         try:
-            found[name] = version(name)
+            said = distribution(name).read_text("METADATA") or ""
         except PackageNotFoundError:
             continue
+        if match := _VERSION.search(said):  # `version` would parse all of it, licences too, as an e-mail
+            found[name] = match[1]
     return found
 
 

@@ -13,10 +13,7 @@ import numpy as np
 from rockcli.analysis.expect import Verdict, expected_failures, judge
 from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.rules import Misled, misled
-from rockcli.analysis.suite_fragility import fragility_rows
-from rockcli.analysis.suite_risk import risk_rows
 from rockcli.analysis.threshold_fields import found_by
-from rockcli.analysis.uncertainty import sample_rows
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import SI, Units
@@ -137,12 +134,22 @@ def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any
         overturns=_overturns(contents, units),
         rules=misled(contents),
         suite=tuple(json.loads(contents.attrs.get("ensemble", "{}")).get("says" if si else "shown", ())),
-        fragility=tuple(fragility_rows(contents)),
-        samples=tuple(sample_rows(contents)),
-        risk=tuple(risk_rows(contents)),
+        **_suite_rows(contents),
         audit=tuple(json.loads(contents.attrs.get("audit", "{}")).get("says", ())),
         **more,
     )
+
+
+def _suite_rows(contents: Contents) -> dict[str, Any]:
+    """The rows of numbers of a dataset with statistics of suites, which take modules that others need not load."""
+    if "ensemble" not in contents.attrs:
+        return {}
+    from rockcli.analysis.suite_fragility import fragility_rows
+    from rockcli.analysis.suite_risk import risk_rows
+    from rockcli.analysis.uncertainty import sample_rows
+
+    rows = {"fragility": fragility_rows, "samples": sample_rows, "risk": risk_rows}
+    return {name: tuple(rows_of(contents)) for name, rows_of in rows.items()}
 
 
 def exit_code(reports: list[RunReport]) -> int:

@@ -25,6 +25,7 @@ COMPILING_ALWAYS = "compiling the kernels: 15 to 60 s in every run, as there is 
 ENTRIES = (
     "lanes.records.slipping", "lanes.records.march", "contact.march", "lanes.pulses.march", "column.automaton",
     "rolling.march", "rigid.march", "frame.march", "frame.newmark", "frame.elements", "lanes.records.layout",
+    "reading.decimals", "reading.peaks",
 )  # fmt: skip
 """Modules with functions that Python calls, those first that take long to compile."""
 
@@ -50,6 +51,14 @@ def load(name: str = "rigid.march", *, compile_them: bool) -> ModuleType:
         if way == jit.JUST_IN_TIME and announce is not None and jit.is_cold():
             announce(COMPILING if jit.places.cache_takes_files() else COMPILING_ALWAYS)
     return importlib.import_module(f"{__name__}.{name}")
+
+
+def in_use_ahead(name: str) -> ModuleType | None:
+    """A module of kernels by its name if those in use were compiled ahead of time; None: none are loaded for it."""
+    jit = sys.modules.get(f"{__name__}.jit")
+    return (
+        importlib.import_module(f"{__name__}.{name}") if compiled and jit is not None and jit.ahead_of_time() else None
+    )
 
 
 def compiled_ahead() -> bool:

@@ -2,7 +2,7 @@
 
 An object file holds one function that Python calls, with all it needs, as `build` makes it.  LLVM's linker puts it into
 memory.  The function takes pointers to its result and to an exception, then its arguments, laid out flat: an array as
-two null pointers, its size, 8, its address, shape and strides; a tuple as what it holds.
+two null pointers, its size, that of an element, its address, shape and strides; a tuple as what it holds.
 """
 
 from __future__ import annotations
@@ -21,12 +21,14 @@ PACKAGE = __name__.rpartition(".")[0]
 
 
 class Array(NamedTuple):
-    """An array of doubles, last index fastest, as an argument."""
+    """An array of doubles, or of another kind of number by its name in numpy, last index fastest, as an argument."""
 
     ndim: int
+    of: str = "float64"
 
 
 VECTOR, MATRIX, CUBE, TABLES = Array(1), Array(2), Array(3), Array(4)
+CHARACTERS = Array(1, "uint8")
 
 V2 = ("cx16", "popcnt", "sahf", "sse3", "ssse3", "sse4.1", "sse4.2")
 V3 = (*V2, "avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
@@ -98,9 +100,9 @@ def flat_types(kind: Any) -> list[Any]:
 def flatten(kind: Any, value: Any, into: list[Any]) -> None:
     """Append what an argument is passed as."""
     if isinstance(kind, Array):
-        if value.ndim != kind.ndim or value.dtype.str != "<f8" or not value.flags.c_contiguous:
-            raise TypeError(f"a kernel takes doubles, {kind.ndim} dimensions in order: {value.dtype} {value.strides}")
-        into += (None, None, value.size, 8, value.ctypes.data, *value.shape, *value.strides)
+        if value.ndim != kind.ndim or value.dtype != kind.of or not value.flags.c_contiguous:
+            raise TypeError(f"a kernel takes {kind.of}, {kind.ndim} dimensions in order: {value.dtype} {value.strides}")
+        into += (None, None, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
     elif kind in SCALARS:
         into.append(kind(value))
     else:

@@ -97,7 +97,7 @@ def numba_type(kind: Any) -> Any:
     from numba import types
 
     if isinstance(kind, ahead.Array):
-        return types.Array(types.float64, kind.ndim, "C")
+        return types.Array(getattr(types, kind.of), kind.ndim, "C")
     if (inside := ahead.members(kind)) is not None:
         made = [numba_type(each) for each in inside]
         return types.BaseTuple.from_types(made, None if isinstance(kind, tuple) else kind)

@@ -40,6 +40,11 @@ def compiling() -> bool:
     return _way == JUST_IN_TIME
 
 
+def ahead_of_time() -> bool:
+    """Whether functions were compiled before they are called."""
+    return _way == AHEAD
+
+
 def is_cold() -> bool:
     """Whether nothing compiled just in time is in the cache."""
     return next(places.cache_dir().rglob("*.nbi"), None) is None

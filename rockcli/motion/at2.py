@@ -144,15 +144,14 @@ def parse_at2(data: bytes, name: str, units: str | None = None) -> AT2:
             tolerated with a warning), a number cut by the end of the file, a word among the values.
     """
     text = _with_line_feeds(_checked_text_bytes(data, name))
-    head = text.split(b"\n", HEADER_LINES)
-    lines = [line.decode("latin-1") for line in head[:HEADER_LINES]]
-    index, match = _npts_line(lines, name)
+    lines, match, body = _header(text, name)
+    index = len(lines)
     npts, dt = _npts(match, name, index + 1), _dt(match, name, index + 1)
-    stated = _stated_unit(lines[:index], name)
-    numbers = read_text(b"\n".join(head[index + 1 :]), index + 2, name, expected=npts)
+    stated = _stated_unit(lines, name)
+    numbers = read_text(text[body:], index + 2, name, expected=npts)
     values, warnings = _counted(numbers, npts, data, name)
     unit = _unit(stated, units, name, index + 1)
-    titles = tuple(line.strip() for line in lines[:index])
+    titles = tuple(line.strip() for line in lines)
     event, date, station, component = _identity(titles)
     return AT2(values, dt, unit, titles, event, date, station, component, tuple(warnings))
 
@@ -196,18 +195,26 @@ def _with_line_feeds(data: bytes) -> bytes:
 
 
 def _checked_text_bytes(data: bytes, name: str) -> bytes:
-    if not data.strip():
+    if not data or data.isspace():
         raise RecordError("the file is empty; get it anew", name)
     if b"\0" in data:
         raise RecordError("the file holds binary data, not the text of an AT2 file", name)
     return data
 
 
-def _npts_line(lines: list[str], name: str) -> tuple[int, re.Match[str]]:
-    for index, line in enumerate(lines[:HEADER_LINES]):
+def _header(text: bytes, name: str) -> tuple[list[str], re.Match[str], int]:
+    """The lines before the one with NPTS and DT, what it says, and where the next one begins."""
+    lines: list[str] = []
+    begin = 0
+    while begin <= len(text) and len(lines) < HEADER_LINES:
+        end = text.find(b"\n", begin)
+        end = len(text) if end < 0 else end
+        line = text[begin:end].decode("latin-1")
         match = _TRAILING.search(line) or _KEYED.search(line)
         if match:
-            return index, match
+            return lines, match, end + 1
+        lines.append(line)
+        begin = end + 1
     raise RecordError(
         "no header line gives the number of values and the time step; expected a line like "
         "'NPTS=  4000, DT=  .0050 SEC' (for values without a header give `dt` and `units`)",
@@ -283,7 +290,7 @@ def _counted(numbers: Numbers, npts: int, data: bytes, name: str) -> tuple[NDArr
         )
     if len(extra):
         warnings.append(f"{len(extra)} zero(s) behind the {npts} values the header announces were left out")
-    elif not numbers.text_after and not data.rstrip(b" ").endswith(b"\n") and len(numbers.last) < numbers.shortest:
+    elif not (numbers.text_after or _ends_its_line(data)) and len(numbers.last) < numbers.shortest:
         raise RecordError(
             f"the last value, {numbers.last!r}, is shorter than all others and no line end follows: the file seems "
             "cut inside it; get the file anew, or end its last line if it is whole",
@@ -293,6 +300,10 @@ def _counted(numbers: Numbers, npts: int, data: bytes, name: str) -> tuple[NDArr
     if numbers.text_after:
         warnings.append(f"text behind the values was left out: {numbers.text_after[0]!r}")
     return values[:npts], warnings
+
+
+def _ends_its_line(data: bytes) -> bool:
+    return data.rstrip(b" ").endswith((b"\n", b"\r"))
 
 
 def _last_line(data: bytes) -> int:

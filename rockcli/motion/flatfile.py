@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import re
 from collections.abc import Mapping
 from functools import lru_cache
@@ -36,12 +37,12 @@ def metadata_beside(path: Path) -> dict[str, float]:
 
     A record is found by its file name, one that was renamed by the number in it (RSN811_...).
     """
-    table = path.parent / NAME
+    table = os.path.join(os.path.dirname(path), NAME)  # many times faster than a `Path`: it is sought for every record
     try:
-        stamp = table.stat().st_mtime_ns
+        stamp = os.stat(table).st_mtime_ns
     except OSError:
         return {}
-    by_file, by_number = _read(table, stamp)
+    by_file, by_number = _read(Path(table), stamp)
     number = re.match(r"RSN(\d+)_", path.name, re.I)
     return by_file.get(path.name.casefold()) or (by_number.get(int(number[1]), {}) if number else {})
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli import kernels
+
 __all__ = ["arias", "cav", "mean_period", "measures", "pga", "pgd", "pgv", "significant_duration", "velocity"]
 
 Array = NDArray[np.float64]
@@ -32,6 +34,9 @@ def displacement(a: Array, dt: float) -> Array:
 
 def pgv(a: Array, dt: float) -> float:
     """Peak ground velocity [m/s], also between samples, where the acceleration passes zero."""
+    compiled = kernels.in_use_ahead("reading.peaks")
+    if compiled is not None:
+        return float(compiled.peak_velocity(np.ascontiguousarray(a), dt))
     v = velocity(a, dt)
     i = np.flatnonzero(a[:-1] * a[1:] < 0.0)
     between = v[i] + 0.5 * dt * a[i] * a[i] / (a[i] - a[i + 1])

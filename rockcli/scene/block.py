@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -75,7 +77,7 @@ class Block:
         """Number of bodies."""
         return len(self.h)
 
-    @property
+    @cached_property
     def symmetric(self) -> NDArray[np.bool_]:
         """Where both edges are equally far from the centre of mass and equally high, (n,)."""
         return np.asarray((self.b[:, LEFT] == self.b[:, RIGHT]) & (self.rise == 0.0))
@@ -85,7 +87,7 @@ class Block:
         """Height of the centre of mass above each edge, (n, 2) [m]."""
         return _heights(self.h, self.rise)
 
-    @property
+    @cached_property
     def weak(self) -> NDArray[np.intp]:
         """Column of the edge with the smaller alpha, (n,): the one that uplifts first.
 
@@ -95,7 +97,7 @@ class Block:
 
     def of_weak_edge(self, both: Array) -> Array:
         """Pick the weak edge's column of a (n, 2) array: (n,)."""
-        return np.take_along_axis(both, self.weak[:, None], axis=1)[:, 0]
+        return np.where(self.weak == LEFT, both[:, LEFT], both[:, RIGHT])
 
     def p(self, g: Array) -> Array:
         """Frequency parameter of each edge, p = sqrt(m g R / I_O) (2.2), (n, 2) [rad/s]."""
@@ -137,19 +139,24 @@ def make_block(
     rise_ = _column(rise, n)
     symmetric = ((edges[:, LEFT] == edges[:, RIGHT]) & (rise_ == 0.0))[:, None]
 
-    def kept(given: ArrayLike | None, computed: Array) -> Array:
-        return computed if given is None else np.where(symmetric, _column(given, n)[:, None], computed)
+    all_symmetric = bool(symmetric.all())
+
+    def kept(given: ArrayLike | None, compute: Callable[[], Array]) -> Array:
+        if given is None:
+            return compute()
+        both = np.repeat(_column(given, n)[:, None], 2, axis=1)
+        return both if all_symmetric else np.where(symmetric, both, compute())
 
     height = _heights(h_, rise_)
-    tan_ = kept(tan_alpha, edges / height)
-    alpha_ = kept(alpha, np.arctan(tan_))
-    R_ = kept(R, np.hypot(edges, height))
+    tan_ = kept(tan_alpha, lambda: edges / height)
+    alpha_ = kept(alpha, lambda: np.arctan(tan_))
+    R_ = kept(R, lambda: np.hypot(edges, height))
     if r_g is not None:
         ratio = 1.0 + (_column(r_g, n)[:, None] / R_) ** 2
     else:
         given = RECTANGLE_INERTIA if inertia is None else _column(inertia, n)[:, None]
         ratio = np.ascontiguousarray(np.broadcast_to(given, (n, 2)))
-        if not symmetric.all():
+        if not all_symmetric:
             rectangle = 1.0 + (height**2 + (0.5 * edges.sum(axis=1, keepdims=True)) ** 2) / (3.0 * R_**2)
             ratio = np.where(symmetric, ratio, rectangle)
     return Block(
@@ -186,6 +193,8 @@ def housner_eta(block: Block) -> Array:
 
 
 def _heights(h: Array, rise: Array) -> Array:
+    if not rise.any():
+        return np.repeat(h[:, None], 2, axis=1)
     return h[:, None] + np.array([0.5, -0.5]) * rise[:, None]
 
 

@@ -58,10 +58,12 @@ def sweep_id(
     is named nowhere in the base, and a table in its rows.
     """
 
+    encoder = json.JSONEncoder(sort_keys=True)
+
     def content(value: Any) -> str:
         named = inputs.keys() & set(_texts(value))
         told = [_canonical(value), sorted((name, inputs[name]) for name in named)]
-        return hashlib.sha256(json.dumps(told, sort_keys=True, allow_nan=True).encode()).hexdigest()[:32]
+        return hashlib.sha256(encoder.encode(told).encode()).hexdigest()[:32]
 
     said = {key: value for key, value in save.items() if key != "dt_out" or save["histories"] is not False}
     base: dict[str, Any] = {"case": case, "let": let}

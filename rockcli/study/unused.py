@@ -59,7 +59,9 @@ def replaced_records(study: Map, variations: Iterable[Variation]) -> list[str]:
         base = value_at(study, at) or {}
         lost = " and ".join(f"`{key}`" for key, value in base.items() if key != "file" and value is not None)
         for variation in variations:
-            records = (value_at(overlaid({}, point), at) for point in variation.points())
+            # what is set below the record leaves the record; most points of an axis do no more
+            reaching = (point for point in variation.points() if any(len(path) <= len(at) for path, _, _ in point))
+            records = (value_at(overlaid({}, point), at) for point in reaching)
             if lost and any(isinstance(record, Map) and record.whole for record in records):
                 path, key = variation.axis.path, ".".join((*at[1:], "file"))
                 said.append(f"the axis {path} replaces the whole record, {lost} with it; {key} changes the file only")

@@ -1,4 +1,4 @@
-"""What a command imports: not Dask, which xarray asks for where it is installed, unless it is told to use it."""
+"""What a command imports and builds: not Dask, which xarray asks for where it is installed, and no other command."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 PROGRAM = """
 import sys
 from rockcli.cli import main
-main.app = lambda: (__import__("xarray").Dataset({"a": ("x", [1.0])}) + 1, print("dask.base" in sys.modules))
+main._asked = lambda: lambda: (__import__("xarray").Dataset({"a": ("x", [1.0])}) + 1, print("dask.base" in sys.modules))
 main.main()
 print(sys.modules.get("dask", "free") is not None)
 """
@@ -22,3 +22,33 @@ def test_dask_is_loaded_where_it_is_asked_for(tmp_path: Path, words: list[str], 
     pytest.importorskip("dask")
     done = subprocess.run([sys.executable, "-c", PROGRAM, *words], capture_output=True, text=True, check=True)
     assert done.stdout.split() == [loaded, "True"]
+
+
+@pytest.mark.parametrize(
+    ("words", "built"), [(["run", "a.yaml"], {"run"}), (["records", "info"], {"records"}), (["rum"], None), ([], None)]
+)
+def test_the_command_that_is_asked_for_is_built_alone(
+    monkeypatch: pytest.MonkeyPatch, words: list[str], built: set[str] | None
+) -> None:
+    from rockcli.cli import main
+
+    monkeypatch.setattr(sys, "argv", ["rock", *words])
+    asked = {str(command.name) for command in main._asked().registered_commands}
+    assert asked == (built or {str(command.name) for command in main.app.registered_commands})
+
+
+def test_a_plain_study_loads_no_statistics_of_suites_and_no_processes(tmp_path: Path) -> None:
+    study = Path(__file__).resolve().parents[2] / "studies" / "examples" / "first_rock.yaml"
+    words = ["run", str(study), "--no-plots", "--quiet", "--out", str(tmp_path)]
+    program = f"""
+import sys
+from rockcli.cli.main import main
+sys.argv = ["rock", *{words!r}]
+try:
+    main()
+except SystemExit:
+    pass
+print({{"rockcli.analysis.suites", "rockcli.engine.sweep.workers", "multiprocessing", "pandas"}} & sys.modules.keys())
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["set()"]

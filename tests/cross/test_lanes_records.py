@@ -17,6 +17,7 @@ from rockcli.scene.excitation import Excitation, Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
+from rockcli.solvers.event import record_lanes
 from rockcli.solvers.event.record_lanes import FEW, _grazed, laid_out
 from rockcli.solvers.event.solver import solve
 
@@ -143,6 +144,20 @@ def test_bounds_of_the_velocity_to_come():
         assert velocity[k, 0] == pytest.approx(later[0], abs=1e-12)
         assert later.max() <= velocity[k, 1] <= later.max() + 1e-6
         assert later.min() - 1e-6 <= velocity[k, 2] <= later.min()
+
+
+@pytest.mark.parametrize(("path", "falls"), [(True, True), (False, True), (False, False)])
+def test_all_of_a_layout_is_filled(monkeypatch: pytest.MonkeyPatch, path: bool, falls: bool) -> None:
+    rng = np.random.default_rng(7)
+    motions = [Samples(rng.normal(size=n), 0.01, np.empty(0)) for n in (60, 63, 126, 200)]
+    found = []
+    for dirt in (np.nan, 1e9):
+        with monkeypatch.context() as patch:
+            patch.setattr(record_lanes.np, "empty", lambda shape, dirt=dirt: np.full(shape, dirt))
+            found.append(laid_out(motions, 64, path=path, falls=falls))
+    for one, other in zip(*found, strict=True):
+        assert np.isfinite(one).all()
+        np.testing.assert_array_equal(one, other)
 
 
 def test_motions_are_laid_out_one_after_the_other():

@@ -177,8 +177,14 @@ def test_an_entry_takes_arrays_in_order_only() -> None:
     ahead.flatten(ahead.MATRIX, a, flat)
     assert flat == [None, None, 6, 8, a.ctypes.data, 2, 3, 24, 8]
     for wrong in (a.T, a[0], a.astype(np.float32), a[:, ::2]):
-        with pytest.raises(TypeError, match="a kernel takes doubles"):
+        with pytest.raises(TypeError, match="a kernel takes float64"):
             ahead.flatten(ahead.MATRIX, wrong, [])
+    flat.clear()
+    text = np.frombuffer(b" 1.5\n", dtype=np.uint8)
+    ahead.flatten(ahead.CHARACTERS, text, flat)
+    assert flat == [None, None, 5, 1, text.ctypes.data, 5, 1]
+    with pytest.raises(TypeError, match="a kernel takes uint8"):
+        ahead.flatten(ahead.CHARACTERS, a[0], [])
 
 
 def rock(*words: str, **more: str) -> subprocess.CompletedProcess[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from rockcli.engine import cost, preview
 from rockcli.engine.cost import known, memory, seconds_per_case
 from rockcli.engine.speed import slowness
 from rockcli.engine.sweep.sweep import outlook
+from rockcli.motion.at2 import at2_text
 from rockcli.scene.batch import Batch
 from rockcli.study.open import open_study
 from rockcli.study.study import Study
@@ -112,3 +114,14 @@ def test_memory_grows_with_what_is_kept() -> None:
     many, more = of(200_000, ["outcome"]), of(200_000, SUITE)
     assert more - many == pytest.approx(2 * 3.2e6)  # as results, and waiting to be written
     assert of(400_000, SUITE) - more == pytest.approx(2 * 3.4e6 + 1.6e6)  # with their numbers
+
+
+def test_records_that_are_laid_out_for_one_case_each_are_part_of_the_outlook(tmp_path: Path) -> None:
+    values = np.sin(np.arange(2000) * 0.05)
+    for k in range(40):
+        (tmp_path / f"r{k:02d}.AT2").write_text(at2_text(0.3 * values, 0.01, ["a", "b"]))
+    files = {"motion.record.file": str(tmp_path / "*.AT2")}
+    amplitudes = {"motion.record.pga": {"from": "0.5*g", "to": "0.6*g", "n": 20}}
+    alone, _ = outlook(study({"record": {"pga": "0.5*g"}}, top={"vary": files}), 40)
+    many, _ = outlook(study({"record": {}}, top={"vary": files | amplitudes}), 800)
+    assert alone - many == pytest.approx(cost.LAYING_OUT * 2000 * (1.0 - 1.0 / 20.0), rel=1e-6)

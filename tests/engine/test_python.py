@@ -231,3 +231,13 @@ def test_a_dataset_without_paths_is_shown_as_one_with_them(pulses):
     assert repr(old.rock) == repr(pulses.rock)
     texts = [[t.get_text() for t in rockcli.plot(each, "map").findobj(match=Text)] for each in (old, pulses)]
     assert texts[0] == texts[1]
+
+
+def test_versions_are_those_of_the_installed_packages() -> None:
+    from importlib.metadata import version
+
+    from rockcli.engine.provenance import versions
+
+    found = versions()
+    assert found["numpy"] == version("numpy")
+    assert found["netCDF4"] == version("netCDF4")

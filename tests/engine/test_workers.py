@@ -88,7 +88,7 @@ def test_two_workers_are_at_work_at_once(by, tmp_path: Path) -> None:
 
 def test_a_small_study_is_solved_here(by, monkeypatch: pytest.MonkeyPatch) -> None:
     by(worth=executors._worth)
-    monkeypatch.setattr("rockcli.engine.sweep.executors.on_workers", None)
+    monkeypatch.setattr("rockcli.engine.sweep.workers.on_workers", None)
     solved(study(), 8)
 
 

@@ -14,7 +14,6 @@ import pytest
 from rockcli.errors import RecordError
 from rockcli.motion.agencies.formats import format_of
 from rockcli.motion.at2 import read_at2
-from rockcli.motion.columns import numbers_in_columns
 from rockcli.motion.numbers import read_numbers
 from rockcli.motion.reading import read_record
 from rockcli.motion.writing import two_columns
@@ -316,43 +315,3 @@ def test_numbers_are_those_printed_whether_read_at_once_or_line_by_line(spoiled:
     assert found.values.tolist() == wanted
     assert found.per_line.sum() == len(wanted) == len(found.tokens)
     assert found.text_after == (("tail of text",) if spoiled == " tail of text" else ())
-
-
-FORMATS = {"C": "{:15.7E}", "long": "{:20.12E}", "short": "{:9.1e}", "three digits": "{:16.7E}"}
-
-
-@pytest.mark.parametrize("kind", [*FORMATS, "FORTRAN"])
-@pytest.mark.parametrize("count", [40, 41, 44, 3])
-def test_numbers_in_columns_are_those_of_float(kind: str, count: int) -> None:
-    rng = np.random.default_rng(count)
-    values = rng.normal(size=count) * 10.0 ** rng.integers(-6, 5, count)
-    values[1] = -0.0
-    if kind == "FORTRAN":  # as 5E15.7 prints: no digit before the point
-        printed = [f"{('-' if x < 0 else '') + '.' + f'{abs(x):.6E}'.replace('.', ''):>15}" for x in values]
-    else:
-        printed = [FORMATS[kind].format(x) for x in values]
-    text = "".join("".join(printed[i : i + 5]) + "\n" for i in range(0, count, 5)).encode()
-    found = numbers_in_columns(text)
-    assert found is not None
-    assert found.tobytes() == np.array([float(word) for word in printed]).tobytes()
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("+", " "), ("E", "F"), (".", ","), ("1", "x"), ("1", " "), ("E-0", "E-3"), ("\n", "\n\n"), ("1", "11"),
-        ("1", "-"), ("1", "\xb2"), (" -", "--"), ("1", "/"), ("1", ":"),
-    ],
-)  # fmt: skip
-def test_what_stands_in_no_columns_is_left_to_the_reader_of_words(old: str, new: str) -> None:
-    rng = np.random.default_rng(1)
-    printed = [f"{x:15.7E}" for x in rng.normal(size=30) * 10.0 ** rng.integers(-3, 3, 30)]
-    text = "".join("".join(printed[i : i + 5]) + "\n" for i in range(0, 30, 5))
-    place = text.index(old, 80)
-    text = text[:place] + new + text[place + len(old) :]
-    found = numbers_in_columns(text.encode("latin-1"))
-    try:
-        wanted = [float(word) for word in text.split()]
-    except ValueError:
-        wanted = []
-    assert found is None or found.tolist() == wanted

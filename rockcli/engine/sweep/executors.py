@@ -8,9 +8,7 @@ from time import perf_counter
 from typing import TypeVar
 
 from rockcli.engine.sweep.chunks import Chunks, Pace
-from rockcli.engine.sweep.cluster import on_cluster
 from rockcli.engine.sweep.work import Team, Work, in_halves
-from rockcli.engine.sweep.workers import on_workers
 from rockcli.errors import MACHINE
 from rockcli.forks import FORKS
 from rockcli.study.study import Index
@@ -45,12 +43,16 @@ def answers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterator[t
     the others then have; where kernels were compiled ahead of time a few are, so that what is loaded is loaded once.
     """
     if team.dask is not None and chunks.left:
+        from rockcli.engine.sweep.cluster import on_cluster
+
         yield from on_cluster(work, chunks, pace, team)
         return
     loaded = not pace.at_once
     while chunks.left:
         shared = team.workers > 1 and chunks.left > 1 and _worth(chunks, pace)
         if shared and loaded:
+            from rockcli.engine.sweep.workers import on_workers
+
             yield from on_workers(work, chunks, pace, team)
             continue  # with what is left if no process could be started
         cases = chunks.take(TASTE if shared else pace.step(chunks.left))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.engine.backends import choose
-from rockcli.engine.cost import seconds_in_plain_python, seconds_per_case
+from rockcli.engine.cost import seconds_in_plain_python, seconds_of_laying_out, seconds_per_case
 from rockcli.engine.sweep.chunk_result import ChunkResult, blank, spans_of
 from rockcli.engine.sweep.chunk_symbols import Reduction
 from rockcli.engine.sweep.chunks import CHUNK, Chunks, Pace, Spans, Turned, counted, places_in_turn, without
@@ -270,6 +270,7 @@ def outlook(study: Study, size: int) -> tuple[float, bool]:
     some = np.unique(np.linspace(0, study.size - 1, ESTIMATED_BY).astype(np.int64))
     seconds = in_plain_python = 0.0
     seen = 0
+    records = max([axis.size for axis in study.axes if axis.path in OF_RECORDS and not axis.numeric], default=0) / size
     for part, batch in islice(buildable(study.suites, some), BATCHES_BUILT):
         try:
             backend = choose(batch).name
@@ -277,7 +278,7 @@ def outlook(study: Study, size: int) -> tuple[float, bool]:
             continue
         if backend == "event" and highest(batch).model not in DEFORMABLE:
             in_plain_python += seconds_in_plain_python(batch) * len(part)
-        seconds += seconds_per_case(batch, backend) * len(part)
+        seconds += (seconds_per_case(batch, backend) + records * seconds_of_laying_out(batch)) * len(part)
         seen += len(part)
     return (seconds / seen, in_plain_python / seen * size > COMPILED_ABOVE) if seen else (1e-3, False)
 

@@ -28,7 +28,6 @@ SINGLE, DOUBLE = WIDTHS["single"] / INCH, WIDTHS["double"] / INCH
 """Widths of one and two journal columns [in]."""
 
 DPI, SCREEN_DPI = 300, 110
-
 COLOURS: tuple[str, ...] = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5D3A9B", "#000000",
 )  # fmt: skip
@@ -136,9 +135,16 @@ def width_or(natural: float) -> float:
     return natural if width is None else width / INCH
 
 
+def lay_out(figure: Figure) -> None:
+    """Find where the panels of a figure go; a drawing without pixels does so too, and more that nobody needs."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+
+
 def fit_panels(figure: Figure, axes: Axes, height: float, rows: int = 1) -> None:
     """Make a figure as high as lets each of its rows of panels be `height` [in]: titles and legends take none of it."""
-    figure.draw_without_rendering()  # lays the figure out
+    lay_out(figure)
     now = axes.get_position(original=True).height * figure.get_figheight()
     figure.set_figheight(figure.get_figheight() + rows * (height - now))
 
@@ -184,7 +190,7 @@ def headline(figure: Figure, title: str, note: str = "", over: Axes | None = Non
         words += "\n" + "\n".join(wrapped(note, columns + 6))
     figure.suptitle(words, fontsize=9.5, linespacing=1.3)
     if over is not None:
-        figure.draw_without_rendering()  # lays the figure out
+        lay_out(figure)
         box = over.get_position()
         figure.suptitle(words, fontsize=9.5, linespacing=1.3, x=0.5 * (box.x0 + box.x1))
 
@@ -244,8 +250,9 @@ def _settle(figure: Figure) -> None:
     """
     if figure.get_layout_engine() is None:
         return
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    lay_out(figure)
+    with mpl.rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
+        figure.set_layout_engine(None)  # "none" would have the figure laid out once more when it is written
     for axes in figure.axes:
         left, bottom, width, height = axes.get_position(original=True).bounds
         axes.set_position((round(left, 9), round(bottom, 9), round(width, 9), round(height, 9)))

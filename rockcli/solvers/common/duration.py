@@ -48,7 +48,7 @@ def durations_of(batch: Batch) -> Durations:
     duration = batch.excitation.duration
     given = np.isfinite(duration)
     end = np.where(given, np.minimum(end, duration), end)
-    return Durations(end, np.where(given, duration, end + FREE_ROCKING / batch.p.min(axis=1)), given)
+    return Durations(end, np.where(given, duration, end + FREE_ROCKING / np.minimum(*batch.p.T)), given)
 
 
 def output_times(dt_out: float, stop: float) -> int:

@@ -128,7 +128,8 @@ def in_lanes(
             part = found[some]
             work = lanes.work_space(how.order)
             lanes.sweep(rows[some], bodies, how, tables[some], pieces, two_sided, path, work, part)
-            found[some] = part
+            if not isinstance(some, slice):  # of a slice `part` is a view
+                found[some] = part
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     if not path:
         found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known

@@ -217,10 +217,16 @@ def laid_out(records: list[Samples], block: int, *, path: bool, falls: bool = Tr
     """
     lengths = np.array([len(record.values) for record in records])
     firsts = np.concatenate([[0], np.cumsum(-(-(lengths + 2) // block) * block)])
-    values, slopes, tail = (np.zeros(firsts[-1]) for _ in range(3))
-    velocity = np.zeros((0 if path else firsts[-1] if falls else 1, 3))
-    for record, first, length in zip(records, firsts[:-1].tolist(), lengths.tolist(), strict=True):
-        values[first : first + length] = record.values
+    values, slopes, tail = (np.empty(firsts[-1]) for _ in range(3))
+    velocity = np.empty((0, 3)) if path else np.empty((firsts[-1], 3)) if falls else np.zeros((1, 3))
+    for record, first, length, end in zip(
+        records, firsts[:-1].tolist(), lengths.tolist(), firsts[1:].tolist(), strict=True
+    ):
+        behind = first + length
+        values[first:behind] = record.values
+        values[behind:end] = tail[behind:end] = slopes[behind - 1 : end] = 0.0  # the rest is filled below
+        if len(velocity) > 1:
+            velocity[behind:end] = 0.0
     spans = np.column_stack([firsts[:-1], firsts[:-1] + lengths - 1, [record.dt for record in records]])
     ground = Ground(values, slopes, np.zeros(len(values) // block), tail, velocity, spans.astype(np.float64))
     layout = kernels.load(LAYOUT, compile_them=bool(kernels.compiled))

@@ -222,7 +222,10 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
         lanes = kernels.load("lanes.records.march", compile_them=compiled)
         some = None if fit.all() else np.flatnonzero(fit)
         found = lane_records.run(lanes, batch, rows[cases], settings_of(lanes, batch, level, how_much), cases=some)
-    run.out[cases] = found
+    if fit.all():
+        run.out = found
+    else:
+        run.out[cases] = found
     if given.any() and not forces and not turns.all():
         held = surely_holds(batch, run.out[:, to.PEAK], run.out[:, to.VERDICT] == RETURNS)
         open_ = given & ~turns & ~held & ~slides_only(batch) & ~np.isnan(run.out[:, to.STATUS])

@@ -160,8 +160,8 @@ def _unscaled(prepared: Prepared, files: tuple[str, ...], g: float) -> Samples:
         motion, raw = prepared.motion, prepared.raw
         values = motion.acceleration(g)
         measures = {"pga": pga(values), "pgv": pgv(values, motion.dt)}
-        raw_values = raw.acceleration(g)
         unprocessed = raw is motion
+        raw_values = values if unprocessed else raw.acceleration(g)
         measures["pga_raw"] = measures["pga"] if unprocessed else pga(raw_values)
         measures["pgv_raw"] = measures["pgv"] if unprocessed else pgv(raw_values, raw.dt)
         measures |= metadata_of(prepared.path, raw.header)

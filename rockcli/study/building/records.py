@@ -81,8 +81,8 @@ class Records:
         """
         if name not in self.found:
             for folder in self._sought(name):
-                if _is_file(folder / name):
-                    self.found[name] = folder / name
+                if os.path.isfile(path := folder / name):
+                    self.found[name] = path
                     break
             else:
                 raise self.source.record_error(where, self._missing(name), MissingRecordError)
@@ -97,14 +97,15 @@ class Records:
         """
         for folder in [Path()] if os.path.isabs(pattern) else self._sought(pattern):
             try:
-                names = [name for name in matched(pattern, folder) if _is_file(folder / name)]
+                there = {name: path for name in matched(pattern, folder) if os.path.isfile(path := folder / name)}
             except (OSError, ValueError, RecursionError):
                 continue
             except TooManyFiles:
                 why = f"looks through more than {MOST} files; begin with the folder in which the records are"
                 raise self.source.record_error(where, f"{key} is {pattern[:200]!r}, which {why}") from None
-            if names:
-                return names
+            if there:
+                self.found |= there  # where `find` would find them: no folder before this one has any
+                return list(there)
         lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Searched: {', '.join(self._searched())}"]
         raise self.source.record_error(where, "\n  ".join(lines + how_to_obtain(pattern)), MissingRecordError)
 
@@ -133,6 +134,8 @@ class Records:
         measure: Callable[[Prepared, str], object],
     ) -> list[Prepared]:
         """`prepare` of many, each with its place; of many files in several processes, which `measure` them too."""
+        from rockcli.motion.reading import ready_for
+
         options = _key(reading, steps, g)
 
         def made(one: tuple[str, Path]) -> Prepared:
@@ -141,16 +144,16 @@ class Records:
             measure(prepared, name)
             return prepared
 
-        if self.readers > 1:
-            new: dict[tuple[str, str], tuple[str, Path]] = {}
-            with suppress(RecordError):  # told below
-                for name, where in named:
-                    key = str(self._path(name, where)), options
-                    if key not in self.prepared and name not in self.given:
-                        new[key] = name, self._path(name, where)
-            if len(new) >= MANY:
-                found = zip(new, shared_out(made, list(new.values()), self.readers), strict=True)
-                self.prepared |= {key: prepared for key, prepared in found if prepared is not None}
+        new: dict[tuple[str, str], tuple[str, Path]] = {}
+        with suppress(RecordError):  # told below
+            for name, where in named:
+                path = self._path(name, where)
+                if (str(path), options) not in self.prepared and name not in self.given:
+                    new[str(path), options] = name, path
+        ready_for(len(new))  # before processes are forked
+        if len(new) >= MANY and self.readers > 1:
+            found = zip(new, shared_out(made, list(new.values()), self.readers), strict=True)
+            self.prepared |= {key: prepared for key, prepared in found if prepared is not None}
         return [self._prepared(name, where, reading, steps, g, options) for name, where in named]
 
     def _prepared(
@@ -229,10 +232,3 @@ def _shipped() -> Path:
 
 def _environment() -> list[str]:
     return [entry for entry in os.environ.get("ROCK_RECORDS", "").split(os.pathsep) if entry]
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from rockcli.scene.excitation import Samples
 from rockcli.study.building.ground_motion import MOTION, SCALING
@@ -106,8 +106,9 @@ class Scaling:
         return f", {INHERITED}" if self.key == INHERITED else ""
 
 
-def _range(values: ArrayLike) -> Range:
-    values = np.asarray(values, dtype=float)
+def _range(values: Array | float) -> Range:
+    if isinstance(values, float):
+        return float(values), float(values)
     return float(values.min()), float(values.max())
 
 
