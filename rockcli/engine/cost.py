@@ -64,8 +64,8 @@ IN_PLAIN_PYTHON = 100.0
 READING = 1.5e-7
 """A sample of a record that is read and laid out [s]."""
 
-REFINED = 34.0
-"""Cases that a refined map of n x n pixels solves, over n."""
+REFINED = 38.0
+"""Cases that a refined map of n x n pixels solves, over n; under records twice to eight times as many."""
 
 SPECTRUM = 0.02
 """A response spectrum that a rule takes [s]."""

@@ -53,6 +53,8 @@ class RunReport:
             (of a search, trials), after a share: cases that all shares have by now.
         share: (K, N) of a share.
         refined: cases of a refined map that were solved; None where every case is.
+        drawn: of those, drawn at random to check the outcomes filled in; drawn_wrong: how many of them had a wrong one.
+        wrong_at_most: share of all cases that are filled in wrongly, at most, at 95 % confidence; None: nothing drawn.
     """
 
     name: str
@@ -81,6 +83,9 @@ class RunReport:
     resumed: int = 0
     share: tuple[int, int] | None = None
     refined: int | None = None
+    drawn: int | None = None
+    drawn_wrong: int | None = None
+    wrong_at_most: float | None = None
 
     @property
     def unmet(self) -> int:
@@ -131,7 +136,7 @@ def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any
         peak_at=peak_at,
         slide=slide or None,
         slide_at=slide_at if slide else "",
-        refined=int(contents.values("solved").sum()) if "solved" in contents.fields else None,
+        **_refined(contents),
         verdicts=tuple(judge(contents, study.expect, units)),
         reasons=_reasons(contents),
         overturns=_overturns(contents, units),
@@ -143,6 +148,16 @@ def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any
         audit=tuple(json.loads(contents.attrs.get("audit", "{}")).get("says", ())),
         **more,
     )
+
+
+def _refined(contents: Contents) -> dict[str, Any]:
+    """What was solved of a refined map, and what is known of the rest."""
+    if "solved" not in contents.fields:
+        return {}
+    attrs = contents.fields["solved"].attrs
+    kinds = {"drawn": int, "drawn_wrong": int, "wrong_at_most": float}
+    told = {name: kind(attrs[name]) for name, kind in kinds.items() if name in attrs}
+    return {"refined": int(contents.values("solved").sum()), **told}
 
 
 def exit_code(reports: list[RunReport]) -> int:
