@@ -34,7 +34,7 @@ PULSES = {
 RECORDED = {"block.R": {"from": 0.5, "to": 10}, "motion.record.pga_over_g_tan_alpha": {"from": 1, "to": 4}}
 OURS = HERE.parent / "records"
 RECORDS = ("synthetic_pulse_m70", "synthetic_rock_m65", "P695FF03_NORTHR_LOS000", "RSN1086_NORTHR_SYL360")
-"""Two of the repository, and recorded motions: Canoga Canyon in Northridge, and one near its fault with a pulse."""
+"""Two of the repository, and recorded motions: Lost Canyon in Northridge, and one near its fault with a pulse."""
 
 
 def pulse(shape):
