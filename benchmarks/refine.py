@@ -1,9 +1,11 @@
 """Refined maps beside the same maps solved in full: processor time, cases solved, pixels told wrongly.
 
-    python benchmarks/refine.py [SIDE]
+    python benchmarks/refine.py [SIDE [FOLDER]]
 
 Outcomes alone, SIDE x SIDE pixels (4000), both ways in turn in one process with kernels loaded, no files written; of
-the refined one the least of ROUNDS.  Writes results/refine.csv.
+the refined one under a pulse the least of ROUNDS.  Recorded motions are sought in FOLDER.  Writes results/refine.csv.
+`beside_percent` is the share of the pixels that have one of another outcome among the eight around them: what any way
+of solving both sides of all boundaries costs.  Of `drawn` pixels, drawn at random, `drawn_wrong` were filled in wrongly.
 """
 
 from __future__ import annotations
@@ -30,19 +32,37 @@ PULSES = {
     "motion.pulse.a_p_over_g_tan_alpha": {"from": 1, "to": 10.9},
 }
 RECORDED = {"block.R": {"from": 0.5, "to": 10}, "motion.record.pga_over_g_tan_alpha": {"from": 1, "to": 4}}
-RECORD = {"record": {"file": str(HERE.parent / "records" / "synthetic_pulse_m70.AT2"), "pga_over_g_tan_alpha": 2}}
+OURS = HERE.parent / "records"
+RECORDS = ("synthetic_pulse_m70", "synthetic_rock_m65", "P695FF03_NORTHR_LOS000", "RSN1086_NORTHR_SYL360")
+"""Two of the repository, and recorded motions: Lost Canyon in Northridge, and one near its fault with a pulse."""
 
 
 def pulse(shape):
     return {"pulse": {"shape": shape, "omega_p_over_p": 2, "a_p_over_g_tan_alpha": 2}}
 
 
-MAPS = {
-    "Ricker": (pulse("ricker"), PULSES, 1),
-    "one sine": (pulse("sine"), PULSES, 1),
-    "record synthetic_pulse_m70": (RECORD, RECORDED, 10),
-}
-"""Motion, axes, and by what the side is divided: to solve a map under a record takes too long else."""
+def maps(folder):
+    """Name, motion and axes of every map, and how often it is refined."""
+    for name, shape in (("Ricker", "ricker"), ("one sine", "sine")):
+        yield name, pulse(shape), PULSES, ROUNDS
+    for name in RECORDS:
+        for file in [*OURS.glob(f"{name}.AT2"), *(folder.rglob(f"{name}.AT2") if folder else ())][:1]:
+            yield f"record {name}", {"record": {"file": str(file), "pga_over_g_tan_alpha": 2}}, RECORDED, 1
+
+
+def beside(outcome):
+    """Share of the pixels of a map of which one of the eight around has another outcome [%]."""
+    found = np.zeros(outcome.shape, dtype=bool)
+    for here, there in (
+        ((slice(1, None), slice(None)), (slice(None, -1), slice(None))),
+        ((slice(None), slice(1, None)), (slice(None), slice(None, -1))),
+        ((slice(1, None), slice(1, None)), (slice(None, -1), slice(None, -1))),
+        ((slice(1, None), slice(None, -1)), (slice(None, -1), slice(1, None))),
+    ):
+        differ = outcome[here] != outcome[there]
+        found[here] |= differ
+        found[there] |= differ
+    return 100.0 * float(found.mean())
 
 
 def study(motion, axes, side, *, refine):
@@ -61,33 +81,23 @@ def timed(solve, opened):
 
 def main():
     kernels.load(compile_them=True)
-    whole = int(sys.argv[1]) if sys.argv[1:] else 4000
-    head = ["map", "side", "refined_s", "full_s", "ratio_percent", "solved_percent", "wrong", "machine"]
-    rows = []
-    for name, (motion, axes, over) in MAPS.items():
-        side = whole // over
+    side = int(sys.argv[1]) if sys.argv[1:] else 4000
+    head = ["map", "side", "refined_s", "full_s", "ratio_percent", "solved_percent", "beside_percent"]
+    rows = [[*head, "wrong", "drawn", "drawn_wrong", "machine"]]
+    print(*rows[0], flush=True)
+    for name, motion, axes, rounds in maps(Path(sys.argv[2]) if sys.argv[2:] else None):
         solve_refined(study(motion, axes, 120, refine=True))  # loads the kernels
-        runs = [timed(solve_refined, study(motion, axes, side, refine=True)) for _ in range(ROUNDS)]
+        runs = [timed(solve_refined, study(motion, axes, side, refine=True)) for _ in range(rounds)]
         full, full_s = timed(solve_cases, study(motion, axes, side, refine=False))
         refined, refined_s = min(runs, key=lambda run: run[1])
-        wrong = float(np.mean(refined.scalars["outcome"] != full.scalars["outcome"]))
-        solved = 100.0 * float(np.mean(refined.solved))
-        share = 100.0 * refined_s / full_s
-        rows.append(
-            [
-                name,
-                side,
-                f"{refined_s:.2f}",
-                f"{full_s:.1f}",
-                f"{share:.2f}",
-                f"{solved:.2f}",
-                f"{wrong:.1e}",
-                machine(),
-            ]
-        )
+        outcome = full.scalars["outcome"]
+        told = [f"{refined_s:.2f}", f"{full_s:.1f}", f"{100.0 * refined_s / full_s:.2f}"]
+        told += [f"{100.0 * np.mean(refined.solved):.2f}", f"{beside(outcome.reshape(side, side)):.2f}"]
+        told += [f"{np.mean(refined.scalars['outcome'] != outcome):.1e}", *map(str, refined.probes)]
+        rows.append([name, side, *told, machine()])
         print(*rows[-1], flush=True)
     with RESULTS.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows([head, *rows])
+        csv.writer(file, lineterminator="\n").writerows(rows)
 
 
 if __name__ == "__main__":

@@ -39,6 +39,9 @@ def report_text(report: RunReport, *, every: bool = False) -> str:
                 f"{counted(report.refined, 'case')} solved ({share:.2g} %), the outcomes between them filled in",
             )
         )
+    if report.drawn and report.wrong_at_most is not None:
+        drawn = f"{report.drawn_wrong} of {counted(report.drawn, 'case')} drawn at random were filled in wrongly"
+        lines.append(_row("", f"{drawn}: at most {100.0 * report.wrong_at_most:.2g} % of all are (95 % confidence)"))
     if report.outcomes:
         lines.append(_row("outcomes", ", ".join(f"{n} {outcome_words(name)}" for name, n in report.outcomes.items())))
     if report.peak is not None:

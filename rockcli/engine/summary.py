@@ -50,6 +50,8 @@ class RunReport:
             (of a search, trials), after a share: cases that all shares have by now.
         share: (K, N) of a share.
         refined: cases of a refined map that were solved; None where every case is.
+        drawn: of those, drawn at random to check the outcomes filled in; drawn_wrong: how many of them had a wrong one.
+        wrong_at_most: share of all cases that are filled in wrongly, at most, at 95 % confidence; None: nothing drawn.
     """
 
     name: str
@@ -78,6 +80,9 @@ class RunReport:
     resumed: int = 0
     share: tuple[int, int] | None = None
     refined: int | None = None
+    drawn: int | None = None
+    drawn_wrong: int | None = None
+    wrong_at_most: float | None = None
 
     @property
     def unmet(self) -> int:
@@ -128,7 +133,7 @@ def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any
         peak_at=peak_at,
         slide=slide or None,
         slide_at=slide_at if slide else "",
-        refined=int(contents.values("solved").sum()) if "solved" in contents.fields else None,
+        **_refined(contents),
         verdicts=tuple(judge(contents, study.expect, units)),
         reasons=_reasons(contents),
         overturns=_overturns(contents, units),
@@ -150,6 +155,16 @@ def _suite_rows(contents: Contents) -> dict[str, Any]:
 
     rows = {"fragility": fragility_rows, "samples": sample_rows, "risk": risk_rows}
     return {name: tuple(rows_of(contents)) for name, rows_of in rows.items()}
+
+
+def _refined(contents: Contents) -> dict[str, Any]:
+    """What was solved of a refined map, and what is known of the rest."""
+    if "solved" not in contents.fields:
+        return {}
+    attrs = contents.fields["solved"].attrs
+    kinds = {"drawn": int, "drawn_wrong": int, "wrong_at_most": float}
+    told = {name: kind(attrs[name]) for name, kind in kinds.items() if name in attrs}
+    return {"refined": int(contents.values("solved").sum()), **told}
 
 
 def exit_code(reports: list[RunReport]) -> int:

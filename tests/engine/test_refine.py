@@ -12,7 +12,7 @@ from swept import assert_same, counting
 from rockcli.cli.words import report_text
 from rockcli.engine.run import run_study, solve
 from rockcli.engine.summary import report_on
-from rockcli.engine.sweep.refine import coarse_pitch
+from rockcli.engine.sweep.refine import COARSEST, UNDER_RECORDS, Maps, coarse_pitch
 from rockcli.engine.sweep.sweep import Sweep
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
@@ -136,12 +136,12 @@ def test_a_band_thinner_than_a_pixel_is_followed_over_its_gaps(monkeypatch: pyte
 
 def test_an_island_between_the_coarse_pixels_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
     """What the documentation says is missed is missed, and what it says is found is found."""
+    pitch = coarse_pitch(SIDE, COARSEST)
 
     def solver(batch: Batch) -> Response:
         found = made_up(batch)
         y, x = batch.block.R[:, 0] - 1.0, (batch.theta_0 - 0.05) / 0.1
         row, column = np.rint(y * (SIDE - 1)), np.rint(x * (SIDE - 1))
-        pitch = coarse_pitch(SIDE)
         outcome = np.where(
             (row % pitch > 0) & (column % pitch > 0) & (row // pitch == 30) & (column // pitch == 40), 3, 1
         )
@@ -150,18 +150,54 @@ def test_an_island_between_the_coarse_pixels_is_missed(monkeypatch: pytest.Monke
         return found
 
     monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
+    monkeypatch.setattr("rockcli.engine.sweep.refine.PROBES", 0)
     refined, full = both(MAP)
-    pitch = coarse_pitch(SIDE)
+    assert not {"drawn", "drawn_wrong", "wrong_at_most"} & set(refined.fields["solved"].attrs)
     wrong = refined.values("outcome") != full.values("outcome")
     assert wrong.sum() == (pitch - 1) ** 2
     assert (full.values("outcome")[wrong] == 3).all()
 
 
+def test_what_is_drawn_at_random_tells_how_much_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Islands of a few pixels that no boundary leads to; every one that is hit is put right."""
+
+    def solver(batch: Batch) -> Response:
+        found = made_up(batch)
+        y, x = np.rint((batch.block.R[:, 0] - 1.0) * (SIDE - 1)), np.rint((batch.theta_0 - 0.05) * 10.0 * (SIDE - 1))
+        found.scalars["outcome"][:] = np.where((y % 4 > 0) & (x % 4 > 0) & ((31 * y + 17 * x) % 23 < 2), 3, 1)
+        return found
+
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
+    monkeypatch.setattr("rockcli.engine.sweep.refine.AHEAD", 0)
+    refined, full = both(MAP)
+    wrong = (refined.values("outcome") != full.values("outcome")).mean()
+    told = refined.fields["solved"].attrs
+    assert 0 < told["drawn_wrong"] < told["drawn"]
+    assert 0.02 < wrong < told["wrong_at_most"] < 3.0 * wrong
+    assert (refined.values("solved") == 1)[refined.values("outcome") == 3].all()
+    report = report_on(study(), refined, status="solved")
+    assert (report.drawn, report.drawn_wrong) == (told["drawn"], told["drawn_wrong"])
+    assert report.wrong_at_most == told["wrong_at_most"]
+    assert f"{told['drawn_wrong']} of {told['drawn']} cases drawn at random were filled in wrongly" in report_text(
+        report
+    )
+
+
+def test_every_change_lies_between_pixels_that_were_solved(counted: list[int]) -> None:
+    refined, _ = both(MAP)
+    outcome, solved = refined.values("outcome"), refined.values("solved") == 1
+    down, along = outcome[1:] != outcome[:-1], outcome[:, 1:] != outcome[:, :-1]
+    assert (solved[1:] & solved[:-1])[down].all()
+    assert (solved[:, 1:] & solved[:, :-1])[along].all()
+
+
 @pytest.mark.parametrize(
-    ("n", "pitch"), [(2, 1), (99, 1), (100, 2), (200, 4), (399, 4), (400, 8), (1000, 16), (9000, 32)]
+    ("n", "pitch", "under_records"),
+    [(2, 1, 1), (99, 1, 1), (100, 2, 2), (200, 4, 4), (399, 4, 4), (400, 8, 8), (1000, 16, 16), (9000, 32, 16)],
 )
-def test_the_coarse_grid_has_at_least_fifty_cells(n: int, pitch: int) -> None:
-    assert coarse_pitch(n) == pitch
+def test_the_coarse_grid_has_at_least_fifty_cells(n: int, pitch: int, under_records: int) -> None:
+    assert coarse_pitch(n, COARSEST) == pitch
+    assert coarse_pitch(n, UNDER_RECORDS) == under_records
 
 
 def test_a_broken_off_run_goes_on(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -276,4 +312,7 @@ def test_records_are_warned_of() -> None:
         "refine": True,
     }
     assert any("fractal" in sentence for sentence in open_study(given).warnings)
+    fine = open_study(given | {"vary": {name: {"from": 1, "to": 2, "n": 1600} for name in given["vary"]}})
+    assert Maps.of(fine).pitch == UNDER_RECORDS
+    assert Maps.of(open_study(ricker(1600))).pitch == COARSEST
     assert not any("fractal" in sentence for sentence in open_study(given | {"refine": False}).warnings)

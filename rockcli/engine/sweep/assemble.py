@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.analysis.fragility import CONFIDENCE
 from rockcli.analysis.threshold_fields import threshold_fields
 from rockcli.engine.provenance import attributes
 from rockcli.engine.sweep.results import Results
@@ -49,7 +51,7 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
         if name in ("n_impacts", "n_steps", "n_rhs"):
             fields[name].attrs["comment"] = "-1: no answer"
     if results.solved is not None:
-        fields["solved"] = variable_field("solved", axes, results.solved.reshape(study.shape))
+        fields["solved"] = _solved(results, axes, study.shape)
     if "reason" in fields:
         fields["reasons"] = reasons_field(results.reasons)
     if thresholds is not None:
@@ -64,6 +66,22 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
         fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
     contents = Contents(axes, fields, attributes(study, results))
     return contents
+
+
+def _solved(results: Results, axes: tuple[str, ...], shape: tuple[int, ...]) -> Field:
+    """Which cases of a refined map were solved, and what those drawn at random tell of the others.
+
+    `wrong_at_most`: upper limit of Clopper and Pearson (1934) of the share of wrong cases among all.
+    """
+    from scipy.special import betaincinv
+
+    assert results.solved is not None
+    drawn, wrong = results.probes
+    told: dict[str, Any] = {}
+    if drawn:
+        limit = betaincinv(wrong + 1, drawn - wrong, CONFIDENCE) if wrong < drawn else 1.0
+        told = {"drawn": drawn, "drawn_wrong": wrong, "wrong_at_most": float(limit * (1.0 - results.solved.mean()))}
+    return variable_field("solved", axes, results.solved.reshape(shape), **told)
 
 
 def _samples(study: Study) -> dict[str, Field]:

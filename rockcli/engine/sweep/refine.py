@@ -1,18 +1,19 @@
 """`refine`: traces the boundaries between outcomes of a two-axis map instead of solving every pixel.
 
-The pixels of a coarse grid are solved.  A cell of the grid whose four corners do not have one outcome is halved in both
-directions, and so are its neighbours while cells are wide; the new pixels are solved and looked at in the same way,
-down to single pixels.  At every width this is repeated until no cell beside what is solved is left to look at, so that
-a boundary that leaves the cells it was found in is followed.  A band thinner than a pixel comes in fragments with gaps
-between: around every part of one pixel's width all pixels in reach are solved too.  A pixel that is never solved lies
-in a cell whose corners have one outcome, and gets that.  Cells with a corner that failed or is unresolved are always
-halved.
+The places of a coarse grid are solved.  The grid is halved again and again, down to single pixels, and a new place has
+the outcome of the one before it until it is solved.  At every pitch both places of a pair of neighbours that differ are
+solved, while the grid is wide with the eight around each, and so on beside those, until every change lies between two
+that are solved: a boundary is followed wherever it leads.  A band thinner than a pixel comes in fragments with gaps
+between: ahead of an end of a part one pixel wide the next fragment is sought.  What failed or is unresolved differs
+from everything.
 
-What lies wholly between the pixels of the coarse grid, and is farther than a cell from anything found, is missed.
+What lies wholly between the places of the coarse grid and in no band that was found is missed.  Pixels drawn at random
+from those that are not solved tell how much that may be, and what they find is followed too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,14 +33,18 @@ Mask = NDArray[np.bool_]
 CELLS = 50
 """Cells of the coarse grid along an axis, at least; its pitch is the largest power of two that leaves so many."""
 
-COARSEST = 32
-"""Pitch of the coarse grid, at most [pixels]."""
+COARSEST, UNDER_RECORDS = 32, 16
+"""Pitch of the coarse grid, at most [pixels]; under recorded motions islands are everywhere."""
 
-WIDE = 8
-"""Cells at least this wide are halved together with their neighbours [pixels]."""
+WIDE = 4
+"""Pitch down to which places are solved together with the eight around them [pixels]."""
 
-REACH = 8
-"""Pixels around a part of one pixel's width in which its next fragment is sought."""
+AHEAD, SLOPE = 24, 4
+"""Pixels ahead of a part one pixel wide in which the next is sought, at most 1.5 pitches of the coarse grid: as far to
+either side as ahead in the first SLOPE of them, then one pixel in SLOPE."""
+
+PROBES, PROBED = 3000, 20
+"""Pixels drawn at random, at most, and one of them for so many solved ones."""
 
 UNSOLVED = np.int8(-128)
 
@@ -63,7 +68,7 @@ def solve_refined(study: Study, progress: Progress | None = None, sweep: Sweep |
         pace = Pace(estimate)
         maps = Maps.of(study)
 
-        while len(wanted := maps.wanted()):
+        for wanted in maps.wanted():
             cases = maps.cases(wanted)
             left = Chunks.of(np.sort(cases[todo[cases]], kind="stable"))
             work_off(study, sweep, results, left, pace, compiled=compiled)
@@ -73,6 +78,7 @@ def solve_refined(study: Study, progress: Progress | None = None, sweep: Sweep |
         maps.lay(maps.outcome, results.scalars["outcome"])
         results.solved = np.zeros(study.size, dtype=np.int8)
         maps.lay(maps.solved, results.solved)
+        results.probes = maps.probes
         plane = {i for i, axis in enumerate(study.axes) if axis.name in study.refine}
         if all(len(plane & set(axes)) < 2 for axes in results.symbols.reduction.kept.values()):
             todo &= _along_two_sides(study.shape, plane)  # what is left tells nothing that these and the solved do not
@@ -91,83 +97,66 @@ def _along_two_sides(shape: tuple[int, ...], plane: set[int]) -> Mask:
 
 @dataclass(eq=False)
 class Maps:
-    """The k maps of a study, (k, n, m) pixels each, and how far they are refined.
+    """The k maps of a study, (k, n, m) places of the present grid each, and how far they are refined.
 
-    What is done at a pitch goes by lists of the cells that are looked at, so that it costs what the boundaries are long
-    and not what the maps are large.
+    A place is a flat index into the present grid.  Apart from a look at all of it when it is halved, what is done goes
+    by lists of places, so that it costs what the boundaries are long.
 
     Attributes:
-        outcome: what a pixel has or, where it is not `solved`, what surrounds it, as far as is known.
-        solved: whether the pixel was solved.
+        outcome: what a place has or, where it is not `solved`, what the one before it has, as far as is known.
+        solved: whether the place was solved.
         lines: pixels of the present grid along n and along m, ascending; the last pixel always belongs to it.
-        pitch: of the grid; the last cell of an axis may be narrower.
+        pitch: of the grid; the last step of an axis may be shorter.
+        reach: how far ahead of parts one pixel wide the next is sought [pixels].
+        probes: how many pixels were drawn at random from those not solved, and how many of them had another outcome.
     """
 
     outcome: NDArray[np.int8]
     solved: Mask
     pitch: int
+    reach: int
     lines: tuple[Index, Index]
+    _pixels: tuple[int, int]
     _shape: tuple[int, ...]
     _plane: tuple[int, ...]
-    _divided: Mask
-    _inside: Index
-    _looked_at: Index
-    _found: list[Index]
-    _began: bool = False
+    probes: tuple[int, int] = (0, 0)
 
     @classmethod
     def of(cls, study: Study) -> Maps:
         """Nothing solved yet."""
         plane = tuple(i for i, axis in enumerate(study.axes) if axis.name in study.refine)
         n, m = (study.shape[i] for i in plane)
-        shape = (study.size // (n * m), n, m)
-        pitch = coarse_pitch(min(n, m))
+        pitch = coarse_pitch(min(n, m), UNDER_RECORDS if study.processing else COARSEST)
+        reach = min(AHEAD, 3 * pitch // 2)
         lines = (_grid(n, pitch), _grid(m, pitch))
-        nothing = np.zeros(shape[0] * (len(lines[0]) - 1) * (len(lines[1]) - 1), dtype=bool)
-        cells = np.arange(len(nothing))
-        return cls(
-            np.full(shape, UNSOLVED), np.zeros(shape, dtype=bool), pitch, lines, study.shape, plane, nothing,
-            cells, cells, [],
-        )  # fmt: skip
+        shape = (study.size // (n * m), len(lines[0]), len(lines[1]))
+        nothing = np.full(shape, UNSOLVED), np.zeros(shape, dtype=bool)
+        return cls(*nothing, pitch, reach, lines, (n, m), study.shape, plane)
 
-    def wanted(self) -> Index:
-        """Pixels (j, 3) to be solved next; none when all maps are known."""
-        if not self.solved[0, 0, 0]:
-            return self._unsolved(self._corners(self._looked_at))
-        if not self._began:
-            self._began = True
-            self._surround()
-        while True:
-            found = self._looked_at[self._mixed(self._looked_at)]
-            if self.pitch >= WIDE:
-                found = self._with_neighbours(found)
-            found = _once(found[~self._divided[found]])
-            self._divided[found] = True
-            pixels = self._unsolved(np.append(self._corners(found), self._near_thin()))
-            self._found.append(found)
-            if len(pixels):
-                self._looked_at = self._around(pixels)
-                return pixels
-            if self.pitch == 1:
-                if not len(found):
-                    return pixels
-                continue  # what was found last has not been looked at for parts of one pixel's width
+    def wanted(self) -> Iterator[Index]:
+        """Places to be solved, ascending, round by round: what one yields is to be taken before the next."""
+        yield np.arange(self.outcome.size)
+        while self.pitch > 1:
             self._halve()
-            pixels = self._unsolved(self._corners(self._inside))
-            self._looked_at = _once(np.concatenate([self._inside, self._around(pixels)]))
-            if len(pixels):
-                return pixels
+            yield from self._followed(self._beside_changes())
+        probed = self._drawn()
+        if len(probed):
+            expected = self.outcome.reshape(-1)[probed]
+            yield probed
+            missed = probed[self.outcome.reshape(-1)[probed] != expected]
+            self.probes = len(probed), len(missed)
+            yield from self._followed(missed)
 
-    def take(self, pixels: Index, outcome: NDArray[np.int8]) -> None:
-        """The outcomes of some pixels (j, 3)."""
-        at = tuple(pixels.T)
-        self.outcome[at], self.solved[at] = outcome, True
+    def take(self, places: Index, outcome: NDArray[np.int8]) -> None:
+        """The outcomes of some places."""
+        self.outcome.reshape(-1)[places], self.solved.reshape(-1)[places] = outcome, True
 
-    def cases(self, pixels: Index) -> Index:
-        """Flat cases of pixels (j, 3)."""
+    def cases(self, places: Index) -> Index:
+        """Flat cases of places."""
+        at, row, column = np.unravel_index(places, self.outcome.shape)
         others = tuple(i for i in range(len(self._shape)) if i not in self._plane)
-        along = dict(zip(others, np.unravel_index(pixels[:, 0], [self._shape[i] for i in others] or [1]), strict=False))
-        along |= dict(zip(self._plane, pixels[:, 1:].T, strict=True))
+        along = dict(zip(others, np.unravel_index(at, [self._shape[i] for i in others] or [1]), strict=False))
+        along |= dict(zip(self._plane, (self.lines[0][row], self.lines[1][column]), strict=True))
         return np.ravel_multi_index([along[i] for i in range(len(self._shape))], self._shape).astype(np.int64)
 
     def lay(self, values: NDArray[Any], onto: NDArray[Any]) -> None:
@@ -175,132 +164,104 @@ class Maps:
         pixels = np.moveaxis(onto.reshape(self._shape), self._plane, (-2, -1))
         pixels[...] = values.reshape(pixels.shape)
 
-    @property
-    def _cells(self) -> tuple[int, int, int]:
-        """Cells of the present grid: maps, along n, along m."""
-        return len(self.outcome), len(self.lines[0]) - 1, len(self.lines[1]) - 1
-
-    def _place(self, cells: Index) -> tuple[Index, Index, Index]:
-        """Map, row and column of cells of the present grid."""
-        at, row, column = np.unravel_index(cells, self._cells)
-        return at, row, column
-
-    def _corners(self, cells: Index) -> Index:
-        """Flat pixels of the corners of cells, (4, j)."""
-        at, row, column = self._place(cells)
-        _, n, m = self.outcome.shape
-        first = at * (n * m)
-        rows = [self.lines[0][row + i] * m for i in (0, 1)]
-        columns = [self.lines[1][column + i] for i in (0, 1)]
-        return np.array([first + y + x for y in rows for x in columns])
-
-    def _unsolved(self, pixels: Index) -> Index:
-        """Those of some flat pixels that are not solved, once each, (j, 3)."""
-        rest = _once(pixels[~self.solved.reshape(-1)[pixels]])
-        return np.column_stack(np.unravel_index(rest, self.outcome.shape)).astype(np.int64)
-
-    def _mixed(self, cells: Index) -> Mask:
-        """Which cells have corners of more than one outcome, or one that failed or is unresolved."""
-        known = self.outcome.reshape(-1)[self._corners(cells)]
-        return np.asarray((known < NO_UPLIFT).any(axis=0) | (known != known[0]).any(axis=0))
-
-    def _with_neighbours(self, cells: Index) -> Index:
-        """Cells, and the eight around each."""
-        at, row, column = self._place(cells)
-        _, n, m = self._cells
-        found = [cells]
-        for i in (-1, 0, 1):
-            for j in (-1, 0, 1):
-                inside = (row + i >= 0) & (row + i < n) & (column + j >= 0) & (column + j < m)
-                found.append(((at * n + row + i) * m + column + j)[inside])
-        return _once(np.concatenate(found))
-
-    def _around(self, pixels: Index) -> Index:
-        """The cells that pixels (j, 3) of the present grid are corners of."""
-        _, n, m = self._cells
-        row, column = (np.searchsorted(of, pixels[:, i + 1]) for i, of in enumerate(self.lines))
-        found = []
-        for i in (-1, 0):
-            for j in (-1, 0):
-                inside = (row + i >= 0) & (row + i < n) & (column + j >= 0) & (column + j < m)
-                found.append(((pixels[:, 0] * n + row + i) * m + column + j)[inside])
-        return _once(np.concatenate(found))
-
-    def _near_thin(self) -> Index:
-        """Flat pixels in reach of those found last that are one pixel wide; at a pitch of 1.
-
-        One pixel wide: those on both sides of it, along n or along m, have one outcome, and it has another.
-        """
-        if self.pitch > 1:
-            return self._looked_at[:0]
-        found, self._found = np.concatenate([self._looked_at[:0], *self._found]), []
-        pixels = _once(self._corners(found).reshape(-1))
-        _, n, m = self.outcome.shape
-        row, column = pixels // m % n, pixels % m
-        pixels = pixels[(row > 0) & (row < n - 1) & (column > 0) & (column < m - 1)]
-        flat = self.outcome.reshape(-1)
-        own, up, down, left, right = (flat[pixels + step] for step in (0, -m, m, -1, 1))
-        thin = pixels[((up == down) & (up != own)) | ((left == right) & (left != own))]
-        along, row, column = np.arange(-REACH, REACH + 1), thin // m % n, thin % m
-        rows, columns = np.clip(row[:, None] + along, 0, n - 1), np.clip(column[:, None] + along, 0, m - 1)
-        first = (thin // (n * m) * n)[:, None]
-        return np.asarray(((first + rows) * m)[:, :, None] + columns[:, None, :]).reshape(-1)
-
-    def _surround(self) -> None:
-        """Give every pixel that is not on the coarse grid what the cell it lies in has in its first corner."""
-        rows, columns = self.lines
-        known = self.outcome[:, rows[:, None], columns]
-        _, n, m = self.outcome.shape
-        high, wide = np.append(np.diff(rows[:-1]), n - rows[-2]), np.append(np.diff(columns[:-1]), m - columns[-2])
-        along = np.repeat(known[:, :-1, :-1], wide, axis=2)
-        self.outcome[...] = np.repeat(along, high, axis=1)
-        self.outcome[:, rows[:, None], columns] = known
-
-    def _fill(self, cells: Index) -> None:
-        """Give what is not solved inside cells, and before the next one, what they have in their first corner.
-
-        Of those pixels only the corner is solved, if the cell is not the last of an axis.
-        """
-        at, row, column = self._place(cells)
-        _, rows, columns = self._cells
-        last = (row == rows - 1) | (column == columns - 1)
-        _, n, m = self.outcome.shape
-        flat = self.outcome.reshape(-1)
-        corners = ((at * n + self.lines[0][row]) * m + self.lines[1][column])[~last]
-        known, along = flat[corners][:, None], np.arange(self.pitch)
-        for i in range(self.pitch):
-            flat[corners[:, None] + (i * m + along)] = known
-        at, row, column = at[last], row[last], column[last]
-        y0, x0 = self.lines[0][row], self.lines[1][column]
-        (y1, x1), outcome = (self.lines[0][row + 1], self.lines[1][column + 1]), self.outcome[at, y0, x0]
-        for i in range(self.pitch + 1):
-            for j in range(self.pitch + 1):
-                y, x = y0 + i, x0 + j
-                of = ((y < y1) | (y == n - 1)) & ((x < x1) | (x == m - 1)) & (y <= y1) & (x <= x1)
-                of[of] &= ~self.solved[at[of], y[of], x[of]]
-                self.outcome[at[of], y[of], x[of]] = outcome[of]
-
     def _halve(self) -> None:
-        """Halve the pitch: what is to be looked at are the cells inside those that are divided."""
-        if self.pitch < coarse_pitch(min(self.outcome.shape[1:])):  # else all have been given that
-            self._fill(self._inside[~self._divided[self._inside]])
-        at, row, column = self._place(np.concatenate(self._found))
-        coarse = self.lines
+        """Halve the pitch: a new place has the outcome of the one before it, along n and along m."""
+        coarse, solved = self.lines, self.solved
         self.pitch //= 2
-        self.lines = (_grid(self.outcome.shape[1], self.pitch), _grid(self.outcome.shape[2], self.pitch))
-        _, n, m = self._cells
-        rows, columns = (
-            [np.searchsorted(fine, of[place]), np.searchsorted(fine, of[place + 1]) - 1]
-            for fine, of, place in zip(self.lines, coarse, (row, column), strict=True)
-        )
-        inside = [(at * n + y) * m + x for y in rows for x in columns]
-        self._inside = _once(np.concatenate(inside))
-        self._divided, self._found = np.zeros(len(self.outcome) * n * m, dtype=bool), []
+        n, m = self._pixels
+        self.lines = (_grid(n, self.pitch), _grid(m, self.pitch))
+        rows, columns = (np.searchsorted(fine, of) for fine, of in zip(self.lines, coarse, strict=True))
+        high, wide = (np.diff(of, append=len(fine)) for fine, of in zip(self.lines, (rows, columns), strict=True))
+        self.outcome = np.repeat(np.repeat(self.outcome, wide, axis=2), high, axis=1)
+        self.solved = np.zeros(self.outcome.shape, dtype=bool)
+        self.solved[:, rows[:, None], columns] = solved
+
+    def _followed(self, places: Index) -> Iterator[Index]:
+        """What is to be solved of places, and then ever further beside and ahead of them."""
+        wanted = self._unsolved(self._with_neighbours(places))
+        while len(places):
+            if len(wanted):
+                yield wanted
+            near = [self._with_neighbours(self._beside(wanted))]
+            if self.pitch == 1:
+                near += self._ahead(places)
+            places = wanted = self._unsolved(np.concatenate(near))
+
+    def _unsolved(self, places: Index) -> Index:
+        """Those of some places that are not solved, once each."""
+        return _once(places[~self.solved.reshape(-1)[places]])
+
+    def _with_neighbours(self, places: Index) -> Index:
+        """Places, and the eight around each as long as the grid is wide."""
+        if self.pitch < WIDE:
+            return places
+        _, n, m = self.outcome.shape
+        first, row, column = places // (n * m) * n, places // m % n, places % m
+        rows = [first + np.clip(row + i, 0, n - 1) for i in (-1, 0, 1)]
+        columns = [np.clip(column + i, 0, m - 1) for i in (-1, 0, 1)]
+        return np.concatenate([y * m + x for y in rows for x in columns])
+
+    def _beside_changes(self) -> Index:
+        """Both places of all pairs of neighbours that differ."""
+        outcome, (_, n, m) = self.outcome, self.outcome.shape
+        down, along = outcome[:, 1:] != outcome[:, :-1], outcome[:, :, 1:] != outcome[:, :, :-1]
+        if outcome.min() < NO_UPLIFT:
+            unknown = outcome < NO_UPLIFT
+            down |= unknown[:, 1:] | unknown[:, :-1]
+            along |= unknown[:, :, 1:] | unknown[:, :, :-1]
+        y, x = np.flatnonzero(down), np.flatnonzero(along)
+        y += y // ((n - 1) * m) * m
+        x += x // (m - 1)
+        return _once(np.concatenate([y, y + m, x, x + 1]))
+
+    def _beside(self, places: Index) -> Index:
+        """Both places of the pairs that differ of places and their neighbours."""
+        outcome, (_, n, m) = self.outcome.reshape(-1), self.outcome.shape
+        row, column = places // m % n, places % m
+        found = [places[:0]]
+        for step, inside in ((-m, row > 0), (m, row < n - 1), (-1, column > 0), (1, column < m - 1)):
+            here = places[inside]
+            own, other = outcome[here], outcome[here + step]
+            here = here[(own != other) | (own < NO_UPLIFT)]
+            found += [here, here + step]
+        return np.concatenate(found)
+
+    def _ahead(self, places: Index) -> list[Index]:
+        """Where the next fragments of bands thinner than a pixel are sought; at a pitch of 1.
+
+        From places that are one pixel wide, and the three pixels ahead of them along the band have another outcome.
+        """
+        outcome, (_, n, m) = self.outcome.reshape(-1), self.outcome.shape
+        row, column = places // m % n, places % m
+        places = places[(row > 0) & (row < n - 1) & (column > 0) & (column < m - 1)]
+        found = []
+        for along, across in ((m, 1), (1, m)):
+            own = outcome[places]
+            thin = places[(outcome[places - across] != own) & (outcome[places + across] != own)]
+            for ahead in (-along, along):
+                own = outcome[thin]
+                ends = thin[np.all([outcome[thin + ahead + i * across] != own for i in (-1, 0, 1)], axis=0)]
+                first, row, column = ends // (n * m) * n, ends // m % n, ends % m
+                for i in range(1, self.reach + 1):
+                    width = max(min(i, SLOPE), 1 + i // SLOPE)
+                    aside = np.arange(-width, width + 1)
+                    forth = np.full(len(aside), i if ahead > 0 else -i)
+                    down, right = (forth, aside) if along == m else (aside, forth)
+                    y = first[:, None] + np.clip(row[:, None] + down, 0, n - 1)
+                    x = np.clip(column[:, None] + right, 0, m - 1)
+                    found.append(self._unsolved((y * m + x).reshape(-1)))
+        return found
+
+    def _drawn(self) -> Index:
+        """Pixels drawn at random from those not solved, the same ones every time."""
+        solved = self.solved.reshape(-1)
+        drawn = np.random.default_rng(0).integers(solved.size, size=min(PROBES, int(solved.sum()) // PROBED))
+        return self._unsolved(drawn)
 
 
-def coarse_pitch(n: int) -> int:
-    """Pitch of the coarse grid over n pixels: 32 for 1600 and more, 1 (which solves everything) below 100."""
-    return int(np.clip(2 ** int(np.log2(max(n / CELLS, 1.0))), 1, COARSEST))
+def coarse_pitch(n: int, coarsest: int) -> int:
+    """Pitch of the coarse grid over n pixels: 16 for 800, 32 for 1600 and more, 1 (which solves all) below 100."""
+    return int(np.clip(2 ** int(np.log2(max(n / CELLS, 1.0))), 1, coarsest))
 
 
 def _grid(n: int, pitch: int) -> Index:

@@ -69,6 +69,7 @@ class Results:
         symmetric: whether every body is.
         answered: cases of which there is an answer.
         solved: (n,) of a refined map, 1 where the case was solved and 0 where its outcome is filled in; else None.
+        probes: of a refined map, how many cases were drawn at random, and how many of them had been filled in wrongly.
         folder: where what is too large for memory lies; None = in memory.
     """
 
@@ -87,6 +88,7 @@ class Results:
     symmetric: bool = True
     answered: int = 0
     solved: NDArray[np.int8] | None = None
+    probes: tuple[int, int] = (0, 0)
     folder: Path | None = None
     _warnings: set[str] = field(default_factory=set)
     _used: list[tuple[int, Used]] = field(default_factory=list)

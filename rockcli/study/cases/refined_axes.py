@@ -11,8 +11,8 @@ from rockcli.study.schema import StudyPart
 from rockcli.study.study import Axis, Over
 
 RECORDS = (
-    "refine under a recorded motion: the boundary of overturning is fractal there, and islands smaller than the coarse "
-    "grid are missed; solve a part of the map without `refine` and compare"
+    "refine under a recorded motion: the boundary of overturning is fractal there; islands smaller than the coarse "
+    "grid may be missed, and the summary says how many pixels may be wrong at most"
 )
 """What is to be said where a map of a recorded motion is refined."""
 
