@@ -178,7 +178,7 @@ FEATURES = [
     Feature("friction, mu = 0.6", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.6}}),
     Feature("friction, mu = 0.3", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.3}}, why="slides and impacts with friction are followed one body at a time"),
     Feature("initial rotation", {"initial": {"theta": "0.3*alpha"}}),
-    Feature("duration", motion=EIGHT, why="under a record: one body at a time"),
+    Feature("duration", motion=EIGHT),
     Feature(
         "base dashpot", {"damping": "dashpot"},
         why="it acts all the time, so no energy at the motion's end tells the outcome: one body at a time",

@@ -22,6 +22,7 @@ from contact_tables import LANDINGS, SLIDES_UNDER_A_CONSTANT
 from cross import test_lanes_pulses as lanes_pulses
 from cross import test_lanes_pulses_path as paths_of_lanes
 from cross import test_lanes_records as lanes_records
+from cross import test_lanes_records_duration as lanes_that_end
 from cross import test_lanes_records_forces as forces_of_lanes
 from flexible import test_column as column
 from frame import test_models as frame
@@ -75,6 +76,15 @@ def record_forces() -> None:
         forces_of_lanes.assert_forces(
             *forces_of_lanes.everything(lanes_records.suite(values, 0.02, [1.1, 1.7, 2.5], [1.5], [0.2], eta=0.8))
         )
+
+
+def record_durations() -> None:
+    with_record_lanes()
+    t = np.arange(90) * 0.02
+    values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
+    with np.errstate(all="ignore"):  # idle lanes divide by zero too
+        batch = lanes_records.suite(values, 0.02, [1.1, 1.4, 1.7], [1.5], [0.2], eta=0.8)
+        lanes_that_end.assert_same(lanes_that_end.lasting(batch, [0.123, 0.344, 0.567]))
 
 
 def rolling() -> None:
@@ -196,6 +206,12 @@ FAULTS = {
     ),
     "record lanes: end of a step": Fault(
         record_lanes, K + "lanes.records.impacts", "now = fma(x, h, place)", "now = fma(0.999 * x, h, place)"
+    ),
+    "record lanes: cut sample": Fault(
+        record_durations, K + "lanes.records.rest", "(last - 1.0 - st[lane.FIRST + i]) * dt\n\n", "(last - 1.2 - st[lane.FIRST + i]) * dt\n\n"
+    ),
+    "record lanes: cut off while rising": Fault(
+        record_durations, K + "lanes.records.events", "(given or verdict != RETURNS)", "verdict != RETURNS"
     ),
     "paths of pulses: friction": Fault(
         pulse_paths, K + "lanes.pulses.path", "T = shake * ground + cos_b * acc", "T = shake * ground - cos_b * acc"

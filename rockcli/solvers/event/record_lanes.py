@@ -62,14 +62,16 @@ AT_ONCE = 1 << 18
 
 
 def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
-    """Which rows (n, N_PAR) of a batch the lanes take, (n,): of bodies without a duration.
+    """Which rows (n, N_PAR) of a batch the lanes take, (n,).
 
-    Not those that a sample grazes, nor those that cannot overturn: they turn farther than the sines of the lanes reach.
-    Of bodies with two different edges those without friction.
+    Bodies whose report ends at a given time only without friction.  Not those that a sample grazes, nor those that
+    cannot overturn: they turn farther than the sines of the lanes reach.  Of bodies with two different edges those
+    without friction.
     """
     alike = even(rows)
     apart = ~alike & np.isnan(batch.block.mu)
-    taken = (alike | apart) & (rows[:, at.HAS_DURATION] == 0.0)
+    ends = (rows[:, at.HAS_DURATION] == 0.0) | np.isnan(batch.block.mu) & (rows[:, at.T_MOTION] > 0.0)
+    taken = (alike | apart) & ends
     for edge in (at.RIGHT, at.LEFT):
         taken &= np.isfinite(rows[:, edge + at.Q_STAR])
     return np.asarray(taken & ~grazed(batch, rows))
@@ -156,8 +158,8 @@ def run(
         ground = laid_out(records, lanes.BLOCK, path=path, falls=bodies is None)
         if holds:  # those at one place of a motion together: they read the same samples
             theirs = [some[np.argsort(starts[some, carry.T], kind="stable")] for some in theirs]
-        spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
         every = np.concatenate(theirs)
+        spans = _spans(np.repeat(ground.spans, [len(some) for some in theirs], axis=0), rows[every])
         for two_sided in (False, True):  # apart, so that no body depends on others
             of_those = ~alike[every] == two_sided
             if not of_those.any():
@@ -178,6 +180,23 @@ def run(
             found[places], starts[places] = out, begin
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
+
+
+def _spans(motions: Array, rows: Array) -> Array:
+    """First and last sample of the motion of each row (n, N_PAR), the time between two, and a sample of zeros: (n, 4).
+
+    A motion that is cut off where the report ends has its last sample there or just after; `motions` (n, 3) go on.
+    """
+    first, last, dt = motions.T
+    given = rows[:, at.HAS_DURATION] == 1.0
+    if given.any():
+        ends, last = rows[:, at.T_MOTION], last.copy()
+        most = last - first
+        k = np.clip(np.ceil(ends / dt), 1.0, most)
+        k -= (k > 1.0) & ((k - 1.0) * dt >= ends)
+        k += (k < most) & (k * dt < ends)
+        last[given] = (first + k)[given]
+    return np.column_stack([first, last, dt, motions[:, 1] + 1.0])
 
 
 def _some_at_a_time(

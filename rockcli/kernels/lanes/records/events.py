@@ -8,13 +8,14 @@ from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, NO_ROOT, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.facets import BALLISTIC, BALLISTIC_AFTER, rolls
-from rockcli.kernels.lanes.records.forces import account, drive, look_into, work_until
+from rockcli.kernels.lanes.records.forces import account, drive, look_into, weigh_end, work_until
 from rockcli.kernels.lanes.records.peaks import note_height
 from rockcli.kernels.lanes.records.rest import (
     FARTHER,
     FINISHED,
     ROCKING,
     STANDING,
+    aim,
     finish,
     hand_over,
     rest,
@@ -36,7 +37,7 @@ from rockcli.kernels.rigid.series import slope, value
 
 @jit_lean
 def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out):
-    """A rocking lane at the end of its samples: the motion's, or the report's.
+    """A rocking lane where it stops: before a sample that ends early, or at the end of the motion or of the report.
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
     """
@@ -44,6 +45,9 @@ def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a
         return arrive_rolling(st, i, par, bodies, how, values, out)
     q, v, s = st[lane.Q + i], st[lane.V + i], st[lane.SIDE + i]
     last = st[lane.LAST + i]
+    if st[lane.END + i] < last:
+        aim(st, i, par, last - 1.0)
+        return STANDING
     edge, other = edge_of(par, at.RIGHT if s > 0.0 else at.LEFT), edge_of(par, at.LEFT if s > 0.0 else at.RIGHT)
     verdict = free_rocking(edge, other, q, v, how.linear, how.margin * edge.alpha)
     if st[lane.END + i] == last:
@@ -59,22 +63,32 @@ def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a
             out[to.T_END], out[to.PEAK_SIDE] = par[at.T_MOTION], s
             return finish(st, i, par, verdict, out)
         if how.detail == ALL:
-            st[lane.WORK + i] -= values[int(last)] * drive(st, i, q, how.linear)
-        st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = last + 1.0, last + 2.0, 0.0
+            shaking, k = values[int(last)], int(last) - 1
+            if st[lane.LEN + i] < st[lane.DT + i]:
+                shaking = values[k] + slopes[k] * st[lane.LEN + i]
+            st[lane.WORK + i] -= shaking * drive(st, i, q, how.linear)
+            weigh_end(st, i, edge, s, q, v, shaking * par[at.FACTOR_H], how.linear)
+        still = st[lane.STILL + i]
+        st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = still, still + 1.0, 0.0
         st[lane.LEN + i] = par[at.T_STOP] - par[at.T_MOTION]
         st[lane.CAP + i] = st[lane.DT + i]
         st[lane.SLOW + i] *= BALLISTIC_AFTER / BALLISTIC
-        return STANDING
+        if st[lane.LEN + i] > 0.0:
+            return STANDING
     verdict = out[to.VERDICT]
     t = par[at.T_STOP]
     out[to.T_END] = t
     if verdict == FALLS:
         out[to.PEAK_SIDE] = s
-    if v > 0.0 and verdict != RETURNS:
-        set_peak(edge.alpha, s, q, t, out)
+    given = par[at.HAS_DURATION] == 1.0
+    if v > 0.0 and (given or verdict != RETURNS):
+        set_peak(edge.alpha, s, q, t, out)  # cut off while rising
     if how.detail == ALL:
+        if par[at.T_STOP] > par[at.T_MOTION]:
+            weigh_end(st, i, edge, s, q, v, 0.0, how.linear)
         account(st, i, par, energy(edge, q, v, how.linear), out)
-    afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
+    if not given or verdict == FALLS:
+        afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
     return finish(st, i, par, verdict, out)
 
 

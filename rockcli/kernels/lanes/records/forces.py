@@ -20,7 +20,7 @@ from rockcli.kernels.lanes.vector.plain import load, select, some, store
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rocking
-from rockcli.kernels.rigid.law import edge_of, energy, pressed
+from rockcli.kernels.rigid.law import driving, edge_of, energy, pressed, pull, restoring
 from rockcli.kernels.rigid.settings import Degrees
 
 FARTHEST = 2.0
@@ -263,6 +263,20 @@ def look_into(st, i, par, s, x, space, force, a, a_v, out):
     edge = edge_of(par, at.RIGHT if s > 0.0 else at.LEFT)
     watch_rocking(edge, s, space, lane.ORDER, x * h, a, a_v, Degrees(1, 0), 1, force, out)
     st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i] = out[to.RATE_PEAK], out[to.N_MIN], out[to.MU]
+
+
+@jit_lean
+def weigh_end(st, i, edge, s, q, v, shaken, linear):
+    """What lane i has where its motion or its report ends, the ground's acceleration `shaken`: no step begins there."""
+    sine, cosine = (q, 1.0) if linear else (math.sin(q), math.cos(q))
+    back, force = restoring(edge.r0, edge.rs, edge.rc, sine, cosine), driving(edge.fc, edge.fs, sine, cosine)
+    acc = -edge.p2 * pull(1.0, back, s * shaken / edge.g, force)
+    sin_b, cos_b, vv = math.sin(edge.alpha - q), math.cos(edge.alpha - q), v * v
+    T = shaken + s * edge.radius * (cos_b * acc + sin_b * vv)
+    N = edge.g + edge.radius * (sin_b * acc - cos_b * vv)
+    st[lane.RATE_MAX + i] = max(st[lane.RATE_MAX + i], abs(v))
+    st[lane.N_LEAST + i] = min(st[lane.N_LEAST + i], N / edge.g)
+    st[lane.MU_MOST + i] = max(st[lane.MU_MOST + i], abs(T) / N if N > 0.0 else math.inf)
 
 
 @jit_lean

@@ -52,7 +52,10 @@ NEARLY_STEADY = 5e-5
 
 @jit_lean
 def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, hold, start, out):
-    """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED.  span: of its motion."""
+    """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED.
+
+    span: of its motion, the first sample and the last, the time between two, and a sample of zeros.
+    """
     for k in range(to.N_OUT):
         out[k] = 0.0
     out[to.T_PEAK] = out[to.T_UPLIFT] = out[to.T_OVERTURN] = math.nan
@@ -92,8 +95,8 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
         (1.0 - eta * eta) * p2 * (par[at.RIGHT + at.R0] + par[at.RIGHT + at.RC])
     )
     st[lane.FIRST + i], st[lane.LAST + i], st[lane.DT + i] = span[0], span[1], span[2]
-    st[lane.PIECE + i], st[lane.X + i], st[lane.LEN + i], st[lane.CAP + i] = span[0], 0.0, span[2], math.inf
-    st[lane.END + i] = span[1]
+    st[lane.PIECE + i], st[lane.X + i], st[lane.CAP + i], st[lane.STILL + i] = span[0], 0.0, math.inf, span[3]
+    aim(st, i, par, int(span[0]))
     st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = st[lane.LEFT_BEFORE + i] = st[lane.IMPACTS_BEFORE + i] = 0.0
     watch = how.detail == ALL
     st[lane.WATCHED + i] = 1.0 if watch and two_sided else 0.0
@@ -134,6 +137,21 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
 
 
 @jit_lean
+def aim(st, i, par, k):
+    """Lane i is in sample k of its motion: how long that is, and the sample to stop before.
+
+    A report that ends inside a sample ends the motion there; before that sample the lane stops once.
+    """
+    last, dt = st[lane.LAST + i], st[lane.DT + i]
+    st[lane.END + i], st[lane.LEN + i] = last, dt
+    if par[at.HAS_DURATION] == 1.0 and par[at.T_MOTION] < (last - st[lane.FIRST + i]) * dt:
+        if k < last - 1.0:
+            st[lane.END + i] = last - 1.0
+        else:
+            st[lane.LEN + i] = par[at.T_MOTION] - (last - 1.0 - st[lane.FIRST + i]) * dt
+
+
+@jit_lean
 def ground(st, i, values, slopes):
     """a_g over its scale where lane i is."""
     k = int(st[lane.PIECE + i])
@@ -168,6 +186,8 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
     if k < last and factor != 0.0:
         level = quiet / abs(factor) * (1.0 - 1e-12)
         while tail[k] * abs(factor) > quiet:
+            aim(st, i, par, k)
+            full = st[lane.LEN + i]
             a_g = (values[k] + slopes[k] * x) * factor
             rate = slopes[k] * factor
             best, s_up = math.inf, 0.0
@@ -179,9 +199,9 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
                     y = 0.0
                 elif dd < 0.0:
                     y = 0.0 if d <= 1e-15 * own else (d + 2e-15 * own) / -dd  # open beyond rounding
-                if y <= dt - x and y < best:
+                if y <= full - x and y < best:
                     best, s_up = y, sign
-            if s_up != 0.0 and x + best >= dt:  # at the sample's end: what counts is the next one's slope
+            if s_up != 0.0 and x + best >= full:  # at the sample's end: what counts is the next one's slope
                 k += 1
                 x = 0.0
                 if k >= last:
@@ -209,7 +229,12 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
     out[to.T_END] = par[at.T_MOTION]
     if watch:
         if k_0 < last:
-            stood(st, i, par, max(abs(values[k_0] + slopes[k_0] * x_0), tail[k_0 + 1]))
+            aim(st, i, par, last - 1)
+            most = max(abs(values[k_0] + slopes[k_0] * x_0), tail[k_0 + 1])
+            if st[lane.LEN + i] < dt or last + 1.0 < st[lane.STILL + i]:  # cut off before its record ends
+                cut = abs(values[last - 1] + slopes[last - 1] * st[lane.LEN + i])
+                most = max(loudest(values, slopes, k_0, x_0, last - 1), cut)
+            stood(st, i, par, most)
         account(st, i, par, risen(par), out)
     if rolls(par):
         if not par[FALL_LEFT] < par[TILT] < par[FALL_RIGHT]:
@@ -244,7 +269,9 @@ def following(values, blocks, level, k, last):
 
 @jit_lean
 def finish(st, i, par, verdict, out):
-    """Note how it ended."""
+    """Note how it ended; a report of a given duration ends then, whatever became of the body."""
+    if par[at.HAS_DURATION] == 1.0:
+        out[to.T_END] = par[at.T_STOP]
     if rolls(par):
         note_pushes(st, i, par, out)
     if rolls(par) and verdict == FALLS:
