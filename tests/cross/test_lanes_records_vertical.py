@@ -16,6 +16,7 @@ from rockcli.scene.batch import Batch, Save
 from rockcli.scene.excitation import Samples
 from rockcli.scene.models import MODELS
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT, ROCKING
+from rockcli.solvers.common.certainty import nudged
 from rockcli.solvers.event import solver as event
 from rockcli.solvers.event.solver import solve
 
@@ -239,6 +240,38 @@ def test_against_an_independent_integrator(longer):
         if not theirs.overturned:
             assert found["theta_peak_over_alpha"][i] == pytest.approx(theirs.peak_over_alpha, abs=2e-8)
     assert 0 < overturned < batch.size
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_cases(seed):
+    """All laws, edges, restitutions, starts and durations: what differs, the motion scaled by 1 +- 1e-10 changes too."""
+    rng = np.random.default_rng(seed)
+    errors, n = [], 48
+    for law in [key for key in MODELS if key[0] != "flexible"]:
+        for file in ("synthetic_pulse_m70.AT2", "synthetic_rock_m65.AT2"):
+            values, dt = own(file)
+            scale, start = np.linspace(0.6, 5.0, 12) * rng.uniform(0.95, 1.05), {}
+            if rng.random() < 0.3:
+                start = {"theta_0": rng.uniform(-0.1, 0.1, n), "theta_dot_0": rng.uniform(-0.3, 0.3, n)}
+            eta = None if rng.random() < 0.5 else rng.uniform(0.0, 0.95)
+            batch = suite(values, dt, scale, [0.6, 3.0], [0.12, 0.25], model=law[0], geometry=law[1], eta=eta, **start)
+            if rng.random() < 0.4:
+                batch = uneven(batch, rng.uniform(0.6, 1.4))
+            batch = lifted(batch, rng.uniform(-0.995, 0.995, n))
+            if rng.random() < 0.4:
+                batch = lasting(batch, np.where(rng.random(n) < 0.7, rng.uniform(0.02, 1.3, n), np.nan))
+            wrong, error, _, exact = differences(batch)
+            for factor in (1.0 - 1e-10, 1.0 + 1e-10):
+                rows = np.flatnonzero(wrong)
+                if len(rows):
+                    other = reference(nudged(batch, rows, np.full(len(rows), factor)))
+                    wrong[rows] = other["outcome"] == exact["outcome"][rows]
+            assert not wrong.any()
+            errors.append(error)
+    error = np.concatenate(errors)
+    assert len(error) > 400
+    assert np.median(error) <= 1e-13
+    assert np.quantile(error, 0.9) <= 1e-10
 
 
 def test_certainty():
