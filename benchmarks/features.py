@@ -152,6 +152,7 @@ VERTICAL = {
     PULSE: {"vertical": {"pulse": {"shape": "ricker", "a_p": "0.2*g", "T_p": 0.4}}},
     RECORD: {"vertical": {"record": {"file": FILES[1], "scale": 0.5}}},
 }
+VERTICAL_PULSE = {RECORD: VERTICAL[PULSE]}
 EIGHT = {PULSE: {"duration": 8}, RECORD: {"duration": 8}}
 FLOOR = {RECORD: {"through": [{"f": 3, "zeta": 0.05}]}}
 PAIR = {RECORD: {"record": {"file": [FILES[0], FILES[0]], "angle": 0, "scale": 1}}}
@@ -166,7 +167,8 @@ FEATURES = [
         "histories", save={"histories": True, "scalars": ["outcome"]},
         why="some 2000 to 10 000 output times of eight variables a case are interpolated and kept",
     ),
-    Feature("vertical motion", motion=VERTICAL, why="one body at a time"),
+    Feature("vertical motion", motion=VERTICAL, why="under pulses: one body at a time"),
+    Feature("vertical pulse", motion=VERTICAL_PULSE, motions=(RECORD,), why="beside a record: one body at a time"),
     Feature("asymmetric body", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights),
     Feature(
         "asymmetric body, every scalar (default)", {"block": {"h": 1.96, "b": [0.3, 0.45]}}, axes=heights, save={"histories": False},
@@ -178,7 +180,7 @@ FEATURES = [
     Feature("friction, mu = 0.6", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.6}}),
     Feature("friction, mu = 0.3", {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.3}}, why="slides and impacts with friction are followed one body at a time"),
     Feature("initial rotation", {"initial": {"theta": "0.3*alpha"}}),
-    Feature("duration", motion=EIGHT, why="under a record: one body at a time"),
+    Feature("duration", motion=EIGHT),
     Feature(
         "base dashpot", {"damping": "dashpot"},
         why="it acts all the time, so no energy at the motion's end tells the outcome: one body at a time",

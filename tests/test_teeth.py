@@ -6,6 +6,7 @@ What is asked of the spoilt program is what the tests of that family ask, on a f
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -22,7 +23,9 @@ from contact_tables import LANDINGS, SLIDES_UNDER_A_CONSTANT
 from cross import test_lanes_pulses as lanes_pulses
 from cross import test_lanes_pulses_path as paths_of_lanes
 from cross import test_lanes_records as lanes_records
+from cross import test_lanes_records_duration as lanes_that_end
 from cross import test_lanes_records_forces as forces_of_lanes
+from cross import test_lanes_records_vertical as lifted_lanes
 from flexible import test_column as column
 from frame import test_models as frame
 from frame.frames import ricker
@@ -34,6 +37,7 @@ from scenes import G, block, make_batch, pulse
 from tables import SOURCE_PULSES
 
 from rockcli.engine.run import run_study
+from rockcli.scene.batch import Batch
 
 
 def march() -> None:
@@ -75,6 +79,35 @@ def record_forces() -> None:
         forces_of_lanes.assert_forces(
             *forces_of_lanes.everything(lanes_records.suite(values, 0.02, [1.1, 1.7, 2.5], [1.5], [0.2], eta=0.8))
         )
+
+
+def record_durations() -> None:
+    with_record_lanes()
+    t = np.arange(90) * 0.02
+    values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
+    with np.errstate(all="ignore"):  # idle lanes divide by zero too
+        batch = lanes_records.suite(values, 0.02, [1.1, 1.4, 1.7], [1.5], [0.2], eta=0.8)
+        lanes_that_end.assert_same(lanes_that_end.lasting(batch, [0.123, 0.344, 0.567]))
+
+
+def of_both_components(scale: list[float]) -> Batch:
+    t = np.arange(90) * 0.02
+    values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
+    batch = lanes_records.suite(values, 0.02, scale, [1.5], [0.2], eta=0.8)
+    return lifted_lanes.lifted(batch, [0.4, -0.3, 0.2], np.cos(11.0 * t) * np.exp(-0.3 * t), 0.02)
+
+
+def record_components() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):  # idle lanes divide by zero too
+        lifted_lanes.assert_same(of_both_components([0.95, 1.4, 1.7]))
+        lifted_lanes.assert_same(replace(of_both_components([0.95, 1.4, 1.7]), model="linearized"))
+
+
+def record_forces_of_both() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):
+        forces_of_lanes.assert_forces(*forces_of_lanes.everything(of_both_components([0.4, 1.7, 2.5])))
 
 
 def rolling() -> None:
@@ -197,6 +230,33 @@ FAULTS = {
     "record lanes: end of a step": Fault(
         record_lanes, K + "lanes.records.impacts", "now = fma(x, h, place)", "now = fma(0.999 * x, h, place)"
     ),
+    "record lanes: cut sample": Fault(
+        record_durations, K + "lanes.records.rest", "(last - 1.0 - st[lane.FIRST + i]) * dt\n\n", "(last - 1.2 - st[lane.FIRST + i]) * dt\n\n"
+    ),
+    "record lanes: cut off while rising": Fault(
+        record_durations, K + "lanes.records.events", "(given or verdict != RETURNS)", "verdict != RETURNS"
+    ),
+    "record lanes: gravity": Fault(
+        record_components, K + "lanes.records.step", "fma(share, a_v, 1.0), share", "fma(share, -a_v, 1.0), share"
+    ),
+    "record lanes: change of gravity": Fault(
+        record_components, K + "lanes.records.step", "fma(fs, a1, rs * w1), fma(fc, a1, rc * w1)", "fma(fs, a1, rs * w1), fma(fc, a1, 0.99 * rc * w1)"
+    ),
+    "record lanes: gravity of a linear body": Fault(
+        record_components, K + "lanes.records.step", "d4 = I3 * fma(r, I2 * d2, r1 * d1)", "d4 = I3 * fma(r, I2 * d2, 0.99 * r1 * d1)"
+    ),
+    "record lanes: lighter at rest": Fault(
+        record_components, K + "lanes.records.rest", "d, dd = own * weight + sign", "d, dd = own + sign"
+    ),
+    "record lanes: weight": Fault(
+        record_forces_of_both, K + "lanes.records.forces", "heavy, heavy_1, change = weight * w, weight * (w + w1), weight * w1", "heavy, heavy_1, change = weight, weight * (w + w1), weight * w1"
+    ),
+    "record lanes: weight at rest": Fault(
+        record_forces_of_both, K + "lanes.records.rest", "* shake / weight)", "* shake)"
+    ),
+    "record lanes: work of both": Fault(
+        record_forces_of_both, K + "lanes.records.forces", "work = gather(st, lanes + lane.INERTIA) * (w1 * area_up)", "work = gather(st, lanes + lane.INERTIA) * (0.99 * w1 * area_up)"
+    ),
     "paths of pulses: friction": Fault(
         pulse_paths, K + "lanes.pulses.path", "T = shake * ground + cos_b * acc", "T = shake * ground - cos_b * acc"
     ),
@@ -214,7 +274,7 @@ FAULTS = {
     ),
     "record lanes: normal force": Fault(record_forces, K + "lanes.records.forces", "weight - cos_b * vv)", "weight + cos_b * vv)"),
     "record lanes: inside a step": Fault(record_forces, K + "lanes.records.forces", "return fast | light | rough", "return fast & light & rough"),
-    "record lanes: work": Fault(record_forces, K + "lanes.records.forces", "load(st, lane.INERTIA + i) * (a1 * area))", "load(st, lane.INERTIA + i) * (0.999 * a1 * area))"),
+    "record lanes: work": Fault(record_forces, K + "lanes.records.forces", "work = load(st, lane.INERTIA + i) * (a1 * area)", "work = load(st, lane.INERTIA + i) * (0.999 * a1 * area)"),
     "rolling: restitution": Fault(rolling, K + "rolling.march", "v = eta * abs(rate)", "v = 1.001 * eta * abs(rate)"),
     "rolling: impulses": Fault(rolling, K + "rolling.law", "pushed = other_b + eta * b", "pushed = other_b - eta * b"),
     "rolling, pulse lanes: next facet": Fault(

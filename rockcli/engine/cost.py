@@ -202,8 +202,10 @@ def _features(batch: Batch) -> list[str]:
     """Features of the table that the cases have, but for what is saved."""
     motion, model = batch.excitation, highest(batch).model
     mu = batch.block.mu[np.isfinite(batch.block.mu)]
+    of_two_kinds = isinstance(motion.vertical, Pulses) and isinstance(motion.horizontal, Samples)
     asked = {
         "vertical motion": motion.vertical is not None,
+        "vertical pulse": of_two_kinds,
         "asymmetric body": not batch.block.symmetric.all(),
         "body that rolls, ten facets": bool(batch.block.rolls.any()),
         "friction, mu = 0.6": len(mu) and float(mu.min()) >= 0.45,

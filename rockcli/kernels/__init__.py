@@ -23,9 +23,9 @@ COMPILING = "compiling the kernels, once: 15 to 60 s (`rock cache --fill` does i
 COMPILING_ALWAYS = "compiling the kernels: 15 to 60 s in every run, as there is no place to keep them (ROCK_CACHE_DIR)"
 
 ENTRIES = (
-    "lanes.records.slipping", "lanes.records.march", "contact.march", "lanes.pulses.march", "column.automaton",
-    "rolling.march", "rigid.march", "frame.march", "frame.newmark", "frame.elements", "lanes.records.layout",
-    "reading.decimals", "reading.peaks",
+    "lanes.records.slipping", "lanes.records.vertical", "lanes.records.march", "contact.march", "lanes.pulses.march",
+    "column.automaton", "rolling.march", "rigid.march", "frame.march", "frame.newmark", "frame.elements",
+    "lanes.records.layout", "reading.decimals", "reading.peaks",
 )  # fmt: skip
 """Modules with functions that Python calls, those first that take long to compile."""
 

@@ -253,8 +253,8 @@ def test_the_choice_depends_on_what_is_asked_alone():
     assert "lanes" not in solve(finest).used["method"]
 
 
-def test_bodies_the_lanes_do_not_take():
-    """A duration: solved alone, in a batch with one that the lanes take and one of two different edges."""
+def test_bodies_of_different_kinds_in_one_batch():
+    """Two equal edges, two different ones, and a given duration."""
     values, dt = own()
     batch = suite(values, dt, [1.5, 2.0, 2.5], [1.0], [0.2])
     edges = batch.block.b.copy()

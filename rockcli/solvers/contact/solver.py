@@ -172,7 +172,7 @@ def _run(batch: Batch, level: Accuracy, *, histories: bool) -> Raw:
 
 def _goes_by_turns(batch: Batch, level: Accuracy) -> bool:
     """Whether bodies of a batch may go by turns at a tolerance."""
-    return asked(batch) and bool(kernels.compiled) and level.rtol >= FINEST_AGAIN
+    return asked(batch) and batch.excitation.vertical is None and bool(kernels.compiled) and level.rtol >= FINEST_AGAIN
 
 
 def _judged(batch: Batch, raw: Raw, level: Accuracy) -> Judgement:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import results as results_of_rolling
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Samples
+from rockcli.scene.models import MODELS
 from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.event import pulse_lanes
 from rockcli.solvers.event.pulse_lanes import FINEST, even
@@ -38,12 +40,30 @@ def asked(batch: Batch) -> bool:
     motion = batch.excitation
     return (
         (isinstance(motion.horizontal, Samples) or motion.suite is not None)
-        and motion.vertical is None
+        and (motion.vertical is None or _lifted_in_lanes(batch))
         and batch.damping.only_eta
         and not batch.save.histories
         and batch.save.scalars <= WITHIN
         and batch.numerics.tolerances.rtol >= FINEST
     )
+
+
+ENDS = 1e-15
+"""Over its largest sample, what the last one of a component may be that is as good as zero."""
+
+
+def _lifted_in_lanes(batch: Batch) -> bool:
+    """Whether lanes take both components of a motion: records of one time step, the shorter ending at zero.
+
+    Not the forces of linear bodies under them.
+    """
+    horizontal, vertical = batch.excitation.horizontal, batch.excitation.vertical
+    if not isinstance(horizontal, Samples) or not isinstance(vertical, Samples) or horizontal.dt != vertical.dt:
+        return False
+    if MODELS[batch.model, batch.geometry].linear and batch.save.scalars & FORCES:
+        return False
+    shorter, longer = sorted((horizontal.values, vertical.values), key=len)
+    return len(shorter) == len(longer) or bool(abs(shorter[-1]) <= ENDS * np.abs(shorter).max())
 
 
 FINEST_AGAIN = 1e-15
@@ -62,14 +82,19 @@ AT_ONCE = 1 << 18
 
 
 def fit(batch: Batch, rows: Array) -> NDArray[np.bool_]:
-    """Which rows (n, N_PAR) of a batch the lanes take, (n,): of bodies without a duration.
+    """Which rows (n, N_PAR) of a batch the lanes take, (n,).
 
-    Not those that a sample grazes, nor those that cannot overturn: they turn farther than the sines of the lanes reach.
-    Of bodies with two different edges those without friction.
+    Bodies whose report ends at a given time only without friction.  Not those that a sample grazes, nor those that
+    cannot overturn: they turn farther than the sines of the lanes reach.  Of bodies with two different edges, and of
+    those under a vertical motion, those without friction; a vertical motion below g.
     """
     alike = even(rows)
     apart = ~alike & np.isnan(batch.block.mu)
-    taken = (alike | apart) & (rows[:, at.HAS_DURATION] == 0.0)
+    ends = (rows[:, at.HAS_DURATION] == 0.0) | np.isnan(batch.block.mu) & (rows[:, at.T_MOTION] > 0.0)
+    taken = (alike | apart) & ends
+    if isinstance(batch.excitation.vertical, Samples):
+        most = np.abs(batch.excitation.vertical.values).max()
+        taken &= np.isnan(batch.block.mu) & (most * np.abs(rows[:, at.FACTOR_V]) < rows[:, at.G])
     for edge in (at.RIGHT, at.LEFT):
         taken &= np.isfinite(rows[:, edge + at.Q_STAR])
     return np.asarray(taken & ~grazed(batch, rows))
@@ -152,12 +177,17 @@ def run(
     table = np.empty((0, 0)) if bodies is None else bodies
     # those that friction holds have two equal edges
     alike = np.full(len(rows), holds) if holds or bodies is not None else even(rows)
+    vertical = batch.excitation.vertical
     for records, theirs in _some_at_a_time(_by_record(batch, len(rows), cases)):
+        heave = None
+        if isinstance(vertical, Samples):
+            records, beside = _as_long(records[0], vertical)
+            heave = laid_out(beside, lanes.BLOCK, path=True)[:4]
         ground = laid_out(records, lanes.BLOCK, path=path, falls=bodies is None)
         if holds:  # those at one place of a motion together: they read the same samples
             theirs = [some[np.argsort(starts[some, carry.T], kind="stable")] for some in theirs]
-        spans = np.repeat(ground.spans, [len(some) for some in theirs], axis=0)
         every = np.concatenate(theirs)
+        spans = _spans(np.repeat(ground.spans, [len(some) for some in theirs], axis=0), rows[every])
         for two_sided in (False, True):  # apart, so that no body depends on others
             of_those = ~alike[every] == two_sided
             if not of_those.any():
@@ -166,7 +196,10 @@ def run(
             out = np.zeros((len(places), width))
             begin = starts[places]
             motions, room = (*ground[:-1], spans[of_those]), lanes.work_space()
-            if feet is None or felt is None:
+            if heave is not None:
+                lifting: Any = kernels.load("lanes.records.vertical", compile_them=bool(kernels.compiled))
+                lifting.march_vertical(rows[places], how, *motions, two_sided, heave, table, begin, room, out)
+            elif feet is None or felt is None:
                 lanes.march_lanes(rows[places], table, how, *motions, two_sided, holds, begin, room, out)
             else:
                 slipping: Any = kernels.load("lanes.records.slipping", compile_them=bool(kernels.compiled))
@@ -178,6 +211,32 @@ def run(
             found[places], starts[places] = out, begin
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     return found
+
+
+def _as_long(horizontal: Samples, vertical: Samples) -> tuple[list[Samples], list[Samples]]:
+    """Both components of a motion, the shorter followed by zeros."""
+    length = max(len(horizontal.values), len(vertical.values))
+    one, other = (
+        replace(each, values=np.pad(each.values, (0, length - len(each.values)))) for each in (horizontal, vertical)
+    )
+    return [one], [other]
+
+
+def _spans(motions: Array, rows: Array) -> Array:
+    """First and last sample of the motion of each row (n, N_PAR), the time between two, and a sample of zeros: (n, 4).
+
+    A motion that is cut off where the report ends has its last sample there or just after; `motions` (n, 3) go on.
+    """
+    first, last, dt = motions.T
+    given = rows[:, at.HAS_DURATION] == 1.0
+    if given.any():
+        ends, last = rows[:, at.T_MOTION], last.copy()
+        most = last - first
+        k = np.clip(np.ceil(ends / dt), 1.0, most)
+        k -= (k > 1.0) & ((k - 1.0) * dt >= ends)
+        k += (k < most) & (k * dt < ends)
+        last[given] = (first + k)[given]
+    return np.column_stack([first, last, dt, motions[:, 1] + 1.0])
 
 
 def _some_at_a_time(

@@ -202,7 +202,7 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     none = np.zeros(batch.size, dtype=bool)
     turns, idle, open_, slides, slid = none, none, none.copy(), none.copy(), None
     if given.any() and not batch.save.scalars & BESIDE:
-        idle = slides_only(batch) & has_contact_forces(batch)
+        idle = slides_only(batch) & has_contact_forces(batch) & (batch.excitation.vertical is None)
         turns = none if pulses else fit & can_take_turns(batch) & has_contact_forces(batch)
     run.out[:, to.STATUS] = np.nan
     run.out[idle] = _never_moved(run.out.shape[1])

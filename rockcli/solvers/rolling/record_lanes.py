@@ -13,10 +13,14 @@ from rockcli.kernels.rigid import parameters as rigid
 from rockcli.scene.batch import Batch
 from rockcli.solvers.event import record_lanes
 from rockcli.solvers.event.record_lanes import METHOD
-from rockcli.solvers.event.record_lanes import asked as asked
 from rockcli.solvers.rolling.pulse_lanes import on_the_stand, stands_free
 
 Array = NDArray[np.float64]
+
+
+def asked(batch: Batch) -> bool:
+    """Whether what is asked can be found in lanes, under a horizontal record alone."""
+    return batch.excitation.vertical is None and record_lanes.asked(batch)
 
 
 def method(_: Batch) -> str:

@@ -8,13 +8,14 @@ from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, NO_ROOT, RETURNS
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.facets import BALLISTIC, BALLISTIC_AFTER, rolls
-from rockcli.kernels.lanes.records.forces import account, drive, look_into, work_until
+from rockcli.kernels.lanes.records.forces import account, drive, drive_up, look_into, weigh_end, work_until
 from rockcli.kernels.lanes.records.peaks import note_height
 from rockcli.kernels.lanes.records.rest import (
     FARTHER,
     FINISHED,
     ROCKING,
     STANDING,
+    aim,
     finish,
     hand_over,
     rest,
@@ -35,8 +36,8 @@ from rockcli.kernels.rigid.series import slope, value
 
 
 @jit_lean
-def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out):
-    """A rocking lane at the end of its samples: the motion's, or the report's.
+def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out, heave):
+    """A rocking lane where it stops: before a sample that ends early, or at the end of the motion or of the report.
 
     At the motion's end the outcome of free rocking is known in closed form; what follows is one long sample of zeros.
     """
@@ -44,6 +45,9 @@ def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a
         return arrive_rolling(st, i, par, bodies, how, values, out)
     q, v, s = st[lane.Q + i], st[lane.V + i], st[lane.SIDE + i]
     last = st[lane.LAST + i]
+    if st[lane.END + i] < last:
+        aim(st, i, par, last - 1.0)
+        return STANDING
     edge, other = edge_of(par, at.RIGHT if s > 0.0 else at.LEFT), edge_of(par, at.LEFT if s > 0.0 else at.RIGHT)
     verdict = free_rocking(edge, other, q, v, how.linear, how.margin * edge.alpha)
     if st[lane.END + i] == last:
@@ -59,29 +63,45 @@ def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a
             out[to.T_END], out[to.PEAK_SIDE] = par[at.T_MOTION], s
             return finish(st, i, par, verdict, out)
         if how.detail == ALL:
-            st[lane.WORK + i] -= values[int(last)] * drive(st, i, q, how.linear)
-        st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = last + 1.0, last + 2.0, 0.0
+            shaking, k = values[int(last)], int(last) - 1
+            if st[lane.LEN + i] < st[lane.DT + i]:
+                shaking = values[k] + slopes[k] * st[lane.LEN + i]
+            st[lane.WORK + i] -= shaking * drive(st, i, q, how.linear)
+            lifting = 0.0
+            if heave is not None:
+                lifting = heave[0][int(last)]
+                if st[lane.LEN + i] < st[lane.DT + i]:
+                    lifting = heave[0][k] + heave[1][k] * st[lane.LEN + i]
+                st[lane.WORK + i] -= lifting * drive_up(st, i, q, how.linear)
+            weigh_end(st, i, edge, s, q, v, shaking * par[at.FACTOR_H], lifting * par[at.FACTOR_V], how.linear)
+        still = st[lane.STILL + i]
+        st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = still, still + 1.0, 0.0
         st[lane.LEN + i] = par[at.T_STOP] - par[at.T_MOTION]
         st[lane.CAP + i] = st[lane.DT + i]
         st[lane.SLOW + i] *= BALLISTIC_AFTER / BALLISTIC
-        return STANDING
+        if st[lane.LEN + i] > 0.0:
+            return STANDING
     verdict = out[to.VERDICT]
     t = par[at.T_STOP]
     out[to.T_END] = t
     if verdict == FALLS:
         out[to.PEAK_SIDE] = s
-    if v > 0.0 and verdict != RETURNS:
-        set_peak(edge.alpha, s, q, t, out)
+    given = par[at.HAS_DURATION] == 1.0
+    if v > 0.0 and (given or verdict != RETURNS):
+        set_peak(edge.alpha, s, q, t, out)  # cut off while rising
     if how.detail == ALL:
+        if par[at.T_STOP] > par[at.T_MOTION]:
+            weigh_end(st, i, edge, s, q, v, 0.0, 0.0, how.linear)
         account(st, i, par, energy(edge, q, v, how.linear), out)
-    afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
+    if not given or verdict == FALLS:
+        afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
     return finish(st, i, par, verdict, out)
 
 
 @jit_lean
 def attend(
     st, i, par, bodies, how, values, slopes, blocks, tail, velocity, c, guard, sin_q, cos_q, a, a_v, force, hold, start,
-    out,
+    out, heave,
 ):  # fmt: skip
     """Look at the step lane i tried, go as far as its first event, and see to that."""
     q, h, x0 = st[lane.Q + i], st[lane.H + i], st[lane.X + i]
@@ -135,8 +155,11 @@ def attend(
         guard[0] = HALF_PI - q
         if how.linear:
             ground = 0.0 if free or piece >= last else tail[piece] * abs(par[at.FACTOR_H])
+            lightening = 0.0
+            if heave is not None and not free and piece < last:
+                lightening = heave[3][piece] * abs(par[at.FACTOR_V])
             q_x, v_x = value(c, lane.ORDER, x), slope(c, lane.ORDER, x)
-            if q_x >= HALF_PI and lost_for_good(edge, q_x, v_x, ground, 0.0):
+            if q_x >= HALF_PI and lost_for_good(edge, q_x, v_x, ground, lightening):
                 fell = True
                 if guard[0] > 0.0:
                     x = passage(c, lane.ORDER, HALF_PI, 0.0, x)
@@ -171,6 +194,9 @@ def attend(
         if watch:
             ground = st[lane.A_0 + i] + st[lane.A_1 + i] * x * h
             st[lane.WORK + i] -= ground * drive(st, i, q_x, how.linear)
+            if heave is not None:
+                lifting = st[lane.UP_0 + i] + st[lane.UP_1 + i] * x * h
+                st[lane.WORK + i] -= lifting * drive_up(st, i, q_x, how.linear)
             account(st, i, par, energy(edge, q_x, v, how.linear), out)
         afterwards(edge, how, s, q_x, v, t0 + x * h, FALLS, c, sin_q, cos_q, a, a_v, out)
         return finish(st, i, par, FALLS, out)
@@ -204,11 +230,13 @@ def attend(
     if touches and roll_over(st, i, par, bodies, values, slopes, path, watch, out) == FINISHED:
         return FINISHED
     if (impact or touches) and not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
-        state = rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out)
+        state = rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave)
         if state != ROCKING:
             return state
     if at_end:
-        return arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out)
+        return arrive(
+            st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out, heave
+        )
     return STANDING
 
 
@@ -216,8 +244,9 @@ def attend(
 def lost(st, i, values, slopes, velocity, linear):
     """Whether lane i, beyond the equilibrium and going on, falls whatever the ground still does.
 
-    Out there gravity only helps and the part of the forcing that counts, f = fc cos q + fs sin q, falls as q grows; by
-    the mean value theorem the ground takes at most f times its largest later change of velocity (docs/sweeps.md, L6).
+    Out there gravity only helps, whatever a vertical motion below g makes of it, and the part of the forcing that
+    counts, f = fc cos q + fs sin q, falls as q grows; by the mean value theorem the ground takes at most f times its
+    largest later change of velocity (docs/sweeps.md, L6).
     velocity: at each sample, its largest and its least from there on.
     """
     q, v, k, x = st[lane.Q + i], st[lane.V + i], int(st[lane.PIECE + i]), st[lane.X + i]

@@ -138,3 +138,5 @@ def face(st, i, par, s, out):
     st[lane.SETTLING + i] = 0.0
     if lost > 0.0 and together > 0.0 and k > 0.0:
         st[lane.SETTLING + i] = 2.0 * (1.0 + math.sqrt(eta / k)) ** 2 / (together * lost)
+        if st[lane.HEAVE + i] != 0.0:  # gravity may be up to twice what it is
+            st[lane.SETTLING + i] *= 0.5

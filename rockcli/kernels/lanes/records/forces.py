@@ -4,7 +4,8 @@ Extremes are looked for at the start of every step and at landings, many lanes a
 may be larger than so far is looked at by itself with the means of a single body.
 
 With G = R/p^2 [FORCING_C sin q + FORCING_S (1 - cos q)], which is zero where a body turns over or rests, the work of
-the ground is the change of a G less the integral of G da; `WORK` is that with the other sign.
+the ground is the change of a G less the integral of G da; `WORK` is that with the other sign.  The work of a vertical
+motion is the same with H = R/p^2 [FREE_0 q + FREE_S (1 - cos q) + FREE_C sin q] and its acceleration over g.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from rockcli.kernels.lanes.vector.plain import load, select, some, store
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rocking
-from rockcli.kernels.rigid.law import edge_of, energy, pressed
+from rockcli.kernels.rigid.law import driving, edge_of, energy, pressed, pull, restoring
 from rockcli.kernels.rigid.settings import Degrees
 
 FARTHEST = 2.0
@@ -66,13 +67,30 @@ def drive(st, i, q, linear):
 
 
 @jit_lean
-def forces_of(sin_b, cos_b, v, acc, jerk, shake, a, da, weight):
-    """s T, N and their derivatives by (T9), over m R, of quantities of one unit of time: b = alpha - q."""
+def drive_up(st, i, q, linear):
+    """H of lane i at q, times the scale of the vertical motion over g."""
+    free_0, free_s, free_c = st[lane.FREE_0 + i], st[lane.FREE_S + i], st[lane.FREE_C + i]
+    if linear:
+        free = (free_0 + free_c) * q + 0.5 * free_s * q * q
+    else:
+        half = math.sin(0.5 * q)
+        free = free_0 * q + free_c * math.sin(q) + free_s * 2.0 * half * half
+    return st[lane.INERTIA + i] * st[lane.HEAVE + i] * free
+
+
+@jit_lean
+def forces_of(sin_b, cos_b, v, acc, jerk, shake, a, da, weight, change):
+    """s T, N and their derivatives by (T9), over m R, of quantities of one unit of time: b = alpha - q.
+
+    weight: of gravity and the vertical motion; change: None, or its derivative.
+    """
     vv = v * v
     T = fma(shake, a, fma(cos_b, acc, sin_b * vv))
     N = fma(sin_b, acc, weight - cos_b * vv)
     dT = fma(shake, da, fma(cos_b, jerk, v * fma(3.0 * sin_b, acc, -(cos_b * vv))))
     dN = fma(sin_b, jerk, -(v * fma(3.0 * cos_b, acc, sin_b * vv)))
+    if change is not None:
+        dN = dN + change
     return T, N, dT, dN
 
 
@@ -106,11 +124,11 @@ def gives_way(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
     sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
     shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
     T, N, dT, dN = forces_of(
-        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight
+        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight, None
     )
     v_1, acc_1, jerk_1 = at_end(d1, d2, d3, d4, d5, d6, d7, d8)
     T_1, N_1, dT_1, dN_1 = forces_of(
-        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, weight
+        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, weight, None
     )
     return may_give_way(st, i, d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1)
 
@@ -128,22 +146,33 @@ def may_give_way(st, i, v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1):
 
 
 @jit_lean
-def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8):
+def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8, lifted):
     """What WIDTH lanes have at the start of the steps they try, and what these may hide.
 
     s0, k0, s1, k1: sin q and cos q at the start and the end; area: integral of G over the fraction of the step; a, a1:
-    the ground and its change over the step; pitch: the same a second.  Returns what `may_give_way` needs.
+    the ground and its change over the step; pitch: the same a second.  lifted: None, or the vertical motion and its
+    slope, gravity over g and its change over the step, and the integral of H.  Returns what `may_give_way` needs.
     """
     sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
     shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
     least, most, rate = load(st, lane.N_LEAST + i), load(st, lane.MU_MOST + i), load(st, lane.RATE_MAX + i)
+    work = load(st, lane.INERTIA + i) * (a1 * area)
+    if lifted is None:
+        heavy, heavy_1, change = weight, weight, None
+    else:
+        up, slope_up, w, w1, area_up = lifted
+        heavy, heavy_1, change = weight * w, weight * (w + w1), weight * w1
+        work = fma(load(st, lane.INERTIA + i), w1 * area_up, work)
+        store(st, lane.UP_0 + i, up)
+        store(st, lane.UP_1 + i, slope_up)
     T, N, dT, dN = forces_of(
-        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, weight
+        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), d1, d2, 2.0 * d3, shake, a, a1, heavy, change
     )
     v_1, acc_1, jerk_1 = at_end(d1, d2, d3, d4, d5, d6, d7, d8)
     T_1, N_1, dT_1, dN_1 = forces_of(
-        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, weight
-    )
+        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, a + a1, a1, heavy_1,
+        change,
+    )  # fmt: skip
     doubt = may_peak(d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, rate * h, least * weight, most)
     store(st, lane.RATE_MAX + i, select(abs(v) > rate, abs(v), rate))
     size = abs(T)
@@ -152,7 +181,7 @@ def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5
         store(st, lane.MU_MOST + i, select(more, select(N > 0.0, size / N, math.inf), most))
         store(st, lane.N_LEAST + i, select(less, N / weight, least))
     store(st, lane.DOUBT + i, select(doubt, 1.0, 0.0 * q))
-    store(st, lane.STEP_WORK + i, load(st, lane.INERTIA + i) * (a1 * area))
+    store(st, lane.STEP_WORK + i, work)
     store(st, lane.Q_BEFORE + i, q)
     store(st, lane.A_0 + i, a)
     store(st, lane.A_1 + i, pitch)
@@ -168,7 +197,7 @@ def commit(st, i):
 
 
 @jit_lean
-def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, end, rate, linear):
+def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, end, rate, linear, heave):
     """`weigh` and `commit` for lanes that go as far as x, the fraction of a step, and to q = end: which to look into.
 
     loss: of those that turn over onto their other edge, energy lost over m g and its rate squared; else 0.
@@ -182,16 +211,23 @@ def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, end,
     s0, k0 = sin_cos(q)
     s1, k1 = sin_cos(end)
     v, acc, jerk = c1, 2.0 * c2, 6.0 * c3
+    if heave is None:
+        heavy, heavy_1, change = weight, weight, None
+    else:
+        share = gather(st, lanes + lane.HEAVE)
+        w, w1 = fma(share, gather(st, lanes + lane.UP_0), 1.0), share * (gather(st, lanes + lane.UP_1) * h)
+        heavy, heavy_1, change = weight * w, weight * fma(x, w1, w), weight * w1
     T, N, dT, dN = forces_of(
-        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), v, acc, jerk, shake, a, a1, weight
+        fma(sin_a, k0, -(cos_a * s0)), fma(cos_a, k0, sin_a * s0), v, acc, jerk, shake, a, a1, heavy, change
     )
     v_1 = rate * h
     acc_1 = fma(x, fma(x, fma(x, fma(x, 56.0 * c8, 42.0 * c7), 30.0 * c6), 20.0 * c5), 12.0 * c4)
     acc_1 = fma(x, fma(x, acc_1, 6.0 * c3), acc)
     jerk_1 = fma(x, fma(x, fma(x, fma(x, fma(x, 336.0 * c8, 210.0 * c7), 120.0 * c6), 60.0 * c5), 24.0 * c4), jerk)
     T_1, N_1, dT_1, dN_1 = forces_of(
-        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, fma(x, a1, a), a1, weight
-    )
+        fma(sin_a, k1, -(cos_a * s1)), fma(cos_a, k1, sin_a * s1), v_1, acc_1, jerk_1, shake, fma(x, a1, a), a1,
+        heavy_1, change,
+    )  # fmt: skip
     doubt = may_peak(v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, fastest * h, least * weight, most)
     speed, size, light = abs(rate), abs(T_1), N_1 / weight
     friction = select(N_1 > 0.0, size / N_1, math.inf)
@@ -225,6 +261,13 @@ def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, end,
         cosines = fma(x, fma(x, fma(x, fma(x, k6 / 7.0, k5 / 6.0), k4 / 5.0), k3 / 4.0), k2 / 3.0)
         cosines = x * fma(x, fma(x, cosines, k1 / 2.0), k0)
         area = gather(st, lanes + lane.FORCING_C) * sines + gather(st, lanes + lane.FORCING_S) * (x - cosines)
+        if heave is not None:
+            arc = fma(x, fma(x, fma(x, fma(x, c8 / 9.0, c7 / 8.0), c6 / 7.0), c5 / 6.0), c4 / 5.0)
+            arc = x * fma(x, fma(x, fma(x, fma(x, arc, c3 / 4.0), c2 / 3.0), c1 / 2.0), q)
+            free_s, free_c = gather(st, lanes + lane.FREE_S), gather(st, lanes + lane.FREE_C)
+            area_up = fma(gather(st, lanes + lane.FREE_0), arc, fma(free_c, sines, free_s * (x - cosines)))
+            work = gather(st, lanes + lane.INERTIA) * (w1 * area_up)
+            scatter(st, lanes + lane.WORK, gather(st, lanes + lane.WORK) + work)
     scatter(st, lanes + lane.WORK, gather(st, lanes + lane.WORK) + gather(st, lanes + lane.INERTIA) * (a1 * area))
     return bits(doubt)
 
@@ -232,7 +275,8 @@ def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, end,
 @jit_lean
 def work_until(st, i, x, c, sin_q, cos_q, linear):
     """Count the work of the step lane i has tried up to the fraction x of it; c: its coefficients."""
-    total, power = 0.0, x
+    total = total_up = 0.0
+    power = x
     for k in range(lane.ORDER):
         if linear:
             sin_q[k], cos_q[k] = c[k], 0.0 if k > 0 else 1.0
@@ -246,8 +290,13 @@ def work_until(st, i, x, c, sin_q, cos_q, linear):
             sin_q[k], cos_q[k] = up / k, -down / k
         versine = (1.0 if k == 0 else 0.0) - cos_q[k]
         total += (st[lane.FORCING_C + i] * sin_q[k] + st[lane.FORCING_S + i] * versine) * power / (k + 1)
+        free = st[lane.FREE_0 + i] * c[k] + st[lane.FREE_C + i] * sin_q[k] + st[lane.FREE_S + i] * versine
+        total_up += free * power / (k + 1)
         power *= x
     st[lane.WORK + i] += st[lane.INERTIA + i] * st[lane.A_1 + i] * abs(st[lane.H + i]) * total
+    if st[lane.HEAVE + i] != 0.0:
+        change = st[lane.HEAVE + i] * st[lane.UP_1 + i] * abs(st[lane.H + i])
+        st[lane.WORK + i] += st[lane.INERTIA + i] * change * total_up
 
 
 @jit_lean
@@ -259,25 +308,48 @@ def look_into(st, i, par, s, x, space, force, a, a_v, out):
         scale /= h
         space[k + 1] = st[lane.COEFFICIENTS + k * WIDTH + i] * scale
     a[0], a[1], a_v[0] = st[lane.A_0 + i] * par[at.FACTOR_H], st[lane.A_1 + i] * par[at.FACTOR_H], 0.0
+    degree_up = 0
+    if st[lane.HEAVE + i] != 0.0:
+        a_v[0], a_v[1], degree_up = st[lane.UP_0 + i] * par[at.FACTOR_V], st[lane.UP_1 + i] * par[at.FACTOR_V], 1
     out[to.RATE_PEAK], out[to.N_MIN], out[to.MU] = st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i]
     edge = edge_of(par, at.RIGHT if s > 0.0 else at.LEFT)
-    watch_rocking(edge, s, space, lane.ORDER, x * h, a, a_v, Degrees(1, 0), 1, force, out)
+    watch_rocking(edge, s, space, lane.ORDER, x * h, a, a_v, Degrees(1, degree_up), 1, force, out)
     st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i] = out[to.RATE_PEAK], out[to.N_MIN], out[to.MU]
 
 
 @jit_lean
-def bounces_matter(st, i, par, s, a, da, least, most):
-    """Whether N/(m g) may be below `least`, or |T|/N above `most`, in small bounces, the ground from a to a + da."""
+def weigh_end(st, i, edge, s, q, v, shaken, lifted, linear):
+    """What lane i has where its motion or its report ends, the ground's accelerations `shaken` and `lifted`.
+
+    No step begins there.
+    """
+    sine, cosine = (q, 1.0) if linear else (math.sin(q), math.cos(q))
+    back, force = restoring(edge.r0, edge.rs, edge.rc, sine, cosine), driving(edge.fc, edge.fs, sine, cosine)
+    acc = -edge.p2 * pull(1.0 + lifted / edge.g, back, s * shaken / edge.g, force)
+    sin_b, cos_b, vv = math.sin(edge.alpha - q), math.cos(edge.alpha - q), v * v
+    T = shaken + s * edge.radius * (cos_b * acc + sin_b * vv)
+    N = edge.g + lifted + edge.radius * (sin_b * acc - cos_b * vv)
+    st[lane.RATE_MAX + i] = max(st[lane.RATE_MAX + i], abs(v))
+    st[lane.N_LEAST + i] = min(st[lane.N_LEAST + i], N / edge.g)
+    st[lane.MU_MOST + i] = max(st[lane.MU_MOST + i], abs(T) / N if N > 0.0 else math.inf)
+
+
+@jit_lean
+def bounces_matter(st, i, par, s, a, da, w, dw, least, most):
+    """Whether N/(m g) may be below `least`, or |T|/N above `most`, in small bounces.
+
+    The ground goes from a to a + da, gravity over g from w to w + dw.
+    """
     for side in (s, -s):
         edge = edge_of(par, at.RIGHT if side > 0.0 else at.LEFT)
         sin_a, cos_a, weight = st[lane.SIN_ALPHA + i], st[lane.COS_ALPHA + i], st[lane.WEIGHT + i]
         if st[lane.UNLIKE + i] > 0.0:
             sin_a, cos_a, weight = math.sin(edge.alpha), math.cos(edge.alpha), edge.g / edge.radius
-        unshaken = CLEAR * pressed(edge, side, 0.0, 0.0) / weight
-        for ground in (a, a + da):
+        unshaken = CLEAR * max(w, w + dw) * pressed(edge, side, 0.0, 0.0) / weight
+        for ground, heavy in ((a, w), (a + da, w + dw)):
             shaken = ground * par[at.FACTOR_H]
-            acc = -pressed(edge, side, shaken, 0.0)
-            N = 1.0 + sin_a * acc / weight
+            acc = -pressed(edge, side, shaken, (heavy - 1.0) * edge.g)
+            N = heavy + sin_a * acc / weight
             T = abs(shaken / edge.g + side * cos_a * acc / weight)
             low, size = N - unshaken * sin_a, T + unshaken * cos_a
             if low < least or size > low * most:

@@ -12,13 +12,13 @@ from rockcli.kernels.lanes.vector.plain import load, select, some, sqrt
 
 
 @jit_lean
-def land(st, queue, j, path, watch, linear, onward):
+def land(st, queue, j, path, watch, linear, onward, heave):
     """Take the lanes queue[j: j + WIDTH] to the first zero of their polynomials, turned over, or to their steps' ends.
 
     Returns (lanes at the end of their samples, lanes that may come to rest in the sample they are in, lanes whose
     forces to look into, lanes that have turned over).  `path`: what impacts carry is asked for; `watch`: forces are.
     `onward`: to where the next facet touches, not turned over and with the rate at which they come; what that impact
-    carries and loses is not counted here.
+    carries and loses is not counted here.  heave: None, or the vertical motion.
     """
     lanes = load(queue, j)
     q, h = gather(st, lanes + lane.Q), gather(st, lanes + lane.H)
@@ -87,7 +87,7 @@ def land(st, queue, j, path, watch, linear, onward):
         there = gather(st, lanes + lane.WALL) if onward else 0.0 * q
         loss = 0.0 * q if onward else select(hit, gather(st, lanes + lane.LOSS), 0.0 * q)
         there = select(hit, there, end)
-        doubtful = weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, there, rate, linear)
+        doubtful = weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, there, rate, linear, heave)
     if path and not onward:
         pace = FAST * inward / gather(st, lanes + lane.FAST)
         carried = pace * pace - MEANINGFUL * MEANINGFUL

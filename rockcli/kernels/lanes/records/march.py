@@ -51,14 +51,14 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
     """`in_lanes` of bodies that do not slip, or stop where they may."""
     in_lanes(
         pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out, None,
-        None, None, None, None,
+        None, None, None, None, None,
     )  # fmt: skip
 
 
 @jit_lean
 def in_lanes(
     pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out, feet,
-    slip_work, foot_work, nothing, felt,
+    slip_work, foot_work, nothing, felt, heave,
 ):  # fmt: skip
     """`march_all` for bodies on two edges, no damper, under sampled motions; no histories.
 
@@ -75,7 +75,8 @@ def in_lanes(
     feet: None, or of such bodies the rows of `kernels.contact.parameters`: those do not stop but slip on in lanes, with
     those that rock; what else comes of it the kernel of contact follows until their feet hold again.  What all parts of
     their paths have found is added to `felt`, rows of `kernels.contact.results`.  nothing: no histories, (6, 0).
-    Where `feet` is None, what asks for it and nothing else is not compiled.
+    heave: None, or of the vertical motion beside the one there is then values, slopes, blocks and tail.
+    Where `feet` or `heave` is None, what asks for it and nothing else is not compiled.
     A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
     """
     page_the_stack()
@@ -103,7 +104,8 @@ def in_lanes(
             if rolling:
                 stand(pars[k], bodies[int(pars[k][BODY])])
             state = begin(
-                st, i, pars[k], spans[k], how, values, slopes, blocks, tail, path, two_sided, hold, starts[k], out[k]
+                st, i, pars[k], spans[k], how, values, slopes, blocks, tail, path, two_sided, hold, starts[k], out[k],
+                heave,
             )  # fmt: skip
             if state == STANDING:
                 st[lane.CASE + i] = k
@@ -122,9 +124,9 @@ def in_lanes(
         emptied = False
         for o in range(0, place(busy - 1) + 1, lane.STRIDE):
             if how.linear:
-                calls, moved, near, tops, next_facet = advance_linear(st, o, values, slopes, watch)
+                calls, moved, near, tops, next_facet = advance_linear(st, o, values, slopes, watch, heave)
             else:
-                calls, moved, near, tops, next_facet = advance(st, o, values, slopes, watch, hold)
+                calls, moved, near, tops, next_facet = advance(st, o, values, slopes, watch, hold, heave)
             if watch:
                 doubtful = commit(st, o)
                 while doubtful != 0:
@@ -145,12 +147,12 @@ def in_lanes(
                 if (moved >> bit) & 1:
                     state = arrive(
                         st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],
-                        out[k],
+                        out[k], heave,
                     )  # fmt: skip
                 else:
                     state = attend(
                         st, i, pars[k], bodies, how, values, slopes, blocks, tail, velocity,
-                        c, guard, sin_q, cos_q, a, a_v, force, hold, starts[k], out[k],
+                        c, guard, sin_q, cos_q, a, a_v, force, hold, starts[k], out[k], heave,
                     )  # fmt: skip
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = left_by(k), True
@@ -161,7 +163,7 @@ def in_lanes(
         for j in range(landing, min(landing + WIDTH, len(landings))):
             landings[j] = place(lane.LANES)
         for j in range(0, landing, WIDTH):
-            over, slow, doubtful, hit = land(st, landings, j, path, watch, how.linear, False)
+            over, slow, doubtful, hit = land(st, landings, j, path, watch, how.linear, False, heave)
             look_into_those(st, landings, j, landing, doubtful, pars, guard, force, a, a_v, out)
             while two_sided and hit != 0:
                 bit = lowest_bit(hit)
@@ -186,16 +188,16 @@ def in_lanes(
                 if (over >> bit) & 1:
                     state = arrive(
                         st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],
-                        out[k],
+                        out[k], heave,
                     )  # fmt: skip
                 else:
-                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k])
+                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k], heave)
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = left_by(k), True
         for j in range(touching, min(touching + WIDTH, len(touches))):
             touches[j] = place(lane.LANES)
         for j in range(0, touching, WIDTH):
-            over, slow, doubtful, hit = land(st, touches, j, path, watch, how.linear, True)
+            over, slow, doubtful, hit = land(st, touches, j, path, watch, how.linear, True, heave)
             look_into_those(st, touches, j, touching, doubtful, pars, guard, force, a, a_v, out)
             calls = over | hit
             while calls != 0:
@@ -211,10 +213,10 @@ def in_lanes(
                 if state != FINISHED and (over >> bit) & 1:
                     state = arrive(
                         st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],
-                        out[k],
+                        out[k], heave,
                     )  # fmt: skip
                 elif state != FINISHED and (hit >> bit) & 1 and st[lane.V + i] <= st[lane.SLOW + i]:
-                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k])
+                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k], heave)
                 if state == FINISHED:
                     st[lane.CASE + i], emptied = left_by(k), True
         rounds += 1

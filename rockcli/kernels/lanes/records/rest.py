@@ -25,7 +25,15 @@ from rockcli.kernels.lanes.records.facets import (
     scales,
     top_of,
 )
-from rockcli.kernels.lanes.records.forces import account, begin_watch, bounces_matter, drive, stood, watch_edge
+from rockcli.kernels.lanes.records.forces import (
+    account,
+    begin_watch,
+    bounces_matter,
+    drive,
+    drive_up,
+    stood,
+    watch_edge,
+)
 from rockcli.kernels.lanes.records.peaks import note_height
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.rigid import parameters as at
@@ -51,13 +59,20 @@ NEARLY_STEADY = 5e-5
 
 
 @jit_lean
-def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, hold, start, out):
-    """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED.  span: of its motion."""
+def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, hold, start, out, heave):
+    """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED.
+
+    span: of its motion, the first sample and the last, the time between two, and a sample of zeros.  heave: None, or of
+    a vertical motion below g what values, slopes, blocks and tail are of the horizontal one.
+    """
     for k in range(to.N_OUT):
         out[k] = 0.0
     out[to.T_PEAK] = out[to.T_UPLIFT] = out[to.T_OVERTURN] = math.nan
     out[to.N_MIN] = out[to.N_STANDING] = math.inf
     out[to.PEAK_ALPHA] = 1.0
+    st[lane.HEAVE + i] = 0.0
+    if heave is not None:
+        st[lane.HEAVE + i] = par[at.FACTOR_V] / par[at.G]
     p2 = par[at.RIGHT + at.P2]
     st[lane.FREE_0 + i], st[lane.FREE_S + i], st[lane.FREE_C + i] = (
         -p2 * par[at.RIGHT + at.R0], -p2 * par[at.RIGHT + at.RS], -p2 * par[at.RIGHT + at.RC],
@@ -91,9 +106,11 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
     st[lane.SETTLING + i] = (1.0 + math.sqrt(eta)) ** 2 / (
         (1.0 - eta * eta) * p2 * (par[at.RIGHT + at.R0] + par[at.RIGHT + at.RC])
     )
+    if st[lane.HEAVE + i] != 0.0:  # gravity may be up to twice what it is
+        st[lane.SETTLING + i] *= 0.5
     st[lane.FIRST + i], st[lane.LAST + i], st[lane.DT + i] = span[0], span[1], span[2]
-    st[lane.PIECE + i], st[lane.X + i], st[lane.LEN + i], st[lane.CAP + i] = span[0], 0.0, span[2], math.inf
-    st[lane.END + i] = span[1]
+    st[lane.PIECE + i], st[lane.X + i], st[lane.CAP + i], st[lane.STILL + i] = span[0], 0.0, math.inf, span[3]
+    aim(st, i, par, int(span[0]))
     st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = st[lane.LEFT_BEFORE + i] = st[lane.IMPACTS_BEFORE + i] = 0.0
     watch = how.detail == ALL
     st[lane.WATCHED + i] = 1.0 if watch and two_sided else 0.0
@@ -111,12 +128,12 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
             turn(st, i, par, start[carry.SIDE], out)
             begin_watch(st, i, par, how.linear, start[carry.Q], start[carry.V], ground(st, i, values, slopes))
             if start[carry.Q] == 0.0 and start[carry.V] == 0.0:
-                return lift(st, i, par, watch, values, slopes, blocks, tail, out)
+                return lift(st, i, par, watch, values, slopes, blocks, tail, out, heave)
             return STANDING
     if par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0:
         if watch or hold:
             begin_watch(st, i, par, how.linear, 0.0, 0.0, 0.0)
-        return lift(st, i, par, watch, values, slopes, blocks, tail, out)
+        return lift(st, i, par, watch, values, slopes, blocks, tail, out, heave)
     lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
     s = 1.0 if lead > 0.0 else -1.0
     q, v = abs(par[at.THETA_0]), s * par[at.THETA_DOT_0]
@@ -130,7 +147,24 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
         note_height(st, i, par, q, 0.0, hold and watch, out)
     if watch or hold:
         begin_watch(st, i, par, how.linear, q, v, values[int(span[0])])
+        if heave is not None:
+            st[lane.WORK + i] += heave[0][int(span[0])] * drive_up(st, i, q, how.linear)
     return STANDING
+
+
+@jit_lean
+def aim(st, i, par, k):
+    """Lane i is in sample k of its motion: how long that is, and the sample to stop before.
+
+    A report that ends inside a sample ends the motion there; before that sample the lane stops once.
+    """
+    last, dt = st[lane.LAST + i], st[lane.DT + i]
+    st[lane.END + i], st[lane.LEN + i] = last, dt
+    if par[at.HAS_DURATION] == 1.0 and par[at.T_MOTION] < (last - st[lane.FIRST + i]) * dt:
+        if k < last - 1.0:
+            st[lane.END + i] = last - 1.0
+        else:
+            st[lane.LEN + i] = par[at.T_MOTION] - (last - 1.0 - st[lane.FIRST + i]) * dt
 
 
 @jit_lean
@@ -154,7 +188,7 @@ def turn(st, i, par, s, out):
 
 
 @jit_lean
-def lift(st, i, par, watch, values, slopes, blocks, tail, out):
+def lift(st, i, par, watch, values, slopes, blocks, tail, out, heave):
     """From rest at a time in a sample: put lane i where it uplifts next, or FINISHED if it never does.
 
     Samples that cannot open the guard are not looked at: the next that can is found by the bounds of blocks.
@@ -167,32 +201,41 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
     k_0, x_0 = k, x
     if k < last and factor != 0.0:
         level = quiet / abs(factor) * (1.0 - 1e-12)
-        while tail[k] * abs(factor) > quiet:
+        while tail[k] * abs(factor) > (quiet if heave is None else quiet * lightest(st, i, heave[3][k])):
+            aim(st, i, par, k)
+            full = st[lane.LEN + i]
             a_g = (values[k] + slopes[k] * x) * factor
             rate = slopes[k] * factor
+            weight, change = 1.0, 0.0
+            if heave is not None:
+                weight = 1.0 + st[lane.HEAVE + i] * (heave[0][k] + heave[1][k] * x)
+                change = st[lane.HEAVE + i] * heave[1][k]
             best, s_up = math.inf, 0.0
             for sign in (-1.0, 1.0):
                 own = right if sign > 0.0 else left
-                d, dd = own + sign * a_g, sign * rate
+                d, dd = own * weight + sign * a_g, own * change + sign * rate
                 y = math.inf
                 if d < 0.0:
                     y = 0.0
                 elif dd < 0.0:
                     y = 0.0 if d <= 1e-15 * own else (d + 2e-15 * own) / -dd  # open beyond rounding
-                if y <= dt - x and y < best:
+                if y <= full - x and y < best:
                     best, s_up = y, sign
-            if s_up != 0.0 and x + best >= dt:  # at the sample's end: what counts is the next one's slope
+            if s_up != 0.0 and x + best >= full:  # at the sample's end: what counts is the next one's slope
                 k += 1
                 x = 0.0
                 if k >= last:
                     break
                 continue
             if s_up != 0.0:
-                if watch and (k > k_0 or x + best > x_0):  # while at rest |a_g| is nowhere above what lifts it
-                    most = abs(values[k] + slopes[k] * (x + best))
-                    if st[lane.UNLIKE + i] > 0.0:  # to one side; to the other it may be
-                        most = max(most, loudest(values, slopes, k_0, x_0, k))
-                    stood(st, i, par, most)
+                if watch and (k > k_0 or x + best > x_0):
+                    if heave is not None:
+                        stood_through(st, i, par, values, slopes, heave, k_0, x_0, k, x + best)
+                    else:  # while at rest |a_g| is nowhere above what lifts it
+                        most = abs(values[k] + slopes[k] * (x + best))
+                        if st[lane.UNLIKE + i] > 0.0:  # to one side; to the other it may be
+                            most = max(most, loudest(values, slopes, k_0, x_0, k))
+                        stood(st, i, par, most)
                 st[lane.PIECE + i], st[lane.X + i], st[lane.Q + i], st[lane.V + i] = k, x + best, 0.0, 0.0
                 turn(st, i, par, s_up, out)
                 if math.isnan(out[to.T_UPLIFT]):
@@ -200,7 +243,7 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
                 return STANDING
             k += 1
             x = 0.0
-            j = following(values, blocks, level, k, last)
+            j = following(values, blocks, level, k, last, st[lane.HEAVE + i], heave)
             if j > last:
                 break
             k = max(k, j - 1)
@@ -209,7 +252,15 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out):
     out[to.T_END] = par[at.T_MOTION]
     if watch:
         if k_0 < last:
-            stood(st, i, par, max(abs(values[k_0] + slopes[k_0] * x_0), tail[k_0 + 1]))
+            aim(st, i, par, last - 1)
+            if heave is not None:
+                stood_through(st, i, par, values, slopes, heave, k_0, x_0, last - 1, st[lane.LEN + i])
+            else:
+                most = max(abs(values[k_0] + slopes[k_0] * x_0), tail[k_0 + 1])
+                if st[lane.LEN + i] < dt or last + 1.0 < st[lane.STILL + i]:  # cut off before its record ends
+                    cut = abs(values[last - 1] + slopes[last - 1] * st[lane.LEN + i])
+                    most = max(loudest(values, slopes, k_0, x_0, last - 1), cut)
+                stood(st, i, par, most)
         account(st, i, par, risen(par), out)
     if rolls(par):
         if not par[FALL_LEFT] < par[TILT] < par[FALL_RIGHT]:
@@ -228,15 +279,40 @@ def loudest(values, slopes, k_0, x_0, k):
 
 
 @jit_lean
-def following(values, blocks, level, k, last):
-    """First sample from k on whose modulus reaches the level, or last + 1."""
+def stood_through(st, i, par, values, slopes, heave, k_0, x_0, k, x):
+    """Lane i has been at rest from x_0 in sample k_0 to x in sample k, lifted or pressed by the vertical motion.
+
+    Both components are linear, so that |a_g|/(g + a_v) is largest where a sample ends.
+    """
+    share, shake = st[lane.HEAVE + i], abs(par[at.FACTOR_H]) / par[at.G]
+    for j in range(k_0, k + 2):
+        o, y = (k, x) if j > k else (j, x_0 if j == k_0 else 0.0)
+        weight = 1.0 + share * (heave[0][o] + heave[1][o] * y)
+        st[lane.N_LEAST + i] = min(st[lane.N_LEAST + i], weight)
+        st[lane.MU_MOST + i] = max(st[lane.MU_MOST + i], abs(values[o] + slopes[o] * y) * shake / weight)
+
+
+@jit_lean
+def lightest(st, i, most):
+    """Bound of gravity over g under lane i while its vertical motion is `most` at most."""
+    return 1.0 - abs(st[lane.HEAVE + i]) * most
+
+
+@jit_lean
+def following(values, blocks, level, k, last, share, heave):
+    """First sample from k on whose modulus reaches the level, or last + 1.
+
+    heave: None, or the vertical motion, whose scale over g is `share`: the level is that times gravity over g.
+    """
     while k <= last:
         if k % BLOCK == 0:
-            while blocks[k // BLOCK] < level:
+            j = k // BLOCK
+            while blocks[j] < (level if heave is None else level * (1.0 - abs(share) * heave[2][j])):
                 k += BLOCK
+                j += 1
                 if k > last:
                     return last + 1
-        if abs(values[k]) >= level:
+        if abs(values[k]) >= (level if heave is None else level * (1.0 + share * heave[0][k])):
             return k
         k += 1
     return k
@@ -244,7 +320,9 @@ def following(values, blocks, level, k, last):
 
 @jit_lean
 def finish(st, i, par, verdict, out):
-    """Note how it ended."""
+    """Note how it ended; a report of a given duration ends then, whatever became of the body."""
+    if par[at.HAS_DURATION] == 1.0:
+        out[to.T_END] = par[at.T_STOP]
     if rolls(par):
         note_pushes(st, i, par, out)
     if rolls(par) and verdict == FALLS:
@@ -295,7 +373,7 @@ def stop(st, i, par, how, values, slopes, start, out):
 
 
 @jit_lean
-def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
+def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave):
     """Whether the body of lane i, just turned over, comes to rest inside this sample; if so, what then.
 
     Slow bounces are flights under a moment linear in time; each is solved for its end and its impact counted.
@@ -316,9 +394,15 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
     still, watch = STANDSTILL * (p * par[SCALE] if rolls(par) else scale), how.detail == ALL
     if press <= 0.0 or press_o <= 0.0:  # the ground alone holds it on this facet, if anything does
         return ROCKING if v > still else hand_over(out)
+    weight, lighter = 1.0, 0.0
+    if heave is not None:
+        lighter = st[lane.HEAVE + i] * heave[1][k]
+        weight = 1.0 + st[lane.HEAVE + i] * heave[0][k] + lighter * x
+        u1, w1 = u1 + press * lighter, w1 + press_o * lighter
+        press, press_o = press * weight, press_o * weight
     if press + u0 <= 0.0 or press_o + w0 <= 0.0:
         # a standing body that the ground just fails to lift must not bounce on one spot for ever
-        return lift(st, i, par, watch, values, slopes, blocks, tail, out) if v <= still else ROCKING
+        return lift(st, i, par, watch, values, slopes, blocks, tail, out, heave) if v <= still else ROCKING
     per_cycle = eta * eta_o
     if v > still and per_cycle >= 1.0:
         return ROCKING
@@ -333,18 +417,20 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
             highest = min(highest, top_of(par, -s, out))
             if rolls(par):
                 highest = min(highest, NEAR * min(par[EXTENT_LEFT], par[EXTENT_RIGHT]))
+        if heave is not None:  # what it adds is alike on both sides, the ground's is not
+            lowest = min(lowest, press_o - max(abs(w0), abs(w0 + w1 * whole)))
         if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > highest:
             return ROCKING
         slow = how.rest_speed * p * math.sin(par[e + at.ALPHA])
         if rolls(par):
             slow = how.rest_speed * min(press + u0, press_o + w0) / p
-        change = slopes[k] * whole
-        if hold and v > slow and bounces_matter(st, i, par, s, a, change, 0.0, st[lane.MU_HELD + i]):
+        change, lighter = slopes[k] * whole, lighter * whole
+        if hold and v > slow and bounces_matter(st, i, par, s, a, change, 1.0, 0.0, 0.0, st[lane.MU_HELD + i]):
             if start[carry.T] < 0.0:  # so that all that never stop have the bits of pure rocking
                 return stop(st, i, par, how, values, slopes, start, out)
             return ROCKING
         least, most = st[lane.N_LEAST + i], st[lane.MU_MOST + i]
-        if watch and v > slow and bounces_matter(st, i, par, s, a, change, least, most):
+        if watch and v > slow and bounces_matter(st, i, par, s, a, change, weight, lighter, least, most):
             return ROCKING
         straight = NEARLY_STEADY * lowest * lowest / max(abs(u1), abs(w1))
         fast, fast_o = COUNTED * scale, COUNTED * scale_o
@@ -376,6 +462,8 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
             if rate > slow:  # they are worth counting
                 back = force_o / force if u1 != 0.0 else -1.0
                 drift = u1 * rate * (1.0 / (here * here) + back * eta_o / (there * there)) * series
+                if heave is not None:
+                    drift = rate * (u1 / (here * here) + w1 * eta_o / (there * there)) * series
                 rate *= 1.0 + 2.0 / 3.0 * drift
                 while rate > fast and rate > slow:
                     counted += 1.0
@@ -395,4 +483,4 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out):
             out[also.FACET] = par[FACET]
         return finish(st, i, par, out[to.VERDICT], out)
     st[lane.X + i] = x + y
-    return lift(st, i, par, watch, values, slopes, blocks, tail, out)
+    return lift(st, i, par, watch, values, slopes, blocks, tail, out, heave)

@@ -34,5 +34,5 @@ def march_slipping(
     """`in_lanes` of bodies that slip on in lanes, on two equal edges."""
     in_lanes(
         pars, bodies, how, values, slopes, blocks, tail, velocity, spans, False, True, starts, work, out, feet,
-        slip_work, foot_work, nothing, felt,
+        slip_work, foot_work, nothing, felt, None,
     )  # fmt: skip

@@ -37,8 +37,8 @@ VECTORS = (LANES // WIDTH + 1) * STRIDE
 (
     SIN_ALPHA, COS_ALPHA, SHAKE, WEIGHT, LOSS, RATE_MAX, N_LEAST, MU_MOST, WORK, LOST, Q_BEFORE, A_0, A_1, X_HIT,
     SIDE_BEFORE, STEP_WORK, DOUBT, SWINGS, SWINGS_T, FIRST, LAST, DT, MU_HELD, WEAK, UNLIKE, AHEAD,
-    INERTIA, WATCHED, LEFT_BEFORE, IMPACTS_BEFORE,
-) = (VECTORS + field * WIDTH for field in range(30))  # fmt: skip
+    INERTIA, WATCHED, LEFT_BEFORE, IMPACTS_BEFORE, STILL, HEAVE, UP_0, UP_1,
+) = (VECTORS + field * WIDTH for field in range(34))  # fmt: skip
 """What `forces`, the comparison of runs and clocks need, apart from the rest, so that what a step reads stays together.
 
 sin(alpha), cos(alpha); scale of the motion over R, g/R; energy lost at an impact over m g and its rate squared.
@@ -48,6 +48,8 @@ work; whether something may be extreme inside it.  What impacts carry, and the s
 Of the body's motion: its first and its last sample, the time between two [s].  Friction that holds its foot; whether it
 may give way in the step tried.  Whether its edges differ; LOOK over the rotation of the equilibrium.  R/p^2; whether
 forces of two different edges are watched.  Impacts, those onto the left edge, when the body came to its facet.
+A sample of zeros, which is that of free rocking.  Scale of the vertical motion over g, 0 without one; of the step tried
+that motion at its start, and its slope.
 """
 
 STATE = 2 * VECTORS

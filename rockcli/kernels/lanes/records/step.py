@@ -21,10 +21,10 @@ I2, I3, I4, I5, I6, I7, I8 = (1.0 / k for k in range(2, 9))
 
 
 @jit_lean
-def advance(st, i, values, slopes, watch, hold):
+def advance(st, i, values, slopes, watch, hold, heave):
     """Step WIDTH lanes from lane i on; what comes back is said in `settle`.
 
-    `watch`: forces too; `hold`: lanes stop where friction may not hold.
+    `watch`: forces too; `hold`: lanes stop where friction may not hold; heave: None, or the vertical motion.
     """
     q, v, x, piece = load(st, lane.Q + i), load(st, lane.V + i), load(st, lane.X + i), load(st, lane.PIECE + i)
     full, cap = load(st, lane.LEN + i), load(st, lane.CAP + i)
@@ -35,13 +35,25 @@ def advance(st, i, values, slopes, watch, hold):
     h2 = h * h
     s0, k0 = sin_cos(q)
     fc, fs = load(st, lane.FORCING_C + i) * h2, load(st, lane.FORCING_S + i) * h2
-    X0, Y0 = fma(fs, a, load(st, lane.FREE_S + i) * h2), fma(fc, a, load(st, lane.FREE_C + i) * h2)
-    X1, Y1 = fs * a1, fc * a1
+    if heave is None:
+        X0, Y0 = fma(fs, a, load(st, lane.FREE_S + i) * h2), fma(fc, a, load(st, lane.FREE_C + i) * h2)
+        X1, Y1 = fs * a1, fc * a1
+    else:
+        up, pitch_up, w, w1 = gravity(st, i, heave, piece, x, h)
+        rs, rc = load(st, lane.FREE_S + i) * h2, load(st, lane.FREE_C + i) * h2
+        X0, Y0 = fma(fs, a, rs * w), fma(fc, a, rc * w)
+        X1, Y1 = fma(fs, a1, rs * w1), fma(fc, a1, rc * w1)
     # d_k = k c_k by (T3); the newest term outermost, to shorten the chain from one coefficient to the next
     d1 = v * h
-    d2 = fma(Y0, k0, fma(X0, s0, load(st, lane.FREE_0 + i) * h2))
+    r0 = load(st, lane.FREE_0 + i) * h2
+    if heave is None:
+        d2 = fma(Y0, k0, fma(X0, s0, r0))
+        change = Y1 * k0
+    else:
+        d2 = fma(Y0, k0, fma(X0, s0, r0 * w))
+        change = fma(Y1, k0, r0 * w1)
     s1, k1 = d1 * k0, -d1 * s0
-    d3 = I2 * fma(X0, s1, fma(Y0, k1, fma(X1, s0, Y1 * k0)))
+    d3 = I2 * fma(X0, s1, fma(Y0, k1, fma(X1, s0, change)))
     s2, k2 = I2 * fma(d2, k0, d1 * k1), -I2 * fma(d2, s0, d1 * s1)
     d4 = I3 * fma(X0, s2, fma(Y0, k2, fma(X1, s1, Y1 * k1)))
     s3, k3 = I3 * fma(d3, k0, fma(d2, k1, d1 * k2)), -I3 * fma(d3, s0, fma(d2, s1, d1 * s2))
@@ -63,7 +75,14 @@ def advance(st, i, values, slopes, watch, hold):
         sines = s0 + (I2 * s1 + (I3 * s2 + (I4 * s3 + (I5 * s4 + (I6 * s5 + I7 * s6)))))
         cosines = k0 + (I2 * k1 + (I3 * k2 + (I4 * k3 + (I5 * k4 + (I6 * k5 + I7 * k6)))))
         area = fma(load(st, lane.FORCING_C + i), sines, load(st, lane.FORCING_S + i) * (1.0 - cosines))
-        both = weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8)
+        if heave is None:
+            lifted = None
+        else:
+            late = I4 * (I3 * d3) + (I5 * (I4 * d4) + (I6 * (I5 * d5) + (I7 * (I6 * d6) + I8 * (I7 * d7))))
+            arc = q + (I2 * d1 + (I3 * (I2 * d2) + late))  # integral of q, as the sums before are of sin q and cos q
+            free_0, free_s, free_c = load(st, lane.FREE_0 + i), load(st, lane.FREE_S + i), load(st, lane.FREE_C + i)
+            lifted = up, pitch_up, w, w1, fma(free_0, arc, fma(free_c, sines, free_s * (1.0 - cosines)))
+        both = weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8, lifted)
         if hold:
             weak = may_give_way(st, i, *both)
     elif hold:
@@ -72,8 +91,8 @@ def advance(st, i, values, slopes, watch, hold):
 
 
 @jit_lean
-def advance_linear(st, i, values, slopes, watch):
-    """`advance` for the linear law: sin q is q, cos q is 1."""
+def advance_linear(st, i, values, slopes, watch, heave):
+    """`advance` for the linear law: sin q is q, cos q is 1; its forces without a vertical motion alone."""
     q, v, x, piece = load(st, lane.Q + i), load(st, lane.V + i), load(st, lane.X + i), load(st, lane.PIECE + i)
     full, cap = load(st, lane.LEN + i), load(st, lane.CAP + i)
     h = select(full - x < cap, full - x, cap)
@@ -82,19 +101,39 @@ def advance_linear(st, i, values, slopes, watch):
     h2 = h * h
     fc, rate2 = load(st, lane.FORCING_C + i) * h2, load(st, lane.FREE_S + i) * h2
     d1 = v * h
-    d2 = fma(rate2, q, fma(fc, a, (load(st, lane.FREE_0 + i) + load(st, lane.FREE_C + i)) * h2))
-    d3 = I2 * fma(rate2, d1, fc * (a1 * h))
-    d4, d5 = I3 * I2 * rate2 * d2, I4 * I3 * rate2 * d3
-    d6, d7 = I5 * I4 * rate2 * d4, I6 * I5 * rate2 * d5
-    d8 = I7 * I6 * rate2 * d6
+    free = (load(st, lane.FREE_0 + i) + load(st, lane.FREE_C + i)) * h2
+    if heave is None:
+        d2 = fma(rate2, q, fma(fc, a, free))
+        d3 = I2 * fma(rate2, d1, fc * (a1 * h))
+        d4, d5 = I3 * I2 * rate2 * d2, I4 * I3 * rate2 * d3
+        d6, d7 = I5 * I4 * rate2 * d4, I6 * I5 * rate2 * d5
+        d8 = I7 * I6 * rate2 * d6
+    else:
+        _, _, w, w1 = gravity(st, i, heave, piece, x, h)
+        r, r1 = rate2 * w, rate2 * w1
+        d2 = fma(r, q, fma(fc, a, free * w))
+        d3 = I2 * fma(r, d1, fma(r1, q, fma(fc, a1 * h, free * w1)))
+        d4 = I3 * fma(r, I2 * d2, r1 * d1)
+        d5 = I4 * fma(r, I3 * d3, r1 * (I2 * d2))
+        d6 = I5 * fma(r, I4 * d4, r1 * (I3 * d3))
+        d7 = I6 * fma(r, I5 * d5, r1 * (I4 * d4))
+        d8 = I7 * fma(r, I6 * d6, r1 * (I5 * d5))
     if watch:
         c2, c3, c4, c5, c6, c7, c8 = I2 * d2, I3 * d3, I4 * d4, I5 * d5, I6 * d6, I7 * d7, I8 * d8
         s0, k0 = sin_cos(q)
         s_end, k_end = sin_cos(q + (d1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8))))))
         sines = I4 * c3 + (I5 * c4 + (I6 * c5 + (I7 * c6 + (I8 * c7 + c8 / 9.0))))
         area = load(st, lane.FORCING_C + i) * (q + (I2 * d1 + (I3 * c2 + sines)))
-        weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1 * h, a1, h, d1, d2, d3, d4, d5, d6, d7, d8)
+        weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1 * h, a1, h, d1, d2, d3, d4, d5, d6, d7, d8, None)
     return settle(st, i, q, v, x, piece, full, cap, h, h < 0.0, d1, d2, d3, d4, d5, d6, d7, d8)
+
+
+@jit_lean
+def gravity(st, i, heave, piece, x, h):
+    """The vertical motion where WIDTH lanes start their steps, and its slope; gravity over g there, and its change."""
+    pitch, share = gather(heave[1], piece), load(st, lane.HEAVE + i)
+    a_v = fma(pitch, x, gather(heave[0], piece))
+    return a_v, pitch, fma(share, a_v, 1.0), share * (pitch * h)
 
 
 @jit_lean
