@@ -70,6 +70,15 @@ def small_percentiles(rng: np.random.Generator, n: int, begins: float) -> list[b
     return held_percentiles(low[1], high[1], begins)
 
 
+def close_states(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    """The second and the third state at MEDIANS[1], a twentieth apart, so that few members are seen between them."""
+    capacity = capacities(rng, n, begins)[:, [0, 1, 1]] * np.array([1.0, 1.0, 1.05])
+    category = (capacity[:, :, None] < X).sum(axis=1)
+    x = np.broadcast_to(X, category.shape)
+    low, high = curves(Seen(x, category, category, np.ones(x.shape)), 3, begins_at=begins).percentile_limits(0.0)
+    return held_percentiles(low[1], high[1], begins)
+
+
 def small_percentiles_searched(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
     x = capacities(rng, n, begins)[:, 1]
     low, high = curve_of_capacities(x, x, np.arange(n), begins).percentile_limits(0.0)
@@ -103,6 +112,7 @@ CASES = {
     "median, searched, a third above the range": (searched, [(42, 0.0), (42, 1.0)]),
     "exponent of a second intensity": (exponent, [(42, 0.0), (100, 1.0)]),
     "1 and 5 %, stripes": (small_percentiles, [(12, 1.0), (42, 0.0), (100, 1.0)]),
+    "1 and 5 %, stripes, two states close together": (close_states, [(12, 1.0), (20, 0.0), (42, 0.0)]),
     "1 and 5 %, searched": (small_percentiles_searched, [(12, 0.0), (42, 0.0)]),
     "no misfit told, where there is none": (not_missed, [(12, 1.0), (42, 0.0), (100, 1.0)]),
     "misfit told, capacities of two kinds": (missed, [(42, 0.5), (100, 0.5)]),

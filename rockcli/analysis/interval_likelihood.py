@@ -101,23 +101,28 @@ def clustered_covariance(gradient: Array, bend: Array, member: NDArray[np.int64]
     return np.asarray(inverse @ (score.T @ score) @ inverse * (n / max(n - 1, 1)))
 
 
-def jackknife_covariance(gradient: Array, bends: Array, member: NDArray[np.int64]) -> Array | None:
-    """The same by leaving out one member after another, in one Newton step each (Bell and McCaffrey 2002, CR3).
-
-    The sandwich is too small for what differs between few members.
+def moves_without_members(gradient: Array, bends: Array, member: NDArray[np.int64]) -> Array | None:
+    """How the estimate moves without each member, (members, k), in one Newton step (Bell and McCaffrey 2002, CR3).
 
     Args:
         gradient, member: as of `clustered_covariance`; bends: (members, k, k) of `bends_of_members`.
 
     Returns:
-        (k, k), None where there is no estimate without some member.
+        None where there is no estimate without some member.
     """
-    score = _scores(gradient, member)
     try:
-        moves = np.linalg.solve(bends.sum(axis=0) - bends, score[..., None])[..., 0]
+        return np.asarray(-np.linalg.solve(bends.sum(axis=0) - bends, _scores(gradient, member)[..., None])[..., 0])
     except np.linalg.LinAlgError:
         return None
-    return np.asarray(moves.T @ moves * ((len(score) - 1) / len(score)))
+
+
+def jackknife_covariance(moves: Array) -> Array:
+    """Covariance (k, k) from how the estimate moves without each of n members, (n, k).
+
+    The sandwich is too small for what differs between few members.
+    """
+    n = len(moves)
+    return np.asarray(moves.T @ moves * ((n - 1) / n))
 
 
 def _scores(gradient: Array, member: NDArray[np.int64]) -> Array:

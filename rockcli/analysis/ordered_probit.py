@@ -20,6 +20,7 @@ from rockcli.analysis.interval_likelihood import (
     interval_likelihood,
     jackknife_covariance,
     maximum,
+    moves_without_members,
 )
 
 Array = NDArray[np.float64]
@@ -27,6 +28,9 @@ Index = NDArray[np.int64]
 
 _FAR = 40.0
 """Standardised slope beyond which the likelihood has no maximum: the states are separated."""
+
+_SMALL = 0.25
+"""Part of the distance of two cuts by which one step may bring them closer; with few members between them it errs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,24 +76,67 @@ def ordered_probit(rows: Rows, states: int) -> Probit | None:
     lower = _design(u, rows.high + 1, states)
     total = rows.weight.sum()
     shares = [(rows.weight * (rows.low > j)).sum() / total for j in order]
-    x = np.concatenate([np.zeros(d), _starts(np.array(shares))])
-    peak = maximum(
-        lambda x: _likelihood(x, upper, lower, rows, states) if (np.diff(x[d:]) > 0.0).all() else None,
-        x,
-        lost=lambda x: bool(np.abs(x[:d]).max() > _FAR),
-    )
+    peak = _maximum(np.concatenate([np.zeros(d), _starts(np.array(shares))]), upper, lower, rows)
     if peak is None:
         return None
     x, gradient, bend = peak
     covariance = clustered_covariance(gradient, bend, rows.member)
     bends = bends_of_members(*_ends(x, upper, lower, rows, states), rows.weight, rows.member)
-    jackknife = jackknife_covariance(gradient, bends, rows.member)
-    jackknife = covariance if jackknife is None else jackknife
+    moves = moves_without_members(gradient, bends, rows.member)
+    moves = None if moves is None else _fitted_again(x, moves, Rows(u, rows.low, rows.high, rows.weight, rows.member))
+    jackknife = covariance if moves is None else jackknife_covariance(moves)
     back = np.eye(len(x))
     back[:d, :d] = np.diag(1.0 / spread)
     back[d:, :d] = centre / spread
     moved = back @ x
     return Probit(moved[:d], moved[d:], back @ covariance @ back.T, back @ jackknife @ back.T)
+
+
+def _maximum(x: Array, upper: Array, lower: Array, rows: Rows) -> tuple[Array, Array, Array] | None:
+    """`maximum` over slopes and ascending cuts, from x on."""
+    d = rows.u.shape[1]
+    states = len(x) - d
+    return maximum(
+        lambda x: _likelihood(x, upper, lower, rows, states) if (np.diff(x[d:]) > 0.0).all() else None,
+        x,
+        lost=lambda x: bool(np.abs(x[:d]).max() > _FAR),
+    )
+
+
+def _fitted_again(x: Array, moves: Array, rows: Rows) -> Array | None:
+    """The moves of the estimate x without each member, found by a fit where one step brings two cuts much closer.
+
+    None where there is no estimate without some such member.
+    """
+    d = rows.u.shape[1]
+    gaps, members = np.diff(x[d:]), np.unique(rows.member)
+    far = (np.diff(moves[:, d:], axis=1) < -_SMALL * gaps).any(axis=1)
+    for k in np.flatnonzero(far):
+        kept = rows.member != members[k]
+        found = _estimate(x, Rows(*(of[kept] for of in (rows.u, rows.low, rows.high, rows.weight, rows.member))))
+        if found is None:
+            return None
+        moves[k] = found - x
+    return moves
+
+
+def _estimate(x: Array, rows: Rows) -> Array | None:
+    """The estimate of some of the rows of which x is that of all; cuts without a row between them are one."""
+    d = rows.u.shape[1]
+    states = len(x) - d
+    there = np.bincount(rows.low[rows.low == rows.high], minlength=states + 1) > 0
+    if not there[0] or not there[states]:
+        return None
+    group = np.concatenate([[0], np.cumsum(there[1:states])])  # of every cut
+    low = np.where(rows.low > 0, group[rows.low - 1] + 1, 0)
+    high = np.where(rows.high < states, group[np.minimum(rows.high, states - 1)], group[-1] + 1)
+    if (low > high).any():  # known only to lie between cuts that are one now
+        return None
+    fewer = Rows(rows.u, low, high, rows.weight, rows.member)
+    cuts = np.bincount(group, x[d:]) / np.bincount(group)
+    upper, lower = (_design(rows.u, category, len(cuts)) for category in (low, high + 1))
+    peak = _maximum(np.concatenate([x[:d], cuts]), upper, lower, fewer)
+    return None if peak is None else np.concatenate([peak[0][:d], peak[0][d:][group]])
 
 
 def _starts(shares: Array) -> Array:

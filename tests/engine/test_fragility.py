@@ -27,7 +27,7 @@ from rockcli.analysis.fragility import (
     curve_of_capacities,
     curves,
 )
-from rockcli.scene import statistics
+from rockcli.scene import statistics, variables
 
 X = np.linspace(0.5, 8.0, 30)
 
@@ -550,3 +550,26 @@ def test_a_cloud_is_judged_in_groups():
     alike = 3.0 * np.exp(0.5 * rng.standard_normal((400, 1)))
     for capacity, misses in ((of_two, True), (alike, False)):
         assert (curves(seen((capacity < x).astype(int), x=x), 1).misfit_p[0] < LEVEL) == misses
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_few_members_between_two_states_do_not_widen_limits(seed):
+    """Without one of them two states are one: the limits are those of fits without one member after another."""
+    x = np.linspace(1.0, 8.0, 8)
+    capacity = np.exp(np.random.default_rng(seed).normal(np.log(3.0), 0.4, 20))[:, None]
+    falls = capacity * np.where(np.arange(20) == np.argsort(capacity[:, 0])[9], 1.6, 1.0)[:, None]
+    category = (x > capacity).astype(int) + (x > falls)
+    assert 0 < len(np.unique(np.nonzero(category == 1)[0])) <= 2
+    found = curves(seen(category, x), 2)
+    each = [curves(seen(np.delete(category, i, axis=0), x), 2) for i in range(20)]
+    for state in (0, 1):
+        left = np.array([[np.log(one.median[state]), one.beta[state]] for one in each]) - np.array(
+            [np.log(found.median[state]), found.beta[state]]
+        )
+        by_hand = left.T @ left * 19 / 20
+        np.testing.assert_allclose(found.jackknife[state, [0, 2]], np.diag(by_hand), rtol=0.25)
+    low, high = found.median_limits()
+    of_half = found.percentile_limits(0.0)
+    place = variables.PERCENTILES.index(50.0)
+    width = np.log(of_half[1][:, place] / of_half[0][:, place]) / np.log(high / low)
+    assert ((width > 0.8) & (width < 1.25)).all()
