@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from rockcli.analysis.capacity_fit import Capacities
 from rockcli.analysis.capacity_fit import fit as fit_capacities
 from rockcli.analysis.curve_misfit import groups_of, misfit, two_sided
+from rockcli.analysis.interval_likelihood import jackknife_covariance
 from rockcli.analysis.ordered_probit import Probit, Rows, ordered_probit
 from rockcli.scene.variables import PERCENTILES
 
@@ -229,7 +230,7 @@ def curve_of_capacities(low: Array, high: Array, member: Index, begins_at: float
         return found
     (a, b), covariance = fitted
     # a probit of slope a and cut b
-    _put(found, np.array([0]), np.array([0]), Probit(np.array([a]), np.array([b]), covariance, covariance))
+    _put(found, np.array([0]), np.array([0]), Probit(np.array([a]), np.array([b]), covariance))
     _judge_capacities(ends[0], ends[1], member, found)
     return replace(found, median=begins_at + found.median)
 
@@ -338,7 +339,9 @@ def _put(into: Curves, states: Index, cuts: Index, found: Probit | None) -> None
         se = np.sqrt(np.maximum(np.diagonal(moved), 0.0))
         into.median[state], into.beta[state] = np.exp(t / slope), 1.0 / slope
         into.se_ln_median[state], into.se_beta[state] = se
-        spread = jacobian @ found.jackknife[np.ix_(pick, pick)] @ jacobian.T
+        spread = moved
+        if found.without is not None:
+            spread = jackknife_covariance(_moves(found, pick, jacobian))
         into.jackknife[state, :3] = spread[0, 0], spread[0, 1], spread[1, 1]
         into.correlation[state] = moved[0, 1] / (se[0] * se[1]) if se.all() else np.nan
         if len(found.slopes) == 2:
@@ -346,7 +349,25 @@ def _put(into: Curves, states: Index, cuts: Index, found: Probit | None) -> None
             gradient = np.array([-other / slope**2, 1.0 / slope])
             into.exponent[state] = other / slope
             into.se_exponent[state] = np.sqrt(max(gradient @ found.covariance[:2, :2] @ gradient, 0.0))
-            into.jackknife[state, 3] = max(gradient @ found.jackknife[:2, :2] @ gradient, 0.0)
+            into.jackknife[state, 3] = into.se_exponent[state] ** 2
+            if found.without is not None:
+                along = (found.without[:, :2] - found.slopes) @ gradient
+                into.jackknife[state, 3] = float(jackknife_covariance(along[:, None])[0, 0])
+
+
+def _moves(found: Probit, pick: list[int], jacobian: Array) -> Array:
+    """How ln(median - x_0) and beta of a state move without each member, (members, 2).
+
+    By their derivatives for a step, in slope and cut, from the estimate; where they were fitted, as they are.
+    """
+    assert found.without is not None
+    assert found.fitted is not None
+    without, estimate = found.without[:, pick], np.concatenate([found.slopes, found.cuts])[pick]
+    moves = (without - estimate) @ jacobian.T
+    fitted = found.fitted & (without[:, 0] > 0.0)
+    slope, cut = without[fitted].T
+    moves[fitted] = np.column_stack([cut / slope, 1.0 / slope]) - np.array([estimate[1], 1.0]) / estimate[0]
+    return np.asarray(moves)
 
 
 def _status(rows: Rows, j: int) -> int:

@@ -72,7 +72,10 @@ def maximum(
     assert found is not None
     best, gradient, bend = found
     for _ in range(_ITERATIONS):
-        step = np.linalg.solve(bend, gradient.sum(axis=0))
+        try:
+            step = np.linalg.solve(bend, gradient.sum(axis=0))
+        except np.linalg.LinAlgError:
+            return None
         size = 1.0
         while (found := likelihood(x + size * step)) is None or not found[0] >= best - 1e-13 * abs(best):
             size *= 0.5

@@ -18,7 +18,6 @@ from rockcli.analysis.interval_likelihood import (
     bends_of_members,
     clustered_covariance,
     interval_likelihood,
-    jackknife_covariance,
     maximum,
     moves_without_members,
 )
@@ -53,12 +52,21 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Probit:
-    """Slopes (d,), cuts (states,), and their covariance in this order, (d + states, d + states), also by jackknife."""
+    """An estimate.
+
+    Attributes:
+        slopes, cuts: (d,) and (states,).
+        covariance: of both in this order, (d + states, d + states).
+        without: both as they are without each member, (members, d + states), by a step from the estimate or by a fit;
+            None where that is not known.
+        fitted: without which members it is by a fit, (members,).
+    """
 
     slopes: Array
     cuts: Array
     covariance: Array
-    jackknife: Array
+    without: Array | None = None
+    fitted: NDArray[np.bool_] | None = None
 
 
 def ordered_probit(rows: Rows, states: int) -> Probit | None:
@@ -83,13 +91,15 @@ def ordered_probit(rows: Rows, states: int) -> Probit | None:
     covariance = clustered_covariance(gradient, bend, rows.member)
     bends = bends_of_members(*_ends(x, upper, lower, rows, states), rows.weight, rows.member)
     moves = moves_without_members(gradient, bends, rows.member)
-    moves = None if moves is None else _fitted_again(x, moves, Rows(u, rows.low, rows.high, rows.weight, rows.member))
-    jackknife = covariance if moves is None else jackknife_covariance(moves)
+    fitted = None
+    if moves is not None:
+        fitted = _fit_again(x, moves, Rows(u, rows.low, rows.high, rows.weight, rows.member))
     back = np.eye(len(x))
     back[:d, :d] = np.diag(1.0 / spread)
     back[d:, :d] = centre / spread
     moved = back @ x
-    return Probit(moved[:d], moved[d:], back @ covariance @ back.T, back @ jackknife @ back.T)
+    without = None if moves is None else (x + moves) @ back.T
+    return Probit(moved[:d], moved[d:], back @ covariance @ back.T, without, fitted)
 
 
 def _maximum(x: Array, upper: Array, lower: Array, rows: Rows) -> tuple[Array, Array, Array] | None:
@@ -103,21 +113,21 @@ def _maximum(x: Array, upper: Array, lower: Array, rows: Rows) -> tuple[Array, A
     )
 
 
-def _fitted_again(x: Array, moves: Array, rows: Rows) -> Array | None:
-    """The moves of the estimate x without each member, found by a fit where one step brings two cuts much closer.
+def _fit_again(x: Array, moves: Array, rows: Rows) -> NDArray[np.bool_]:
+    """Put what a fit finds in place of those moves of the estimate x that bring two cuts much closer; which ones it is.
 
-    None where there is no estimate without some such member.
+    Where there is no estimate without a member, its step ends where two cuts meet.
     """
     d = rows.u.shape[1]
     gaps, members = np.diff(x[d:]), np.unique(rows.member)
-    far = (np.diff(moves[:, d:], axis=1) < -_SMALL * gaps).any(axis=1)
-    for k in np.flatnonzero(far):
+    fitted = np.zeros(len(members), dtype=bool)
+    closer = -np.diff(moves[:, d:], axis=1) / gaps
+    for k in np.flatnonzero((closer > _SMALL).any(axis=1)):
         kept = rows.member != members[k]
         found = _estimate(x, Rows(*(of[kept] for of in (rows.u, rows.low, rows.high, rows.weight, rows.member))))
-        if found is None:
-            return None
-        moves[k] = found - x
-    return moves
+        fitted[k] = found is not None
+        moves[k] = moves[k] / max(1.0, float(closer[k].max())) if found is None else found - x
+    return fitted
 
 
 def _estimate(x: Array, rows: Rows) -> Array | None:

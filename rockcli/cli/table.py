@@ -75,17 +75,34 @@ def table(
 
 @contextmanager
 def _selected(file: Path, wanted: dict[str, list[str]]) -> Iterator[tuple[Mapping[str, Item], Mapping[str, Any]]]:
-    """As `opened`, of the cases at some values of axes."""
+    """As `opened`, of the cases at some values of axes, and of some limit states or hazard curves."""
     from rockcli.errors import StudyError
     from rockcli.plotting.common.selection import selected
+    from rockcli.scene.variables import HAZARD, LIMIT
     from rockcli.storage.read import open_dataset
     from rockcli.storage.table import items_of
 
     try:
-        part, _ = selected(open_dataset(file), wanted)
+        dataset = open_dataset(file)
+        of_suite = [dim for dim in (LIMIT, HAZARD) if dim in dataset.dims and dim in wanted]
+        for dim in of_suite:
+            dataset = _of_labels(dataset, dim, wanted[dim])
+        part, _ = selected(dataset, {axis: values for axis, values in wanted.items() if axis not in of_suite})
     except StudyError as error:
         raise StudyError(error.message, file=file) from None
     yield items_of(part), part.attrs
+
+
+def _of_labels(dataset: Any, dim: str, asked: list[str]) -> Any:
+    """A dataset at some labels of a dimension, as they are written there or in tables."""
+    from rockcli.errors import StudyError
+    from rockcli.scene.limit_states import exceeded_when
+
+    there = [str(label) for label in dataset[dim].values]
+    unknown = [one for one in asked if one not in there and one not in map(exceeded_when, there)]
+    if unknown:
+        raise StudyError(f"{dim}={unknown[0]}: there are {', '.join(there)}")
+    return dataset.isel({dim: [i for i, label in enumerate(there) if {label, exceeded_when(label)} & set(asked)]})
 
 
 def _print(table: Table, rows: int, *, brief: bool) -> None:

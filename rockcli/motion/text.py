@@ -1,8 +1,9 @@
 """Records as columns of numbers, without a header or with one line that names time and acceleration.
 
 One column, or more than two: acceleration, line by line, with stated `dt`.  Two columns: time and
-acceleration, which a first line may name, as spreadsheets and loggers do: `time [s],acceleration [cm/s2]`.  Lines that
-begin with # or % are comments; one that says `# units: g` states the units, as that of the second name does.
+acceleration, which a first line may name, as spreadsheets and loggers do: `time [s],acceleration [cm/s2]`; only then
+may the time begin anywhere.  Lines that begin with # or % are comments; one that says `# units: g` states the units, as
+that of the second name does.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ _HEAD = re.compile(
     re.I,
 )
 """The names of time, in seconds if it says a unit, and of acceleration, with its unit."""
-_CHARACTERS = re.compile(r"[0-9.eEdD+\-,\s]*")
+_CHARACTERS = re.compile(r"[0-9.eEdD+\-,;\s]*")
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +52,15 @@ class Text:
 
 
 def is_numeric_text(data: bytes) -> bool:
-    """Whether the file holds nothing but numbers and comments (and is no SAC text, whose blanks are -12345)."""
+    """Whether the file names two columns, or holds nothing but numbers and comments.
+
+    It is no SAC text, whose blanks are -12345.
+    """
+    lines = [line for line in _lines(data) if line.strip() and not _COMMENT.match(line)]
+    if lines and _HEAD.fullmatch(lines[0]):
+        return True
     if b"-12345" in data or not data.isascii():
         return False
-    lines = [line for line in data.decode("ascii").splitlines() if not _COMMENT.match(line)]
-    if lines and _HEAD.fullmatch(lines[0]):
-        del lines[0]
     body = "\n".join(lines)
     return bool(_CHARACTERS.fullmatch(body)) and any(character.isdigit() for character in body)
 
@@ -73,16 +77,31 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     Raises:
         RecordError: units or dt missing or contradicted, columns that are not as described above.
     """
-    lines = data.decode("ascii").splitlines()
+    lines = _lines(data)
     unit = _stated_unit(lines, units, name)
-    numbers = read_numbers(_without_commas(lines, name), 1, name)
+    plain = _without_commas(lines, name)
+    numbers = read_numbers(plain, 1, name)
     if numbers.text_after:
         raise RecordError(f"{numbers.text_after[0]!r} is no line of numbers; remove it or begin it with #", name)
+    if not len(numbers.values):
+        raise RecordError("no number follows the names of its columns; get the file anew", name)
     columns = _columns(numbers, name)
-    if columns != 2 and any(_HEAD.fullmatch(line) for line in lines):
+    heads = [number for number, line in enumerate(lines, 1) if _HEAD.fullmatch(line)]
+    if len(heads) > 1:
+        raise RecordError("its columns are named twice; leave this line out", name, heads[1])
+    named = bool(heads)
+    if columns != 2 and named:
         raise RecordError(f"its head names two columns, time and acceleration, and it has {columns}", name)
     first = numbers.values[::columns]
-    is_time = columns > 1 and len(first) > 2 and _is_time(first)
+    if named:
+        _refuse_unequal_steps(first, [number for number, line in enumerate(plain, 1) if line.strip()], name)
+    is_time = columns > 1 and len(first) > 2 and (named or _is_time(first))
+    if columns == 2 and len(first) > 2 and not is_time and _is_time(first - first[0]):
+        raise RecordError(
+            f"the first of two columns grows in equal steps from {first[0]:.10g}, not from zero: if it is time, "
+            "say so in a first line, time [s],acceleration [m/s2]",
+            name,
+        )
     if unit is None:
         raise OptionError("units", _unstated(needs_dt=dt is None and not (columns == 2 and is_time)), name)
     if columns == 2 and is_time:
@@ -94,6 +113,11 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
         raise OptionError("dt", "the file does not state the time step; give it with `dt:` in seconds", name)
     row_major = () if columns == 1 else (f"values read line by line, {columns} on each",)
     return Text(numbers.values, float(dt), unit, row_major)
+
+
+def _lines(data: bytes) -> list[str]:
+    """The lines of a text, without the mark that spreadsheets put before it."""
+    return data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").splitlines()
 
 
 def _unstated(*, needs_dt: bool) -> str:
@@ -126,6 +150,10 @@ def _without_commas(lines: list[str], name: str) -> list[str]:
         if _COMMENT.match(line) or _HEAD.fullmatch(line):
             plain.append("")
             continue
+        if ";" in line:
+            raise RecordError(
+                "separate columns by commas or blanks and decimals by a point; a semicolon stands here", name, number
+            )
         commas = line.strip().rstrip(",").count(",")
         if commas and commas != len(line.replace(",", " ").split()) - 1:
             raise RecordError("a comma can only separate numbers; write decimals with a point", name, number)
@@ -155,6 +183,22 @@ def _is_time(column: NDArray[np.float64]) -> bool:
         return False
     expected = column[0] + step * np.arange(len(column))
     return bool((np.abs(column - expected) <= UNIFORM * step).all())
+
+
+def _refuse_unequal_steps(time: NDArray[np.float64], lines: list[int], name: str) -> None:
+    """Say where a column that is named time [s] does not grow in equal steps; lines: where its numbers stand."""
+    steps = np.diff(time)
+    usual = float(np.median(steps)) if len(steps) else 0.0
+    # times are printed with few digits, which a step may differ by twice
+    odd = np.flatnonzero(~(np.abs(steps - usual) <= 2.0 * UNIFORM * usual)) if usual > 0.0 else np.arange(len(steps))
+    if len(odd) and not (usual > 0.0 and _is_time(time - time[0])):
+        at = int(odd[0])
+        raise RecordError(
+            f"time goes from {time[at]:.10g} to {time[at + 1]:.10g} s here, in other steps by {usual:.6g} s: write "
+            "samples in equal steps of time, none left out",
+            name,
+            lines[at + 1],
+        )
 
 
 def _time_step(time: NDArray[np.float64], stated: float | None, name: str) -> tuple[float, float]:

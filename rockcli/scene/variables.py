@@ -323,7 +323,13 @@ _ROWS: tuple[Variable, ...] = (
         "last outward passage of the unstable equilibrium; NaN unless overturned",
     ),
     Variable("t_end", r"$t_{\mathrm{end}}$", CASE, "s", "end of the reported response"),
-    Variable("n_impacts", r"$n_{\mathrm{impacts}}$", CASE, "1", "impacts faster than 1e-6 p alpha up to t_end"),
+    Variable(
+        "n_impacts",
+        r"$n_{\mathrm{impacts}}$",
+        CASE,
+        "1",
+        "impacts faster than 1e-6 p alpha, of the edge the body turned about before, up to t_end",
+    ),
     Variable(
         "mu_required",
         r"$\mu_{\mathrm{req}}$",

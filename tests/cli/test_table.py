@@ -124,3 +124,11 @@ def test_what_cannot_be_selected_is_said(rock, dataset, capsys, words, said):
     shown = capsys.readouterr().err
     assert said in shown
     assert shown.count("\n") == 1
+
+
+def test_one_limit_state_of_a_table(rock, dataset, tmp_path, capsys):
+    assert rock("table", dataset, "--of", "fragility", "--select", "limit_state=overturned", "--out", "t.csv") == 0
+    with (tmp_path / "t.csv").open(encoding="utf-8") as file:
+        assert [row["limit_state"] for row in csv.DictReader(file)] == ["overturned"]
+    assert rock("table", dataset, "--of", "fragility", "--select", "limit_state=fallen") == 2
+    assert "limit_state=fallen: there are" in capsys.readouterr().err

@@ -151,9 +151,9 @@ def test_a_head_that_says_too_little_or_what_is_not_there(write) -> None:
     for head in (
         "time [ms],acceleration [g]",
         "time [s],velocity [m/s]",
-        "time [s],acceleration [g]\ntime,acceleration",
     ):
         refused(write(f"{head}\n{TWO}", "no.csv"), "format is not known")
+    refused(write(f"time [s],acceleration [g]\ntime,acceleration\n{TWO}", "twice.csv"), "named twice")
 
 
 def test_time_that_starts_at_one_step_is_told(write) -> None:
@@ -315,3 +315,49 @@ def test_numbers_are_those_printed_whether_read_at_once_or_line_by_line(spoiled:
     assert found.values.tolist() == wanted
     assert found.per_line.sum() == len(wanted) == len(found.tokens)
     assert found.text_after == (("tail of text",) if spoiled == " tail of text" else ())
+
+
+HEADED = "time [s],acceleration [m/s2]\n" + "".join(f"{0.01 * k:.2f},{0.1 * (-1) ** k}\n" for k in range(50))
+
+
+def columns(tmp_path, text: str | bytes):
+    path = tmp_path / "r.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return read_record(path)
+
+
+def test_a_spreadsheet_s_mark_before_the_head_is_no_part_of_it(tmp_path):
+    plain, marked = (columns(tmp_path, mark + HEADED.encode()) for mark in (b"", b"\xef\xbb\xbf"))
+    np.testing.assert_array_equal(plain.values, marked.values)
+    assert (marked.dt, marked.units, len(marked.values)) == (0.01, "m/s2", 50)
+
+
+def test_time_may_begin_anywhere_where_the_head_names_it(tmp_path):
+    shifted = HEADED.replace("\n0.", "\n5.")
+    found = columns(tmp_path, shifted)
+    assert (found.dt, len(found.values)) == (0.01, 50)
+    assert "time counted from the first sample, 5 s in the file" in found.processing
+    with pytest.raises(RecordError, match=r"grows in equal steps from 5, not from zero: if it is time, say so"):
+        columns(tmp_path, shifted.split("\n", 1)[1])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "said"),
+    [
+        ("0.20,0.1\n", "0.20,abc\n", 22, r"'abc' is not a number"),
+        ("0.20,0.1\n", "0.20,nan\n", 22, r"nan"),
+        ("0.20,0.1\n", "", 22, r"time goes from 0.19 to 0.21 s here, in other steps by 0.01 s"),
+        ("0.20,0.1\n", "0.10,0.1\n", 22, r"time goes from 0.19 to 0.1 s"),
+        ("0.20,0.1\n", "0.20;0.1\n", 22, r"a semicolon stands here"),
+    ],
+)
+def test_what_is_wrong_with_a_named_column_is_told_with_its_line(tmp_path, old, new, line, said):
+    assert old in HEADED
+    with pytest.raises(RecordError, match=said) as error:
+        columns(tmp_path, HEADED.replace(old, new))
+    assert error.value.line == line
+
+
+def test_a_head_without_numbers(tmp_path):
+    with pytest.raises(RecordError, match="no number follows"):
+        columns(tmp_path, HEADED.split("\n")[0] + "\n")

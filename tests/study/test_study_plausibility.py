@@ -164,3 +164,11 @@ class TestTimeAndAngles:
         said = " ".join(all_warnings({"block": {"R": 2, "tan_alpha": 0.2}, "motion": {"record": record}}))
         assert ("if degrees are meant" in said) == doubted
         assert ("write 30*deg" in said) == (angle == 30)
+
+
+def test_a_geometry_that_no_model_has_is_told():
+    motion = {"motion": {"pulse": SINE}, "geometry": "corotational"}
+    (said,) = warnings_of(motion)
+    assert said.startswith("geometry is ignored")
+    assert warnings_of(motion, vary={"model": ["rigid", 1]}) == ()
+    assert warnings_of({**motion, "model": "auto"}) == ()

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Pulses, Samples
 from rockcli.study.building.ground_motion import MOTION
@@ -21,6 +22,8 @@ Array = NDArray[np.float64]
 DT_OUT = 0.005
 """Largest output spacing by default [s]."""
 
+
+NO_GEOMETRY = "geometry is ignored: models 1 to 4 have two, and no case has such a model"
 
 MOST_USES = 20
 """Ways in which one motion is used that are told."""
@@ -118,4 +121,10 @@ class Found:
         """Sentences about what is hardly meant."""
         curves: Any = value_at(study, ("curves",))
         nothing_moves = self.still and not curves and "fema356" not in self.schemes
-        return [STILL] * nothing_moves + list(self.implausible)
+        for_nothing = value_at(study, ("case", "geometry")) is not None and not self._knows_geometry
+        return [STILL] * nothing_moves + [NO_GEOMETRY] * for_nothing + list(self.implausible)
+
+    @property
+    def _knows_geometry(self) -> bool:
+        """Whether a case has a model of two geometries, or may be given one."""
+        return any(geometry is not None or model == AUTO for model, geometry in self.models)

@@ -49,7 +49,10 @@ def read_table(name: str, source: Source, where: Where) -> Table:
         if len(row) != len(header):
             raise StudyError(f"the line has {len(row)} cells, the first has {len(header)}", file=path, line=i)
         if not all(row):
-            raise StudyError(f"the cell below {header[row.index('')]!r} is empty", file=path, line=i)
+            column = header[row.index("")]
+            raise StudyError(
+                f"the cell below {column!r} is empty; write null where a point has none", file=path, line=i
+            )
         for column, cell in zip(columns, row[1:], strict=True):
             if _is_no_finite_number(cell):
                 raise StudyError(f"the cell below {column!r} is {cell}: a finite number is expected", file=path, line=i)
