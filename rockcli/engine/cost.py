@@ -76,7 +76,7 @@ SPECTRUM = 0.02
 FEMA = "fema356"
 """The rule, and the backend, of that name."""
 
-HISTORY = 1.0e-6
+HISTORY = 1.3e-6
 """An output time of a case whose histories are saved, kept and written [s]."""
 
 STATISTICS, OF_MEMBER = 0.6, 6e-6
