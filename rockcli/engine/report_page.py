@@ -66,7 +66,7 @@ _WANTED: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 """Tables of a page: title, and which columns."""
 
-_ROWS_SHOWN = 50
+_ROWS_SHOWN = 1000
 """Rows of a table of the suite."""
 
 

@@ -166,7 +166,8 @@ def main() -> None:
         build_group(words[1], Path(words[2]), words[3:])
         return
     base, levels = Path(words[0]) / places.digest(), words[1:] or [ahead.level()]
-    build(base, [x for x in levels if not (base / ahead.folder_of(x)).is_dir()])
+    if missing := [x for x in levels if not (base / ahead.folder_of(x)).is_dir()]:
+        build(base, missing)
     for other in Path(words[0]).iterdir():
         if re.fullmatch("[0-9a-f]{16}", other.name) and other != base:
             shutil.rmtree(other)  # of other sources

@@ -230,3 +230,14 @@ def test_a_build_that_fails_leaves_nothing(nothing_installed: Path, monkeypatch:
     with pytest.raises(OutputError, match=r"the kernels of .* could not be compiled"):
         cache.cache(fill=True)
     assert list(places.cache_dir().iterdir()) == []
+
+
+def test_what_is_there_is_not_compiled_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As when the program is installed once more with another extra."""
+    (tmp_path / places.digest() / ahead.folder_of(ahead.level())).mkdir(parents=True)
+    asked: list[list[str]] = []
+    monkeypatch.setattr(build, "build", lambda base, levels: asked.append(levels))
+    for words in ([], [ahead.level()], [ahead.level(), "another"]):
+        monkeypatch.setattr(sys, "argv", ["build", str(tmp_path), *words])
+        build.main()
+    assert asked == [["another"]]
