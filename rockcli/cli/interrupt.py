@@ -83,7 +83,8 @@ def answered() -> Iterator[None]:
         return heard.is_set() and raised[0]() is None and not _told.locked()
 
     def unraisable(what: Any) -> None:
-        if not issubclass(what.exc_type, Asked):
+        # what was interrupted while it was made cannot be finalized: no news beside the interrupt
+        if not heard.is_set() and not issubclass(what.exc_type, Asked):
             hook(what)
 
     woken, wake = socket.socketpair()  # Windows waits for no pipe
