@@ -187,18 +187,19 @@ def _is_time(column: NDArray[np.float64]) -> bool:
 
 def _refuse_unequal_steps(time: NDArray[np.float64], lines: list[int], name: str) -> None:
     """Say where a column that is named time [s] does not grow in equal steps; lines: where its numbers stand."""
+    if len(time) < 3 or _is_time(time - time[0]):
+        return
     steps = np.diff(time)
-    usual = float(np.median(steps)) if len(steps) else 0.0
-    # times are printed with few digits, which a step may differ by twice
-    odd = np.flatnonzero(~(np.abs(steps - usual) <= 2.0 * UNIFORM * usual)) if usual > 0.0 else np.arange(len(steps))
-    if len(odd) and not (usual > 0.0 and _is_time(time - time[0])):
-        at = int(odd[0])
-        raise RecordError(
-            f"time goes from {time[at]:.10g} to {time[at + 1]:.10g} s here, in other steps by {usual:.6g} s: write "
-            "samples in equal steps of time, none left out",
-            name,
-            lines[at + 1],
-        )
+    usual = float(np.median(steps))
+    # times are printed with few digits, which a step may differ by twice; else the step that differs most
+    odd = np.append(np.flatnonzero(np.abs(steps - usual) > 2.0 * UNIFORM * abs(usual)), np.abs(steps - usual).argmax())
+    at = int(odd[0])
+    raise RecordError(
+        f"time goes from {time[at]:.10g} to {time[at + 1]:.10g} s here, in other steps by {usual:.6g} s: write "
+        "samples in equal steps of time, none left out",
+        name,
+        lines[at + 1],
+    )
 
 
 def _time_step(time: NDArray[np.float64], stated: float | None, name: str) -> tuple[float, float]:
