@@ -364,7 +364,7 @@ def test_a_head_without_numbers(tmp_path):
 
 
 def test_steps_that_grow_little_by_little_are_no_equal_steps(tmp_path):
-    """None differs from its neighbours by more than digits may, and all together by a fifth."""
+    """None differs from its neighbours by more than digits may, and all together by a tenth."""
     times = np.concatenate([[0.0], np.cumsum(np.linspace(0.0095, 0.0105, 60))])
     text = "time [s],acceleration [m/s2]\n" + "".join(f"{t:.8f},0.1\n" for t in times)
     with pytest.raises(RecordError, match="equal steps of time"):
