@@ -28,6 +28,7 @@ SINGLE, DOUBLE = WIDTHS["single"] / INCH, WIDTHS["double"] / INCH
 """Widths of one and two journal columns [in]."""
 
 DPI, SCREEN_DPI = 300, 110
+
 COLOURS: tuple[str, ...] = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5D3A9B", "#000000",
 )  # fmt: skip
