@@ -83,7 +83,10 @@ SHARE: Check = (lambda value, block, g: (value >= 0.0) & (value <= 1.0), "must b
 
 
 def _can_be_scaled(value: Array, block: Block, g: Array) -> NDArray[np.bool_]:
-    return np.asarray(~block.rolls | (value == 1.0) | (housner_eta(block) > 0.0).all(axis=1))
+    rolls = block.rolls
+    if not rolls.any():
+        return np.ones(block.size, dtype=bool)
+    return np.asarray(~rolls | (value == 1.0) | (housner_eta(block) > 0.0).all(axis=1))
 
 
 SCALED: Check = (

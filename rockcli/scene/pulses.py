@@ -41,7 +41,7 @@ def make_pulses(shape: str, *, a_p: Array, omega_p: Array, t0: Array | None = No
     if t0 is None:
         t0 = 0.5 * options["gamma"] * T_p if shape == "mavroeidis_papageorgiou" else law.lead_in_periods * T_p
     rows = law.pieces(a_p=a_p, omega_p=omega_p, T_p=T_p, t0=np.broadcast_to(t0, a_p.shape), **options)
-    table = np.stack(rows, axis=1)
+    table = rows[0][:, None] if len(rows) == 1 else np.stack(rows, axis=1)
     start = table[:, 0, 0]
     late = start > 0.0
     if late.any():  # silence before the pulse is a piece too

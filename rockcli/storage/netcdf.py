@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
@@ -22,6 +22,9 @@ from rockcli.storage.places import reason
 
 _COMPRESSED_FROM = 4096
 """Values from which a variable is compressed (lossless)."""
+
+_SUMMED_BESIDE = 1 << 24
+"""Size from which the checksum has a thread of its own, some 10 ms of work [bytes]."""
 
 _AXES = "axes"
 
@@ -45,14 +48,26 @@ def write(contents: Contents, path: Path) -> None:
 def _write(contents: Contents, scratch: Path) -> None:
     import netCDF4
 
-    with netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
+    with _summed(contents) as digest, netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
         for name, size in contents.sizes.items():
             file.createDimension(name, size)
         for name, item in contents.fields.items():
             _write_field(file, contents, name, item)
-        for name, value in (contents.attrs | {checksum.NAME: checksum.checksum(contents)}).items():
+        for name, value in (contents.attrs | {checksum.NAME: digest()}).items():
             file.setncattr_string(name, value)
         file.setncattr_string(_AXES, " ".join(contents.axes))
+
+
+@contextmanager
+def _summed(contents: Contents) -> Iterator[Callable[[], str]]:
+    """Give what tells the checksum; that of large contents is made while they are written."""
+    if sum(item.values.nbytes for item in contents.fields.values()) < _SUMMED_BESIDE:
+        yield lambda: checksum.checksum(contents)
+        return
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(max_workers=1) as beside:
+        yield beside.submit(checksum.checksum, contents).result
 
 
 def _why(scratch: Path, error: RuntimeError | OSError) -> str:

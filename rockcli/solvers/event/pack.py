@@ -32,13 +32,13 @@ BLOCK = 2048
 def parameters_of(batch: Batch) -> Array:
     """One row per case in the layout of `kernels.rigid.parameters`."""
     model = MODELS[batch.model, batch.geometry]
-    block, p = batch.block, batch.p
+    block, shape = batch.block, batch.p.shape
     alpha, tan_alpha = _once(block.alpha, block.tan_alpha)
     law = model.law(alpha, tan_alpha)
     of_law = (law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star, _slope(law, model.linear))
-    edges = (
-        p**2, block.alpha, *(np.broadcast_to(x, p.shape) for x in of_law), batch.damping.eta, _damper(batch), block.R,
-    )  # fmt: skip
+    apart = (_once(each)[0] for each in (batch.p**2, block.alpha, batch.damping.eta, _damper(batch), block.R))
+    p2, alpha, eta, damper, R = apart
+    edges = [np.broadcast_to(each, shape) for each in (p2, alpha, *of_law, eta, damper, R)]
     lasts = durations_of(batch)
     columns = (
         batch.g, *(x[:, LEFT] for x in edges), *(x[:, RIGHT] for x in edges), batch.theta_0, batch.theta_dot_0,
@@ -46,17 +46,21 @@ def parameters_of(batch: Batch) -> Array:
         factors_of(batch.excitation.suite or batch.excitation.horizontal, batch.size),
         factors_of(batch.excitation.vertical, batch.size),
     )  # fmt: skip
+    first = np.array([values[0] for values in columns])
+    several = [(column, values) for column, values in enumerate(columns) if values.strides != (0,)]
     rows = np.empty((batch.size, len(columns)))
     for begin in range(0, batch.size, BLOCK):  # column by column in rows that stay in the cache
         part = rows[begin : begin + BLOCK]
-        for column, values in enumerate(columns):
+        part[:] = first
+        for column, values in several:
             part[:, column] = values[begin : begin + BLOCK]
     return rows
 
 
 def _once(*values: Array) -> tuple[Array, ...]:
     """Values (n, 2), or the first row of each where all rows of all are alike, (1, 2)."""
-    alike = all(bool((each == each[:1]).all()) for each in values)
+    flat = [each.reshape(-1) for each in values]  # numpy is slow over an axis of two
+    alike = all(bool((each[2:] == each[:-2]).all()) for each in flat)
     return tuple(each[:1] for each in values) if alike else values
 
 

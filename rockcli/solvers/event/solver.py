@@ -193,9 +193,9 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     rows = np.ascontiguousarray(parameters)
     given = np.isfinite(batch.block.mu)
     compiled = bool(kernels.compiled)
-    run = Raw(batch.size, 0, 0)
     pulses = isinstance(batch.excitation.horizontal, Pulses)
     fit = lane_pulses.fit(batch, rows) if pulses else lane_records.fit(batch, rows)
+    run = Raw(0 if fit.all() and not given.any() else batch.size, 0, 0)  # mostly all, and then nothing is copied
     detail = _detail(march, batch, False)
     forces = bool(batch.save.scalars & FORCES)
     how_much = int(march.PEAKS) if given.any() and not forces else detail
@@ -205,15 +205,16 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
         idle = slides_only(batch) & has_contact_forces(batch) & (batch.excitation.vertical is None)
         turns = none if pulses else fit & can_take_turns(batch) & has_contact_forces(batch)
     run.out[:, to.STATUS] = np.nan
-    run.out[idle] = _never_moved(run.out.shape[1])
-    fit &= ~idle
+    if idle.any():
+        run.out[idle] = _never_moved(run.out.shape[1])
+        fit &= ~idle
     if turns.any():
         taking = np.flatnonzero(turns)
         run.out[taking], slides[taking], slid = by_turns(
             batch if turns.all() else batch.rows(taking), rows[taking], level
         )
         fit &= ~turns
-    cases = slice(None) if fit.all() else np.flatnonzero(fit)  # mostly all, and then nothing is copied
+    cases = slice(None) if fit.all() else np.flatnonzero(fit)
     if pulses:
         lanes = kernels.load("lanes.pulses.march", compile_them=compiled)
         how, path = settings_of(lanes, batch, level, how_much), lane_pulses.path_asked(batch)

@@ -57,8 +57,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
     numerics = _numerics(numbers)
     g = numbers.array(numbers.g)
     block = numbers.block
-    p = block.p(g)
-    numbers.require(("case", "g"), (p > 0.0) & (p < np.inf), "g and the block give no finite p")
+    numbers.require(("case", "g"), (numbers.p > 0.0) & (numbers.p < np.inf), "g and the block give no finite p")
     damping = build_damping(numbers, warnings)
     excitation = build_excitation(numbers, records, warnings)
     theta_0, theta_dot_0 = _initial(numbers)

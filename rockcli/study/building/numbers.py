@@ -105,6 +105,7 @@ class Numbers:
         self._busy: list[str] = []
         self._pair: Block | None = None
         self._block: Block | None = None
+        self._p: Array | None = None
 
     def value(self, keys: Keys) -> Value | None:
         """The number at `keys`, a float or (n,); None where the study gives none.
@@ -217,7 +218,7 @@ class Numbers:
 
     def _of_block(self, name: str) -> Value:
         if name == "p":
-            return self.block.of_weak_edge(self.block.p(self.array(self.g)))
+            return self.block.of_weak_edge(self.p)
         block = self._block or self._pair_block()
         both = {"R": block.R, "alpha": block.alpha, "tan_alpha": block.tan_alpha, "b": block.b}
         return block.h if name == "h" else block.of_weak_edge(both[name])
@@ -250,3 +251,10 @@ class Numbers:
             finally:
                 self._busy.pop()
         return self._block
+
+    @property
+    def p(self) -> Array:
+        """Frequency parameter of each edge, (n, 2) [rad/s]; raises StudyError."""
+        if self._p is None:
+            self._p = self.block.p(self.array(self.g))
+        return self._p
