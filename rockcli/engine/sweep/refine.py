@@ -13,7 +13,7 @@ from those that are not solved tell how much that may be, and what they find is 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,9 +39,12 @@ COARSEST, UNDER_RECORDS = 32, 16
 WIDE = 4
 """Pitch down to which places are solved together with the eight around them [pixels]."""
 
-AHEAD, SLOPE = 24, 4
-"""Pixels ahead of a part one pixel wide in which the next is sought, at most 1.5 pitches of the coarse grid: as far to
-either side as ahead in the first SLOPE of them, then one pixel in SLOPE."""
+AHEAD, KNOWN = 24, 8
+"""Pixels ahead of a part one pixel wide in which the next is sought, at most 1.5 pitches of the coarse grid; pixels for
+which a band must be followed back for its direction to be known."""
+
+FEW = 32
+"""Places below which they are left to the grid of half the pitch, as a round of a few costs as much as one of hundreds."""
 
 PROBES, PROBED = 3000, 20
 """Pixels drawn at random, at most, and one of them for so many solved ones."""
@@ -186,6 +189,8 @@ class Maps:
             if self.pitch == 1:
                 near += self._ahead(places)
             places = wanted = self._unsolved(np.concatenate(near))
+            if self.pitch > 1 and len(wanted) < FEW:
+                return
 
     def _unsolved(self, places: Index) -> Index:
         """Those of some places that are not solved, once each."""
@@ -235,22 +240,54 @@ class Maps:
         row, column = places // m % n, places % m
         places = places[(row > 0) & (row < n - 1) & (column > 0) & (column < m - 1)]
         found = []
-        for along, across in ((m, 1), (1, m)):
+        for down in (True, False):
+            along, across = (m, 1) if down else (1, m)
             own = outcome[places]
             thin = places[(outcome[places - across] != own) & (outcome[places + across] != own)]
-            for ahead in (-along, along):
+            for way in (-1, 1):
                 own = outcome[thin]
-                ends = thin[np.all([outcome[thin + ahead + i * across] != own for i in (-1, 0, 1)], axis=0)]
-                first, row, column = ends // (n * m) * n, ends // m % n, ends % m
-                for i in range(1, self.reach + 1):
-                    width = max(min(i, SLOPE), 1 + i // SLOPE)
-                    aside = np.arange(-width, width + 1)
-                    forth = np.full(len(aside), i if ahead > 0 else -i)
-                    down, right = (forth, aside) if along == m else (aside, forth)
-                    y = first[:, None] + np.clip(row[:, None] + down, 0, n - 1)
-                    x = np.clip(column[:, None] + right, 0, m - 1)
-                    found.append(self._unsolved((y * m + x).reshape(-1)))
+                ends = thin[np.all([outcome[thin + way * along + i * across] != own for i in (-1, 0, 1)], axis=0)]
+                slope, known = self._followed_back(ends, down, way)
+                found += self._sought(ends[known], down, way, slope[known], _corridor)
+                found += self._sought(ends[~known], down, way, np.zeros_like(slope[~known]), _fan)
         return found
+
+    def _followed_back(self, ends: Index, down: bool, way: int) -> tuple[NDArray[np.float64], Mask]:
+        """How far aside a pixel ahead the bands go that end at some places, and whether enough of them is known.
+
+        Pixel by pixel the band goes on where it has been going, a pixel aside, or more the longer the gap before.
+        """
+        outcome, solved = self.outcome.reshape(-1), self.solved.reshape(-1)
+        own, aside, back = outcome[ends][:, None], np.zeros_like(ends), np.zeros_like(ends)
+        off = np.array([0, 1, -1, 2, -2, 3, -3])
+        for i in range(1, self.reach + 1) if len(ends) else ():
+            gap = i - back
+            aim = (aside + np.rint(aside / np.maximum(back, 1) * gap).astype(np.int64))[:, None] + off
+            at = self._at(ends[:, None], down, -way * i, aim)
+            goes_on = (outcome[at] == own) & solved[at] & (np.abs(off) <= 1 + gap[:, None] // 3)
+            some, first = goes_on.any(axis=1), goes_on.argmax(axis=1)
+            aside = np.where(some, np.take_along_axis(aim, first[:, None], axis=1)[:, 0], aside)
+            back = np.where(some, i, back)
+        return -aside / np.maximum(back, 1), back >= KNOWN
+
+    def _sought(
+        self, ends: Index, down: bool, way: int, slope: NDArray[np.float64], width: Callable[[int], int]
+    ) -> list[Index]:
+        """Unsolved pixels ahead of the ends of bands that go aside by a slope, within a width to either side."""
+        found = []
+        for i in range(1, self.reach + 1) if len(ends) else ():
+            aside = np.arange(-width(i), width(i) + 1)
+            expected = np.rint(slope * i).astype(np.int64)[:, None]
+            found.append(self._unsolved(self._at(ends[:, None], down, way * i, expected + aside).reshape(-1)))
+        return found
+
+    def _at(self, places: Index, down: bool, along: int, aside: Index) -> Index:
+        """Places so many pixels on, along n if `down` else along m, and aside; at the edge of the map those there."""
+        _, n, m = self.outcome.shape
+        first, row, column = places // (n * m) * n, places // m % n, places % m
+        i, j = (along, aside) if down else (aside, along)
+        row, column = np.minimum(np.maximum(row + i, 0), n - 1), np.minimum(np.maximum(column + j, 0), m - 1)
+        return np.asarray((first + row) * m + column)
 
     def _drawn(self) -> Index:
         """Pixels drawn at random from those not solved, the same ones every time."""
@@ -272,3 +309,13 @@ def _once(numbers: Index) -> Index:
     """Each of these numbers once, in order.  As they come in a few ordered rows, merging takes a tenth of the time."""
     ordered = np.sort(numbers, kind="stable")
     return ordered[np.append(True, ordered[1:] != ordered[:-1])] if len(ordered) else ordered
+
+
+def _fan(i: int) -> int:
+    """Pixels to either side in which a band is sought i pixels ahead whose direction is not known."""
+    return max(min(i, 4), 1 + i // 4)
+
+
+def _corridor(i: int) -> int:
+    """The same where it is known."""
+    return 1 + i // 8
