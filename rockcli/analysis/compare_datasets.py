@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.places import place, units_of
+from rockcli.analysis.places import coordinate, place, units_of
 from rockcli.errors import StudyError
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.units import SI
@@ -21,6 +21,9 @@ OUTCOME = "outcome"
 FLOOR = 1e-9
 """Peaks smaller than this differ by no more than it: theta/alpha below which nobody cares."""
 
+_COORDINATES = 5
+"""Coordinates of an axis that a message names."""
+
 
 @dataclass(frozen=True)
 class Difference:
@@ -32,6 +35,7 @@ class Difference:
         largest: largest relative difference of two finite peaks, NaN if none can be compared.
         median: median of those relative differences.
         worst: (place, words) of the worst points, outcomes first, then peaks by size.
+        paired: axes of the first -> axes of the second that were taken for them, as their labels are the same.
     """
 
     points: int
@@ -42,6 +46,7 @@ class Difference:
     largest: float
     median: float
     worst: tuple[tuple[str, str], ...]
+    paired: dict[str, str]
 
     @property
     def same(self) -> bool:
@@ -57,19 +62,24 @@ def difference(
     Two peaks agree if |b - a| <= atol + rtol max(|a|, |b|), or both are infinite, or neither has an answer.
 
     Args:
-        a, b: datasets with the same axes, in any order.
+        a, b: datasets with the same axes, in any order; where its labels are the same, an axis of labels may have
+            another name, as the same settings have by name below one key and in a table below another.
         rtol, atol: allowed differences of theta_peak_over_alpha.
         most: worst points named.
 
     Raises:
         StudyError: the axes differ, no point is shared, or neither outcome nor peak is in both.
     """
-    if set(a.axes) != set(b.axes):
-        raise StudyError(f"the datasets have other axes: {_axes(a)}; {_axes(b)}")
+    paired = _paired(a, b)
+    b = _renamed(b, {other: axis for axis, other in paired.items()})
     at_a, at_b = _shared(a, b)
     points = int(np.prod([len(rows) for rows in at_a], dtype=np.int64))
     if not points:
-        raise StudyError("the datasets have no point in common")
+        apart = next(axis for axis, rows in zip(a.axes, at_a, strict=True) if not len(rows))
+        raise StudyError(
+            f"the datasets have no point in common: {_said(a, apart)} in the first, {_said(b, apart)} in the second; "
+            "points are the same where labels are equal and numbers agree to nine digits"
+        )
     both = [name for name in (OUTCOME, PEAK) if name in a.fields and name in b.fields]
     if not both:
         raise StudyError(f"neither {OUTCOME} nor {PEAK} is in both datasets")
@@ -110,11 +120,51 @@ def difference(
         largest=float(finite.max()) if finite.size else np.nan,
         median=float(np.median(finite)) if finite.size else np.nan,
         worst=tuple(worst),
+        paired=paired,
     )
 
 
-def _axes(contents: Contents) -> str:
-    return ", ".join(contents.axes) or "none"
+def _paired(a: Contents, b: Contents) -> dict[str, str]:
+    """Axes that only a has -> axes that only b has, by their labels.
+
+    Raises:
+        StudyError: an axis has none, or several.
+    """
+    only_a, only_b = ([axis for axis in x.axes if axis not in y.axes] for x, y in ((a, b), (b, a)))
+    alike = {axis: [other for other in only_b if _same_labels(a.values(axis), b.values(other))] for axis in only_a}
+    pairs = {axis: others[0] for axis, others in alike.items() if len(others) == 1}
+    if len({*pairs.values()}) == len(only_a) == len(only_b):
+        return pairs
+    one, two = (", ".join(_said(x, axis) for axis in only) or "none" for x, only in ((a, only_a), (b, only_b)))
+    raise StudyError(
+        f"the datasets have other axes: {one} in the first, {two} in the second; have both studies vary the same keys, "
+        "or give settings by name and settings of a table the same labels"
+    )
+
+
+def _same_labels(x: NDArray[Any], y: NDArray[Any]) -> bool:
+    return x.dtype.kind != "f" and y.dtype.kind != "f" and set(x) == set(y)
+
+
+def _renamed(contents: Contents, names: dict[str, str]) -> Contents:
+    """The outcomes and peaks of a dataset, some of its axes called otherwise."""
+    axes = tuple(names.get(axis, axis) for axis in contents.axes)
+    fields = {
+        names.get(name, name): replace(item, dims=tuple(names.get(dim, dim) for dim in item.dims))
+        for name, item in contents.fields.items()
+        if name in (*contents.axes, OUTCOME, PEAK)
+    }
+    return Contents(axes, fields, contents.attrs)
+
+
+def _said(contents: Contents, axis: str) -> str:
+    """`block ('low', 'high')`: an axis with its first coordinates."""
+    values = contents.values(axis)
+    words = [
+        repr(v) if isinstance(v, str) else coordinate(contents, axis, v, units_of(contents))
+        for v in values[:_COORDINATES]
+    ]
+    return f"{axis} ({', '.join(words)}{', ...' if len(values) > _COORDINATES else ''})"
 
 
 def _shared(a: Contents, b: Contents) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]]:

@@ -46,6 +46,9 @@ def _in_words(found: Difference, rtol: float) -> str:
     lines = [f"{counted(found.points, 'point')} in both"]
     if found.only_a or found.only_b:
         lines[0] += f"; {found.only_a} only in the first, {found.only_b} only in the second: not compared"
+    lines += [
+        f"  the axis {b} of the second is taken for {a}: its labels are the same" for a, b in found.paired.items()
+    ]
     lines.append(f"  outcomes  {found.outcomes} differ")
     if found.largest == found.largest:
         spread = f"relative difference: median {found.median:.2g}, largest {found.largest:.2g}"

@@ -28,7 +28,10 @@ def plot(
     ] = None,
     title: Annotated[str, typer.Option("--title", metavar="TEXT", help="Title instead of the study's.")] = "",
     no_title: Annotated[
-        bool, typer.Option("--no-title", help="No title: its words are in the file's metadata alone.")
+        bool,
+        typer.Option(
+            "--no-title", help="No title or note below it; both are in the file's metadata, and the note is printed."
+        ),
     ] = False,
     letters: Annotated[bool, typer.Option("--letters", help="Letter the panels: (a), (b), ...")] = False,
     out: Annotated[
@@ -43,5 +46,7 @@ def plot(
     from rockcli.engine.draw import changes, draw_as_told
 
     changed = changes(chosen(select), width, None if no_title else title, letters=letters)
-    for path in draw_as_told(files, out, tuple(kinds or ()), plot_format, **changed):
-        say(str(path))
+    for drawn in draw_as_told(files, out, tuple(kinds or ()), plot_format, **changed):
+        say(str(drawn.path))
+        if drawn.sentence:
+            say(f"rock: {drawn.sentence}", err=True)

@@ -69,7 +69,8 @@ def open_all(
         readers: processes that read records.
 
     Raises:
-        StudyError, RecordError: the last of all complaints; those before it are printed to stderr.
+        StudyError, RecordError: the last of all complaints, of studies that have the same one; those before it are
+            printed to stderr.
     """
     from rockcli.study.building.records import MissingRecordError
     from rockcli.study.open import open_study
@@ -77,7 +78,7 @@ def open_all(
     pairs = overrides(settings)
     studies: list[Study] = []
     skipped: list[tuple[Path, str]] = []
-    complaints: list[RockError] = []
+    complaints: list[tuple[Path, RockError]] = []
     for file in study_files(paths):
         try:
             study = open_study(file, overrides=pairs, readers=readers)
@@ -87,22 +88,44 @@ def open_all(
             if skip_missing and isinstance(error, MissingRecordError):
                 skipped.append((file, str(error)))
             else:
-                complaints.append(error)
+                complaints.append((file, error))
         else:
             studies.append(study)
     complaints += _same_names(studies)
-    for complaint in complaints[:-1]:
+    told = _of_each_sentence(complaints)
+    for complaint in told[:-1]:
         say(f"rock: {complaint}", err=True)
-    if complaints:
-        raise complaints[-1]
+    if told:
+        raise told[-1]
     return Opened(tuple(studies), tuple(skipped))
 
 
-def _same_names(studies: Sequence[Study]) -> list[RockError]:
+def _of_each_sentence(complaints: Sequence[tuple[Path, RockError]]) -> list[RockError]:
+    """The complaints about some files, those of one sentence as one that names all of its files."""
+    alike: dict[tuple[str | None, str], list[tuple[Path, RockError]]] = {}
+    for file, error in complaints:
+        elsewhere = None if error.file == str(file) else error.file
+        alike.setdefault((elsewhere, error.message), []).append((file, error))
+    return [_with_others(first, others) for first, *others in alike.values()]
+
+
+def _with_others(first: tuple[Path, RockError], others: Sequence[tuple[Path, RockError]]) -> RockError:
+    file, error = first
+    if not others:
+        return error
+    told = error.file == str(file)  # else the place is none of a study, as that of --set
+    places = [f"{one.file}:{one.line}" if told and one.line else str(each) for each, one in others]
+    where = f"also in {', '.join(places)}" if told else f"in {', '.join([str(file), *places])}"
+    return type(error)(f"{error.message}\n  {where}", file=error.file, line=error.line)
+
+
+def _same_names(studies: Sequence[Study]) -> list[tuple[Path, RockError]]:
     first: dict[str, Study] = {}
-    complaints: list[RockError] = []
+    complaints: list[tuple[Path, RockError]] = []
     for study in studies:
         other = first.setdefault(study.name, study)
         if other is not study:
-            complaints.append(StudyError(f"has the name of {other.file}: {study.name!r}", file=study.file))
+            assert study.file is not None
+            error = StudyError(f"has the name of {other.file}: {study.name!r}", file=study.file)
+            complaints.append((study.file, error))
     return complaints

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -37,6 +37,12 @@ def table(
         ),
     ] = "cases",
     select: Select = None,
+    sort: Annotated[
+        str | None,
+        typer.Option(
+            "--sort", metavar="[-]COLUMN", help="Rows by this column, -COLUMN the largest first; no answer comes last."
+        ),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE.csv|.xlsx|.parquet", help="Write all of it to a file.")
     ] = None,
@@ -62,11 +68,12 @@ def table(
     with opened(file) if not wanted else _selected(file, wanted) as (items, attrs):
         try:
             units = SI if si else units_of(items, attrs)
-            found = table_of(items, attrs, of=of, columns=named, degrees=degrees, units=units)
+            found = table_of(items, attrs, of=of, columns=named, degrees=degrees, units=units, sort=sort)
         except StudyError as error:
             raise StudyError(error.message, file=file) from None
         if out is None:
-            _print(found, rows, brief=named is None and of == CASES)
+            brief = named is None and of == CASES
+            _print(found, rows, always=(*found.dims, (sort or "").removeprefix("-")) if brief else found.names)
         else:
             check_folder(out.parent)
             write(found, out)
@@ -105,11 +112,12 @@ def _of_labels(dataset: Any, dim: str, asked: list[str]) -> Any:
     return dataset.isel({dim: [i for i, label in enumerate(there) if {label, exceeded_when(label)} & set(asked)]})
 
 
-def _print(table: Table, rows: int, *, brief: bool) -> None:
+def _print(table: Table, rows: int, always: Sequence[str]) -> None:
+    """The first rows of some columns and of those that say something."""
     from rockcli.cli.tables import table as printed
 
     block = table.first(rows)
-    shown = [column for column in block if not brief or column.name in table.dims or _tells(column)]
+    shown = [column for column in block if column.name in always or _tells(column)]
     cells = [_cells(column) for column in shown]
     told = 0
     while told < len(shown) and shown[-1 - told].values.dtype != object:

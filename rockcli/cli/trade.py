@@ -98,7 +98,7 @@ def _draw(path: Path, plot_format: str) -> tuple[Path, ...]:
     drawn, complaints = draw(path, (("work_precision", Look()),), plot_format)
     for complaint in complaints:
         say(f"rock: {complaint}", err=True)
-    return drawn
+    return tuple(one.path for one in drawn)
 
 
 def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, every: bool) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -23,6 +23,24 @@ Asked = Sequence[tuple[str, Look]]
 """Kinds of plot, and how each is wanted."""
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """A file with a figure.
+
+    Attributes:
+        path: of the file.
+        untold: what the note below a title says, as which cases are shown, where the figure has no title.
+    """
+
+    path: Path
+    untold: str
+
+    @property
+    def sentence(self) -> str:
+        """That the figure does not say it; "" where nothing is left out."""
+        return self.untold and f"{self.path.name} has no title, and does not say: {self.untold}"
+
+
 def changes(
     select: Mapping[str, Any] | None = None,
     width: str | float | None = None,
@@ -36,7 +54,7 @@ def changes(
     return {key: value for key, value in said.items() if value} | ({} if title == "" else {"title": title})
 
 
-def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tuple[tuple[Path, ...], tuple[str, ...]]:
+def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tuple[tuple[Drawn, ...], tuple[str, ...]]:
     """Draw plots beside a dataset file.
 
     Args:
@@ -63,11 +81,9 @@ def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tu
     for (kind, look), name in zip(asked, _names(kind for kind, _ in asked), strict=True):
         target = path.parent / f"{name}.{plot_format}"
         try:
-            _write(dataset, kind, look, target)
+            drawn.append(_write(dataset, kind, look, target))
         except StudyError as error:
             complaints.append(error.message)
-        else:
-            drawn.append(target)
     return tuple(drawn), tuple(complaints)
 
 
@@ -80,12 +96,14 @@ def _names(kinds: Iterator[str]) -> list[str]:
     return names
 
 
-def _write(dataset: xarray.Dataset, kind: str, look: Look, target: Path) -> None:
+def _write(dataset: xarray.Dataset, kind: str, look: Look, target: Path) -> Drawn:
+    from rockcli.plotting.common.style import untold
     from rockcli.plotting.figures import figure, save
 
     drawn = figure(kind, dataset, look)
     with replacing(target) as scratch:
         save(drawn, scratch, target.suffix.lower().lstrip("."))
+    return Drawn(target, untold(drawn))
 
 
 def asked_of(dataset: xarray.Dataset, kinds: Sequence[str] = (), **changed: Any) -> Asked:
@@ -112,7 +130,7 @@ def asked_of(dataset: xarray.Dataset, kinds: Sequence[str] = (), **changed: Any)
 
 def draw_as_told(
     files: Sequence[Path], out: Path | None, kinds: Sequence[str], plot_format: str = "png", **changed: Any
-) -> tuple[Path, ...]:
+) -> tuple[Drawn, ...]:
     """Draw dataset files as a command tells it: each beside its file, or all of them in one figure, `out`.
 
     Args:
@@ -129,11 +147,13 @@ def draw_as_told(
         names = [str(each.attrs.get("study_name") or file.stem) for each, file in zip(datasets, files, strict=True)]
         if len(kinds) > 1:
             raise StudyError("--out names one figure: give one --kind with it")
-        figure_of(datasets, kinds[0] if kinds else None, out, names=names, **changed)
-        return (out,)
+        from rockcli.plotting.common.style import untold
+
+        whole = figure_of(datasets, kinds[0] if kinds else None, out, names=names, **changed)
+        return (Drawn(out, untold(whole)),)
     from rockcli.plotting.common.selection import selected
 
-    drawn: list[Path] = []
+    drawn: list[Drawn] = []
     for file in files:
         dataset = open_dataset(file)
         selected(dataset, changed.get("select", {}))

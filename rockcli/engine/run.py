@@ -258,7 +258,7 @@ def _reported(
     study: Study, contents: Contents, status: str, path: Path, started: float, plot_format: str | None, *, si: bool
 ) -> RunReport:
     seconds = perf_counter() - started  # of solving and writing, not of drawing
-    drawn, complaints = _draw(study, path, plot_format) if plot_format is not None else ((), ())
+    drawn, remarks = _draw(study, path, plot_format) if plot_format is not None else ((), ())
     return report_on(
         study,
         contents,
@@ -266,7 +266,7 @@ def _reported(
         status=status,
         file=path,
         plots=drawn,
-        warnings=(*_warnings(contents), *complaints),
+        warnings=(*_warnings(contents), *remarks),
         seconds=seconds,
     )
 
@@ -283,11 +283,13 @@ def _renewed(study: Study, path: Path, sweep: Sweep) -> Contents:
 
 
 def _draw(study: Study, path: Path, plot_format: str) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+    """The files drawn, and what is to be said of them: what could not be drawn, and what they leave out unsaid."""
     from rockcli.engine.draw import draw
 
     if study.size > DRAWN and study.plots != ():
         return (), (f"not drawn: of {study.size} cases, as a figure holds all it shows in memory (at most {DRAWN})",)
-    return draw(path, study.plots, plot_format)
+    drawn, complaints = draw(path, study.plots, plot_format)
+    return tuple(one.path for one in drawn), (*complaints, *(one.sentence for one in drawn if one.sentence))
 
 
 def _warnings(contents: Contents) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """Datasets as tables, in blocks of rows: the cases, or what a suite comes to, one row for each.
 
-Histories are never in a table.  A block is read when it is asked for, so a file of any size passes through in pieces.
+Histories are never in a table.  A block is read when it is asked for, so a file of any size passes through in pieces;
+one that is sorted is read whole.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -49,6 +50,9 @@ BLOCK = 65_536
 
 _REASON, _REASONS = "reason", "reasons"
 
+_Points = dict[str, Any]
+"""Dimension -> the points of a block on it: a slice, or of a sorted table an index of every row."""
+
 
 @dataclass(frozen=True, eq=False)
 class Column:
@@ -73,13 +77,17 @@ class Item:
     values: Any
     attrs: Mapping[str, Any]
 
+    def read(self) -> Item:
+        """The same, all of it in memory."""
+        return replace(self, values=np.asarray(self.values[...]))
+
 
 @dataclass(frozen=True, eq=False)
 class Table:
     """A table that is read in blocks.
 
     Attributes:
-        dims: dimensions of which it has a row for every point, the last one running fastest.
+        dims: dimensions of which it has a row for every point, the last one running fastest unless it is sorted.
         names: variables that are its columns, in order, the coordinates of `dims` first.
         size: number of rows.
     """
@@ -91,12 +99,37 @@ class Table:
     _sizes: Mapping[str, int]
     _units: Units
     _degrees: bool
+    _order: NDArray[np.int64] | None = None
+    """The rows in their order, as numbers of the points; None: that of the points."""
 
     def blocks(self, rows: int = BLOCK) -> Iterator[list[Column]]:
         """Yield its columns in blocks of about `rows` rows, in order."""
-        for place in _places([self._sizes[dim] for dim in self.dims], rows):
-            at = dict(zip(self.dims, place, strict=True))
+        for at in self._ordered(rows):
             yield [column for name in self.names for column in self._columns(name, at)]
+
+    def _ordered(self, rows: int) -> Iterator[_Points]:
+        """The points of blocks of about `rows` rows."""
+        sizes = [self._sizes[dim] for dim in self.dims]
+        if self._order is None:
+            for place in _places(sizes, rows):
+                yield dict(zip(self.dims, place, strict=True))
+            return
+        for start in range(0, self.size, rows):
+            points = np.unravel_index(self._order[start : start + rows], sizes)
+            yield dict(zip(self.dims, points, strict=True))
+
+    def sorted_by(self, name: str, *, descending: bool) -> Table:
+        """The same rows by the numbers or words of a column; equal ones as they were, those without a value last."""
+        if self.size < 2:
+            return self
+        (column,) = self._columns(name, {dim: slice(0, self._sizes[dim]) for dim in self.dims})
+        values = column.values
+        _, rank = np.unique(values, return_inverse=True)
+        without = values == "" if values.dtype == object else values != values
+        order = np.lexsort((-rank if descending else rank, without))
+        wholes = [each if each in self._items else _percentile_of(each, self._items)[0] for each in self.names]
+        read = {each: self._items[each].read() for each in {*wholes, _REASONS, PERCENTILE} & self._items.keys()}
+        return replace(self, _items=read, _order=order)
 
     def first(self, rows: int) -> list[Column]:
         """The columns of its first rows, all of them where there are no more."""
@@ -108,7 +141,7 @@ class Table:
         whole = zip(*found, strict=True)
         return [Column(c[0].name, c[0].head, np.concatenate([part.values for part in c])[:rows]) for c in whole]
 
-    def _columns(self, name: str, at: dict[str, slice]) -> Iterator[Column]:
+    def _columns(self, name: str, at: _Points) -> Iterator[Column]:
         """One column, or one for each percentile, of which `fragility_percentile_5` is one."""
         whole, asked = (name, "") if name in self._items else _percentile_of(name, self._items)
         item = self._items[whole]
@@ -120,10 +153,12 @@ class Table:
                 one = self._values(item, at | {PERCENTILE: slice(i, i + 1)})
                 yield self._column(name, item, one, "" if asked else f"_{percent}")
 
-    def _values(self, item: Item, at: dict[str, slice]) -> NDArray[Any]:
+    def _values(self, item: Item, at: _Points) -> NDArray[Any]:
         """One value for each row of a block, whatever the variable depends on."""
-        shape = tuple(at[dim].stop - at[dim].start for dim in self.dims)
         values = np.asarray(item.values[tuple(at.get(dim, slice(None)) for dim in item.dims)])
+        if self._order is not None:
+            return np.broadcast_to(values.ravel(), len(at[self.dims[0]]))
+        shape = tuple(at[dim].stop - at[dim].start for dim in self.dims)
         order = (*self.dims, *(dim for dim in item.dims if dim not in self.dims))
         values = values.transpose([item.dims.index(dim) for dim in order if dim in item.dims])
         values = values.reshape(values.shape[: sum(dim in item.dims for dim in self.dims)])
@@ -201,8 +236,18 @@ def table_of(
     columns: Sequence[str] | None = None,
     degrees: bool = False,
     units: Units = SI,
+    sort: str | None = None,
 ) -> Table:
     """The table of a name, with all of its columns or those asked for.
+
+    Args:
+        items, attrs: of a dataset.
+        of: name of the table.
+        columns: variables beside its dimensions; None = all.
+        degrees: angles in degrees.
+        units: of the other numbers.
+        sort: a column of it, asked for or not, by which its rows stand; with `-` before it the largest first; None =
+            as its points run.
 
     Raises:
         StudyError: there is no such table, or no such column in it.
@@ -231,7 +276,13 @@ def table_of(
     names = (*first, *dict.fromkeys(name for name in chosen if name not in first))
     sizes = {dim: size for item in items.values() for dim, size in zip(item.dims, item.values.shape, strict=True)}
     size = int(np.prod([sizes[dim] for dim in dims], dtype=np.int64))
-    return Table(dims, names, size, items, sizes, units, degrees)
+    table = Table(dims, names, size, items, sizes, units, degrees)
+    if sort is None:
+        return table
+    by = _known(sort.removeprefix("-"), items, [*first, *rest], elsewhere)
+    if by in items and PERCENTILE in items[by].dims:
+        raise StudyError(f"column {by!r} is several: sort by one of {', '.join(f'{by}_{p}' for p in _percents(items))}")
+    return table.sorted_by(by, descending=sort.startswith("-"))
 
 
 def _dims(of: str, axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) -> tuple[str, ...] | None:

@@ -1,16 +1,19 @@
-"""Warnings about unused keys of a study: keys of the solver that its backend does not use, symbols without a use."""
+"""Warnings about what has no use in a study: keys of the solver, symbols, axes that others override."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT, automatic
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import ExpressionError, parse
-from rockcli.study.document.overlay import overlaid
+from rockcli.study.document.overlay import Setting, form, left_beside, of_each_form, overlaid
 from rockcli.study.document.tree import Map, value_at
 from rockcli.study.schema import SolverPart
+
+_LABELS = 5
+"""Points of an axis that a warning names."""
 
 
 def unused_solver_keys(solver: SolverPart, model: str, geometry: str | None, scheme: str) -> list[str]:
@@ -66,6 +69,39 @@ def replaced_records(study: Map, variations: Iterable[Variation]) -> list[str]:
                 path, key = variation.axis.path, ".".join((*at[1:], "file"))
                 said.append(f"the axis {path} replaces the whole record, {lost} with it; {key} changes the file only")
     return said
+
+
+def overridden_axes(variations: Sequence[Variation]) -> list[str]:
+    """A sentence per axis of which other axes leave nothing, at all of its points or at some of them."""
+    said = []
+    forms = [of_each_form(variation.points()) for variation in variations]
+    for i, variation in enumerate(variations):
+        lost = {each: by for each, point in forms[i].items() if (by := _overridden_by(variations, forms, i, point))}
+        if not lost:
+            continue
+        others = " and ".join(dict.fromkeys(path for by in lost.values() for path in by))
+        whose = f"the axis {variation.axis.path}"
+        if len(lost) < len(forms[i]):
+            points = zip(variation.axis.values, variation.points(), strict=True)
+            labels = [repr(value) for value, point in points if form(point) in lost]
+            more = f" and {len(labels) - _LABELS} more" if len(labels) > _LABELS else ""
+            whose = f"{', '.join(labels[:_LABELS])}{more} of {whose}"
+        said.append(f"nothing is left of {whose}: all of it is overridden by {others}; leave one of the axes out")
+    return said
+
+
+def _overridden_by(
+    variations: Sequence[Variation], forms: Sequence[dict[Any, Sequence[Setting]]], i: int, point: Sequence[Setting]
+) -> list[str]:
+    """The axes that together leave nothing of what a point of axis i says; none where something is left."""
+    every = left = left_beside(point, [()], later=True)
+    by = []
+    for j, other in enumerate(variations):
+        if j != i and left:
+            beside = left_beside(point, forms[j].values(), later=j > i)
+            by += [other.axis.path] if beside < every else []
+            left = left & beside
+    return [] if left else by
 
 
 def _names(value: Any) -> Iterator[str]:

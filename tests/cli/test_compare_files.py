@@ -87,8 +87,49 @@ def test_points_of_one_only_are_counted_and_axes_may_be_in_another_order(first: 
     assert (found.points, found.only_a, found.only_b) == (4, 4, 2)
 
 
+BODIES = {"low": (2.0, 0.5), "high": (3.0, 0.5)}
+
+
+def bodies(vary: dict[str, object]) -> Contents:
+    """Two bodies on two models, which axes of labels give."""
+    case = {"block": {"height": 1.0, "width": 1.0}, "initial": {"theta": 0.1}}
+    return solve(open_study({"name": "bodies", "case": case, "vary": vary, "save": {"histories": False}}))
+
+
+def test_settings_of_a_table_are_those_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An axis of labels is compared with one of another name and the same labels, in any order."""
+    monkeypatch.chdir(tmp_path)
+    rows = [f"{label},{height},{width}\n" for label, (height, width) in reversed(BODIES.items())]
+    Path("bodies.csv").write_text("name,block.height,block.width\n" + "".join(rows))
+    named = bodies(
+        {"block": {label: {"height": h, "width": w} for label, (h, w) in BODIES.items()}, "model": ["rigid", 3]}
+    )
+    table = bodies({"model": ["rigid", 3], "case": "bodies.csv"})
+    found = difference(named, table, rtol=0.0, atol=0.0)
+    assert found.same
+    assert (found.points, found.only_a, found.only_b) == (4, 0, 0)
+    assert found.paired == {"block": "case"}
+    assert np.unique(named.values("theta_peak_over_alpha")).size > 1
+    for name, contents in (("named", named), ("table", table)):
+        netcdf.write(contents, tmp_path / f"{name}.nc")
+    told = CliRunner().invoke(app, ["compare", "named.nc", "table.nc"])
+    assert "the axis case of the second is taken for block: its labels are the same" in told.stdout
+
+
+def test_axes_of_other_labels_are_said_with_what_to_do() -> None:
+    one = bodies({"block": {label: {"height": h, "width": w} for label, (h, w) in BODIES.items()}})
+    other = bodies({"case": {f"the {label}": {"block.height": h} for label, (h, _) in BODIES.items()}})
+    with pytest.raises(
+        StudyError, match=r"other axes: block \('low', 'high'\) in the first, case \('the low', .*same labels"
+    ):
+        difference(one, other, rtol=1e-6)
+
+
 def test_what_cannot_be_compared(first: Contents) -> None:
-    with pytest.raises(StudyError, match="no point in common"):
+    words = (
+        r"no point in common: a_p_over_g_tan_alpha \(0.5, 2, 3.6, 9\) in the first, a_p_over_g_tan_alpha \(1\) in the"
+    )
+    with pytest.raises(StudyError, match=words):
         difference(first, dataset([1.0]), rtol=1e-6)
     single = open_study({"name": "one", "case": {"block": {"R": 2, "tan_alpha": 0.2}, "initial": {"theta": 0.1}}})
     with pytest.raises(StudyError, match="other axes"):

@@ -157,3 +157,22 @@ def test_many_complaints_are_counted(rock, tmp_path, capsys):
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 9
     assert lines[-1] == "  and 6 more"
+
+
+def test_the_same_complaint_about_several_studies_is_told_once(rock, tmp_path, capsys):
+    for name in ("one", "other", "third"):
+        (tmp_path / f"{name}.yaml").write_text(STUDY.replace("mine", name).replace("width: 0.5", "width: -1"))
+    assert rock("check", "one.yaml", "other.yaml", "third.yaml") == 2
+    first, also = capsys.readouterr().err.splitlines()
+    assert first == "rock: one.yaml:4: case.block.width = -1: must be greater than 0"
+    assert also == "  also in other.yaml:4, third.yaml:4"
+    (tmp_path / "other.yaml").write_text(STUDY.replace("height", "hight"))
+    assert rock("check", ".") == 2
+    first, also, other = capsys.readouterr().err.splitlines()
+    assert first.startswith("rock: one.yaml:4: case.block.width = -1")
+    assert also == "  also in third.yaml:4"
+    assert other.startswith("rock: other.yaml:4: case.block.hight: unknown key")
+    assert rock("check", ".", "--set", "case.blok.R=2") == 2
+    first, *others = capsys.readouterr().err.splitlines()
+    assert first.startswith("rock: --set case.blok.R=2: 'case.blok.R' is not a path")
+    assert others == ["  in one.yaml, other.yaml, third.yaml"]

@@ -132,3 +132,46 @@ def test_one_limit_state_of_a_table(rock, dataset, tmp_path, capsys):
         assert [row["limit_state"] for row in csv.DictReader(file)] == ["overturned"]
     assert rock("table", dataset, "--of", "fragility", "--select", "limit_state=fallen") == 2
     assert "limit_state=fallen: there are" in capsys.readouterr().err
+
+
+def test_rows_are_sorted_by_a_column_and_the_column_is_shown(rock, dataset, capsys):
+    assert rock("table", dataset, "--sort", "-t_peak", "--select", "a_p=0.1g,0.25g", "--rows", 4) == 0
+    head, *lines = capsys.readouterr().out.splitlines()
+    peaks = [line[head.index("t_peak [s]") :].split()[0] for line in lines]
+    assert len(peaks) == 4
+    assert sorted(map(float, peaks[:3]), reverse=True) == list(map(float, peaks[:3]))
+    assert lines[3].split()[2] == "no_uplift"  # has no time of a peak
+
+
+@pytest.mark.parametrize(("of", "column"), [("suite", "p_overturned"), ("stripes", "p_exceeded"), ("cases", "R")])
+def test_every_table_can_be_sorted(rock, dataset, tmp_path, of, column):
+    for name, more in (("as_it_is", ()), ("down", ("--sort", f"-{column}"))):
+        assert rock("table", dataset, "--of", of, "--out", f"{name}.csv", *more) == 0
+    rows, down = rows_of(tmp_path / "as_it_is.csv"), rows_of(tmp_path / "down.csv")
+    head = next(head for head in rows[0] if head.split(" ")[0] == column)
+    assert down == sorted(rows, key=lambda row: -float(row[head]))
+
+
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [
+        ("-theta_peek", "no column 'theta_peek'; did you mean 'theta_peak'?"),
+        ("weight", "no column 'weight'; expected some of T_p, motion_pulse_a_p, R, alpha"),
+        ("theta", "column 'theta' is not in this table: it is over T_p, motion_pulse_a_p, time"),
+    ],
+)
+def test_what_cannot_be_sorted_by_is_said(rock, dataset, capsys, column, words):
+    assert rock("table", dataset, "--sort", column) == 2
+    shown = capsys.readouterr().err
+    assert words in shown
+    assert shown.count("\n") == 1
+
+
+def test_percentiles_are_sorted_by_one_of_them(rock, dataset, capsys):
+    asked = ("table", dataset, "--of", "fragility", "--columns", "fragility_median", "--sort")
+    assert rock(*asked, "-fragility_percentile_5") == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:]] == ["overturned", "0.1"]
+    assert rock(*asked, "fragility_percentile_5") == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:]] == ["0.1", "overturned"]
+    assert rock(*asked, "fragility_percentile") == 2
+    assert "is several: sort by one of fragility_percentile_1, " in capsys.readouterr().err

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray
+import yaml
 from matplotlib.figure import Figure
 from PIL import Image
 from typer.testing import CliRunner
@@ -162,7 +164,7 @@ def test_a_study_says_how_its_plots_are_wanted(tmp_path: Path) -> None:
     path = tmp_path / "a.nc"
     write(from_xarray(data), path)
     drawn, complaints = draw(path, asked)
-    assert [file.name for file in drawn] == ["phase.png", "histories.png", "histories_2.png"]
+    assert [one.path.name for one in drawn] == ["phase.png", "histories.png", "histories_2.png"]
     assert not complaints
     again = CliRunner().invoke(app, ["plot", str(path), "--kind", "histories", "--out", str(tmp_path / "b.png")])
     assert again.exit_code == 0, again.output
@@ -228,6 +230,29 @@ def test_the_command_draws_several_files_together_only_where_it_is_told(tmp_path
     assert refused.exit_code != 0
     refused = CliRunner().invoke(app, ["plot", names[0], "--select", "R"])
     assert "expected AXIS=VALUE" in str(refused.exception)
+
+
+def test_what_a_figure_without_a_title_leaves_out_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The note that stands below a title says which cases are shown; without one the command line does."""
+    monkeypatch.chdir(tmp_path)
+    vary = {"block.R": {"from": 1.0, "to": 3.0, "n": 9}, "initial.theta": [0.05, 0.1, 0.15]}
+    plots = ["phase", {"kind": "phase", "title": False}]
+    study = {"name": "many", "case": CASE, "vary": vary, "plots": plots, "save": {"histories": True, "dt_out": 0.05}}
+    Path("many.yaml").write_text(yaml.dump(study), encoding="utf-8")
+    left_out = r"phase(_2)?\.png has no title, and does not say: 6 of 27 cases shown"
+    run = CliRunner().invoke(app, ["run", "many.yaml"])
+    assert run.exit_code == 0
+    assert re.findall(r"phase\S* has no title", run.stderr) == ["phase_2.png has no title"]
+    assert re.search(left_out, run.stderr)
+    plot = ["plot", "results/many/many.nc", "--kind", "phase"]
+    assert CliRunner().invoke(app, plot).stderr == ""
+    for more in ((), ("--out", "phase.png")):
+        untitled = CliRunner().invoke(app, [*plot, "--no-title", *more])
+        assert untitled.stdout.count("\n") == 1
+        assert re.search(left_out, untitled.stderr)
+    selected = CliRunner().invoke(app, [*plot, "--no-title", "--select", "R=1", "--select", "initial.theta=0.1"])
+    assert "$" not in selected.stderr
+    assert "R = 1 m, theta_0 = 0.1 rad" in selected.stderr
 
 
 def test_files_are_the_same_whatever_was_drawn_before(sizes: xarray.Dataset, tmp_path: Path) -> None:

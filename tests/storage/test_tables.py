@@ -100,6 +100,50 @@ def test_blocks_of_any_size_are_the_same_rows(made, rows):
     check([r for b in blocks for r in frame(b).astype(object).to_dict("records")], contents)
 
 
+@pytest.mark.parametrize("rows", [1, 4, 30, 1000])
+@pytest.mark.parametrize("descending", [False, True])
+@pytest.mark.parametrize(
+    ("name", "head"),
+    [("theta_peak_over_alpha", "theta_peak_over_alpha"), ("turned", "turned [m s-2]"), ("size", "size [m]")]
+    + [(name, name) for name in ("outcome", "reason", "label")],
+)
+def test_a_sorted_table_is_its_rows_by_a_column(made, name, head, descending, rows):
+    """Equal rows keep their order; NaN and empty words are last whichever way it goes."""
+    contents, path = made
+    every = list(rows_of(contents))
+    known = [row for row in every if row[head] == row[head] and row[head] != ""]
+    wanted = sorted(known, key=lambda row: row[head], reverse=descending)
+    wanted += [row for row in every if row not in known]
+    with opened(path) as (items, attrs):
+        found = table_of(items, attrs, sort=("-" if descending else "") + name)
+        told = [r for block in found.blocks(rows) for r in frame(block).astype(object).to_dict("records")]
+    assert len(told) == len(wanted) == 30
+    for row, want in zip(told, wanted, strict=True):
+        assert all(same(row[column], want[column]) for column in want), (row, want)
+
+
+@pytest.mark.parametrize("ending", ["csv", "xlsx", "parquet"])
+def test_every_format_is_sorted_by_a_column_that_it_need_not_have(made, tmp_path, ending):
+    contents, path = made
+    target = tmp_path / f"t.{ending}"
+    with opened(path) as (items, attrs):
+        try:
+            write(table_of(items, attrs, columns=["reason"], sort="-theta_peak_over_alpha"), target)
+        except StudyError as error:
+            pytest.skip(str(error))
+    read = {"csv": pandas.read_csv, "xlsx": pandas.read_excel, "parquet": pandas.read_parquet}[ending]
+    told = read(target, **({} if ending == "parquet" else {"dtype": {"model": str}}))
+    assert list(told) == ["label", "size [m]", "model", "reason"]
+    peak = contents.values("theta_peak_over_alpha")
+    at = [contents.values("label").tolist().index(label) for label in told["label"]]
+    j = [int(np.argmin(abs(contents.values("size") - size))) for size in told["size [m]"]]
+    k = [["rigid", "3"].index(model) for model in told["model"]]
+    peaks = peak[at, j, k]
+    assert np.isinf(peaks[0])
+    assert np.isnan(peaks[-1])
+    assert (np.diff(peaks[1:-1]) < 0.0).all()
+
+
 def test_csv_holds_every_digit(made, tmp_path):
     contents, path = made
     with opened(path) as (items, attrs):

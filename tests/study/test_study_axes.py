@@ -114,12 +114,23 @@ class TestForms:
             ("name,R\na,nan\n", r"t\.csv:2: the cell below 'R' is nan: a finite number"),
             ("name,R\na,1\nb,-Infinity\n", r"t\.csv:3: the cell below 'R' is -Infinity"),
             ("\x00\x01", "line"),
+            (
+                "name;R;alpha\na;1,5;0,1\n",
+                r"t\.csv:1: semicolons separate the cells, commas are expected: write decimals",
+            ),
+            ("\ufeffname;R\r\n", r"t\.csv:1: semicolons separate the cells"),
+            ("name,R\na,1\nb;2\n", r"t\.csv:3: semicolons .* then replace the semicolons by commas"),
+            ("name\tR\na\t1\n", r"t\.csv:1: tabs separate the cells, commas are expected"),
         ],
     )
     def test_wrong_tables(self, tmp_path, text, words):
-        (tmp_path / "t.csv").write_text(text)
+        (tmp_path / "t.csv").write_text(text, encoding="utf-8")
         with pytest.raises(StudyError, match=words):
             study_of({"block": "t.csv"}, tmp_path)
+
+    def test_a_label_of_a_table_may_have_a_semicolon(self, tmp_path):
+        (tmp_path / "t.csv").write_text("name,R\na;b,1\n")
+        assert study_of({"block": "t.csv"}, tmp_path).axes[0].values == ("a;b",)
 
     def test_a_missing_table(self, tmp_path):
         with pytest.raises(StudyError, match=r"t\.csv does not exist"):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from rockcli.errors import StudyError
+from rockcli.errors import RecordError, StudyError
 from rockcli.study.building.records import MissingRecordError
 from rockcli.study.open import open_study
 from rockcli.study.schema import json_schema
@@ -291,6 +291,22 @@ def test_what_is_wrong_in_several_cases_and_pieces_is_told_at_once(tmp_path):
     ]
     assert len(others) == len(begins), others
     assert [other.startswith(begin) for other, begin in zip(others, begins, strict=True)] == [True] * len(begins)
+
+
+def test_the_same_fault_at_several_lines_is_told_once_with_its_lines(tmp_path):
+    """And leaves room for others, however often it is met."""
+    wrong = "".join(f"    n{i}: {{motion: {{record: {{file: bad.csv, scale: {i}}}}}}}\n" for i in range(1, 11))
+    (tmp_path / "bad.csv").write_text("0.0;0.1\n0.1;0.2\n")
+    vary = f"vary:\n  case:\n{wrong}    last: {{damping.eta: 3}}\n    least: {{damping.eta: 3}}\n  model: [rigid, 1]\n"
+    case = "case:\n  block: {height: 2.0, width: 0.5}\n  motion: {pulse: {shape: sine, a_p: 3, T_p: 1}}\n"
+    with pytest.raises(RecordError) as caught:
+        open_study(write(tmp_path, f"name: alike\n{case}{vary}"))
+    first, *others = str(caught.value).splitlines()
+    assert "study.yaml:7: case.motion.record.file: " in first
+    assert first.endswith(" (also in lines 8, 9, 10, 11, 12, 13, 14, 15, ...)")
+    (other,) = others
+    assert other.startswith("  line 17: case.damping.eta = 3: must be between 0 and 1 (at case = last, model = ")
+    assert other.endswith(") (also in line 18)")
 
 
 def test_records_alone_that_are_missing_are_told_at_once_and_may_be_passed_over(tmp_path):

@@ -1,5 +1,6 @@
 """What a study says and nobody reads is said to be ignored."""
 
+import numpy as np
 import pytest
 
 from rockcli.study.open import open_study
@@ -74,3 +75,62 @@ class TestSymbols:
     def test_one_set_from_outside(self):
         study = open_study({"name": "x", "case": {"block": BLOCK}}, overrides=[("let.q", "3")])
         assert "let.q is used nowhere" in study.warnings
+
+
+A_P = "motion.pulse.a_p"
+BY_NAME = {"a": {A_P: 1}, "b": {A_P: 2}}
+TREE = {"a": {"motion": {"pulse": {"a_p": 1}}}, "b": {"motion": {"pulse": {"a_p": 2}}}}
+
+
+class TestOverriddenAxes:
+    @staticmethod
+    def opened(vary):
+        return open_study({"name": "x", "case": {"block": BLOCK, "motion": {"pulse": PULSE}}, "vary": vary})
+
+    def said(self, vary):
+        return [sentence for sentence in self.opened(vary).warnings if "nothing is left" in sentence]
+
+    @pytest.mark.parametrize(
+        ("vary", "whose", "by"),
+        [
+            ({"case": BY_NAME, A_P: [3, 4]}, "the axis case", A_P),
+            ({A_P: [3, 4], "case": BY_NAME}, f"the axis {A_P}", "case"),  # of two as near the later one counts
+            ({A_P: [3, 4], "case": TREE}, "the axis case", A_P),  # the longer path counts
+            ({"damping": {"a": {"eta": 0.9}, "b": {"eta": 0.8}}, "damping.r_energy": [0.7, 0.8]}, "the axis damping",
+             "damping.r_energy"),  # another way to say it
+            ({"case": {"a": {A_P: 1, "motion.pulse.T_p": 1}, "b": {A_P: 2, "motion.pulse.T_p": 2}}, A_P: [3, 4],
+              "motion.pulse.omega_p": [5, 6]}, "the axis case", f"{A_P} and motion.pulse.omega_p"),
+            ({"case": {**BY_NAME, "c": {"block.R": 3}}, A_P: [3, 4]}, "'a', 'b' of the axis case", A_P),
+            ({"block": {"a": {"R": 1}, "b": {"R": 3}}, "case": {"c": {"block": {"height": 2, "width": 0.5}},
+              "d": {"block.R": 1, "model": 3}}}, "the axis block", "case"),
+        ],
+    )  # fmt: skip
+    def test_an_axis_of_which_nothing_is_left_is_named(self, vary, whose, by):
+        assert self.said(vary) == [
+            f"nothing is left of {whose}: all of it is overridden by {by}; leave one of the axes out"
+        ]
+
+    @pytest.mark.parametrize(
+        ("vary", "axis"), [({"case": BY_NAME, A_P: [3, 4]}, 0), ({A_P: [3, 4], "case": BY_NAME}, 1)]
+    )
+    def test_the_cases_are_those_without_it(self, vary, axis):
+        found = np.empty(4)
+        for indices, batch in self.opened(vary).batches():
+            found[indices] = batch.excitation.horizontal.a_p
+        assert (
+            np.diff(found.reshape(2, 2), axis=0) == 0
+        ).all()  # along the outer axis, which is the one without effect
+        assert (np.diff(found.reshape(2, 2), axis=1) == 1).all()
+
+    @pytest.mark.parametrize(
+        "vary",
+        [
+            {"case": {"a": {A_P: 1, "model": 3}, "b": {A_P: 2}}, "motion.pulse.T_p": [0.5, 1]},
+            {"motion.pulse": {"a": {"shape": "sine", "a_p": 1}, "b": {"shape": "cosine", "a_p": 1}}, A_P: [1, 2]},
+            {"damping": {"a": {"scheme": "restitution", "eta": 0.7}, "b": "restitution"}, "damping.eta": [0.8, 0.9]},
+            {"model": ["rigid", 3], "case": {"a": {"model": "rigid"}, "b": {"block.R": 3}}},
+            {"case": {"still": {"motion": None, "initial.theta": 0.1}, "moved": {A_P: 1}}, "block.R": [1, 2]},
+        ],
+    )
+    def test_one_of_which_something_is_left_is_not(self, vary):
+        assert self.said(vary) == []

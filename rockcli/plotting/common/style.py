@@ -200,6 +200,14 @@ def headline(figure: Figure, title: str, note: str = "", over: Axes | None = Non
         figure.suptitle(words, fontsize=9.5, linespacing=1.3, x=0.5 * (box.x0 + box.x1))
 
 
+def untold(figure: Figure) -> str:
+    """The note of a figure without the title that it would stand below, in plain letters; "" where it is shown."""
+    note = "" if figure.get_suptitle() else str(figure.get_label()).partition("\n")[2]
+    note = re.sub(r"\\mathrm\{(\w+)\}", r"\1", note).replace("\\,", " ").replace("\\max", "max")
+    note = re.sub(r"\\(?:tan|sin)?\s*\\?(theta|alpha|mu|omega|eta|pi)\b", r"\1", note)
+    return re.sub(r"[$\\{}]|_(?=max)", "", note)
+
+
 def wrapped(words: str, columns: int) -> list[str]:
     """Words in as few lines as `columns` letters a line allow, of nearly one length."""
     lines = textwrap.wrap(words, columns)

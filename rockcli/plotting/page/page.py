@@ -189,8 +189,7 @@ def _plot(dataset: xarray.Dataset, kind: str) -> str:
     if why := why_not(kind, dataset):
         return _section(title, f'<p class="quiet">not drawn: {_text(why)}</p>')
     drawn = figure(kind, dataset, Look(title=None))
-    note = str(drawn.get_label()).partition("\n")[2]
-    said = "; ".join(filter(None, (sentence, _unmathed(note))))
+    said = "; ".join(filter(None, (sentence, style.untold(drawn))))
     return _section(title, f'<p class="quiet">{_text(said)}</p><div class="plot">{_image(drawn, sentence)}</div>')
 
 
@@ -210,13 +209,6 @@ _TITLES = {
     "work_precision": "Error against cost",
 }
 """Titles of sections, where the name of the kind is none."""
-
-
-def _unmathed(words: str) -> str:
-    """Symbols of a figure's note as plain letters."""
-    words = re.sub(r"\\mathrm\{(\w+)\}", r"\1", words).replace("\\,", " ").replace("\\max", "max")
-    words = re.sub(r"\\(?:tan|sin)?\s*\\?(theta|alpha|mu|omega|eta|pi)\b", r"\1", words)
-    return re.sub(r"[$\\{}]|_(?=max)", "", words)
 
 
 def _image(drawn: Figure, words: str) -> str:

@@ -6,11 +6,14 @@ import csv
 import io
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from rockcli.errors import StudyError
 from rockcli.study.document.loader import scalar
 from rockcli.study.document.tree import Source, Where
+
+_OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,8 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     """Read a CSV file beside the study.
 
     Raises:
-        StudyError: it cannot be read, has no rows or columns, or a row of another length or with an empty cell.
+        StudyError: it cannot be read, has no rows or columns, other separators than commas, or a row of another length
+            or with an empty cell.
     """
     path = source.folder / name
     if not path.is_file():
@@ -39,6 +43,8 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     except (UnicodeDecodeError, csv.Error) as error:
         raise StudyError(f"is no CSV text: {error}", file=path) from None
     rows = [(i, [cell.strip() for cell in row]) for i, row in enumerate(lines, start=1) if any(map(str.strip, row))]
+    if rows and len(rows[0][1]) == 1:
+        _check_separators(path, *rows[0])
     if len(rows) < 2 or len(rows[0][1]) < 2:
         raise StudyError("a table has a line of paths, the first naming the labels, and a line per point", file=path)
     header = rows[0][1]
@@ -47,6 +53,7 @@ def read_table(name: str, source: Source, where: Where) -> Table:
         raise StudyError("a path of the table is empty or repeats", file=path, line=rows[0][0])
     for i, row in rows[1:]:
         if len(row) != len(header):
+            _check_separators(path, i, row)
             raise StudyError(f"the line has {len(row)} cells, the first has {len(header)}", file=path, line=i)
         if not all(row):
             column = header[row.index("")]
@@ -59,6 +66,14 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     body = [row for _, row in rows[1:]]
     values = [[scalar(cell) for cell in row[1:]] for row in body]
     return Table(header[0], rows[0][0], [row[0] for row in body], columns, values)
+
+
+def _check_separators(path: Path, line: int, cells: list[str]) -> None:
+    """Refuse a line in which something else than commas stands between the cells."""
+    for mark, words in _OTHER_SEPARATORS.items():
+        if any(mark in cell for cell in cells):
+            mend = f"write decimals with a point, then replace the {words} by commas"
+            raise StudyError(f"{words} separate the cells, commas are expected: {mend}", file=path, line=line)
 
 
 def _is_no_finite_number(cell: str) -> bool:

@@ -24,10 +24,11 @@ def short(sentence: str) -> str:
 
 @dataclass(eq=False)
 class Complaints:
-    """Errors as they were met, by file, line and value; `tried`: how many there were, repetitions too."""
+    """Errors as they were met, those of one sentence together; `tried`: how many there were, repetitions too."""
 
-    found: dict[tuple[str | None, int | None, str], Wrong] = field(default_factory=dict)
+    found: dict[tuple[str | None, str], list[Wrong]] = field(default_factory=dict)
     tried: int = 0
+    _values: set[tuple[str | None, int | None, str]] = field(default_factory=set)
 
     @property
     def enough(self) -> bool:
@@ -35,10 +36,13 @@ class Complaints:
         return len(self.found) >= MOST or self.tried >= TRIES
 
     def note(self, error: Wrong) -> None:
-        """Keep an error, of every value the first."""
+        """Keep an error, of every value at its line the first."""
         self.tried += 1
-        about = error.message.splitlines()[0].partition(": ")[0]
-        self.found.setdefault((error.file, error.line, about), error)
+        sentence = _without_case(error.message.splitlines()[0])
+        value = (error.file, error.line, sentence.partition(": ")[0])
+        if value not in self._values:
+            self._values.add(value)
+            self.found.setdefault((error.file, sentence), []).append(error)
 
     @contextmanager
     def gathered(self) -> Iterator[None]:
@@ -54,15 +58,32 @@ class Complaints:
         Args:
             last: a kind of error that is told after the others, and raised where all are of it.
         """
-        errors = sorted(self.found.values(), key=lambda error: (isinstance(error, last), error.line or 0))
-        if not errors:
+        alike = [sorted(errors, key=lambda error: error.line or 0) for errors in self.found.values()]
+        alike.sort(key=lambda errors: (isinstance(errors[0], last), errors[0].line or 0))
+        if not alike:
             return
-        first, *others = errors
-        if not others:
+        (first, *again), *others = alike
+        if not again and not others:
             raise first
         kind = last if isinstance(first, last) else type(first) if isinstance(first, StudyError) else RecordError
-        lines = [f"\n  {_at(error, first)}{short(error.message.splitlines()[0])}" for error in others[: MOST - 1]]
-        raise kind(first.message + "".join(lines), file=first.file, line=first.line)
+        sentence, *more = first.message.splitlines()
+        lines = [sentence + _also(again), *more]
+        for error, *again in others[: MOST - 1]:
+            lines.append(f"  {_at(error, first)}{short(error.message.splitlines()[0])}{_also(again)}")
+        raise kind("\n".join(lines), file=first.file, line=first.line)
+
+
+def _without_case(sentence: str) -> str:
+    """A sentence without the case in which it was met."""
+    return sentence.rpartition(" (at ")[0] or sentence
+
+
+def _also(errors: list[Wrong]) -> str:
+    """The lines at which the same was met again."""
+    if not errors:
+        return ""
+    lines = ", ".join(str(error.line) for error in errors[:MOST])
+    return f" (also in line{'s' if len(errors) > 1 else ''} {lines}{', ...' if len(errors) > MOST else ''})"
 
 
 def _at(error: Wrong, first: Wrong) -> str:

@@ -43,6 +43,9 @@ SIZES: tuple[frozenset[str], ...] = (
 )
 """Sizes of a body, two of which say all of them."""
 
+_FILES = frozenset({"file", "record", "outline", "mesh"})
+"""Keys whose words are names of files."""
+
 _OUTLINES = frozenset({"outline", "parts", "mesh"})
 _ALL_SIZES = frozenset().union(*SIZES)
 _OF_OUTLINE = frozenset({"pixel", "z_down", "contacts", "centre"})
@@ -111,16 +114,25 @@ def overlaid(study: dict[str, Any], *points: Sequence[Setting]) -> Map:
 
     Settings of one point inside one mapping are one mapping: `block.h` and `block.b` are two sizes of a body.
     """
-    pieces: list[tuple[int, Map]] = []
-    for point in points:
-        inside: dict[Path, Map] = {}
-        for path, value, where in point:
-            mapping = inside.setdefault(path[:-1], Map())
-            mapping[path[-1]], mapping.where[path[-1]] = value, where
-        pieces += [(len(path), _at(path, mapping)) for path, mapping in inside.items()]
+    return _together(study, [piece for point in points for piece in _pieces(point)])
+
+
+_Piece = tuple[int, Map]
+"""Length of a path, and a study that has only what is set there."""
+
+
+def _pieces(point: Sequence[Setting]) -> list[_Piece]:
+    inside: dict[Path, Map] = {}
+    for path, value, where in point:
+        mapping = inside.setdefault(path[:-1], Map())
+        mapping[path[-1]], mapping.where[path[-1]] = value, where
+    return [(len(path), expanded(_at(path, mapping))) for path, mapping in inside.items()]
+
+
+def _together(study: dict[str, Any], pieces: Iterable[_Piece]) -> Map:
     result = Map(study, getattr(study, "where", None))
     for _, piece in sorted(pieces, key=lambda p: p[0]):
-        result = laid(result, expanded(piece))
+        result = laid(result, piece)
     return result
 
 
@@ -151,16 +163,40 @@ class _Mark:
 def remaining(study: dict[str, Any], points: Iterable[Sequence[Setting]]) -> set[Path]:
     """Paths of what a study says that is left in the cases of at least one point of an axis."""
     marked = _marked(study)
-    found: set[Path] = set()
-    seen: set[tuple[Path, ...]] = set()
+    return {path for point in of_each_form(points).values() for path in _marks(overlaid(marked, point))}
+
+
+def left_beside(point: Sequence[Setting], points: Iterable[Sequence[Setting]], *, later: bool) -> set[Path]:
+    """Paths of what a point of an axis says that is left beside at least one point of another axis.
+
+    `later`: whether the other axis stands after it in the study.
+    """
+    own = [(length, _marked(piece)) for length, piece in _pieces(point)]
+    others = map(_pieces, points)
+    return {path for of in others for path in _marks(_together({}, [*own, *of] if later else [*of, *own]))}
+
+
+def of_each_form(points: Iterable[Sequence[Setting]]) -> dict[Any, Sequence[Setting]]:
+    """The first point of each form; points of one form, which differ in numbers and names of files, leave the same."""
+    found: dict[Any, Sequence[Setting]] = {}
     for point in points:
-        paths = tuple(path for path, _, _ in point)
-        if all(path[-1] == "file" and isinstance(value, str) for path, value, _ in point):
-            if paths in seen:  # one name of a file leaves what any other does
-                continue
-            seen.add(paths)
-        found |= {value.path for _, value in leaves(overlaid(marked, point)) if isinstance(value, _Mark)}
+        found.setdefault(form(point), point)
     return found
+
+
+def form(point: Sequence[Setting]) -> Any:
+    """What a point says without its numbers and names of files."""
+    return tuple((path, _form(path[-1], value)) for path, value, _ in point)
+
+
+def _form(key: str, value: Any) -> Any:
+    if isinstance(value, dict):
+        return tuple((name, _form(name, item)) for name, item in value.items())
+    return value if isinstance(value, str) and key not in _FILES else type(value)
+
+
+def _marks(tree: Map) -> set[Path]:
+    return {value.path for _, value in leaves(tree) if isinstance(value, _Mark)}
 
 
 def _marked(tree: dict[str, Any], at: Path = ()) -> Map:
