@@ -44,7 +44,7 @@ AHEAD, KNOWN = 24, 8
 which a band must be followed back for its direction to be known."""
 
 FEW = 32
-"""Places below which they are left to the grid of half the pitch, as a round of a few costs as much as one of hundreds."""
+"""Places below which they are left to the grid of half the pitch: a round of a few costs as much as one of hundreds."""
 
 PROBES, PROBED = 3000, 20
 """Pixels drawn at random, at most, and one of them for so many solved ones."""
