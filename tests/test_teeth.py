@@ -17,6 +17,7 @@ import rolling_cases
 import swept
 from analytic import test_asymmetric as asymmetric
 from cli import test_sweep
+from contact import test_contact_calming as calming
 from contact import test_contact_closed_forms as contact
 from contact import test_contact_turns as turns_of_contact
 from contact_tables import LANDINGS, SLIDES_UNDER_A_CONSTANT
@@ -138,6 +139,10 @@ def planar_contact() -> None:
     contact.test_slide_under_a_constant_acceleration(SLIDES_UNDER_A_CONSTANT[0])
     for row in LANDINGS[:4]:
         contact.test_landing(row)
+
+
+def swings_left_out() -> None:
+    calming.test_as_followed_to_the_rest(0)
 
 
 def flexible() -> None:
@@ -318,6 +323,8 @@ FAULTS = {
         "b_i, b_j, place = par[i + at.B], par[j + at.B], par[j + at.PLACE]",
         "b_i, b_j, place = par[i + at.B], -par[j + at.B], par[j + at.PLACE]",
     ),
+    "contact: time of a swing": Fault(swings_left_out, K + "contact.calming", "- 2.0 * p2 * cos_a * u", "- 1.99 * p2 * cos_a * u"),
+    "contact: swings counted": Fault(swings_left_out, K + "contact.calming", "if v > FAST *", "if v > 3.0 * FAST *"),
     "column: sign": Fault(flexible, K + "column.law", "- g * theta - a * cos)", "+ g * theta - a * cos)"),
     "column: restitution": Fault(
         flexible,

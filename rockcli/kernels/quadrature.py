@@ -10,3 +10,6 @@ NODES, WEIGHTS = (
     np.polynomial.legendre.leggauss(POINTS)[1] / 2.0,
 )
 """On [0, 1]."""
+
+LOW = 0.7
+"""Rate of a free swing at take-off over that which reaches the equilibrium, up to which its time is good to 1e-11."""

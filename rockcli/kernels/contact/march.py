@@ -26,6 +26,7 @@ from rockcli.kernels.constants import (
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.contact import workspace as row
+from rockcli.kernels.contact.calming import calms_down, swung
 from rockcli.kernels.contact.codes import (
     DIVERGES,
     FLIGHT,
@@ -130,10 +131,12 @@ def begin(par, start, out):
 
 
 @jit_lean
-def ended(par, scales, t, mode, foot, air):
+def ended(par, scales, t, mode, foot, air, watched, out):
     """What becomes of a body by now, or NOT_YET."""
     t_motion, t_stop, lasts = par[at.T_MOTION], par[at.T_STOP], par[at.HAS_DURATION] == 1.0
     if t >= t_motion and mode == REST and (not lasts or t >= t_stop):
+        return RETURNS
+    if t >= max(t_motion, t_stop) and mode == ROCK and not watched and calms_down(par, foot, out):
         return RETURNS
     if t < t_stop + PATIENCE / scales.p_min:
         return NOT_YET
@@ -154,7 +157,8 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
 
     Motion channels as those of `rigid.march`.  `histories` are theta, theta', slide, slide rate, mode and lift at
     i dt_out as far as they are long, `impacts` t, theta' before and after, `events` time and mode entered; the mode
-    at t = 0 is no event.
+    at t = 0 is no event.  A body of which only free swings are left is not followed through them, nor to its rest after
+    the report, unless histories or events are wanted.
     """
     n, lasts, t_stop = how.order, par[at.HAS_DURATION] == 1.0, par[at.T_STOP]
     scales = scales_of(par, how.tol)
@@ -172,11 +176,13 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
     if horizontal.kind == SAMPLES:
         ih = max(int(t / horizontal.dt) - 1, 0)
     slipped, jumped = foot.u != 0.0 and start[carry.T] >= 0.0, False
+    watched = len(events[0]) > 0
+    skips = len(histories[0]) == 0 and not watched
     skims = horizontal.kind == SAMPLES and vertical.kind == NOTHING and len(histories[0]) == 0
 
     while True:
         if pick == SETTLED:
-            verdict = ended(par, scales, t, mode, foot, air)
+            verdict = ended(par, scales, t, mode, foot, air, watched, out)
             if verdict != NOT_YET:
                 out[to.VERDICT] = verdict
                 break
@@ -305,13 +311,17 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
                 continue
             foot, change = landed(par, foot, out)
             balance += change
-            note_carried(scales, hit, t, out)
+            if reported:
+                note_carried(scales, hit, t, out)
             if hit > FAST * scales.p_min * scales.alpha_min and reported:
                 note_impact(t, foot.s * hit, foot.s * foot.v, impacts, out)
             if stalled > STALLED:
                 foot = Foot(foot.s, foot.sigma, 0.0, 0.0, foot.u, foot.place)
             pick = ON_EDGE if foot.v > 0.0 else ON_BASE
             if foot.v > 0.0:
+                if skips and t_was >= par[at.T_MOTION] and calms_down(par, foot, out):
+                    t, foot, change = swung(par, scales, t, foot, how.rest_speed, impacts, out)
+                    balance += change
                 wait, slid = settles(par, foot, w, ahead.degree, t - t_was, ahead.t_next - t, how.rest_speed)
                 if wait >= 0.0:
                     balance -= energy_on_edge(par, foot) - 0.5 * slid * slid

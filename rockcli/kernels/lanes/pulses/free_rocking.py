@@ -11,9 +11,6 @@ from rockcli.kernels.quadrature import NODES, POINTS, WEIGHTS
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import potential, restoring
 
-LOW = 0.7
-"""Rate at take-off over that which reaches the equilibrium, up to which the quadrature is good to 1e-11."""
-
 MOST = 100000
 """Impacts counted."""
 

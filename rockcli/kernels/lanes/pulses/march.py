@@ -13,7 +13,7 @@ from rockcli.kernels.jit import entry, jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
-from rockcli.kernels.lanes.pulses.free_rocking import BACKLOG, LOW, count_impacts
+from rockcli.kernels.lanes.pulses.free_rocking import BACKLOG, count_impacts
 from rockcli.kernels.lanes.pulses.ground import expand
 from rockcli.kernels.lanes.pulses.path import (
     bounces_matter,
@@ -62,6 +62,7 @@ from rockcli.kernels.lanes.pulses.uplift_screen import (
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import load, note, room, select, some, store
+from rockcli.kernels.quadrature import LOW
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import edge_of, potential
