@@ -195,7 +195,8 @@ def _lanes(march: ModuleType, batch: Batch, parameters: Array, level: Accuracy) 
     compiled = bool(kernels.compiled)
     pulses = isinstance(batch.excitation.horizontal, Pulses)
     fit = lane_pulses.fit(batch, rows) if pulses else lane_records.fit(batch, rows)
-    run = Raw(0 if fit.all() and not given.any() else batch.size, 0, 0)  # mostly all, and then nothing is copied
+    whole = fit.all() and not given.any()  # mostly so, and then nothing is copied
+    run = Raw(batch.size, 0, 0, np.empty((0, to.N_OUT)) if whole else None)
     detail = _detail(march, batch, False)
     forces = bool(batch.save.scalars & FORCES)
     how_much = int(march.PEAKS) if given.any() and not forces else detail

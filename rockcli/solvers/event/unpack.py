@@ -45,8 +45,8 @@ class Raw:
     histories (n, 2, k): theta and its rate; impacts (n, 3, j): time, rate before and after.
     """
 
-    def __init__(self, n: int, n_time: int, n_impacts: int) -> None:
-        self.out = np.zeros((n, to.N_OUT))
+    def __init__(self, n: int, n_time: int, n_impacts: int, out: Array | None = None) -> None:
+        self.out = np.zeros((n, to.N_OUT)) if out is None else out
         self.histories = np.full((n, 2, n_time), np.nan)
         self.impacts = np.full((n, 3, n_impacts), np.nan)
 
