@@ -48,7 +48,7 @@ def new(
     """
     from importlib.resources import files
 
-    from rockcli.errors import OutputError, StudyError
+    from rockcli.errors import StudyError
     from rockcli.storage.atomic import write_text
     from rockcli.storage.places import check_folder
 
@@ -62,7 +62,7 @@ def new(
     if path.suffix.lower() not in (".yaml", ".yml"):
         raise StudyError("expected a name that ends in .yaml", file=path)
     if path.exists():
-        raise OutputError("is there already; give another name with --out, or remove it", file=path)
+        raise StudyError("is there already; give another name with --out, or remove it", file=path)
     check_folder(path.parent)
     text = (files("rockcli.cli") / "templates" / f"{kind}.yaml").read_text(encoding="utf-8")
     write_text(path, text.replace(f"{kind}.yaml", str(path)))
@@ -75,11 +75,11 @@ def _write_examples(folder: Path) -> None:
     from tempfile import TemporaryDirectory
 
     import rockcli
-    from rockcli.errors import OutputError
+    from rockcli.errors import StudyError
     from rockcli.storage.places import check_folder
 
     if folder.exists():
-        raise OutputError("is there already; give another folder with --out, or remove it", file=folder)
+        raise StudyError("is there already; give another folder with --out, or remove it", file=folder)
     check_folder(folder.parent)
     package = Path(rockcli.__file__).parent
     source = package / "shipped"

@@ -85,7 +85,7 @@ def run(
         report = _run_one(study, out, progress=not quiet, fresh=fresh, si=as_json, **how)
         _tell(report, spoken=spoken, quiet=quiet, every=verbose)
         reports.append(report)
-    if spoken and len(reports) > 1:
+    if spoken and (len(reports) > 1 or opened.skipped):
         say(totals_text(reports))
     code = exit_code(reports)
     if as_json:

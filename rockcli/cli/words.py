@@ -32,13 +32,9 @@ def report_text(report: RunReport, *, every: bool = False) -> str:
             what = "trial" if report.overturns else "case"
             lines.append(_row("kept", f"{counted(count, what)} of {source}"))
     if report.refined is not None:
-        share = 100.0 * report.refined / max(report.cases, 1)
-        lines.append(
-            _row(
-                "refined",
-                f"{counted(report.refined, 'case')} solved ({share:.2g} %), the outcomes between them filled in",
-            )
-        )
+        share = report.refined / max(report.cases, 1)
+        some = f"({min(100.0 * share, 99.0):.2g} %), the outcomes between them filled in"
+        lines.append(_row("refined", f"{counted(report.refined, 'case')} solved {some if share < 1.0 else '(all)'}"))
     if report.drawn and report.wrong_at_most is not None:
         drawn = f"{report.drawn_wrong} of {counted(report.drawn, 'case')} drawn at random were filled in wrongly"
         lines.append(_row("", f"{drawn}: at most {100.0 * report.wrong_at_most:.2g} % of all are (95 % confidence)"))

@@ -172,6 +172,8 @@ def test_a_missing_record_is_skipped_on_demand(rock: Rock, tmp_path: Path, capsy
     suites = {suite.get("name"): suite for suite in ET.parse(tmp_path / "out" / "verdicts.xml").getroot()}
     assert suites["away"].get("skipped") == "1"
     assert suites["here"].get("failures") == "0"
+    assert rock("run", tmp_path / "away.yaml", "--skip-missing") == 0
+    assert "0 studies, 0 cases, 1 skipped" in capsys.readouterr().out
 
 
 def test_json_and_junit_tell_the_same(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

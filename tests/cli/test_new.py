@@ -33,7 +33,7 @@ def test_a_study_to_begin_with_is_commented_and_runs_as_it_is(rock, tmp_path, ca
 def test_the_first_kind_is_a_block_and_nothing_is_replaced(rock, tmp_path, capsys):
     assert rock("new") == 0
     before = (tmp_path / "block.yaml").read_bytes()
-    assert rock("new", "block") != 0
+    assert rock("new", "block") == 2
     assert "is there already" in capsys.readouterr().err
     assert (tmp_path / "block.yaml").read_bytes() == before
     assert rock("new", "--out", "mine.yml") == 0
@@ -60,7 +60,7 @@ def test_examples_are_those_of_the_sources_and_run(rock, tmp_path, capsys):
         written
     )
     assert rock("run", tmp_path / "examples" / "studies" / "examples", "--no-plots", "--workers", 1) == 0
-    assert rock("new", "examples") != 0
+    assert rock("new", "examples") == 2
     assert "is there already" in capsys.readouterr().err
 
 

@@ -156,6 +156,18 @@ def test_a_suite_has_its_lines() -> None:
     assert "  suite     first words\n            second words\n" in told
 
 
+@pytest.mark.parametrize(
+    ("refined", "words"),
+    [(57, "57 cases solved (5.7 %), the outcomes"), (998, "998 cases solved (99 %), the outcomes"), (1000, "1000 cases solved (all)\n")],
+)  # fmt: skip
+def test_how_much_of_a_refined_map_was_solved(refined: int, words: str) -> None:
+    from rockcli.cli.words import report_text
+    from rockcli.engine.summary import RunReport
+
+    told = report_text(RunReport("n", "solved", cases=1000, refined=refined, outcomes={"rocking": 1000}))
+    assert f"  refined   {words}" in told
+
+
 def test_cases_that_failed_for_want_of_a_program_are_told_so_again(
     rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -321,3 +321,16 @@ def test_forty_thousand_cases_of_real_records():
     assert wrong.mean() <= 2e-4
     assert doubtful <= 1e-3 * len(wrong)
     assert np.median(errors) <= 1e-11
+
+
+def test_a_case_whose_runs_part_is_solved_again():
+    """Of cases that all go in lanes, the first."""
+    import rockcli
+
+    record = {"file": str(OWN / "synthetic_soil_m70.AT2")}
+    case = {"block": {"height": 1.5, "width": 0.3}, "motion": {"record": record}}
+    study = {"case": case, "vary": {"motion.record.scale": [1, 1.5, 2, 3, 4]}, "save": {"histories": False}}
+    found = rockcli.run(study)
+    exact = rockcli.run({**study, "case": {**case, "solver": {"accuracy": "reference"}}})
+    assert found.outcome.values.tolist() == exact.outcome.values.tolist() == [1, 3, 3, 3, 3]
+    assert abs(found.theta_peak_over_alpha.values[0] - exact.theta_peak_over_alpha.values[0]) < 1e-9

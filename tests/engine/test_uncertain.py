@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -232,7 +233,8 @@ def test_numbers_for_programs_and_words_for_people():
         ({"uncertain": {"block.R": {"lognormal": [-2, 0.1]}}}, "needs median > 0"),
         ({"uncertain": {"block.R": {"uniform": [2, 1]}}}, "needs a < b"),
         ({"uncertain": {"block.R": {"triangular": [1, 2]}}}, "3 numbers"),
-        ({"uncertain": {"block.R": {"gaussian": [1, 2]}}}, "unknown key 'gaussian'"),
+        ({"uncertain": {"block.R": {"gaussian": [1, 2]}}}, "unknown key 'gaussian'; known: beta, lognormal, normal"),
+        ({"uncertain": {"block.R": {"norml": [1, 2]}}}, "unknown key 'norml'; did you mean 'normal'?"),
         ({"uncertain": {"block.R": {"normal": [2, 0.1], "truncate": [9, 10]}}}, "leaves nothing of normal"),
         ({"uncertain": {"block.R": {"normal": [2, 0.1], "truncate": [3, 1]}}}, "the first must be below the second"),
         ({"sampling": "sobol"}, "128 or 256"),
@@ -246,7 +248,7 @@ def test_numbers_for_programs_and_words_for_people():
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said(more, words):
-    with pytest.raises(StudyError, match=words.replace("(", r"\(")):
+    with pytest.raises(StudyError, match=re.escape(words)):
         open_study(study(**more))
 
 

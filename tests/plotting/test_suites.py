@@ -99,6 +99,14 @@ def test_fragility_draws_shares_and_fits(stripes):
     assert len(styles) == len(seen)
 
 
+def test_the_last_shares_are_drawn_whole(stripes):
+    (axes,) = figures.figure("fragility", stripes).axes
+    last = stripes["motion_pulse_a_p"].values.max() / G
+    axes.figure.canvas.draw()
+    (place, _), (end, _) = axes.transData.transform([(last, 0), (axes.get_xlim()[1], 0)])
+    assert end - place > 1.5 / 72 * axes.figure.dpi  # half a marker
+
+
 def test_states_of_one_curve_share_its_entry_in_the_legend(stripes):
     (axes,) = figures.figure("fragility", stripes).axes
     assert sum(" and overturned: median" in str(label) for label in axes.get_legend_handles_labels()[1]) == 1

@@ -172,3 +172,12 @@ def test_a_geometry_that_no_model_has_is_told():
     assert said.startswith("geometry is ignored")
     assert warnings_of(motion, vary={"model": ["rigid", 1]}) == ()
     assert warnings_of({**motion, "model": "auto"}) == ()
+
+
+def test_a_column_that_no_model_reads_is_told():
+    motion = {"motion": {"pulse": SINE}, "column": {"E": "30*GPa", "rho": 2500}}
+    (said,) = warnings_of(motion)
+    assert said.startswith("column is ignored")
+    for model in ("auto", "flexible", 4):
+        assert warnings_of({**motion, "model": model}) == ()
+    assert warnings_of(motion, vary={"model": ["rigid", "flexible"]}) == ()

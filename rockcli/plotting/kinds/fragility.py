@@ -39,6 +39,9 @@ _BANDS = 2
 _STEP = 0.02
 """Distance of the limits of neighbouring medians [1]."""
 
+_BEYOND = 0.015
+"""Part of its length by which the axis goes on beyond the last intensity, whose points are drawn whole [1]."""
+
 THETA = r"$|\theta|_{\mathrm{max}}/\alpha$"
 
 _NAMES = {"pga": "PGA", "pgv": "PGV", "pgv_over_pga": "PGV/PGA", "arias": r"$I_A$", "cav": "CAV"}
@@ -85,7 +88,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     log = is_log(np.sort(x))
     scale_axes(first, log)
     begin = float(dataset["fragility_begins_at"].min()) / shown_unit(dataset, "fragility_median")[0]
-    first.set_xlim(max(float(x.min()), 0.7 * begin) if log else 0.0, float(x.max()))
+    low, last = max(float(x.min()), 0.7 * begin) if log else 0.0, float(x.max())
+    beyond = (last / low) ** _BEYOND if log else 1.0 + _BEYOND
+    first.set_xlim(low, last * beyond)
     legend_below(figure, first.get_legend_handles_labels()[0], 1 if single else 3)
     second = _second_words(dataset) if single else ""
     limits = "bands" if dataset.sizes["limit_state"] <= _BANDS else "bars"

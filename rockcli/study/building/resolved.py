@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Pulses, Samples
+from rockcli.scene.models import DEFORMABLE
 from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key
@@ -24,6 +25,8 @@ DT_OUT = 0.005
 
 
 NO_GEOMETRY = "geometry is ignored: models 1 to 4 have two, and no case has such a model"
+
+NO_COLUMN = "column is ignored: models flexible, continuum, auto and 4 read it, and no case has such a model"
 
 MOST_USES = 20
 """Ways in which one motion is used that are told."""
@@ -122,9 +125,16 @@ class Found:
         curves: Any = value_at(study, ("curves",))
         nothing_moves = self.still and not curves and "fema356" not in self.schemes
         for_nothing = value_at(study, ("case", "geometry")) is not None and not self._knows_geometry
-        return [STILL] * nothing_moves + [NO_GEOMETRY] * for_nothing + list(self.implausible)
+        no_column = value_at(study, ("case", "column")) is not None and not self._reads_column
+        unread = [NO_GEOMETRY] * for_nothing + [NO_COLUMN] * no_column
+        return [STILL] * nothing_moves + unread + list(self.implausible)
 
     @property
     def _knows_geometry(self) -> bool:
         """Whether a case has a model of two geometries, or may be given one."""
         return any(geometry is not None or model == AUTO for model, geometry in self.models)
+
+    @property
+    def _reads_column(self) -> bool:
+        """Whether a case has a model that is made of a column, or of elements."""
+        return any(model in (*DEFORMABLE, AUTO, "4") for model, _ in self.models)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -177,15 +177,17 @@ def _followed(tree: Any, loc: tuple[str | int, ...]) -> Keys:
 
 def part_at(part: type[BaseModel], keys: Keys) -> type[BaseModel] | None:
     """The mapping at `keys` inside a part; None where anything may stand."""
+    named = False  # at a mapping whose keys are the study's own, as of `uncertain`
     for key in keys:
-        if isinstance(key, int):
+        if isinstance(key, int) or named:
+            named = False
             continue
         field = part.model_fields.get(key)
         inner = next(_parts((field.annotation, *field.metadata)), None) if field else None
-        if inner is None:
+        if field is None or inner is None:
             return None
-        part = inner
-    return part
+        part, named = inner, get_origin(field.annotation) is dict
+    return None if named else part
 
 
 def fields_at(part: type[BaseModel], keys: Keys) -> dict[str, Any]:
