@@ -20,7 +20,7 @@ MODES: dict[int, str] = {
     SLIDE: "slide",
     ROCK: "rock",
     SLIDE_ROCK: "slide_rock",
-    FLIGHT: "free_flight",
+    FLIGHT: "flight",
 }
 """Flags of the history `contact_mode`."""
 

@@ -47,7 +47,7 @@ def test_a_study_solves_what_the_kernel_does():
     assert float(ds.lift.max()) > 0.0
     assert float(abs(ds.slide).max()) == pytest.approx(float(ds.slide_peak), abs=1e-4)
     np.testing.assert_allclose(ds.u_top, ds.slide + 0.82 * np.sin(ds.theta), atol=1e-12)
-    assert ds.contact_mode.attrs["flag_meanings"].split()[-1] == "free_flight"
+    assert ds.contact_mode.attrs["flag_meanings"].split()[-1] == "flight"
     assert 0.0 < float(ds.error_estimate) < 1e-3
     assert float(ds.overturn_share) == 0.0
 

@@ -361,7 +361,7 @@ def test_in_a_study(tmp_path):
         peak, end, _ = closed_form(6.0, 7.0, mu)
         assert float(found.slide_peak.sel(mu=mu)) == pytest.approx(peak, abs=1e-12)
         assert float(found.slide_residual.sel(mu=mu)) == pytest.approx(end, abs=1e-12)
-    assert found.contact_mode.attrs["flag_meanings"].split() == ["rest", "slide", "rock", "slide_rock", "free_flight"]
+    assert found.contact_mode.attrs["flag_meanings"].split() == ["rest", "slide", "rock", "slide_rock", "flight"]
 
 
 class TestFrictionOfTanAlpha:
