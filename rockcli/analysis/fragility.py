@@ -140,7 +140,8 @@ class Curves:
 
         ln(x_p - x_0) = q + (z - z_0) beta, where q, the percentile whose estimate is not correlated with that of beta,
         is taken as normal and beta as chi of as many degrees of freedom as give its variance: limits by the noncentral
-        t, as of capacities that are all known (Owen 1968).  Variances are those of the jackknife.
+        t, as of capacities that are all known (Owen 1968).  Variances are those of the jackknife.  The median keeps its
+        own limits, which bound those of smaller percentiles from above and those of larger ones from below.
         """
         from scipy.special import ndtri
         from scipy.stats import nct
@@ -158,7 +159,14 @@ class Curves:
             rest = total * z - steep * beta - least * beta
             for into, tail in ((low, 0.5 * (1.0 - CONFIDENCE)), (high, 0.5 * (1.0 + CONFIDENCE))):
                 into[j] = rest + unbiased * scale * nct.ppf(tail, freedom, (steep + least) / scale)
-        return self._above(low), self._above(high)
+        low, high = self._above(low), self._above(high)
+        (least, most), known = self.median_limits(), np.isfinite(low).all(axis=1)
+        half = PERCENTILES.index(50.0)
+        low[known, half], high[known, half] = least[known], most[known]
+        low[:, half:], high[:, :half] = (
+            np.maximum(low[:, half:], low[:, half, None]), np.minimum(high[:, :half], high[:, half, None])
+        )  # fmt: skip
+        return low, high
 
     def _above(self, ln: Array) -> Array:
         """The intensity that is above x_0 by exp(ln) of what the median is."""

@@ -507,6 +507,23 @@ def test_limits_of_a_percentile_of_known_capacities_are_those_of_a_normal_sample
     assert abs(np.log(high[0, 1] / exact[1])) < 0.03 * width
 
 
+@pytest.mark.parametrize("n", [5, 6, 8, 12])
+def test_the_median_bounds_the_limits_of_percentiles(n):
+    half = variables.PERCENTILES.index(50.0)
+    seldom = 0
+    for seed in range(20):
+        found = curves(seen(suite(n=n, medians=(3.0,), beta=0.5, seed=seed)), 1)
+        (low,), (high,) = found.percentile_limits(0.2)
+        if found.status[0] != FITTED or np.isnan(low).any():
+            continue
+        (least,), (most,) = found.median_limits()
+        assert (low[half], high[half]) == (least, most)
+        assert (high[:half] <= most).all()
+        assert (low[half:] >= least).all()
+        seldom += high[0] == most
+    assert seldom < 15
+
+
 def test_added_uncertainty_moves_percentiles_with_their_limits():
     found = curves(seen(suite()), 1)
     for added in (0.0, 0.4):
