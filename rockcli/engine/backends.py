@@ -44,6 +44,8 @@ def choose(batch: Batch) -> Backend:
     scheme = batch.damping.scheme
     row = automatic(batch.model, batch.geometry, scheme) if asked == AUTOMATIC else BACKENDS[asked]
     if row is not None and row.supports(batch):
+        if why := row.refuses(batch):
+            raise SolverError(why)
         return row.of_model(batch.model)
     what = f"model {batch.model!r}" + (f" ({batch.geometry})" if batch.geometry else "")
     who = "no backend" if asked == AUTOMATIC else f"backend {asked!r} does not"

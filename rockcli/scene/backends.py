@@ -61,6 +61,7 @@ class Backend:
         needs: `module:function` that raises `SolverError` on a machine that lacks what it is made of.
         cost: what it takes.
         flexible: the row that holds for model flexible where that is solved in another way.
+        refuses: why it does not solve a batch of these models and schemes; "" if it does.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Backend:
     needs: str = ""
     cost: Cost = Cost(0.02, 5e-5)
     flexible: Backend | None = None
+    refuses: Callable[[Batch], str] = lambda batch: ""
 
     def of_model(self, model: str) -> Backend:
         """The row that holds for a model."""
@@ -104,6 +106,18 @@ class Backend:
 def _imported(target: str) -> Callable[..., object]:
     module, name = target.split(":")
     return cast("Callable[..., object]", getattr(import_module(module), name))
+
+
+def unfit_base(batch: Batch) -> str:
+    """Why the base does not go with the model and the damping of beam elements; "" if it does."""
+    base, hht = batch.base, batch.damping.scheme == "hht"
+    if base is None or base.law == "rigid":
+        return "damping hht needs a yielding base: base: {law: winkler, kw: ...}" if hht else ""
+    if batch.geometry == "negative_stiffness":
+        return "a Winkler base carries the weight: it needs geometry: corotational"
+    if (hht or base.fibres is not None) and batch.model not in ("4", "flexible"):
+        return f"fibres belong under a column of elements, model 4 or flexible, not model {batch.model}"
+    return ""
 
 
 _RIGID = frozenset({"none", "restitution", "dashpot"})
@@ -145,6 +159,7 @@ _ROWS: tuple[Backend, ...] = (
         settings=_STEPS,
         stepping=True,
         cost=Cost(step=5e-6),
+        refuses=unfit_base,
     ),
     Backend(
         "opensees",
@@ -158,6 +173,7 @@ _ROWS: tuple[Backend, ...] = (
         stepping=True,
         needs="rockcli.solvers.opensees.run:require_opensees",
         cost=Cost(0.3, step=2.5e-5, dt=2e-4),
+        refuses=unfit_base,
     ),
     Backend(
         "scipy",

@@ -139,6 +139,27 @@ def test_a_backend_that_cannot_solve_the_model(tmp_path: Path) -> None:
     check_study(open_study(study(vary=axis)), tmp_path)  # one that can is among them
 
 
+@pytest.mark.parametrize(
+    ("said", "fault"),
+    [
+        ({}, "hht needs a yielding base"),
+        ({"base": {"law": "winkler", "kw": 1e8}}, "a Winkler base carries the weight: it needs geometry: corotational"),
+    ],
+)
+@pytest.mark.parametrize("backend", ["frame", "opensees"])
+def test_a_base_that_does_not_fit_the_damping(tmp_path: Path, backend: str, said: dict[str, Any], fault: str) -> None:
+    case = {
+        "block": {"R": 2.0, "tan_alpha": 0.2},
+        "model": 4,
+        "damping": {"scheme": "hht"},
+        "solver": {"backend": backend},
+        "column": {"E": 3e10, "rho": 2500.0},
+        "motion": {"pulse": {"shape": "sine", "a_p": 3.0, "T_p": 1.0}},
+    }
+    with pytest.raises(StudyError, match=fault):
+        check_study(open_study({"name": "a", "case": case | said}), tmp_path)
+
+
 def test_the_estimated_time_is_that_of_how_the_cases_are_solved() -> None:
     axes = {
         "motion.pulse.a_p": {"from": "g*tan_alpha", "to": "4*g*tan_alpha", "n": 1000},

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
 from rockcli.kernels.frame import layout as at
+from rockcli.scene.backends import unfit_base
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT
 from rockcli.scene.constants import FIBRES
@@ -16,17 +17,13 @@ Array = NDArray[np.float64]
 
 def kind_of_base(batch: Batch) -> float:
     """Kind of base of a batch; `SolverError` where model, base and damping do not go together."""
-    base, hht = batch.base, batch.damping.scheme == "hht"
+    if why := unfit_base(batch):
+        raise SolverError(why)
+    base = batch.base
     if base is None or base.law == "rigid":
-        if hht:
-            raise SolverError("damping hht needs a yielding base: base: {law: winkler, kw: ...}")
         return at.SOFTENING if batch.geometry == "negative_stiffness" else at.PLASTIC
-    if batch.geometry == "negative_stiffness":
-        raise SolverError("a Winkler base carries the weight: it needs geometry: corotational")
-    if not (hht or base.fibres is not None):
+    if not (batch.damping.scheme == "hht" or base.fibres is not None):
         return at.WINKLER
-    if batch.model not in ("4", "flexible"):
-        raise SolverError(f"fibres belong under a column of elements, model 4 or flexible, not model {batch.model}")
     return at.FIBRES
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
+from rockcli.scene.backends import unfit_base
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.constants import (
@@ -81,19 +82,13 @@ def mass_of(batch: Batch, case: int) -> float:
 
 def law_of(batch: Batch) -> str:
     """Law of the base of a batch; `SolverError` where model, base and damping do not go together."""
-    base, hht = batch.base, batch.damping.scheme == "hht"
+    if why := unfit_base(batch):
+        raise SolverError(why)
+    base = batch.base
     if base is None or base.law == "rigid":
-        if hht:
-            raise SolverError("damping hht needs a yielding base: base: {law: winkler, kw: ...}")
         law = "softening" if batch.geometry == "negative_stiffness" else "plastic"
-    elif batch.geometry == "negative_stiffness":
-        raise SolverError("a Winkler base carries the weight: it needs geometry: corotational")
-    elif not (hht or base.fibres is not None):
-        law = "winkler"
-    elif batch.model in ("4", "flexible"):
-        law = "fibres"
     else:
-        raise SolverError(f"fibres belong under a column of elements, model 4 or flexible, not model {batch.model}")
+        law = "fibres" if batch.damping.scheme == "hht" or base.fibres is not None else "winkler"
     if batch.excitation.vertical is not None and law != "fibres":
         raise SolverError(
             "the base spring of backend opensees knows the weight at rest only: vertical motion needs fibres "
