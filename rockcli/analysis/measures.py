@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.pulse_extremes import extremes
+from rockcli.analysis.pulse_extremes import extremes, extremes_of_both_signs
 from rockcli.motion.measures import velocity
 from rockcli.scene.excitation import AMPLITUDES, BELL, LINEAR, PIECE_WIDTH, WAVES, Channel, Pulses, Samples
 
@@ -33,6 +33,29 @@ def peaks(channel: Channel | None, n: int, duration: Array | None = None) -> tup
     until = np.full(n, np.inf) if duration is None else np.where(np.isnan(duration), np.inf, duration)
     with np.errstate(all="ignore"):
         return _of_samples(channel, until) if isinstance(channel, Samples) else _of_pulses(channel, until)
+
+
+def peaks_of_both_signs(channel: Channel, n: int, duration: Array) -> Array:
+    """Largest ground acceleration of each of n cases, and the largest of the motion turned round, (n, 2) [m/s²].
+
+    `duration` (n,) [s] as in `peaks`.
+    """
+    until = np.where(np.isnan(duration), np.inf, duration)
+    if not isinstance(channel, Samples):
+        return extremes_of_both_signs(channel.table, until)
+    factor = np.broadcast_to(channel.factor, (n,))
+    up, down = (_highest(sign * channel.values, channel.dt, np.minimum(until, channel.end)) for sign in (1.0, -1.0))
+    turned = factor < 0.0
+    return np.asarray(
+        np.abs(factor)[:, None] * np.column_stack([np.where(turned, down, up), np.where(turned, up, down)])
+    )
+
+
+def _highest(a: Array, dt: float, until: Array) -> Array:
+    """Largest of a motion that is linear between samples, up to a time; not below 0."""
+    i = np.clip(np.floor(until / dt).astype(int), 0, len(a) - 2)
+    last = a[i] + (a[i + 1] - a[i]) * (until - i * dt) / dt
+    return np.asarray(np.maximum(np.maximum(np.maximum.accumulate(a)[i], last), 0.0))
 
 
 def _of_samples(samples: Samples, until: Array) -> tuple[Array, Array]:

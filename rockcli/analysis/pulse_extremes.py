@@ -45,21 +45,52 @@ def extremes(table: Array, until: Array) -> tuple[Array, Array]:
     return pga, pgv
 
 
+def extremes_of_both_signs(table: Array, until: Array) -> Array:
+    """Largest acceleration of pulses and largest of the same turned round, none below 0, (n, 2)."""
+    found = np.zeros((len(table), 2))
+    for j in range(table.shape[1]):
+        begin, end = table[:, j, 0], np.minimum(table[:, j, 1], until)
+        for kind in (LINEAR, WAVES, BELL):
+            (which,) = np.nonzero((end > begin) & (table[:, j, 2] == kind))
+            step = max(_AT_ONCE // _points(kind, table[which, j], end[which] - begin[which]), 1)
+            for start in range(0, len(which), step):
+                part = which[start : start + step]
+                a = _accelerations(kind, table[part, j], begin[part], end[part])
+                found[part] = np.maximum(found[part], np.column_stack([a.max(axis=1), -a.min(axis=1)]))
+    return found
+
+
 def _piece(kind: int, rows: Array, begin: Array, end: Array, before: Array) -> tuple[Array, Array, Array]:
     """Peaks of |a| and |v| over a piece, and the velocity gained in it; `before` is the velocity at its beginning."""
-    acceleration, slope, path = _LAWS[kind]
-    if kind == WAVES and not rows[:, [7, 10]].any():  # one wave: its extremes are where they always are
-        steepest, highest = _zeros_of_sine(rows, begin, 0.0), _zeros_of_sine(rows, begin, 0.5)
+    acceleration, _, path = _LAWS[kind]
+    if _one_wave(kind, rows):
+        steepest = _zeros_of_sine(rows, begin, 0.0)
     elif kind == LINEAR:
         with np.errstate(all="ignore"):
-            steepest, highest = (begin - rows[:, 3] / rows[:, 4])[:, None], begin[:, None]
+            steepest = (begin - rows[:, 3] / rows[:, 4])[:, None]
     else:
-        steepest, highest = (_zeros(kind, law, rows, begin, end) for law in (acceleration, slope))
-    ends = np.column_stack([begin, end])
-    largest = [np.abs(acceleration(rows, np.column_stack([ends, _inside(highest, begin, end)])))]
-    times = np.column_stack([ends, _inside(steepest, begin, end)])
+        steepest = _zeros(kind, acceleration, rows, begin, end)
+    times = np.column_stack([begin, end, _inside(steepest, begin, end)])
     reached = before[:, None] + path(rows, np.broadcast_to(begin[:, None], times.shape), times)
-    return largest[0].max(axis=1), np.abs(reached).max(axis=1), reached[:, 1] - before
+    largest = np.abs(_accelerations(kind, rows, begin, end)).max(axis=1)
+    return largest, np.abs(reached).max(axis=1), reached[:, 1] - before
+
+
+def _accelerations(kind: int, rows: Array, begin: Array, end: Array) -> Array:
+    """Acceleration at both ends of a piece and where its slope is zero in between, (k, j)."""
+    acceleration, slope, _ = _LAWS[kind]
+    if _one_wave(kind, rows):
+        highest = _zeros_of_sine(rows, begin, 0.5)
+    elif kind == LINEAR:
+        highest = begin[:, None]
+    else:
+        highest = _zeros(kind, slope, rows, begin, end)
+    return acceleration(rows, np.column_stack([begin, end, _inside(highest, begin, end)]))
+
+
+def _one_wave(kind: int, rows: Array) -> bool:
+    """Whether pieces are one sine each, whose extremes are where they always are."""
+    return kind == WAVES and not rows[:, [7, 10]].any()
 
 
 def _inside(times: Array, begin: Array, end: Array) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.measures import peaks
+from rockcli.analysis.measures import peaks, peaks_of_both_signs
 from rockcli.motion.spectrum import displacement_spectrum, forcing
 from rockcli.scene.batch import Batch
 from rockcli.scene.excitation import Channel, Samples
@@ -113,7 +113,18 @@ def moves_at(study: Study, *, slides: bool) -> Array:
 
 
 def _threshold(batch: Batch) -> Array:
-    """Acceleration over g that lifts the body about its nearer edge, (n,)."""
+    """Peak acceleration over g at which the motion of every case, scaled, lifts the body about one of its edges, (n,).
+
+    Of two unequal edges each is reached by the motion towards one side alone.
+    """
     alpha = batch.block.alpha
-    law = MODELS[(batch.model, batch.geometry)].law(alpha, np.tan(alpha))
-    return np.asarray(law.threshold.min(axis=-1))
+    left, right = MODELS[(batch.model, batch.geometry)].law(alpha, np.tan(alpha)).threshold.T
+    nearer = np.minimum(left, right)
+    motion = batch.excitation.horizontal
+    if motion is None or (left == right).all():
+        return np.asarray(nearer)
+    # a_g > 0 lifts the body about its left edge
+    to_left, to_right = peaks_of_both_signs(motion, batch.size, batch.excitation.duration).T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first = np.maximum(to_left, to_right) / np.maximum(to_left / left, to_right / right)
+    return np.asarray(np.where((left == right) | ~np.isfinite(first), nearer, first))

@@ -417,6 +417,37 @@ def test_limit_states_of_the_slide():
     assert rockcli.table(data, of="fragility")["limit_state"].tolist() == told
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_curves_of_uneven_bodies_begin_where_the_motion_lifts_an_edge(sign):
+    """Half sines push one way alone: a_g > 0 lifts the body about its left edge, at g tan(alpha) of that edge."""
+    t = np.arange(100) * 0.01
+    records = [
+        {"values": sign * 0.1 * np.sin(np.pi * t / T) * (t < T), "dt": 0.01, "units": "g"} for T in (0.3, 0.4, 0.5, 0.6)
+    ]
+    pulse = {"shape": "half_sine", "T_p": 1.0, "a_p": 1.0}
+    stripes = {"from": 0.06 * G, "to": 1.21 * G, "n": 47}
+    body = {"block": {"h": 1.0, "b": [0.3, 0.2], "r_g": 0.6}}
+    over = {"over": {"axis": "record", "limits": [0.1]}, "save": {"histories": False}}
+    data = rockcli.run(
+        {"case": body | {"motion": {"record": records[0]}}}
+        | over
+        | {"vary": {"motion.record": records, "motion.record.pga": stripes}}
+    )
+    begins = (0.3 if sign > 0.0 else 0.2) * G
+    assert float(data["fragility_begins_at"]) == pytest.approx(begins, rel=1e-12)
+    assert float(data["fragility_begins_at_last"]) == pytest.approx(begins, rel=1e-12)
+    lifts = data["pga"].values[(data["outcome"].values != 0).any(axis=0)]
+    assert begins < lifts.min() <= begins + 0.025 * G * (1.0 + 1e-9)
+    if sign > 0.0:
+        pulses = rockcli.run(
+            {"case": body | {"motion": {"pulse": pulse}}}
+            | over
+            | {"over": {"axis": "T_p", "limits": [0.1]}}
+            | {"vary": {"motion.pulse.T_p": [0.6, 0.8, 1.0], "motion.pulse.a_p": stripes}}
+        )
+        assert float(pulses["fragility_begins_at"]) == pytest.approx(begins, rel=1e-12)
+
+
 def test_curves_of_slides_begin_where_friction_gives_way():
     low = sliding_study(block={"mu": 0.3})
     data = rockcli.run(low | {"over": low["over"] | {"limits": [{"slide_peak": 0.05}, {"slide_peak": 0.5}]}})

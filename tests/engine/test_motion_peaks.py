@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import rockcli
-from rockcli.analysis.measures import peaks
+from rockcli.analysis.measures import peaks, peaks_of_both_signs
 from rockcli.scene.excitation import Pulses, Samples, acceleration
-from rockcli.scene.pulses import make_pulses
+from rockcli.scene.pulses import SHAPES, make_pulses
 
 A, W = 7.0, 3.0 * np.pi
 T = 2.0 * np.pi / W
@@ -119,3 +119,20 @@ def test_the_dataset_has_those_of_the_motion_used() -> None:
     found = rockcli.run(study)
     assert float(found["pga"]) == pytest.approx(3.0 * np.sin(0.8), rel=EXACT)
     assert float(found["pgv"]) == pytest.approx(1.5 * (1.0 - np.cos(0.8)), rel=EXACT)
+
+
+def test_largest_accelerations_of_both_signs():
+    """Of records up to a time between samples and turned round, and of every pulse, against many points of it."""
+    values = np.array([0.0, 1.0, -2.0, 0.5, 3.0, 0.0])
+    record = Samples(values, 0.1, np.array([1.0, -2.0, 1.0, 3.0]), "record", (), {})
+    found = peaks_of_both_signs(record, 4, np.array([np.nan, 0.15, 0.35, 9.0]))
+    np.testing.assert_allclose(found, [[3.0, 2.0], [1.0, 2.0], [1.75, 2.0], [9.0, 6.0]], rtol=1e-12)
+    options = {"mavroeidis_papageorgiou": {"gamma": np.array([1.6, 2.5]), "nu": np.array([0.7, 2.0])}}
+    until = np.array([np.nan, 1.3])
+    for shape in SHAPES:
+        pulses = make_pulses(shape, a_p=np.array([2.0, 3.0]), omega_p=np.array([4.0, 7.0]), **options.get(shape, {}))
+        found = peaks_of_both_signs(pulses, 2, until)
+        for i in range(2):
+            t = np.linspace(0.0, np.nanmin([pulses.end[i], until[i]]) * (1.0 - 1e-12), 200_001)
+            a = acceleration(pulses, t, i)
+            np.testing.assert_allclose(found[i], [max(a.max(), 0.0), max(-a.min(), 0.0)], rtol=1e-7, atol=1e-9)
