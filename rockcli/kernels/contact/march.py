@@ -282,6 +282,8 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
 
         # the event
         reported = t <= t_stop
+        if event in (STRIKES, LANDS) and not reported:
+            out[to.STRUCK_LATER] = 1.0
         if event == TOPPLES:
             out[to.VERDICT] = FALLS
             out[to.PEAK_SIDE] = foot.s if mode != FLIGHT else math.copysign(1.0, air.theta)

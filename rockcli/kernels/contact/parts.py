@@ -18,6 +18,7 @@ def add_part(par, slide, part, out):
     out[to.N_IMPACTS] += part[of_lanes.N_IMPACTS]
     out[to.SWINGS] += part[of_lanes.SWINGS]
     out[to.SWINGS_T] += part[of_lanes.SWINGS_T]
+    out[to.STRUCK_LATER] = max(out[to.STRUCK_LATER], part[of_lanes.STRUCK_LATER])
     out[to.BALANCE] += par[at.G] * part[of_lanes.ENERGY]
     if math.isnan(out[to.T_UPLIFT]):
         out[to.T_UPLIFT] = part[of_lanes.T_UPLIFT]

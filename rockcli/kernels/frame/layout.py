@@ -26,10 +26,11 @@ base, discrete no-tension fibres."""
 # what a case returns
 (
     STATUS, VERDICT, PEAK, PEAK_SIDE, T_PEAK, RATE_PEAK, TOP_PEAK, T_UPLIFT, T_OVERTURN, T_END, N_IMPACTS, N_STORED,
-    ENERGY, N_STEPS, ITERATIONS, CUTS, N_RHS, N_OUT,
-) = range(18)  # fmt: skip
+    ENERGY, N_STEPS, ITERATIONS, CUTS, N_RHS, STRUCK_LATER, N_OUT,
+) = range(19)  # fmt: skip
 """STATUS; VERDICT; PEAK |theta|, PEAK_SIDE its sign; ENERGY not accounted for [J]; N_STEPS steps that converged;
-ITERATIONS of Newton in them; CUTS steps that had to be divided; N_RHS residuals assembled, those of CUTS too."""
+ITERATIONS of Newton in them; CUTS steps that had to be divided; N_RHS residuals assembled, those of CUTS too;
+STRUCK_LATER 1 if it lands beyond the report."""
 
 DONE, NO_CONVERGENCE, NO_STATICS = 0.0, 1.0, 2.0
 """STATUS: solved, a step that no division made converge, no equilibrium to begin with."""

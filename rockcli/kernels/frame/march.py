@@ -162,6 +162,8 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
                     v[k] *= eta
                 accelerate(par, n, mass, damped, pull, weights, fibres, end_g, end_v, u, v, a, work, bands, B)
                 out[at.N_RHS] += 1.0
+            if now > par[at.T_STOP]:
+                out[at.STRUCK_LATER] = 1.0
             if abs(before) > par[at.FAST] and now <= par[at.T_STOP]:
                 stored = int(out[at.N_IMPACTS])
                 if stored < len(impacts):
@@ -183,7 +185,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
             out[at.TOP_PEAK] = max(out[at.TOP_PEAK], abs(u[len(u) - 3]))
 
         if q >= 0.5 * math.pi:
-            out[at.VERDICT] = FALLS
+            out[at.VERDICT], out[at.PEAK_SIDE] = FALLS, 1.0 if theta > 0.0 else -1.0
             if math.isnan(out[at.T_END]):
                 out[at.T_END] = now
             break

@@ -214,7 +214,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         top = out[to.PEAK]
         if two_sided:
             top = out[to.PEAK_RIGHT] if s > 0.0 else out[to.PEAK_LEFT]
-        if detail > OUTCOME and reach > top:
+        if detail > OUTCOME and reported and reach > top:
             raise_peak(edge.alpha, s, c, n, x, t, parts, out)
         if reach >= edge.q_star:
             passed = last_passage(c, n, edge.q_star, x, parts)
@@ -235,6 +235,8 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
             rate_out[i_hist] = s * slope(c, n, y)
             i_hist += 1
         stalled = stalled + 1 if t_new == t else 0
+        if detail > OUTCOME and par[at.HAS_DURATION] == 1.0 and t < t_stop <= t_new and v_new > 0.0:
+            set_peak(edge.alpha, s, q_new, t_new, out)  # the report ends while it rises, the run may go on
         t, q, v = t_new, q_new, v_new
 
         if event == 2:
@@ -249,6 +251,8 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
             if carried > 0.0:
                 out[to.SWINGS] += carried
                 out[to.SWINGS_T] += carried * t
+            if not reported:
+                out[to.STRUCK_LATER] = 1.0
             if abs(rate) > FAST * p * edge.alpha and reported:
                 out[to.N_IMPACTS] += 1
                 out[to.ONTO_LEFT if s > 0.0 else to.ONTO_RIGHT] += 1
@@ -282,7 +286,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
     if verdict == FALLS:
         out[to.PEAK_SIDE] = s
     out[to.VERDICT] = verdict if out[to.STATUS] == DONE else UNDECIDED
-    if mode == ROCK and v > 0.0 and detail > OUTCOME and (par[at.HAS_DURATION] == 1.0 or verdict != RETURNS):
+    if mode == ROCK and v > 0.0 and detail > OUTCOME and par[at.HAS_DURATION] == 0.0 and verdict != RETURNS:
         set_peak(edge.alpha, s, q, t, out)  # cut off while rising
     rest_energy = energy(edge, q, v, linear) if mode == ROCK else 0.0
     out[to.ENERGY] = work - lost - rest_energy
@@ -292,22 +296,30 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         and detail > OUTCOME
         and (par[at.HAS_DURATION] == 0.0 or verdict == FALLS)
     ):
-        afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
+        afterwards(edge, other, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
 
 
 @jit_lean
-def afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out):
-    """Beyond the report: the swing under way still has its peak, or its last passage of the equilibrium."""
+def afterwards(edge, other, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out):
+    """Beyond the report: the swing under way still has its peak; a body that falls is followed to where it does."""
     a[0] = a_v[0] = 0.0
-    star = edge.q_star
     p = math.sqrt(edge.p2)
-    for _ in range(400):
-        if v <= 0.0 or verdict == UNDECIDED or (verdict == FALLS and q >= star):
+    for _ in range(100000):
+        fallen = q >= edge.q_star and v >= 0.0
+        if verdict == UNDECIDED or (fallen if verdict == FALLS else v <= 0.0):
             return
         n, h = flow(edge, how, how.tol * edge.alpha, q, v, s, a, a_v, Degrees(0, 0), False, 2.0 / p, c, sin_q, cos_q)
+        hit = first_root(c, n, h, 1 if q == 0.0 else 0) if verdict == FALLS else NO_ROOT
+        if hit != NO_ROOT:
+            v, s, t, q = other.eta * abs(slope(c, n, hit)), -s, t + hit, 0.0
+            edge, other = other, edge
+            p = math.sqrt(edge.p2)
+            out[to.STRUCK_LATER] = 1.0
+            out[to.PEAK_SIDE], out[to.T_OVERTURN] = s, math.nan
+            continue
         q_new, v_new = value(c, n, h), slope(c, n, h)
-        if verdict == FALLS and q < star <= q_new:
-            out[to.T_OVERTURN] = t + passage(c, n, star, 0.0, h)
+        if verdict == FALLS and q < edge.q_star <= q_new:
+            out[to.T_OVERTURN] = t + passage(c, n, edge.q_star, 0.0, h)
         if verdict == RETURNS and v_new <= 0.0:
             raise_peak(edge.alpha, s, c, n, h, t, 8, out)
         t, q, v = t + h, q_new, v_new

@@ -116,11 +116,13 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
                 if verdict == FALLS:
                     out[to.N_IMPACTS] += hits
                 break
+            if verdict == FALLS and hits > 0:
+                out[to.STRUCK_LATER] = 1.0
         if t >= t_stop:  # beyond the report: the swing under way still has its peak, its passage of the last barrier
             theta = end.tilt + s * q
             inward = v == 0.0 or s * v * theta <= 0.0
             passed = verdict == FALLS and (theta > fall_right or theta < fall_left) and not inward
-            if given or mode == REST or passed or (verdict != FALLS and inward):
+            if mode == REST or passed or (verdict != FALLS and (given or inward)):
                 break
             if t >= t_stop + PATIENCE / math.sqrt(end.p2):
                 break
@@ -238,7 +240,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
         if s * end.tilt >= 0.0:  # q grows outward; else no rotation passes that of the facet, which has been noted
             far = abs(end.tilt)
             side = to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT
-            if detail > OUTCOME and reach + far > out[side]:
+            if detail > OUTCOME and (reported or not given) and reach + far > out[side]:
                 c[0] = q + far
                 raise_peak(1.0, s, c, n, x, t, parts, out)
                 c[0] = q
@@ -327,7 +329,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     if verdict == RETURNS and mode == REST:
         out[also.FACET] = facet
     out[to.VERDICT] = verdict if out[to.STATUS] == DONE else UNDECIDED
-    if mode == ROCK and s * v * theta > 0.0 and detail > OUTCOME and (given or verdict != RETURNS):
+    if mode == ROCK and s * v * theta > 0.0 and detail > OUTCOME and t <= t_stop and (given or verdict != RETURNS):
         set_peak(1.0, 1.0 if theta > 0.0 else -1.0, abs(theta), t, out)  # cut off while rising
     out[to.ENERGY] = work - lost - energy(end, q, v)
 

@@ -39,7 +39,7 @@ class Found:
     Attributes:
         moved: whether the body has left the ground; fell: whether it overturns; undecided: the solver cannot tell;
             failed: there is no answer.
-        n_impacts: counted impacts.
+        n_impacts: counted impacts; struck_later: whether one came beyond the report, before the body falls.
         peak, side: largest |theta| and its sign; rate: largest |theta'|; top: largest displacement of the top.
         t_peak, t_uplift, t_overturn, t_end: times [s].
     """
@@ -57,11 +57,12 @@ class Found:
     t_uplift: Array
     t_overturn: Array
     t_end: Array
+    struck_later: Mask | bool = False
 
     @cached_property
     def outcome(self) -> NDArray[np.int8]:
         """Flags as in scene/response.py."""
-        fallen = np.where(self.n_impacts > 0, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT)
+        fallen = np.where((self.n_impacts > 0) | self.struck_later, OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT)
         outcome = np.where(self.fell, fallen, np.where(self.moved, ROCKING, NO_UPLIFT))
         outcome = np.where(self.failed, FAILED, np.where(self.undecided, UNRESOLVED, outcome))
         return np.asarray(outcome, dtype=np.int8)

@@ -52,6 +52,7 @@ def answer(
         t_uplift=out[:, to.T_UPLIFT],
         t_overturn=out[:, to.T_OVERTURN],
         t_end=out[:, to.T_END],
+        struck_later=out[:, to.STRUCK_LATER] > 0.0,
     )
     scalars = found.scalars(batch)
     scalars |= _by_side(batch, out, scalars["theta_peak"])

@@ -76,6 +76,7 @@ def scalars_of(
         t_uplift=out[:, to.T_UPLIFT],
         t_overturn=out[:, to.T_OVERTURN],
         t_end=out[:, to.T_END],
+        struck_later=out[:, to.STRUCK_LATER] > 0.0,
     )
     left, right, ratio = _by_side(batch, out, found.largest(out[:, to.PEAK]))
     mu_required, N_min = standing_extremes(out, found.fell)

@@ -36,6 +36,7 @@ def scalars_of(batch: Batch, out: Array, par: list[Array]) -> tuple[dict[str, ND
         t_uplift=out[:, at.T_UPLIFT],
         t_overturn=out[:, at.T_OVERTURN],
         t_end=out[:, at.T_END],
+        struck_later=out[:, at.STRUCK_LATER] > 0.0,
     )
     barrier = np.array([row[at.BARRIER] for row in par])
     nan = np.full(batch.size, np.nan)

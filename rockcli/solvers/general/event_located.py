@@ -209,6 +209,8 @@ class Located:
         after = other.eta * before
         if self.reported:
             self.trajectory.impact(self.t, -self.sign * before, -self.sign * after)
+        else:
+            self.trajectory.struck_later = True
         self.q, self.v, self.sign = 0.0, after, other.sign
         if self.stalled > 100:
             self.v = 0.0

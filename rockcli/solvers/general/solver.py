@@ -184,6 +184,7 @@ def _scalars(batch: Batch, trajectories: list[Trajectory]) -> dict[str, NDArray[
         t_uplift=t_uplift,
         t_overturn=t_overturn,
         t_end=t_end,
+        struck_later=np.array([d.struck_later for d in trajectories]),
     )
     sides = np.array([d.peaks for d in trajectories]).reshape(-1, 2)
     sides = np.where(found.fell[:, None] & (side[:, None] == (-1.0, 1.0)), np.inf, sides)

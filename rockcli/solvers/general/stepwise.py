@@ -117,6 +117,8 @@ def _note(
             if r <= x and step.y_old[0] != 0.0 and roots.value(c, max(r - 1e-6, 0.0)) * roots.value(c, r + 1e-6) < 0.0:
                 w = roots.value(c_rate, r)
                 trajectory.impact(step.t_old + r * (step.t - step.t_old), w, w)
+    elif step.y_old[0] * theta < 0.0:
+        trajectory.struck_later = True
     if fallen and x < 1.0:
         return True, (t, math.copysign(SIDE, theta), rate)
     return fallen, (step.t, theta, rate)

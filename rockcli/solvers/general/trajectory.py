@@ -30,7 +30,8 @@ class Trajectory:
         dt_out: output spacing [s]; theta, rate: histories (k,), NaN where nothing was noted, k = 0 without.
         peak: largest |theta| so far [rad], on the side of sign `side`, at t_peak; peaks: to the left, to the right.
         rate_peak: largest |rate| [rad/s].
-        impacts: (t, rate before, rate after) of the first MAX_IMPACTS_STORED; n_impacts: how many there were.
+        impacts: (t, rate before, rate after) of the first MAX_IMPACTS_STORED; n_impacts: how many there were;
+            struck_later: whether one came beyond the report.
         verdict: what becomes of the body, see `body`.
         failure: why there is no answer, "" if there is one.
     """
@@ -49,6 +50,7 @@ class Trajectory:
     t_overturn: float = math.nan
     t_end: float = math.nan
     n_impacts: int = 0
+    struck_later: bool = False
     impacts: list[tuple[float, float, float]] = field(default_factory=list)
     verdict: int = RETURNS
     failure: str = ""

@@ -45,6 +45,7 @@ def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[An
         t_uplift=out[:, to.T_UPLIFT],
         t_overturn=out[:, to.T_OVERTURN],
         t_end=out[:, to.T_END],
+        struck_later=out[:, to.STRUCK_LATER] > 0.0,
     )
     scalars = found.scalars(batch)
     side, alpha = out[:, to.PEAK_SIDE], batch.block.alpha

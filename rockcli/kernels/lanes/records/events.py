@@ -94,7 +94,7 @@ def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a
             weigh_end(st, i, edge, s, q, v, 0.0, 0.0, how.linear)
         account(st, i, par, energy(edge, q, v, how.linear), out)
     if not given or verdict == FALLS:
-        afterwards(edge, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
+        afterwards(edge, other, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
     return finish(st, i, par, verdict, out)
 
 
@@ -198,7 +198,7 @@ def attend(
                 lifting = st[lane.UP_0 + i] + st[lane.UP_1 + i] * x * h
                 st[lane.WORK + i] -= lifting * drive_up(st, i, q_x, how.linear)
             account(st, i, par, energy(edge, q_x, v, how.linear), out)
-        afterwards(edge, how, s, q_x, v, t0 + x * h, FALLS, c, sin_q, cos_q, a, a_v, out)
+        afterwards(edge, edge, how, s, q_x, v, t0 + x * h, FALLS, c, sin_q, cos_q, a, a_v, out)
         return finish(st, i, par, FALLS, out)
 
     # go there

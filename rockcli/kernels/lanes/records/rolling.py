@@ -136,6 +136,8 @@ def arrive_rolling(st, i, par, bodies, how, values, out):
                 st[lane.IMPACTS + i] += hits
             out[to.T_END] = par[at.T_MOTION]
             return finish(st, i, par, verdict, out)
+        if verdict == FALLS and hits > 0:
+            out[to.STRUCK_LATER] = 1.0
         if verdict == UNDECIDED:
             return hand_over(out)
         if how.detail == ALL:

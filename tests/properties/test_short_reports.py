@@ -1,0 +1,76 @@
+"""A report that ends early (`duration`): what becomes of the body is told as by a long one, its peak is that of the report."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rockcli
+
+PILLAR = [[-0.4, 0], [0.4, 0], [0.5, 0.1], [0.5, 3.6], [-0.5, 3.6], [-0.5, 0.1]]
+BODIES: dict[str, dict[str, Any]] = {
+    "block": {"R": 2.0, "tan_alpha": 0.2},
+    "two edges": {"h": 1.9, "b": [0.35, 0.5]},
+    "friction": {"R": 2.0, "tan_alpha": 0.2, "mu": 0.45},
+    "rolls": {"outline": PILLAR, "density": 2500},
+}
+EVERY, PEAK, OUTCOME = "all", ["outcome", "theta_peak"], ["outcome"]
+FALLS_AFTER_IMPACT = 3
+
+
+def cases(rng, body, scheme, n, duration, **case):
+    """Bodies that are let go with random rates, in one sweep."""
+    start = {"theta": float(rng.uniform(-0.19, 0.19)), "theta_dot": 0.0}
+    rates = sorted(rng.uniform(-1.3, 1.3, n).tolist())
+    made = {"block": BODIES[body], "damping": scheme, "initial": start, "motion": {"duration": duration}} | case
+    return {"name": "short", "case": made, "vary": {"initial.theta_dot": rates}}
+
+
+def solved(study, scalars):
+    return rockcli.run(study | {"save": {"histories": False, "scalars": scalars}})
+
+
+@pytest.mark.parametrize("scheme", ["none", "dashpot", {"scheme": "restitution", "eta": 0.9}])
+@pytest.mark.parametrize("body", BODIES)
+def test_the_same_fall_as_by_a_long_report(body, scheme):
+    if scheme == "dashpot" and body in ("rolls", "friction"):
+        pytest.skip("there is no such body")
+    rng, later = np.random.default_rng(3), 0
+    for _ in range(6):
+        short = cases(rng, body, scheme, 12, float(rng.uniform(0.02, 0.4)))
+        motion = {"motion": {"duration": 60.0}}
+        told = solved(short, EVERY)
+        truth = solved(short | {"case": short["case"] | motion}, EVERY)
+        for scalars in (OUTCOME, PEAK):
+            assert (solved(short, scalars).outcome == truth.outcome).all()
+        assert (told.outcome == truth.outcome).all()
+        fell = (truth.outcome >= 2).values
+        assert (np.sign(told.theta_peak) == np.sign(truth.theta_peak)).values[fell].all()
+        np.testing.assert_allclose(told.t_overturn.values[fell], truth.t_overturn.values[fell], rtol=1e-9)
+        later += int(((told.outcome == FALLS_AFTER_IMPACT) & (told.n_impacts == 0)).sum())
+    assert later > 0
+
+
+@pytest.mark.parametrize("body", ["block", "two edges"])
+def test_the_backend_scipy_tells_the_same(body):
+    rng = np.random.default_rng(4)
+    short = cases(rng, body, "none", 12, 0.1)
+    told = solved(short, PEAK)
+    other = solved(short | {"case": short["case"] | {"solver": {"backend": "scipy"}}}, PEAK)
+    assert (told.outcome == other.outcome).all()
+    assert (np.sign(told.theta_peak) == np.sign(other.theta_peak)).all()
+    assert (told.outcome == FALLS_AFTER_IMPACT).any()
+
+
+@pytest.mark.parametrize("scheme", ["none", "dashpot", "restitution"])
+@pytest.mark.parametrize("body", ["block", "two edges"])
+def test_the_peak_is_that_of_the_report(body, scheme):
+    rng = np.random.default_rng(5)
+    for _ in range(8):
+        made = cases(rng, body, scheme, 1, 0.1)["case"]
+        made["initial"]["theta_dot"] = float(rng.uniform(-0.5, 0.5))
+        found = rockcli.run({"name": "short", "case": made, "save": {"histories": True, "dt_out": 1e-4}})
+        if int(found.outcome) < 2:
+            assert abs(float(found.theta_peak)) == pytest.approx(float(abs(found.theta).max()), rel=1e-5)
