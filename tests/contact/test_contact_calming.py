@@ -11,7 +11,7 @@ from contact_cases import body, motion, run
 from rockcli.kernels.constants import RETURNS
 from rockcli.kernels.contact import results as to
 
-OF_THE_WAY = {to.N_STEPS, to.N_EVENTS, to.T_REST, to.T_END, to.BALANCE}
+OF_THE_WAY = {to.N_STEPS, to.N_EVENTS, to.T_REST, to.T_END, to.BALANCE, to.STRUCK_LATER}
 
 
 def drawn(rng):
