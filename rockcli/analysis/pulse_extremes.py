@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from math import erf
 
 import numpy as np
@@ -30,24 +30,29 @@ _HALVINGS = 45
 
 def extremes(table: Array, until: Array) -> tuple[Array, Array]:
     """Largest |acceleration| and |velocity| of pulses (n, m, PIECE_WIDTH), each cut off at a time (n,)."""
-    n, pieces = table.shape[:2]
+    n = len(table)
     pga, pgv, velocity = np.zeros(n), np.zeros(n), np.zeros(n)
-    for j in range(pieces):
-        begin, end = table[:, j, 0], np.minimum(table[:, j, 1], until)
-        for kind in (LINEAR, WAVES, BELL):
-            (which,) = np.nonzero((end > begin) & (table[:, j, 2] == kind))
-            step = max(_AT_ONCE // _points(kind, table[which, j], end[which] - begin[which]), 1)
-            for start in range(0, len(which), step):
-                part = which[start : start + step]
-                a, v, gained = _piece(kind, table[part, j], begin[part], end[part], velocity[part])
-                pga[part], pgv[part] = np.maximum(pga[part], a), np.maximum(pgv[part], v)
-                velocity[part] += gained
+    for kind, part, rows, begin, end in _alike(table, until):
+        a, v, gained = _piece(kind, rows, begin, end, velocity[part])
+        pga[part], pgv[part] = np.maximum(pga[part], a), np.maximum(pgv[part], v)
+        velocity[part] += gained
     return pga, pgv
 
 
 def extremes_of_both_signs(table: Array, until: Array) -> Array:
-    """Largest acceleration of pulses and largest of the same turned round, none below 0, (n, 2)."""
+    """Largest acceleration of pulses (n, m, PIECE_WIDTH) cut off at a time (n,), and of them turned round: (n, 2).
+
+    [m/s²], none below 0.
+    """
     found = np.zeros((len(table), 2))
+    for kind, part, rows, begin, end in _alike(table, until):
+        a = _accelerations(kind, rows, begin, end)
+        found[part] = np.maximum(found[part], np.column_stack([a.max(axis=1), -a.min(axis=1)]))
+    return found
+
+
+def _alike(table: Array, until: Array) -> Iterator[tuple[int, NDArray[np.intp], Array, Array, Array]]:
+    """Pieces of one kind, one after another, some cases at a time: kind, cases, rows, begin and end of each."""
     for j in range(table.shape[1]):
         begin, end = table[:, j, 0], np.minimum(table[:, j, 1], until)
         for kind in (LINEAR, WAVES, BELL):
@@ -55,9 +60,7 @@ def extremes_of_both_signs(table: Array, until: Array) -> Array:
             step = max(_AT_ONCE // _points(kind, table[which, j], end[which] - begin[which]), 1)
             for start in range(0, len(which), step):
                 part = which[start : start + step]
-                a = _accelerations(kind, table[part, j], begin[part], end[part])
-                found[part] = np.maximum(found[part], np.column_stack([a.max(axis=1), -a.min(axis=1)]))
-    return found
+                yield kind, part, table[part, j], begin[part], end[part]
 
 
 def _piece(kind: int, rows: Array, begin: Array, end: Array, before: Array) -> tuple[Array, Array, Array]:
