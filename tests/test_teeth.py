@@ -56,6 +56,19 @@ def pulse_paths() -> None:
         paths_of_lanes.assert_same(lanes_pulses.map_of("ricker", 3, scalars=paths_of_lanes.FOUND))
 
 
+def late_extremes() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):
+        paths_of_lanes.assert_same(paths_of_lanes.late_extremes())
+
+
+def paths_until_the_fall() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):
+        batch = lanes_pulses.map_of("ricker", 8, scalars=paths_of_lanes.FOUND)
+        paths_of_lanes.assert_same_as_to_the_ground(batch)
+
+
 def uneven_paths() -> None:
     with_record_lanes()
     with np.errstate(all="ignore"):
@@ -263,17 +276,23 @@ FAULTS = {
         record_forces_of_both, K + "lanes.records.forces", "work = gather(st, lanes + lane.INERTIA) * (w1 * area_up)", "work = gather(st, lanes + lane.INERTIA) * (0.99 * w1 * area_up)"
     ),
     "paths of pulses: friction": Fault(
-        pulse_paths, K + "lanes.pulses.path", "T = shake * ground + cos_b * acc", "T = shake * ground - cos_b * acc"
+        pulse_paths, K + "lanes.pulses.forces", "T = shake * ground + cos_b * acc", "T = shake * ground - cos_b * acc"
     ),
     "paths of pulses: work": Fault(pulse_paths, K + "lanes.pulses.path", "fc * new[4] + fs * new[3]", "fc * new[4] - fs * new[3]"),
     "paths of pulses: between places": Fault(
-        pulse_paths, K + "lanes.pulses.path", "inside = where & (f_low > 0.0)", "inside = where & (f_low > 1e9)"
+        pulse_paths, K + "lanes.pulses.forces", "where = where & (f_low > 0.0)", "where = where & (f_low > 1e9)"
+    ),
+    "paths of pulses: until it falls": Fault(
+        late_extremes, K + "lanes.pulses.forces", "<= state[i + lane.OVER_T * WIDTH]", "<= -1.0"
+    ),
+    "paths of pulses: brought back": Fault(
+        paths_until_the_fall, K + "lanes.pulses.path", "lost = v > pull * select(right, plus, minus)", "lost = v > 0.0 * pull"
     ),
     "paths of pulses: friction at rest": Fault(
-        uneven_paths, K + "lanes.pulses.path", "size * shake / weight, most)", "most, most)"
+        uneven_paths, K + "lanes.pulses.forces", "size * shake / weight, most)", "most, most)"
     ),
     "paths of pulses: other edge": Fault(uneven_paths, K + "lanes.pulses.path", "mass - onto * eta * eta", "mass - mass * eta * eta"),
-    "paths of pulses: passage": Fault(pulse_paths, K + "lanes.pulses.path", "miss = forces[0] - star", "miss = forces[0] - 1.01 * star"),
+    "paths of pulses: passage": Fault(pulse_paths, K + "lanes.pulses.path", "miss = q - star", "miss = q - 1.01 * star"),
     "record lanes: friction": Fault(
         record_forces, K + "lanes.records.forces", "T = fma(shake, a, fma(cos_b, acc", "T = fma(shake, a, fma(-cos_b, acc"
     ),

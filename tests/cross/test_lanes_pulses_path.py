@@ -105,6 +105,34 @@ def test_what_lanes_do_not_follow_is_solved_alone():
     assert few.used["method"] != lane_pulses.METHOD_ON_PATH
 
 
+def late_extremes(of=lambda batch: batch):
+    """Bodies whose forces are extreme within the step in which they pass the equilibrium, and one that rocks."""
+    return of(map_of("ricker_antisymmetric", 30, scalars=FOUND)).rows(np.array([109, 191, 192, 223, 224, 255, 302]))
+
+
+@pytest.mark.parametrize("of", [lambda batch: batch, uneven], ids=["symmetric", "asymmetric"])
+def test_extremes_until_they_fall(of):
+    assert_same(late_extremes(of))
+
+
+NOT_TO_THE_GROUND = ("outcome", "n_impacts", "t_peak", "t_uplift", "t_overturn", "theta_peak", "mu_impact")
+
+
+def assert_same_as_to_the_ground(batch) -> None:
+    """Where nothing is asked of the way from the equilibrium to the ground, bodies are not followed there."""
+    save = replace(batch.save, scalars=frozenset(NOT_TO_THE_GROUND))
+    found, whole = solve(replace(batch, save=save)).scalars, solve(batch).scalars
+    for name in NOT_TO_THE_GROUND:
+        np.testing.assert_array_equal(found[name], whole[name], err_msg=name)
+    assert overturned(whole["outcome"]).any()
+
+
+@pytest.mark.parametrize("of", [lambda batch: batch, uneven], ids=["symmetric", "asymmetric"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_until_they_fall(shape, of):
+    assert_same_as_to_the_ground(of(map_of(shape, 30, scalars=FOUND)))
+
+
 @pytest.mark.parametrize("of", [lambda batch: batch, uneven], ids=["symmetric", "asymmetric"])
 @pytest.mark.parametrize("shape", ["ricker", "sine", "square_cycle"])
 def test_few_are_handed_over(shape, of):

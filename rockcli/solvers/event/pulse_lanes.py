@@ -52,6 +52,9 @@ ON_PATH = frozenset(
 )  # fmt: skip
 """What else they find where they follow the path of a body to its end, or what these bodies have not."""
 
+TO_THE_GROUND = frozenset({"t_end", "n_steps", "n_rhs", *FORCES})
+"""Those for which a body that falls is followed until it lies on its side."""
+
 SECONDS = 0.01
 """A case in lanes of plain Python [s]."""
 
@@ -118,7 +121,7 @@ def in_lanes(
     """`run` of bodies on two edges, or of the `bodies` that roll: `kernels.rolling.parameters`."""
     channel = batch.excitation.horizontal
     assert isinstance(channel, Pulses)
-    pieces = channel.table.shape[1]
+    pieces, until_fall = channel.table.shape[1], not batch.save.scalars & TO_THE_GROUND
     tables = channel.table[cases].reshape(len(rows), pieces * PIECE_WIDTH)
     width = results_of_rolling.N_OUT if len(bodies) else to.N_OUT
     found = np.zeros((len(rows), width))
@@ -127,7 +130,7 @@ def in_lanes(
         for two_sided, some in _kinds(rows, bodies):  # apart, so that no body depends on others
             part = found[some]
             work = lanes.work_space(how.order)
-            lanes.sweep(rows[some], bodies, how, tables[some], pieces, two_sided, path, work, part)
+            lanes.sweep(rows[some], bodies, how, tables[some], pieces, two_sided, path, until_fall, work, part)
             if not isinstance(some, slice):  # of a slice `part` is a view
                 found[some] = part
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan

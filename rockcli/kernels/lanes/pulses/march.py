@@ -13,17 +13,16 @@ from rockcli.kernels.jit import entry, jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
+from rockcli.kernels.lanes.pulses.forces import WAITING, bounces_matter, find_extremes, note_standing
 from rockcli.kernels.lanes.pulses.free_rocking import BACKLOG, count_impacts
 from rockcli.kernels.lanes.pulses.ground import expand
 from rockcli.kernels.lanes.pulses.path import (
-    bounces_matter,
     enter_path,
     follow,
     is_followed,
     judge_path,
     leave_path,
     never_lifted,
-    note_standing,
 )
 from rockcli.kernels.lanes.pulses.rolling import (
     SLOWEST,
@@ -79,12 +78,13 @@ NEAR = 0.5
 nothing, and by Cramer's bound |He_m(y)| < 1.09 sqrt(m!) exp(y^2/4) those left out are below the tolerance."""
 
 
-@entry(MATRIX, MATRIX, Settings, MATRIX, int, bool, bool, VECTOR, MATRIX)
-def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
+@entry(MATRIX, MATRIX, Settings, MATRIX, int, bool, bool, bool, VECTOR, MATRIX)
+def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, out):
     """Solve every row of `pars` under the pulse of its row of `tables` with series of `how.order`.
 
     `two_sided`: the edges of these bodies differ.  `path`: the whole path is asked for, and with `how.detail` ALL the
-    forces on it; then under a nonlinear law.  `work`: `work_space(how.order)`; `out`
+    forces on it; then under a nonlinear law.  `until_fall`: but not beyond the last passage of the equilibrium of
+    a body on two edges.  `work`: `work_space(how.order)`; `out`
     zeros.
     bodies: none, or the table of `kernels.rolling.parameters` of bodies that roll; then the edges in `pars` are those
     of the facet on which a body stands, and a last column is the row of its body.
@@ -92,14 +92,14 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
     """
     rolls, watch = len(bodies) > 0, path and how.detail == ALL
     linear, tol, n, detail = how.linear, how.tol, how.order, how.detail
-    state, scratch, screened, backlog, lists = split(work, n)
+    state, scratch, screened, backlog, waiting, lists = split(work, n)
     lanes = lane.VECTORS * WIDTH
     asking, lifting, ending, moving, slowing, bouncing, touching = (
         lists[:lanes], lists[lanes : 2 * lanes], lists[2 * lanes : 3 * lanes], lists[3 * lanes : 4 * lanes],
         lists[4 * lanes : 5 * lanes], lists[5 * lanes : 6 * lanes], lists[6 * lanes : 7 * lanes],
     )  # fmt: skip
     size = stride(n)
-    upcoming = busy = n_postponed = n_ending = 0
+    upcoming = busy = n_postponed = n_waiting = n_ending = 0
     for o in range(0, lane.VECTORS * size, size):
         for i in range(o, o + WIDTH):
             put(state, i, lane.MODE, lane.IDLE)
@@ -135,7 +135,10 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
             find_tops(state, n, tol, scratch, asking)
         if path:
             for o in range(0, lane.VECTORS * size, size):
-                follow(state, o, n, watch, two_sided, rolls)
+                n_waiting = follow(state, o, n, watch, two_sided, rolls, waiting, n_waiting, scratch)
+            if n_waiting > 0:
+                find_extremes(state, n, waiting, 0, n_waiting, scratch)
+                n_waiting = 0
         for j in range(n_touching):
             i = int(touching[j])
             if state[i + lane.EVENT * WIDTH] != lane.TOUCH:
@@ -193,7 +196,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
                     roll_freely(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.margin, detail)
                 judge_rolling(state, o, how, path)
             elif path:
-                judge_path(state, o, how, two_sided)
+                judge_path(state, o, how, two_sided, until_fall)
             else:
                 judge(state, o, how, two_sided)
             n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
@@ -201,17 +204,20 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, work, out):
 
 def work_space(n):
     """Work space of `sweep` for series of order n."""
-    return room(lane.VECTORS * stride(n) + (3 * n + 6) * WIDTH + (SCREEN_FIELDS + BACKLOG + 7 * lane.VECTORS) * WIDTH)
+    return room(
+        lane.VECTORS * stride(n) + (3 * n + 6) * WIDTH + (SCREEN_FIELDS + BACKLOG + 7 * lane.VECTORS) * WIDTH + WAITING
+    )
 
 
 @jit_lean
 def split(work, n):
-    """Work space: the lanes; room for the series of a vector; what is screened; postponed cases; lists of lanes."""
+    """Work space: lanes; room for series of a vector; what is screened; postponed cases; extremes; lists of lanes."""
     i = lane.VECTORS * stride(n)
     j = i + (3 * n + 6) * WIDTH
     k = j + SCREEN_FIELDS * WIDTH
     m = k + BACKLOG * WIDTH
-    return work[:i], work[i:j], work[j:k], work[k:m], work[m:]
+    p = m + WAITING
+    return work[:i], work[i:j], work[j:k], work[k:m], work[m:p], work[p:]
 
 
 @jit_lean
