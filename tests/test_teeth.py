@@ -292,6 +292,9 @@ FAULTS = {
         uneven_paths, K + "lanes.pulses.forces", "size * shake / weight, most)", "most, most)"
     ),
     "paths of pulses: other edge": Fault(uneven_paths, K + "lanes.pulses.path", "mass - onto * eta * eta", "mass - mass * eta * eta"),
+    "paths of pulses: last bounces": Fault(
+        uneven_paths, K + "lanes.pulses.march", "slow = min(slow, rest_speed", "slow = max(slow, rest_speed"
+    ),
     "paths of pulses: passage": Fault(pulse_paths, K + "lanes.pulses.path", "miss = q - star", "miss = q - 1.01 * star"),
     "record lanes: friction": Fault(
         record_forces, K + "lanes.records.forces", "T = fma(shake, a, fma(cos_b, acc", "T = fma(shake, a, fma(-cos_b, acc"

@@ -11,7 +11,7 @@ class Accuracy:
 
     Attributes:
         rtol: of the event-driven solver, truncation allowed per step relative to alpha.
-        rest_speed: impacts slower than this fraction of p sin(alpha) may end in rest.
+        rest_speed: impacts slower than this fraction of p sin(alpha), the lesser of the two edges, may end in rest.
         ode_rtol: of the general ODE methods.
         penalty_step: time step of the backends on a yielding base, over that of `standard`.
         wave_step: the same of the deformable bodies: the flexible column and the full mesh.

@@ -48,9 +48,8 @@ def assert_same(batch) -> None:
         at_rest = name == "mu_required" and not batch.block.symmetric.all()
         assert np.quantile(error, 0.99) < (1e-5 if at_rest else 1e-6), name
     assert np.nanmax(np.abs(found.scalars["energy_residual"])) < 1e-8
-    if batch.block.symmetric.all():  # else what still counts of the last bounces depends on the accuracy
-        # an impact at the very end of the report may fall on either side of it
-        assert np.mean(found.scalars["n_impacts"] != exact["n_impacts"]) < 5e-3
+    # an impact at the very end of the report may fall on either side of it
+    assert np.mean(found.scalars["n_impacts"] != exact["n_impacts"]) < 5e-3
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -45,7 +45,7 @@ def assert_same(batch: Batch, most: float = 1e-7) -> dict:
     assert not wrong.any()
     assert np.median(error) <= 1e-10
     assert error.max() <= most
-    np.testing.assert_allclose(found["n_impacts"], exact["n_impacts"], rtol=0.1, atol=3)
+    assert np.mean(found["n_impacts"] != exact["n_impacts"]) <= 0.05
     np.testing.assert_array_equal(np.sign(found["theta_peak"]), np.sign(exact["theta_peak"]))
     for name in ("t_peak", "t_uplift", "t_overturn", "t_end"):
         assert (np.isnan(found[name]) == np.isnan(exact[name])).all(), name

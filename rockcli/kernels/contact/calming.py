@@ -9,7 +9,7 @@ from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.contact.events import landed
 from rockcli.kernels.contact.readings import energy_on_edge, note_carried, note_impact
-from rockcli.kernels.contact.rest import frequency
+from rockcli.kernels.contact.rest import frequency, slowest
 from rockcli.kernels.contact.state import Foot, edge_under
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.quadrature import LOW, NODES, POINTS, WEIGHTS
@@ -50,12 +50,12 @@ def swung(par, scales, t, foot, rest_speed, impacts, out):
     After the landing that may end in rest, or the first one after the report.  The time of a swing is that of
     `lanes.pulses.free_rocking`; one that comes near the equilibrium is left to steps.
     """
-    lost = 0.0
+    lost, slow = 0.0, rest_speed * slowest(par)
     while t <= par[at.T_STOP] and foot.u == 0.0:
         e, v = edge_under(foot.s), foot.v
         p2 = frequency(par, e) ** 2
         sin_a, cos_a = math.sin(par[e + at.ALPHA]), math.cos(par[e + at.ALPHA])
-        if v <= rest_speed * math.sqrt(p2) * sin_a or v * v >= LOW * LOW * 2.0 * p2 * (1.0 - cos_a):
+        if v <= slow or v * v >= LOW * LOW * 2.0 * p2 * (1.0 - cos_a):
             break
         total = 0.0
         for i in range(POINTS):

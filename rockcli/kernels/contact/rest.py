@@ -36,6 +36,15 @@ def scales_of(par, tol):
 
 
 @jit_lean
+def slowest(par):
+    """The lesser p sin(alpha) of the two edges."""
+    return min(
+        frequency(par, at.LEFT) * math.sin(par[at.LEFT + at.ALPHA]),
+        frequency(par, at.RIGHT) * math.sin(par[at.RIGHT + at.ALPHA]),
+    )
+
+
+@jit_lean
 def settles(par, foot, w, n, x, left, rest_speed):
     """How long a body goes on bouncing that has just come down on an edge: (time, slip velocity then).
 
@@ -45,7 +54,7 @@ def settles(par, foot, w, n, x, left, rest_speed):
     a, W = w[row.A_G], w[row.WEIGHT]
     s, v, u, e, other = foot.s, foot.v, foot.u, edge_under(foot.s), edge_beyond(foot.s)
     p, alpha = frequency(par, e), par[e + at.ALPHA]
-    if v > rest_speed * p * math.sin(alpha):
+    if v > rest_speed * slowest(par):
         return -1.0, u
     a_g, weight = value(a, n, x), value(W, n, x)
     if v <= STANDSTILL * p * alpha:

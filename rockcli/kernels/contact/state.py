@@ -13,7 +13,7 @@ class Settings(NamedTuple):
 
     Attributes:
         tol: error of a step over alpha.
-        rest_speed: rate over p sin(alpha) below which bounces may end in rest.
+        rest_speed: rate over p sin(alpha), the lesser of the two edges, below which bounces may end in rest.
         max_steps: most steps of a case.
         order: of the Taylor series.
         balance: the balance of energy is wanted, for which the work along every step is integrated.

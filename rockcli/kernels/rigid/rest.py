@@ -15,13 +15,13 @@ from rockcli.kernels.rigid.series import value
 def rest_time(edge, other, s, v, a, a_v, deg, x, t, t_next, rest_speed):
     """When a body just turned onto an edge with rate v comes to rest, or -1 if it goes on rocking.
 
-    Rest needs the ground to press it down on both sides.  Slow enough, the remaining bounces are those of a
-    constant restoring moment, their times a geometric series: if it ends inside this piece, and the guard is
+    Rest needs the ground to press it down on both sides.  Slow enough for both edges, the remaining bounces are those
+    of a constant restoring moment, their times a geometric series: if it ends inside this piece, and the guard is
     still closed then, the body is at rest at its end.  Below STANDSTILL it rests at once, and so does a body with a
     base damper and no loss at impacts: its bounces have no end.
     """
     p = math.sqrt(edge.p2)
-    if v > rest_speed * p * math.sin(edge.alpha):
+    if v > rest_speed * min(p * math.sin(edge.alpha), math.sqrt(other.p2) * math.sin(other.alpha)):
         return -1.0
     down = pressed(edge, s, value(a, deg.a, x), value(a_v, deg.v, x))
     down_other = pressed(other, -s, value(a, deg.a, x), value(a_v, deg.v, x))

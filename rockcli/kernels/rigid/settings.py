@@ -11,7 +11,7 @@ class Settings(NamedTuple):
     Attributes:
         linear: sin q stands for q and cos q for 1.
         tol: error of a step over alpha.
-        rest_speed: rate over p sin(alpha) below which bounces may end in rest.
+        rest_speed: rate over p sin(alpha), the lesser of the two edges, below which bounces may end in rest.
         margin: distance from a separatrix over alpha below which rounding decides.
         max_steps: most steps of a case.
         order: of the Taylor series.

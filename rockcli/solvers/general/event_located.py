@@ -31,7 +31,7 @@ class Located:
     Args:
         body, ground: the case.
         walker: the method.
-        rest_speed: impacts slower than this fraction of p sin(alpha) may end in rest.
+        rest_speed: impacts slower than this fraction of p sin(alpha), the lesser of the two edges, may end in rest.
         margin: distance from a separatrix below which the outcome is not decided, over alpha.
     """
 
@@ -224,7 +224,7 @@ class Located:
     def _rest_from(self, piece: Piece) -> float | None:
         """When the bounces to come will have ended, if they end within the piece with the body pressed down (T6)."""
         here, other = self._edge, self.body.edge(-self.sign)
-        if self.v > self.rest_speed * here.p * math.sin(here.alpha):
+        if self.v > self.rest_speed * min(edge.p * math.sin(edge.alpha) for edge in (here, other)):
             return None
         down, down_other = self._pressed(here, piece, self.t), self._pressed(other, piece, self.t)
         if down <= 0.0 or down_other <= 0.0:

@@ -182,7 +182,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, 
                 par = pars[int(state[i + lane.CASE * WIDTH])]
                 bounce(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed, path, watch)
                 continue
-            postpone(state, i, backlog, n_postponed, how.rest_speed)
+            postpone(state, i, backlog, n_postponed, two_sided, how.rest_speed)
             n_postponed += 1
             if n_postponed == WIDTH:
                 count_impacts(backlog, n_postponed, linear, two_sided, path, out)
@@ -417,16 +417,20 @@ def swings_low(state, o, v, tol, linear):
 
 
 @jit_lean
-def postpone(state, i, backlog, slot, rest_speed):
+def postpone(state, i, backlog, slot, two_sided, rest_speed):
     """Lane i is done but for its bounces, which are counted when a vector of such cases has come together."""
     state[i + lane.VERDICT * WIDTH], state[i + lane.EVENT * WIDTH] = 1.0 * RETURNS, lane.DONE
     backlog[slot], backlog[WIDTH + slot] = state[i + lane.CASE * WIDTH], state[i + lane.L_STOP * WIDTH]
     backlog[2 * WIDTH + slot], backlog[3 * WIDTH + slot] = state[i + lane.T * WIDTH], state[i + lane.V * WIDTH]
+    slow = rest_speed * state[i + lane.L_P * WIDTH] * math.sin(state[i + lane.L_ALPHA * WIDTH])
+    if two_sided:
+        there = i + lane.TO_OTHER
+        slow = min(slow, rest_speed * state[there + lane.L_P * WIDTH] * math.sin(state[there + lane.L_ALPHA * WIDTH]))
     for edge in range(2):
         o, b = i + edge * lane.TO_OTHER, slot + (4 + 6 * edge) * WIDTH
         p, alpha = state[o + lane.L_P * WIDTH], state[o + lane.L_ALPHA * WIDTH]
         backlog[b], backlog[b + WIDTH] = state[o + lane.L_ETA * WIDTH], FAST * p * alpha
-        backlog[b + 2 * WIDTH] = rest_speed * p * math.sin(alpha)
+        backlog[b + 2 * WIDTH] = slow
         backlog[b + 3 * WIDTH], backlog[b + 4 * WIDTH] = state[o + lane.L_R0 * WIDTH], state[o + lane.L_RS * WIDTH]
         backlog[b + 5 * WIDTH] = state[o + lane.L_RC * WIDTH]
 

@@ -421,7 +421,8 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave)
             lowest = min(lowest, press_o - max(abs(w0), abs(w0 + w1 * whole)))
         if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > highest:
             return ROCKING
-        slow = how.rest_speed * p * math.sin(par[e + at.ALPHA])
+        p_o = math.sqrt(par[o + at.P2])
+        slow = how.rest_speed * min(p * math.sin(par[e + at.ALPHA]), p_o * math.sin(par[o + at.ALPHA]))
         if rolls(par):
             slow = how.rest_speed * min(press + u0, press_o + w0) / p
         change, lighter = slopes[k] * whole, lighter * whole
@@ -465,10 +466,11 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave)
                 if heave is not None:
                     drift = rate * (u1 / (here * here) + w1 * eta_o / (there * there)) * series
                 rate *= 1.0 + 2.0 / 3.0 * drift
-                while rate > fast and rate > slow:
-                    counted += 1.0
-                    if turned * s > 0.0:
-                        onto_left += 1.0
+                while rate > slow:
+                    if rate > fast:
+                        counted += 1.0
+                        if turned * s > 0.0:
+                            onto_left += 1.0
                     rate *= eta_o
                     turned = -turned
                     eta, eta_o, fast, fast_o = eta_o, eta, fast_o, fast
