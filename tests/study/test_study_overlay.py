@@ -78,6 +78,29 @@ class TestKeyByKey:
         (made,) = cases_of(BASE, {"initial": [{"theta_dot": 0.1}]})
         assert made["initial"] == {"theta": 0.01, "theta_dot": 0.1}
 
+    @pytest.mark.parametrize(
+        ("path", "left"),
+        [
+            ("damping", {"damping": {}}),
+            ("damping.scheme", {"damping": {"eta": 0.9}}),
+            ("initial", {"initial": {}}),
+            ("initial.theta", {"initial": {}}),
+            ("motion.duration", {"motion": {"pulse": SINE}}),
+            ("solver.accuracy", {}),
+            ("model", {}),
+            ("g", {}),
+        ],
+    )
+    def test_null_takes_a_key_away_whatever_it_is(self, path, left):
+        (made,) = cases_of(BASE, {"case": {"a": {path: None}}})
+        assert made == merged(**left)
+        assert cases_of(BASE, overrides=[(f"case.{path}", "null")]) == [made]
+
+    def test_null_takes_a_key_away_from_a_base_case_that_says_more(self):
+        more = {"model": {"name": "linearized"}, "g": 3.7, "solver": {"accuracy": "draft", "backend": "event"}}
+        made = one({"case": {"model": None, "g": None, "solver.accuracy": None}}, {**BASE, **more})
+        assert made == merged(solver={"backend": "event"})
+
     def test_and_set(self):
         (made,) = cases_of(BASE, overrides=[("case.initial", "{theta_dot: 0.1}"), ("case.block", "{h: 1, b: 0.2}")])
         assert made["initial"] == {"theta": 0.01, "theta_dot": 0.1}

@@ -102,8 +102,13 @@ def _laid(tree: dict[str, Any], over: Map, *, symbols: bool) -> Map:
     copy = Map({key: value for key, value in tree.items() if key not in gone}, getattr(tree, "where", None))
     copy.whole = getattr(tree, "whole", False)
     for key, value in over.items():
-        if isinstance(value, Map) and not value.whole and isinstance(copy.get(key), dict):
-            copy[key] = _laid(copy[key], value, symbols=key == "let")
+        if value is None:  # `null` takes a key away: what stands there by default counts
+            copy.pop(key, None)
+        elif isinstance(value, Map) and not value.whole:
+            below = copy.get(key)
+            if not isinstance(below, dict):
+                below, copy.where[key] = {}, over.where.get(key)
+            copy[key] = _laid(below, value, symbols=key == "let")
         else:
             copy[key], copy.where[key] = value, over.where.get(key)
     return copy
