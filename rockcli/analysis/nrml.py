@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
@@ -49,7 +49,8 @@ def fragility_model(contents: Contents) -> Model:
     """The fragility curves of a dataset for OpenQuake.
 
     Raises:
-        StudyError: there are none, their intensity is none of OpenQuake's, they cross, or no body has all of them.
+        StudyError: there are none, their intensity is none of OpenQuake's, they cross, no body has all of them, or two
+            bodies have one name.
     """
     about = json.loads(contents.attrs.get("ensemble", "null"))
     if about is None or "fragility_median" not in contents.fields:
@@ -124,16 +125,33 @@ def _word(text: str) -> str:
     return re.sub(r"\W", "_", text)
 
 
-def _bodies(contents: Contents) -> Iterator[tuple[tuple[int, ...], str]]:
-    """Places on the axes of the bodies, and their names: the taxonomy strings of the exposure."""
+def _bodies(contents: Contents) -> list[tuple[tuple[int, ...], str]]:
+    """Places on the axes of the bodies, and their names: the taxonomy strings of the exposure, one for each.
+
+    Raises:
+        StudyError: two bodies have one name: OpenQuake keeps one function of a name.
+    """
     item = contents.fields["fragility_begins_at"]
-    for at in np.ndindex(*item.values.shape):
-        words = [
-            value if isinstance(value := contents.values(dim)[i], str) else f"{dim}={coordinate(contents, dim, value)}"
-            for dim, i in zip(item.dims, at, strict=True)
-        ]
-        name = "_".join(words) or contents.attrs.get("study_name", "body")
-        yield at, re.sub(r"[^\w.=+-]+", "_", name)
+    places = list(np.ndindex(*item.values.shape))
+    words = [[contents.values(dim)[i] for dim, i in zip(item.dims, at, strict=True)] for at in places]
+    names: list[str] = []
+    for exactly in (False, True):  # numbers have six digits where these tell the bodies apart
+        names = [_taxonomy(contents, item.dims, values, exactly) for values in words]
+        if len(set(names)) == len(names):
+            return list(zip(places, names, strict=True))
+    name = next(name for name in names if names.count(name) > 1)
+    both = " and ".join(
+        repr("_".join(str(value) for value in values)) for values, own in zip(words, names, strict=True) if own == name
+    )
+    raise StudyError(f"has bodies that would all be called {name} in OpenQuake: {both}; give them other labels")
+
+
+def _taxonomy(contents: Contents, dims: tuple[str, ...], values: list[Any], exactly: bool) -> str:
+    words = [
+        value if isinstance(value, str) else f"{dim}={value if exactly else coordinate(contents, dim, value)}"
+        for dim, value in zip(dims, values, strict=True)
+    ]
+    return re.sub(r"[^\w.=+-]+", "_", "_".join(words) or contents.attrs.get("study_name", "body"))
 
 
 def _has_curve(contents: Contents, at: tuple[int, ...], state: int) -> bool:

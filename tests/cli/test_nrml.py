@@ -166,3 +166,12 @@ def test_bodies_have_the_names_of_their_labels():
     vary = study()["vary"] | {"block": {"slim one": {"tan_alpha": 0.15}, "stout": {"tan_alpha": 0.2}}}
     del vary["block.tan_alpha"]
     assert model_of(vary=vary)[1].bodies == ("slim_one", "stout")
+
+
+def test_every_body_has_a_name_of_its_own():
+    vary = study()["vary"] | {"block.tan_alpha": [0.15, 0.15000001]}
+    assert model_of(vary=vary)[1].bodies == ("tan_alpha=0.15", "tan_alpha=0.15000001")
+    del vary["block.tan_alpha"]
+    alike = {"slim one": {"tan_alpha": 0.15}, "slim_one": {"tan_alpha": 0.2}}
+    with pytest.raises(StudyError, match="all be called slim_one in OpenQuake: 'slim one' and 'slim_one'"):
+        model_of(vary={"block": alike} | vary)
