@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.fragility import FITTED
 from rockcli.analysis.places import coordinate, units_of
+from rockcli.analysis.suite_words import of_what_arrives
 from rockcli.errors import StudyError
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.variables import LIMIT
@@ -38,11 +39,12 @@ _POINTS = 100
 
 @dataclass(frozen=True)
 class Model:
-    """The XML text, the bodies in it, and those left out with the reason."""
+    """The XML text, the bodies in it, those left out with the reason, and what must be known to use it."""
 
     text: str
     bodies: tuple[str, ...]
     left_out: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 def fragility_model(contents: Contents) -> Model:
@@ -59,7 +61,8 @@ def fragility_model(contents: Contents) -> Model:
         raise StudyError(
             "has curves of two intensities, which OpenQuake knows none of; fit one: over: {intensity: pga}"
         )
-    kind, unit = _intensity_type(contents, str(about["told_against"]))
+    told = str(about["told_against"])
+    kind, unit = _intensity_type(contents, told)
     states, names = _states(contents)
     functions, bodies, left_out = [], [], []
     for at, body in _bodies(contents):
@@ -86,7 +89,7 @@ def fragility_model(contents: Contents) -> Model:
             "",
         ]
     )
-    return Model(text, tuple(bodies), tuple(left_out))
+    return Model(text, tuple(bodies), tuple(left_out), tuple(of_what_arrives(contents, (told,))))
 
 
 def _intensity_type(contents: Contents, told: str) -> tuple[str, float]:

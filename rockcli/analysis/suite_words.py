@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -50,7 +50,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
     """What must not be overlooked: members left out or divided, stable islands, curves refused, tails of hazard."""
     assert study.over is not None
     return [
-        *_of_what_arrives(contents, study.over),
+        *of_what_arrives(contents, (study.over.intensity, study.over.second)),
         *_left_out(contents, study, study.over),
         *_divided(contents),
         *_below(contents, study),
@@ -62,9 +62,9 @@ def warnings(contents: Contents, study: Study) -> list[str]:
     ]
 
 
-def _of_what_arrives(contents: Contents, over: Over) -> Iterator[str]:
+def of_what_arrives(contents: Contents, intensities: Iterable[str | None]) -> Iterator[str]:
     """Measures of a motion through floors are no longer the ground's, which a hazard curve of a site is of."""
-    named = (name for name in (over.intensity, over.second) if name and name not in contents.axes)
+    named = (name for name in intensities if name and name not in contents.axes)
     measures = [name for name in named if not name.startswith(GROUND)]
     of_ground = [f"{GROUND}{name}" for name in measures if name in ("pga", "pgv") or period_of(name) is not None]
     if measures and ARRIVES in str(contents.attrs.get("processing", "")):

@@ -92,6 +92,8 @@ def _openquake(file: Path, out: Path) -> None:
     write_text(folder / "fragility_model.xml", model.text)
     for why in model.left_out:
         say(f"rock: left out: {why}", err=True)
+    for warning in model.warnings:
+        say(f"rock: warning: {warning}", err=True)
     say(str(folder / "fragility_model.xml"))
 
 

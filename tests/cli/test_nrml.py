@@ -175,3 +175,18 @@ def test_every_body_has_a_name_of_its_own():
     alike = {"slim one": {"tan_alpha": 0.15}, "slim_one": {"tan_alpha": 0.2}}
     with pytest.raises(StudyError, match="all be called slim_one in OpenQuake: 'slim one' and 'slim_one'"):
         model_of(vary={"block": alike} | vary)
+
+
+@pytest.mark.parametrize(("intensity", "warned"), [("pga", True), ("ground_pga", False), ("sa(0.5)", True)])
+def test_intensities_of_what_arrives_through_floors_are_told(intensity, warned):
+    floored = study()["case"] | {
+        "motion": {"record": {"file": "synthetic_rock_m65.AT2", "pga": 1.0}, "through": [{"f": 2, "zeta": 0.03}]}
+    }
+    records = ["synthetic_rock_m65.AT2", "synthetic_pulse_m70.AT2", "synthetic_soil_m70.AT2"]
+    _, model = model_of(
+        case=floored,
+        over={"axis": "record", "along": "pga", "intensity": intensity, "limits": []},
+        vary={"motion.record.file": records, "motion.record.pga": {"from": "0.02*g", "to": "0.6*g", "n": 12}},
+    )
+    assert bool(model.warnings) is warned
+    assert all(f"that is ground_{intensity}" in warning for warning in model.warnings)
