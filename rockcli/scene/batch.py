@@ -129,5 +129,6 @@ def _at(of: Array, at: NDArray[np.int64]) -> Array:
 
 def _channel(channel: Channel | None, at: NDArray[np.int64], n: int) -> Channel | None:
     if isinstance(channel, Samples):
-        return replace(channel, factor=np.broadcast_to(channel.factor, n)[at])
+        factor = np.broadcast_to(channel.factor, n)[at]
+        return replace(channel, factor=factor, ground=_channel(channel.ground, at, n))
     return None if channel is None else _taken(channel, at)

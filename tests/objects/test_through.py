@@ -257,6 +257,23 @@ def test_the_ground_of_a_pulse_and_of_what_is_scaled_itself():
     np.testing.assert_allclose(rockcli.run(study)["fragility_intensity"].values, [[2.0, 4.0, 6.0]] * 2, rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    "below",
+    [{"record": {"file": RECORD.name, "pga": 1.0}}, {"pulse": {"shape": "ricker", "a_p": 1.0, "T_p": 0.5}}],
+)
+def test_some_of_the_cases_keep_the_ground_that_is_theirs(below, monkeypatch):
+    monkeypatch.chdir(RECORD.parent)
+    path = "record.pga" if "record" in below else "pulse.a_p"
+    case = {"block": {"h": 0.9, "b": 0.2}, "motion": below | {"through": NAMED["floor"]}}
+    opened = open_study(study(case=case, vary={f"motion.{path}": [1.0, 2.0, 3.0]}))
+    ((_, batch),) = opened.batches(np.arange(3))
+    some, few = batch.excitation.horizontal, batch.rows(np.array([2, 0])).excitation.horizontal
+    t = np.array([0.4, 0.5, 0.6])
+    for one, three in ((few, some), (few.ground, some.ground)):
+        np.testing.assert_array_equal(acceleration(one, t, 0), acceleration(three, t, 2))
+        np.testing.assert_array_equal(acceleration(one, t, 1), acceleration(three, t, 0))
+
+
 def test_a_hazard_curve_of_the_ground_goes_with_an_intensity_of_the_ground():
     curve = {"label": "site", "intensity": ["0.01*g", "0.3*g", "3*g"], "rate": [0.1, 1e-3, 1e-6]}
     study = floor_suite({"intensity": "ground_sa(1)"}) | {"hazard": [curve]}
