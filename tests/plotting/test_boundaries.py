@@ -73,6 +73,20 @@ def test_the_line_of_uplift_crosses_the_whole_map() -> None:
     assert set(np.asarray(line.get_ydata())) == {1.0}
 
 
+@pytest.mark.parametrize("settings", [False, True])
+def test_below_floors_no_line_says_where_the_body_lifts(*, settings: bool) -> None:
+    """The amplitude is the ground's, what lifts the body arrives through the floor: the case's, or one by name."""
+    floor: dict[str, Any] = {"through": [{"T": 0.4, "zeta": 0.05}]}
+    vary: dict[str, Any] = {
+        "case": {"floor": {"motion": floor}, "stiff": {"motion.through": [{"f": 50, "zeta": 0.05}]}}
+    }
+    case = {"motion": CASE["motion"] | ({} if settings else floor)}
+    figure = figures.figure("map", mapped(case, vary if settings else None))
+    assert all(not axes.lines for axes in figure.axes)
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert not [word for word in words if "uplift," in word or "closed form" in word]
+
+
 def test_they_agree_with_the_outcomes_of_a_map() -> None:
     """Beside the solid line and inside the dashed one the solver says what the figure says."""
     dataset = mapped()

@@ -69,6 +69,13 @@ def test_ida_shows_every_member_and_the_fractiles(stripes):
     assert "leave to the right" in figure.get_suptitle()
 
 
+def test_an_ida_marks_uplift_but_below_floors(stripes):
+    words = lambda data: [text.get_text() for text in figures.figure("ida", data).legends[0].get_texts()]  # noqa: E731
+    assert words(stripes)[-1].startswith("uplift")
+    case = SUITE["case"] | {"motion": SUITE["case"]["motion"] | {"through": [{"T": 0.4, "zeta": 0.05}]}}
+    assert not any(word.startswith("uplift") for word in words(rockcli.run(suite(case=case))))
+
+
 def test_fragility_draws_shares_and_fits(stripes):
     figure = figures.figure("fragility", stripes)
     (axes,) = figure.axes

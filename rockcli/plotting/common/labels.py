@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from typing import TYPE_CHECKING, Any
 
@@ -79,16 +80,23 @@ def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:
 
 def axis_label(dataset: xarray.Dataset, axis: str) -> str:
     """Symbol and unit of an axis of the study, and that a peak is the ground's where floors stand between."""
-    below = path_of(dataset, axis) in ("motion.record.pga", "motion.record.pgv") and _has_floors(dataset)
-    whose = " of the ground" if below else ""
-    return axis_symbol(dataset, axis) + whose + unit_in_brackets(shown_unit(dataset, axis)[1])
+    return axis_symbol(dataset, axis) + whose(dataset, axis) + unit_in_brackets(shown_unit(dataset, axis)[1])
 
 
-def _has_floors(dataset: xarray.Dataset) -> bool:
-    """Whether the base case or an axis has something stand between the ground and the body."""
+def whose(dataset: xarray.Dataset, axis: str) -> str:
+    """Of a peak of the ground, that it is the ground's, where floors stand between; else ""."""
+    below = path_of(dataset, axis) in ("motion.record.pga", "motion.record.pgv") and has_floors(dataset)
+    return " of the ground" if below else ""
+
+
+def has_floors(dataset: xarray.Dataset) -> bool:
+    """Whether the base case, an axis or a setting has something stand between the ground and the body."""
     motion = resolved_case(dataset).get("motion") or {}
     axes = str(dataset.attrs.get("axes", "")).split()
-    return bool(motion.get("through")) or any(path_of(dataset, axis) == "motion.through" for axis in axes)
+    if motion.get("through") or any(path_of(dataset, axis) == "motion.through" for axis in axes):
+        return True
+    processing = json.loads(dataset.attrs.get("processing", "{}"))
+    return any(step.startswith("through ") for steps in processing.values() for step in steps)
 
 
 def unit_g(dataset: xarray.Dataset) -> float:

@@ -15,6 +15,7 @@ from rockcli.plotting.common.labels import (
     axis_label,
     axis_values,
     coordinate_label,
+    has_floors,
     shown_unit,
     title_of,
     unit_g,
@@ -144,7 +145,7 @@ def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
     """Draw the acceleration at which a rigid body lifts, where that is one number; whether it is."""
     if part[along].attrs.get("units") != "m s-2" or "alpha" not in part.variables or part["alpha"].ndim:
         return False
-    if any(str(name).startswith("through") for name in part.coords):
+    if has_floors(part):
         return False
     axes.axhline(float(np.tan(part["alpha"])) * unit_g(part) / shown_unit(part, along)[0], zorder=0, **LIFTS)
     return True
