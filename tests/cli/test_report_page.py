@@ -130,6 +130,23 @@ def test_the_headline_is_in_words_with_units() -> None:
     assert {fact.what: fact.value for fact in facts_of(bare)}["the top moves"] == facts["the top moves"]
 
 
+def test_the_headline_has_the_weaker_edge_of_every_body() -> None:
+    bodies = {"slender": {"h": 1.0, "b": [0.3, 0.1]}, "stout": {"h": 1.0, "b": [0.4, 0.6]}}
+    data = rockcli.run({"name": "two", "case": {"block": {"h": 1, "b": 0.2}}, "vary": {"block": bodies}})
+    (said,) = (fact for fact in facts_of(data) if fact.what == "lifts from")
+    assert said.value == "0.1 to 0.4 g"
+
+
+def test_the_headline_tells_whose_acceleration_it_is() -> None:
+    record = {"values": [0.0, 1.0, 0.0, -1.0, 0.0], "dt": 0.2, "units": "m/s2"}
+    motion = {"record": record | {"pga": 1.0}, "through": [{"T": 0.8, "zeta": 0.05}]}
+    study = {"name": "floor", "case": {"block": {"h": 1.0, "b": 0.1}, "motion": motion}}
+    data = rockcli.run(study | {"vary": {"motion.record.pga": [0.1, 20.0]}})
+    facts = {fact.what: fact.sentence for fact in facts_of(data)}
+    assert facts["overturns from"] == "PGA of the ground, the lowest of the study that overturns a case"
+    assert facts["lifts from"].startswith("of what arrives at its base")
+
+
 def test_the_headline_has_the_largest_slide() -> None:
     """By hand: a block at rest on friction mu, thrown at speed v, slides v^2 / (2 mu g)."""
     case = {"block": {"R": 2.0, "tan_alpha": 0.5, "mu": 0.1}, "initial": {"slide_rate": 1.0}}

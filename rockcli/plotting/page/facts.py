@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, number_at
-from rockcli.plotting.common.labels import axis_values, coordinate_words, path_of, shown_unit
+from rockcli.plotting.common.labels import axis_values, coordinate_words, has_floors, path_of, shown_unit, whose
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.thresholds import FOUND
 from rockcli.scene.variables import LIMIT, PEAK
@@ -130,24 +130,24 @@ def _where(dataset: xarray.Dataset, at: tuple[int, ...]) -> str:
 def name_of(dataset: xarray.Dataset, axis: str) -> str:
     """An axis in plain words: the last part of its path."""
     last = path_of(dataset, axis).rsplit(".", 1)[-1]
-    return {"pga": "PGA", "pgv": "PGV", "file": "record"}.get(last, last.replace("_", " "))
+    plain = {"pga": "PGA", "pgv": "PGV", "file": "record"}.get(last, last.replace("_", " "))
+    return plain + whose(dataset, axis)
 
 
 def _uplift(dataset: xarray.Dataset) -> list[Fact]:
-    """The ground acceleration at which a rigid body lifts."""
+    """The ground acceleration at which rigid bodies lift about their weaker edge."""
     names = [name for name in ("alpha_left", "alpha_right", "alpha") if name in dataset.variables]
     if not names or "outcome" not in dataset.variables:
         return []
-    values: Array = np.concatenate([np.ravel(dataset[name].values) for name in names])
-    values = np.tan(values[np.isfinite(values)])
+    weaker = dataset[names[0]]
+    for name in names[1:]:
+        weaker = weaker.where(weaker < dataset[name], dataset[name])
+    values: Array = np.tan(weaker.values[np.isfinite(weaker.values)])
     if not values.size:
         return []
     low, high = float(values.min()), float(values.max())
-    one = high - low <= 1e-6 * high or len(names) > 1
-    floors = "through" in str(dataset.attrs.get("case", "")) or any(
-        "through" in path_of(dataset, a) for a in axes_of(dataset)
-    )
-    said = "of what arrives at its base" if floors else "ground acceleration"
+    one = high - low <= 1e-6 * high
+    said = "of what arrives at its base" if has_floors(dataset) else "ground acceleration"
     return [Fact(f"{low:.3g} g" if one else f"{low:.3g} to {high:.3g} g", "lifts from", f"{said}, g tan(alpha)")]
 
 
@@ -178,10 +178,10 @@ def _overturning(dataset: xarray.Dataset) -> list[Fact]:
                     Fact(
                         _with_unit(f"{lowest:.3g}", unit),
                         "overturns from",
-                        f"{_plain(axis)}, the lowest of the study that overturns a case",
+                        f"{_plain(axis)}{whose(dataset, axis)}, the lowest of the study that overturns a case",
                     )
                 ]
-            return [Fact("nowhere", "overturns", f"within the {_plain(axis)} of the study")]
+            return [Fact("nowhere", "overturns", f"within the {_plain(axis)}{whose(dataset, axis)} of the study")]
     return []
 
 
