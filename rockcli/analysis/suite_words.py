@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.curve_misfit import LEVEL
-from rockcli.analysis.fragility import FITTED, WHY_NOT
+from rockcli.analysis.fragility import FITTED, NONE_EXCEEDS, WHY_NOT
 from rockcli.analysis.intensity_correlation import LEAST
 from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.suite_risk import central, largest_tail
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.hazard import CONSISTENT, hazard_words
 from rockcli.scene.limit_states import OVERTURNED, exceeded_when
+from rockcli.scene.response import SLIDING
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
 from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK, PERCENTILE, PERCENTILES
@@ -86,9 +87,23 @@ def _left_out(contents: Contents, study: Study, over: Over) -> Iterator[str]:
         )
     elif missing:
         yield (
-            f"{missing} of {total} cases have no answer and are left out of the statistics (n_answered); if all of "
-            f"them remained stable, or all overturned, {_bracket(contents)}"
+            f"{missing} of {total} cases have no answer and are left out of the statistics (n_answered"
+            f"{_most_of(contents, over)}); if all of them remained stable, or all overturned, {_bracket(contents)}"
         )
+
+
+def _most_of(contents: Contents, over: Over) -> str:
+    """At which point beside the intensity most members have no answer, and how many of its; "" of one point."""
+    item = contents.fields["n_answered"]
+    members = len(contents.values(over.axis))
+    dims = [dim for dim in item.dims if dim != over.along]
+    along = tuple(i for i, dim in enumerate(item.dims) if dim == over.along)
+    missing = (members - item.values).sum(axis=along)
+    if missing.size == 1:
+        return ""
+    most = np.unravel_index(int(np.argmax(missing)), missing.shape)
+    of = members * item.values.size // missing.size
+    return f"; most at {place(contents, dims, most, units_of(contents))}: {int(missing[most])} of {of}"
 
 
 def _bracket(contents: Contents) -> str:
@@ -152,11 +167,14 @@ def _refused(contents: Contents, over: Over) -> Iterator[str]:
         return
     item = contents.fields["fragility_status"]
     points = item.values[..., 0].size
+    slid = "outcome" in contents.fields and bool((contents.values("outcome") == SLIDING).any())
+    slides = ", or bodies slide and do not rock" if slid else ""
     for i, label in enumerate(contents.values(LIMIT)):
         of_limit = item.values[..., i]
         for status, why in WHY_NOT.items():
             bad = np.argwhere(of_limit == status)
             if len(bad):
+                why += slides if status == NONE_EXCEEDS else ""
                 where = place(contents, item.dims[:-1], bad[0], units_of(contents))
                 at = f" at {len(bad)} of {points} points (first: {where})" if points > 1 else ""
                 yield f"no fragility curve for {limit_words(label)}{at}: {why}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -182,6 +183,32 @@ def test_friction_that_does_not_hold_leaves_it_unresolved():
     assert response.scalars["outcome"][0] == UNRESOLVED
     assert "would slide" in response.reasons[0]
     assert "not solved for a body that rolls over several vertices (block.stands: toes" in response.reasons[0]
+
+
+def test_a_suite_says_of_which_body_answers_are_missing_and_why():
+    bodies = {"stout": {"height": 1, "width": 0.8, "mu": 0.4}, "round": {"outline": ngon(12), "mu": 0.3}}
+    study = {
+        "name": "a",
+        "case": {"block": {"height": 1, "width": 0.8}, "motion": MOTIONS[0]},
+        "vary": {
+            "block": bodies,
+            "motion.pulse.T_p": [0.5, 0.7],
+            "motion.pulse.a_p": {"from": "0.1*g", "to": "1.5*g", "n": 6},
+        },
+        "over": {"axis": "T_p", "along": "a_p"},
+        "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]},
+    }
+    data = rockcli.run(study)
+    missing = int((data.outcome.sel(block="round") == UNRESOLVED).sum())
+    assert missing
+    assert int((data.outcome == UNRESOLVED).sum()) == missing
+    said = json.loads(data.attrs["warnings"])
+    assert any("not followed where it would slide" in one for one in said)
+    assert any(f"{missing} of 24 cases have no answer" in one for one in said)
+    assert any(f"most at block=round: {missing} of 12)" in one for one in said)
+    assert any("no case exceeds it, so the range is too low, or bodies slide and do not rock" in one for one in said)
+    study["vary"]["block"]["round"]["stands"] = "toes"
+    assert not any("not followed" in one for one in json.loads(rockcli.run(study).attrs["warnings"]))
 
 
 def test_a_check_says_where_it_rests_and_falls():

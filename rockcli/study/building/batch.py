@@ -203,6 +203,11 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
     if slides_first(block.mu[:, None], block.tan_alpha).any():
         who = f"is not in model {model}" if model in DEFORMABLE else "in backend event only"
         said.append(f"mu <= tan alpha: the body slides before it rocks; simulated {who}")
+    if (block.rolls & np.isfinite(block.mu)).any():
+        said.append(
+            "a body that rolls over several vertices is not followed where it would slide: cases whose mu does not "
+            "hold have no answer (block.stands: toes leaves it its two edges, and it slides)"
+        )
     return said
 
 
