@@ -303,10 +303,11 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
         for i, label in enumerate(contents.values(LIMIT)):
             if status[(*at, i)] != FITTED:
                 continue
-            median, low, high, beta = (
+            median, low, high, beta, total = (
                 float(contents.values(f"fragility_{name}")[(*at, i)])
-                for name in ("median", "median_ci_low", "median_ci_high", "beta")
+                for name in ("median", "median_ci_low", "median_ci_high", "beta", "beta_total")
             )
+            added = f" ({total:.4g} with beta_added)" if over.beta_added else ""
             tails = []
             for k in (1, 0):  # 5 %, 1 %
                 x, *ends = (
@@ -316,7 +317,7 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
                 tails.append(f"{PERCENTILES[k]:g} % at {x:.4g} ({ends[0]:.4g} to {ends[1]:.4g})")
             yield (
                 f"{where}{limit_words(label)}: median {over.told_against} {median / divisor:.4g}{unit_words(unit)} "
-                f"(95 % {low / divisor:.4g} to {high / divisor:.4g}), beta {beta:.4g}, "
+                f"(95 % {low / divisor:.4g} to {high / divisor:.4g}), beta {beta:.4g}{added}, "
                 f"{', '.join(tails)}{unit_words(unit)} ({n} {_members(over)})"
             )
             if over.second:

@@ -155,6 +155,8 @@ def test_limits_of_a_rate_are_those_of_curves_drawn_from_the_estimates():
 def test_uncertainty_that_is_added_counts(data):
     more = rockcli.run(study(over={"axis": "motion.pulse.omega_p", "along": "a_p", "limits": [0.5], "beta_added": 0.4}))
     assert (more["annual_rate"].sel(limit_state="overturned") > data["annual_rate"].sel(limit_state="overturned")).all()
+    total = float(more["fragility_beta_total"].sel(limit_state="overturned"))
+    assert f" ({total:.4g} with beta_added), 5 % at" in more.attrs["ensemble"]
 
 
 def test_a_dataset_runs_again_without_its_files(data):

@@ -228,6 +228,17 @@ def test_bodies_beside_one_another_name_their_scales_once():
     assert first.get_ylim() == second.get_ylim()
 
 
+def test_risk_is_shown_of_bodies_that_overturn():
+    curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
+    vary = suite()["vary"] | {"block.tan_alpha": [2.0, 3.0, 4.0, 5.0, 6.0, 0.2]}
+    data = rockcli.run(suite(hazard=[curve], vary=vary))
+    none = np.isnan(data["annual_rate"].sel(limit_state="overturned").squeeze("hazard"))
+    np.testing.assert_array_equal(none, [True, True, True, True, True, False])
+    texts = [text.get_text() for axes in rockcli.plot(data, "risk").axes for text in axes.texts]
+    assert texts.count(" 5 %") == 3
+    assert texts.count("no curve of overturning") == 2
+
+
 def test_a_limit_of_the_slide_is_exceeded_by_what_overturns():
     assert fragility._state("slide_peak > 0.05 m").endswith("> 0.05 m or overturned")
     assert "overturned" not in fragility._state("0.5")

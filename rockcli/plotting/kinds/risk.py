@@ -50,7 +50,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if suite is None or "annual_rate" not in dataset:
         raise ValueError("risk needs an ensemble and a hazard curve")
     shown, total = panels(dataset, suite)
-    shown = shown[:_MOST_BODIES]
+    unknown = [not np.isfinite(_rates(dataset.isel(place))).any() for _, place in shown]
+    shown = [shown[i] for i in sorted(np.argsort(unknown, kind="stable")[:_MOST_BODIES])]
     width = width_or(DOUBLE)
     figure, grid = _grid(width, len(shown))
     label = intensity_label(dataset, suite)
@@ -72,6 +73,11 @@ def draw(dataset: xarray.Dataset) -> Figure:
     note = "of overturning; bands: 95 % by the scatter of the suite"
     headline(figure, title_of(dataset), "; ".join(filter(None, [note, selection_note(len(shown), total, "bodies")])))
     return figure
+
+
+def _rates(part: xarray.Dataset) -> Array:
+    """Annual rates of overturning, NaN where there is no fragility curve of it."""
+    return np.asarray(part["annual_rate"].isel(limit_state=-1).values)
 
 
 def _abreast(width: float, bodies: int) -> bool:
@@ -137,6 +143,9 @@ def _deaggregation(axes: Axes, part: xarray.Dataset) -> None:
     if (there > 0.0).any():
         seen = np.flatnonzero(there > 1e-3)
         axes.set_xlim(edges[seen[0]], edges[seen[-1] + 1])
+    else:
+        axes.text(0.5, 0.5, "no curve of overturning", color=QUIET, ha="center", transform=axes.transAxes)
+        axes.set_ylim(top=1.0)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("share of the rate [%]")
 
