@@ -200,6 +200,14 @@ class TestWordsAndNothing:
         assert "motion" not in still
         assert moved["motion"] == {"pulse": SINE, "duration": 9}
 
+    def test_an_empty_setting_is_the_base_case(self):
+        as_it_is, other = cases_of(BASE, {"case": {"as it is": {}, "other": {"block": {"mu": 0.1}}}})
+        assert as_it_is["block"] == {"R": 2, "tan_alpha": 0.2, "top": 3.0, "mu": 0.6}
+        assert other["block"]["mu"] == 0.1
+        study = open_study({"name": "x", "case": BASE, "vary": {"case": {"as it is": {}, "other": {"g": 9}}}})
+        assert not study.warnings
+        assert open_study(yaml.safe_load(study.resolved_yaml)).identity == study.identity
+
     def test_null_takes_a_key_away_and_displaces_nothing(self):
         assert one({"block": {"top": None}})["block"] == {"R": 2, "tan_alpha": 0.2, "mu": 0.6}
         assert one({"motion": {"record": None}})["motion"] == {"pulse": SINE, "duration": 9}

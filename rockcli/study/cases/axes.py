@@ -294,7 +294,7 @@ class _Reader:
         """What one point puts into a case."""
         if self.path != ("case",) and not (isinstance(value, Map) and any("." in key for key in value)):
             return ((self.path, self.checked(self.path, value, *more), where),)
-        if not isinstance(value, Map) or not value:
+        if not isinstance(value, Map):
             raise self.fail(f"is {describe(value)}; expected a mapping of keys of the case", *more)
         paths = [self.below(key, *more) for key in value]
         point = tuple(
