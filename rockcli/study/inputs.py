@@ -55,6 +55,15 @@ class Inputs:
             raise StudyError("was changed while the study was running; run again", file=path)
 
 
+def text_of(data: bytes, path: Path) -> str:
+    """The text of a file of comma-separated values; raises StudyError where it is not in UTF-8, with the line."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise StudyError("is no text in UTF-8: save it as CSV in UTF-8", file=path, line=line) from None
+
+
 def read_bytes(path: Path, most: int = MAX_BYTES) -> bytes:
     """The bytes of a file, at most so many; raises StudyError."""
     try:

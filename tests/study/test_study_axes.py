@@ -121,12 +121,25 @@ class TestForms:
             ("\ufeffname;R\r\n", r"t\.csv:1: semicolons separate the cells"),
             ("name,R\na,1\nb;2\n", r"t\.csv:3: semicolons .* then replace the semicolons by commas"),
             ("name\tR\na\t1\n", r"t\.csv:1: tabs separate the cells, commas are expected"),
+            (
+                "name,R [cm]\na,120\n",
+                r"t\.csv:1: 'R \[cm\]' is no path .* has no unit, which cells may have \(180\*cm\)",
+            ),
         ],
     )
     def test_wrong_tables(self, tmp_path, text, words):
         (tmp_path / "t.csv").write_text(text, encoding="utf-8")
         with pytest.raises(StudyError, match=words):
             study_of({"block": "t.csv"}, tmp_path)
+
+    def test_a_table_of_a_spreadsheet_in_another_code(self, tmp_path):
+        (tmp_path / "t.csv").write_bytes("name,R\na,1*m\nVénus,120*cm\n".encode("cp1252"))
+        with pytest.raises(StudyError, match=r"t\.csv:3: is no text in UTF-8: save it as CSV in UTF-8"):
+            study_of({"block": "t.csv"}, tmp_path)
+        (tmp_path / "t.csv").write_text("name,R\na,1*m\nVénus,120*cm\n", encoding="utf-8-sig")
+        study = study_of({"block": "t.csv"}, tmp_path)
+        assert study.axes[0].values == ("a", "Vénus")
+        assert all_cases(study, lambda b: b.block.R[:, 0].tolist()) == pytest.approx([1.0, 1.2])
 
     def test_a_label_of_a_table_may_have_a_semicolon(self, tmp_path):
         (tmp_path / "t.csv").write_text("name,R\na;b,1\n")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from rockcli.analysis.experiments.scores import Index, numbered
 from rockcli.errors import StudyError
 from rockcli.scene.response import OUTCOMES, overturned
+from rockcli.study.inputs import text_of
 
 Array = NDArray[np.float64]
 
@@ -194,13 +195,11 @@ def _cells(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
         raise StudyError(f"is larger than {_MAX_BYTES} bytes", file=path)
     rows: list[tuple[int, list[str]]] = []
     try:
-        reader = csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""), skipinitialspace=True, strict=True)
+        reader = csv.reader(io.StringIO(text_of(data, path), newline=""), skipinitialspace=True, strict=True)
         for row in reader:
             cells = [cell.strip() for cell in row]
             if any(cells) and not cells[0].startswith("#"):
                 rows.append((reader.line_num, cells))
-    except UnicodeDecodeError as error:
-        raise StudyError("is no text in UTF-8", file=path, line=data.count(b"\n", 0, error.start) + 1) from None
     except csv.Error as error:
         raise StudyError(f"is no CSV text: {error}", file=path, line=reader.line_num) from None
     if len(rows) < 2:

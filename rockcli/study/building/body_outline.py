@@ -13,6 +13,7 @@ from rockcli.scene.outline import Given, OutlineError, Solid, solid
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import Value
 from rockcli.study.document.tree import Keys, dotted, place
+from rockcli.study.inputs import text_of
 from rockcli.study.schema import BlockPart
 
 Array = NDArray[np.float64]
@@ -158,11 +159,7 @@ def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:
     path = numbers.source.folder / name
     if not path.is_file():
         raise numbers.source.placed(where, f"{dotted(keys)}: the outline {str(path)[:300]} does not exist")
-    data = numbers.source.inputs.read(name, path)
-    try:
-        lines = data.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise StudyError(f"is no CSV text: {error}", file=path) from None
+    lines = text_of(numbers.source.inputs.read(name, path), path).splitlines()
     points: list[list[float]] = []
     heads = 0
     for number, line in enumerate(lines, start=1):

@@ -23,7 +23,7 @@ from rockcli.scene.units import g_of
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Keys, Map, Source, value_at
 from rockcli.study.document.values import describe
-from rockcli.study.inputs import Inputs
+from rockcli.study.inputs import Inputs, text_of
 from rockcli.study.intensity import bare, period_of
 from rockcli.study.schema import HazardPart, StudyPart
 from rockcli.study.study import Axis, Over
@@ -197,9 +197,9 @@ def _file(inputs: Inputs, path: Path, site: tuple[float, float] | None) -> _Read
         StudyError: it cannot be read or is no table of a hazard curve.
     """
     try:
-        text = inputs.read_beside(path).decode("utf-8-sig")
+        text = text_of(inputs.read_beside(path), path)
         lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
-    except (UnicodeDecodeError, csv.Error) as error:
+    except csv.Error as error:
         raise StudyError(f"is no CSV text: {error}", file=path) from None
     rows = [(i, [cell.strip() for cell in row]) for i, row in enumerate(lines, start=1) if any(map(str.strip, row))]
     head = next((row for _, row in rows if not row[0].startswith("#")), [])

@@ -12,6 +12,7 @@ from typing import Any
 from rockcli.errors import StudyError
 from rockcli.study.document.loader import scalar
 from rockcli.study.document.tree import Source, Where
+from rockcli.study.inputs import text_of
 
 _OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
@@ -39,8 +40,8 @@ def read_table(name: str, source: Source, where: Where) -> Table:
         raise source.placed(where, f"the table {path} does not exist")
     data = source.inputs.read(name, path)
     try:
-        lines = list(csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""), skipinitialspace=True))
-    except (UnicodeDecodeError, csv.Error) as error:
+        lines = list(csv.reader(io.StringIO(text_of(data, path), newline=""), skipinitialspace=True))
+    except csv.Error as error:
         raise StudyError(f"is no CSV text: {error}", file=path) from None
     rows = [(i, [cell.strip() for cell in row]) for i, row in enumerate(lines, start=1) if any(map(str.strip, row))]
     if rows and len(rows[0][1]) == 1:
@@ -51,6 +52,12 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     columns = header[1:]
     if len(set(columns)) < len(columns) or not all(columns):
         raise StudyError("a path of the table is empty or repeats", file=path, line=rows[0][0])
+    if united := next((column for column in columns if column.endswith("]")), None):
+        raise StudyError(
+            f"{united!r} is no path inside the case: the head of a column has no unit, which cells may have (180*cm)",
+            file=path,
+            line=rows[0][0],
+        )
     for i, row in rows[1:]:
         if len(row) != len(header):
             _check_separators(path, i, row)
