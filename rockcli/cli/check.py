@@ -80,7 +80,8 @@ def _text(found: Preview) -> str:
     if (more := len(found.processing) - MOST_RECORDS) > 0:
         rows.append(("", f"and {more} more: --json has all"))
     size = f", {found.megabytes:.3g} MB of histories at most" if found.megabytes else ""
-    cost = f"about {duration(found.seconds)} of processor time, {round(found.memory, -1):.0f} MB of memory{size}"
+    held = f"{round(found.memory, -1):.0f} MB of memory{size}"
+    cost = f"about {duration(found.seconds)} of processor time, {held}, without plots"
     rows += [("backend", found.backend), ("cost", cost)]
     title = f"{found.name}: {found.title}" if found.title else found.name
     return f"{title}\n{facts(rows)}" + (f"\n{_bodies(found)}" if len(found.bodies) > 1 else "")

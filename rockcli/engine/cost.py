@@ -64,6 +64,9 @@ IN_PLAIN_PYTHON = 100.0
 READING = 9e-8
 """A sample of a record that is read and laid out [s]."""
 
+ARRIVING = 2.6e-6
+"""A sample of what arrives through floors or isolators, found once for a record and what it goes through [s]."""
+
 LAYING_OUT = 1.2e-8
 """A sample of one of many records that is laid out for its cases [s]."""
 

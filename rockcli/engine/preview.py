@@ -13,6 +13,7 @@ from rockcli.engine.auto import prospect
 from rockcli.engine.backends import choose
 from rockcli.engine.bodies import Bodies
 from rockcli.engine.cost import (
+    ARRIVING,
     REFINED,
     STARTING,
     memory,
@@ -131,14 +132,19 @@ def _preview(study: Study) -> Preview:
     said: list[str] = []
     seconds = 0.0
     bodies = Bodies(study)
+    arrive: dict[int, int] = {}
     for indices, part in study.batches(np.arange(looked_at)):
         said += part.warnings
         bodies.add(indices, part)
+        motion = part.excitation.horizontal
+        if isinstance(motion, Samples) and motion.ground is not None:
+            arrive[id(motion.values)] = len(motion.values)
     for indices, part in study.suites(np.arange(looked_at)):
         each = seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part)
         seconds += seconds_per_batch() + len(indices) * each
     seconds = seconds / looked_at * study.size * share_refined(study)
     seconds += STARTING + seconds_of_reading(batch) * len(study.inputs) + seconds_of_statistics(study)
+    seconds += ARRIVING * sum(arrive.values())
     seconds *= slowness()
     histories = histories_size(study, HISTORIES_AT_MOST).bytes
     said += _proposals(study, seconds)

@@ -87,6 +87,17 @@ def test_records_cost_by_their_samples_and_by_what_they_lift(tmp_path: Any) -> N
     assert seconds(6000, 5.0) - still == pytest.approx(2.0 * (seconds(3000, 5.0) - still))
 
 
+def test_what_arrives_through_a_floor_takes_time_once_a_record(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(preview, "slowness", lambda: 1.0)
+    motion = {"record": {"file": "synthetic_rock_m65.AT2", "pga": "0.01*g"}}
+    axis = {"vary": {"motion.record.pga": {"from": "0.01*g", "to": "0.02*g", "n": 20}}}
+    floor = study(motion | {"through": [{"f": 3, "zeta": 0.05}]}, top=axis)
+    ((_, below),) = floor.batches()
+    samples = len(below.excitation.horizontal.values)
+    more = preview.preview(floor).seconds - preview.preview(study(motion, top=axis)).seconds
+    assert more == pytest.approx(cost.ARRIVING * samples, rel=0.1)
+
+
 def test_an_estimate_is_in_the_time_of_this_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     axes = {"vary": {"motion.pulse.a_p": {"from": 1, "to": 9, "n": 5000}}}
     what = study(top=axes)
