@@ -190,7 +190,7 @@ def figure_of(
         StudyError: the dataset cannot be drawn so, or the ending is none of a figure.
     """
     from rockcli.plotting.common.selection import overlaid, selected
-    from rockcli.plotting.figures import figure, save
+    from rockcli.plotting.figures import figure, save, why_not
 
     several: list[xarray.Dataset] = (
         [*dataset] if isinstance(dataset, list | tuple) else [cast("xarray.Dataset", dataset)]
@@ -207,7 +207,13 @@ def figure_of(
     asked = asked_of(one, () if kind is None else (kind,), **changed)
     if not asked:
         raise StudyError("nothing in it suggests a figure; name a kind")
-    drawn = figure(asked[0][0], one, asked[0][1])
+    wanted = asked[0][0]
+    if len(several) > 1 and why_not(wanted, one) and not why_not(wanted, several[0]):
+        raise StudyError(
+            f"plot {wanted!r} is drawn of one dataset at a time; alternatives that are settings of an axis of one "
+            "study (vary: case) are its panels"
+        )
+    drawn = figure(wanted, one, asked[0][1])
     if path is not None:
         with replacing(path) as scratch:
             save(drawn, scratch, path.suffix.lower().lstrip("."))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray
 import yaml
+from half_sines import SUITE
 from matplotlib.figure import Figure
 from PIL import Image
 from typer.testing import CliRunner
@@ -188,6 +189,15 @@ def test_wrong_plots_are_refused(plots: str, words: str, tmp_path: Path) -> None
     told = CliRunner().invoke(app, ["check", str(file)])
     assert getattr(told.exception, "exit_code", None) == 2
     assert words in str(told.exception)
+
+
+def test_suites_of_several_datasets_are_refused_for_what_they_are() -> None:
+    one, other = rockcli.run(SUITE), rockcli.run(SUITE | {"name": "other"})
+    for kind in ("ida", "fragility"):
+        with pytest.raises(StudyError, match=f"plot '{kind}' is drawn of one dataset at a time"):
+            rockcli.plot([one, other], kind)
+    with pytest.raises(StudyError, match="no hazard curve"):
+        rockcli.plot([one, other], "risk")
 
 
 def test_several_datasets_in_one_figure(sizes: xarray.Dataset, tmp_path: Path) -> None:
