@@ -47,13 +47,14 @@ class Probability:
 def probability(share: Array, rows: NDArray[np.int64]) -> Probability:
     """The mean of shares along the last axis, NaN left out, with the error of a mean of independent rows.
 
-    Limits by Clopper and Pearson (1934) for as many members as would have this error (Korn and Graubard 1998).
+    Limits by Clopper and Pearson (1934) for as many members as would have this error, and for fewer where there are few
+    rows to tell it from: times the square of Student's t of the members over that of the rows (Korn and Graubard 1998).
 
     Args:
         share: (..., n) in [0, 1], NaN without an answer.
         rows: (n,) row of every member, from 0.
     """
-    from scipy.special import betaincinv
+    from scipy.special import betaincinv, stdtrit
 
     known = ~np.isnan(share)
     j = int(rows.max()) + 1
@@ -64,9 +65,10 @@ def probability(share: Array, rows: NDArray[np.int64]) -> Probability:
     np.add.at(of_rows, rows, np.moveaxis(away, -1, 0))
     np.add.at(answers, rows, np.moveaxis(known.astype(float), -1, 0))
     se = np.sqrt(j / max(j - 1, 1) * (of_rows**2).sum(axis=0)) / n
-    many = (answers > 0.0).sum(axis=0).astype(float)
-    many = np.where(se > 0.0, p * (1.0 - p) / np.where(se > 0.0, se, 1.0) ** 2, many)
-    hits, tail = p * many, 0.5 * (1.0 - CONFIDENCE)
+    there, tail = (answers > 0.0).sum(axis=0).astype(float), 0.5 * (1.0 - CONFIDENCE)
+    few = stdtrit(np.maximum(n - 1.0, 1.0), tail) / stdtrit(np.maximum(there - 1.0, 1.0), tail)
+    many = np.where(se > 0.0, p * (1.0 - p) * (few / np.where(se > 0.0, se, 1.0)) ** 2, there)
+    hits = p * many
     low = np.where(p > 0.0, betaincinv(np.maximum(hits, 1e-300), many - hits + 1.0, tail), 0.0)
     high = np.where(p < 1.0, betaincinv(hits + 1.0, np.maximum(many - hits, 1e-300), 1.0 - tail), 1.0)
     empty = n == 0

@@ -181,6 +181,16 @@ def test_limits_hold_the_truth_as_often_as_they_say():
     assert float(none.high[0]) == pytest.approx(stats.binomtest(0, 50).proportion_ci(0.95).high)
 
 
+@pytest.mark.parametrize(("records", "p"), [(3, 0.2), (3, 0.5), (5, 0.5), (20, 0.2)])
+def test_limits_hold_the_truth_over_few_records_too(records, p):
+    """Of records whose own probabilities scatter by a beta distribution, of which samples are drawn."""
+    draw, samples = np.random.default_rng(5), 180 // records
+    of_records = draw.beta(2.0 * p, 2.0 * (1.0 - p), (4000, records, 1))
+    fell = draw.random((4000, records, samples)) < of_records
+    told = probability(fell.reshape(4000, -1).astype(float), np.repeat(np.arange(records), samples))
+    assert np.mean((told.low <= p) & (p <= told.high)) > 0.92
+
+
 def test_samples_of_one_record_are_not_independent():
     """Two records, one of which always overturns: as uncertain as two coins, however many samples."""
     share = np.repeat([0.0, 1.0], 500)[None]
