@@ -7,6 +7,7 @@ import pytest
 
 import rockcli
 from rockcli.plotting.figures import default_kinds, figure, why_not
+from rockcli.scene.looks import Look
 
 
 def study(**more):
@@ -29,7 +30,9 @@ def test_exceedance_ends_at_the_probability_and_bars_are_correlations():
     assert y[-1] == pytest.approx(float(data.p_overturned))
     assert y[np.searchsorted(x, 0.8, side="right") - 1] == pytest.approx(np.mean(peaks > 0.8))
     assert sorted(bar.get_width() for bar in right.patches) == pytest.approx(sorted(data.input_spearman.values))
-    assert "Spearman" in right.get_xlabel()
+    assert right.get_xlabel() == "rank correlation with the peak (Spearman)"
+    assert figure("samples", data, Look(width=90.0)).axes[1].get_xlabel().count("\n") == 2
+    assert max(left.get_xticks()) <= x[-1] < left.get_xlim()[1]  # where the points are the axis has no numbers
 
 
 @pytest.mark.parametrize(("rate", "bottom"), [(1.0, False), (3.0, True)])

@@ -69,6 +69,14 @@ def test_ida_shows_every_member_and_the_fractiles(stripes):
     assert "leave to the right" in figure.get_suptitle()
 
 
+def test_members_of_an_ida_are_fainter_the_more_there_are():
+    amplitudes = {"motion.pulse.a_p": ["0.2*g", "0.4*g", "0.8*g"]}
+    for n, alpha in ((20, 1.0), (300, 0.5)):
+        periods = {"motion.pulse.omega_p": {"from": 2, "to": 6, "n": n}}
+        (axes,) = figures.figure("ida", rockcli.run(suite(vary=periods | amplitudes))).axes
+        assert axes.lines[0].get_alpha() == alpha
+
+
 def test_an_ida_marks_uplift_but_below_floors(stripes):
     words = lambda data: [text.get_text() for text in figures.figure("ida", data).legends[0].get_texts()]  # noqa: E731
     assert words(stripes)[-1].startswith("uplift")

@@ -60,6 +60,9 @@ _FEW = 8
 _MANY: dict[str, Any] = {"color": MEMBER, "linewidth": 0.5, "dashes": ()}
 """Look of each of many members."""
 
+_DARK, _FAINTEST = 150.0, 0.06
+"""Members up to which lines are opaque, and how faint those of very many are."""
+
 _DASHES: tuple[tuple[float, ...], ...] = ((), (5.0, 1.5), (1.2, 1.2), (5.0, 1.2, 1.2, 1.2))
 """Dashes of neighbours among few members, in turn."""
 
@@ -91,8 +94,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
         axes = grid.flat[number]
         part = dataset.isel(place)
         members = part[PEAK].transpose(suite.axis, suite.along).values[:, order]
+        faint = float(np.clip(_DARK / len(members), _FAINTEST, 1.0))
         for i, curve in enumerate(members):
-            _run(axes, curve, intensity[order], right, zorder=1, **(_own_look(i) if few else _MANY))
+            look = _own_look(i) if few else _MANY | {"alpha": faint}
+            _run(axes, curve, intensity[order], right, zorder=1, **look)
         for end, _, dashes in () if few else FRACTILES:
             curve = part[f"{PEAK}_{end}"].values[order]
             _run(axes, curve, intensity[order], right, color=BOLD, linewidth=1.6, dashes=dashes, zorder=3)

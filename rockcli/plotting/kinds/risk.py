@@ -35,6 +35,9 @@ _LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1))
 
 _MOST_BODIES = 3
 
+_CROWDED = 1.6
+"""Decades of intensity from which labels at 1, 2 and 5 touch in one of three panels."""
+
 _THREE, _PANEL = 5.6, 1.55
 """Widths that three panels beside one another need, and one panel [in]."""
 
@@ -111,6 +114,8 @@ def _hazard(axes: Axes, part: xarray.Dataset) -> Axes:
         axes.plot(x / divisor, rate, marker=MARKERS[i % len(MARKERS)], markersize=2.6, markeredgewidth=0.0,
                   label=escape(hazard_words(str(label))), **_style(i))  # fmt: skip
     scale_axes(axes, x_log=True)
+    if np.ptp(np.log10(part["hazard_intensity"].values[part["hazard_intensity"].values > 0.0])) > _CROWDED:
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
     axes.set_yscale("log")
     axes.set_ylabel("annual rate of exceedance")
     median, beta, begin = (float(part[f"fragility_{name}"]) for name in ("median", "beta_total", "begins_at"))

@@ -25,6 +25,9 @@ MATTERS: tuple[tuple[str, str, str], ...] = (
 )
 """What tells which input matters, the best first: outer and filled bar, and what they are."""
 
+_WIDE = 0.8 * DOUBLE
+"""Width from which these words stand in one line [in]."""
+
 
 def without_samples(dataset: xarray.Dataset) -> str:
     """Why a dataset cannot be drawn so; "" if it can."""
@@ -62,13 +65,15 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if end > 1.05:
         left.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
     left.set_xlim(0.0, end * (1.07 + 0.02 * len(shown)))
+    left.set_xticks([tick for tick in left.get_xticks() if 0.0 <= tick <= end])  # the points are beyond all peaks
     left.set_ylim(_bottom(part for _, place in shown for part in (whole.isel(place),)), 1.02)
     left.set_xlabel(variable_label(PEAK))
     left.set_ylabel("probability of exceedance")
     right.set_yticks(range(len(inputs)), [_symbol(dataset, path) for path in inputs])
     right.set_ylim(len(inputs) - 0.5, -0.5)
     right.axvline(0.0, color=QUIET, linewidth=0.6)
-    right.set_xlabel(_matters(dataset)[2])
+    words = _matters(dataset)[2]
+    right.set_xlabel(words.replace("\n", " ") if figure.get_figwidth() >= _WIDE else words)
     if len(shown) > 1:
         legend_of(figure, left, 3)
     note = f"{members_word(whole, members)}; points: overturned, with 95 % limits"
