@@ -30,6 +30,13 @@ MOST_BODIES = 6
 """Bodies of which the fragility is told in sentences; tables have all."""
 
 
+OF_THE_BODY = ("block", "damping", "column", "base", "model", "let")
+"""Where inputs are of the body, which the next motion finds as it was."""
+
+DIRECTION = "block.direction"
+"""Of a scan: whence the motion comes, another in every earthquake."""
+
+
 def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
     """What the statistics come to: capacity by limit state, and the measures that tell the demand best."""
     assert study.over is not None
@@ -52,6 +59,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
     assert study.over is not None
     return [
         *of_what_arrives(contents, (study.over.intensity, study.over.second)),
+        *_drawn_anew(study.over),
         *_left_out(contents, study, study.over),
         *_divided(contents),
         *_below(contents, study),
@@ -73,6 +81,17 @@ def of_what_arrives(contents: Contents, intensities: Iterable[str | None]) -> It
             f"the intensity {' and '.join(measures)} is that of the motion that arrives at the body through the "
             f"floors, not of the ground, which hazard curves are of{': that is ' if of_ground else ''}"
             f"{' and '.join(of_ground)}"
+        )
+
+
+def _drawn_anew(over: Over) -> Iterator[str]:
+    """A body that is not well known is the same in all earthquakes: its survival is no power of the mean."""
+    unknown = [path for path in over.inputs if path.split(".")[0] in OF_THE_BODY and path != DIRECTION]
+    if over.hazard and over.age is not None and unknown:
+        yield (
+            f"survival takes {', '.join(unknown)} as drawn anew in every earthquake, which makes it too low for one "
+            "body that is not well known; `over: record` tells the survival of every sample, and their mean is that "
+            "body's"
         )
 
 

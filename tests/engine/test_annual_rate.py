@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,9 +12,11 @@ from scenes import G
 from scipy import integrate, stats
 
 import rockcli
+from rockcli.analysis import suite_words
 from rockcli.analysis.annual_rate import Fragility, annual_rate
 from rockcli.errors import StudyError
 from rockcli.scene.hazard import HazardCurve
+from rockcli.study.study import Over
 
 
 def power_law(k=2.5, at=3.0, rate=1e-3, low=1e-8, high=1e5, n=14) -> HazardCurve:
@@ -157,6 +160,24 @@ def test_uncertainty_that_is_added_counts(data):
     assert (more["annual_rate"].sel(limit_state="overturned") > data["annual_rate"].sel(limit_state="overturned")).all()
     total = float(more["fragility_beta_total"].sel(limit_state="overturned"))
     assert f" ({total:.4g} with beta_added), 5 % at" in more.attrs["ensemble"]
+
+
+def test_a_direction_is_drawn_anew():
+    over = Over(("sample",), None, (), mean=False, inputs=("block.direction",), hazard=(BENT,), age=1.0)
+    assert not list(suite_words._drawn_anew(over))
+    assert "takes block.h as" in " ".join(suite_words._drawn_anew(replace(over, inputs=("block.direction", "block.h"))))
+
+
+def test_a_body_that_is_not_well_known_is_not_drawn_anew(data):
+    """The mean survival of bodies is above that under their mean rate (Jensen): a warning where they are mixed."""
+    more = {"uncertain": {"block.tan_alpha": {"normal": [0.2, 0.03]}}, "samples": 20, "age": 3000}
+    axes = {"axis": ["motion.pulse.omega_p", "sample"], "along": "a_p", "limits": [0.5]}
+    mixed = rockcli.run(study(over=axes, **more))
+    each = rockcli.run(study(over=axes | {"axis": "motion.pulse.omega_p"}, **more))
+    told = ["drawn anew" in one.attrs["warnings"] for one in (mixed, each)]
+    assert told == [True, False]
+    one = each.sel(limit_state="overturned")
+    assert (one.survival.mean("sample") > np.exp(-3000 * one.annual_rate.mean("sample"))).all()
 
 
 def test_a_dataset_runs_again_without_its_files(data):
