@@ -147,6 +147,18 @@ def test_the_headline_tells_whose_acceleration_it_is() -> None:
     assert facts["lifts from"].startswith("of what arrives at its base")
 
 
+def test_the_headline_has_the_rate_and_the_probability_within_the_age() -> None:
+    curve = {"label": "site", "intensity": ["0.05*g", "0.5*g", "3*g"], "rate": [1e-2, 1e-4, 1e-7]}
+    data = rockcli.run(SUITE | {"hazard": [curve], "age": 50})
+    (said,) = (fact for fact in facts_of(data) if fact.what == "rate of overturning")
+    rate = float(data.annual_rate.sel(limit_state="overturned").squeeze())
+    assert said.value == f"{rate:.2g} a year"
+    years, share = float(f"{1.0 / rate:.2g}"), -100.0 * np.expm1(-50.0 * rate)
+    assert said.sentence == (
+        f"under the hazard site: once in {years:g} years; within 50 years with a probability of {share:.2g} %"
+    )
+
+
 def test_the_headline_has_the_largest_slide() -> None:
     """By hand: a block at rest on friction mu, thrown at speed v, slides v^2 / (2 mu g)."""
     case = {"block": {"R": 2.0, "tan_alpha": 0.5, "mu": 0.1}, "initial": {"slide_rate": 1.0}}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from rockcli.plotting.common.cases import Array, axes_of, is_numeric, number_at
 from rockcli.plotting.common.labels import axis_values, coordinate_words, has_floors, path_of, shown_unit, whose
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.thresholds import FOUND
-from rockcli.scene.variables import LIMIT, PEAK
+from rockcli.scene.variables import HAZARD, LIMIT, PEAK
 
 if TYPE_CHECKING:
     import xarray
@@ -34,8 +35,15 @@ class Fact:
 
 
 def facts_of(dataset: xarray.Dataset) -> list[Fact]:
-    """Peak, top, margin, slide, uplift, overturning, probability; what the dataset does not tell is absent."""
-    return [*_peak(dataset), *_slide(dataset), *_uplift(dataset), *_overturning(dataset), *_probability(dataset)]
+    """Peak, top, margin, slide, uplift, overturning, probability, rate; what the dataset does not tell is absent."""
+    return [
+        *_peak(dataset),
+        *_slide(dataset),
+        *_uplift(dataset),
+        *_overturning(dataset),
+        *_probability(dataset),
+        *_rate(dataset),
+    ]
 
 
 def sentence_of(dataset: xarray.Dataset) -> str:
@@ -216,3 +224,31 @@ def _probability(dataset: xarray.Dataset) -> list[Fact]:
             span = f"{shares.min():.3g}" + (f" to {shares.max():.3g}" if np.ptp(shares) > 0.0 else "")
             return [Fact(f"{span} %", "probability of overturning", "share of the suite that overturns")]
     return []
+
+
+def _rate(dataset: xarray.Dataset) -> list[Fact]:
+    """How often a year the hazard overturns, and with which probability within the age."""
+    if "annual_rate" not in dataset.variables:
+        return []
+    of_falls = dataset.isel({LIMIT: -1})
+    rates, least, most = _span(of_falls["annual_rate"].values)
+    if not rates:
+        return []
+    curves = [str(label) for label in dataset[HAZARD].values]
+    under = f"under the hazard {' and '.join(curves)}" + (", by body" if of_falls["annual_rate"].ndim > 1 else "")
+    years = f"{float(f'{1.0 / most:.2g}'):g}" if most > 0.0 else "infinitely many"
+    once = f"once in {years} years" + (" or less often" if least < most else "")
+    within = ""
+    age = json.loads(dataset.attrs.get("ensemble", "{}")).get("age")
+    if age and (shares := _span(100.0 * of_falls["probability_in_age"].values)[0]):
+        within = f"; within {age:g} years with a probability of {shares} %"
+    return [Fact(f"{rates} a year", "rate of overturning", f"{under}: {once}{within}")]
+
+
+def _span(values: Array) -> tuple[str, float, float]:
+    """The least to the most of values in words, and both; "" where none is known."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return "", np.nan, np.nan
+    low, high = float(known.min()), float(known.max())
+    return f"{low:.2g}" + (f" to {high:.2g}" if f"{high:.2g}" != f"{low:.2g}" else ""), low, high
