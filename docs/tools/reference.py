@@ -30,11 +30,16 @@ def commands() -> str:
     import typer.main
 
     from rockcli.cli.main import app
+    from rockcli.cli.records import app as records
 
     parts = ["# Commands\n\n`rock --help` and `rock COMMAND --help` say the same.\n"]
-    for words, command in _commands(typer.main.get_command(app), "rock"):
+    every = [
+        *_commands(typer.main.get_command(app), "rock"),
+        *_commands(typer.main.get_command(records), "rock records"),
+    ]
+    for words, command in sorted((pair for pair in every if pair[0] != "rock records"), key=lambda pair: pair[0]):
         usage = " ".join([words, *(word for p in command.params if (word := _usage(p)))])
-        parts.append(f"## {words}\n\n```text\n{f'{words} {usage}'.strip()}\n```\n\n{_prose(command.help or '')}\n")
+        parts.append(f"## {words}\n\n```text\n{usage}\n```\n\n{_prose(command.help or '')}\n")
         rows = [
             (_names(p), _plain(getattr(p, "help", "") or ""), _default(p)) for p in command.params if p.name != "help"
         ]
@@ -61,7 +66,8 @@ def _usage(parameter: Any) -> str:
 
 def _names(parameter: Any) -> str:
     if parameter.param_type_name == "argument":
-        return f"`{_usage(parameter).strip('[]')}`"
+        word = _usage(parameter)
+        return f"`{word if word.count('[') > 1 else word.strip('[]')}`"
     value = "" if parameter.is_flag else f" {parameter.metavar or parameter.name.upper()}"
     return ", ".join(f"`{name}{value}`" for name in [*parameter.opts, *parameter.secondary_opts])
 
