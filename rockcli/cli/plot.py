@@ -11,6 +11,12 @@ from rockcli.cli.say import say
 from rockcli.cli.select import Select, chosen
 
 
+def _kinds(incomplete: str) -> list[tuple[str, str]]:
+    from rockcli.plotting.figures import KINDS
+
+    return [(name, kind.sentence) for name, kind in KINDS.items() if name.startswith(incomplete)]
+
+
 def plot(
     files: Annotated[list[Path], typer.Argument(metavar="FILE.nc...", help="Datasets written by `rock run`.")],
     kinds: Annotated[
@@ -19,6 +25,7 @@ def plot(
             "--kind",
             metavar="KIND",
             help="Kind of plot, may be repeated; default: those that the study lists, else what the data suggest.",
+            autocompletion=_kinds,
         ),
     ] = None,
     select: Select = None,

@@ -11,11 +11,17 @@ from rockcli.cli.say import say
 from rockcli.cli.tables import table
 
 
+def _topics(incomplete: str) -> list[str]:
+    return [topic for topic in _TOPICS if topic.startswith(incomplete)]
+
+
 def show(
     topic: Annotated[
         str,
         typer.Argument(
-            metavar="models|backends|variables|symbols|pulses|plots|environment|schema", help="What to list."
+            metavar="models|backends|variables|symbols|pulses|plots|environment|schema",
+            help="What to list.",
+            autocompletion=_topics,
         ),
     ],
 ) -> None:

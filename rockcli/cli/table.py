@@ -21,6 +21,12 @@ _TOLD = (
 """Columns of cases that a terminal shows beside the axes and the outcome, where they say anything."""
 
 
+def _tables(incomplete: str) -> list[tuple[str, str]]:
+    from rockcli.storage.table import TABLES
+
+    return [(name, words) for name, words in TABLES.items() if name.startswith(incomplete)]
+
+
 def table(
     file: Annotated[Path, typer.Argument(metavar="FILE.nc", help="A dataset written by `rock run`.")],
     columns: Annotated[
@@ -34,6 +40,7 @@ def table(
             metavar="TABLE",
             help="cases, or of a suite: suite, fragility, risk, deaggregation, stripes, demand, inputs; "
             "of a refined map: boundaries.",
+            autocompletion=_tables,
         ),
     ] = "cases",
     select: Select = None,

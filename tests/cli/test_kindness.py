@@ -128,7 +128,16 @@ def test_sizes_that_are_hardly_meant(rock, tmp_path, capsys, height, doubted):
     assert ("in metres?" in capsys.readouterr().err) == doubted
 
 
-@pytest.mark.parametrize(("typed", "expected"), [("rock ch", "check"), ("rock new st", "statue")])
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [
+        ("rock ch", "check"),
+        ("rock new st", "statue"),
+        ("rock table --of fr", "fragility"),
+        ("rock plot --kind ri", "risk"),
+        ("rock show va", "variables"),
+    ],
+)
 def test_the_shell_completes_commands_and_kinds(typed, expected):
     program = "import sys; sys.argv = ['rock']; from rockcli.cli.main import main; main()"
     asked = {"_ROCK_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": str(typed.count(" "))}
