@@ -79,11 +79,13 @@ def with_rules(contents: Contents, study: Study) -> Contents:
 
 
 def misled(contents: Contents) -> tuple[Misled, ...]:
-    """Every rule in a dataset against the outcomes in it."""
+    """Every rule in a dataset against the outcomes in it, of cases with a motion: a given spectrum needs none."""
     asked = [rule for rule in RULES.values() if rule.of_overturning and rule.variable in contents.fields]
     if "outcome" not in contents.fields or not asked:
         return ()
     share = members_of(contents).share
+    peak = next((name for name in ("pga", "a_p") if name in contents.fields), None)
+    share = np.where(np.isnan(np.nan if peak is None else contents.over_axes(peak)), np.nan, share)
     found = []
     for rule in asked:
         values = contents.values(rule.variable)

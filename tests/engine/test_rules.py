@@ -192,6 +192,7 @@ def test_a_given_floor_spectrum_takes_the_place_of_the_motion() -> None:
     free = {"block": {"h": 1.5, "b": 0.3, "mu": 0.1}, "initial": {"theta": 0.02}}
     contents = solved(case=free, rules=["west", "asce43", "asce43_sliding"], rules_spectrum=SPECTRUM)
     assert np.isnan(contents.values("west_ratio"))
+    assert all(rule.cases == 0 for rule in misled(contents))  # no history is of the motion that the spectrum is of
     T, S_a = np.array(SPECTRUM["periods"]), g * np.array(SPECTRUM["S_a"])
     # sliding: 2 mu g = 0.2 g at two thirds of the way from 1 to 2 s
     assert contents.values("asce43_slide") == pytest.approx(0.2 * g * (5.0 / 3.0 / (2.0 * np.pi)) ** 2, rel=1e-9)
