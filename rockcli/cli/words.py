@@ -85,7 +85,7 @@ def _rules(report: RunReport) -> list[str]:
     """What the rules of thumb would have made of the same cases."""
     speaking = [rule for rule in report.rules if rule.cases]
     if report.rules and not speaking:
-        return [_row("rules", "not applicable: they need a ground motion and an outcome")]
+        return [_row("rules", "held against no history, which needs a ground motion and an outcome")]
     lines = []
     for number, rule in enumerate(speaking):
         missed = f"{rule.unconservative:.4g} unconservative (stable by the rule, overturned by the history)"

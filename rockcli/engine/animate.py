@@ -115,9 +115,17 @@ def _chosen(
     label = ", ".join(coordinate_label(dataset, a, i) for a, i, n in zip(axes, position, sizes, strict=True) if n > 1)
     others = ""
     if case is None and open_axes:
-        values = (f"{axis} ({', '.join(str(v) for v in dataset[axis].values[:8])})" for axis in open_axes)
+        values = (f"{axis} ({', '.join(_choices(dataset, axis))})" for axis in open_axes)
         others = f"shows the first of several cases; --at chooses: {'; '.join(values)}"
     return position, label, others
+
+
+def _choices(dataset: xarray.Dataset, axis: str) -> list[str]:
+    """The first values of an axis as --at takes them."""
+    from rockcli.plotting.common.labels import coordinate_words
+
+    words = coordinate_words(dataset, axis)[:8]
+    return [word.replace(" ", "") for word in words] if dataset[axis].dtype.kind == "f" else words
 
 
 def _axes_in_words(axes: tuple[str, ...]) -> str:

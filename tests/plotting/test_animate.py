@@ -180,6 +180,18 @@ def test_the_command_says_what_it_wrote_and_what_it_left_out(file: Path):
     assert "model (rigid, flexible, fallen)" in result.output
 
 
+def test_what_chooses_a_case_is_told_as_it_is_taken(tmp_path: Path):
+    vary = {"motion.pulse.a_p": ["0.3*g", "0.4*g"]}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": 1.0, "T_p": 0.8}}}
+    path = tmp_path / "two.nc"
+    rockcli.run({"name": "two", "case": case, "vary": vary}).to_netcdf(path, engine="netcdf4")
+    told = CliRunner().invoke(app, ["animate", str(path), "--fps", "2"])
+    assert "--at chooses: motion_pulse_a_p (0.3g, 0.4g)" in told.stderr
+    chosen = CliRunner().invoke(app, ["animate", str(path), "--fps", "2", "--at", "motion_pulse_a_p=0.4g"])
+    assert chosen.exit_code == 0
+    assert "chooses" not in chosen.stderr
+
+
 def test_mp4_needs_ffmpeg(file: Path, tmp_path: Path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path / "nothing"))
     with pytest.raises(StudyError, match="needs ffmpeg"):
