@@ -69,6 +69,14 @@ def test_ida_shows_every_member_and_the_fractiles(stripes):
     assert "leave to the right" in figure.get_suptitle()
 
 
+def test_alternatives_of_a_body_are_shown_together():
+    more = {"block.R": [1.0, 2.0, 3.0], "block.tan_alpha": [0.1, 0.2, 0.3]}
+    figure = figures.figure("fragility", rockcli.run(suite(vary=suite()["vary"] | more)))
+    titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
+    assert len(titles) == 6
+    assert [sum(f"= {value}" in title for title in titles) for value in (0.1, 0.2, 0.3)] == [2, 2, 2]
+
+
 def test_members_of_an_ida_are_fainter_the_more_there_are():
     amplitudes = {"motion.pulse.a_p": ["0.2*g", "0.4*g", "0.8*g"]}
     for n, alpha in ((20, 1.0), (300, 0.5)):

@@ -67,7 +67,8 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
 
     Where the study compares (`compare_to`), the reference is not a case of its own but goes with each.
     Cases whose histories are identical although a label differs are one.
-    `axes` restricts the positions to some of the axes (the others stay at 0); references are then not given.
+    `axes` restricts the positions to some of the axes (the others stay at 0); references are then not given, and points
+    of the innermost axis stay together.
     """
     every = axes_of(dataset)
     names = every if axes is None else axes
@@ -78,7 +79,11 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
         positions = [p for p in positions if _referred(every, p, reference) != p] or positions
     groups = [[p] for p in positions] if axes is not None else _alike(dataset, positions, reference)
     shown = []
-    for group in _spread_over_peaks(dataset, groups, most) if axes is None else spread(groups, most):
+    long = [n for n in sizes if n > 1]
+    some = (
+        _spread_over_peaks(dataset, groups, most) if axes is None else _by_rows(groups, long[-1] if long else 1, most)
+    )
+    for group in some:
         other = _referred(every, group[0], reference) if reference else None
         words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
         shown.append(Shown(group[0], words, None if other == group[0] else other))
@@ -96,6 +101,14 @@ def _spread_over_peaks(
     peaks = np.array([number_at(dataset, PEAK, group[0]) for group in groups])
     by_peak = np.argsort(np.nan_to_num(peaks, nan=-1.0, posinf=np.inf), kind="stable")
     return [groups[i] for i in sorted(spread(by_peak.tolist(), most))]
+
+
+def _by_rows(items: list[T], row: int, most: int) -> list[T]:
+    """At most `most` of items, evenly: in whole rows of the innermost axis where they fit, a body's alternatives."""
+    if not 1 < row <= most < len(items):
+        return spread(items, most)
+    rows = [items[i : i + row] for i in range(0, len(items), row)]
+    return [item for some in spread(rows, most // row) for item in some]
 
 
 def spread(items: list[T], most: int) -> list[T]:
