@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from scenes import G, make_batch, pulse
 
+import rockcli
+from rockcli import kernels
 from rockcli.kernels.lanes.vector import elementary
 from rockcli.scene.block import make_block
 from rockcli.solvers.event import pulse_lanes as lane_pulses
@@ -61,6 +63,24 @@ def test_one_alone(together, case):
         np.testing.assert_array_equal(values, together[name][[case]])
 
 
+OUTLINE = [[-0.3, 0.02], [-0.15, 0], [0.15, 0], [0.3, 0.02], [0.35, 2], [-0.35, 2]]
+
+
+@pytest.mark.parametrize("histories", [False, True])
+@pytest.mark.parametrize("body", [{"R": 2, "alpha": 0.2}, {"outline": OUTLINE, "density": 2000, "depth": 1}])
+def test_what_was_solved_before_changes_no_bit(body, histories):
+    """Few cases of all scalars, in a process that has compiled its kernels by then and in one that has not."""
+    case = {"block": body, "motion": {"pulse": {"shape": "ricker", "a_p": "0.4*g", "T_p": 1.0}}}
+    study = {"case": case, "vary": {"damping.r_energy": [0.8, 0.9]}, "save": {"histories": histories}}
+    kernels.forget()
+    first = rockcli.run(study)
+    kernels.load(compile_them=True)
+    then = rockcli.run(study)
+    kernels.forget()
+    assert then.attrs["solver_settings"] == first.attrs["solver_settings"]
+    assert then.attrs["checksum"] == first.attrs["checksum"]
+
+
 @pytest.mark.slow
 def test_compiled_and_interpreted():
     """A small chunk runs as plain Python where a large one is compiled: the numbers are the same to the last bit."""
@@ -70,8 +90,8 @@ def test_compiled_and_interpreted():
         "print([float(x).hex() for values in found.values() for x in values])"
     )
     said = []
-    for kernels in ("compiled", "interpreted"):
-        env = os.environ | {"ROCK_KERNELS": kernels, "PYTHONPATH": os.pathsep.join(sys.path)}
+    for way in ("compiled", "interpreted"):
+        env = os.environ | {"ROCK_KERNELS": way, "PYTHONPATH": os.pathsep.join(sys.path)}
         ran = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, check=True)
         said.append(ran.stdout)
     assert said[0].count("0x") > 3 * 8  # some of them stand

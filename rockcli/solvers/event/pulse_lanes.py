@@ -72,7 +72,7 @@ def asked(batch: Batch) -> bool:
 
 
 def path_asked(batch: Batch) -> bool:
-    """Whether more is asked than that, and lanes can follow the path: compiled, plain Python does it sooner alone."""
+    """Whether more is asked than that, and lanes can follow the path, for which kernels are compiled."""
     more = batch.save.scalars - WITHIN
     return bool(more) and more <= ON_PATH and not MODELS[batch.model, batch.geometry].linear and is_for_lanes(batch)
 

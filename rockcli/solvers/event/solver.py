@@ -69,10 +69,12 @@ def _on_two_edges(batch: Batch) -> Response:
     began = time.perf_counter()
     level = batch.numerics.tolerances
     parameters = parameters_of(batch)
-    pulses, records = lane_pulses.asked(batch), lane_records.asked(batch)
+    pulses = lane_pulses.asked(batch)
+    compiled_only = lane_records.asked(batch) or lane_pulses.path_asked(batch)
     seconds = lane_pulses.SECONDS * batch.size if pulses else _estimated_seconds(batch, parameters)
-    march = kernels.load(compile_them=records or seconds > COMPILE_ABOVE)
-    in_lanes = pulses or (bool(kernels.compiled) and (records or lane_pulses.path_asked(batch)))
+    # not where enough cases come together, or had been solved before: it would be seen in the last bits
+    march = kernels.load(compile_them=compiled_only or seconds > COMPILE_ABOVE)
+    in_lanes = pulses or (bool(kernels.compiled) and compiled_only)
 
     def attempt() -> tuple[Raw, Opened]:
         if in_lanes:

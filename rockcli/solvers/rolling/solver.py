@@ -25,6 +25,7 @@ from rockcli.solvers.common.ground import channel_of
 from rockcli.solvers.contact.solver import Opened, with_contact
 from rockcli.solvers.event.nudges import finer_than, nudges
 from rockcli.solvers.event.pack import COMPILE_ABOVE, order_of, settings_of
+from rockcli.solvers.event.pulse_lanes import path_asked
 from rockcli.solvers.event.unpack import FORCES, Raw
 from rockcli.solvers.rolling import pulse_lanes, record_lanes
 from rockcli.solvers.rolling.answers import answer, histories_of
@@ -45,10 +46,11 @@ def solve(batch: Batch) -> Response:
     level = batch.numerics.tolerances
     facets = facets_in(batch)
     seconds = _estimated_seconds(batch, facets)
-    kernels.load("rolling.march", compile_them=record_lanes.asked(batch) or seconds > COMPILE_ABOVE)
+    compiled_only = record_lanes.asked(batch) or path_asked(batch)  # as of two edges, however few they are
+    kernels.load("rolling.march", compile_them=compiled_only or seconds > COMPILE_ABOVE)
     way = _way(batch)
     run = _run(batch, facets, level, way, histories=batch.save.histories)
-    judgement = _judged(batch, facets, level, run, seconds) if batch.save.scalars & CERTAINTY else None
+    judgement = _judged(batch, facets, level, run, way, seconds) if batch.save.scalars & CERTAINTY else None
     scalars, reasons = answer(batch, facets, run)
     if judgement is not None:
         judgement.enter(scalars, reasons)
@@ -141,11 +143,11 @@ def _detail(batch: Batch) -> int:
     return 0 if scalars <= {"outcome", "wall_time", "reason", "residual_tilt"} else 1
 
 
-def _judged(batch: Batch, facets: Facets, level: Accuracy, run: Raw, seconds: float) -> Judgement:
+def _judged(batch: Batch, facets: Facets, level: Accuracy, run: Raw, way: str, seconds: float) -> Judgement:
     """What further runs show; where two part, the more accurate one takes the place of the first in `run`.
 
     The more accurate ones are those of the single body: what lanes take small bounces for does not get better with the
-    tolerance.
+    tolerance.  Lanes take none where they did not take the first (`way`).
     """
     finer = finer_than(level)
     peaks = replace(
@@ -160,7 +162,7 @@ def _judged(batch: Batch, facets: Facets, level: Accuracy, run: Raw, seconds: fl
         others = nudged(peaks, rows, factors)
         its = facets_in(others)
         how_well = finer if fine else level
-        its_way = "" if fine else _way(others)
+        its_way = _way(others) if way and not fine else ""
         return traces_of(others, its, _run(others, its, how_well, its_way, histories=False).out)
 
     def refine(rows: Index) -> Traces:
