@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rockcli.storage.atomic import replacing
 
-_WORDS = "words"
+_WORDS, _ARRAYS = "words", "arrays"
 
 
 def write_part(path: Path, arrays: dict[str, NDArray[Any]], words: dict[str, Any]) -> None:
@@ -21,16 +21,23 @@ def write_part(path: Path, arrays: dict[str, NDArray[Any]], words: dict[str, Any
     Raises:
         OutputError: it cannot be written.
     """
-    every: dict[str, Any] = {_WORDS: np.frombuffer(json.dumps(words).encode(), dtype=np.uint8), **arrays}
+    said = words | {_ARRAYS: list(arrays)}
+    every: dict[str, Any] = {_WORDS: np.frombuffer(json.dumps(said).encode(), dtype=np.uint8), **arrays}
     with replacing(path) as scratch, scratch.open("wb") as file:
         np.savez(file, **every)
 
 
 def read_part(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]] | None:
-    """Arrays and words of a part; None for a file that is none, or damaged (every array has a checksum)."""
+    """Arrays and words of a part; None for a file that is none, or damaged.
+
+    Every array has a checksum; the archive's directory has none, and may lose entries without a word.
+    """
     try:
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
-        return arrays, json.loads(arrays.pop(_WORDS).tobytes())
+        words = json.loads(arrays.pop(_WORDS).tobytes())
+        return (arrays, words) if set(words.pop(_ARRAYS, arrays)) == arrays.keys() else None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None
+    except (NotImplementedError, RuntimeError):  # a directory that speaks of another compression, or of a password
         return None

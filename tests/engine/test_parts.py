@@ -24,6 +24,7 @@ from rockcli.engine.sweep.parts import FOLDER, Parts
 from rockcli.engine.sweep.settings_used import joined
 from rockcli.errors import OutputError, StudyError
 from rockcli.storage import netcdf
+from rockcli.storage.part import read_part, write_part
 
 
 @pytest.fixture
@@ -99,6 +100,20 @@ def test_another_study_leaves_parts_alone(tmp_path: Path, counted: list[int], mo
     (tmp_path / "swept" / "swept.nc").unlink()
     assert run_study(study(), tmp_path, plots=False).resumed == 15
     assert hidden(tmp_path) == []
+
+
+def test_a_part_whose_directory_is_damaged_is_none(tmp_path: Path) -> None:
+    """Of an archive the directory alone has no checksum: an entry may vanish, or want a password."""
+    part = tmp_path / "1.npz"
+    write_part(part, {"one": np.arange(3.0), "two": np.arange(2)}, {"said": ["so"]})
+    whole, damaged = part.read_bytes(), 0
+    for at in range(whole.index(b"PK\x01\x02"), len(whole)):
+        for flipped in (1, 8, 255):
+            part.write_bytes(whole[:at] + bytes([whole[at] ^ flipped]) + whole[at + 1 :])
+            found = read_part(part)
+            damaged += found is None
+            assert found is None or (found[0].keys() == {"one", "two"} and found[1] == {"said": ["so"]})
+    assert damaged > 100
 
 
 def test_damaged_parts_are_solved_again(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,7 +28,7 @@ MOST = 1 << 22
 
 _KINDS = ("scalars", "histories", "impacts", "shaken")
 
-_FORMAT = 2
+_FORMAT = 3
 """Of parts; those of another are passed over and their cases solved again."""
 
 
