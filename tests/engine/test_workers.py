@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -43,6 +44,14 @@ def test_the_same_bits_by_any_number_of_workers_and_any_chunks(by) -> None:
     for workers, chunk in ((1, 7), (1, 1), (2, 7), (3, 1), (2, CASES)):
         by(chunk=chunk, worth=ALWAYS)
         assert_same(whole, solved(study(), workers))
+
+
+def test_a_process_that_may_start_no_other_solves_all_itself(by, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As that of a `multiprocessing.Pool`, which is daemonic."""
+    by()
+    whole = solved(study())
+    monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)  # type: ignore[attr-defined]
+    assert_same(whole, solved(study(), 2))
 
 
 def test_the_same_bits_in_any_order(by, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -75,6 +75,10 @@ def on_workers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterato
     The chunk of a worker that dies is solved again.  If it kills another one it is halved, until the case that does it
     is alone and lost.  What a worker raises is raised here.
     """
+    if multiprocessing.current_process().daemon:
+        team.note("one process at work, as that of a pool of another program may start no other")
+        team.workers = 1
+        return
     crew: list[Worker] = []
     killed: dict[int, int] = {}  # lowest case of a chunk -> workers it has cost
     deaths = 0
