@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from copy import copy
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -98,8 +99,19 @@ def _records(context: typer.Context) -> None:
 def main() -> None:
     """Run the command; every error the user can mend is one sentence on stderr."""
     gc.set_threshold(SELDOM)
+    _open_what_is_closed()
     with answered(), _dask_left_alone():
         _run()
+
+
+def _open_what_is_closed() -> None:
+    """Let streams that were closed before the command began go nowhere; no file of ours is to have their numbers."""
+    while (number := os.open(os.devnull, os.O_RDWR)) < len(("stdin", "stdout", "stderr")):
+        pass
+    os.close(number)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - until the process ends
 
 
 def _asked() -> typer.Typer:
