@@ -14,6 +14,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.motion.options import MAX_SAMPLES
 from rockcli.motion.spectrum import Forcing, Stretch
 
 Array = NDArray[np.float64]
@@ -110,27 +111,32 @@ class Chain:
             found[inside] = (rows[:, :n] * states[i]).sum(axis=1) + (rows[:, n:] * derivatives[i]).sum(axis=1)
         return found
 
+    def lasts(self, motion: Forcing) -> float:
+        """Time until what arrives of a motion of the ground has died away, or is cut off [s]."""
+        slow = self.zeta - np.sqrt(np.maximum(self.zeta**2 - 1.0, 0.0))
+        decay = float(np.min(2.0 * np.pi / self.T * slow))
+        longest = min(RINGS_PERIODS * float(self.T.max()), RINGS_SECONDS)
+        rings = min(longest, -np.log(0.1 * RINGS_TO) / decay) if decay > 0.0 else longest
+        return (motion[-1].end if motion else 0.0) + rings
+
     def arrival(self, motion: Forcing, dt: float) -> Arrival:
         """The motion on top, sampled so closely that it is straight between samples to BETWEEN of its peak.
 
         Args:
             motion: of the ground.
-            dt: longest time between samples, which is halved until that holds.
+            dt: longest time between samples, which is halved until that holds, or they would be more than MAX_SAMPLES.
         """
         end = motion[-1].end if motion else 0.0
-        slow = self.zeta - np.sqrt(np.maximum(self.zeta**2 - 1.0, 0.0))
-        decay = float(np.min(2.0 * np.pi / self.T * slow))
-        longest = min(RINGS_PERIODS * float(self.T.max()), RINGS_SECONDS)
-        rings = min(longest, -np.log(0.1 * RINGS_TO) / decay) if decay > 0.0 else longest
+        lasts = self.lasts(motion)
         parts = 1
         while True:
             h = dt / parts
-            k = int(np.ceil((end + rings) / h)) + 1
+            k = int(np.ceil(lasts / h)) + 1
             both = self.run(motion, 0.5 * h * np.arange(2.0 * k - 1.0))
             values, middle = both[::2], both[1::2]
             peak = float(np.abs(both).max())
             bent = float(np.abs(middle - 0.5 * (values[1:] + values[:-1])).max())
-            if peak == 0.0 or bent <= BETWEEN * peak or parts >= FINEST:
+            if peak == 0.0 or bent <= BETWEEN * peak or parts >= FINEST or 2 * k > MAX_SAMPLES:
                 break
             parts *= 2
         loud = np.flatnonzero(np.abs(both) > RINGS_TO * peak)

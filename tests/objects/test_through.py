@@ -186,6 +186,14 @@ def test_what_is_wrong_with_a_floor_is_said(motion, words, monkeypatch):
         open_study(study(case={"block": case["block"], "motion": {"through": NAMED["floor"]}}))
 
 
+@pytest.mark.parametrize("said", [{"t0": 1e9, "T_p": 1.0}, {"t0": 1e30, "T_p": 1.0}, {"T_p": 1e-6}])
+def test_more_samples_than_memory_holds_are_refused(said):
+    pulse = {"shape": "sine", "a_p": "0.5*g"} | said
+    case = {"block": {"R": 2, "alpha": 0.2}, "motion": {"pulse": pulse, "through": [{"T": 0.3, "zeta": 0.05}]}}
+    with pytest.raises(StudyError, match=r"case.motion.through: would make .* samples .* at most 1e\+07 are allowed"):
+        open_study({"name": "much", "case": case})
+
+
 @pytest.mark.slow
 def test_of_very_many_floors_the_history_tells_some():
     pulse = {"shape": "ricker", "a_p": "0.5*g", "T_p": 0.5}

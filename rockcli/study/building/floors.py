@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.motion.floors import BETWEEN, RINGS_TO, Arrival, Chain
+from rockcli.motion.options import MAX_SAMPLES
 from rockcli.motion.spectrum import forcing
 from rockcli.scene.excitation import AMPLITUDES, PIECE_WIDTH, Pulses, Samples, scaled
 from rockcli.study.building.numbers import Numbers, in_range
@@ -103,7 +104,11 @@ def _arrival(numbers: Numbers, records: Records, ground: Samples | Pulses, dt: f
     content = ground.values if isinstance(ground, Samples) else ground.table[0]
     key = (content.tobytes(), dt, T.tobytes(), zeta.tobytes())
     if key not in records.arrivals:
-        records.arrivals[key] = Chain(T, zeta).arrival(forcing(ground), dt)
+        chain, motion = Chain(T, zeta), forcing(ground)
+        if (many := chain.lasts(motion) / dt) >= MAX_SAMPLES:
+            said = f"would make {many:.3g} samples of what arrives, {dt:.3g} s apart"
+            numbers.fail(THROUGH, f"{said}; at most {MAX_SAMPLES:.0e} are allowed", 0)
+        records.arrivals[key] = chain.arrival(motion, dt)
     return records.arrivals[key]
 
 
