@@ -13,8 +13,9 @@ WORST: tuple[str, ...] = ("angle_worst", "theta_peak_over_alpha_worst")
 
 
 def angle_axis(study: Study) -> str | None:
-    """Name of the axis over the direction of the motion; None without one, or where no peaks are saved."""
-    named = [axis.name for axis in study.axes if axis.path.removeprefix("case.") == "motion.record.angle"]
+    """Name of the axis over the direction of the motion; None without one of numbers, or where no peaks are saved."""
+    turned = [axis for axis in study.axes if axis.path.removeprefix("case.") == "motion.record.angle"]
+    named = [axis.name for axis in turned if axis.numeric]
     return named[0] if named and PEAK in study.scalars and study.search is None else None
 
 

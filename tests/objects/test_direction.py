@@ -11,7 +11,7 @@ from scenes import SHARED
 
 import rockcli
 from rockcli.analysis.direction import with_worst_direction
-from rockcli.errors import RecordError
+from rockcli.errors import RecordError, StudyError
 from rockcli.motion.direction import cosine_and_sine
 from rockcli.scene.block import housner_eta
 from rockcli.storage.contents import Contents, axis_field, variable_field
@@ -118,6 +118,23 @@ def test_a_suite_of_pairs_is_named_by_its_files(folder):
     study = opened(folder, {"file": BOTH, "angle": 0}, vary=vary)
     assert study.axes[0].values == ("h1.csv + h2.csv", "h2.csv + h1.csv")
     assert (study.axes[1].name, study.axes[1].unit) == ("angle", "rad")
+
+
+def test_directions_by_name_are_those_of_a_list(folder):
+    """With numbers alone they share lanes, with expressions they have one each."""
+    record, said = {"file": BOTH, "angle": 0, "scale": 2}, ([0.5, "30*deg"], {"one": 0.5, "two": "30*deg"})
+    found = [
+        rockcli.run(opened(folder, record, vary={"motion.record.angle": each}, save={"histories": False}).file)
+        for each in (*said, {"one": 0.5, "two": np.pi / 6})
+    ]
+    for other in found[1:]:
+        assert other.angle.values.tolist() == ["one", "two"]
+        np.testing.assert_array_equal(other.theta_peak, found[0].theta_peak)
+
+
+def test_a_direction_that_is_none_is_refused(folder):
+    with pytest.raises(StudyError, match="two horizontal components need an angle"):
+        opened(folder, {"file": BOTH, "angle": 0}, vary={"motion.record.angle": [None, 0.5]})
 
 
 @pytest.mark.parametrize(

@@ -120,7 +120,8 @@ class Cases:
             return None
         turned = [i for i, v in enumerate(self.variations) if v.columns is None and v.axis.path == OF_DIRECTIONS]
         if turned:
-            return turned[0]
+            numbers = all(isinstance(s[0][1], int | float) for s in self.variations[turned[0]].settings)
+            return turned[0] if numbers else None
         found = [i for i, v in enumerate(self.variations) if v.columns is None and v.axis.path in OF_RECORDS]
         if len(found) != 1:
             return None
