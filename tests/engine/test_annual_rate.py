@@ -275,6 +275,16 @@ def test_a_file_that_is_no_hazard_curve_is_refused(tmp_path, text, more, words):
         of_file(tmp_path, text, **more)
 
 
+def test_a_file_that_is_not_there_is_told_with_its_place(tmp_path):
+    file = tmp_path / "s.yaml"
+    base = study(hazard=["none.csv"])
+    file.write_text(json.dumps(base | {"over": base["over"] | {"intensity": "pga"}}, indent=1))
+    line = next(i for i, each in enumerate(file.read_text().splitlines(), start=1) if "none.csv" in each)
+    with pytest.raises(StudyError, match=r"hazard\[0\]: there is no such file, .*none\.csv") as caught:
+        rockcli.run(file)
+    assert (caught.value.file, caught.value.line) == (str(file), line)
+
+
 @pytest.mark.parametrize(
     ("more", "words"),
     [

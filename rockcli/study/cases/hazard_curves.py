@@ -95,6 +95,8 @@ def _curve(
     if (entry.file is None) == (not numbers) or (numbers and (entry.intensity is None or entry.rate is None)):
         raise source.error(study, keys, ": expected FILE.csv, or {intensity: [...], rate: [...]}")
     file = None if entry.file is None else source.folder / entry.file
+    if file is not None and not file.is_file():
+        raise source.error(study, keys, f": there is no such file, {str(file)[:300]}")
     if file is None:
         x = [_number(source, study, (*keys, "intensity", i), v, g) for i, v in enumerate(_list(entry.intensity))]
         rate = [_number(source, study, (*keys, "rate", i), v) for i, v in enumerate(_list(entry.rate))]
