@@ -124,7 +124,7 @@ def _print(table: Table, rows: int, always: Sequence[str]) -> None:
     from rockcli.cli.tables import table as printed
 
     block = table.first(rows)
-    shown = [column for column in block if column.name in always or _tells(column)]
+    shown = [column for column in block if column.name in always or _tells(column)] or block
     cells = [_cells(column) for column in shown]
     told = 0
     while told < len(shown) and shown[-1 - told].values.dtype != object:

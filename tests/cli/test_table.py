@@ -175,3 +175,16 @@ def test_percentiles_are_sorted_by_one_of_them(rock, dataset, capsys):
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:]] == ["0.1", "overturned"]
     assert rock(*asked, "fragility_percentile") == 2
     assert "is several: sort by one of fragility_percentile_1, " in capsys.readouterr().err
+
+
+def test_curves_alone_have_a_row_of_what_is_known_of_the_body(rock, tmp_path, capsys):
+    (tmp_path / "curves.yaml").write_text(
+        "name: curves\ncase: {block: {height: 3.0, width: 0.6}}\ncurves: [moment_rotation]\nplots: none\n",
+        encoding="utf-8",
+    )
+    assert rock("run", "curves.yaml", "--quiet") == 0
+    capsys.readouterr()
+    assert rock("table", "results/curves/curves.nc") == 0
+    head, row = capsys.readouterr().out.splitlines()
+    assert head.split()[:2] == ["R", "[m]"]
+    assert row.split()[0] == "1.52971"
