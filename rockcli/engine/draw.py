@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 from rockcli.errors import StudyError
 from rockcli.scene.looks import Look, width_of
 from rockcli.storage.atomic import replacing
-from rockcli.storage.read import open_dataset
+from rockcli.storage.read import open_dataset, with_axes_left
 
 if TYPE_CHECKING:
     import xarray
@@ -199,6 +199,7 @@ def figure_of(
         raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
     if path is not None and path.suffix.lower().lstrip(".") not in FORMATS:
         raise StudyError(f"expected a name that ends in {', '.join('.' + one for one in FORMATS)}", file=path)
+    several = [with_axes_left(each) for each in several]
     one = several[0]
     if len(several) > 1:
         words = list(names) or [str(each.attrs.get("study_name") or i) for i, each in enumerate(several, 1)]

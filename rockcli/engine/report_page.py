@@ -15,7 +15,7 @@ from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
 from rockcli.storage.contents import Contents
-from rockcli.storage.read import from_xarray, open_dataset
+from rockcli.storage.read import from_xarray, open_dataset, with_axes_left
 from rockcli.storage.table import frame_of
 from rockcli.study.reopen import clauses_of
 
@@ -41,7 +41,8 @@ def write_page(path: Path, out: Path | None = None) -> Path:
 def write_page_of(dataset: xarray.Dataset, out: Path) -> Path:
     """Write the report of a dataset in memory; raises as `write_page`."""
     _check(out)
-    _write(dataset, from_xarray(dataset), out)
+    contents = from_xarray(dataset)
+    _write(with_axes_left(dataset), contents, out)
     return out
 
 

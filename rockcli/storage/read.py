@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -43,6 +44,29 @@ def as_accessor(name: str, accessor: type) -> None:
     if not hasattr(xarray.Dataset, name):
         register: Callable[[str], Callable[[type], type]] = xarray.register_dataset_accessor
         register(name)(accessor)
+
+
+def with_axes_left(dataset: xarray.Dataset) -> xarray.Dataset:
+    """A dataset, or a part of one whose attributes speak of the axes that are left.
+
+    What a suite comes to, and what it is compared to, goes with an axis that has gone.
+    """
+    named = str(dataset.attrs.get("axes", "")).split()
+    left = [axis for axis in named if axis in dataset.dims]
+    if left == named:
+        return dataset
+    gone = set(named) - set(left)
+    attrs = dataset.attrs | {"axes": " ".join(left)}
+    ensemble = json.loads(attrs.get("ensemble", "{}"))
+    over = ensemble.get("axis", [])
+    if gone & {*(over if isinstance(over, list) else [over]), ensemble.get("along")}:
+        del attrs["ensemble"]
+        dataset = dataset.drop_vars([name for name in ensemble["fields"] if name in dataset.variables])
+    if gone & set(json.loads(attrs.get("compare_to", "null")) or ()):
+        del attrs["compare_to"]
+    part = dataset.copy()
+    part.attrs = attrs
+    return part
 
 
 def from_xarray(dataset: xarray.Dataset) -> Contents:

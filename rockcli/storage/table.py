@@ -25,6 +25,7 @@ from rockcli.scene.variables import BOUNDARY_POINT, HAZARD, INPUT, INTENSITY_BIN
 from rockcli.storage.checksum import note_opened
 from rockcli.storage.contents import COORDINATES
 from rockcli.storage.netcdf import open_file
+from rockcli.storage.read import with_axes_left
 
 if TYPE_CHECKING:
     import pandas
@@ -407,9 +408,9 @@ def frame_of(
     dataset: xarray.Dataset, *, of: str = CASES, columns: Sequence[str] | None = None, degrees: bool = False
 ) -> pandas.DataFrame:
     """A table of a dataset in memory; see `rockcli.table`."""
-    items = items_of(dataset)
     if "axes" not in dataset.attrs:
         raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
-    found = table_of(items, dataset.attrs, of=of, columns=columns, degrees=degrees)
+    dataset = with_axes_left(dataset)
+    found = table_of(items_of(dataset), dataset.attrs, of=of, columns=columns, degrees=degrees)
     (block,) = found.blocks(max(found.size, 1))
     return frame(block)

@@ -145,6 +145,23 @@ def test_a_part_of_a_dataset_shows_its_own(pulses):
     assert "cases     6" in repr(part.rock)
 
 
+@pytest.mark.parametrize("over", [None, {"axis": "block.R", "along": "a_p"}])
+@pytest.mark.parametrize("gone", [0, 1])
+def test_a_part_of_a_dataset_is_a_table_a_figure_and_a_report(over, gone, tmp_path):
+    """An axis at one of its points is none any more; what a suite comes to over it goes with it."""
+    more = {"save": {"histories": True, "dt_out": 0.05}, "compare_to": {"block.R": PULSES["vary"]["block.R"][0]}}
+    dataset = rockcli.run(PULSES | more | ({"over": over} if over else {}))
+    axis, left = (dataset.attrs["axes"].split()[i] for i in (gone, 1 - gone))
+    part = dataset.isel({axis: 0})
+    table = part.rock.table()
+    assert len(table) == part.sizes[left]
+    assert table.columns[0].startswith(left)
+    assert not [head for head in table.columns if head.startswith("p_overturned")]
+    assert part.rock.plot().axes
+    assert part.rock.report(tmp_path / "part.html").is_file()
+    assert dataset.attrs["axes"].split() == [*((axis, left) if gone == 0 else (left, axis))]
+
+
 def test_the_scalars_are_one_row_per_case(pulses):
     study = PULSES | {"over": {"axis": "block.R", "along": "a_p"}, "save": {"histories": True, "dt_out": 0.05}}
     dataset = rockcli.run(study)
