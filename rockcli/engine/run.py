@@ -213,9 +213,11 @@ def run_study(
             netcdf.write(contents, path)
         except BaseException as error:
             traceback.clear_frames(error.__traceback__)  # gives back what is held where memory may have run out
+            kept = False
             with contextlib.suppress(OutputError, MemoryError):  # whatever ends a run, what is finished is kept
                 parts.flush()
-            if (advised := _advised(error, path)) is not None:
+                kept = True
+            if (advised := _advised(error, path, kept=kept)) is not None:
                 raise advised from error
             raise
         parts.remove()
@@ -223,9 +225,13 @@ def run_study(
     return replace(report, taken_over=known, resumed=sweep.resumed, warnings=(*report.warnings, *team.notes))
 
 
-def _advised(error: BaseException, path: Path) -> RockError | None:
-    """An error of the machine that ends a run, with what to do then; None for others."""
-    advice = "run again once that is fixed: finished cases are kept"
+def _advised(error: BaseException, path: Path, *, kept: bool) -> RockError | None:
+    """An error of the machine that ends a run, with what to do then; None for others.
+
+    kept: whether what was finished last could be written.
+    """
+    what = "finished cases are kept" if kept else "cases finished last could not be kept and will be solved again"
+    advice = f"run again once that is fixed: {what}"
     if isinstance(error, MemoryError):
         return MachineError("; ".join(filter(None, ("out of memory", str(error), advice))), path)
     if isinstance(error, OutputError | MachineError):

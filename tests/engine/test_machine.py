@@ -20,7 +20,7 @@ from rockcli.engine.run import run_study
 from rockcli.engine.summary import SOLVED, UP_TO_DATE
 from rockcli.engine.sweep import executors, sweep
 from rockcli.engine.sweep.work import Team
-from rockcli.errors import MachineError
+from rockcli.errors import MachineError, OutputError, RockError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, Response
 from rockcli.storage import netcdf
@@ -80,6 +80,19 @@ def test_what_the_machine_refuses_is_solved_by_the_next_run(
     assert (report.status, report.resumed) == (SOLVED, CASES - 3)
     assert_same(whole, netcdf.read(tmp_path / "swept" / "swept.nc"))
     assert run_study(study(), tmp_path, plots=False).status == UP_TO_DATE
+
+
+def test_what_could_not_be_kept_is_not_called_kept(
+    by: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: Any) -> None:
+        raise OutputError("no space left on device")
+
+    monkeypatch.setattr("rockcli.engine.sweep.parts.write_part", full)
+    by(refusing(MemoryError("no more")))
+    with pytest.raises(RockError, match="could not be kept and will be solved again") as caught:
+        run_study(study(), tmp_path, plots=False)
+    assert "are kept" not in str(caught.value)
 
 
 def test_one_share_of_several_keeps_what_it_has(by: Callable[..., None], tmp_path: Path) -> None:
