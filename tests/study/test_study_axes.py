@@ -109,6 +109,7 @@ class TestForms:
             ("name,R\na,\n", "empty"),
             ("name,R,R\na,1,2\n", "repeats"),
             ("name,r\na,1\n", "did you mean 'block.R'"),
+            ("name,R,room\na,1,12\n", r"'block.room' is not a path .* of notes begins with # \(# room\)"),
             ("name,R\na,1\na,2\n", "repeats 'a'"),
             ("name,alpha,tan_alpha\na,0.1,0.2\n", "alpha and tan_alpha say the same thing"),
             ("name,R\na,nan\n", r"t\.csv:2: the cell below 'R' is nan: a finite number"),
@@ -140,6 +141,12 @@ class TestForms:
         study = study_of({"block": "t.csv"}, tmp_path)
         assert study.axes[0].values == ("a", "Vénus")
         assert all_cases(study, lambda b: b.block.R[:, 0].tolist()) == pytest.approx([1.0, 1.2])
+
+    def test_columns_of_notes_are_not_read(self, tmp_path):
+        (tmp_path / "t.csv").write_text("name,# room,R,# room,#\na,east wing,1,,x\nb,nan,2,[,\n")
+        study = study_of({"block": "t.csv"}, tmp_path)
+        assert study.axes[0].values == ("a", "b")
+        assert all_cases(study, lambda b: b.block.R[:, 0].tolist()) == [1.0, 2.0]
 
     def test_a_label_of_a_table_may_have_a_semicolon(self, tmp_path):
         (tmp_path / "t.csv").write_text("name,R\na;b,1\n")

@@ -19,7 +19,7 @@ from rockcli.study.building.matching import WILDCARDS
 from rockcli.study.building.numbers import in_words
 from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.cases.file_names import LABELS, names_in
-from rockcli.study.cases.table import Table, read_table
+from rockcli.study.cases.table import NOTE, Table, read_table
 from rockcli.study.cases.variation import Variation, numbers_of
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
@@ -421,7 +421,7 @@ class _Reader:
         line = place(self.study, ("vary", self.text))
         table = read_table(name, self.source, line)
         self.labels_first(table, self.source.folder / name)
-        paths = [self.below(column) for column in table.columns]
+        paths = [self.of_column(column) for column in table.columns]
         self.once(table.columns, paths)
         settings = [
             tuple(
@@ -431,6 +431,14 @@ class _Reader:
             for row in table.rows
         ]
         return self.labelled(table.labels, settings, Places(beyond=line), name)
+
+    def of_column(self, head: str) -> Path:
+        """The path over a column of a table."""
+        try:
+            return self.below(head)
+        except StudyError as error:
+            notes = f"the head of a column of notes begins with {NOTE} ({NOTE} {head})"
+            raise StudyError(f"{error.message}; {notes}", error.file, error.line) from None
 
     def labels_first(self, table: Table, file: FilePath) -> None:
         """Refuse a table whose first column is no labels, but a path like the others."""

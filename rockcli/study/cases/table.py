@@ -14,6 +14,9 @@ from rockcli.study.document.loader import scalar
 from rockcli.study.document.tree import Source, Where
 from rockcli.study.inputs import text_of
 
+NOTE = "#"
+"""Begins the head of a column that is for readers: rooms, numbers of an inventory."""
+
 _OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
 
@@ -29,7 +32,7 @@ class Table:
 
 
 def read_table(name: str, source: Source, where: Where) -> Table:
-    """Read a CSV file beside the study.
+    """Read a CSV file beside the study, but for columns of notes.
 
     Raises:
         StudyError: it cannot be read, has no rows or columns, other separators than commas, or a row of another length
@@ -48,6 +51,12 @@ def read_table(name: str, source: Source, where: Where) -> Table:
         _check_separators(path, *rows[0])
     if len(rows) < 2 or len(rows[0][1]) < 2:
         raise StudyError("a table has a line of paths, the first naming the labels, and a line per point", file=path)
+    for i, row in rows[1:]:
+        if len(row) != len(rows[0][1]):
+            _check_separators(path, i, row)
+            raise StudyError(f"the line has {len(row)} cells, the first has {len(rows[0][1])}", file=path, line=i)
+    read = [k for k, head in enumerate(rows[0][1]) if k == 0 or not head.startswith(NOTE)]
+    rows = [(i, [row[k] for k in read]) for i, row in rows]
     header = rows[0][1]
     columns = header[1:]
     if len(set(columns)) < len(columns) or not all(columns):
@@ -59,9 +68,6 @@ def read_table(name: str, source: Source, where: Where) -> Table:
             line=rows[0][0],
         )
     for i, row in rows[1:]:
-        if len(row) != len(header):
-            _check_separators(path, i, row)
-            raise StudyError(f"the line has {len(row)} cells, the first has {len(header)}", file=path, line=i)
         if not all(row):
             column = header[row.index("")]
             raise StudyError(
