@@ -173,11 +173,7 @@ def find_extremes(state, n, waiting, begin, slots, series):
         z = select(going, new, z)
         _, v, acc, _, _, _, T, N, dN, turn = forces_at(series, 0, a, n, levers, z)
         f = select(what == PRESS, -dN, select(what == RATE, select(v > 0.0, acc, -acc), slope_of_size(T, N, turn)))
-        below = f < 0.0
-        f_lo = select(going & below & (kept > 0.0), 0.5 * f_lo, select(going & ~below, f, f_lo))
-        f_hi = select(going & ~below & (kept < 0.0), 0.5 * f_hi, select(going & below, f, f_hi))
-        hi, lo = select(going & below, z, hi), select(going & ~below, z, lo)
-        kept = select(below, 1.0, -1.0)
+        lo, hi, f_lo, f_hi, kept = narrowed(going, z, f, lo, hi, f_lo, f_hi, kept)
         going = going & far
         if not some(going):
             break
@@ -194,6 +190,15 @@ def find_extremes(state, n, waiting, begin, slots, series):
         if state[i + lane.T * WIDTH] + series[j] <= state[i + lane.OVER_T * WIDTH]:
             put(state, i, lane.N_UP, min(state[i + lane.N_UP * WIDTH], normal))
             put(state, i, lane.MU_UP, max(state[i + lane.MU_UP * WIDTH], size))
+
+
+@jit_lean
+def narrowed(going, z, f, lo, hi, f_lo, f_hi, kept):
+    """The bracket lo, hi of a fall through zero, and f there, with f at z inside; an end `kept` twice counts half."""
+    below = f < 0.0
+    f_lo = select(going & below & (kept > 0.0), 0.5 * f_lo, select(going & ~below, f, f_lo))
+    f_hi = select(going & ~below & (kept < 0.0), 0.5 * f_hi, select(going & below, f, f_hi))
+    return select(going & ~below, z, lo), select(going & below, z, hi), f_lo, f_hi, select(below, 1.0, -1.0)
 
 
 @jit_lean
@@ -264,11 +269,7 @@ def _top_of_ground(state, o, n, where, lo, hi, f_lo, f_hi):
         far = abs(new - z) > FLAT * hi
         z = select(going, new, z)
         _, f = ground_at(state, o, n, z)
-        below = f < 0.0
-        f_lo = select(going & below & (kept > 0.0), 0.5 * f_lo, select(going & ~below, f, f_lo))
-        f_hi = select(going & ~below & (kept < 0.0), 0.5 * f_hi, select(going & below, f, f_hi))
-        hi, lo = select(going & below, z, hi), select(going & ~below, z, lo)
-        kept = select(below, 1.0, -1.0)
+        lo, hi, f_lo, f_hi, kept = narrowed(going, z, f, lo, hi, f_lo, f_hi, kept)
         going = going & far
         if not some(going):
             break
