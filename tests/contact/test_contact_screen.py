@@ -74,3 +74,15 @@ def test_bodies_that_only_rock_have_the_bits_of_a_map_without_friction(kind, nam
         np.testing.assert_array_equal(one.scalars[name][rocks], other.scalars[name][rocks], err_msg=name)
     decided = one.scalars["outcome"] < 2
     np.testing.assert_array_equal(one.scalars["slide_peak"][decided] > 0.0, ~rocks[decided])
+
+
+@pytest.mark.parametrize("scalars", [("outcome", "t_overturn"), ("outcome", "overturn_share"), ("n_impacts", "t_end")])
+@pytest.mark.parametrize("kind", ["ricker", "ricker_antisymmetric"])
+def test_one_that_a_bell_does_not_lift_presses_on_the_ground(kind, scalars):
+    """Also where nobody looks at its forces, and the model has no other contact."""
+    body = dataclasses.replace(block(1.0, 0.25, 3), mu=np.full(3, 2.0))
+    motion = pulse(kind, np.array([0.3, 0.6, 0.9]) * 0.25 * G, np.full(3, 8.0))
+    batch = make_batch(body, motion, model="3", accuracy="standard", scalars=scalars)
+    found = solve(dataclasses.replace(batch, geometry="negative_stiffness"))
+    np.testing.assert_array_equal(found.scalars["outcome"], 0)
+    assert found.reasons == [""] * 3

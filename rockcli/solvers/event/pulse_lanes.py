@@ -136,7 +136,8 @@ def in_lanes(
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     if not path:
         found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known
-        found[:, to.N_MIN] = found[:, to.N_STANDING] = np.inf  # nobody looked
+    if not path or how.detail < lanes.ALL:
+        found[:, to.N_MIN] = found[:, to.N_STANDING] = np.inf  # nobody looked, at those that never lift either
     return found
 
 
