@@ -86,3 +86,23 @@ def test_one_that_a_bell_does_not_lift_presses_on_the_ground(kind, scalars):
     found = solve(dataclasses.replace(batch, geometry="negative_stiffness"))
     np.testing.assert_array_equal(found.scalars["outcome"], 0)
     assert found.reasons == [""] * 3
+
+
+SLIPS_BEYOND = [(3.0, 9.25, 2.0), (3.0, 10.75, 2.25), (3.0, 11.0, 2.25), (1.5, 4.0, 1.0), (1.5, 6.0, 1.5)]
+"""mu and a_p over (g) tan(alpha) and omega_p/p: a foot slips beyond the equilibrium, from where held it would come back."""
+
+
+@pytest.mark.parametrize("scalars", [("outcome",), SCALARS_LARGE, ("outcome", "t_overturn")])
+def test_one_that_slips_beyond_its_equilibrium_and_falls_does_not_come_back(scalars):
+    """As an independent time-stepping scheme (moreau.py) has it, too."""
+    mu, A, W = np.array(SLIPS_BEYOND).T
+    n = len(mu)
+    body = dataclasses.replace(block(2.0, 0.1, n), mu=0.1 * mu)
+    motion = pulse("ricker", 0.1 * G * A, W * body.p(np.full(n, G))[:, 0])
+    few, all_ = (
+        solve(make_batch(body, motion, accuracy="standard", scalars=names)).scalars for names in (scalars, SCALARS)
+    )
+    np.testing.assert_array_equal(few["outcome"], 2)
+    np.testing.assert_array_equal(all_["outcome"], 2)
+    if "t_overturn" in scalars:
+        np.testing.assert_allclose(few["t_overturn"], all_["t_overturn"], rtol=1e-9)

@@ -18,7 +18,7 @@ from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.contact import slides_only
 from rockcli.scene.numerics import Accuracy
-from rockcli.scene.response import FAILED, NO_UPLIFT, Response
+from rockcli.scene.response import FAILED, NO_UPLIFT, Response, overturned
 from rockcli.scene.variables import SCALARS_SLIDING
 from rockcli.solvers.common.certainty import (
     CERTAINTY,
@@ -30,7 +30,7 @@ from rockcli.solvers.common.certainty import (
 from rockcli.solvers.contact.answers import answer
 from rockcli.solvers.contact.histories import held_histories, histories_of
 from rockcli.solvers.contact.run import Raw, run
-from rockcli.solvers.contact.turns import only_rocks, solved
+from rockcli.solvers.contact.turns import SAME_PASSAGE, only_rocks, solved
 from rockcli.solvers.event.nudges import finer_than, nudges
 from rockcli.solvers.event.record_lanes import FINEST_AGAIN, asked
 
@@ -116,11 +116,20 @@ def _solved(batch: Batch, response: Response, rows: Index, level: Accuracy, open
     some = batch.rows(rows)
     raw = _run(some, level, histories=bool(response.histories))
     if open_.any():  # in a map: no histories, no further runs
-        kept = ~(open_ & only_rocks(raw.out))
+        kept = ~(open_ & only_rocks(raw.out) & ~_comes_back(response, rows, raw))
         rows, some, raw = rows[kept], some.rows(np.flatnonzero(kept)), raw.rows(kept)
         if not len(rows):
             return response
     return _entered(batch, response, rows, raw, _judged(some, raw, level) if batch.save.scalars & CERTAINTY else None)
+
+
+def _comes_back(response: Response, rows: Index, raw: Raw) -> Mask:
+    """Where a body that slips or flies beyond its equilibrium, and falls, would have come back had it not, (rows,)."""
+    leaves = np.isfinite(raw.out[:, to.T_SLIP]) | np.isfinite(raw.out[:, to.T_FLIGHT])
+    names = ("outcome", "n_impacts", "t_overturn")
+    outcome, n_impacts, passed = (np.asarray(response.scalars[name])[rows] for name in names)
+    later = np.abs(passed - raw.out[:, to.T_OVERTURN]) > SAME_PASSAGE  # not where nobody asked
+    return np.asarray(leaves & (~overturned(outcome) | (n_impacts != raw.out[:, to.N_IMPACTS]) | later))
 
 
 def _entered(batch: Batch, response: Response, rows: Index, raw: Raw, judgement: Judgement | None) -> Response:
