@@ -106,3 +106,18 @@ def test_one_that_slips_beyond_its_equilibrium_and_falls_does_not_come_back(scal
     np.testing.assert_array_equal(all_["outcome"], 2)
     if "t_overturn" in scalars:
         np.testing.assert_allclose(few["t_overturn"], all_["t_overturn"], rtol=1e-9)
+
+
+@pytest.mark.parametrize("scalars", [SCALARS_LARGE, ("outcome", "t_peak", "t_overturn")])
+def test_one_that_jams_does_not_only_rock(scalars):
+    """No slip of it lasts, but its impacts take more friction than there is."""
+    body = dataclasses.replace(block(1.0, 0.25, 4), mu=np.full(4, 3.0))
+    motion = pulse("sine", np.array([1.5, 2.0, 2.5, 3.0]) * 0.25 * G, np.full(4, 12.0))
+    few, all_ = (
+        solve(make_batch(body, motion, eta=0.0, accuracy="standard", scalars=names)).scalars
+        for names in (scalars, SCALARS)
+    )
+    assert (all_["n_jams"] > 0).all()
+    assert (all_["n_slips"] == 0).all()
+    for name in set(scalars) - {"wall_time", "reason"}:
+        np.testing.assert_array_equal(few[name], all_[name], err_msg=name)

@@ -112,10 +112,14 @@ def solved(batch: Batch, level: Accuracy) -> Raw:
 
 
 def only_rocks(out: Array) -> Mask:
-    """Where no foot slips and none leaves the ground, (n,), or but on the way to the ground, beyond the equilibrium."""
+    """Where no foot slips and none leaves the ground, (n,), or but on the way to the ground, beyond the equilibrium.
+
+    A foot that jams would slip, but no slip of it lasts.
+    """
     first = np.fmin(out[:, to.T_SLIP], out[:, to.T_FLIGHT])
     falling = (out[:, to.VERDICT] == FALLS) & (out[:, to.T_OVERTURN] <= first)
-    return np.asarray((out[:, to.STATUS] == DONE) & (np.isnan(first) | falling))
+    stays = (out[:, to.N_JAMS] == 0.0) & (np.isnan(first) | falling)
+    return np.asarray((out[:, to.STATUS] == DONE) & stays)
 
 
 def _held(batch: Batch) -> Array:
