@@ -32,6 +32,9 @@ GIVEN = "given by the study, taken as it stands whatever the damping"
 _PERIODS = np.geomspace(0.05, 16.0, 160)
 """Periods [s] between which a record's spectrum is interpolated (a pulse scales them by its own period)."""
 
+_SPACING = float(np.log(_PERIODS[1] / _PERIODS[0]))
+"""Of their logarithms."""
+
 
 @dataclass(frozen=True)
 class Misled:
@@ -152,8 +155,8 @@ class _Given:
         """At periods (m,) [s]: (m,) [m/s²]."""
         return np.interp(periods, self._periods, self._S_a)
 
-    def interpolated(self, case: int, zeta: float) -> tuple[Array, Array]:
-        """Periods [s], ascending, and values to interpolate between."""
+    def interpolated(self, case: int, zeta: float, longest: float = 0.0) -> tuple[Array, Array]:
+        """Periods [s], ascending, and values to interpolate between, as far as they are given."""
         return self._periods, self._S_a
 
 
@@ -175,10 +178,13 @@ class _Spectra:
             self._known[key] = (2.0 * np.pi / periods) ** 2 * S_d / scale
         return self._known[key] * scale
 
-    def interpolated(self, case: int, zeta: float) -> tuple[Array, Array]:
-        """Periods [s], ascending, and values to interpolate between."""
+    def interpolated(self, case: int, zeta: float, longest: float = 0.0) -> tuple[Array, Array]:
+        """Periods [s], ascending, and values to interpolate between; up to `longest` [s] at least."""
         motion = self._motion
         T = _PERIODS if isinstance(motion, Samples) else _PERIODS * 2.0 * np.pi / motion.omega_p[case]
+        if longest > T[-1]:  # a body is slow against a short pulse: as closely, as far as it takes
+            more = int(np.ceil(np.log(longest / T[-1]) / _SPACING)) + 1
+            T = np.concatenate([T, T[-1] * np.exp(_SPACING * np.arange(1, more + 1))])
         return T, self.S_a(case, zeta, T)
 
     def _scale(self, case: int) -> tuple[float, object]:

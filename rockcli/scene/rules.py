@@ -33,8 +33,8 @@ class Spectra(Protocol):
         """At periods (m,) [s]: (m,) [m/s²]."""
         ...
 
-    def interpolated(self, case: int, zeta: float) -> tuple[Array, Array]:
-        """Periods [s], ascending, and values to interpolate between."""
+    def interpolated(self, case: int, zeta: float, longest: float = 0.0) -> tuple[Array, Array]:
+        """Periods [s], ascending, and values to interpolate between; to `longest` [s] at least, where known."""
         ...
 
 
@@ -153,9 +153,9 @@ def _asce43(facts: Facts) -> Array:
     ):
         tan_alpha, h = float(np.tan(alpha)), float(R * np.cos(alpha))
         zeta = min(asce43_damping(tan_alpha, float(inertia)), 0.99)
-        T, S_a = facts.spectra.interpolated(i, zeta)
         capacity, f = asce43_capacity(alpha * _SCAN, h, tan_alpha, float(inertia), float(g))
-        demand = np.interp(1.0 / f, T, S_a, left=pga)
+        T, S_a = facts.spectra.interpolated(i, zeta, 1.0 / f[-1])
+        demand = np.interp(1.0 / f, T, S_a, left=pga, right=np.nan)
         out[i] = _largest_root(demand / capacity - 1.0) if pga > g * tan_alpha else 0.0
     return out
 
@@ -198,7 +198,9 @@ def asce43_slide(T: Array, S_a: Array, c_s: float) -> float:
 
 
 def _largest_root(excess: Array) -> float:
-    """theta/alpha from which on the capacity is enough; inf if it is not at alpha."""
+    """theta/alpha from which on the capacity is enough; inf if it is not at alpha, NaN if nobody knows there."""
+    if np.isnan(excess[-1]):
+        return float("nan")
     over = np.flatnonzero(excess > 0.0)
     if not len(over):
         return float(_SCAN[0])

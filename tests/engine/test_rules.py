@@ -246,3 +246,31 @@ def test_the_cost_of_fema356_is_estimated(how: str, monkeypatch: pytest.MonkeyPa
     asked = plain | ({"rules": ["fema356"]} if how == "rule" else {"case": case})
     assert preview(open_study(plain)).seconds < 2.0
     assert 10.0 < preview(open_study(asked)).seconds < 60.0
+
+
+def test_asce43_of_a_pulse_that_is_short_against_the_body() -> None:
+    # spectrum of a half sine of .025 s by integration; the body's oscillator has periods beyond 16 T_p
+    T_p, a_p, h, alpha = 0.05, 30.0 * 0.2 * G, 2.0 * np.cos(np.arctan(0.2)), np.arctan(0.2)
+    pulse = {"shape": "half_sine", "a_p": a_p, "T_p": T_p}
+    contents = solved(case={"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}, rules=["asce43"])
+    beta = rules.asce43_damping(0.2, 4.0 / 3.0)
+    pieces = [(0.5 * T_p, lambda t: a_p * np.sin(2.0 * np.pi / T_p * t))]
+
+    def excess(theta: float) -> float:
+        S_a, f = rules.asce43_capacity(np.array([theta]), h, 0.2, 4.0 / 3.0, G)
+        S_d = oscillator(pieces, 1.0 / f[0], beta, rtol=1e-8, atol=1e-11)
+        return (2.0 * np.pi * f[0]) ** 2 * S_d - S_a[0]
+
+    expected = brentq(excess, 0.1 * alpha, 0.99 * alpha, rtol=1e-6) / alpha
+    assert float(contents.values("asce43_theta_over_alpha")) == pytest.approx(expected, rel=3e-3)  # .535; it was inf
+
+
+def test_a_given_floor_spectrum_says_nothing_beyond_its_last_period() -> None:
+    free = {"block": {"R": 6.0, "tan_alpha": 0.2}}  # 5.7 s at alpha
+    periods, S_a = [0.02, 0.1, 0.2, 0.5, 1.0, 1.5, 8.0], [0.4, 0.9, 1.2, 1.2, 0.6, 0.4, 0.014]
+    known, unknown = (
+        solved(case=free, rules=["asce43"], rules_spectrum={"periods": periods[:n], "S_a": S_a[:n], "units": "g"})
+        for n in (7, 6)
+    )
+    assert float(known.values("asce43_theta_over_alpha")) == pytest.approx(0.393, abs=1e-3)
+    assert np.isnan(unknown.values("asce43_theta_over_alpha"))
