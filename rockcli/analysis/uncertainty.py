@@ -34,6 +34,10 @@ SOBOL = ("sobol_first", "sobol_first_se", "sobol_total", "sobol_total_se")
 NAMES = (*PROBABILITY, RANKS, *SOBOL, *(f"{name}_peak" for name in SOBOL), INPUT)
 
 
+ROUNDING = 1e-12
+"""Standard error of rows that are all alike, or of one: nothing is told from it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Probability:
     """A probability with its standard error and confidence limits, at every point."""
@@ -49,6 +53,7 @@ def probability(share: Array, rows: NDArray[np.int64]) -> Probability:
 
     Limits by Clopper and Pearson (1934) for as many members as would have this error, and for fewer where there are few
     rows to tell it from: times the square of Student's t of the members over that of the rows (Korn and Graubard 1998).
+    Where no row differs from another, for as many as there are rows.
 
     Args:
         share: (..., n) in [0, 1], NaN without an answer.
@@ -67,7 +72,8 @@ def probability(share: Array, rows: NDArray[np.int64]) -> Probability:
     se = np.sqrt(j / max(j - 1, 1) * (of_rows**2).sum(axis=0)) / n
     there, tail = (answers > 0.0).sum(axis=0).astype(float), 0.5 * (1.0 - CONFIDENCE)
     few = stdtrit(np.maximum(n - 1.0, 1.0), tail) / stdtrit(np.maximum(there - 1.0, 1.0), tail)
-    many = np.where(se > 0.0, p * (1.0 - p) * (few / np.where(se > 0.0, se, 1.0)) ** 2, there)
+    told = se > ROUNDING
+    many = np.where(told, p * (1.0 - p) * (few / np.where(told, se, 1.0)) ** 2, there)
     hits = p * many
     low = np.where(p > 0.0, betaincinv(np.maximum(hits, 1e-300), many - hits + 1.0, tail), 0.0)
     high = np.where(p < 1.0, betaincinv(hits + 1.0, np.maximum(many - hits, 1e-300), 1.0 - tail), 1.0)

@@ -191,6 +191,18 @@ def test_limits_hold_the_truth_over_few_records_too(records, p):
     assert np.mean((told.low <= p) & (p <= told.high)) > 0.92
 
 
+@pytest.mark.parametrize("records", [1, 2, 3, 7])
+@pytest.mark.parametrize("samples", [3, 7, 20])
+def test_limits_of_records_that_are_all_alike_are_those_of_so_many(records, samples):
+    """As many samples of each overturn: rounding is not an error that anything is told from."""
+    for hits in range(1, samples):
+        share = np.tile(np.arange(samples) < hits, records)[None].astype(float)
+        told, p = probability(share, np.repeat(np.arange(records), samples)), hits / samples
+        assert told.low[0] < p < told.high[0]
+        assert told.low[0] == pytest.approx(stats.beta.ppf(0.025, p * records, records * (1.0 - p) + 1.0), abs=1e-12)
+        assert told.high[0] == pytest.approx(stats.beta.ppf(0.975, p * records + 1.0, records * (1.0 - p)), abs=1e-12)
+
+
 def test_samples_of_one_record_are_not_independent():
     """Two records, one of which always overturns: as uncertain as two coins, however many samples."""
     share = np.repeat([0.0, 1.0], 500)[None]
