@@ -142,7 +142,7 @@ def march(
             balance -= energy(par, phase, lam, bu, th, z, v)
         if after:
             e = energy(par, phase, lam, bu, th, z, v) if t >= t_stop else math.inf
-            if t >= t_stop and e < par[at.BARRIER] * (1.0 - 1e-9):
+            if t >= t_stop and e < par[at.BARRIER] * (1.0 - 1e-9) and abs(dot(th, z)) < par[at.THETA_STAR]:
                 verdict = RETURNS
                 break
             if phase == at.CONTACT:

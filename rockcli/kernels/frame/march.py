@@ -199,7 +199,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
         if now >= par[at.T_MOTION] and i % LOOK == 0:
             energy = stored_energy(par, u, n, weights, fibres, B) + kinetic(mass, v, work) - bottom
             ended = not math.isnan(out[at.T_END])
-            if energy < par[at.BARRIER]:
+            if energy < par[at.BARRIER] and q < par[at.Q_STAR]:
                 out[at.VERDICT] = RETURNS
                 if not ended and energy < par[at.SHUT] and par[at.OWN_DURATION] == 0.0:
                     out[at.T_END] = now

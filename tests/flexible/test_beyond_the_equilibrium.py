@@ -1,0 +1,36 @@
+"""A body beyond its unstable equilibrium never returns, however little energy it has."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rockcli.engine.run import solve
+from rockcli.study.open import open_study
+
+COLUMN = {"model": "flexible", "column": {"E": 2e10, "rho": 2500.0, "zeta": 0.02, "elements": 2}}
+
+
+def outcomes(case: dict[str, object], theta: list[str]) -> list[int]:
+    block = {"R": 3.0, "tan_alpha": 0.2}
+    study = {
+        "name": "beyond",
+        "case": {"block": block, "initial": {"theta": 0.1}} | case,
+        "vary": {"initial.theta": theta},
+        "save": {"histories": False},
+    }
+    return list(np.asarray(solve(open_study(study)).values("outcome"), dtype=int))
+
+
+@pytest.mark.parametrize("base", [{"law": "rigid"}, {"law": "winkler", "kw": 1e9}])
+def test_a_column_beyond_its_equilibrium_when_the_report_ends_falls(base: dict[str, object]) -> None:
+    case = COLUMN | {"base": base, "motion": {"duration": 0.3}}
+    assert outcomes(case, ["0.8*alpha", "1.1*alpha", "2.2*alpha"]) == [1, 2, 2]
+
+
+@pytest.mark.parametrize("damping", ["restitution", "dashpot"])
+@pytest.mark.parametrize("geometry", ["negative_stiffness", "corotational"])
+def test_a_frame_beyond_its_equilibrium_falls(damping: str, geometry: str) -> None:
+    case = {"model": 3, "geometry": geometry, "damping": damping}
+    for solver in ({"backend": "event"}, {"backend": "frame", "accuracy": "draft"}):
+        assert outcomes(case | {"solver": solver}, ["0.8*alpha", "1.1*alpha", "2.2*alpha"]) == [1, 2, 2]
