@@ -130,6 +130,34 @@ def test_the_headline_is_in_words_with_units() -> None:
     assert {fact.what: fact.value for fact in facts_of(bare)}["the top moves"] == facts["the top moves"]
 
 
+def test_the_headline_has_the_alpha_of_the_side_that_the_peak_is_of() -> None:
+    """A push to the stronger side."""
+    pulse = {"shape": "half_sine", "a_p": "-0.4*g", "omega_p": 6.0}
+    case = {"block": {"h": 2.0, "b": [0.3, 0.5]}, "motion": {"pulse": pulse}, "damping": {"eta": 0.2}}
+    data = rockcli.run({"name": "one", "case": case})
+    theta, alpha = float(data.theta_peak), float(data.alpha_right)
+    assert theta > 0.0
+    facts = {fact.what: fact for fact in facts_of(data)}
+    assert facts["largest rotation"].value == f"{np.degrees(theta):.3g}\N{DEGREE SIGN}"
+    reaches = f"reaches {100.0 * theta / alpha:.3g} % of the angle ({np.degrees(alpha):.3g}\N{DEGREE SIGN})"
+    assert reaches in facts["margin"].sentence
+
+
+def test_the_headline_calls_no_rotation_the_largest_that_is_not() -> None:
+    """Of bodies with different alpha the nearest to it need not turn farthest."""
+    pulse = {"shape": "half_sine", "a_p": "0.45*g", "omega_p": 6.0}
+    bodies = {"slender": {"h": 1.0, "b": 0.11}, "stout": {"h": 1.0, "b": 0.42}}
+    case = {"block": {"h": 1.0, "b": 0.2}, "motion": {"pulse": pulse}}
+    data = rockcli.run({"name": "two", "case": case, "vary": {"block": bodies}, "save": {"histories": False}})
+    data["theta_peak"][:], data["theta_peak_over_alpha"][:], data["outcome"][:] = [0.06, 0.08], [0.5, 0.2], 1
+    facts = {fact.what: fact for fact in facts_of(data)}
+    assert "largest rotation" not in facts
+    assert facts["rotation nearest to alpha"].value == f"{np.degrees(0.06):.3g}\N{DEGREE SIGN}"
+    assert "the nearest to its alpha, at block slender" in facts["rotation nearest to alpha"].sentence
+    data["theta_peak"][:] = [0.1, 0.08]
+    assert "largest rotation" in {fact.what for fact in facts_of(data)}
+
+
 def test_the_headline_has_the_weaker_edge_of_every_body() -> None:
     bodies = {"slender": {"h": 1.0, "b": [0.3, 0.1]}, "stout": {"h": 1.0, "b": [0.4, 0.6]}}
     data = rockcli.run({"name": "two", "case": {"block": {"h": 1, "b": 0.2}}, "vary": {"block": bodies}})

@@ -71,7 +71,7 @@ def sentence_of(dataset: xarray.Dataset) -> str:
 
 
 def _peak(dataset: xarray.Dataset) -> list[Fact]:
-    """The largest rotation of a case that comes back, what the top moves then, and what is left."""
+    """The rotation that comes nearest to alpha of a case that comes back, what the top moves then, and what is left."""
     if PEAK not in dataset.variables:
         return []
     axes = axes_of(dataset)
@@ -86,8 +86,11 @@ def _peak(dataset: xarray.Dataset) -> list[Fact]:
     theta = theta if np.isfinite(theta) else ratio * _alpha(dataset, at)
     found = []
     if np.isfinite(theta):
-        words = "the largest of the cases that come back" + (f", at {where}" if where else "") if several else ""
-        found.append(Fact(f"{np.degrees(theta):.3g}\N{DEGREE SIGN}", "largest rotation", words))
+        what, words = "largest rotation", "the largest of the cases that come back"
+        if theta < (1.0 - 1e-9) * _largest(dataset, "theta_peak"):  # of a body with another alpha
+            what, words = "rotation nearest to alpha", "of the cases that come back, the nearest to its alpha"
+        words = words + (f", at {where}" if where else "") if several else ""
+        found.append(Fact(f"{np.degrees(theta):.3g}\N{DEGREE SIGN}", what, words))
     top = number_at(dataset, "u_top_peak", at)
     said = "sideways at most"
     if np.isnan(top) and np.isfinite(theta) and "alpha" in dataset.variables and "outline_x" not in dataset.variables:
@@ -95,7 +98,7 @@ def _peak(dataset: xarray.Dataset) -> list[Fact]:
         said = "sideways at most, of a rigid rectangle"
     if np.isfinite(top):
         found.append(Fact(_length(top), "the top moves", said + (", in that case" if several else "")))
-    alpha = _alpha(dataset, at)
+    alpha = _alpha_of_peak(dataset, at)
     said = f"the body reaches {100.0 * ratio:.3g} % of the angle"
     said += f" ({np.degrees(alpha):.3g}\N{DEGREE SIGN})" if np.isfinite(alpha) else ""
     said += " at which its weight no longer brings it back"
@@ -120,6 +123,21 @@ def _slide(dataset: xarray.Dataset) -> list[Fact]:
 
 def _length(metres: float) -> str:
     return f"{metres:.3g} m" if metres >= 1.0 else f"{1e3 * metres:.3g} mm"
+
+
+def _largest(dataset: xarray.Dataset, name: str) -> float:
+    """Largest finite |value| of a variable, 0 where there is none."""
+    values = np.abs(dataset[name].values.astype(float)) if name in dataset.variables else np.empty(0)
+    return float(np.max(values[np.isfinite(values)], initial=0.0))
+
+
+def _alpha_of_peak(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:
+    """The alpha that theta_peak_over_alpha is over: of a body with two different edges that of the side it is of."""
+    sides = ("left", "right")
+    peaks, alphas = ([number_at(dataset, f"{of}_{side}", at) for side in sides] for of in ("theta_peak", "alpha"))
+    if not np.isfinite([*peaks, *alphas]).all():
+        return _alpha(dataset, at)
+    return alphas[int(np.argmax(np.divide(peaks, alphas)))]
 
 
 def _alpha(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:
