@@ -39,5 +39,5 @@ def read_part(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]] | No
         return (arrays, words) if set(words.pop(_ARRAYS, arrays)) == arrays.keys() else None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
-    except (NotImplementedError, RuntimeError):  # a directory that speaks of another compression, or of a password
+    except RuntimeError:  # a directory that speaks of another compression, or of a password
         return None
