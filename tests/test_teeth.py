@@ -85,6 +85,12 @@ def record_lanes() -> None:
         lanes_records.assert_same(lanes_records.suite(values, 0.02, [1.1, 1.4, 1.7], [1.5], [0.2], eta=0.8))
 
 
+def lifted_in_a_record() -> None:
+    with_record_lanes()
+    with np.errstate(all="ignore"):
+        lanes_records.test_lifted_for_a_moment()
+
+
 def record_forces() -> None:
     with_record_lanes()
     t = np.arange(90) * 0.02
@@ -247,6 +253,9 @@ FAULTS = {
     ),
     "record lanes: end of a step": Fault(
         record_lanes, K + "lanes.records.impacts", "now = fma(x, h, place)", "now = fma(0.999 * x, h, place)"
+    ),
+    "record lanes: no zero told": Fault(
+        lifted_in_a_record, K + "lanes.records.impacts", "if some(going):  #", "if False:  #"
     ),
     "record lanes: cut sample": Fault(
         record_durations, K + "lanes.records.rest", "(last - 1.0 - st[lane.FIRST + i]) * dt\n\n", "(last - 1.2 - st[lane.FIRST + i]) * dt\n\n"

@@ -205,6 +205,23 @@ def test_at_the_threshold():
     assert error.max() <= 1e-12
 
 
+def test_lifted_for_a_moment():
+    """A triangle that passes the threshold by a part e for 2 w = 10 e dt: it rises to p^2 sin(alpha) e w^2 (1 + 2^1.5/3).
+
+    Over all of the next sample the bound (T4) creeps towards the zero of its flight, at a tiny part of it.
+    """
+    values, dt, alpha = np.zeros(60), 0.01, np.arctan(0.2)
+    values[20:23] = 0.8, 1.0, 0.8
+    e = 10.0 ** np.arange(-9.0, -4.0, 0.25)
+    batch = suite(values, dt, 1.0 + e, [2.0], [0.2])
+    for scalars in (("n_impacts", "theta_peak_over_alpha"), SCALARS, (*SCALARS, "mu_required")):
+        response = solve(replace(batch, save=replace(batch.save, scalars=frozenset(scalars))))
+        assert "lanes" in response.used["method"]
+        assert not response.scalars["n_impacts"].any()
+        peak = batch.p[0, 0] ** 2 * np.sin(alpha) * e * (5.0 * e * dt) ** 2 * (1.0 + 2.0**1.5 / 3.0)
+        np.testing.assert_allclose(response.scalars["theta_peak_over_alpha"], peak / alpha, rtol=1e-3)
+
+
 def test_both_polarities_mirror():
     values, dt = own()
     batch = suite(values, dt, [1.5, 2.5, 3.5], [0.8, 2.0], [0.2])

@@ -15,6 +15,8 @@ from rockcli.kernels.lanes.vector.plain import load, select, some, sqrt
 def land(st, queue, j, path, watch, linear, onward, heave):
     """Take the lanes queue[j: j + WIDTH] to the first zero of their polynomials, turned over, or to their steps' ends.
 
+    One of which neither can be told stays where it is, and tries half the step next.
+
     Returns (lanes at the end of their samples, lanes that may come to rest in the sample they are in, lanes whose
     forces to look into, lanes that have turned over).  `path`: what impacts carry is asked for; `watch`: forces are.
     `onward`: to where the next facet touches, not turned over and with the rate at which they come; what that impact
@@ -70,12 +72,15 @@ def land(st, queue, j, path, watch, linear, onward, heave):
         if not some(going):
             break
     x = select(hit, select(x < 1.0, x, 1.0), 1.0)
+    end = q + (c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8)))))
+    if some(going):  # the bound is too loose to tell, as over all of a sample of one lifted just before: half the step
+        x, end = select(going, 0.0, x), select(going, q, end)
+        scatter(st, lanes + lane.CAP, select(going, 0.5 * h, gather(st, lanes + lane.CAP)))
 
     rate = fma(x, 8.0 * c8, 7.0 * c7)
     rate = fma(x, fma(x, fma(x, fma(x, rate, 6.0 * c6), 5.0 * c5), 4.0 * c4), 3.0 * c3)
     rate = fma(x, fma(x, rate, 2.0 * c2), c1) / h
     inward = select(rate < 0.0, -rate, 0.0 * rate)
-    end = q + (c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8)))))
     place, full, piece = gather(st, lanes + lane.X), gather(st, lanes + lane.LEN), gather(st, lanes + lane.PIECE)
     side, count = (
         gather(st, lanes + lane.SIDE),
