@@ -105,6 +105,15 @@ def test_lanes_answer_as_one_body_alone_does(seed, alone):
             np.testing.assert_allclose(ours[name], theirs[name], rtol=1e-8, atol=1e-8 if name != "t_peak" else 1e-6)
 
 
+@pytest.mark.parametrize(("seed", "record"), [(113, True), (374, False), (1330, False), (2845, True), (5666, False)])
+def test_no_impact_that_counts_is_left_out(seed, record, alone):
+    """A facet whose ends press harder than the barrier is far: bounces that count go on below 1e-6 p sin(alpha)."""
+    batch = random_case(seed, record)
+    found = [alone(replace(batch, numerics=replace(batch.numerics, accuracy=x))) for x in ("standard", "reference")]
+    found += [in_lanes(batch, ("outcome", "n_impacts")), in_lanes(batch, FOUND + PATH)]
+    assert len({int(x["n_impacts"][0]) for x in found}) == 1
+
+
 @pytest.mark.parametrize("record", [RECORD, "synthetic_rock_m65.AT2"])
 @pytest.mark.parametrize("seed", [1, 18, 39, 54, 57])
 def test_lanes_of_records_answer_as_one_body_alone_does(seed, record, alone):

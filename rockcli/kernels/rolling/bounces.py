@@ -12,7 +12,7 @@ from rockcli.kernels.quadrature import NODES, POINTS, WEIGHTS
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling.free_rolling import MOST_SEGMENTS
 from rockcli.kernels.rolling.law import end_of, energy, push_of
-from rockcli.kernels.rolling.rest import NEAR
+from rockcli.kernels.rolling.rest import NEAR, uncounted
 
 FEW, FEW_WEIGHTS = (np.polynomial.legendre.leggauss(3)[0] + 1.0) / 2.0, np.polynomial.legendre.leggauss(3)[1] / 2.0
 """Of Gauss and Legendre on [0, 1]."""
@@ -121,7 +121,8 @@ def impacts_until(body, g, facet, s, v, t, stop, rest_speed, fine):
         if end.alpha > 0.0 and other.alpha > 0.0:
             down, down_other = end.p2 * end.fs, other.p2 * other.fs
             least, lowest = rest_speed * min(down, down_other), min(down * end.extent, down_other * other.extent)
-            if v * v * end.p2 <= least * least and 0.5 * v * v <= NEAR * lowest:
+            limit = uncounted(math.sqrt(end.p2), end.eta, math.sqrt(other.p2), other.eta, scale)
+            if v * v * end.p2 <= least * least and v <= limit and 0.5 * v * v <= NEAR * lowest:
                 t += 2.0 * v * (1.0 / down + other.eta / down_other) / (1.0 - end.eta * other.eta)
                 break
         rate2 = v * v - 2.0 * end.p2 * end.rise

@@ -309,7 +309,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
         lost += before - energy(end, 0.0, v)
         if stalled > 100:
             v = 0.0
-        rest_at = rest_time(end, other, s, v, a, a_v, deg, x, t, t_next, how.rest_speed)
+        rest_at = rest_time(end, other, s, v, scale, a, a_v, deg, x, t, t_next, how.rest_speed)
         if rest_at >= 0.0:
             lost += energy(end, 0.0, v) - end.height
             mode = REST

@@ -204,8 +204,8 @@ def rest_on_facet(state, i, n, body, g, rest_speed, queue):
     for k in range(n + 1):
         queue[k] = state[series_of_a(i, n) + k * WIDTH]
     rest_at = rest_time(
-        end, other, s, v, queue, nothing, Degrees(n, 0), state[i + lane.X * WIDTH], state[i + lane.T * WIDTH],
-        state[i + lane.T_NEXT * WIDTH], rest_speed,
+        end, other, s, v, body[at.SCALE], queue, nothing, Degrees(n, 0), state[i + lane.X * WIDTH],
+        state[i + lane.T * WIDTH], state[i + lane.T_NEXT * WIDTH], rest_speed,
     )  # fmt: skip
     if rest_at >= 0.0 and end.threshold > 0.0 and other.threshold > 0.0:
         put(state, i, lane.LOST, state[i + lane.LOST * WIDTH] + state[i + lane.L_MASS * WIDTH] * v * v)

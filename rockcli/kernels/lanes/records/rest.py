@@ -41,6 +41,7 @@ from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import edge_of, energy, pressed
 from rockcli.kernels.rigid.march import ALL
 from rockcli.kernels.rolling import results as also
+from rockcli.kernels.rolling.rest import uncounted
 
 FINISHED, STANDING, ROCKING = 0, 1, 2
 """What becomes of a lane: its body is done, or goes on from where it is; ROCKING: it does not come to rest."""
@@ -421,10 +422,11 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave)
             lowest = min(lowest, press_o - max(abs(w0), abs(w0 + w1 * whole)))
         if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > highest:
             return ROCKING
-        p_o = math.sqrt(par[o + at.P2])
+        p_o, limit = math.sqrt(par[o + at.P2]), math.inf
         slow = how.rest_speed * min(p * math.sin(par[e + at.ALPHA]), p_o * math.sin(par[o + at.ALPHA]))
         if rolls(par):
-            slow = how.rest_speed * min(press + u0, press_o + w0) / p
+            limit = uncounted(p, eta, p_o, eta_o, par[SCALE])
+            slow = min(how.rest_speed * min(press + u0, press_o + w0) / p, limit)
         change, lighter = slopes[k] * whole, lighter * whole
         if hold and v > slow and bounces_matter(st, i, par, s, a, change, 1.0, 0.0, 0.0, st[lane.MU_HELD + i]):
             if start[carry.T] < 0.0:  # so that all that never stop have the bits of pure rocking
@@ -451,12 +453,12 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave)
             press, press_o, u0, w0, u1, w1 = press_o, press, w0, u0, w1, u1
             eta, eta_o, fast, fast_o, force, force_o = eta_o, eta, fast_o, fast, force_o, force
             if rolls(par):
-                slow = how.rest_speed * min(press + (u0 + u1 * y), press_o + (w0 + w1 * y)) / p
+                slow = min(how.rest_speed * min(press + (u0 + u1 * y), press_o + (w0 + w1 * y)) / p, limit)
         if rate > still:  # the rest is a geometric series
             here, there = press + (u0 + u1 * y), press_o + (w0 + w1 * y)
             series = 1.0 / (1.0 - per_cycle)
             if rolls(par):
-                slow = how.rest_speed * min(here, there) / p
+                slow = min(how.rest_speed * min(here, there) / p, limit)
             y += 2.0 * rate * (1.0 / here + eta_o / there) * series
             if not (y < left and press + (u0 + u1 * y) > 0.0 and press_o + (w0 + w1 * y) > 0.0):
                 return ROCKING
