@@ -355,7 +355,7 @@ FAULTS = {
         "b_i, b_j, place = par[i + at.B], -par[j + at.B], par[j + at.PLACE]",
     ),
     "contact: time of a swing": Fault(swings_left_out, K + "contact.calming", "- 2.0 * p2 * cos_a * u", "- 1.99 * p2 * cos_a * u"),
-    "contact: swings counted": Fault(swings_left_out, K + "contact.calming", "if v > FAST *", "if v > 3.0 * FAST *"),
+    "contact: swings counted": Fault(swings_left_out, K + "contact.calming", "if counts(par, -foot.s, v)", "if counts(par, -foot.s, v / 3.0)"),
     "column: sign": Fault(flexible, K + "column.law", "- g * theta - a * cos)", "+ g * theta - a * cos)"),
     "column: restitution": Fault(
         flexible,

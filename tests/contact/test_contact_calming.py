@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from contact_cases import body, motion, run
+from scenes import G, make_batch, pulse
 
 from rockcli.kernels.constants import RETURNS
 from rockcli.kernels.contact import results as to
+from rockcli.scene.batch import Save
+from rockcli.scene.block import LEFT, RIGHT, make_block
+from rockcli.scene.numerics import Numerics
+from rockcli.scene.response import ROCKING
+from rockcli.solvers.event.solver import solve
 
 OF_THE_WAY = {to.N_STEPS, to.N_EVENTS, to.T_REST, to.T_END, to.BALANCE, to.STRUCK_LATER}
 
@@ -41,3 +48,26 @@ def test_as_followed_to_the_rest(seed):
         came_back += followed["VERDICT"] == RETURNS and followed["PEAK"] > 0.0
         left_out += found["N_STEPS"] < 0.7 * followed["N_STEPS"]
     assert left_out >= 0.5 * came_back > 1
+
+
+@pytest.mark.parametrize(("shape", "seed"), [("sine", 2), ("ricker", 19)])
+def test_impacts_count_by_the_edge_turned_about_before(shape, seed):
+    """Of bodies with two different edges, all above 1e-6 p alpha of that edge, and no other."""
+    rng, n = np.random.default_rng(seed), 200
+    h = 10.0 ** rng.uniform(-0.3, 0.5, n)
+    block = make_block(h=h, b=h[:, None] * rng.uniform(0.08, 0.5, (n, 2)), n=n)
+    slender, p = block.tan_alpha.min(axis=1), block.p(np.full(n, G))
+    block = replace(block, mu=slender * rng.uniform(0.9, 2.5, n))
+    a_p, omega_p = rng.uniform(1.2, 4.0, n) * G * slender, 2.0 * p.min(axis=1) * 10.0 ** rng.uniform(-0.3, 0.8, n)
+    batch = make_batch(
+        block, pulse(shape, a_p, omega_p), accuracy="standard", scalars=("outcome", "n_impacts", "n_slips")
+    )
+    found, exact = (solve(replace(batch, numerics=Numerics(accuracy=x))).scalars for x in ("standard", "reference"))
+    same = (found["outcome"] == ROCKING) & (exact["outcome"] == ROCKING)
+    assert (found["n_slips"][same] > 0).sum() > 50
+    np.testing.assert_array_equal(found["n_impacts"][same], exact["n_impacts"][same])
+
+    hits = solve(replace(batch.rows(np.arange(0, n, 10)), save=Save(True, 0.01, frozenset({"n_impacts"})))).impacts
+    rate, limit = hits["theta_dot_before"], 1e-6 * p[::10] * block.alpha[::10]
+    of_the_edge = np.where(rate < 0.0, limit[:, [RIGHT]], limit[:, [LEFT]])
+    assert (np.abs(rate) / of_the_edge)[np.isfinite(rate)].min() > 1.0 - 1e-9

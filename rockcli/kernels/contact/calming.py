@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import FAST
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.contact.events import landed
-from rockcli.kernels.contact.readings import energy_on_edge, note_carried, note_impact
+from rockcli.kernels.contact.readings import counts, energy_on_edge, note_carried, note_impact
 from rockcli.kernels.contact.rest import frequency, slowest
 from rockcli.kernels.contact.state import Foot, edge_under
 from rockcli.kernels.jit import jit_lean
@@ -66,6 +65,6 @@ def swung(par, scales, t, foot, rest_speed, impacts, out):
         lost += change
         if t <= par[at.T_STOP]:
             note_carried(scales, v, t, out)
-            if v > FAST * scales.p_min * scales.alpha_min:
+            if counts(par, -foot.s, v):
                 note_impact(t, foot.s * v, foot.s * foot.v, impacts, out)
     return t, foot, lost

@@ -61,6 +61,7 @@ from rockcli.kernels.contact.events import (
 from rockcli.kernels.contact.parts import add_part
 from rockcli.kernels.contact.readings import (
     LOOKS,
+    counts,
     energy_in_flight,
     energy_on_edge,
     extremes,
@@ -315,7 +316,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
             balance += change
             if reported:
                 note_carried(scales, hit, t, out)
-            if hit > FAST * scales.p_min * scales.alpha_min and reported:
+            if counts(par, -foot.s, hit) and reported:
                 note_impact(t, foot.s * hit, foot.s * foot.v, impacts, out)
             if stalled > STALLED:
                 foot = Foot(foot.s, foot.sigma, 0.0, 0.0, foot.u, foot.place)

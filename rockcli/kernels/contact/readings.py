@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import MEANINGFUL, NO_ROOT, SAME
+from rockcli.kernels.constants import FAST, MEANINGFUL, NO_ROOT, SAME
 from rockcli.kernels.contact import flows
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.contact import workspace as row
 from rockcli.kernels.contact.codes import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
+from rockcli.kernels.contact.rest import frequency
 from rockcli.kernels.contact.state import edge_under
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid.law import potential
@@ -338,6 +339,13 @@ def note_event(t, mode, events, out):
     if k < len(events[0]):
         events[0][k], events[1][k] = t, mode
     out[to.N_EVENTS] += 1
+
+
+@jit_lean
+def counts(par, s, hit):
+    """Whether an impact at the rate `hit` is counted of a body that has turned about the edge on side s."""
+    e = edge_under(s)
+    return hit > FAST * frequency(par, e) * par[e + at.ALPHA]
 
 
 @jit_lean

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels import handover as carry
-from rockcli.kernels.constants import DONE, FALLS, FAST, GIVES_WAY, HOLDS, LEFT_TO_MARCH, RETURNS
+from rockcli.kernels.constants import DONE, FALLS, GIVES_WAY, HOLDS, LEFT_TO_MARCH, RETURNS
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.contact import workspace as row
@@ -28,6 +28,7 @@ from rockcli.kernels.contact.events import landed, moved
 from rockcli.kernels.contact.march import march
 from rockcli.kernels.contact.parts import add_part
 from rockcli.kernels.contact.readings import (
+    counts,
     energy_on_edge,
     note_carried,
     note_on_edge,
@@ -193,7 +194,7 @@ def go(sl, j, par, how, scales, mode, foot, step, ahead, start, w, out):
             foot, change = landed(par, foot, out)
             sl[slips.WORK + j] += change
             note_carried(scales, hit, t, out)
-            if hit > FAST * scales.p_min * scales.alpha_min:
+            if counts(par, -foot.s, hit):
                 out[to.N_IMPACTS] += 1
             slow = foot.v <= 0.0 or settles(par, foot, w, 1, step.x, ahead.h - step.x, how.rest_speed)[0] >= 0.0
         new, sigma = on_edge(par, foot, w[row.A_G][0] + w[row.A_G][1] * step.x, par[at.G])
