@@ -31,7 +31,7 @@ def with_record_lanes() -> None:
 
     Fused multiply-adds round twice here, so bits differ from those of compiled lanes.
     """
-    for name in ("march", "step", "impacts", "forces", "sines", "slips"):
+    for name in ("march", "step", "impacts", "forces", "slips"):
         module = importlib.import_module(f"rockcli.kernels.lanes.records.{name}")
         for word, function in FUSED.items():
             if hasattr(module, word):

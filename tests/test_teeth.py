@@ -285,7 +285,7 @@ FAULTS = {
         record_forces_of_both, K + "lanes.records.forces", "work = gather(st, lanes + lane.INERTIA) * (w1 * area_up)", "work = gather(st, lanes + lane.INERTIA) * (0.99 * w1 * area_up)"
     ),
     "paths of pulses: friction": Fault(
-        pulse_paths, K + "lanes.pulses.forces", "T = shake * ground + cos_b * acc", "T = shake * ground - cos_b * acc"
+        pulse_paths, K + "lanes.pulses.forces", "T = fma(shake, ground, fma(cos_b, acc", "T = fma(shake, ground, fma(-cos_b, acc"
     ),
     "paths of pulses: work": Fault(pulse_paths, K + "lanes.pulses.path", "fc * new[4] + fs * new[3]", "fc * new[4] - fs * new[3]"),
     "paths of pulses: between places": Fault(

@@ -6,6 +6,7 @@ import math
 import os
 import subprocess
 import sys
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from scenes import G, make_batch, pulse
 
 import rockcli
 from rockcli import kernels
-from rockcli.kernels.lanes.vector import elementary
+from rockcli.kernels.lanes.vector import elementary, plain
 from rockcli.scene.block import make_block
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event.solver import solve
@@ -96,6 +97,16 @@ def test_compiled_and_interpreted():
         said.append(ran.stdout)
     assert said[0].count("0x") > 3 * 8  # some of them stand
     assert said[0] == said[1]
+
+
+def test_fused_multiply_add_rounds_once():
+    rng = np.random.default_rng(3)
+    a, b = rng.normal(size=(2, 400))
+    c = -a * b + rng.choice([0.0, 1e-17, 1.0], 400) * rng.normal(size=400)  # what is left is mostly rounding
+    exact = [float(Fraction(x) * Fraction(y) + Fraction(z)) for x, y, z in zip(a, b, c, strict=True)]
+    assert plain.fma(a, b, c).tolist() == exact
+    assert np.count_nonzero(a * b + c != exact) > 200
+    assert plain.fma(a[0], b[0], c[0]) == exact[0]
 
 
 def test_polynomials_of_sines_and_exponentials():

@@ -58,7 +58,7 @@ TO_THE_GROUND = frozenset({"t_end", "n_steps", "n_rhs", *FORCES})
 SECONDS = 0.01
 """A case in lanes of plain Python [s]."""
 
-OF_PATH = 0.03
+OF_PATH = 0.04
 """Part of the tolerance that a step of a path may use: then its errors are those of single bodies, whose series are
 longer, and the estimates of errors hold for both (benchmarks/certainty.py)."""
 
@@ -125,11 +125,11 @@ def in_lanes(
     tables = channel.table[cases].reshape(len(rows), pieces * PIECE_WIDTH)
     width = results_of_rolling.N_OUT if len(bodies) else to.N_OUT
     found = np.zeros((len(rows), width))
-    how = how._replace(order=_order(how.tol), max_steps=MAX_STEPS)
+    how = how._replace(max_steps=MAX_STEPS)
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
         for two_sided, some in _kinds(rows, bodies):  # apart, so that no body depends on others
             part = found[some]
-            work = lanes.work_space(how.order)
+            work = lanes.work_space()
             lanes.sweep(rows[some], bodies, how, tables[some], pieces, two_sided, path, until_fall, work, part)
             if not isinstance(some, slice):  # of a slice `part` is a view
                 found[some] = part
@@ -153,8 +153,3 @@ def _kinds(rows: Array, bodies: Array) -> list[tuple[bool, Any]]:
     if uneven.all():
         return [(True, whole)]
     return [(False, np.flatnonzero(~uneven)), (True, np.flatnonzero(uneven))]
-
-
-def _order(rtol: float) -> int:
-    """Order of the series: about where a case costs least."""
-    return int(np.clip(round(6.0 - 0.9 * np.log10(rtol)), 10, 18))

@@ -6,7 +6,7 @@ from rockcli.kernels.constants import NO_ROOT
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.series import look_along
-from rockcli.kernels.lanes.pulses.state import series_of_a, series_of_q, stride
+from rockcli.kernels.lanes.pulses.state import ORDER, STRIDE, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.plain import gather, load, note, select, some, spread, store
 from rockcli.kernels.lanes.vector.roots import LOST, first_root, turning_point
@@ -16,7 +16,7 @@ PARTS = 8
 
 
 @jit_lean
-def find_impacts(state, n, poly, lanes, count):
+def find_impacts(state, poly, lanes, count):
     """First roots of q of the lanes that asked, WIDTH of them at a time."""
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
@@ -32,10 +32,10 @@ def find_impacts(state, n, poly, lanes, count):
             poly[j], poly[WIDTH + j] = poly[0], poly[WIDTH]
         chosen, skips = load(poly, 0), load(poly, WIDTH)
         where = chosen + skips * (1.0 * WIDTH)
-        for k in range(n + 1):
+        for k in range(ORDER + 1):
             store(poly, k * WIDTH, gather(state, where + 1.0 * series_of_q(k * WIDTH)))
         sinks = (load(poly, 0) <= 0.0) & (skips > 0.0)  # would enter the ground at once
-        x, slope = first_root(poly, n, gather(state, chosen + 1.0 * (lane.H * WIDTH)))
+        x, slope = first_root(poly, ORDER, gather(state, chosen + 1.0 * (lane.H * WIDTH)))
         for power in range(4):
             slope = select(skips > power, slope * x, slope)
         x = select(sinks, LOST, x)
@@ -62,7 +62,7 @@ def padded(lanes, begin, slots, space):
 
 
 @jit_lean
-def find_uplifts(state, n, two_sided, poly, lanes, count):
+def find_uplifts(state, two_sided, poly, lanes, count):
     """First time the ground lifts the resting lanes that asked, on either side."""
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
@@ -74,10 +74,10 @@ def find_uplifts(state, n, two_sided, poly, lanes, count):
             other = gather(state, chosen + 1.0 * (lane.TO_OTHER + lane.L_GUARD * WIDTH))
         side, first = spread(0.0), spread(NO_ROOT)
         for sign in (-1.0, 1.0):
-            for k in range(n + 1):
-                store(poly, k * WIDTH, sign * gather(state, chosen + 1.0 * series_of_a(k * WIDTH, n)))
+            for k in range(ORDER + 1):
+                store(poly, k * WIDTH, sign * gather(state, chosen + 1.0 * series_of_a(k * WIDTH)))
             store(poly, 0, load(poly, 0) + select(onto * sign > 0.0, one, other))
-            x, _ = first_root(poly, n, h)
+            x, _ = first_root(poly, ORDER, h)
             sooner = (x >= 0.0) & ((x < first) | (first == NO_ROOT)) & ~(first == LOST)
             first = select(sooner | (x == LOST), x, first)
             side = select(sooner, sign, side)
@@ -92,15 +92,14 @@ def find_uplifts(state, n, two_sided, poly, lanes, count):
 
 
 @jit_lean
-def find_tops(state, n, tol, poly, lanes):
+def find_tops(state, tol, poly, lanes):
     """Turning points of the lanes that may have passed a higher one than before.
 
     If P'' keeps its sign there is at most one; else the highest of those that show at PARTS places is taken.
     Equal peaks of an undamped body differ by the errors of the steps: a later one must be higher by more than that.
     """
     count = 0
-    size = stride(n)
-    for o in range(0, lane.VECTORS * size, size):
+    for o in range(0, lane.VECTORS * STRIDE, STRIDE):
         x, v, v_new = (
             load(state, o + lane.X * WIDTH),
             load(state, o + lane.V * WIDTH),
@@ -113,13 +112,13 @@ def find_tops(state, n, tol, poly, lanes):
             c = series_of_q(o)
             second = load(state, c + 2 * WIDTH)
             rises = (v > 0.0) | ((v == 0.0) & (second > 0.0))
-            _, _, bends, _ = look_along(state, c, n, x)
+            _, _, bends, _ = look_along(state, c, x)
             bump = abs(bends) > 4.0 * abs(second)
             turns = rises & ~bump & (v_new <= 0.0)
             begin, breadth, best = spread(0.0), spread(1.0), spread(-1.0)
             if some(may & bump):
                 for j in range(1, PARTS + 1):
-                    P, dP, _, _ = look_along(state, c, n, (j / PARTS) * x)
+                    P, dP, _, _ = look_along(state, c, (j / PARTS) * x)
                     here = bump & rises & (dP <= 0.0) & (best < P)
                     begin, breadth = select(here, (j - 1) / PARTS, begin), select(here, 1.0 / PARTS, breadth)
                     best = select(here, P, best)
@@ -133,9 +132,9 @@ def find_tops(state, n, tol, poly, lanes):
         x = gather(state, chosen + 1.0 * (lane.X * WIDTH))
         share = gather(state, chosen + 1.0 * (lane.BRACKET * WIDTH))
         breadth = gather(state, chosen + 1.0 * (lane.BREADTH * WIDTH))
-        for k in range(n + 1):
+        for k in range(ORDER + 1):
             store(poly, k * WIDTH, gather(state, chosen + 1.0 * series_of_q(k * WIDTH)))
-        x, P = turning_point(poly, n, share * x, (share + breadth) * x)
+        x, P = turning_point(poly, ORDER, share * x, (share + breadth) * x)
         store(poly, 0, x)
         store(poly, WIDTH, P)
         for j in range(slots):

@@ -11,10 +11,10 @@ import math
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.series import look_along
-from rockcli.kernels.lanes.pulses.state import put, series_of_a, series_of_q
+from rockcli.kernels.lanes.pulses.state import ORDER, put, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
-from rockcli.kernels.lanes.vector.plain import gather, load, note, select, some, spread, store
+from rockcli.kernels.lanes.vector.plain import fma, gather, load, note, select, some, spread, store
 from rockcli.kernels.quadrature import NODES, POINTS
 
 RATE, PRESS, GRIP = 0.0, 1.0, 2.0
@@ -45,30 +45,30 @@ def levers_of(state, o):
 
 
 @jit_lean
-def forces_at(series, c, a, n, levers, y):
+def forces_at(series, c, a, levers, y):
     """At y in the step under way: q, its rate and acceleration, sin q, cos q, a_g; T, N, the slope of N, and turn.
 
     c, a: where the coefficients of q and of a_g begin.  T (towards the edge) and N are over m R; the slope of |T|/N is
     turn/(|T| N^2).
     """
-    q, ground = load(series, c + n * WIDTH), load(series, a + n * WIDTH)
+    q, ground = load(series, c + ORDER * WIDTH), load(series, a + ORDER * WIDTH)
     v, bend, third, rise = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
-    for k in range(n - 1, -1, -1):
-        third = third * y + bend
-        bend = bend * y + v
-        v = v * y + q
-        q = q * y + load(series, c + k * WIDTH)
-        rise = rise * y + ground
-        ground = ground * y + load(series, a + k * WIDTH)
+    for k in range(ORDER - 1, -1, -1):
+        third = fma(third, y, bend)
+        bend = fma(bend, y, v)
+        v = fma(v, y, q)
+        q = fma(q, y, load(series, c + k * WIDTH))
+        rise = fma(rise, y, ground)
+        ground = fma(ground, y, load(series, a + k * WIDTH))
     acc, jerk, vv = 2.0 * bend, 6.0 * third, v * v
     sine, cosine = sin_cos(q)
     up, along, shake, weight = levers
-    sin_b, cos_b = up * cosine - along * sine, along * cosine + up * sine
-    T = shake * ground + cos_b * acc + sin_b * vv
-    N = weight + sin_b * acc - cos_b * vv
-    dT = shake * rise + cos_b * jerk + v * (3.0 * sin_b * acc - cos_b * vv)
-    dN = sin_b * jerk - v * (3.0 * cos_b * acc + sin_b * vv)
-    return q, v, acc, sine, cosine, ground, T, N, dN, T * (dT * N - T * dN)
+    sin_b, cos_b = fma(up, cosine, -along * sine), fma(along, cosine, up * sine)
+    T = fma(shake, ground, fma(cos_b, acc, sin_b * vv))
+    N = fma(sin_b, acc, fma(-cos_b, vv, weight))
+    dT = fma(shake, rise, fma(cos_b, jerk, v * fma(3.0 * sin_b, acc, -cos_b * vv)))
+    dN = fma(sin_b, jerk, -v * fma(3.0 * cos_b, acc, sin_b * vv))
+    return q, v, acc, sine, cosine, ground, T, N, dN, T * fma(dT, N, -T * dN)
 
 
 @jit_lean
@@ -96,7 +96,7 @@ def note_extremes(state, o, forces, where):
 
 
 @jit_lean
-def look_between(state, o, n, where, low, high, was, new, waiting, count, scratch):
+def look_between(state, o, where, low, high, was, new, waiting, count, scratch):
     """Extremes between two places of which the slopes tell are to be sought; how many wait now."""
     speed, rate = abs(was[1]), load(state, o + lane.RATE_MAX * WIDTH)
     slope, next_slope = select(was[1] > 0.0, was[2], -was[2]), select(new[1] > 0.0, new[2], -new[2])
@@ -116,7 +116,7 @@ def look_between(state, o, n, where, low, high, was, new, waiting, count, scratc
         )  # fmt: skip
     while count >= WIDTH:
         count -= WIDTH
-        find_extremes(state, n, waiting, count, WIDTH, scratch)
+        find_extremes(state, waiting, count, WIDTH, scratch)
     return count
 
 
@@ -146,7 +146,7 @@ def _let_wait(what, o, where, low, high, at_low, f_low, at_high, f_high, best, w
 
 
 @jit_lean
-def find_extremes(state, n, waiting, begin, slots, series):
+def find_extremes(state, waiting, begin, slots, series):
     """Find the maxima of `slots` of those that wait, from `begin` on, by their slopes (Illinois method).
 
     One before the last passage of the equilibrium, as far as that is known, is also one of those until then.
@@ -157,10 +157,10 @@ def find_extremes(state, n, waiting, begin, slots, series):
     chosen, what = load(waiting, begin), load(waiting, ROOM + begin)
     lo, hi = load(waiting, 2 * ROOM + begin), load(waiting, 3 * ROOM + begin)
     f_lo, f_hi = load(waiting, 4 * ROOM + begin), load(waiting, 5 * ROOM + begin)
-    a = (n + 1) * WIDTH
-    for k in range(n + 1):
+    a = (ORDER + 1) * WIDTH
+    for k in range(ORDER + 1):
         store(series, k * WIDTH, gather(state, chosen + 1.0 * series_of_q(k * WIDTH)))
-        store(series, a + k * WIDTH, gather(state, chosen + 1.0 * series_of_a(k * WIDTH, n)))
+        store(series, a + k * WIDTH, gather(state, chosen + 1.0 * series_of_a(k * WIDTH)))
     shake = gather(state, chosen + 1.0 * (lane.S * WIDTH)) * gather(state, chosen + 1.0 * (lane.L_SHAKE * WIDTH))
     weight = gather(state, chosen + 1.0 * (lane.L_WEIGHT * WIDTH))
     up, along = gather(state, chosen + 1.0 * (lane.L_SIN * WIDTH)), gather(state, chosen + 1.0 * (lane.L_COS * WIDTH))
@@ -171,7 +171,7 @@ def find_extremes(state, n, waiting, begin, slots, series):
         new = (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
         far = abs(new - z) > FLAT * hi
         z = select(going, new, z)
-        _, v, acc, _, _, _, T, N, dN, turn = forces_at(series, 0, a, n, levers, z)
+        _, v, acc, _, _, _, T, N, dN, turn = forces_at(series, 0, a, levers, z)
         f = select(what == PRESS, -dN, select(what == RATE, select(v > 0.0, acc, -acc), slope_of_size(T, N, turn)))
         lo, hi, f_lo, f_hi, kept = narrowed(going, z, f, lo, hi, f_lo, f_hi, kept)
         going = going & far
@@ -232,7 +232,7 @@ def bell(even, odd, y):
 
 
 @jit_lean
-def note_standing(state, o, n):
+def note_standing(state, o):
     """Friction |a_g|/g and weight of resting lanes on the step they are about to take, not of those lifted at once."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
     x = load(state, o + lane.X * WIDTH)
@@ -242,33 +242,33 @@ def note_standing(state, o, n):
     least = load(state, o + lane.N_LEAST * WIDTH)
     store(state, o + lane.N_LEAST * WIDTH, select(rests & (least > 1.0), 1.0, least))
     x = select(rests, x, 0.0)
-    _, _, _, bound = look_along(state, series_of_a(o, n), n, x)
+    _, _, _, bound = look_along(state, series_of_a(o), x)
     if not some(rests & _is_most(state, o, bound)):
         return
     low = spread(0.0)
-    was = ground_at(state, o, n, low)
+    was = ground_at(state, o, low)
     _note_grip(state, o, was[0], rests)
     for j in range(POINTS + 1):
         high = NODES[j] * x if j < POINTS else x
-        new = ground_at(state, o, n, high)
+        new = ground_at(state, o, high)
         _note_grip(state, o, new[0], rests)
         turns = rests & (was[1] > 0.0) & (new[1] < 0.0)
         if some(turns):
-            z = _top_of_ground(state, o, n, turns, low, high, was[1], new[1])
-            size, _ = ground_at(state, o, n, z)
+            z = _top_of_ground(state, o, turns, low, high, was[1], new[1])
+            size, _ = ground_at(state, o, z)
             _note_grip(state, o, size, turns)
         low, was = high, new
 
 
 @jit_lean
-def _top_of_ground(state, o, n, where, lo, hi, f_lo, f_hi):
+def _top_of_ground(state, o, where, lo, hi, f_lo, f_hi):
     """Where maxima of |a_g| are, by their slopes, as in `find_extremes`."""
     going, z, kept = where, lo, spread(0.0)
     for _ in range(40):
         new = (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
         far = abs(new - z) > FLAT * hi
         z = select(going, new, z)
-        _, f = ground_at(state, o, n, z)
+        _, f = ground_at(state, o, z)
         lo, hi, f_lo, f_hi, kept = narrowed(going, z, f, lo, hi, f_lo, f_hi, kept)
         going = going & far
         if not some(going):
@@ -277,13 +277,13 @@ def _top_of_ground(state, o, n, where, lo, hi, f_lo, f_hi):
 
 
 @jit_lean
-def ground_at(state, o, n, y):
+def ground_at(state, o, y):
     """|a_g| of a vector at y in the step under way, and its slope."""
-    a = series_of_a(o, n)
-    ground, rise = load(state, a + n * WIDTH), spread(0.0)
-    for k in range(n - 1, -1, -1):
-        rise = rise * y + ground
-        ground = ground * y + load(state, a + k * WIDTH)
+    a = series_of_a(o)
+    ground, rise = load(state, a + ORDER * WIDTH), spread(0.0)
+    for k in range(ORDER - 1, -1, -1):
+        rise = fma(rise, y, ground)
+        ground = fma(ground, y, load(state, a + k * WIDTH))
     return abs(ground), select(ground > 0.0, rise, -rise)
 
 

@@ -10,10 +10,10 @@ from math import exp, sqrt
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
-from rockcli.kernels.lanes.pulses.state import series_of_a
+from rockcli.kernels.lanes.pulses.state import ORDER, series_of_a
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos_of_any
-from rockcli.kernels.lanes.vector.plain import load, select, some, spread, store
+from rockcli.kernels.lanes.vector.plain import fma, load, select, some, spread, store
 
 LINEAR, WAVES = 0.0, 1.0
 
@@ -26,15 +26,15 @@ EXP_ERROR = 4e-16
 
 
 @jit_lean
-def expand(state, o, n):
-    """Coefficients about now, to order n, of the vector at o.  BELL_E must be of now."""
+def expand(state, o):
+    """Coefficients about now of the vector at o.  BELL_E must be of now."""
     kind, t = load(state, o + lane.KIND * WIDTH), load(state, o + lane.T * WIDTH)
-    a = series_of_a(o, n)
+    a = series_of_a(o)
     if some(kind == lane.BELL):
-        _bell(state, o, n, a, kind == lane.BELL, t)
+        _bell(state, o, a, kind == lane.BELL, t)
     else:
         zero = spread(0.0)
-        for k in range(n + 1):
+        for k in range(ORDER + 1):
             store(state, a + k * WIDTH, zero)
     if some(kind == LINEAR):
         where = kind == LINEAR
@@ -43,11 +43,11 @@ def expand(state, o, n):
         store(state, a, load(state, a) + select(where, a0, 0.0))
         store(state, a + WIDTH, load(state, a + WIDTH) + select(where, slope, 0.0))
     if some(kind == WAVES):
-        _waves(state, o, n, a, kind == WAVES, t)
+        _waves(state, o, a, kind == WAVES, t)
 
 
 @jit_lean
-def _waves(state, o, n, a, where, t):
+def _waves(state, o, a, where, t):
     x = t - load(state, o + lane.C0 * WIDTH)
     for j in range(3):
         A = load(state, o + (lane.C1 + 3 * j) * WIDTH)
@@ -57,14 +57,14 @@ def _waves(state, o, n, a, where, t):
             s, c = sin_cos_of_any(w * x + load(state, o + (lane.C3 + 3 * j) * WIDTH))
             s, c = select(where, A * s, 0.0), select(where, A * c, 0.0)
             store(state, a, load(state, a) + s)
-            for k in range(1, n + 1):
+            for k in range(1, ORDER + 1):
                 r = w * (1.0 / k)
                 s, c = c * r, -s * r
                 store(state, a + k * WIDTH, load(state, a + k * WIDTH) + s)
 
 
 @jit_lean
-def _bell(state, o, n, a, where, t):
+def _bell(state, o, a, where, t):
     """D, a derivative of order m of exp(-y^2/2), obeys D'' + y D' + (m + 1) D = 0."""
     w = load(state, o + lane.C1 * WIDTH)
     y = w * (t - load(state, o + lane.C0 * WIDTH))
@@ -72,15 +72,15 @@ def _bell(state, o, n, a, where, t):
     even, odd = load(state, o + lane.C2 * WIDTH), load(state, o + lane.C5 * WIDTH)
     e = select(where, load(state, o + lane.BELL_E * WIDTH), 0.0)
     z = y * y
-    now = (even * (1.0 - z) + odd * (y * (z - 3.0))) * e
-    after = w * ((even * (y * (z - 3.0)) + odd * (z * (6.0 - z) - 3.0)) * e)
+    now = fma(even, 1.0 - z, odd * (y * (z - 3.0))) * e
+    after = w * (fma(even, y * (z - 3.0), odd * fma(z, 6.0 - z, -3.0)) * e)
     store(state, a, now)
     store(state, a + WIDTH, after)
     wy, ww = w * y, w * w
     more = select(abs(odd) > 0.0, 3.0, 2.0) * ww
-    for k in range(1, n):
+    for k in range(1, ORDER):
         over = -1.0 / (k + 1)
-        now, after = after, (wy * after + (ww + more * (1.0 / k)) * now) * over
+        now, after = after, fma(wy, after, fma(more, 1.0 / k, ww) * now) * over
         store(state, a + (k + 1) * WIDTH, after)
 
 

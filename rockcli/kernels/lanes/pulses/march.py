@@ -39,13 +39,14 @@ from rockcli.kernels.lanes.pulses.rolling import (
 )
 from rockcli.kernels.lanes.pulses.series import flow, flow_linear, look_along, reach_of
 from rockcli.kernels.lanes.pulses.state import (
+    ORDER,
+    STRIDE,
     enter,
     leave,
     next_piece,
     put,
     series_of_a,
     series_of_q,
-    stride,
     to_the_edge,
 )
 from rockcli.kernels.lanes.pulses.uplift_screen import (
@@ -70,6 +71,9 @@ from rockcli.kernels.rigid.rest import rest_time
 from rockcli.kernels.rigid.settings import Degrees
 from rockcli.kernels.rigid.settings import Settings as Settings
 
+SAFE = 0.7
+"""Part of the tolerance that the last two terms of a step may have."""
+
 LONGEST = 2.0
 """Longest step, over 1/p."""
 
@@ -80,27 +84,26 @@ nothing, and by Cramer's bound |He_m(y)| < 1.09 sqrt(m!) exp(y^2/4) those left o
 
 @entry(MATRIX, MATRIX, Settings, MATRIX, int, bool, bool, bool, VECTOR, MATRIX)
 def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, out):
-    """Solve every row of `pars` under the pulse of its row of `tables` with series of `how.order`.
+    """Solve every row of `pars` under the pulse of its row of `tables`.
 
     `two_sided`: the edges of these bodies differ.  `path`: the whole path is asked for, and with `how.detail` ALL the
     forces on it; then under a nonlinear law.  `until_fall`: but not beyond the last passage of the equilibrium of
-    a body on two edges.  `work`: `work_space(how.order)`; `out`
+    a body on two edges.  `work`: `work_space()`; `out`
     zeros.
     bodies: none, or the table of `kernels.rolling.parameters` of bodies that roll; then the edges in `pars` are those
     of the facet on which a body stands, and a last column is the row of its body.
     What is not done here has STATUS LEFT_TO_MARCH.
     """
     rolls, watch = len(bodies) > 0, path and how.detail == ALL
-    linear, tol, n, detail = how.linear, how.tol, how.order, how.detail
-    state, scratch, screened, backlog, waiting, lists = split(work, n)
+    linear, tol, detail = how.linear, how.tol, how.detail
+    state, scratch, screened, backlog, waiting, lists = split(work)
     lanes = lane.VECTORS * WIDTH
     asking, lifting, ending, moving, slowing, bouncing, touching = (
         lists[:lanes], lists[lanes : 2 * lanes], lists[2 * lanes : 3 * lanes], lists[3 * lanes : 4 * lanes],
         lists[4 * lanes : 5 * lanes], lists[5 * lanes : 6 * lanes], lists[6 * lanes : 7 * lanes],
     )  # fmt: skip
-    size = stride(n)
     upcoming = busy = n_postponed = n_waiting = n_ending = 0
-    for o in range(0, lane.VECTORS * size, size):
+    for o in range(0, lane.VECTORS * STRIDE, STRIDE):
         for i in range(o, o + WIDTH):
             put(state, i, lane.MODE, lane.IDLE)
             put(state, i, lane.EVENT, lane.IDLE)
@@ -123,21 +126,21 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, 
                 count_impacts(backlog, n_postponed, linear, two_sided, path, out)
             return
         n_asking = n_lifting = n_ending = n_moving = n_slowing = n_bouncing = 0
-        for o in range(0, lane.VECTORS * size, size):
-            look(state, o, n, linear, two_sided, rolls or path, tol, scratch)
+        for o in range(0, lane.VECTORS * STRIDE, STRIDE):
+            look(state, o, linear, two_sided, rolls or path, tol, scratch)
             event = load(state, o + lane.EVENT * WIDTH)
             n_asking = note(event == lane.IMPACT, 1.0 * o, asking, n_asking)
             n_lifting = note(event == lane.UPLIFT, 1.0 * o, lifting, n_lifting)
-        find_impacts(state, n, scratch, asking, n_asking)
-        find_uplifts(state, n, two_sided, scratch, lifting, n_lifting)
-        n_touching = find_touches(state, n, scratch, touching) if rolls or path else 0
+        find_impacts(state, scratch, asking, n_asking)
+        find_uplifts(state, two_sided, scratch, lifting, n_lifting)
+        n_touching = find_touches(state, scratch, touching) if rolls or path else 0
         if detail > OUTCOME:
-            find_tops(state, n, tol, scratch, asking)
+            find_tops(state, tol, scratch, asking)
         if path:
-            for o in range(0, lane.VECTORS * size, size):
-                n_waiting = follow(state, o, n, watch, two_sided, rolls, waiting, n_waiting, scratch)
+            for o in range(0, lane.VECTORS * STRIDE, STRIDE):
+                n_waiting = follow(state, o, watch, two_sided, rolls, waiting, n_waiting, scratch)
             if n_waiting > 0:
-                find_extremes(state, n, waiting, 0, n_waiting, scratch)
+                find_extremes(state, waiting, 0, n_waiting, scratch)
                 n_waiting = 0
         for j in range(n_touching):
             i = int(touching[j])
@@ -148,9 +151,9 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, 
                 roll_over(state, i, bodies[int(par[at.N_PAR])], par[at.G], path)
             else:
                 put(state, i, lane.NEW_Q, state[i + lane.L_EXTENT * WIDTH])
-        for o in range(0, lane.VECTORS * size, size):
+        for o in range(0, lane.VECTORS * STRIDE, STRIDE):
             if watch:
-                note_standing(state, o, n)
+                note_standing(state, o)
             advance(state, o, two_sided, rolls, path, SLOWEST * how.rest_speed if rolls else how.rest_speed)
             event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
             past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
@@ -167,10 +170,10 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, 
             i = int(slowing[j])
             par = pars[int(state[i + lane.CASE * WIDTH])]
             if rolls:
-                rest_on_facet(state, i, n, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed, scratch)
+                rest_on_facet(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed, scratch)
             else:
                 v = state[i + lane.V * WIDTH]
-                come_to_rest(state, i, n, par, how.rest_speed, scratch)
+                come_to_rest(state, i, par, how.rest_speed, scratch)
                 if path and state[i + lane.V * WIDTH] == 0.0:
                     put(state, i, lane.LOST, state[i + lane.LOST * WIDTH] + state[i + lane.L_MASS * WIDTH] * v * v)
         for j in range(n_moving):
@@ -187,7 +190,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, 
             if n_postponed == WIDTH:
                 count_impacts(backlog, n_postponed, linear, two_sided, path, out)
                 n_postponed = 0
-        for o in range(0, lane.VECTORS * size, size):
+        for o in range(0, lane.VECTORS * STRIDE, STRIDE):
             if rolls:
                 free = note(left_alone(state, o), 1.0 * o, touching, 0)
                 for j in range(free):
@@ -202,18 +205,18 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, 
             n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
 
 
-def work_space(n):
-    """Work space of `sweep` for series of order n."""
+def work_space():
+    """Work space of `sweep`."""
     return room(
-        lane.VECTORS * stride(n) + (3 * n + 6) * WIDTH + (SCREEN_FIELDS + BACKLOG + 7 * lane.VECTORS) * WIDTH + WAITING
+        lane.VECTORS * STRIDE + (3 * ORDER + 6) * WIDTH + (SCREEN_FIELDS + BACKLOG + 7 * lane.VECTORS) * WIDTH + WAITING
     )
 
 
 @jit_lean
-def split(work, n):
+def split(work):
     """Work space: lanes; room for series of a vector; what is screened; postponed cases; extremes; lists of lanes."""
-    i = lane.VECTORS * stride(n)
-    j = i + (3 * n + 6) * WIDTH
+    i = lane.VECTORS * STRIDE
+    j = i + (3 * ORDER + 6) * WIDTH
     k = j + SCREEN_FIELDS * WIDTH
     m = k + BACKLOG * WIDTH
     p = m + WAITING
@@ -270,19 +273,19 @@ def next_case(
 
 
 @jit_lean
-def look(state, o, n, linear, two_sided, rolls, tol, work):
+def look(state, o, linear, two_sided, rolls, tol, work):
     """One vector: series, step, and what has to be looked at more closely."""
     mode, event = load(state, o + lane.MODE * WIDTH), load(state, o + lane.EVENT * WIDTH)
     going = (mode >= lane.REST) & (event == lane.NONE)
     if not some(going):
         return
     rocks = mode == lane.ROCK
-    expand(state, o, n)
+    expand(state, o)
     forced = some((load(state, o + lane.KIND * WIDTH) > lane.FREE) & rocks)
     if linear:
-        flow_linear(state, o, n, forced, work)
+        flow_linear(state, o, forced, work)
     else:
-        flow(state, o, n, forced, work)
+        flow(state, o, forced, work)
     c = series_of_q(o)
     h = load(state, o + lane.T_NEXT * WIDTH) - load(state, o + lane.T * WIDTH)
     early = (load(state, o + lane.KIND * WIDTH) == lane.BELL) & (load(state, o + lane.UP_T * WIDTH) <= 0.0)
@@ -290,20 +293,20 @@ def look(state, o, n, linear, two_sided, rolls, tol, work):
         most = NEAR / select(early, load(state, o + lane.C1 * WIDTH), 1.0)
         h = select(early & (most < h), most, h)
     most = LONGEST / load(state, o + lane.L_P * WIDTH)
-    rock_h = reach_of(state, c, n, tol * load(state, o + lane.L_ALPHA * WIDTH), select(h < most, h, most))
+    rock_h = reach_of(state, c, SAFE * tol * load(state, o + lane.L_ALPHA * WIDTH), select(h < most, h, most))
     if some(mode == lane.REST):
         rock_h = select(rocks, rock_h, h)
-        a, guard = series_of_a(o, n), load(state, o + lane.L_GUARD * WIDTH)
+        a, guard = series_of_a(o), load(state, o + lane.L_GUARD * WIDTH)
         if two_sided:
             other = load(state, o + lane.TO_OTHER + lane.L_GUARD * WIDTH)
             guard = select(other < guard, other, guard)
-        rest_h = reach_of(state, a, n, 1e-16 * guard, h)
+        rest_h = reach_of(state, a, 1e-16 * guard, h)
         h = select(rocks, rock_h, rest_h)
-        _, _, _, most = look_along(state, a, n, h)
+        _, _, _, most = look_along(state, a, h)
         event = select(going & (mode == lane.REST) & ~(most < guard), lane.UPLIFT, event)
     else:
         h = rock_h
-    P, dP, M, reach = look_along(state, c, n, h)
+    P, dP, M, reach = look_along(state, c, h)
     event = select(going & rocks & may_land(state, o, c, h, P, dP, M, reach), lane.IMPACT, event)
     if not linear and not rolls:
         far = going & rocks & (reach >= 0.5 * math.pi)
@@ -436,7 +439,7 @@ def postpone(state, i, backlog, slot, two_sided, rest_speed):
 
 
 @jit_lean
-def come_to_rest(state, i, n, par, rest_speed, queue):
+def come_to_rest(state, i, par, rest_speed, queue):
     """A slow impact of lane i, put into REST on trial: whether it stays there, or goes on rocking (`rest_time`)."""
     right = state[i + lane.S * WIDTH] > 0.0
     edge, other = (
@@ -444,12 +447,12 @@ def come_to_rest(state, i, n, par, rest_speed, queue):
         edge_of(par, at.LEFT if right else at.RIGHT),
     )
     v = state[i + lane.V * WIDTH]
-    nothing = queue[n + 1 :]
+    nothing = queue[ORDER + 1 :]
     nothing[0] = 0.0
-    for k in range(n + 1):
-        queue[k] = state[series_of_a(i, n) + k * WIDTH]
+    for k in range(ORDER + 1):
+        queue[k] = state[series_of_a(i) + k * WIDTH]
     rest_at = rest_time(
-        edge, other, state[i + lane.S * WIDTH], v, queue, nothing, Degrees(n, 0),
+        edge, other, state[i + lane.S * WIDTH], v, queue, nothing, Degrees(ORDER, 0),
         state[i + lane.X * WIDTH], state[i + lane.T * WIDTH], state[i + lane.T_NEXT * WIDTH], rest_speed,
     )  # fmt: skip
     if rest_at >= 0.0:

@@ -22,9 +22,9 @@ from rockcli.kernels.lanes.pulses.forces import (
     stood,
 )
 from rockcli.kernels.lanes.pulses.ground import to_come
-from rockcli.kernels.lanes.pulses.state import put, series_of_a, series_of_q
+from rockcli.kernels.lanes.pulses.state import ORDER, put, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
+from rockcli.kernels.lanes.vector.plain import fma, load, select, some, spread, sqrt, store
 from rockcli.kernels.quadrature import NODES, POINTS, WEIGHTS
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
@@ -77,7 +77,7 @@ def never_lifted(par, table, pieces, out):
 
 
 @jit_lean
-def follow(state, o, n, watch, two_sided, rolls, waiting, count, scratch):
+def follow(state, o, watch, two_sided, rolls, waiting, count, scratch):
     """One vector, before it takes its step: what happens on the way to X; how many extremes wait to be found.
 
     Not the landing on the next facet of one that rolls.
@@ -90,9 +90,9 @@ def follow(state, o, n, watch, two_sided, rolls, waiting, count, scratch):
         star = load(state, o + lane.L_STAR * WIDTH)
         may_pass = going & (star > 0.0) & (load(state, o + lane.REACH * WIDTH) >= star)
         if watch:
-            count = _look_along(state, o, n, going, may_pass, t, x, waiting, count, scratch)
+            count = _look_along(state, o, going, may_pass, t, x, waiting, count, scratch)
         elif some(may_pass):
-            _find_passage(state, o, n, may_pass, star, t, x)
+            _find_passage(state, o, may_pass, star, t, x)
     lands = going & (event == lane.IMPACT)
     if some(lands):
         there = o + lane.TO_OTHER if two_sided else o
@@ -120,25 +120,25 @@ def add(state, o, field, value):
 
 
 @jit_lean
-def _look_along(state, o, n, going, may_pass, t, x, waiting, count, scratch):
+def _look_along(state, o, going, may_pass, t, x, waiting, count, scratch):
     """Passages of the equilibrium, work and extremes of `follow`, from place to place; how many extremes wait."""
     star, s = load(state, o + lane.L_STAR * WIDTH), load(state, o + lane.S * WIDTH)
     fc, fs = load(state, o + lane.L_FC * WIDTH), load(state, o + lane.L_FS * WIDTH)
-    c, a, levers = series_of_q(o), series_of_a(o, n), levers_of(state, o)
+    c, a, levers = series_of_q(o), series_of_a(o), levers_of(state, o)
     reported, passes = going & (t < load(state, o + lane.L_STOP * WIDTH)), some(may_pass)
     work, low = spread(0.0), spread(0.0)
-    was = forces_at(state, c, a, n, levers, low)
+    was = forces_at(state, c, a, levers, low)
     note_extremes(state, o, was, reported)
     for j in range(POINTS + 1):
         high = NODES[j] * x if j < POINTS else x
-        new = forces_at(state, c, a, n, levers, high)
+        new = forces_at(state, c, a, levers, high)
         if passes:
             over = may_pass & (was[0] < star) & (new[0] >= star)
             if some(over):
-                z = _pass(state, o, n, over, star, t, low, high)
-                _keep_until(state, o, over & reported, forces_at(state, c, a, n, levers, z))
+                z = _pass(state, o, over, star, t, low, high)
+                _keep_until(state, o, over & reported, forces_at(state, c, a, levers, z))
         note_extremes(state, o, new, reported)
-        count = look_between(state, o, n, reported, low, high, was, new, waiting, count, scratch)
+        count = look_between(state, o, reported, low, high, was, new, waiting, count, scratch)
         if j < POINTS:
             work = work + WEIGHTS[j] * (new[5] * (fc * new[4] + fs * new[3]) * new[1])
         low, was = high, new
@@ -147,26 +147,26 @@ def _look_along(state, o, n, going, may_pass, t, x, waiting, count, scratch):
 
 
 @jit_lean
-def _find_passage(state, o, n, may_pass, star, t, x):
+def _find_passage(state, o, may_pass, star, t, x):
     """Passages of the equilibrium alone, from place to place as in `_look_along`."""
     low = spread(0.0)
-    was, _ = rotation_at(state, o, n, low)
+    was, _ = rotation_at(state, o, low)
     for j in range(POINTS + 1):
         high = NODES[j] * x if j < POINTS else x
-        new, _ = rotation_at(state, o, n, high)
+        new, _ = rotation_at(state, o, high)
         over = may_pass & (was < star) & (new >= star)
         if some(over):
-            _pass(state, o, n, over, star, t, low, high)
+            _pass(state, o, over, star, t, low, high)
         low, was = high, new
 
 
 @jit_lean
-def _pass(state, o, n, over, star, t, low, high):
+def _pass(state, o, over, star, t, low, high):
     """Where the equilibrium is passed between two places; sets OVER_T."""
     lo, hi = low, select(over, high, low)
     z, going = hi, over
     for _ in range(60):
-        q, v = rotation_at(state, o, n, z)
+        q, v = rotation_at(state, o, z)
         miss = q - star
         lo, hi = select(going & (miss < 0.0), z, lo), select(going & ~(miss < 0.0), z, hi)
         step, near = z - miss / v, 1e-10 * (t + z)  # of second order: after a step so short the next one is rounding
@@ -181,13 +181,13 @@ def _pass(state, o, n, over, star, t, low, high):
 
 
 @jit_lean
-def rotation_at(state, o, n, y):
+def rotation_at(state, o, y):
     """q of a vector, and its rate, at y in the step under way."""
     c = series_of_q(o)
-    q, v = load(state, c + n * WIDTH), spread(0.0)
-    for k in range(n - 1, -1, -1):
-        v = v * y + q
-        q = q * y + load(state, c + k * WIDTH)
+    q, v = load(state, c + ORDER * WIDTH), spread(0.0)
+    for k in range(ORDER - 1, -1, -1):
+        v = fma(v, y, q)
+        q = fma(q, y, load(state, c + k * WIDTH))
     return q, v
 
 

@@ -16,7 +16,7 @@ from rockcli.kernels.lanes.pulses.early_outcome import now
 from rockcli.kernels.lanes.pulses.events import padded
 from rockcli.kernels.lanes.pulses.ground import to_come
 from rockcli.kernels.lanes.pulses.path import put_levers
-from rockcli.kernels.lanes.pulses.state import put, put_edge, series_of_a, series_of_q, stride
+from rockcli.kernels.lanes.pulses.state import ORDER, STRIDE, put, put_edge, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.plain import gather, load, note, select, some, sqrt, store
 from rockcli.kernels.lanes.vector.roots import first_root
@@ -88,11 +88,10 @@ def put_end(state, i, body, end, s, path):
 
 
 @jit_lean
-def find_touches(state, n, poly, lanes):
+def find_touches(state, poly, lanes):
     """The next facet: first roots of extent - q of the lanes that may reach it; how many they are."""
     count = 0
-    size = stride(n)
-    for o in range(0, lane.VECTORS * size, size):
+    for o in range(0, lane.VECTORS * STRIDE, STRIDE):
         event = load(state, o + lane.EVENT * WIDTH)
         may = (load(state, o + lane.MODE * WIDTH) == lane.ROCK) & (event >= lane.NONE) & (event <= lane.IMPACT)
         may = may & (load(state, o + lane.REACH * WIDTH) >= load(state, o + lane.L_EXTENT * WIDTH))
@@ -101,10 +100,10 @@ def find_touches(state, n, poly, lanes):
         slots = min(WIDTH, count - begin)
         chosen = padded(lanes, begin, slots, poly)
         x = gather(state, chosen + 1.0 * (lane.X * WIDTH))
-        for k in range(n + 1):
+        for k in range(ORDER + 1):
             store(poly, k * WIDTH, 0.0 - gather(state, chosen + 1.0 * series_of_q(k * WIDTH)))
         store(poly, 0, gather(state, chosen + 1.0 * (lane.L_EXTENT * WIDTH)) + load(poly, 0))
-        x, slope = first_root(poly, n, x)
+        x, slope = first_root(poly, ORDER, x)
         store(poly, 0, x)
         store(poly, WIDTH, slope)
         for j in range(slots):
@@ -194,17 +193,17 @@ def note_pushes(state, i, body):
 
 
 @jit_lean
-def rest_on_facet(state, i, n, body, g, rest_speed, queue):
+def rest_on_facet(state, i, body, g, rest_speed, queue):
     """A slow impact of lane i, put into REST on trial: whether it stays there, or goes on rocking."""
     s, facet = state[i + lane.S * WIDTH], int(state[i + lane.FACET * WIDTH])
     end, other = end_of(body, g, facet, s), end_of(body, g, facet, -s)
     v = state[i + lane.V * WIDTH]
-    nothing = queue[n + 1 :]
+    nothing = queue[ORDER + 1 :]
     nothing[0] = 0.0
-    for k in range(n + 1):
-        queue[k] = state[series_of_a(i, n) + k * WIDTH]
+    for k in range(ORDER + 1):
+        queue[k] = state[series_of_a(i) + k * WIDTH]
     rest_at = rest_time(
-        end, other, s, v, body[at.SCALE], queue, nothing, Degrees(n, 0), state[i + lane.X * WIDTH],
+        end, other, s, v, body[at.SCALE], queue, nothing, Degrees(ORDER, 0), state[i + lane.X * WIDTH],
         state[i + lane.T * WIDTH], state[i + lane.T_NEXT * WIDTH], rest_speed,
     )  # fmt: skip
     if rest_at >= 0.0 and end.threshold > 0.0 and other.threshold > 0.0:

@@ -4,70 +4,70 @@ from __future__ import annotations
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
-from rockcli.kernels.lanes.pulses.state import series_of_a, series_of_q
+from rockcli.kernels.lanes.pulses.state import ORDER, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.plain import bits_of, from_bits, load, select, spread, store
+from rockcli.kernels.lanes.vector.plain import bits_of, fma, from_bits, load, select, spread, store
 
 ONE = 4607182418800017408.0
 """The bits of 1.0 read as an integer."""
 
 
 @jit_lean
-def flow(state, o, n, forced, work):
-    """Coefficients of q of the vector at o; SINE and COSINE must be of now.  work: 3 (n + 1) vectors.
+def flow(state, o, forced, work):
+    """Coefficients of q of the vector at o; SINE and COSINE must be of now.  work: 3 (ORDER + 1) vectors.
 
     q'' = -(r0 + along f + across g) - s a f,  f = fc cos q + fs sin q,  g = df/dq.
     `forced`: whether any lane is shaken.
     """
-    c, a = series_of_q(o), series_of_a(o, n)
-    rate, f, g = 0, (n + 1) * WIDTH, 2 * (n + 1) * WIDTH
+    c, a = series_of_q(o), series_of_a(o)
+    rate, f, g = 0, (ORDER + 1) * WIDTH, 2 * (ORDER + 1) * WIDTH
     s = load(state, o + lane.S * WIDTH)
     fc, fs = s * load(state, o + lane.L_FC * WIDTH), s * load(state, o + lane.L_FS * WIDTH)
     along, across = s * load(state, o + lane.L_ALONG * WIDTH), s * load(state, o + lane.L_ACROSS * WIDTH)
     sine, cosine = load(state, o + lane.SINE * WIDTH), load(state, o + lane.COSINE * WIDTH)
-    force, turned = fc * cosine + fs * sine, fs * cosine - fc * sine
+    force, turned = fma(fs, sine, fc * cosine), fma(fs, cosine, -fc * sine)
     along = along + load(state, a)
-    moment = load(state, o + lane.L_R0 * WIDTH) + (along * force + across * turned)
+    moment = fma(along, force, fma(across, turned, load(state, o + lane.L_R0 * WIDTH)))
     store(work, f, force)
     store(work, g, turned)
     begin(state, o, c, moment, work)
-    for k in range(1, n - 1):
+    for k in range(1, ORDER - 1):
         up, down, pull = spread(0.0), spread(0.0), spread(0.0)
         if forced:
             for j in range(k, 0, -1):  # what was stored last is needed last
                 r, back = load(work, rate + j * WIDTH), load(work, f + (k - j) * WIDTH)
-                up = up + r * load(work, g + (k - j) * WIDTH)
-                down = down + r * back
-                pull = pull + load(state, a + j * WIDTH) * back
+                up = fma(r, load(work, g + (k - j) * WIDTH), up)
+                down = fma(r, back, down)
+                pull = fma(load(state, a + j * WIDTH), back, pull)
         else:
             for j in range(k, 0, -1):
                 r = load(work, rate + j * WIDTH)
-                up = up + r * load(work, g + (k - j) * WIDTH)
-                down = down + r * load(work, f + (k - j) * WIDTH)
+                up = fma(r, load(work, g + (k - j) * WIDTH), up)
+                down = fma(r, load(work, f + (k - j) * WIDTH), down)
         force, turned = up * (1.0 / k), down * (-1.0 / k)
         store(work, f + k * WIDTH, force)
         store(work, g + k * WIDTH, turned)
-        add(state, c, k, along * force + across * turned + pull, work)
+        add(state, c, k, fma(along, force, fma(across, turned, pull)), work)
 
 
 @jit_lean
-def flow_linear(state, o, n, forced, work):
+def flow_linear(state, o, forced, work):
     """`flow` with sin q -> q, cos q -> 1."""
-    c, a = series_of_q(o), series_of_a(o, n)
+    c, a = series_of_q(o), series_of_a(o)
     s = load(state, o + lane.S * WIDTH)
     fc, fs = s * load(state, o + lane.L_FC * WIDTH), s * load(state, o + lane.L_FS * WIDTH)
     rs, q = load(state, o + lane.L_RS * WIDTH), load(state, o + lane.Q * WIDTH)
-    force = fc + fs * q
-    store(work, (n + 1) * WIDTH, force)
-    moment = load(state, o + lane.L_R0 * WIDTH) + rs * q + load(state, o + lane.L_RC * WIDTH)
-    begin(state, o, c, moment + load(state, a) * force, work)
-    for k in range(1, n - 1):
+    force = fma(fs, q, fc)
+    store(work, (ORDER + 1) * WIDTH, force)
+    moment = fma(rs, q, load(state, o + lane.L_R0 * WIDTH) + load(state, o + lane.L_RC * WIDTH))
+    begin(state, o, c, fma(load(state, a), force, moment), work)
+    for k in range(1, ORDER - 1):
         now = load(state, c + k * WIDTH)
-        store(work, (n + 1 + k) * WIDTH, fs * now)
+        store(work, (ORDER + 1 + k) * WIDTH, fs * now)
         moment = rs * now
         if forced:
             for j in range(k + 1):
-                moment = moment + load(state, a + j * WIDTH) * load(work, (n + 1 + k - j) * WIDTH)
+                moment = fma(load(state, a + j * WIDTH), load(work, (ORDER + 1 + k - j) * WIDTH), moment)
         add(state, c, k, moment, work)
 
 
@@ -99,9 +99,9 @@ def rough_power(x, e):
 
 
 @jit_lean
-def reach_of(state, c, n, small, h):
+def reach_of(state, c, small, h):
     """Step, at most h, at which the last two terms of the series at c are below `small`."""
-    for k in range(n - 1, n + 1):
+    for k in range(ORDER - 1, ORDER + 1):
         size = abs(load(state, c + k * WIDTH))
         size = select(size > 1e-280, size, 1e-280)
         step = rough_power(small / size, 1.0 / k)
@@ -110,21 +110,21 @@ def reach_of(state, c, n, small, h):
 
 
 @jit_lean
-def look_along(state, c, n, h):
+def look_along(state, c, h):
     """(P(h), P'(h), bound of |P''|, bound of |P|) of the polynomial P at c, the bounds on [0, h]."""
-    P = load(state, c + n * WIDTH)
+    P = load(state, c + ORDER * WIDTH)
     dP, reach = spread(0.0), abs(P)
-    M = (n * (n - 1)) * reach
-    for k in range(n - 1, 1, -1):
+    M = (ORDER * (ORDER - 1)) * reach
+    for k in range(ORDER - 1, 1, -1):
         term = load(state, c + k * WIDTH)
         size = abs(term)
-        dP = dP * h + P
-        P = P * h + term
-        M = M * h + (k * (k - 1)) * size
-        reach = reach * h + size
+        dP = fma(dP, h, P)
+        P = fma(P, h, term)
+        M = fma(M, h, (k * (k - 1)) * size)
+        reach = fma(reach, h, size)
     for k in range(1, -1, -1):
         term = load(state, c + k * WIDTH)
-        dP = dP * h + P
-        P = P * h + term
-        reach = reach * h + abs(term)
+        dP = fma(dP, h, P)
+        P = fma(P, h, term)
+        reach = fma(reach, h, abs(term))
     return P, dP, M, reach

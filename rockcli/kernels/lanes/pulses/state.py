@@ -45,12 +45,18 @@ Of a body that rolls (`rolling`) the two edges are the ends of a facet, L_EXTENT
 Of one whose path is followed (`path`) L_EXTENT is a quarter turn on two edges, L_SIN and L_COS are of alpha, L_SHAKE
 is 1/R, L_WEIGHT g/R, L_GRIP |a_g|/g at uplift; RATE_MAX to OVER_T are its results, of one that rolls ONTO_* since it
 came to its facet.
-After the fields come the coefficients of q, orders 0 to n and four more that stay zero, then those of a_g."""
+After the fields come the coefficients of q, orders 0 to ORDER and four more that stay zero, then those of a_g."""
 
 OF_PLAIN, OF_ROLLING, OF_EDGE = L_PULL + 1 - L_SIDE, L_MASS + 1 - L_SIDE, L_GRIP + 1 - L_SIDE
 """Fields that go with an edge: of bodies on two edges, of those that roll, of those whose path is followed."""
 
 FIELDS = OTHER + OF_EDGE
+
+ORDER = 18
+"""Of the series: about where a case costs least."""
+
+STRIDE = (FIELDS + 2 * ORDER + 6) * WIDTH
+"""Numbers of a vector with its series."""
 
 TO_OTHER = (OTHER - L_SIDE) * WIDTH
 """From a number that goes with the edge under a body to that of its other edge."""
@@ -66,21 +72,15 @@ FREE, BELL = -1.0, 2.0
 
 
 @jit_lean
-def stride(n):
-    """Numbers of a vector with its series of order n."""
-    return (FIELDS + 2 * n + 6) * WIDTH
-
-
-@jit_lean
 def series_of_q(o):
     """Where the coefficients of q of the vector or lane at o begin."""
     return o + FIELDS * WIDTH
 
 
 @jit_lean
-def series_of_a(o, n):
+def series_of_a(o):
     """Where the coefficients of a_g of the vector or lane at o begin."""
-    return o + (FIELDS + n + 5) * WIDTH
+    return o + (FIELDS + ORDER + 5) * WIDTH
 
 
 @jit_lean

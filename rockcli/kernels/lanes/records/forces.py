@@ -14,10 +14,10 @@ import math
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
-from rockcli.kernels.lanes.records.sines import sin_cos
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.fused import bits, fma, gather, scatter
-from rockcli.kernels.lanes.vector.plain import load, select, some, store
+from rockcli.kernels.lanes.vector.elementary import sin_cos
+from rockcli.kernels.lanes.vector.fused import bits, gather, scatter
+from rockcli.kernels.lanes.vector.plain import fma, load, select, some, store
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rocking

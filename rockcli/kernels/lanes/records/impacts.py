@@ -7,8 +7,8 @@ from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.forces import weigh_landing
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.fused import bits, fma, gather, scatter
-from rockcli.kernels.lanes.vector.plain import load, select, some, sqrt
+from rockcli.kernels.lanes.vector.fused import bits, gather, scatter
+from rockcli.kernels.lanes.vector.plain import fma, load, select, some, sqrt
 
 
 @jit_lean

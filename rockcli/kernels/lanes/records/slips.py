@@ -11,11 +11,11 @@ import math
 from rockcli.kernels.contact import workspace as row
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
-from rockcli.kernels.lanes.records.sines import sin_cos
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.fused import bits, fma, gather
-from rockcli.kernels.lanes.vector.plain import load, select, store
+from rockcli.kernels.lanes.vector.elementary import sin_cos
+from rockcli.kernels.lanes.vector.fused import bits, gather
+from rockcli.kernels.lanes.vector.plain import fma, load, select, store
 
 (
     LEN, END, SMALL, SPEED, SIN_ALPHA, COS_ALPHA, ALPHA, R, K2, GRAVITY, FACTOR, MU, SIGMA, SIDE, TOP,

@@ -10,10 +10,10 @@ import math
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.forces import gives_way, may_give_way, weigh
-from rockcli.kernels.lanes.records.sines import sin_cos
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.fused import bits, fma, gather
-from rockcli.kernels.lanes.vector.plain import load, select, store
+from rockcli.kernels.lanes.vector.elementary import sin_cos
+from rockcli.kernels.lanes.vector.fused import bits, gather
+from rockcli.kernels.lanes.vector.plain import fma, load, select, store
 
 HALF_PI = 1.5707963267948966
 

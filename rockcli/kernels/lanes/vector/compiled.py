@@ -192,6 +192,23 @@ def sqrt(typingctx: Any, x: Any) -> Any:
 
 
 @intrinsic
+def fma(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
+    """a b + c rounded once, the same bits on every machine; each a vector or a number."""
+    some_vector = vector in (a, b, c)
+    result = vector if some_vector else types.float64
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        numbers, kind, name = args, ir.DoubleType(), "llvm.fma.f64"
+        if some_vector:
+            numbers = [_doubles(builder, x, of) for x, of in zip(args, sig.args, strict=True)]
+            kind, name = DOUBLES, f"llvm.fma.v{WIDTH}f64"
+        fused = cgutils.get_or_insert_function(builder.module, ir.FunctionType(kind, [kind] * 3), name)
+        return builder.call(fused, numbers)
+
+    return result(*(x if x == vector else types.float64 for x in (a, b, c))), codegen
+
+
+@intrinsic
 def bits_of(typingctx: Any, x: Any) -> Any:
     """The bits of each number read as an integer, as a float."""
 

@@ -1,4 +1,4 @@
-"""What only compiled lanes have: fused multiply-add, gather and scatter, bits of a mask, a frame of their own."""
+"""What only compiled lanes have: gather and scatter in one instruction, bits of a mask, a frame of their own."""
 
 from __future__ import annotations
 
@@ -9,23 +9,9 @@ from numba.core import cgutils, types
 from numba.extending import intrinsic
 
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.compiled import BITS, DOUBLES, INTEGERS, _doubles, mask, vector
+from rockcli.kernels.lanes.vector.compiled import BITS, DOUBLES, INTEGERS, mask, vector
 
 operation: Any = intrinsic  # whose calls are not those the checker sees: numba adds the first argument
-
-
-@operation
-def fma(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
-    """a b + c rounded once, the same bits on every machine; each a vector or a number."""
-    kinds = [x if x == vector else types.float64 for x in (a, b, c)]
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        numbers = [_doubles(builder, x, kind) for x, kind in zip(args, sig.args, strict=True)]
-        kind = ir.FunctionType(DOUBLES, [DOUBLES] * 3)
-        fused = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.v{WIDTH}f64")
-        return builder.call(fused, numbers)
-
-    return vector(*kinds), codegen
 
 
 ADDRESSES = ir.VectorType(ir.PointerType(), WIDTH)

@@ -1,4 +1,4 @@
-"""Sines, cosines and exponentials written out as polynomials: additions and multiplications only.
+"""Sines, cosines and exponentials written out as polynomials: fused multiply-adds only.
 
 They take a float (a loop of them over lanes is vectorised by numba) or a vector of `kernels.lanes.vector.plain`, alike.
 Nothing branches, so that what a lane gets does not depend on its neighbours.
@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import factorial, pi
 
 from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.lanes.vector.plain import fma
 
 S3, S5, S7, S9, S11, S13, S15, S17, S19, S21 = ((-1.0) ** (k // 2) / factorial(k) for k in range(3, 22, 2))
 C2, C4, C6, C8, C10, C12, C14, C16, C18, C20, C22 = ((-1.0) ** (k // 2) / factorial(k) for k in range(2, 23, 2))
@@ -29,11 +30,14 @@ PI_REST = 1.2246467991473532e-16
 def sin_cos(x):
     """(sin x, cos x) for |x| <= pi/2, to 2e-16: their series to x^21 and x^22."""
     z = x * x
-    s = S13 + z * (S15 + z * (S17 + z * (S19 + z * S21)))
-    s = x + x * (z * (S3 + z * (S5 + z * (S7 + z * (S9 + z * (S11 + z * s))))))
-    c = C14 + z * (C16 + z * (C18 + z * (C20 + z * C22)))
-    c = 1.0 + z * (C2 + z * (C4 + z * (C6 + z * (C8 + z * (C10 + z * (C12 + z * c))))))
-    return s, c
+    y = z * z
+    # even and odd powers of z apart: half the latency
+    s = fma(
+        z, fma(y, fma(y, fma(y, fma(y, S21, S17), S13), S9), S5), fma(y, fma(y, fma(y, fma(y, S19, S15), S11), S7), S3)
+    )
+    c = fma(y, fma(y, fma(y, fma(y, fma(y, C22, C18), C14), C10), C6), C2)
+    c = fma(z, fma(y, fma(y, fma(y, fma(y, C20, C16), C12), C8), C4), c)
+    return fma(x * z, s, x), fma(z, c, 1.0)
 
 
 @jit_lean
@@ -53,7 +57,8 @@ def exp_of_negative(x):
     exp(x/128) - 1 by its series to x^9, then seven times doubled as m (2 + m), which keeps the precision of m.
     """
     y = x * 0.0078125
-    m = y + y * y * (E2 + y * (E3 + y * (E4 + y * (E5 + y * (E6 + y * (E7 + y * (E8 + y * E9)))))))
+    m = fma(y, fma(y, fma(y, fma(y, fma(y, fma(y, fma(y, E9, E8), E7), E6), E5), E4), E3), E2)
+    m = fma(y * y, m, y)
     for _ in range(7):
-        m = m * (2.0 + m)
+        m = fma(m, m, m + m)
     return 1.0 + m

@@ -1,4 +1,4 @@
-"""What only compiled lanes have (`compiled_fused`): as plain Python they would round twice, and differ in bits."""
+"""What only compiled lanes have (`compiled_fused`)."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ def _absent(*_: Any) -> Any:
     raise RuntimeError("lanes under records run compiled only")
 
 
-fma = gather = scatter = bits = lowest_bit = page_the_stack = _absent
+gather = scatter = bits = lowest_bit = page_the_stack = _absent
 
 if door.compiling():
     from rockcli.kernels.lanes.vector import compiled_fused
 
-    for _name in ("fma", "gather", "scatter", "bits", "lowest_bit", "page_the_stack"):
+    for _name in ("gather", "scatter", "bits", "lowest_bit", "page_the_stack"):
         globals()[_name] = getattr(compiled_fused, _name)

@@ -7,6 +7,9 @@ depend on its neighbours.
 
 from __future__ import annotations
 
+import ctypes
+import sys
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -62,6 +65,20 @@ def from_bits(x: Any) -> Any:
     return x.astype(np.int64).view(np.float64)
 
 
+def fma(a: Any, b: Any, c: Any) -> Any:
+    """a b + c rounded once; each a vector or a number."""
+    found = _fused()(a, b, c)
+    return found.astype(np.float64) if isinstance(found, np.ndarray) else found
+
+
+@cache
+def _fused() -> Any:
+    """The system's function, over arrays."""
+    system = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None).fma
+    system.argtypes, system.restype = [ctypes.c_double] * 3, ctypes.c_double
+    return np.frompyfunc(system, 3, 1)
+
+
 def gather(array: Any, index: Any) -> Any:
     """The elements of a contiguous array that a vector of whole numbers names."""
     return array[index.astype(np.int64)]
@@ -77,5 +94,5 @@ def note(where: Any, first: float, array: Any, n: int) -> int:
 if door.compiling():
     from rockcli.kernels.lanes.vector import compiled
 
-    for _name in ("load", "store", "spread", "select", "some", "sqrt", "bits_of", "from_bits", "gather", "note"):
+    for _name in ("load", "store", "spread", "select", "some", "sqrt", "bits_of", "from_bits", "fma", "gather", "note"):
         globals()[_name] = getattr(compiled, _name)

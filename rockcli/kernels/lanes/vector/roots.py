@@ -8,7 +8,7 @@ from __future__ import annotations
 from rockcli.kernels.constants import NO_ROOT
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt
+from rockcli.kernels.lanes.vector.plain import fma, load, select, some, spread, sqrt
 
 LOST = -2.0
 
@@ -22,16 +22,16 @@ def first_root(c, n, h):
     """
     M = spread(0.0)
     for k in range(n, 1, -1):
-        M = M * h + (k * (k - 1)) * abs(load(c, k * WIDTH))
+        M = fma(M, h, (k * (k - 1)) * abs(load(c, k * WIDTH)))
     x, found = spread(0.0), spread(LOST)
     going = h >= 0.0
     for _ in range(200):
         P = load(c, n * WIDTH)
         dP = spread(0.0)
         for k in range(n - 1, -1, -1):
-            dP = dP * x + P
-            P = P * x + load(c, k * WIDTH)
-        root = sqrt(abs(dP * dP + 2.0 * M * P))
+            dP = fma(dP, x, P)
+            P = fma(P, x, load(c, k * WIDTH))
+        root = sqrt(abs(fma(dP, dP, 2.0 * M * P)))
         step = select(dP > 0.0, dP + root, 2.0 * P) / select(dP > 0.0, M, root - dP)
         there = P <= 0.0
         gone = ~there & ~(step <= h - x)
@@ -48,7 +48,7 @@ def first_root(c, n, h):
         x = select(going, x + step, x)
     dP = n * load(c, n * WIDTH)
     for k in range(n - 1, 0, -1):
-        dP = dP * x + k * load(c, k * WIDTH)
+        dP = fma(dP, x, k * load(c, k * WIDTH))
     return found, dP
 
 
@@ -62,9 +62,9 @@ def turning_point(c, n, lo, hi):
         P = load(c, n * WIDTH)
         dP, ddP = spread(0.0), spread(0.0)
         for k in range(n - 1, -1, -1):
-            ddP = ddP * x + dP
-            dP = dP * x + P
-            P = P * x + load(c, k * WIDTH)
+            ddP = fma(ddP, x, dP)
+            dP = fma(dP, x, P)
+            P = fma(P, x, load(c, k * WIDTH))
         top = select(going, P, top)
         lo = select(dP > 0.0, x, lo)
         hi = select(dP > 0.0, hi, x)
