@@ -178,9 +178,9 @@ def _values(contents: Contents, clause: Expect, values: NDArray[Any]) -> NDArray
         values = values.astype(float)
         if clause.quantity in COUNTS:
             values = np.where(values < 0, np.nan, values)
-    for dim in beside:
+    for k, dim in enumerate(beside, start=values.ndim - len(beside)):
         if dim in clause.at:
-            values = np.take(values, [locate(contents, dim, clause.at[dim])], axis=values.ndim - 1)
+            values = np.take(values, [locate(contents, dim, clause.at[dim])], axis=k)
     if clause.time is not None and beside == (DIM_TIME,):
         return _read_at(values, contents.values(DIM_TIME), clause.time)
     if clause.rotation is not None and beside == (ROTATION,):

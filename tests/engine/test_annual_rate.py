@@ -14,8 +14,10 @@ from scipy import integrate, stats
 import rockcli
 from rockcli.analysis import suite_words
 from rockcli.analysis.annual_rate import Fragility, annual_rate
+from rockcli.engine.run import run_study
 from rockcli.errors import StudyError
 from rockcli.scene.hazard import HazardCurve
+from rockcli.study.open import open_study
 from rockcli.study.study import Over
 
 
@@ -201,6 +203,19 @@ def test_a_clause_may_name_a_hazard_curve(tmp_path):
     assert rockcli.run(study(expect=[clause]))["survival"].size
     with pytest.raises(StudyError, match="hazard"):
         rockcli.run(study(expect=[clause | {"at": {"hazard": "three"}}]))
+
+
+def test_a_clause_that_names_both_reads_that_limit_state_under_that_curve(tmp_path):
+    wanted = study(over={"axis": "motion.pulse.omega_p", "along": "a_p", "limits": [0.2, 0.5]})
+    rates = rockcli.run(wanted)["annual_rate"]
+    clauses = [
+        {"quantity": "annual_rate", "at": {"limit_state": state, "hazard": hazard}, "value": value, "rtol": 1e-12}
+        for state in rates["limit_state"].values
+        for hazard in rates["hazard"].values
+        if (value := float(rates.sel(limit_state=state, hazard=hazard)))
+    ]
+    report = run_study(open_study(wanted | {"expect": clauses}), tmp_path, plots=False)
+    assert [verdict.passed for verdict in report.verdicts] == [True] * 6
 
 
 def test_tails_outside_the_curve_are_a_warning():
