@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import reduce
 from itertools import chain
 from typing import Any
 
@@ -26,6 +27,9 @@ STRONG = 3.0
 
 TALL, SMALL = 60.0, 0.01
 """Heights of a body above and below which its units are doubted [m]: no column that stands alone is so tall."""
+
+NAMED = 3
+"""Motions too weak to uplift that are named one by one."""
 
 STILL = "nothing moves: there is no motion and no initial state"
 
@@ -91,7 +95,7 @@ def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys]
         return [*said, *plausibility_warnings(numbers, rest, meant)]
     horizontal, vertical = batch.excitation.horizontal, batch.excitation.vertical
     with np.errstate(all="ignore"):
-        said = [_too_weak(batch), _implausible_size(batch), _too_strong(numbers, batch, MOTION, horizontal, meant)]
+        said = [_implausible_size(batch), _too_strong(numbers, batch, MOTION, horizontal, meant)]
         said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), vertical, meant))
         said += [_in_degrees(numbers, keys) for keys in _ANGLES]
     return [sentence for sentence in said if sentence]
@@ -115,13 +119,12 @@ def _implausible_size(batch: Batch) -> str:
 
 
 def _suspects(batch: Batch) -> Iterator[Batch]:
-    """The cases of those motions of a suite that are too strong, or so weak that they may lift no body."""
+    """The cases of those motions of a suite that are too strong."""
     suite = batch.excitation.suite
     assert suite is not None
     pga = np.abs(suite.factor) * suite.measure("pga") / batch.g
-    uplifts = pga >= (1.0 + 1e-9) * batch.block.of_weak_edge(batch.block.tan_alpha)
     for record, rows in suite.cases():
-        if not uplifts[rows].any() or (pga[rows] > STRONG).any():
+        if (pga[rows] > STRONG).any():
             yield batch.rows(rows).under(record)
 
 
@@ -139,26 +142,6 @@ def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | N
     return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right (a_p and pga are in m/s²)?"
 
 
-def _too_weak(batch: Batch) -> str:
-    """Where no case can uplift: the body stands and the motion nowhere reaches g tan(alpha) (or its linear form)."""
-    motion, vertical = batch.excitation.horizontal, batch.excitation.vertical
-    pair = (batch.model, batch.geometry)
-    if motion is None or pair not in MODELS or batch.damping.scheme == "fema356":
-        return ""
-    if isinstance(motion, Samples) and len(motion.files) > 1:  # in some directions a motion is weak
-        return ""
-    block = batch.block
-    alpha, tan_alpha = block.of_weak_edge(block.alpha), block.of_weak_edge(block.tan_alpha)
-    weight = 1.0 if vertical is None else 1.0 - _pga(vertical) / batch.g
-    pga = _pga(motion) / batch.g
-    over = pga / MODELS[pair].law(alpha, tan_alpha).threshold
-    moving = (batch.theta_0 != 0.0) | (batch.theta_dot_0 != 0.0)
-    if moving.any() or not (over < weight).all():
-        return ""
-    angle = "alpha" if batch.model == "linearized" else "tan alpha"
-    return f"{_name(motion)}: PGA {_words(pga)} g = {_words(over)} g {angle}: too weak to uplift"
-
-
 def _pga(channel: Channel) -> Array:
     """Peak acceleration of every case, whole motion, (n,) [m/s²]."""
     if isinstance(channel, Samples):
@@ -170,6 +153,93 @@ def _name(channel: Channel) -> str:
     return channel.name if isinstance(channel, Samples) else f"the {channel.shape} pulse"
 
 
-def _words(values: Array) -> str:
-    low, high = (f"{end:.3g}" for end in (values.min(), values.max()))
-    return low if low == high else f"{low} to {high}"
+def _words(low: float, high: float) -> str:
+    first, last = f"{low:.3g}", f"{high:.3g}"
+    return first if first == last else f"{first} to {last}"
+
+
+@dataclass(frozen=True)
+class _Weak:
+    """Ends of the PGA of motions [g], and of what it is over g tan(alpha) (or its linear form)."""
+
+    name: str
+    pga: tuple[float, float]
+    over: tuple[float, float]
+    angle: str
+
+    def with_(self, other: _Weak) -> _Weak:
+        return replace(self, pga=_ends(*self.pga, *other.pga), over=_ends(*self.over, *other.over))
+
+    @property
+    def words(self) -> str:
+        return f"PGA {_words(*self.pga)} g = {_words(*self.over)} g {self.angle}"
+
+
+def _range(values: Array) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
+
+
+def _ends(*values: float) -> tuple[float, float]:
+    return min(values), max(values)
+
+
+@dataclass(eq=False)
+class Uplift:
+    """Which motions of a study can uplift no body of it: bodies that stand, and a PGA nowhere at g tan(alpha)."""
+
+    _moving: set[_Motion] = field(default_factory=set)
+    _weak: dict[_Motion, _Weak] = field(default_factory=dict)
+
+    def look(self, batch: Batch) -> None:
+        """Take note of a batch."""
+        suite = batch.excitation.suite
+        if suite is None:
+            self._look(batch)
+            return
+        pga = np.abs(suite.factor) * suite.measure("pga") / batch.g
+        uplifts = pga >= (1.0 + 1e-9) * batch.block.of_weak_edge(batch.block.tan_alpha)
+        for record, rows in suite.cases():
+            motion = _motion(record)
+            if motion in self._moving:
+                continue
+            if uplifts[rows].any():
+                self._moving.add(motion)
+            else:
+                self._look(batch.rows(rows).under(record))
+
+    def _look(self, batch: Batch) -> None:
+        channel, vertical = batch.excitation.horizontal, batch.excitation.vertical
+        pair = (batch.model, batch.geometry)
+        if channel is None or pair not in MODELS or batch.damping.scheme == "fema356":
+            return
+        if isinstance(channel, Samples) and len(channel.files) > 1:  # in some directions a motion is weak
+            return
+        block = batch.block
+        alpha, tan_alpha = block.of_weak_edge(block.alpha), block.of_weak_edge(block.tan_alpha)
+        with np.errstate(all="ignore"):
+            weight = 1.0 if vertical is None else 1.0 - _pga(vertical) / batch.g
+            pga = _pga(channel) / batch.g
+            over = pga / MODELS[pair].law(alpha, tan_alpha).threshold
+        motion = _motion(channel)
+        if (batch.theta_0 != 0.0).any() or (batch.theta_dot_0 != 0.0).any() or not (over < weight).all():
+            self._moving.add(motion)
+            return
+        angle = "alpha" if batch.model == "linearized" else "tan alpha"
+        weak = _Weak(_name(channel), _range(pga), _range(over), angle)
+        self._weak[motion] = self._weak[motion].with_(weak) if motion in self._weak else weak
+
+    def sentences(self) -> list[str]:
+        """About those that are too weak; of many one sentence."""
+        weak = [words for motion, words in self._weak.items() if motion not in self._moving]
+        if len(weak) <= NAMED:
+            return [f"{one.name}: {one.words}: too weak to uplift" for one in weak]
+        every = reduce(_Weak.with_, weak)
+        return [f"{len(weak)} motions are too weak to uplift a body: {every.words} (first: {every.name})"]
+
+
+_Motion = tuple[str, tuple[str, ...]]
+"""What tells motions apart: name and files."""
+
+
+def _motion(channel: Channel) -> _Motion:
+    return _name(channel), channel.files if isinstance(channel, Samples) else ()

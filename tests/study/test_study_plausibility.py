@@ -67,6 +67,28 @@ class TestDoubts:
         scales = {"motion.pulse.a_p": a_p, "motion.pulse.T_p": {"from": 0.1, "to": 2, "n": 200}}
         assert warnings_of({"motion": {"pulse": SINE}}, vary=scales) == ()
 
+    def test_a_motion_that_uplifts_one_body_is_not_too_weak(self):
+        bodies = {
+            "slender": {"height": 2, "width": 0.3, "mu": 0.6},
+            "stout": {"outline": [[0, 0], [2, 0], [2, 1], [0, 1]]},
+        }
+        weak = {"motion": {"pulse": {**SINE, "a_p": "0.3*g"}}}
+        assert warnings_of(weak, vary={"block": bodies}) == ()
+        assert "too weak" in warnings_of(weak, vary={"block": {"stout": bodies["stout"]}})[0]
+
+    def test_many_that_are_too_weak_are_one_sentence(self, tmp_path):
+        for i in range(5):
+            (tmp_path / f"q{i}.txt").write_text(f"0 0\n0.01 {0.1 * (i + 1):.1f}\n0.02 0\n")
+        motion = {"motion": {"record": {"file": str(tmp_path / "q0.txt"), "units": "m/s2"}}}
+        files = {"motion.record.file": str(tmp_path / "q*.txt")}
+        bodies = {"slender": {"height": 2, "width": 0.3}, "stout": {"outline": [[0, 0], [2, 0], [2, 1], [0, 1]]}}
+        (said,) = warnings_of(motion, vary={**files, "block": bodies})
+        low, high = 0.1 / 9.81, 0.5 / 9.81
+        assert said == (
+            f"5 motions are too weak to uplift a body: PGA {low:.3g} to {high:.3g} g = {low / 2:.3g} to "
+            f"{high / 0.15:.3g} g tan alpha (first: q0.txt)"
+        )
+
     def test_the_linearized_block_uplifts_at_alpha(self):
         case = {"block": {"R": 2, "tan_alpha": 1.0}, "motion": {"pulse": {**SINE, "a_p": "0.9*g"}}}
         assert "too weak" in warnings_of(case)[0]

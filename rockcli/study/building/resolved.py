@@ -16,7 +16,7 @@ from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key
 from rockcli.study.document.tree import Keys, Map, value_at
-from rockcli.study.plausibility import STILL, plausibility_warnings
+from rockcli.study.plausibility import STILL, Uplift, plausibility_warnings
 
 Array = NDArray[np.float64]
 
@@ -61,6 +61,7 @@ class Found:
     rolling: bool = False
     meant: frozenset[Keys] = frozenset()
     implausible: dict[str, None] = field(default_factory=dict)
+    uplift: Uplift = field(default_factory=Uplift)
 
     def look(self, numbers: Numbers, batch: Batch) -> None:
         """Take note of a batch and of the numbers it was built from."""
@@ -71,6 +72,7 @@ class Found:
         self.rolling |= bool(batch.block.rolls.any())
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
         self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
+        self.uplift.look(batch)
         self._channel(numbers, batch, batch.excitation.horizontal, MOTION)
         self._channel(numbers, batch, batch.excitation.vertical, (*MOTION, "vertical"))
         if (suite := batch.excitation.suite) is not None:
@@ -127,7 +129,7 @@ class Found:
         for_nothing = value_at(study, ("case", "geometry")) is not None and not self._knows_geometry
         no_column = value_at(study, ("case", "column")) is not None and not self._reads_column
         unread = [NO_GEOMETRY] * for_nothing + [NO_COLUMN] * no_column
-        return [STILL] * nothing_moves + unread + list(self.implausible)
+        return [STILL] * nothing_moves + unread + self.uplift.sentences() + list(self.implausible)
 
     @property
     def _knows_geometry(self) -> bool:
