@@ -107,7 +107,7 @@ def plot(
         kind: kind of plot, such as `histories`, `map`, `ida`, `fragility`; None = the first that the study lists, else
             the first its content suggests.
         path: also written there, as .png, .pdf or .svg.
-        select: {axis: value or list of values} of the cases shown, in SI units, or as "0.4g".
+        select: {axis: value or list of values} of the cases shown, in SI units, or as "0.4g", "10deg".
         width: "single" (90 mm), "double" (180 mm) or a number of mm; None = as its content needs.
         title: instead of the study's; None = no title.
         labels: words for "x" and "y", or for "y1", "y2", ..., the rows of panels from the top.

@@ -11,7 +11,7 @@ Select = Annotated[
     typer.Option(
         "--select",
         metavar="AXIS=VALUE[,VALUE...]",
-        help="Only these cases, may be repeated; a number in SI units, or as 0.4g.",
+        help="Only these cases, may be repeated; a number in SI units, or as 0.4g, 10deg.",
     ),
 ]
 """The option of a command."""

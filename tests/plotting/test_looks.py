@@ -97,6 +97,18 @@ def test_selected_cases_are_drawn_and_named(sizes: xarray.Dataset, pga: xarray.D
     assert float(part.theta_peak_over_alpha.squeeze()) == float(pga.theta_peak_over_alpha.values[2, 1])
 
 
+def test_an_angle_may_be_in_degrees() -> None:
+    pulse = {"shape": "sine", "a_p": 2.0, "omega_p": 5.0}
+    angles = {"block.alpha": ["10*deg", "15*deg", 0.3], "motion.pulse.a_p": [2.0, 3.0]}
+    dataset = rockcli.run({"case": {"block": {"R": 2, "alpha": 0.2}, "motion": {"pulse": pulse}}, "vary": angles})
+    for said in ("15deg", "15*deg", " 15 deg", 15 * np.pi / 180):
+        assert place_on(dataset, "block_alpha", said) == 1
+    assert place_on(dataset, "block_alpha", "0.3") == 2
+    for axis, said in (("block_alpha", "15g"), ("motion_pulse_a_p", "15deg"), ("block_alpha", "deg")):
+        with pytest.raises(StudyError, match="expected a number"):
+            place_on(dataset, axis, said)
+
+
 @pytest.mark.parametrize(
     ("chosen", "words"),
     [

@@ -34,7 +34,7 @@ def selected(dataset: xarray.Dataset, chosen: Mapping[str, Any]) -> tuple[xarray
     Args:
         dataset: of `rock run`.
         chosen: {axis, by its name, its path or the end of that: a value or a list of values}; numbers in SI units, or
-            as `0.4g`.
+            as `0.4g` and `10deg`.
 
     Raises:
         StudyError: there is no such axis or value.
@@ -61,7 +61,9 @@ def _axis(dataset: xarray.Dataset, said: str) -> str:
 
 
 def place_on(dataset: xarray.Dataset, axis: str, value: Any) -> int:
-    """Where on an axis a value stands: a number to six digits, of accelerations also as `0.4g`; a label as written.
+    """Where on an axis a value stands.
+
+    A number to six digits, of accelerations also as `0.4g`, of angles as `10deg`; a label as written.
 
     Raises:
         StudyError: it does not.
@@ -83,8 +85,10 @@ def place_on(dataset: xarray.Dataset, axis: str, value: Any) -> int:
 
 def _number(words: str, dataset: xarray.Dataset, axis: str) -> float:
     divisor, unit = shown_unit(dataset, axis)
-    bare = words.strip().removesuffix("g").rstrip(" *") if unit == "g" else words
-    return float(bare) * (divisor if bare != words.strip() and unit == "g" else 1.0)
+    word, factor = ("deg", np.pi / 180.0) if unit == "rad" else (unit, divisor)
+    if word in ("deg", "g") and words.strip().endswith(word):
+        return float(words.strip().removesuffix(word).rstrip(" *")) * factor
+    return float(words)
 
 
 def _at(dataset: xarray.Dataset, axis: str, places: list[int]) -> xarray.Dataset:
