@@ -122,6 +122,30 @@ def test_what_is_not_there_cannot_be_selected(sizes: xarray.Dataset, chosen: dic
         selected(sizes, chosen)
 
 
+@pytest.mark.parametrize(
+    ("said", "meant"),
+    [
+        ("hrem", "'herm'"),
+        ("BUST", "'bust-1'"),
+        ("bust 2", "'bust-2'"),
+        ("FF26", "'P695FF26_LOMAP_G03090.AT2'"),
+        ("x", ""),
+    ],
+)
+def test_a_label_that_is_nearly_there_is_named(said: str, meant: str) -> None:
+    labels = ["kouros", "herm", "bust-1", "bust-2", "P695FF26_LOMAP_G03090.AT2", *(f"stele {i}" for i in range(30))]
+    dataset = xarray.Dataset(
+        {"outcome": ("case", np.zeros(len(labels)))},
+        {"case": ("case", np.array(labels, dtype=object), {"path": "case"})},
+        {"axes": "case"},
+    )
+    with pytest.raises(StudyError) as caught:
+        place_on(dataset, "case", said)
+    end = f"; did you mean {meant}?" if meant else ", ..."
+    assert str(caught.value).startswith(f"case={said}: there are kouros, herm, bust-1, ")
+    assert str(caught.value).endswith(end)
+
+
 def test_part_of_a_suite_is_no_suite() -> None:
     vary = {"motion.pulse.omega_p": [3.0, 4.0, 5.0], "motion.pulse.a_p": ["0.3*g", "0.6*g", "0.9*g"]}
     case = {"block": CASE["block"], "motion": {"pulse": {"shape": "sine", "a_p": 1.0, "omega_p": 5.0}}}

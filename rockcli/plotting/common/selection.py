@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +24,9 @@ _NEAR = 1e-6
 """Relative difference up to which a number that was typed is the one of the axis."""
 
 _MOST_NAMED = 20
+
+_LONGEST = 80
+"""Characters of a label that is not there by which the one meant is looked for."""
 
 _MANY = 10**6
 """More ground motions than a dataset with histories has."""
@@ -79,8 +83,17 @@ def place_on(dataset: xarray.Dataset, axis: str, value: Any) -> int:
         found = np.array([str(v) == str(value) for v in values])
     if not found.any():
         more = ", ..." if len(values) > _MOST_NAMED else ""
-        raise StudyError(f"{axis}={value}: there are {', '.join(str(v) for v in values[:_MOST_NAMED])}{more}")
+        near = "" if is_numeric(dataset, axis) else _meant(str(value), [str(v) for v in values])
+        raise StudyError(f"{axis}={value}: there are {', '.join(str(v) for v in values[:_MOST_NAMED])}{more}{near}")
     return int(np.argmax(found))
+
+
+def _meant(said: str, labels: list[str]) -> str:
+    """A hint of the label that is meant: one that contains what is said, or is spelled much like it."""
+    lowered = {label.lower(): label for label in reversed(labels)}
+    word = said[:_LONGEST].lower()
+    close = [low for low in reversed(lowered) if word in low] or get_close_matches(word, lowered, n=1)
+    return f"; did you mean {lowered[close[0]]!r}?" if close else ""
 
 
 def _number(words: str, dataset: xarray.Dataset, axis: str) -> float:
