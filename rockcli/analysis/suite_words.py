@@ -15,7 +15,7 @@ from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.suite_risk import central, largest_tail
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.hazard import CONSISTENT, hazard_words
-from rockcli.scene.limit_states import OVERTURNED, exceeded_when
+from rockcli.scene.limit_states import OVERTURNED, exceeded_when, in_full
 from rockcli.scene.response import SLIDING
 from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
@@ -445,7 +445,7 @@ def limit_words(label: Any) -> str:
     """A limit state for people."""
     if label == OVERTURNED:
         return "overturning"
-    return exceeded_when(str(label)) if ">" in str(label) else f"theta/alpha > {label}"
+    return in_full(exceeded_when(str(label)))
 
 
 def _members(over: Over) -> str:

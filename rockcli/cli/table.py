@@ -110,13 +110,15 @@ def _selected(file: Path, wanted: dict[str, list[str]]) -> Iterator[tuple[Mappin
 def _of_labels(dataset: Any, dim: str, asked: list[str]) -> Any:
     """A dataset at some labels of a dimension, as they are written there or in tables."""
     from rockcli.errors import StudyError
-    from rockcli.scene.limit_states import exceeded_when
+    from rockcli.scene.limit_states import exceeded_when, in_full
+    from rockcli.scene.variables import LIMIT
 
     there = [str(label) for label in dataset[dim].values]
-    unknown = [one for one in asked if one not in there and one not in map(exceeded_when, there)]
+    words = [{label, exceeded_when(label), in_full(label)} if dim == LIMIT else {label} for label in there]
+    unknown = [one for one in asked if not any(one in each for each in words)]
     if unknown:
         raise StudyError(f"{dim}={unknown[0]}: there are {', '.join(there)}")
-    return dataset.isel({dim: [i for i, label in enumerate(there) if {label, exceeded_when(label)} & set(asked)]})
+    return dataset.isel({dim: [i for i, each in enumerate(words) if each & set(asked)]})
 
 
 def _print(table: Table, rows: int, always: Sequence[str]) -> None:
@@ -150,6 +152,11 @@ def _tells(column: Column) -> bool:
 
 
 def _cells(column: Column) -> list[str]:
-    """At most six digits; nothing where there is no answer."""
+    """At most six digits; nothing where there is no answer; limit states in full."""
+    from rockcli.scene.limit_states import in_full
+    from rockcli.scene.variables import LIMIT
+
     values = column.values.tolist()
+    if column.name == LIMIT:
+        return [in_full(str(label)) for label in values]
     return [("" if v != v else f"{v:.6g}") if isinstance(v, float) else str(v) for v in values]

@@ -16,3 +16,8 @@ def limit_label(quantity: str, value: float) -> str:
 def exceeded_when(label: str) -> str:
     """When a limit state is exceeded: that of a slide also by what overturns, whose rotation exceeds any by itself."""
     return f"{label} or {OVERTURNED}" if ">" in label else label
+
+
+def in_full(label: str) -> str:
+    """A limit state for readers: the bare number of a rotation says what it is of."""
+    return label if label == OVERTURNED or ">" in label else f"theta/alpha > {label}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 
 import pytest
 
@@ -18,6 +19,8 @@ vary:
 save: {histories: true, dt_out: 0.1}
 plots: none
 """
+
+TENTH = "theta/alpha > 0.1"
 
 
 @pytest.fixture
@@ -60,7 +63,7 @@ def test_one_percentile_is_a_column(rock, dataset, capsys):
     asked = "fragility_percentile_5,fragility_percentile_ci_low_5"
     assert rock("table", dataset, "--of", "fragility", "--columns", asked) == 0
     shown = capsys.readouterr()
-    assert shown.out.split("\n")[0].split("  ") == [
+    assert re.split(" {2,}", shown.out.split("\n")[0]) == [
         "limit_state",
         "fragility_percentile_5 [g]",
         "fragility_percentile_ci_low_5 [g]",
@@ -134,6 +137,18 @@ def test_one_limit_state_of_a_table(rock, dataset, tmp_path, capsys):
     assert "limit_state=fallen: there are" in capsys.readouterr().err
 
 
+def test_a_printed_table_says_what_a_limit_state_is_of(rock, dataset, tmp_path, capsys):
+    asked = ("table", dataset, "--of", "fragility", "--columns", "fragility_median")
+    assert rock(*asked) == 0
+    assert [line.split("  ")[0] for line in capsys.readouterr().out.splitlines()[1:]] == [TENTH, "overturned"]
+    for said in ("0.1", TENTH):
+        assert rock(*asked, "--select", f"limit_state={said}") == 0
+        assert [line.split("  ")[0] for line in capsys.readouterr().out.splitlines()[1:]] == [TENTH]
+    assert rock(*asked, "--out", "labels.csv") == 0
+    with (tmp_path / "labels.csv").open(encoding="utf-8") as file:
+        assert [row["limit_state"] for row in csv.DictReader(file)] == ["0.1", "overturned"]
+
+
 def test_rows_are_sorted_by_a_column_and_the_column_is_shown(rock, dataset, capsys):
     assert rock("table", dataset, "--sort", "-t_peak", "--select", "a_p=0.1g,0.25g", "--rows", 4) == 0
     head, *lines = capsys.readouterr().out.splitlines()
@@ -170,9 +185,9 @@ def test_what_cannot_be_sorted_by_is_said(rock, dataset, capsys, column, words):
 def test_percentiles_are_sorted_by_one_of_them(rock, dataset, capsys):
     asked = ("table", dataset, "--of", "fragility", "--columns", "fragility_median", "--sort")
     assert rock(*asked, "-fragility_percentile_5") == 0
-    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:]] == ["overturned", "0.1"]
+    assert [line.split("  ")[0] for line in capsys.readouterr().out.splitlines()[1:]] == ["overturned", TENTH]
     assert rock(*asked, "fragility_percentile_5") == 0
-    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:]] == ["0.1", "overturned"]
+    assert [line.split("  ")[0] for line in capsys.readouterr().out.splitlines()[1:]] == [TENTH, "overturned"]
     assert rock(*asked, "fragility_percentile") == 2
     assert "is several: sort by one of fragility_percentile_1, " in capsys.readouterr().err
 
