@@ -146,6 +146,8 @@ def _run() -> None:
     except SystemExit as left:
         if left.code == INTERRUPTED:  # typer keeps the interrupt to itself
             tell()
+        elif left.code in (None, 0, 1) and sys.argv[1:2] != ["run"]:  # a run refuses it
+            _warn_of_changes()
         raise
     except KeyboardInterrupt:
         tell()
@@ -176,6 +178,16 @@ def _run() -> None:
             say(f"rock: this is a bug in rock: {_words(error)}", err=True)
             say("rock: set ROCK_DEBUG=1 for the traceback", err=True)
         sys.exit(BROKE)
+
+
+def _warn_of_changes() -> None:
+    """Name the datasets among those read that are not as they were written, of those that are small enough to tell."""
+    storage = sys.modules.get("rockcli.storage.netcdf")
+    if storage is None:
+        return
+    for path in storage.checksum.opened():
+        if storage.is_soon_told(path) and storage.is_intact(path) is False:
+            say(f"rock: {path}: warning: is damaged, or was changed by another program: do not trust it", err=True)
 
 
 def _damaged() -> str:
