@@ -1,7 +1,8 @@
-"""What differs between two datasets: outcomes, and peaks beyond a tolerance, at the points they share."""
+"""What differs between two datasets at the points they share: outcomes and peaks, or what two searches found."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,8 +11,10 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.places import coordinate, place, units_of
 from rockcli.errors import StudyError
+from rockcli.scene.axis_path import axis_path
 from rockcli.scene.response import OUTCOMES
-from rockcli.scene.units import SI
+from rockcli.scene.thresholds import FOUND, IN_RANGE, STATES, Thresholds
+from rockcli.scene.units import SI, Units, unit_words
 from rockcli.scene.variables import PEAK
 from rockcli.storage.contents import Contents
 from rockcli.study.study import MATCH
@@ -36,6 +39,9 @@ class Difference:
         median: median of those relative differences.
         worst: (place, words) of the worst points, outcomes first, then peaks by size.
         paired: axes of the first -> axes of the second that were taken for them, as their labels are the same.
+        quantity: what is compared as peaks: theta_peak_over_alpha, or the threshold of two searches
+            (`<axis>_overturning`), whose states take the place of outcomes.
+        changes: {`rocking -> overturned_after_impact`: points}, the most frequent first.
     """
 
     points: int
@@ -47,6 +53,8 @@ class Difference:
     median: float
     worst: tuple[tuple[str, str], ...]
     paired: dict[str, str]
+    quantity: str
+    changes: dict[str, int]
 
     @property
     def same(self) -> bool:
@@ -59,16 +67,17 @@ def difference(
 ) -> Difference:
     """Compare b with a at the points of the axes that both have.
 
-    Two peaks agree if |b - a| <= atol + rtol max(|a|, |b|), or both are infinite, or neither has an answer.
+    Two peaks agree if |b - a| <= atol + rtol max(|a|, |b|), or both are infinite, or neither has an answer.  Two
+    thresholds agree also if they are no farther apart than the brackets in which they were found are wide.
 
     Args:
         a, b: datasets with the same axes, in any order; where its labels are the same, an axis of labels may have
             another name, as the same settings have by name below one key and in a table below another.
-        rtol, atol: allowed differences of theta_peak_over_alpha.
+        rtol, atol: allowed differences of theta_peak_over_alpha, or of the thresholds.
         most: worst points named.
 
     Raises:
-        StudyError: the axes differ, no point is shared, or neither outcome nor peak is in both.
+        StudyError: the axes differ, no point is shared, or neither outcome, nor peak, nor threshold is in both.
     """
     paired = _paired(a, b)
     b = _renamed(b, {other: axis for axis, other in paired.items()})
@@ -80,36 +89,40 @@ def difference(
             f"the datasets have no point in common: {_said(a, apart)} in the first, {_said(b, apart)} in the second; "
             "points are the same where labels are equal and numbers agree to nine digits"
         )
-    both = [name for name in (OUTCOME, PEAK) if name in a.fields and name in b.fields]
-    if not both:
-        raise StudyError(f"neither {OUTCOME} nor {PEAK} is in both datasets")
+    quantity, flags, (peak_a, slack_a), (peak_b, slack_b) = _compared(a, b, at_a, at_b)
     shape = tuple(len(rows) for rows in at_a)
     other = np.zeros(shape, dtype=bool)
     beyond = np.zeros(shape, dtype=bool)
     relative = np.full(shape, np.nan)
-    if OUTCOME in both:
-        flags_a, flags_b = _picked(a, OUTCOME, at_a), _picked(b, OUTCOME, at_b, a.axes)
+    if flags is not None:
+        words_of, flags_a, flags_b = flags
         other = flags_a != flags_b
-    if PEAK in both:
-        peak_a, peak_b = _picked(a, PEAK, at_a), _picked(b, PEAK, at_b, a.axes)
+    if quantity:
         with np.errstate(invalid="ignore", divide="ignore"):
             scale = np.maximum(np.abs(peak_a), np.abs(peak_b))
             apart = np.abs(peak_b - peak_a)
-            agree = (apart <= atol + rtol * scale) | (peak_a == peak_b) | (np.isnan(peak_a) & np.isnan(peak_b))
+            near = apart <= atol + rtol * scale + np.maximum(slack_a, slack_b)
+            agree = near | (peak_a == peak_b) | (np.isnan(peak_a) & np.isnan(peak_b))
             relative = np.where(scale > atol, apart / scale, 0.0)
         beyond = ~agree & ~other
     rank = np.where(other, np.inf, np.where(beyond, np.where(np.isfinite(relative), relative, 1e300), -1.0)).ravel()
     order = np.argsort(-rank, kind="stable")[:most]
-    worst = []
+    worst: list[tuple[str, str]] = []
+    changes: dict[str, int] = {}
+    if flags is not None:
+        pairs, counts = np.unique(np.stack([flags_a[other], flags_b[other]]), axis=1, return_counts=True)
+        for i in np.argsort(-counts, kind="stable"):
+            changes[f"{words_of[int(pairs[0, i])]} -> {words_of[int(pairs[1, i])]}"] = int(counts[i])
+    shown = SI if si else units_of(a)
     for flat in order[rank[order] >= 0.0]:
         at = np.unravel_index(int(flat), shape)
         words = []
-        if OUTCOME in both and other[at]:
-            words.append(f"{OUTCOMES[int(flags_a[at])]} -> {OUTCOMES[int(flags_b[at])]}")
-        if PEAK in both:
-            words.append(f"peak {peak_a[at]:.9g} -> {peak_b[at]:.9g}")
+        if flags is not None and other[at]:
+            words.append(f"{words_of[int(flags_a[at])]} -> {words_of[int(flags_b[at])]}")
+        if quantity:
+            words.append(_from_to(a, quantity, float(peak_a[at]), float(peak_b[at]), shown))
         rows = [rows[i] for rows, i in zip(at_a, at, strict=True)]
-        worst.append((place(a, a.axes, rows, SI if si else units_of(a)), ", ".join(words)))
+        worst.append((place(a, a.axes, rows, shown), ", ".join(words)))
     finite = relative[np.isfinite(relative)]
     return Difference(
         points=points,
@@ -121,7 +134,62 @@ def difference(
         median=float(np.median(finite)) if finite.size else np.nan,
         worst=tuple(worst),
         paired=paired,
+        quantity=quantity,
+        changes=changes,
     )
+
+
+_Flags = tuple[Mapping[int, str], NDArray[Any], NDArray[Any]]
+"""Words of flags, and those of two datasets."""
+
+_Peaks = tuple[NDArray[Any], NDArray[Any] | float]
+"""Values of a dataset, and how far each may be off by itself."""
+
+
+def _compared(
+    a: Contents, b: Contents, at_a: list[NDArray[np.int64]], at_b: list[NDArray[np.int64]]
+) -> tuple[str, _Flags | None, _Peaks, _Peaks]:
+    """What is compared as peaks ("": nothing), flags, and the values of both; flags None where not both have them."""
+    nothing: _Peaks = (np.empty(0), 0.0)
+    flags: _Flags | None = None
+    if OUTCOME in a.fields and OUTCOME in b.fields:
+        flags = OUTCOMES, _picked(a, OUTCOME, at_a), _picked(b, OUTCOME, at_b, a.axes)
+    if PEAK in a.fields and PEAK in b.fields:
+        return PEAK, flags, (_picked(a, PEAK, at_a), 0.0), (_picked(b, PEAK, at_b, a.axes), 0.0)
+    if flags is not None:
+        return "", flags, nothing, nothing
+    found = [[name for name in x.fields if name.endswith(FOUND)] for x in (a, b)]
+    both = [name for name in found[0] if name in found[1]]
+    if not both:
+        raise StudyError(
+            f"neither {OUTCOME} nor {PEAK} is in both datasets, nor what a search found ({_or_none(found[0])} in the "
+            f"first, {_or_none(found[1])} in the second)"
+        )
+    of_a, of_b = (_thresholds(x, both[0], at, a.axes) for x, at in ((a, at_a), (b, at_b)))
+    flags = STATES, of_a.state, of_b.state
+    return both[0], flags, (of_a.value, _width(of_a)), (of_b.value, _width(of_b))
+
+
+def _or_none(names: list[str]) -> str:
+    return ", ".join(names) or "none"
+
+
+def _thresholds(contents: Contents, name: str, at: list[NDArray[np.int64]], order: tuple[str, ...]) -> Thresholds:
+    return Thresholds.read(name, lambda one: _picked(contents, one, at, order) if one in contents.fields else None)
+
+
+def _width(found: Thresholds) -> NDArray[np.float64]:
+    with np.errstate(invalid="ignore"):
+        return np.where(found.state == IN_RANGE, found.high - found.low, 0.0)
+
+
+def _from_to(contents: Contents, quantity: str, before: float, after: float, units: Units) -> str:
+    """`peak 0.5 -> 0.6`, or a threshold in the units it is shown in."""
+    if quantity == PEAK:
+        return f"peak {before:.9g} -> {after:.9g}"
+    attrs = contents.fields[quantity].attrs
+    divisor, unit = units.of(str(attrs.get("units", "1")), axis_path(attrs, ""))
+    return f"{quantity} {before / divisor:.9g} -> {after / divisor:.9g}{unit_words(unit)}"
 
 
 def _paired(a: Contents, b: Contents) -> dict[str, str]:
@@ -152,7 +220,7 @@ def _renamed(contents: Contents, names: dict[str, str]) -> Contents:
     fields = {
         names.get(name, name): replace(item, dims=tuple(names.get(dim, dim) for dim in item.dims))
         for name, item in contents.fields.items()
-        if name in (*contents.axes, OUTCOME, PEAK)
+        if name in (*contents.axes, OUTCOME, PEAK) or FOUND in name
     }
     return Contents(axes, fields, contents.attrs)
 

@@ -20,7 +20,7 @@ def compare(
     most: Annotated[int, typer.Option("--most", metavar="N", help="How many of the worst points are named.")] = 10,
     as_json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON.")] = False,
 ) -> None:
-    """Compare the outcomes and peaks of two datasets at the points both have.
+    """Compare the outcomes and peaks of two datasets at the points both have, of searches the thresholds found.
 
     Exit 1 on another outcome or a peak beyond --rtol; the worst points are named.
     """
@@ -42,6 +42,7 @@ def compare(
 
 def _in_words(found: Difference, rtol: float) -> str:
     from rockcli.cli.progress import counted
+    from rockcli.scene.thresholds import FOUND
 
     lines = [f"{counted(found.points, 'point')} in both"]
     if found.only_a or found.only_b:
@@ -49,15 +50,22 @@ def _in_words(found: Difference, rtol: float) -> str:
     lines += [
         f"  the axis {b} of the second is taken for {a}: its labels are the same" for a, b in found.paired.items()
     ]
-    lines.append(f"  outcomes  {found.outcomes} differ")
+    search = found.quantity.endswith(FOUND)
+    flags, values = ("states", found.quantity) if search else ("outcomes", "peaks")
+    lines.append(f"  {flags:<9} {found.outcomes} differ")
+    lines += [f"            {n} {_spaced(words)}" for words, n in found.changes.items()]
     if found.largest == found.largest:
         spread = f"relative difference: median {found.median:.2g}, largest {found.largest:.2g}"
-        lines.append(f"  peaks     {found.peaks} beyond rtol {rtol:g}; {spread}")
+        lines.append(f"  {values:<9} {found.peaks} beyond rtol {rtol:g}; {spread}")
     lines += [f"    {place + ': ' if place else ''}{words}" for place, words in found.worst]
     hidden = found.outcomes + found.peaks - len(found.worst)
     if hidden:
         lines.append(f"    and {hidden} more")
     return "\n".join(lines)
+
+
+def _spaced(words: str) -> str:
+    return words.replace("_", " ")
 
 
 def _as_json(found: Difference) -> str:

@@ -13,6 +13,7 @@ from rockcli.analysis.compare_datasets import difference
 from rockcli.cli.main import app
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
+from rockcli.scene.response import FAILED, NO_UPLIFT, ROCKING
 from rockcli.storage import netcdf
 from rockcli.storage.contents import Contents, Field
 from rockcli.study.open import open_study
@@ -150,3 +151,70 @@ def test_the_command(first: Contents, tmp_path: Path) -> None:
     summary = json.loads(rock.invoke(app, ["compare", str(a), str(b), "--json"]).stdout)
     assert summary["same"] is False
     assert summary["points"] == 8
+    assert summary["quantity"] == "theta_peak_over_alpha"
+    assert sum(summary["changes"].values()) == summary["outcomes"]
+
+
+def test_changes_of_the_outcome_are_counted(first: Contents) -> None:
+    before = after = first
+    for at, one, other in (((1, 0), NO_UPLIFT, ROCKING), ((2, 0), ROCKING, FAILED), ((2, 1), ROCKING, FAILED)):
+        before, after = changed(before, "outcome", at, one), changed(after, "outcome", at, other)
+    found = difference(before, after, rtol=1e-6)
+    assert list(found.changes.items()) == [("rocking -> failed", 2), ("no_uplift -> rocking", 1)]
+    assert found.outcomes == 3
+
+
+def searched(**more: object) -> Contents:
+    study = {
+        "name": "search",
+        "case": {
+            "block": {"R": 2.0, "tan_alpha": 0.2},
+            "motion": {"pulse": {"shape": "sine", "a_p": 1.0, "omega_p_over_p": 4}},
+            **more,
+        },
+        "vary": {
+            "motion.pulse.omega_p_over_p": [2.0, 4.0, 8.0],
+            "motion.pulse.a_p": {"from": "0.2*g", "to": "1.2*g", "n": 20, "find": "overturning"},
+        },
+    }
+    return solve(open_study(study))
+
+
+def test_what_two_searches_found_is_compared(tmp_path: Path) -> None:
+    one, other = searched(), searched(damping={"scheme": "restitution", "eta": 0.8})
+    same = difference(one, one, rtol=1e-6)
+    assert (same.same, same.points, same.quantity) == (True, 3, "motion_pulse_a_p_overturning")
+    found = difference(one, other, rtol=1e-3)
+    a, b = (x.values("motion_pulse_a_p_overturning") for x in (one, other))
+    both = np.isfinite(a) & np.isfinite(b)
+    assert (
+        found.outcomes
+        == (
+            one.values("motion_pulse_a_p_overturning_state") != other.values("motion_pulse_a_p_overturning_state")
+        ).sum()
+    )
+    assert found.peaks == (np.abs(b[both] - a[both]) > 1.001e-3 * np.maximum(a, b)[both]).sum() > 0
+    near = changed(
+        one,
+        "motion_pulse_a_p_overturning_high",
+        (0,),
+        float(one.values("motion_pulse_a_p_overturning_high")[0]) * (1 + 1e-8),
+    )
+    assert difference(one, near, rtol=0.0).same  # within the bracket
+    paths = [tmp_path / "a.nc", tmp_path / "b.nc"]
+    for path, contents in zip(paths, (one, other), strict=True):
+        netcdf.write(contents, path)
+    told = CliRunner().invoke(app, ["compare", *map(str, paths)])
+    assert told.exit_code == 1
+    assert "motion_pulse_a_p_overturning" in told.stdout
+    assert f"{a[0] / 9.81:.9g} -> {b[0] / 9.81:.9g} g" in told.stdout
+
+
+def test_two_searches_of_other_axes_say_what_each_found() -> None:
+    one = searched()
+    other = changed(one, "motion_pulse_a_p_overturning", (0,), 1.0)
+    fields = {name.replace("motion_pulse_a_p_over", "scale_over"): item for name, item in other.fields.items()}
+    with pytest.raises(
+        StudyError, match=r"a search found \(motion_pulse_a_p_overturning in the first, scale_overturning in the"
+    ):
+        difference(one, Contents(other.axes, fields, other.attrs), rtol=1e-6)
