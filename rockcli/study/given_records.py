@@ -9,6 +9,7 @@ import numpy as np
 
 from rockcli.errors import StudyError
 from rockcli.motion.motion import Given, Motion
+from rockcli.study.document.loader import check_depth
 
 Records = dict[str, Given | Motion]
 
@@ -20,8 +21,9 @@ def taken_out(study: dict[str, Any]) -> tuple[dict[str, Any], Records]:
     `values` or of its `file`, in a case, in settings or in a list of an axis.
 
     Raises:
-        StudyError: the values are no row of numbers.
+        StudyError: the values are no row of numbers; the study has no end.
     """
+    check_depth(study)
     found: Records = {}
     return _taken(study, found, of_record=False), found
 

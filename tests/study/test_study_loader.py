@@ -4,11 +4,13 @@ import math
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rockcli.errors import StudyError
 from rockcli.study.document.loader import load_file, load_mapping, load_value
 from rockcli.study.document.tree import place
+from rockcli.study.open import open_study
 
 
 def load(tmp_path: Path, text: str | bytes):
@@ -144,8 +146,6 @@ def test_missing_files_and_folders(tmp_path):
 
 
 def test_a_mapping_is_copied_and_made_plain():
-    import numpy as np
-
     given = {"a": (1, 2), "b": np.float64(0.5), "c": np.array([1.0, 2.0]), "d": Path("x.AT2"), 5: True}
     loaded = load_mapping(given)
     assert loaded == {"a": [1, 2], "b": 0.5, "c": [1.0, 2.0], "d": "x.AT2", "5": True}
@@ -156,3 +156,23 @@ def test_a_mapping_is_copied_and_made_plain():
     loop["a"] = loop
     with pytest.raises(StudyError, match="nested too deeply"):
         load_mapping(loop)
+
+
+def test_a_study_that_holds_itself_is_refused():
+    block = {"R": 2, "tan_alpha": 0.2}
+    case: dict = {"block": block}
+    case |= {"motion": case, "initial": case}
+    rows: list = [1]
+    rows.append(rows)
+    record = {"record": {"values": rows, "dt": 0.1, "units": "g"}}
+    for study in ({"case": case}, {"case": {"block": block, "motion": record}}, {"vary": {"block.R": rows}}):
+        with pytest.raises(StudyError, match="nested too deeply"):
+            open_study({"name": "x", "case": {"block": block}} | study)
+
+
+def test_what_a_study_cannot_hold_is_named_with_its_key():
+    for value in (1j, 2 + 0j, np.complex128(2)):
+        with pytest.raises(StudyError, match=r"case\.block\.R: a study holds real numbers, .*, not a complex number"):
+            open_study({"name": "x", "case": {"block": {"R": value, "tan_alpha": 0.2}}})
+    with pytest.raises(StudyError, match=r"vary\.block\.R\[1\]: a study holds .* not a set"):
+        open_study({"name": "x", "case": {"block": {"R": 1, "tan_alpha": 0.2}}, "vary": {"block.R": [1, {2}]}})

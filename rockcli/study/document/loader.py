@@ -14,16 +14,19 @@ import numpy as np
 import yaml
 
 from rockcli.errors import StudyError
-from rockcli.study.document.tree import List, Map, Source, Where
+from rockcli.study.document.tree import Keys, List, Map, Source, Where, dotted
 from rockcli.study.inputs import MAX_BYTES, read_bytes
 
-__all__ = ["load_any", "load_file", "load_mapping", "load_value", "scalar"]
+__all__ = ["check_depth", "load_any", "load_file", "load_mapping", "load_value", "scalar"]
 
 NAMES = ("name", "title", "references")
 """Keys of a study that are text, also where it reads as a number: `name: 007`."""
 
 MAX_DEPTH = 40
 MAX_VALUES = 200_000
+
+TOO_DEEP = f"nested too deeply (at most {MAX_DEPTH} levels)"
+TOO_MANY = f"more than {MAX_VALUES} values"
 
 _INT = re.compile(r"[-+]?[0-9]{1,18}\Z")
 _HEX = re.compile(r"0(x[0-9a-fA-F]{1,15}|o[0-7]{1,20})\Z")
@@ -95,10 +98,24 @@ def load_value(text: str, label: str, *, named: bool = False) -> Any:
 def load_mapping(value: Any) -> Map:
     """A study given as a mapping: copied, and only what YAML could hold let through."""
     count = [0]
-    copied = _plain(value, 0, count)
+    copied = _plain(value, (), count)
     if not isinstance(copied, Map):
         raise StudyError("a study is a mapping with the keys `name`, `case`, ...")
     return copied
+
+
+def check_depth(study: Any) -> None:
+    """`StudyError` for a mapping that is nested too deeply, as one that holds itself is; numbers do not count."""
+    left, count = [(study, 0)], 0
+    while left:
+        value, depth = left.pop()
+        count += 1
+        if depth > MAX_DEPTH:
+            raise StudyError(TOO_DEEP)
+        if count > MAX_VALUES:
+            raise StudyError(TOO_MANY)
+        inside = value.values() if isinstance(value, dict) else value
+        left += [(item, depth + 1) for item in inside if isinstance(item, dict | list | tuple)]
 
 
 def _parse(text: str, source: Source, label: str | None) -> Any:
@@ -201,25 +218,28 @@ def _unfit(text: str) -> str:
     return f"the character {found[0]!a} is not allowed" if found else ""
 
 
-def _plain(value: Any, depth: int, count: list[int]) -> Any:
+def _plain(value: Any, keys: Keys, count: list[int]) -> Any:
+    """What stands at some keys."""
     count[0] += 1
-    if depth > MAX_DEPTH:
-        raise StudyError(f"nested too deeply (at most {MAX_DEPTH} levels)")
+    if len(keys) > MAX_DEPTH:
+        raise StudyError(TOO_DEEP)
     if count[0] > MAX_VALUES:
-        raise StudyError(f"more than {MAX_VALUES} values")
+        raise StudyError(TOO_MANY)
     for text in value if isinstance(value, dict) else (value,):
         if isinstance(text, str) and (why := _unfit(text)):
             raise StudyError(f"{text[:100]!a}: {why}")
     if isinstance(value, dict):
-        return Map({str(key): _plain(item, depth + 1, count) for key, item in value.items()})
+        return Map({str(key): _plain(item, (*keys, str(key)), count) for key, item in value.items()})
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, list | tuple | range):
-        return List([_plain(item, depth + 1, count) for item in value])
+        return List([_plain(item, (*keys, i), count) for i, item in enumerate(value)])
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, Path):
         return str(value)
     if value is None or isinstance(value, bool | int | float | str):
         return value
-    raise StudyError(f"a study holds numbers, text, lists and mappings, not a {type(value).__name__}")
+    what = "a complex number" if isinstance(value, complex) else f"a {type(value).__name__}"
+    where = f"{dotted(keys)}: " if keys else ""
+    raise StudyError(f"{where}a study holds real numbers, text, lists and mappings, not {what}")
