@@ -139,3 +139,19 @@ class TestCoordinates:
         said = told(self.CASE, vary=self.VARY, compare_to={"motion.pulse.a_p": "0.3*q"})
         assert "`q` is not known" in said
         assert "it has 2.943, 4.905" in said
+
+
+class TestAListForANumber:
+    @pytest.mark.parametrize("key", ["alpha", "tan_alpha", "slenderness"])
+    def test_two_edges_have_a_form_of_their_own(self, key):
+        said = told({"block": {"R": 2, key: [0.1, 0.2]}, "initial": {"theta": 0.05}})
+        assert (
+            f"case.block.{key}: a number or an expression is expected, not a list; two different edges are `h`" in said
+        )
+        assert f"`b: [left, right]`; several cases are an axis, `vary: {{block.{key}: [...]}}`" in said
+
+    def test_several_values_are_an_axis(self):
+        said = told({"motion": {"pulse": {"shape": "sine", "a_p": [3, 4], "T_p": 1}}})
+        assert "not a list; several cases are an axis, `vary: {motion.pulse.a_p: [...]}`" in said
+        assert "edges" not in said
+        assert "axis" not in told({"initial": {"theta": {"a": 1}}})

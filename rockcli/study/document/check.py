@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 from rockcli.errors import StudyError
 from rockcli.study.document.complaints import MOST, short
 from rockcli.study.document.tree import Keys, Map, Source, Where, dotted, meant, nearest, place, value_at
-from rockcli.study.document.values import Number, describe
+from rockcli.study.document.values import ONE_NUMBER, Number, describe
 from rockcli.study.schema import CasePart, Part, StudyPart
 
 P = TypeVar("P", bound=Part)
@@ -70,6 +70,9 @@ def _checked(source: Source, study: Map, part: type[P], at: Keys) -> P | None:
     return found
 
 
+_OF_ONE_EDGE = {("block", name) for name in ("alpha", "tan_alpha", "slenderness", "width")}
+"""Keys of a body whose two edges are alike."""
+
 Complaint = tuple[Where, str]
 """Where something is wrong, and what."""
 
@@ -109,6 +112,14 @@ def _error(source: Source, complaints: list[Complaint]) -> StudyError:
     return source.placed(where, first + "".join(lines))
 
 
+def _of_several(study: Map, keys: Keys, said: str) -> str:
+    """A hint where one number is expected and a list of them stands in the case."""
+    if keys[:1] != ("case",) or not isinstance(value_at(study, keys), list) or not said.startswith(ONE_NUMBER):
+        return ""
+    edges = "two different edges are `h` and `b: [left, right]`; " if keys[1:] in _OF_ONE_EDGE else ""
+    return f"; {edges}several cases are an axis, `vary: {{{dotted(keys[1:])}: [...]}}`"
+
+
 def _at(where: Where) -> str:
     return "" if where is None else f"line {where}: " if isinstance(where, int) else f"{where}: "
 
@@ -144,7 +155,7 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
     if kind == "string_pattern_mismatch":
         return where, f"{name} is {value}; only letters, digits, - and _ are allowed, at most 100 of them"
     if kind == "value_error":
-        return where, f"{name}: {detail['ctx']['error']}"
+        return where, f"{name}: {detail['ctx']['error']}{_of_several(study, keys, str(detail['ctx']['error']))}"
     for begin, expected in EXPECTED.items():
         if kind.startswith(begin):
             return where, f"{name} is {value}; expected {expected.format(**detail.get('ctx', {}))}"

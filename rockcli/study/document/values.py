@@ -14,6 +14,8 @@ from rockcli.study.document.tree import nearest
 WEAKEST = "weakest"
 """The direction of the least barrier."""
 
+ONE_NUMBER = "a number or an expression is expected"
+
 LENGTHS = ("m", "cm", "mm", "ft", "inch")
 """Units that a mesh may be in."""
 
@@ -21,7 +23,7 @@ LENGTHS = ("m", "cm", "mm", "ft", "inch")
 def number_or_expression(value: Any) -> Any:
     """A finite number or the text of an expression."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"a number or an expression is expected, not {describe(value)}")
+        raise ValueError(f"{ONE_NUMBER}, not {describe(value)}")
     if isinstance(value, str):
         try:
             parse(value)
