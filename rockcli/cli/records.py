@@ -195,7 +195,7 @@ def convert(
     write_text(target, text)
     for remark in motion.warnings:
         say(f"{source}: {remark}", err=True)
-    say(f"{target}: {len(motion.values)} values, dt {motion.dt:g} s", err=True)
+    say(f"{target}: {len(motion.values)} values, dt {motion.dt:g} s")
 
 
 def _read(file: Path, component: str | int | None, units: str | None, dt: float | None) -> Motion:

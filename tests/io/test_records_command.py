@@ -48,7 +48,8 @@ def test_info_as_json() -> None:
 
 def test_convert_there_and_back(tmp_path: Path) -> None:
     motion = read_record(ROCK)
-    run("convert", ROCK, tmp_path / "a.txt")
+    told = run("convert", ROCK, tmp_path / "a.txt")
+    assert told == f"{tmp_path / 'a.txt'}: {len(motion.values)} values, dt {motion.dt:g} s\n"
     text = read_record(tmp_path / "a.txt")
     assert text.values.tolist() == motion.values.tolist()
     assert (text.units, text.dt) == ("g", motion.dt)
