@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -85,6 +86,23 @@ def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tu
         except StudyError as error:
             complaints.append(error.message)
     return tuple(drawn), tuple(complaints)
+
+
+def left_over(path: Path, drawn: Sequence[Path], *, every: bool) -> str:
+    """A sentence on the figures beside a dataset that earlier runs drew, but for `drawn`; "" where there are none.
+
+    every: all of them, as where none is wanted; else those that are older than the dataset.
+    """
+    from rockcli.study.schema import PLOTS
+
+    name = re.compile(rf"({'|'.join(PLOTS)})(_[0-9]+)?\.({'|'.join(FORMATS)})")
+    written = path.stat().st_mtime
+    found = [
+        one.name
+        for one in sorted(path.parent.iterdir())
+        if name.fullmatch(one.name) and one not in drawn and (every or one.stat().st_mtime < written)
+    ]
+    return f"left by an earlier run, and not drawn by this one: {', '.join(found)}" if found else ""
 
 
 def _names(kinds: Iterator[str]) -> list[str]:

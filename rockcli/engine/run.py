@@ -290,12 +290,14 @@ def _renewed(study: Study, path: Path, sweep: Sweep) -> Contents:
 
 def _draw(study: Study, path: Path, plot_format: str) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """The files drawn, and what is to be said of them: what could not be drawn, and what they leave out unsaid."""
-    from rockcli.engine.draw import draw
+    from rockcli.engine.draw import draw, left_over
 
     if study.size > DRAWN and study.plots != ():
         return (), (f"not drawn: of {study.size} cases, as a figure holds all it shows in memory (at most {DRAWN})",)
     drawn, complaints = draw(path, study.plots, plot_format)
-    return tuple(one.path for one in drawn), (*complaints, *(one.sentence for one in drawn if one.sentence))
+    files = tuple(one.path for one in drawn)
+    untold = [one.sentence for one in drawn] + [left_over(path, files, every=study.plots == ())]
+    return files, (*complaints, *filter(None, untold))
 
 
 def _warnings(contents: Contents) -> tuple[str, ...]:

@@ -235,3 +235,27 @@ def test_what_is_left_behind_is_called_so(tmp_path: Path) -> None:
     sweep_leftovers(copy.parent)
     assert list(copy.parent.iterdir()) == []
     assert (tmp_path / "a.b.nc").read_text() == "half"
+
+
+def test_figures_of_an_earlier_run_are_named(rock, tmp_path, capsys):
+    text = (
+        "name: few\ncase:\n  block: {R: 2.0, tan_alpha: 0.2}\n  initial: {theta: 0.1}\n"
+        "vary: {block.R: [1.0, 2.0]}\nsave: {dt_out: 0.1}\n"
+    )
+    study, folder = tmp_path / "few.yaml", tmp_path / "results" / "few"
+    study.write_text(f"{text}plots: [phase, curve]\n")
+    assert rock("run", "few.yaml") == 0
+    assert "earlier run" not in capsys.readouterr().err
+    (folder / "notes.png").write_bytes(b"")
+    study.write_text(f"{text}plots: [phase]\n")
+    assert rock("run", "few.yaml") == 0
+    assert "left by an earlier run, and not drawn by this one: curve.png" in capsys.readouterr().err  # dataset renewed
+    study.write_text(f"{text}plots: []\n")
+    assert rock("run", "few.yaml") == 0
+    assert "not drawn by this one: curve.png, phase.png" in capsys.readouterr().err
+    assert rock("run", "few.yaml", "--no-plots") == 0
+    assert "earlier run" not in capsys.readouterr().err
+    for name in ("curve.png", "phase.png"):
+        (folder / name).unlink()
+    assert rock("run", "few.yaml") == 0
+    assert "earlier run" not in capsys.readouterr().err
