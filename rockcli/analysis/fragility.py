@@ -40,7 +40,8 @@ STATUS: dict[int, str] = {
 WHY_NOT: dict[int, str] = {
     NONE_EXCEEDS: "no case exceeds it, so the range is too low",
     ALL_EXCEED: "every case exceeds it wherever anything can move: add lower intensities",
-    SEPARABLE: "it goes from none to all within a step of the intensities, and beta cannot be told: add some there",
+    SEPARABLE: "it goes from none to all within a step of the intensities, or one of them alone has members that "
+    "exceed it and members that do not, and beta cannot be told: add some there",
     FALLING: "it is not exceeded more often as the intensity grows",
     BELOW: "it is exceeded where the curve begins or below (begins_at)",
     COLLINEAR: "one of the two intensities is the same for all motions, or follows from the other",

@@ -205,6 +205,14 @@ def test_separable_data_have_no_curve():
     )
 
 
+def test_a_share_at_one_intensity_alone_is_not_told_to_go_from_none_to_all():
+    outcome = np.ones((5, 16))
+    outcome[:2, -1] = 3
+    contents, _ = handmade(outcome, np.where(outcome > 1, np.inf, 0.3))
+    assert np.isnan(contents.values("fragility_median")[-1])
+    assert "or one of them alone has members that exceed it and members that do not" in contents.attrs["warnings"]
+
+
 def test_measures_of_the_motion():
     """Unscaled records: the measures in the dataset are those of the files."""
     base = {
