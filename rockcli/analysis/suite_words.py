@@ -326,17 +326,17 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
                 float(contents.values(f"fragility_{name}")[(*at, i)])
                 for name in ("median", "median_ci_low", "median_ci_high", "beta", "beta_total")
             )
-            added = f" ({total:.4g} with beta_added)" if over.beta_added else ""
+            added = f" ({total:.3g} with beta_added)" if over.beta_added else ""
             tails = []
             for k in (1, 0):  # 5 %, 1 %
                 x, *ends = (
                     float(contents.values(f"fragility_percentile{end}")[(*at, i, k)]) / divisor
                     for end in ("", "_ci_low", "_ci_high")
                 )
-                tails.append(f"{PERCENTILES[k]:g} % at {x:.4g} ({ends[0]:.4g} to {ends[1]:.4g})")
+                tails.append(f"{PERCENTILES[k]:g} % at {x:.3g} ({ends[0]:.3g} to {ends[1]:.3g})")
             yield (
-                f"{where}{limit_words(label)}: median {over.told_against} {median / divisor:.4g}{unit_words(unit)} "
-                f"(95 % {low / divisor:.4g} to {high / divisor:.4g}), beta {beta:.4g}{added}, "
+                f"{where}{limit_words(label)}: median {over.told_against} {median / divisor:.3g}{unit_words(unit)} "
+                f"(95 % {low / divisor:.3g} to {high / divisor:.3g}), beta {beta:.3g}{added}, "
                 f"{', '.join(tails)}{unit_words(unit)} ({n} {_members(over)})"
             )
             if over.second:
