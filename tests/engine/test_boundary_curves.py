@@ -141,6 +141,16 @@ def test_lines_are_drawn_without_the_steps_of_the_map(dataset):
     assert turns.max() < 0.25
 
 
+def test_the_legend_says_the_units_of_the_other_axes(monkeypatch):
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", made_up)
+    vary = STUDY["vary"] | {"block.mass": [100.0, 200.0], "model": ["rigid", "linearized"]}
+    drawn = figures.figure("boundaries", rockcli.run(STUDY | {"vary": vary}))
+    said = [text.get_text() for text in drawn.legends[0].get_texts()]
+    assert [words for words in said if "kg" in words] == [
+        f"{mass} kg, {model}" for mass in ("mass = 100", "mass = 200") for model in ("rigid", "linearized")
+    ]
+
+
 def test_no_point_of_a_line_leaves_its_place_by_more_than_is_known():
     rng = np.random.default_rng(0)
     for closed in (False, True):

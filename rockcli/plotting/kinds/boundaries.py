@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, axes_of
-from rockcli.plotting.common.labels import axis_label, axis_symbol, axis_values, title_of
+from rockcli.plotting.common.labels import axis_label, axis_values, coordinate_label, title_of
 from rockcli.plotting.common.style import COLOURS, MOST_CURVES, SINGLE, headline, legend_below, new_figure, width_or
 from rockcli.plotting.kinds.map import is_log, plane, scale_axes
 
@@ -49,8 +49,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     found = plane(dataset)
     assert found is not None
     others = tuple(axis for axis in axes_of(dataset) if axis not in found)
-    said = [dataset[f"boundary_{axis}"].values for axis in others]
-    group = np.array([", ".join(_named(dataset, others, point)) for point in zip(*said, strict=True)])
+    group = np.array([", ".join(words) for words in zip(*(_named(dataset, axis) for axis in others), strict=True)])
     groups = list(dict.fromkeys(group.tolist())) if others else [""]
     meanings = str(dataset["boundary"].attrs["flag_meanings"]).split()
     kinds, numbers = dataset["boundary"].values, dataset["boundary_curve"].values
@@ -90,9 +89,12 @@ def draw(dataset: xarray.Dataset) -> Figure:
     return figure
 
 
-def _named(dataset: xarray.Dataset, others: tuple[str, ...], point: tuple[Any, ...]) -> list[str]:
-    shown = (f"{value:.4g}" if isinstance(value, float) else str(value) for value in point)
-    return [f"{axis_symbol(dataset, axis)} = {value}" for axis, value in zip(others, shown, strict=True)]
+def _named(dataset: xarray.Dataset, axis: str) -> list[str]:
+    """Where on another axis each point of the boundaries is, in words."""
+    there, which = np.unique(dataset[f"boundary_{axis}"].values, return_inverse=True)
+    values = dataset[axis].values
+    words = [coordinate_label(dataset, axis, int(np.flatnonzero(values == value)[0])) for value in there]
+    return [words[i] for i in which]
 
 
 def _colour(which: int, others: tuple[str, ...]) -> str:
