@@ -92,6 +92,22 @@ def test_an_ida_marks_uplift_but_below_floors(stripes):
     assert not any(word.startswith("uplift") for word in words(rockcli.run(suite(case=case))))
 
 
+def test_an_ida_of_bodies_that_only_slide_is_of_the_slide():
+    vary = SUITE["vary"] | {"motion.pulse.omega_p": {"from": 2, "to": 10, "n": 9}}
+    case = SUITE["case"] | {"block": {"height": 2.0, "width": 1.0, "mu": 0.1}}
+    data = rockcli.run(suite(case=case, vary=vary))
+    assert (data["theta_peak_over_alpha"] == 0.0).all()
+    (axes,) = figures.figure("ida", data).axes
+    assert axes.get_xlabel() == r"$|u|_{\mathrm{max}}$ [m]"
+    peaks = data["slide_peak"].transpose("motion_pulse_omega_p", "motion_pulse_a_p").values
+    drawn = [line.get_xdata() for line in axes.lines if len(line.get_xdata()) == peaks.shape[1]]
+    np.testing.assert_array_equal(np.stack(drawn[: len(peaks)]), peaks)
+    middle = np.sort(peaks, axis=0)
+    assert any(np.allclose(curve, np.median(middle, axis=0)) for curve in drawn[len(peaks) :])
+    assert axes.get_xlim()[1] == pytest.approx(1.06 * peaks.max())
+    assert "uplift" not in str([text.get_text() for text in axes.figure.legends[0].get_texts()])
+
+
 def test_fragility_draws_shares_and_fits(stripes):
     figure = figures.figure("fragility", stripes)
     (axes,) = figure.axes

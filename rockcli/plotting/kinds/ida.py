@@ -1,6 +1,7 @@
 """Incremental dynamic analysis: peak rotation against intensity, every member of the suite and its fractiles.
 
-Overturned cases run off to the right: their curve leaves the figure along the intensity.
+Overturned cases run off to the right: their curve leaves the figure along the intensity.  Where nothing rocks and
+bodies slide, it is the peak of the slide.
 """
 
 from __future__ import annotations
@@ -52,6 +53,8 @@ FRACTILES: tuple[tuple[str, str, tuple[float, ...]], ...] = (
 )
 """End of the variable's name, word, dashes."""
 
+SLIDE = "slide_peak"
+
 MEMBER, BOLD = "#8494A3", COLOURS[0]
 
 _FEW = 8
@@ -87,27 +90,28 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     intensity = axis_values(dataset, suite.along)
     order = np.argsort(intensity)
-    right = _right(dataset)
+    peak = _told(dataset)
+    right = _right(dataset, peak)
     few = int(dataset.sizes[suite.axis]) < _FEW
     lifts = False
     for number, (case, place) in enumerate(shown):
         axes = grid.flat[number]
         part = dataset.isel(place)
-        members = part[PEAK].transpose(suite.axis, suite.along).values[:, order]
+        members = part[peak].transpose(suite.axis, suite.along).values[:, order]
         faint = float(np.clip(_DARK / len(members), _FAINTEST, 1.0))
         for i, curve in enumerate(members):
             look = _own_look(i) if few else _MANY | {"alpha": faint}
             _run(axes, curve, intensity[order], right, zorder=1, **look)
         for end, _, dashes in () if few else FRACTILES:
-            curve = part[f"{PEAK}_{end}"].values[order]
+            curve = _fractile(part, suite, peak, end)[order]
             _run(axes, curve, intensity[order], right, color=BOLD, linewidth=1.6, dashes=dashes, zorder=3)
-        lifts |= _uplift(axes, part, suite.along)
-        if right > 1.05:
+        lifts |= peak == PEAK and _uplift(axes, part, suite.along)
+        if peak == PEAK and right > 1.05:
             axes.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
-            axes.set_xlabel(variable_label(PEAK))
+            axes.set_xlabel(variable_label(peak))
             axes.tick_params(labelbottom=True)
         if number % columns == 0:
             axes.set_ylabel(axis_label(dataset, suite.along))
@@ -115,8 +119,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
         axes.set_axis_off()
     grid.flat[0].set_xlim(0.0, right)
     scale_axes(grid.flat[0], False, is_log(intensity[order]))
-    low = _bottom(dataset, suite, intensity) if is_log(intensity[order]) else min(0.0, float(intensity.min()))
-    grid.flat[0].set_ylim(low, _top(dataset, suite, intensity))
+    low = _bottom(dataset, suite, intensity, peak) if is_log(intensity[order]) else min(0.0, float(intensity.min()))
+    grid.flat[0].set_ylim(low, _top(dataset, suite, intensity, peak))
     looks = [(members_word(dataset, suite), _MANY)]
     looks += [(word, {"color": BOLD, "linewidth": 1.6, "dashes": dashes}) for _, word, dashes in FRACTILES]
     if few:  # each is named, and no percentile is drawn: it would leap from one of them to another
@@ -130,10 +134,28 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if lifts:
         words.append(Line2D([], [], label=r"uplift, $g\,\tan\alpha$", **LIFTS))
     legend_below(figure, words)
-    note = "; ".join(filter(None, [selection_note(len(shown), total, "panels"), "overturned cases leave to the right"]))
+    said = "overturned cases leave to the right" if peak == PEAK else "nothing rocks: displacements along the ground"
+    note = "; ".join(filter(None, [selection_note(len(shown), total, "panels"), said]))
     headline(figure, title_of(dataset), note)
     fit_panels(figure, grid.flat[0], max(0.62 * width / columns, SHORTEST), rows)
     return figure
+
+
+def _told(dataset: xarray.Dataset) -> str:
+    """The peak that is drawn: of bodies that only slide, however far they are shaken, that of the slide."""
+    slides = SLIDE in dataset.variables and bool((dataset[SLIDE].values > 0.0).any())
+    return SLIDE if slides and not (dataset[PEAK].values > 0.0).any() else PEAK
+
+
+def _fractile(part: xarray.Dataset, suite: Suite, peak: str, end: str) -> Array:
+    """A fractile over the suite at every intensity, those of the slide not being in the dataset."""
+    if peak == PEAK:
+        return np.asarray(part[f"{PEAK}_{end}"].values)
+    members = part[peak].transpose(suite.axis, suite.along).values
+    found = np.full(members.shape[1], np.nan)
+    known = ~np.isnan(members).all(axis=0)
+    found[known] = np.nanpercentile(members[:, known], float(end[1:]), axis=0)
+    return found
 
 
 def _own_look(i: int) -> dict[str, Any]:
@@ -156,27 +178,29 @@ def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
     return True
 
 
-def _bottom(dataset: xarray.Dataset, suite: Suite, intensity: Array) -> float:
+def _bottom(dataset: xarray.Dataset, suite: Suite, intensity: Array, peak: str) -> float:
     """Bottom of a logarithmic axis: not far below where the first body moves, as there is nothing to see."""
-    peaks = dataset[PEAK].transpose(suite.along, ...).values
+    peaks = dataset[peak].transpose(suite.along, ...).values
     moved = intensity[(peaks.reshape(len(peaks), -1) > 0.0).any(axis=1)]
     still = intensity[intensity < (moved.min() if len(moved) else np.inf)]
     return float(min(0.7 * moved.min(), still.max()) if len(moved) and len(still) else intensity.min())
 
 
-def _top(dataset: xarray.Dataset, suite: Suite, intensity: Array) -> float:
+def _top(dataset: xarray.Dataset, suite: Suite, intensity: Array, peak: str) -> float:
     """Top of the axis: where all have overturned there is nothing more to see."""
-    peaks = dataset[PEAK].transpose(suite.along, ...).values
+    peaks = dataset[peak].transpose(suite.along, ...).values
     whole = np.asarray(np.isposinf(peaks).reshape(len(peaks), -1).all(axis=1))
     last = np.flatnonzero(~whole[np.argsort(intensity)])
     ordered = np.sort(intensity)
     return float(ordered[min(last[-1] + 2, len(ordered) - 1)]) if len(last) else float(ordered[-1])
 
 
-def _right(dataset: xarray.Dataset) -> float:
+def _right(dataset: xarray.Dataset, peak: str) -> float:
     """Right end of the axis: just beyond the largest rotation that returned, at least alpha, at most 1.8 alpha."""
-    peaks = dataset[PEAK].values
+    peaks = dataset[peak].values
     finite = peaks[np.isfinite(peaks)]
+    if peak == SLIDE:
+        return float(1.06 * finite.max())
     return float(np.clip(1.06 * finite.max(initial=0.0), 1.1, 1.8))
 
 
