@@ -41,7 +41,7 @@ def report_text(report: RunReport, *, every: bool = False) -> str:
     if report.outcomes:
         lines.append(_row("outcomes", ", ".join(f"{n} {outcome_words(name)}" for name, n in report.outcomes.items())))
     if report.peak is not None:
-        where = f" at {report.peak_at}" if report.peak_at else ""
+        where = f" at {report.peak_at}" if report.peak_at and report.peak > 0.0 else ""
         lines.append(_row("peak", f"|theta|/alpha = {report.peak:.6g}{where}" + _survivors(report)))
     if report.slide is not None:
         where = f" at {report.slide_at}" if report.slide_at else ""

@@ -82,7 +82,7 @@ class Rock:
         for name, words, unit in ((PEAK, "peak", "|theta|/alpha = {:.6g}"), ("slide_peak", "slide", "{:.6g} m")):
             value, where = largest(contents, name, units)
             if value is not None and (value > 0.0 or name == PEAK):
-                lines.append((words, unit.format(value) + (f" at {where}" if where else "")))
+                lines.append((words, unit.format(value) + (f" at {where}" if where and value > 0.0 else "")))
         whole = set(str(contents.attrs["axes"]).split()) == set(contents.axes)
         if whole:  # what a suite comes to is not that of a part of it
             lines += [("suite", words) for words in json.loads(contents.attrs.get("ensemble", "{}")).get("shown", ())]

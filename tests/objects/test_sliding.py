@@ -430,6 +430,17 @@ class TestSeen:
         data = rockcli.run(STUDY)
         assert data["outcome"].attrs["flag_meanings"].split()[-1] == "sliding"
 
+    def test_where_nothing_rocks_the_peak_has_no_place(self, tmp_path):
+        from rockcli.cli.words import report_text
+        from rockcli.engine.run import run_study
+        from rockcli.study.open import open_study
+
+        study = STUDY | {"vary": {"block.mu": [0.05, 0.2]}}
+        told = report_text(run_study(open_study(study), tmp_path, plots=False))
+        assert "  peak      |theta|/alpha = 0\n" in told
+        assert "`rock check` says which do" in rockcli.run(study).attrs["warnings"]
+        assert "  peak      |theta|/alpha = 0\n" in f"{rockcli.run(study).rock}\n"
+
     def test_it_stands_in_a_search_and_in_a_suite(self):
         vary = {"block.mu": [0.2, 0.9], "motion.pulse.a_p": {"from": 6.0, "to": 30.0, "n": 9, "find": "overturning"}}
         data = rockcli.run({"name": "s", "case": STUDY["case"], "vary": vary})

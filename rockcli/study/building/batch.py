@@ -202,7 +202,7 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
             said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
     if slides_first(block.mu[:, None], block.tan_alpha).any():
         who = f"is not in model {model}" if model in DEFORMABLE else "in backend event only"
-        said.append(f"mu <= tan alpha: the body slides before it rocks; simulated {who}")
+        said.append(f"a body of mu <= tan alpha slides before it rocks (`rock check` says which do); simulated {who}")
     if (block.rolls & np.isfinite(block.mu)).any():
         said.append(
             "a body that rolls over several vertices is not followed where it would slide: cases whose mu does not "
