@@ -15,7 +15,7 @@ from xml.sax.saxutils import escape, quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility import FITTED
+from rockcli.analysis.fragility import FITTED, NONE_EXCEEDS
 from rockcli.analysis.places import coordinate, units_of
 from rockcli.analysis.suite_words import of_what_arrives
 from rockcli.errors import StudyError
@@ -65,6 +65,11 @@ def fragility_model(contents: Contents) -> Model:
     kind, unit = _intensity_type(contents, told)
     states, names = _states(contents)
     functions, bodies, left_out = [], [], []
+    never = [name for j, name in zip(states, names, strict=True) if _never_exceeded(contents, j)]
+    if len(never) < len(names):
+        left_out = [f"the limit state {name}, which no case exceeds" for name in never]
+        kept = [(j, name) for j, name in zip(states, names, strict=True) if name not in never]
+        states, names = [j for j, _ in kept], [name for _, name in kept]
     for at, body in _bodies(contents):
         missing = [name for j, name in zip(states, names, strict=True) if not _has_curve(contents, at, j)]
         if missing:
@@ -114,7 +119,8 @@ def _states(contents: Contents) -> tuple[list[int], list[str]]:
     chosen = families[0] if families else ""
     if len(families) > 1:
         raise StudyError(
-            f"has limit states of {' and '.join(families)}, which are not nested; give `limits` of one of them"
+            f"has limit states of {' and '.join(families)}, which are not nested; give `limits` of one of them and run "
+            "the study again, which solves no case for it"
         )
     names = [f"{chosen}_{label.rpartition(' > ')[2].removesuffix(' m')}" for label in labels[:-1]]
     return list(range(len(labels))), [_word(name.replace(".", "p")) for name in (*names, labels[-1])]
@@ -159,6 +165,11 @@ def _taxonomy(contents: Contents, dims: tuple[str, ...], values: list[Any], exac
 
 def _has_curve(contents: Contents, at: tuple[int, ...], state: int) -> bool:
     return int(contents.values("fragility_status")[(*at, state)]) == FITTED
+
+
+def _never_exceeded(contents: Contents, state: int) -> bool:
+    """Whether no case of any body exceeds a limit state, as bodies that only slide never overturn."""
+    return bool((contents.values("fragility_status")[..., state] == NONE_EXCEEDS).all())
 
 
 def _function(

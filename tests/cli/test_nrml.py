@@ -150,6 +150,19 @@ def test_what_openquake_cannot_take_is_refused():
         })  # fmt: skip
 
 
+def test_a_limit_state_that_no_case_exceeds_is_left_out():
+    """A cabinet that slides never overturns, and has curves of its slide all the same."""
+    case = study()["case"] | {"block": {"height": 2.0, "width": 1.0, "mu": 0.15}}
+    limits = {"axis": "motion.pulse.omega_p", "along": "a_p", "intensity": "pga", "limits": [{"slide_peak": 0.5}]}
+    vary = {name: values for name, values in study()["vary"].items() if name != "block.tan_alpha"}
+    contents, model = model_of(case=case, over=limits, vary=vary)
+    (function,) = check_rules(model.text).values()
+    assert [row.get("ls") for row in list(function)[1:]] == ["slide_peak_0p5"]
+    assert model.left_out == ("the limit state overturned, which no case exceeds",)
+    median = float(contents.values("fragility_median")[0]) / G
+    assert as_read(function, np.array([median]))[0, 0] == pytest.approx(0.5, abs=2e-3)
+
+
 def test_the_command_writes_a_file(rock, tmp_path, capsys):
     (tmp_path / "tabled.yaml").write_text(SUITE.replace("limits", "intensity: pga, limits"), encoding="utf-8")
     assert rock("run", "tabled.yaml", "--quiet") == 0
