@@ -1,5 +1,7 @@
 """Axes and batches: coordinates, names, and that a million cases are a few array operations."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -132,6 +134,18 @@ class TestForms:
         (tmp_path / "t.csv").write_text(text, encoding="utf-8")
         with pytest.raises(StudyError, match=words):
             study_of({"block": "t.csv"}, tmp_path)
+
+    def test_a_wrong_cell_is_told_with_its_line(self, tmp_path):
+        rows = [f"body {i},{-0.5 if i in (3, 11, 12) else 0.5},{'0.8 m' if i == 7 else 0.8}" for i in range(2, 15)]
+        (tmp_path / "t.csv").write_text("\n".join(["name,block.b,block.h", *rows]) + "\n", encoding="utf-8")
+        with pytest.raises(StudyError) as caught:
+            study_of({"case": "t.csv"}, tmp_path)
+        assert re.search(r"t\.csv:7: case\.block\.h: '0\.8 m' is not an arithmetic expression", str(caught.value))
+        rows[5] = "body 7,0.5,0.8"
+        (tmp_path / "t.csv").write_text("\n".join(["name,block.b,block.h", *rows]) + "\n", encoding="utf-8")
+        with pytest.raises(StudyError) as caught:
+            study_of({"case": "t.csv"}, tmp_path)
+        assert re.findall(r"t\.csv:(\d+): case\.block\.b = -0\.5", str(caught.value)) == ["3", "11", "12"]
 
     def test_a_table_of_a_spreadsheet_in_another_code(self, tmp_path):
         (tmp_path / "t.csv").write_bytes("name,R\na,1*m\nVénus,120*cm\n".encode("cp1252"))

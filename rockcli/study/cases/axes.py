@@ -423,14 +423,15 @@ class _Reader:
         self.labels_first(table, self.source.folder / name)
         paths = [self.of_column(column) for column in table.columns]
         self.once(table.columns, paths)
+        where: list[Where] = [f"{self.source.folder / name}:{i}" for i in table.lines]
         settings = [
             tuple(
-                (path, self.as_number(path, self.checked(path, value)), line)
+                (path, self.as_number(path, self.checked(path, value)), at)
                 for path, value in zip(paths, row, strict=True)
             )
-            for row in table.rows
+            for at, row in zip(where, table.rows, strict=True)
         ]
-        return self.labelled(table.labels, settings, Places(beyond=line), name)
+        return self.labelled(table.labels, settings, Places(tuple(where), line), name)
 
     def of_column(self, head: str) -> Path:
         """The path over a column of a table."""

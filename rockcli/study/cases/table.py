@@ -22,13 +22,14 @@ _OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
 @dataclass(frozen=True)
 class Table:
-    """The head of the first column and its line, labels, paths of the columns, values row by row."""
+    """The head of the first column and its line, labels, paths of the columns, values row by row, and their lines."""
 
     head: str
     line: int
     labels: list[str]
     columns: list[str]
     rows: list[list[Any]]
+    lines: list[int]
 
 
 def read_table(name: str, source: Source, where: Where) -> Table:
@@ -78,7 +79,7 @@ def read_table(name: str, source: Source, where: Where) -> Table:
                 raise StudyError(f"the cell below {column!r} is {cell}: a finite number is expected", file=path, line=i)
     body = [row for _, row in rows[1:]]
     values = [[scalar(cell) for cell in row[1:]] for row in body]
-    return Table(header[0], rows[0][0], [row[0] for row in body], columns, values)
+    return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, [i for i, _ in rows[1:]])
 
 
 def _check_separators(path: Path, line: int, cells: list[str]) -> None:

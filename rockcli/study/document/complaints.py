@@ -58,8 +58,8 @@ class Complaints:
         Args:
             last: a kind of error that is told after the others, and raised where all are of it.
         """
-        alike = [sorted(errors, key=lambda error: error.line or 0) for errors in self.found.values()]
-        alike.sort(key=lambda errors: (isinstance(errors[0], last), errors[0].line or 0))
+        alike = [sorted(errors, key=_place) for errors in self.found.values()]
+        alike.sort(key=lambda errors: (isinstance(errors[0], last), *_place(errors[0])))
         if not alike:
             return
         (first, *again), *others = alike
@@ -71,6 +71,13 @@ class Complaints:
         for error, *again in others[: MOST - 1]:
             lines.append(f"  {_at(error, first)}{short(error.message.splitlines()[0])}{_also(again)}")
         raise kind("\n".join(lines), file=first.file, line=first.line)
+
+
+def _place(error: StudyError | RecordError) -> tuple[int, str, int]:
+    """Where an error is, in order: by line of the study, then of a table, which is told as `FILE.csv:8`."""
+    file, _, row = str(error.file or "").rpartition(":")
+    in_table = error.line is None and row.isdigit()
+    return error.line or 0, file if in_table else str(error.file or ""), int(row) if in_table else 0
 
 
 def _without_case(sentence: str) -> str:
