@@ -188,6 +188,7 @@ def _refused(contents: Contents, over: Over) -> Iterator[str]:
     points = item.values[..., 0].size
     slid = "outcome" in contents.fields and bool((contents.values("outcome") == SLIDING).any())
     slides = ", or bodies slide and do not rock" if slid else ""
+    told: dict[str, list[str]] = {}  # where and why -> the limit states of which it is so
     for i, label in enumerate(contents.values(LIMIT)):
         of_limit = item.values[..., i]
         for status, why in WHY_NOT.items():
@@ -196,7 +197,9 @@ def _refused(contents: Contents, over: Over) -> Iterator[str]:
                 why += slides if status == NONE_EXCEEDS else ""
                 where = place(contents, item.dims[:-1], bad[0], units_of(contents))
                 at = f" at {len(bad)} of {points} points (first: {where})" if points > 1 else ""
-                yield f"no fragility curve for {limit_words(label)}{at}: {why}"
+                told.setdefault(f"{at}: {why}", []).append(limit_words(label))
+    for words, (*others, last) in told.items():
+        yield f"no fragility curve for {', '.join(others)}{' or ' if others else ''}{last}{words}"
 
 
 def _missed(contents: Contents, over: Over) -> Iterator[str]:

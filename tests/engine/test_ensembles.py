@@ -200,8 +200,8 @@ def test_separable_data_have_no_curve():
     contents, _ = handmade(outcome, np.where(outcome > 1, np.inf, 0.3))
     assert np.isnan(contents.values("fragility_median")[-1])
     assert (
-        "no fragility curve for overturning: it goes from none to all within a step of the intensities"
-        in contents.attrs["warnings"]
+        "no fragility curve for theta/alpha > 0.5, theta/alpha > 1 or overturning: it goes from none to all within a step "
+        "of the intensities" in contents.attrs["warnings"]
     )
 
 
