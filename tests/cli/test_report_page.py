@@ -237,6 +237,14 @@ def test_tables_of_the_suite_and_the_rules(tmp_path: Path) -> None:
     assert "<td>west</td><td>1885</td><td>100</td>" in words
 
 
+def test_sentences_on_a_suite_keep_the_names_of_symbols() -> None:
+    study = SUITE | {"vary": SUITE["vary"] | {"block.h": [1.9, 2.0]}}
+    study["case"] = SUITE["case"] | {"block": {"h": 1.9, "b": 0.4}}
+    text = page(rockcli.run(study), [])
+    assert "<li>h=1.9: curves begin at uplift" in text
+    assert "H=1.9" not in text
+
+
 def test_wrong_targets(written: tuple[Path, str], tmp_path: Path) -> None:
     rock = CliRunner()
     for arguments in (

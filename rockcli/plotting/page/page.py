@@ -148,9 +148,10 @@ def _suite(dataset: xarray.Dataset) -> str:
 
 def _plain(dataset: xarray.Dataset, sentence: str) -> str:
     """A sentence with names of axes as they are said."""
-    for axis in axes_of(dataset):
-        sentence = sentence.replace(axis, name_of(dataset, axis))
-    return sentence[:1].upper() + sentence[1:] + "."
+    names = {axis: name_of(dataset, axis) for axis in axes_of(dataset)}
+    sentence = re.sub(r"\w+", lambda word: names.get(word[0], word[0]), sentence)
+    of_a_point = "=" in sentence.partition(" ")[0]  # `h=0.8`, which is not `H`
+    return (sentence if of_a_point else sentence[:1].upper() + sentence[1:]) + "."
 
 
 def _verdicts(verdicts: Sequence[tuple[bool, str]]) -> str:
