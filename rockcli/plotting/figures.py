@@ -32,6 +32,7 @@ from rockcli.plotting.kinds import (
     risk,
     samples,
     spectrum,
+    suite_curve,
     work_precision,
 )
 from rockcli.plotting.kinds import map as outcomes
@@ -74,7 +75,12 @@ def _without_curve(dataset: xarray.Dataset) -> str:
 def _draw_map(dataset: xarray.Dataset) -> Figure:
     """Two numeric axes make a map; one makes curves."""
     mapped = outcomes.plane(dataset) is not None and "outcome" in dataset.variables
-    return outcomes.draw(dataset) if mapped else curve.draw(dataset)
+    return outcomes.draw(dataset) if mapped else _draw_curve(dataset)
+
+
+def _draw_curve(dataset: xarray.Dataset) -> Figure:
+    """Of a suite what it comes to, not some of its members."""
+    return curve.draw(dataset) if suite_curve.along(dataset) is None else suite_curve.draw(dataset)
 
 
 def _draw_histories(dataset: xarray.Dataset) -> Figure:
@@ -95,9 +101,9 @@ _ROWS: tuple[Kind, ...] = (
     Kind("map", "outcomes over two numeric axes; over one as `curve`", _without_map, _draw_map),
     Kind(
         "curve",
-        "peaks over one numeric axis",
+        "peaks over one numeric axis; of a suite the share that overturns",
         _without_curve,
-        curve.draw,
+        _draw_curve,
     ),
     Kind("polar", "peaks by direction of the motion or the body", polar.without_directions, polar.draw),
     Kind(
@@ -157,8 +163,11 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
             del rows["fragility"]
         rows["samples"] = samples.without_samples
         chosen += [name for name, why in rows.items() if not why(dataset)]
-        if not why_not("spectrum", dataset) and not {*rows} & set(chosen):
-            chosen.append("spectrum")
+        if not {*rows} & set(chosen):
+            if not why_not("spectrum", dataset):
+                chosen.append("spectrum")
+            elif suite_curve.along(dataset) is not None and not why_not("curve", dataset):
+                chosen.append("curve")
     elif numeric and not _without_map(dataset):
         mapped = outcomes.plane(dataset) is not None and "outcome" in dataset.variables
         if mapped or not polar.without_directions(dataset):

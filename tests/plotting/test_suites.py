@@ -108,6 +108,29 @@ def test_an_ida_of_bodies_that_only_slide_is_of_the_slide():
     assert "uplift" not in str([text.get_text() for text in axes.figure.legends[0].get_texts()])
 
 
+def test_a_curve_of_a_suite_is_its_share_and_its_median():
+    """Not some bodies under some motions: what the suite comes to, body by body."""
+    block = {"wide": {"h": 1.0, "b": "0.3*k"}, "slender": {"h": 1.5, "b": "0.2*k"}}
+    vary = {"block": block, "let.k": [0.5, 1.0, 1.5, 2.0], "motion.pulse.omega_p": {"from": 2, "to": 8, "n": 9}}
+    case = SUITE["case"] | {"motion": {"pulse": {"shape": "half_sine", "a_p": 0.6 * G, "omega_p": 1.0}}}
+    data = rockcli.run(suite(case=case, let={"k": 1}, vary=vary))
+    assert figures.default_kinds(data) == ("curve",)
+    drawn = figures.figure("curve", data)
+    for axes, name in zip(drawn.axes, ("p_overturned", "theta_peak_over_alpha_p50"), strict=True):
+        values = data[name].transpose("block", "k").values
+        assert (np.isinf(values).any(), len(axes.lines)) == (name != "p_overturned", 2)
+        for line, expected in zip(axes.lines, values, strict=True):
+            np.testing.assert_array_equal(line.get_ydata(), np.where(np.isinf(expected), np.nan, expected))
+            np.testing.assert_array_equal(line.get_xdata(), data["k"].values)
+    assert [words.get_text() for words in drawn.legends[0].get_texts()] == ["wide", "slender"]
+    assert "9 values of" in drawn.get_suptitle()
+    assert "no median where half overturn" in drawn.get_suptitle()
+    assert 0.0 < float(data["p_overturned"].mean()) < 1.0
+    vary = {"let.k": vary.pop("let.k"), **vary}
+    several = rockcli.run(suite(case=case, let={"k": 1}, vary=vary, over=["block", "motion.pulse.omega_p"]))
+    assert len(figures.figure("curve", several).axes[0].lines) == 1
+
+
 def test_fragility_draws_shares_and_fits(stripes):
     figure = figures.figure("fragility", stripes)
     (axes,) = figure.axes
