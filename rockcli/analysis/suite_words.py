@@ -47,6 +47,7 @@ def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
             *_of_risk(contents, study.over, units),
         ]
     said = [
+        *_shares(contents, study, study.over, units),
         *_of_fragility(contents, study.over, units),
         *_of_risk(contents, study.over, units),
         *_of_demand(contents, study.over),
@@ -255,6 +256,31 @@ def _extrapolated(contents: Contents, over: Over) -> Iterator[str]:
 def _any(values: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Whether any body has it, by percentile."""
     return np.asarray(values.reshape(-1, values.shape[-1]).any(axis=0))
+
+
+def _shares(contents: Contents, study: Study, over: Over, units: Units) -> Iterator[str]:
+    """The share of the suite that overturns where no intensity is varied, at the points at which it is largest."""
+    if over.along is not None or study.search is not None or "p_overturned_se" in contents.fields:
+        return
+    item = contents.fields["p_overturned"]
+    share = item.values.ravel()
+    known = np.flatnonzero(np.isfinite(share))
+    if not known.size:
+        return
+    said = f"share of {len(contents.values(over.axis))} {_members(over)} that overturns"
+    if not item.dims:
+        yield f"{said}: {share[0]:.3g}"
+        return
+    falls = known[np.argsort(-share[known], kind="stable")][: int((share[known] > 0.0).sum())]
+    if not falls.size:
+        yield f"{said}: 0 at all {known.size} points"
+        return
+    shown = falls[:MOST_BODIES]
+    at = (place(contents, item.dims, np.unravel_index(int(i), item.values.shape), units) for i in shown)
+    words = [f"{share[i]:.3g} at {where}" for i, where in zip(shown, at, strict=True)]
+    left = known.size - len(shown)
+    more = f"; no larger at {left} more: rock table FILE.nc --of suite --sort -p_overturned" if left else ""
+    yield f"{said}: {'; '.join(words)}{more}"
 
 
 def _of_samples(contents: Contents, study: Study, over: Over, units: Units) -> Iterator[str]:

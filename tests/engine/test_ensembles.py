@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -65,6 +66,23 @@ def test_share_that_overturns_is_that_of_the_closed_form(data):
     assert 0.0 < expected.mean() < 1.0
     np.testing.assert_array_equal(data["p_overturned"].values, expected)
     np.testing.assert_array_equal(data["n_answered"].values, 5)
+
+
+def test_without_an_intensity_the_shares_are_told_the_largest_first():
+    def told(**vary):
+        case = study()["case"] | {"motion": {"pulse": {"shape": "half_sine", "a_p": 2.2 * G * ALPHA, "omega_p": 1.0}}}
+        found = rockcli.run(study(case=case, vary={**vary, "motion.pulse.omega_p": SINES}))
+        (words,) = [words for words in json.loads(found.attrs["ensemble"])["shown"] if words.startswith("share of")]
+        return found["p_overturned"].values, words.removeprefix("share of 5 points of motion_pulse_omega_p that ")
+
+    share, words = told()
+    assert words == f"overturns: {float(share):.3g}"
+    assert 0.0 < share < 1.0
+    share, words = told(**{"block.R": [0.1 * G * 2**k for k in (3, 0, 6, 1, 4, 2, 7, 5)]})
+    order = np.argsort(-share, kind="stable")
+    assert len(set(share)) > 3
+    assert re.findall(r"([0-9.]+) at block_R=", words) == [f"{share[i]:.3g}" for i in order[:6]]
+    assert words.endswith("no larger at 2 more: rock table FILE.nc --of suite --sort -p_overturned")
 
 
 def test_fractiles_count_overturned_as_infinite(data):
