@@ -53,7 +53,8 @@ def read_expect(
     found: tuple[str, ...] = (),
     suite: Over | None = None,
 ) -> tuple[Expect, ...]:
-    """The clauses of a study whose form has been checked; `evaluate` is for the coordinates in `at`.
+    """The clauses of a study whose form has been checked; `evaluate` is for the coordinates in `at` and for
+    the numbers that are expected.
 
     `found`: names of results that a search gives beside the variables of the dataset; `suite`: the ensemble
     statistics of the study.
@@ -236,7 +237,7 @@ def _clause(
     if check in ("is", "is_not"):
         target = _meanings(source, study, (*keys, check), quantity, clause[check])
     else:
-        target = _target(source, study, (*keys, check), quantity, clause[check])
+        target = _target(source, study, (*keys, check), quantity, clause[check], evaluate)
     return Expect(
         quantity=quantity,
         at=match(source, study, (*keys, "at"), clause.get("at") or {}, _axes_of(quantity, axes, suite), evaluate),
@@ -251,11 +252,15 @@ def _clause(
     )
 
 
-def _target(source: Source, study: Map, keys: Keys, quantity: str, value: Any) -> float:
-    number = _number(value)
+def _target(source: Source, study: Map, keys: Keys, quantity: str, value: Any, evaluate: Evaluate) -> float:
+    why = ""
+    try:
+        number = evaluate(value) if isinstance(value, str) and _is_expression(value) else _number(value)
+    except ExpressionError as error:
+        number, why = None, f" ({error})"
     if number is None or math.isnan(number):
         hint = "; a meaning is judged by `is`" if quantity == "outcome" else ""
-        raise source.error(study, keys, f"is {describe(value)}; expected a number{hint}")
+        raise source.error(study, keys, f"is {describe(value)}; expected a number{why}{hint}")
     return number
 
 

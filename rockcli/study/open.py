@@ -289,12 +289,15 @@ def _resolved(
 ) -> dict[str, Any]:
     """The study with short forms written out and defaults filled in; globs as the files they matched.
 
-    Points of `expect` are given by their coordinates, which need no case to be understood.
+    Points of `expect` are given by their coordinates, and what is expected by its number, which need no case to be
+    understood.
     """
     dumped: dict[str, Any] = plain(part.model_dump(by_alias=True))
     for written, clause in zip(dumped["expect"], expect, strict=True):
         if clause.at:
             written["at"] = dict(clause.at)
+        if isinstance(clause.target, float) and isinstance(written[clause.check], str):
+            written[clause.check] = clause.target
     try:
         dumped["case"] = plain(CasePart.model_validate(base["case"]).model_dump(by_alias=True))
     except ValidationError:  # a case that is complete only with the values of the axes

@@ -115,6 +115,16 @@ def test_numbers():
     assert (clauses[3].time, clauses[3].check) == (0.25, "max")
 
 
+def test_what_is_expected_may_be_an_expression_of_every_case():
+    study = expect_of({"quantity": "pga", "max": "0.3*g"}, {"quantity": "theta_peak", "value": "R/m*0.02", "rtol": 0.1})
+    assert [clause.target for clause in study.expect] == pytest.approx([0.3 * 9.81, 0.1], rel=1e-12)
+    again = clauses_of(study.resolved_yaml, [(a.name, a.path, np.array(a.values)) for a in study.axes], ())
+    assert [clause.target for clause in again] == [clause.target for clause in study.expect]
+    for wrong in ("0.3*gg", "tan_alpha*2"):
+        with pytest.raises(StudyError, match=r"expect\[0\]\.max is .*; expected a number \("):
+            expect_of({"quantity": "pga", "max": wrong})
+
+
 def test_an_exact_match_goes_before_a_near_one():
     values = [1.0, 1.0 + 1.5e-9]
     case = {"block": {"R": 5.0, "tan_alpha": 0.2}}
