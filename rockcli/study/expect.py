@@ -139,7 +139,7 @@ def match(
     axes: Sequence[Axis],
     evaluate: Evaluate = of_constants,
 ) -> dict[str, Any]:
-    """{axis name: coordinate} of the points that a mapping of axes (by name or path) to values means.
+    """{axis name: coordinate} of the points that a mapping of axes (by name, path or the end of it) to values means.
 
     Values on numeric axes may be expressions.
 
@@ -149,6 +149,9 @@ def match(
     found: dict[str, Any] = {}
     for said, value in at.items():
         axis = next((a for a in axes if said in (a.name, a.path, f"case.{a.path}")), None)
+        ends = [a for a in axes if a.path.endswith(f".{said}")]
+        if axis is None and len(ends) == 1:
+            axis = ends[0]
         if axis is None:
             names = [name for a in axes for name in dict.fromkeys((a.path, a.name))]
             hint = nearest(said, names) if names else "the study has no axes"

@@ -115,6 +115,18 @@ def test_numbers():
     assert (clauses[3].time, clauses[3].check) == (0.25, "max")
 
 
+def test_an_axis_may_be_named_by_the_end_of_its_path():
+    pulse = {"shape": "sine", "a_p": 3, "T_p": 1}
+    more = {"case": {"block": {"R": 5.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse, "vertical": {"pulse": pulse}}}}
+    vary = {"motion.pulse.a_p": ["0.3*g", "0.5*g"], "motion.vertical.pulse.a_p": [1, 2], "motion.pulse.T_p": [1, 2]}
+    clause = {"quantity": "pga", "at": {"pulse.T_p": 1}, "min": 0}
+    assert expect_of(clause, **more, vary={"motion.pulse.T_p": [1, 2]}).expect[0].at == {"T_p": 1}
+    one = expect_of(clause | {"at": {"a_p": "0.5*g"}}, **more, vary={"motion.pulse.a_p": vary["motion.pulse.a_p"]})
+    assert list(one.expect[0].at.values()) == pytest.approx([0.5 * 9.81])
+    with pytest.raises(StudyError, match=r"at\.a_p is on no axis"):  # two end so
+        expect_of(clause | {"at": {"a_p": 1}}, **more, vary=vary)
+
+
 def test_what_is_expected_may_be_an_expression_of_every_case():
     study = expect_of({"quantity": "pga", "max": "0.3*g"}, {"quantity": "theta_peak", "value": "R/m*0.02", "rtol": 0.1})
     assert [clause.target for clause in study.expect] == pytest.approx([0.3 * 9.81, 0.1], rel=1e-12)
