@@ -91,6 +91,19 @@ def test_cases_of_a_batch_are_solved_one_by_one():
     assert_agree(make_batch(body, motion, histories=True, dt_out=0.02))
 
 
+@pytest.mark.parametrize("cut", [0.15, 0.25])
+@pytest.mark.parametrize("scheme", ["restitution", "dashpot"])
+def test_a_report_that_ends_while_the_body_is_pushed_has_its_fastest_rate_at_the_end(cut, scheme):
+    batch = with_damping(
+        make_batch(block(2.0, 0.2), pulse("half_sine", -6.0, 2.0 * np.pi, duration=cut), histories=True), scheme
+    )
+    exact, ours = event.solve(batch), assert_agree(batch)
+    np.testing.assert_allclose(ours.scalars["theta_dot_peak"], exact.scalars["theta_dot_peak"], rtol=1e-9)
+    if scheme == "dashpot":
+        plain = solve(replace(batch, numerics=replace(REFERENCE, events=False)))
+        np.testing.assert_allclose(plain.scalars["theta_dot_peak"], exact.scalars["theta_dot_peak"], rtol=1e-6)
+
+
 @pytest.mark.parametrize("name", METHODS)
 def test_error_falls_with_the_tolerance(name):
     """Over eight swings of an undamped body, from the default tolerance down."""

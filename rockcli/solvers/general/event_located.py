@@ -78,8 +78,8 @@ class Located:
         self._decide()
         trajectory.t_end = ground.t_stop if ground.has_duration else self.t
         if not self.fallen and not self.resting:
-            if self.v > 0.0 and ground.has_duration:
-                trajectory.cut_off(self.sign * self.q, self.t)
+            if ground.has_duration:
+                trajectory.cut_off(self.sign * self.q, self.v, self.t)
             self._afterwards()
         trajectory.verdict = FALLS if self.fallen else (UNDECIDED if self.verdict == NOT_YET else self.verdict)
         if trajectory.verdict == FALLS:

@@ -59,8 +59,8 @@ def run(
     trajectory.t_end = ground.t_stop if ground.has_duration else t
     trajectory.verdict = FALLS if fallen else _final(_verdict(body, state, margin))
     if not fallen:
-        if theta * rate > 0.0 and ground.has_duration:
-            trajectory.cut_off(theta, t)
+        if ground.has_duration:
+            trajectory.cut_off(theta, rate, t)
         state = _afterwards(body, ground, walker, trajectory, flow, state, margin)
     if trajectory.verdict == FALLS:
         trajectory.side = _edge(body, *state[1:]).sign

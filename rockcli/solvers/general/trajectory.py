@@ -109,9 +109,10 @@ class Trajectory:
         if abs(theta) > self.peak * (1.0 + SAME_PEAK):
             self.peak, self.side, self.t_peak = abs(theta), math.copysign(1.0, theta), t
 
-    def cut_off(self, theta: float, t: float) -> None:
-        """Note a state at which the report ends while |theta| grows."""
+    def cut_off(self, theta: float, rate: float, t: float) -> None:
+        """Note the state at which the report ends, which may be the highest or the fastest so far."""
         self._higher(theta, t)
+        self.rate_peak = max(self.rate_peak, abs(rate))
 
     def impact(self, t: float, before: float, after: float) -> None:
         """Note an impact, if it is fast enough to count: theta_dot just before and after [rad/s]."""
