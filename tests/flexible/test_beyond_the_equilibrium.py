@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from rockcli.engine.run import solve
+from rockcli.storage.contents import Contents
 from rockcli.study.open import open_study
 
 COLUMN = {"model": "flexible", "column": {"E": 2e10, "rho": 2500.0, "zeta": 0.02, "elements": 2}}
 
 
-def outcomes(case: dict[str, object], theta: list[str]) -> list[int]:
+def solved(case: dict[str, object], theta: list[str]) -> Contents:
     block = {"R": 3.0, "tan_alpha": 0.2}
     study = {
         "name": "beyond",
@@ -19,7 +20,11 @@ def outcomes(case: dict[str, object], theta: list[str]) -> list[int]:
         "vary": {"initial.theta": theta},
         "save": {"histories": False},
     }
-    return list(np.asarray(solve(open_study(study)).values("outcome"), dtype=int))
+    return solve(open_study(study))
+
+
+def outcomes(case: dict[str, object], theta: list[str]) -> list[int]:
+    return list(np.asarray(solved(case, theta).values("outcome"), dtype=int))
 
 
 @pytest.mark.parametrize("base", [{"law": "rigid"}, {"law": "winkler", "kw": 1e9}])
@@ -34,3 +39,16 @@ def test_a_frame_beyond_its_equilibrium_falls(damping: str, geometry: str) -> No
     case = {"model": 3, "geometry": geometry, "damping": damping}
     for solver in ({"backend": "event"}, {"backend": "frame", "accuracy": "draft"}):
         assert outcomes(case | {"solver": solver}, ["0.8*alpha", "1.1*alpha", "2.2*alpha"]) == [1, 2, 2]
+
+
+def test_a_body_let_go_beyond_its_equilibrium_overturns_from_the_start() -> None:
+    rigid = {"model": 3, "geometry": "corotational"}
+    for case in (
+        rigid | {"solver": {"backend": "event"}},
+        rigid | {"solver": {"backend": "scipy"}},
+        rigid | {"solver": {"backend": "frame", "accuracy": "draft"}},
+        COLUMN,
+        COLUMN | {"motion": {"duration": 0.3}},
+    ):
+        times = np.asarray(solved(case, ["0.8*alpha", "1.1*alpha", "2.2*alpha"]).values("t_overturn"))
+        np.testing.assert_array_equal(times, [np.nan, 0.0, 0.0], err_msg=str(case))

@@ -93,6 +93,11 @@ class Found:
         }
 
 
+def from_beyond(t_overturn: Array) -> Array:
+    """Times of last outward passages of the equilibrium, (n,) [s]: what falls without one (NaN) began beyond it."""
+    return np.where(np.isnan(t_overturn), 0.0, t_overturn)
+
+
 def rigid_top(batch: Batch, peak: Array) -> Array:
     """Largest displacement of the top of bodies that do not bend, their largest |theta| given, (n,) [m]."""
     return np.asarray(batch.block.top * np.sin(np.minimum(peak, 0.5 * np.pi)))

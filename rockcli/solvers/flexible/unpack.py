@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rockcli.kernels.column import layout as at
 from rockcli.kernels.constants import DONE, FALLS, UNDECIDED
 from rockcli.scene.batch import Batch
-from rockcli.solvers.common.found import IMPACTS, Found, broke_off, counts, note_unstored
+from rockcli.solvers.common.found import IMPACTS, Found, broke_off, counts, from_beyond, note_unstored
 from rockcli.solvers.flexible.column import Prepared
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ def scalars_of(
         top=out[:, at.U_PEAK],
         t_peak=out[:, at.T_PEAK],
         t_uplift=out[:, at.T_UPLIFT],
-        t_overturn=out[:, at.T_OVERTURN],
+        t_overturn=from_beyond(out[:, at.T_OVERTURN]),
         t_end=out[:, at.T_END],
     )
     barrier = np.array([np.nan if c is None else c.barrier for c in columns])

@@ -12,7 +12,7 @@ from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
-from rockcli.solvers.common.found import Found, counts, impacts_of, note_unstored, rigid_top
+from rockcli.solvers.common.found import Found, counts, from_beyond, impacts_of, note_unstored, rigid_top
 
 Array = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ def scalars_of(batch: Batch, out: Array, par: list[Array]) -> tuple[dict[str, ND
         top=out[:, at.TOP_PEAK] if batch.model == "flexible" else rigid_top(batch, peak),
         t_peak=out[:, at.T_PEAK],
         t_uplift=out[:, at.T_UPLIFT],
-        t_overturn=out[:, at.T_OVERTURN],
+        t_overturn=from_beyond(out[:, at.T_OVERTURN]),
         t_end=out[:, at.T_END],
         struck_later=out[:, at.STRUCK_LATER] > 0.0,
     )

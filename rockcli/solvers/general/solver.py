@@ -17,7 +17,7 @@ from rockcli.scene.block import LEFT, RIGHT
 from rockcli.scene.response import Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
 from rockcli.solvers.common.duration import output_times
-from rockcli.solvers.common.found import Found, note_unstored, rigid_top
+from rockcli.solvers.common.found import Found, from_beyond, note_unstored, rigid_top
 from rockcli.solvers.general import stepwise
 from rockcli.solvers.general.body import body_of
 from rockcli.solvers.general.event_located import Located
@@ -182,7 +182,7 @@ def _scalars(batch: Batch, trajectories: list[Trajectory]) -> dict[str, NDArray[
         top=rigid_top(batch, peak),
         t_peak=t_peak,
         t_uplift=t_uplift,
-        t_overturn=t_overturn,
+        t_overturn=from_beyond(t_overturn),
         t_end=t_end,
         struck_later=np.array([d.struck_later for d in trajectories]),
     )

@@ -15,7 +15,7 @@ from rockcli.scene.models import MODELS
 from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.duration import output_times
-from rockcli.solvers.common.found import Found, impacts_of, note_unstored, rigid_top
+from rockcli.solvers.common.found import Found, from_beyond, impacts_of, note_unstored, rigid_top
 from rockcli.solvers.opensees.case import CaseOfOpenSees
 from rockcli.solvers.opensees.run import Answer
 
@@ -61,7 +61,7 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
         top=top if batch.model == "flexible" else rigid_top(batch, np.abs(peak)),
         t_peak=said["t_peak"],
         t_uplift=said["t_uplift"],
-        t_overturn=said["t_overturn"],
+        t_overturn=from_beyond(said["t_overturn"]),
         t_end=said["t_end"],
     )
     scalars: dict[str, NDArray[Any]] = {name: np.full(n, np.nan) for name in SCALARS if name != "reason"}
