@@ -57,6 +57,19 @@ def test_against_fine_integration(seed: int) -> None:
     assert pgd(coarse, dt) == pytest.approx(np.abs(d).max(), rel=1e-6)
     assert cav(coarse, dt) == pytest.approx(0.5 * step * np.sum(np.abs(a[:-1]) + np.abs(a[1:])), rel=1e-6)
     assert arias(coarse, dt) == pytest.approx(np.pi / 19.62 * step * np.sum(a * a), rel=1e-3)
+    husid = np.concatenate(([0.0], np.cumsum(0.5 * step * (a[:-1] ** 2 + a[1:] ** 2))))
+    grown = np.interp([0.05 * husid[-1], 0.95 * husid[-1]], husid, t)
+    assert significant_duration(coarse, dt) == pytest.approx(grown[1] - grown[0], rel=1e-6)
+
+
+def test_significant_duration_within_one_step() -> None:
+    # a = 1 - t on [0, 1]: the integral of its square is (1 - (1 - t)^3)/3
+    expected = 0.95 ** (1.0 / 3.0) - 0.05 ** (1.0 / 3.0)
+    assert significant_duration(np.array([1.0, 0.0]), 1.0) == pytest.approx(expected, rel=1e-14)
+    assert significant_duration(np.array([0.0, 1.0]), 1.0) == pytest.approx(expected, rel=1e-14)
+    assert significant_duration(np.array([0.0, 0.0, 1.0, 0.0, 0.0]), 1.0) == pytest.approx(
+        2.0 - 2.0 * 0.1 ** (1.0 / 3.0), rel=1e-14
+    )
 
 
 def test_mean_period_of_a_sine() -> None:
