@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from frame.frames import column, framed, peak
-from scenes import array
+from scenes import G, array
 
 from rockcli.scene.column import Base
 from rockcli.scene.numerics import Numerics
@@ -59,6 +59,17 @@ def test_histories_of_the_top():
     np.testing.assert_allclose(bending[live], (top - 50.0 * np.sin(theta))[live], atol=2e-4)
     assert 0.05 < np.abs(bending[live]).max() < 0.2
     assert response.scalars["u_top_peak"][0] == pytest.approx(np.abs(top[live]).max(), rel=1e-3)
+
+
+@pytest.mark.parametrize("mass", [np.nan, 4e6])
+def test_moment_of_the_base_is_per_unit_mass_or_of_the_mass_given(mass):
+    batch = column(histories=True, dt_out=0.01)
+    batch = replace(batch, block=replace(batch.block, mass=array(mass)))
+    frame, exact = solve(framed(batch)).histories, modal(batch).histories
+    open_ = np.flatnonzero(np.abs(frame["theta"][0]) > 1e-3)
+    assert len(open_) > 100
+    np.testing.assert_allclose(frame["M_base"][0, open_], exact["M_base"][0, open_], rtol=1e-9)
+    assert np.abs(frame["M_base"][0, open_[0]]) == pytest.approx(G * 2.5 * (mass if np.isfinite(mass) else 1.0))
 
 
 @pytest.mark.slow

@@ -128,6 +128,16 @@ def test_flexible_histories_have_a_bending_part():
     assert set(h) == set(other)
 
 
+@pytest.mark.parametrize("mass", [np.nan, 4e6])
+def test_moment_of_the_base_of_a_column_is_per_unit_mass_or_of_the_mass_given(mass):
+    batch = flexible(eta=1.0, zeta=0.01, duration=1.5, histories=True, dt_out=0.01)
+    batch = replace(batch, block=replace(batch.block, mass=array(mass)))
+    h, other = solve(batch).histories, solve_flexible(batch).histories
+    open_ = np.abs(h["theta"][0]) > 1e-3
+    assert open_.sum() > 20
+    np.testing.assert_allclose(h["M_base"][0, open_], other["M_base"][0, open_], rtol=1e-6)
+
+
 @pytest.mark.slow
 def test_a_winkler_base_as_a_law_and_as_fibres():
     batch = replace(flexible(eta="housner", zeta=0.01, mass="consistent"), base=Base("winkler", array(1e11)))

@@ -75,8 +75,8 @@ def histories_of(
         raw[i, : len(kept)] = kept
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
     theta, top = raw[:, :, at.TH], batch.block.top[:, None]
-    given = np.isfinite(batch.block.mass) | (batch.model == "flexible")
-    scale = np.where(given, 1.0, 1.0 / np.array(mass))[:, None]
+    # solved with the mass of a metre of depth if a column's, with any mass if none is given
+    scale = (np.where(np.isfinite(batch.block.mass), batch.block.mass, 1.0) / np.array(mass))[:, None]
     histories = {
         "theta": theta,
         "theta_dot": raw[:, :, at.RATE],

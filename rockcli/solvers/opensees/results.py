@@ -142,8 +142,9 @@ def histories_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, Array
         live = t <= float(answer.summary["t_end"]) * (1.0 + 1e-12)
         for name, values in zip(names, _at(answer.table, t[live]), strict=True):
             histories[name][i, live] = values
-        if not np.isfinite(batch.block.mass[i]):
-            histories["M_base"][i] /= case.number("m")
+        # a column is solved by the metre of its depth, whatever its mass
+        mass = float(batch.block.mass[i])
+        histories["M_base"][i] *= (mass if np.isfinite(mass) else 1.0) / case.number("m")
     if batch.model != "flexible":
         del histories["u_top_bending"]
     none = np.empty((0, 3))
