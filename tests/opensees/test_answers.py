@@ -126,6 +126,8 @@ def test_flexible_histories_have_a_bending_part():
     assert largest > 0.05
     np.testing.assert_allclose(h["u_top_bending"], other["u_top_bending"], atol=0.1 * largest)
     assert set(h) == set(other)
+    elsewhere = solve(replace(batch, block=replace(batch.block, top=array(20.0)))).histories
+    np.testing.assert_array_equal(elsewhere["u_top_bending"], h["u_top_bending"])
 
 
 @pytest.mark.parametrize("mass", [np.nan, 4e6])

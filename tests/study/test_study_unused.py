@@ -15,6 +15,15 @@ def warnings_of(solver, **case):
     return [sentence for sentence in batch.warnings if "ignored" in sentence]
 
 
+@pytest.mark.parametrize(("top", "said"), [(None, False), (4.0 / np.hypot(1.0, 0.2), False), (2.5, True)])
+def test_a_top_of_its_own_is_said_to_have_no_use_in_a_column(top, said):
+    case = {"block": BLOCK | ({} if top is None else {"top": top}), "motion": {"pulse": PULSE}}
+    for model, more in (("flexible", {"column": {"E": 1e10, "rho": 2000}}), ("rigid", {})):
+        ((_, batch),) = open_study({"name": "x", "case": case | {"model": model} | more}).batches()
+        told = any(sentence.startswith("block.top has no use in model flexible") for sentence in batch.warnings)
+        assert told == (said and model == "flexible")
+
+
 class TestSolverKeys:
     @pytest.mark.parametrize(
         ("solver", "keys", "backend"),

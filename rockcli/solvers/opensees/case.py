@@ -165,7 +165,11 @@ def case_of(batch: Batch, case: int, *, coarser: float = 1.0) -> CaseOfOpenSees:
     lines += [
         ("theta_0", float(batch.theta_0[case]), "initial rotation [rad]"),
         ("theta_dot_0", float(batch.theta_dot_0[case]), "initial rate [rad/s]"),
-        ("z_top", float(block.top[case]), "height of the point whose displacement is reported [m]"),
+        (
+            "z_top",
+            2.0 * h if batch.model == "flexible" else float(block.top[case]),
+            "height of the point whose displacement is reported [m]",
+        ),
         ("DIRECTION", 3 if batch.model == "2" else 1, "of the ground motion: 1 horizontal, 3 rotation"),
         ("DT", dt, "time step [s]"),
         ("FINE", FINE, "steps in place of one where the base closes"),

@@ -200,6 +200,8 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
             said.append(f"model {model} (corotational) never overturns for tan alpha > 1, as the block does (2.10)")
         if (block.tan_alpha <= 1.0).any():
             said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
+    if model in DEFORMABLE and (np.abs(block.top - 2.0 * block.h) > 1e-9 * block.h).any():
+        said.append(f"block.top has no use in model {model}: the displacement is that of the column's end, at 2h")
     if slides_first(block.mu[:, None], block.tan_alpha).any():
         who = f"is not in model {model}" if model in DEFORMABLE else "in backend event only"
         said.append(f"a body of mu <= tan alpha slides before it rocks (`rock check` says which do); simulated {who}")
