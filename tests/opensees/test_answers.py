@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from columns import PULSES, flexible, needs_opensees, peak, rigid
-from scenes import array, record, still
+from scenes import array, pulse, record, still
 
 from rockcli.errors import SolverError
 from rockcli.scene.column import Base, Column
@@ -128,6 +128,16 @@ def test_flexible_histories_have_a_bending_part():
     assert set(h) == set(other)
     elsewhere = solve(replace(batch, block=replace(batch.block, top=array(20.0)))).histories
     np.testing.assert_array_equal(elsewhere["u_top_bending"], h["u_top_bending"])
+
+
+def test_a_column_that_stays_down_bends():
+    batch = replace(
+        flexible(eta=1.0, zeta=0.01, elements=10, mass="consistent"), excitation=pulse("sine", 0.1, 4.0, duration=2.0)
+    )
+    ours, other = solve(batch).scalars, solve_flexible(batch).scalars
+    assert ours["outcome"][0] == other["outcome"][0] == 0
+    assert ours["theta_peak"][0] == ours["theta_dot_peak"][0] == 0.0
+    assert ours["u_top_peak"][0] == pytest.approx(other["u_top_peak"][0], rel=0.02)
 
 
 @pytest.mark.parametrize("mass", [np.nan, 4e6])

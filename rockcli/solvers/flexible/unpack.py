@@ -41,7 +41,7 @@ def scalars_of(
         n_impacts=counts(np.nan_to_num(out[:, at.N_LANDINGS])),
         peak=np.where(moved, out[:, at.PEAK], 0.0),
         side=out[:, at.PEAK_SIDE],
-        rate=out[:, at.RATE_PEAK],
+        rate=np.where(moved, out[:, at.RATE_PEAK], 0.0),
         top=out[:, at.U_PEAK],
         t_peak=out[:, at.T_PEAK],
         t_uplift=out[:, at.T_UPLIFT],

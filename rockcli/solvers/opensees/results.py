@@ -48,7 +48,7 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
         counted["n_impacts"][i] = np.count_nonzero(np.abs(answer.impacts[:, 1]) > fast)
         counted["n_steps"][i], counted["n_rhs"][i] = answer.summary["steps"], answer.summary["iterations"]
     moved = np.isfinite(said["t_uplift"])
-    peak, rate, top = (np.where(moved, said[name], 0.0) for name in ("theta_peak", "theta_dot_peak", "u_top_peak"))
+    peak, rate = (np.where(moved, said[name], 0.0) for name in ("theta_peak", "theta_dot_peak"))
     found = Found(
         moved=moved,
         fell=verdict == FALLS,
@@ -58,7 +58,7 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
         peak=np.abs(peak),
         side=np.sign(np.where(verdict == FALLS, end, peak)),
         rate=rate,
-        top=top if batch.model == "flexible" else rigid_top(batch, np.abs(peak)),
+        top=said["u_top_peak"] if batch.model == "flexible" else rigid_top(batch, np.abs(peak)),
         t_peak=said["t_peak"],
         t_uplift=said["t_uplift"],
         t_overturn=from_beyond(said["t_overturn"]),
