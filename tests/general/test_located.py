@@ -67,6 +67,21 @@ def test_free_rocking_and_duration():
     assert_agree(make_batch(body, cut, histories=True))
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("events", [True, False])
+def test_a_report_that_ends_beyond_the_equilibrium_as_the_body_comes_back_with_speed_falls_to_the_other_side(
+    side, events
+):
+    body = block(2.0, 0.2)
+    alpha = float(body.alpha[0, 0])
+    batch = make_batch(body, still(duration=0.02), theta_0=side * 1.2 * alpha, theta_dot_0=-side * 0.9, eta=1.0)
+    exact = event.solve(batch).scalars
+    ours = solve(replace(batch, numerics=replace(REFERENCE, events=events))).scalars
+    assert ours["outcome"][0] == exact["outcome"][0] == OVERTURNED_AFTER_IMPACT
+    assert ours["theta_peak"][0] == exact["theta_peak"][0] == -side * np.inf
+    assert ours["t_overturn"][0] == pytest.approx(exact["t_overturn"][0], rel=1e-6)
+
+
 def test_asymmetric_body_with_vertical_motion_on_a_record():
     t = np.arange(0.0, 4.0, 0.02)
     body = make_block(h=2.0, b=[[0.3, 0.4]])

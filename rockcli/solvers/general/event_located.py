@@ -102,7 +102,7 @@ class Located:
         while self.t < piece.t_b and not self.fallen and not self.resting:
             if self.verdict == RETURNS and (self.v <= 0.0 or self.sign != side or self.ground.has_duration):
                 return
-            if self.verdict == UNDECIDED or (self.verdict == FALLS and self.q >= self._edge.q_star):
+            if self.verdict == UNDECIDED or (self.verdict == FALLS and self.v >= 0.0 and self.q >= self._edge.q_star):
                 return
             self._rock(piece, True, once=True)
             self._decide()

@@ -161,7 +161,7 @@ def _afterwards(
         if verdict == RETURNS:
             return theta * rate <= 0.0 or theta * side <= 0.0 or ground.has_duration
         if verdict == FALLS:
-            return abs(theta) >= _edge(body, theta, rate).q_star
+            return theta * rate >= 0.0 and abs(theta) >= _edge(body, theta, rate).q_star
         return verdict == UNDECIDED
 
     if not done():
