@@ -89,6 +89,20 @@ def test_overturning_and_no_uplift():
     assert np.isnan(ours["t_uplift"][0])
 
 
+@pytest.mark.parametrize("duration", [0.02, 0.3])
+def test_a_fall_after_the_report_is_to_the_side_it_comes_to(duration):
+    batch = rigid(scheme="none", theta_0=0.24, theta_dot_0=-0.9)
+    batch = replace(batch, excitation=still(duration))
+    ours, exact = solve(batch).scalars, event.solve(batch).scalars
+    for name in ("outcome", "theta_peak", "n_impacts"):
+        assert ours[name][0] == exact[name][0]
+    assert exact["outcome"][0] == 3
+    assert np.isnan(ours["t_overturn"][0])  # it is yet to come when OpenSees ends
+    from_there = replace(batch, theta_dot_0=np.full(1, -0.02))
+    ours, exact = solve(from_there).scalars, event.solve(from_there).scalars
+    assert ours["t_overturn"][0] == exact["t_overturn"][0] == 0.0
+
+
 def test_a_sampled_motion_is_linear_between_samples():
     t = np.arange(100) * 0.02
     motion = record(4.0 * np.sin(6.0 * t) + 2.0 * np.sin(17.0 * t), 0.02, duration=3.0)

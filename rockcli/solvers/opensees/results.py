@@ -15,7 +15,7 @@ from rockcli.scene.models import MODELS
 from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.duration import output_times
-from rockcli.solvers.common.found import Found, from_beyond, impacts_of, note_unstored, rigid_top
+from rockcli.solvers.common.found import Found, impacts_of, note_unstored, rigid_top
 from rockcli.solvers.opensees.case import CaseOfOpenSees
 from rockcli.solvers.opensees.run import Answer
 
@@ -32,18 +32,18 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
     """Scalars by name and a sentence per case; forces at the edge and energies are not computed (NaN)."""
     n = batch.size
     counted = {name: np.full(n, -1, dtype=np.int64) for name in ("n_impacts", "n_steps", "n_rhs")}
-    verdict, end = np.full(n, NO_ANSWER), np.zeros(n)
+    verdict, side, struck_later = np.full(n, NO_ANSWER), np.zeros(n), np.zeros(n, dtype=bool)
     names = ("theta_peak", "theta_dot_peak", "u_top_peak", "t_peak", "t_uplift", "t_overturn", "t_end")
     said = {name: np.full(n, np.nan) for name in names}
     for i, outcome in enumerate(outcomes):
         if isinstance(outcome, str):
             continue
         answer = outcome[1]
-        verdict[i], end[i] = fate(batch, i, answer), answer.summary["theta"]
+        verdict[i], side[i], struck_later[i] = fate(batch, i, answer)
         for name in names:
             said[name][i] = answer.summary.get(name)  # null where there is none
         if verdict[i] == FALLS:
-            said["t_overturn"][i] = _last_outward(answer.table, unstable(batch, i))
+            said["t_overturn"][i] = np.nan if struck_later[i] else _last_outward(answer.table, unstable(batch, i))
         fast = FAST * float(batch.p[i, LEFT]) * float(batch.block.alpha[i, LEFT])
         counted["n_impacts"][i] = np.count_nonzero(np.abs(answer.impacts[:, 1]) > fast)
         counted["n_steps"][i], counted["n_rhs"][i] = answer.summary["steps"], answer.summary["iterations"]
@@ -56,13 +56,14 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
         failed=verdict == NO_ANSWER,
         n_impacts=counted["n_impacts"],
         peak=np.abs(peak),
-        side=np.sign(np.where(verdict == FALLS, end, peak)),
+        side=np.where(verdict == FALLS, side, np.sign(peak)),
         rate=rate,
         top=said["u_top_peak"] if batch.model == "flexible" else rigid_top(batch, np.abs(peak)),
         t_peak=said["t_peak"],
         t_uplift=said["t_uplift"],
-        t_overturn=from_beyond(said["t_overturn"]),
+        t_overturn=said["t_overturn"],
         t_end=said["t_end"],
+        struck_later=struck_later,
     )
     scalars: dict[str, NDArray[Any]] = {name: np.full(n, np.nan) for name in SCALARS if name != "reason"}
     reasons = [outcome if isinstance(outcome, str) else "" for outcome in outcomes]
@@ -90,42 +91,48 @@ def _law(batch: Batch, i: int) -> tuple[float, Any]:
     return float(law.q_star[0]), potential
 
 
-def fate(batch: Batch, i: int, answer: Answer) -> int:
-    """Does the body, left alone from where the script ended, ever fall?  FALLS, RETURNS or UNDECIDED.
+def fate(batch: Batch, i: int, answer: Answer) -> tuple[int, float, bool]:
+    """Does the body, left alone from where the script ended, ever fall?  FALLS, RETURNS or UNDECIDED; side; landings.
 
-    Past pi/2 it has fallen, at rest it has not.  Otherwise the rigid law decides by its energy, impact by impact.
+    Past pi/2 it has fallen, at rest it has not.  Otherwise the rigid law decides by its energy, impact by impact: the
+    side, -1 or 1, is the one it is on by then, and it may have landed on the way there.
     """
     if answer.summary["ended"] == "overturned":
-        return FALLS
+        return FALLS, float(np.sign(answer.summary["theta"])), False
     q_star, potential = _law(batch, i)
     if answer.summary["ended"] == "rest" or q_star == np.inf:
-        return RETURNS
+        return RETURNS, 0.0, False
     theta, rate = answer.summary["rigid_part"]
     s = np.sign(theta) or np.sign(rate) or 1.0
     q, v = abs(theta), s * rate / float(batch.p[i, LEFT])
     barrier = potential(q_star)
     margin = MARGIN[batch.model == "flexible" or batch.base is not None]
-    side = RIGHT if s > 0.0 else LEFT
+    landed = False
     for _ in range(1000):
         energy = (0.5 * v * v + potential(q)) / barrier
         if abs(energy - 1.0) < margin:
-            return UNDECIDED
+            return UNDECIDED, s, landed
         if energy < 1.0 and q < q_star:
-            return RETURNS
+            return RETURNS, s, landed
         if v >= 0.0 or energy < 1.0:  # moving outward with more than the barrier, or beyond it with less
-            return FALLS
-        side = LEFT if side == RIGHT else RIGHT
-        v = float(batch.damping.eta[i, side]) * float(np.sqrt(2.0 * energy * barrier))
+            return FALLS, s, landed
+        s, landed = -s, True
+        v = float(batch.damping.eta[i, RIGHT if s > 0.0 else LEFT]) * float(np.sqrt(2.0 * energy * barrier))
         q = 0.0
-    return UNDECIDED
+    return UNDECIDED, s, landed
 
 
 def _last_outward(table: Array, q: float) -> float:
-    """Time of the last outward passage of |theta| = q, linear between rows; NaN if not in the table [s]."""
+    """Time of the last outward passage of |theta| = q, linear between rows [s].
+
+    0 where it has been beyond from the start, NaN where the passage is yet to come as the table ends.
+    """
     t, theta = table[:, 0], np.abs(table[:, 1])
+    if theta[-1] < q:
+        return np.nan
     at = np.flatnonzero((theta[:-1] < q) & (theta[1:] >= q))
     if not len(at):
-        return np.nan
+        return 0.0
     j = int(at[-1])
     return float(t[j] + (t[j + 1] - t[j]) * (q - theta[j]) / (theta[j + 1] - theta[j]))
 
