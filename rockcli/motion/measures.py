@@ -1,7 +1,8 @@
 """Measures of a ground motion, exact for acceleration that is linear between samples and starts at rest.
 
 All take acceleration (k,) [m/s²] and dt [s].  References: Arias (1970); Trifunac and Brady (1975) for the
-significant duration; EPRI (1988) for CAV; Rathje, Abrahamson and Bray (1998) for the mean period.
+significant duration; EPRI (1988) for CAV; Rathje, Abrahamson and Bray (1998) for the mean period, which is one of
+the samples and not of the lines between them.
 """
 
 from __future__ import annotations
@@ -14,6 +15,9 @@ from rockcli import kernels
 __all__ = ["arias", "cav", "mean_period", "measures", "pga", "pgd", "pgv", "significant_duration", "velocity"]
 
 Array = NDArray[np.float64]
+
+MEAN_PERIOD_SPACING = 0.05
+"""Largest spacing of the frequencies of the mean period [Hz] (Rathje, Faraj, Russell and Bray 2004)."""
 
 
 def pga(a: Array) -> float:
@@ -91,9 +95,13 @@ def significant_duration(a: Array, dt: float, start: float = 0.05, end: float = 
 
 
 def mean_period(a: Array, dt: float) -> float:
-    """Mean period [s]: sum(C^2/f)/sum(C^2) over Fourier amplitudes C at 0.25 Hz <= f <= 20 Hz; NaN if none."""
-    f = np.fft.rfftfreq(len(a), dt)
-    power = np.abs(np.fft.rfft(a)) ** 2
+    """Mean period [s]: sum(C^2/f)/sum(C^2) over Fourier amplitudes C at 0.25 Hz <= f <= 20 Hz; NaN if none.
+
+    The frequencies are at most 0.05 Hz apart, whatever the length of the record.
+    """
+    n = max(len(a), int(np.ceil(1.0 / (MEAN_PERIOD_SPACING * dt) * (1.0 - 1e-12))))
+    f = np.fft.rfftfreq(n, dt)
+    power = np.abs(np.fft.rfft(a, n)) ** 2
     band = (f >= 0.25) & (f <= 20.0)
     total = power[band].sum()
     return float((power[band] / f[band]).sum() / total) if total > 0.0 else float("nan")

@@ -73,8 +73,17 @@ def test_significant_duration_within_one_step() -> None:
 
 
 def test_mean_period_of_a_sine() -> None:
-    t = 0.01 * np.arange(1000)
+    t = 0.01 * np.arange(2000)
     assert mean_period(np.sin(2.0 * np.pi * 2.0 * t), 0.01) == pytest.approx(0.5, rel=1e-10)
+
+
+def test_mean_period_does_not_know_where_a_short_record_ends() -> None:
+    a, dt = np.array([0.0, 3.0, 1.0, -2.0, 0.0]), 0.1
+    longer = [mean_period(np.concatenate([a, np.zeros(more)]), dt) for more in (0, 20, 100, 195)]
+    assert longer == pytest.approx([longer[0]] * 4, rel=1e-12)
+    f = np.linspace(0.25, 5.0, 20_001)  # up to the highest frequency of the samples
+    power = np.abs(np.exp(-2j * np.pi * np.outer(f, dt * np.arange(5))) @ a) ** 2
+    assert longer[0] == pytest.approx(float(np.sum(power / f) / np.sum(power)), rel=2e-2)
 
 
 def test_nothing_moves() -> None:
