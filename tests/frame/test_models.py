@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from frame.frames import PAIRS, framed, peak, ricker
-from scenes import G, block, make_batch, overturns, record
+from scenes import G, block, make_batch, overturns, pulse, record
 
 from rockcli.scene.damping import Damping
 from rockcli.solvers.event.solver import solve as event
@@ -70,6 +70,15 @@ def test_outcomes(amplitude):
     if overturns(exact):
         assert frame.scalars["t_end"][0] == pytest.approx(exact.scalars["t_end"][0], rel=2e-2)
         assert frame.scalars["t_overturn"][0] == pytest.approx(exact.scalars["t_overturn"][0], rel=2e-2)
+
+
+def test_a_given_duration_ends_the_report_of_what_has_fallen_before():
+    over = pulse("ricker", 10.0 * G * 0.2, 3.0 * np.pi, duration=9.0)
+    batch = ricker("3", "corotational", tan_alpha=0.2, excitation=over)
+    frame, exact = solve(framed(batch)), event(batch)
+    assert overturns(frame)
+    assert frame.scalars["t_overturn"][0] < 8.0
+    assert frame.scalars["t_end"][0] == exact.scalars["t_end"][0] == 9.0
 
 
 def test_below_the_threshold_nothing_moves():

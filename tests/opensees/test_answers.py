@@ -83,6 +83,7 @@ def test_overturning_and_no_uplift():
     assert ours["outcome"][0] == exact["outcome"][0] == 3
     assert ours["theta_peak"][0] == exact["theta_peak"][0]
     assert ours["t_overturn"][0] == pytest.approx(exact["t_overturn"][0], abs=1e-3)
+    assert solve(rigid(factor=7.2, duration=12.0)).scalars["t_end"][0] == 12.0  # it has fallen before
     ours, exact = solve(under).scalars, event.solve(under).scalars
     for name in ("outcome", "theta_peak", "n_impacts", "t_end"):
         assert ours[name][0] == exact[name][0]

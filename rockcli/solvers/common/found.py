@@ -41,7 +41,7 @@ class Found:
             failed: there is no answer.
         n_impacts: counted impacts; struck_later: whether one came beyond the report, before the body falls.
         peak, side: largest |theta| and its sign; rate: largest |theta'|; top: largest displacement of the top.
-        t_peak, t_uplift, t_overturn, t_end: times [s].
+        t_peak, t_uplift, t_overturn: times [s]; t_end: when it has fallen or rests [s], but for a given duration.
     """
 
     moved: Mask
@@ -78,6 +78,7 @@ class Found:
     def scalars(self, batch: Batch) -> dict[str, NDArray[Any]]:
         """By name; theta_peak over alpha of the left edge."""
         peak = self.largest(self.peak)
+        duration = batch.excitation.duration
         passing = self.fell | ~self.moved | (self.outcome < 0)
         return {
             "outcome": self.outcome,
@@ -88,7 +89,7 @@ class Found:
             "t_peak": np.where(passing, np.nan, self.t_peak),
             "t_uplift": self.unless_failed(self.t_uplift),
             "t_overturn": np.where(self.fell & ~self.failed, self.t_overturn, np.nan),
-            "t_end": self.unless_failed(self.t_end),
+            "t_end": self.unless_failed(np.where(np.isfinite(duration), duration, self.t_end)),
             "n_impacts": self.n_impacts,
         }
 
