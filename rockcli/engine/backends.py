@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 
 from rockcli.errors import RockError, SolverError, StudyError
@@ -12,6 +14,17 @@ from rockcli.study.study import Study
 
 DECIDING = ("model", "geometry", "damping", "solver", "case")
 """Axes along which the backend may change: the first key of their paths."""
+
+
+KERNELS = ("interpreted", "compiled", "ahead", "jit")
+"""What ROCK_KERNELS may say of how kernels run (`rock show environment`)."""
+
+
+def check_kernels() -> None:
+    """`StudyError` if ROCK_KERNELS says something else."""
+    word = os.environ.get("ROCK_KERNELS", "")
+    if word and word not in KERNELS:
+        raise StudyError(f"the environment variable ROCK_KERNELS is {word!r}; expected {', '.join(KERNELS)} or nothing")
 
 
 def check_backend(study: Study) -> None:

@@ -17,7 +17,7 @@ from rockcli.analysis.derive import derive
 from rockcli.analysis.expect import check_quantities
 from rockcli.analysis.rules import check_rules
 from rockcli.engine.audit import check_audit, with_audit
-from rockcli.engine.backends import check_backend
+from rockcli.engine.backends import check_backend, check_kernels
 from rockcli.engine.lock import locked
 from rockcli.engine.provenance import refreshed
 from rockcli.engine.search.search import find_overturning
@@ -113,6 +113,7 @@ def check_answers(study: Study) -> None:
         StudyError: a clause of `expect` speaks of what will not be saved, no backend solves the model, or the histories
             would not fit.
     """
+    check_kernels()
     check_quantities(study)
     check_backend(study)
     check_histories(study)

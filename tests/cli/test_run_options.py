@@ -1,4 +1,4 @@
-"""`rock run --workers --part --dask`: what they are told, what they tell."""
+"""`rock run --workers --part --dask` and ROCK_KERNELS: what they are told, what they tell."""
 
 from __future__ import annotations
 
@@ -64,6 +64,16 @@ def test_what_was_taken_over_is_told(few: Path, rock: Rock, capsys: pytest.Captu
 
 def test_workers_are_counted_from_one(few: Path, rock: Rock) -> None:
     assert rock("run", few, "--workers", "0") == 2
+
+
+def test_kernels_of_an_unknown_kind(
+    few: Path, rock: Rock, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ROCK_KERNELS", "compile")
+    assert rock("run", few) == 2
+    said = "ROCK_KERNELS is 'compile'; expected interpreted, compiled, ahead, jit or nothing"
+    assert said in capsys.readouterr().err
+    assert not list(few.parent.rglob("*.nc"))
 
 
 def test_a_cluster_that_is_not_there(
