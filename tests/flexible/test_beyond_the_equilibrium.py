@@ -52,3 +52,17 @@ def test_a_body_let_go_beyond_its_equilibrium_overturns_from_the_start() -> None
     ):
         times = np.asarray(solved(case, ["0.8*alpha", "1.1*alpha", "2.2*alpha"]).values("t_overturn"))
         np.testing.assert_array_equal(times, [np.nan, 0.0, 0.0], err_msg=str(case))
+
+
+@pytest.mark.parametrize("toward", ["left", "right"])
+def test_a_column_that_falls_after_the_report_is_told_as_model_3_in_its_limit(toward: str) -> None:
+    s = 1.0 if toward == "right" else -1.0
+    stiff = {"model": "flexible", "column": {"E": 1e16, "rho": 2500.0, "zeta": 0.0, "elements": 1}}
+    case = {"initial": {"theta_dot": -1.2 * s}, "motion": {"duration": 0.05}, "damping": "none"}
+    theta = [f"{0.3 * s}*alpha", f"{0.5 * s}*alpha"]
+    column = solved(stiff | case, theta)
+    limit = solved({"model": 3, "geometry": "corotational"} | case, theta)
+    for name in ("outcome", "theta_peak", "n_impacts"):
+        np.testing.assert_array_equal(column.values(name), limit.values(name), err_msg=name)
+    assert (column.values("outcome") == 3).all()
+    np.testing.assert_allclose(column.values("t_overturn"), limit.values("t_overturn"), rtol=1e-5)

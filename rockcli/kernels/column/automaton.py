@@ -242,7 +242,15 @@ def march(
                 note_peaks(par, mode, F, x, omega, True, t, ends, known, room, about, S, z_x, v_x, highest)
                 armed = highest[0] > par[at.REARM]
         if abs(theta_0) < par[at.THETA_STAR] <= abs(theta_1):
-            out[at.T_OVERTURN] = t + x
+            below, beyond = 0.0, x
+            for _ in range(50):
+                half = 0.5 * (below + beyond)
+                advance(lam, c, bu, th, F, half, S, z, v, z_x, v_x)
+                if abs(dot(th, z_x)) < par[at.THETA_STAR]:
+                    below = half
+                else:
+                    beyond = half
+            out[at.T_OVERTURN] = t + beyond
         if par[at.DETAIL] > 0.0 and not after and not reported:
             # work of the ground: its part of the loads, along the quartic of the step
             advance(lam, c, bu, th, F, 0.5 * x, S, z, v, z_x, v_x)
@@ -259,6 +267,7 @@ def march(
             break
         if abs(theta_1) >= 0.5 * math.pi:
             verdict = FALLS
+            out[at.PEAK_SIDE] = 1.0 if theta_1 > 0.0 else -1.0
             if not reported:
                 out[at.T_END] = t_stop if par[at.HAS_DURATION] > 0.0 else t
             break
@@ -328,10 +337,10 @@ def march(
 @jit
 def _land(par, t, rate, reported, landings, out):
     """Count and store a landing."""
+    if abs(rate) > FAST * par[at.P] * par[at.ALPHA]:
+        out[at.STRUCK_LATER if reported else at.N_LANDINGS] += 1
     if reported:
         return
-    if abs(rate) > FAST * par[at.P] * par[at.ALPHA]:
-        out[at.N_LANDINGS] += 1
     k = int(out[at.N_STORED])
     if k < landings.shape[1]:
         landings[0, k], landings[1, k], landings[2, k] = t, rate, par[at.ETA] * rate

@@ -19,8 +19,8 @@ factor of the accuracy level on the steps."""
 # what a case returns
 (
     STATUS, VERDICT, PEAK, PEAK_SIDE, T_PEAK, RATE_PEAK, U_PEAK, T_UPLIFT, T_OVERTURN, T_END, N_LANDINGS, ENERGY,
-    LANDING_LOSS, N_STEPS, N_STORED, CAPTURES, N_RHS, N_OUT,
-) = range(18)  # fmt: skip
+    LANDING_LOSS, N_STEPS, N_STORED, CAPTURES, N_RHS, STRUCK_LATER, N_OUT,
+) = range(19)  # fmt: skip
 """How it ended; the verdict; largest |theta|, its sign and time; largest rate and top displacement; times; landings
 counted; energy not accounted for, and lost where the base caught a re-crossing (both over m L^2); steps; stored
-landings; such captures; evaluations of the loads."""
+landings; such captures; evaluations of the loads; landings beyond the report."""

@@ -47,6 +47,7 @@ def scalars_of(
         t_uplift=out[:, at.T_UPLIFT],
         t_overturn=from_beyond(out[:, at.T_OVERTURN]),
         t_end=out[:, at.T_END],
+        struck_later=out[:, at.STRUCK_LATER] > 0.0,
     )
     barrier = np.array([np.nan if c is None else c.barrier for c in columns])
     undamped = batch.column.zeta == 0.0 if batch.column is not None else np.zeros(batch.size, bool)
