@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from frame.frames import column, framed, peak
-from scenes import G, array
+from scenes import G, array, pulse
 
 from rockcli.scene.column import Base
 from rockcli.scene.numerics import Numerics
@@ -77,3 +77,13 @@ def test_one_eta_per_landing():
     # the base re-crosses zero several times after a landing; the count hardly depends on the mesh
     counts = [int(solve(framed(column(n=n, eta="housner"), dt=2e-4)).scalars["n_impacts"][0]) for n in (3, 5, 10)]
     assert max(counts) - min(counts) <= 1
+
+
+def test_a_winkler_base_under_vertical_motion_is_as_stiff_as_at_rest():
+    # fibres know nothing of the law: the weight opens them sooner, their stiffness stays
+    vertical = pulse("sine", -7.0, 3.0, cycles=2.0).horizontal
+    motion = replace(pulse("sine", 0.7, 4.0, cycles=2.0), vertical=vertical)
+    batch = column(E=4e9, zeta=0.05, n=3, height=10.0, excitation=motion, eta="housner")
+    kw = 2500.0 * 10.0 * G / (2.0 * 0.5**2) / (0.05 * np.arctan(0.1))
+    on_law, on_fibres = (replace(batch, base=Base("winkler", array(kw), fibres)) for fibres in (None, 81))
+    assert peak(solve(framed(on_law))) == pytest.approx(peak(solve(framed(on_fibres))), rel=0.015)

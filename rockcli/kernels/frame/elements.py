@@ -77,19 +77,19 @@ def damping(par, u, n, C, B):
 
 
 @jit
-def spring(par, theta):
-    """Moment and tangent of a rotational base spring at theta (E5)."""
+def spring(par, theta, factor):
+    """Moment and tangent of a rotational base spring at theta (E5) under `factor` = 1 + a_v/g times the weight.
+
+    The moment of a rigid base is in proportion to the weight, the stiffness of a Winkler base in contact is not.
+    """
+    if par[at.BASE] != at.WINKLER:
+        M, k = rigid_spring(par, theta)
+        return factor * M, factor * k
     q, s = abs(theta), 1.0 if theta >= 0.0 else -1.0
-    if par[at.BASE] == at.SOFTENING or par[at.BASE] == at.PLASTIC:
-        if q <= par[at.YIELD_ROTATION]:
-            k = par[at.YIELD_MOMENT] / par[at.YIELD_ROTATION]
-            return k * theta, k
-        if par[at.BASE] == at.PLASTIC:
-            return s * par[at.YIELD_MOMENT], 0.0
-        strength = par[at.YIELD_MOMENT] / math.sin(par[at.ALPHA] - par[at.YIELD_ROTATION])
-        return s * strength * math.sin(par[at.ALPHA] - q), -strength * math.cos(par[at.ALPHA] - q)
-    b, kw, W = par[at.HALF_WIDTH], par[at.KW], par[at.WEIGHT]
+    b, kw, W = par[at.HALF_WIDTH], par[at.KW], factor * par[at.WEIGHT]
     k = 2.0 / 3.0 * kw * b**3
+    if W <= 0.0:
+        return 0.0, 0.0
     if q <= W / (2.0 * kw * b * b):
         return k * theta, k
     root = math.sqrt(2.0 * W / (kw * q))
@@ -97,12 +97,25 @@ def spring(par, theta):
 
 
 @jit
+def rigid_spring(par, theta):
+    """Moment and tangent of a spring that stays at or softens from its yield moment, under the weight at rest."""
+    q, s = abs(theta), 1.0 if theta >= 0.0 else -1.0
+    if q <= par[at.YIELD_ROTATION]:
+        k = par[at.YIELD_MOMENT] / par[at.YIELD_ROTATION]
+        return k * theta, k
+    if par[at.BASE] == at.PLASTIC:
+        return s * par[at.YIELD_MOMENT], 0.0
+    strength = par[at.YIELD_MOMENT] / math.sin(par[at.ALPHA] - par[at.YIELD_ROTATION])
+    return s * strength * math.sin(par[at.ALPHA] - q), -strength * math.cos(par[at.ALPHA] - q)
+
+
+@jit
 def add_base(par, u, factor, fibres, f, K):
-    """Add the base: a spring, times `factor` = 1 + a_v/g, or fibres (k, 2) of place and stiffness (E5, E6)."""
+    """Add the base under `factor` = 1 + a_v/g times the weight: a spring, or fibres, place and stiffness (k, 2) (E5, E6)."""
     if par[at.BASE] != at.FIBRES:
-        M, k = spring(par, u[2])
-        f[2] += factor * M
-        K[2, 0] += factor * k
+        M, k = spring(par, u[2], factor)
+        f[2] += M
+        K[2, 0] += k
         return
     for j in range(len(fibres)):
         x, k = fibres[j, 0], fibres[j, 1]
@@ -119,8 +132,8 @@ def add_base(par, u, factor, fibres, f, K):
 def base_moment(par, u, factor, fibres):
     """Moment of the base opposing theta [N m]."""
     if par[at.BASE] != at.FIBRES:
-        M, _ = spring(par, u[2])
-        return factor * M
+        M, _ = spring(par, u[2], factor)
+        return M
     M = 0.0
     for j in range(len(fibres)):
         gap = u[1] - fibres[j, 0] * u[2]

@@ -144,8 +144,10 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
             if damped:
                 lost += work[at.DRAG, k] * (u[k] - u_old[k])
         if middle_v != 0.0:
-            M, _ = spring(par, 0.5 * (theta + u_old[2]))
-            worked -= middle_v / par[at.G] * M * (theta - u_old[2])
+            middle = 0.5 * (theta + u_old[2])
+            M, _ = spring(par, middle, 1.0 + middle_v / par[at.G])
+            at_rest, _ = spring(par, middle, 1.0)
+            worked -= (M - at_rest) * (theta - u_old[2])
 
         if math.isnan(out[at.T_UPLIFT]) and q > par[at.UPLIFT]:
             out[at.T_UPLIFT] = now
