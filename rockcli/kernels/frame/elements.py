@@ -111,7 +111,7 @@ def rigid_spring(par, theta):
 
 @jit
 def add_base(par, u, factor, fibres, f, K):
-    """Add the base under `factor` = 1 + a_v/g times the weight: a spring, or fibres, place and stiffness (k, 2) (E5, E6)."""
+    """Add the base, the weight times `factor`: a spring, or fibres, place and stiffness (k, 2) (E5, E6)."""
     if par[at.BASE] != at.FIBRES:
         M, k = spring(par, u[2], factor)
         f[2] += M
