@@ -58,7 +58,7 @@ TO_THE_GROUND = frozenset({"t_end", "n_steps", "n_rhs", *FORCES})
 SECONDS = 0.01
 """A case in lanes of plain Python [s]."""
 
-OF_PATH = 0.04
+OF_PATH = 0.08
 """Part of the tolerance that a step of a path may use: then its errors are those of single bodies, whose series are
 longer, and the estimates of errors hold for both (benchmarks/certainty.py)."""
 

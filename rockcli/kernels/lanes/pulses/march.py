@@ -71,7 +71,7 @@ from rockcli.kernels.rigid.rest import rest_time
 from rockcli.kernels.rigid.settings import Degrees
 from rockcli.kernels.rigid.settings import Settings as Settings
 
-SAFE = 0.7
+SAFE = 0.35
 """Part of the tolerance that the last two terms of a step may have."""
 
 LONGEST = 2.0
