@@ -169,15 +169,17 @@ class Maps:
 
     def _halve(self) -> None:
         """Halve the pitch: a new place has the outcome of the one before it, along n and along m."""
-        coarse, solved = self.lines, self.solved
+        solved = self.solved
         self.pitch //= 2
         n, m = self._pixels
         self.lines = (_grid(n, self.pitch), _grid(m, self.pitch))
-        rows, columns = (np.searchsorted(fine, of) for fine, of in zip(self.lines, coarse, strict=True))
-        high, wide = (np.diff(of, append=len(fine)) for fine, of in zip(self.lines, (rows, columns), strict=True))
-        self.outcome = np.repeat(np.repeat(self.outcome, wide, axis=2), high, axis=1)
+        n, m = (len(lines) for lines in self.lines)
+        self.outcome = _doubled(_doubled(self.outcome, 2, m), 1, n)
         self.solved = np.zeros(self.outcome.shape, dtype=bool)
-        self.solved[:, rows[:, None], columns] = solved
+        first, last = slice(None, -1), -1
+        for row, old_row in ((slice(0, n - 1, 2), first), (last, last)):
+            for column, old_column in ((slice(0, m - 1, 2), first), (last, last)):
+                self.solved[:, row, column] = solved[:, old_row, old_column]
 
     def _followed(self, places: Index) -> Iterator[Index]:
         """What is to be solved of places, and then ever further beside and ahead of them."""
@@ -214,7 +216,7 @@ class Maps:
             unknown = outcome < NO_UPLIFT
             down |= unknown[:, 1:] | unknown[:, :-1]
             along |= unknown[:, :, 1:] | unknown[:, :, :-1]
-        y, x = np.flatnonzero(down), np.flatnonzero(along)
+        y, x = _few(down), _few(along)
         y += y // ((n - 1) * m) * m
         x += x // (m - 1)
         return _once(np.concatenate([y, y + m, x, x + 1]))
@@ -303,6 +305,28 @@ def coarse_pitch(n: int, coarsest: int) -> int:
 
 def _grid(n: int, pitch: int) -> Index:
     return np.unique(np.append(np.arange(0, n, pitch), n - 1)).astype(np.int64)
+
+
+def _doubled(outcome: NDArray[np.int8], axis: int, size: int) -> NDArray[np.int8]:
+    """A grid of half the pitch along an axis, of so many places: new ones are like that before them; the last stays."""
+    shape = list(outcome.shape)
+    shape[axis] = size
+    found = np.empty(shape, dtype=np.int8)
+    old, new = np.moveaxis(outcome, axis, 0), np.moveaxis(found, axis, 0)
+    before = 2 * (len(old) - 1)
+    new[:before:2] = old[:-1]
+    new[1:before:2] = old[:-1]
+    new[-1] = old[-1]
+    return found
+
+
+def _few(places: Mask) -> Index:
+    """Flat places where it is so.  As they are few, eight are looked at at once."""
+    flat = places.reshape(-1)
+    whole = flat.size // 8 * 8
+    eights = np.flatnonzero(flat[:whole].view(np.uint64))
+    near = (8 * eights[:, None] + np.arange(8)).reshape(-1)
+    return np.concatenate([near[flat[near]], whole + np.flatnonzero(flat[whole:])])
 
 
 def _once(numbers: Index) -> Index:

@@ -225,16 +225,17 @@ class Cases:
         structural = self.structural
         walked = {i: [0] for i in range(len(shape)) if i not in structural}
         ends = {i: self._ends(i) for i in walked}
-        spots = list(product(*(ends[i] for i in walked)))
+        spots = [np.array(list(product(*(ends[i] for i in walked))), dtype=np.int64).reshape(-1, len(walked))]
         for k, i in enumerate(walked):
-            spots += [tuple(j if m == k else 0 for m in range(len(walked))) for j in range(shape[i])]
-        numeric = np.array(spots, dtype=np.int64).reshape(len(spots), len(walked))
+            spots.append(np.zeros((shape[i], len(walked)), dtype=np.int64))
+            spots[-1][:, k] = np.arange(shape[i])
+        numeric = np.concatenate(spots)
         sizes = [shape[i] for i in structural]
         combos = (
             np.indices(sizes, dtype=np.int64).reshape(len(sizes), -1) if sizes else np.zeros((0, 1), dtype=np.int64)
         )
         count = combos.shape[1]
-        points = np.empty((len(shape), count, len(spots)), dtype=np.int64)
+        points = np.empty((len(shape), count, len(numeric)), dtype=np.int64)
         for k, i in enumerate(structural):
             points[i] = combos[k][:, None]
         for k, i in enumerate(walked):
