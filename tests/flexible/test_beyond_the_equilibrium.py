@@ -66,3 +66,12 @@ def test_a_column_that_falls_after_the_report_is_told_as_model_3_in_its_limit(to
         np.testing.assert_array_equal(column.values(name), limit.values(name), err_msg=name)
     assert (column.values("outcome") == 3).all()
     np.testing.assert_allclose(column.values("t_overturn"), limit.values("t_overturn"), rtol=1e-5)
+
+
+def test_a_fall_ends_as_the_column_reaches_the_ground_not_with_the_step_it_does_in() -> None:
+    stiff = {"model": "flexible", "column": {"E": 1e16, "rho": 2500.0, "zeta": 0.0, "elements": 1}}
+    case = {"initial": {"theta_dot": 1.2}, "damping": "none"}
+    theta = ["0.3*alpha", "0.5*alpha", "1.1*alpha"]
+    column = solved(stiff | case | {"solver": {"accuracy": "draft"}}, theta)
+    limit = solved({"model": 3, "geometry": "corotational"} | case, theta)
+    np.testing.assert_allclose(column.values("t_end"), limit.values("t_end"), rtol=1e-5)

@@ -22,6 +22,9 @@ from rockcli.kernels.rigid.settings import Channel as Channel
 SLOTS = 8
 """Step tables kept per phase."""
 
+FALLEN = 0.5 * math.pi
+"""|theta| of a column that lies on the ground."""
+
 WORK_SPACE = ("tables", "influences", "keys", "used", "paces", "filled", "work", "S", "F", "A", "about", "found")
 """Arrays of the work space.  Kept for further cases of the same column: tables (2, SLOTS, 14, N), influences (2, SLOTS,
 24), keys and used (2, SLOTS) of the steps, paces (2, LEVELS, 7, N) and filled (2, LEVELS) of the search."""
@@ -68,6 +71,22 @@ def switch(T, back, z, v, z_x, v_x):
             a = T[j, i] if back else T[i, j]
             z_x[i] += a * z[j]
             v_x[i] += a * v[j]
+
+
+@jit
+def passage(mode, F, x, angle, S, z, v, z_x, v_x):
+    """When |theta| passes an angle in a step of x that ends beyond it; the state there is left in z_x, v_x."""
+    lam, c, bu, th, _, _, _ = mode
+    below, beyond = 0.0, x
+    for _ in range(50):
+        half = 0.5 * (below + beyond)
+        advance(lam, c, bu, th, F, half, S, z, v, z_x, v_x)
+        if abs(dot(th, z_x)) < angle:
+            below = half
+        else:
+            beyond = half
+    advance(lam, c, bu, th, F, beyond, S, z, v, z_x, v_x)
+    return beyond
 
 
 @jit
@@ -213,6 +232,10 @@ def march(
                 event, x = True, y
                 for m in range(len(z)):
                     z_1[m], v_1[m] = z_x[m], v_x[m]
+        if abs(dot(th, z_1)) >= FALLEN:
+            x, lands = passage(mode, F, x, FALLEN, S, z, v, z_x, v_x), False
+            for m in range(len(z)):
+                z_1[m], v_1[m] = z_x[m], v_x[m]
         i_hist = write(par, phase, s, mode, F, x, t, t_stop, dt_out, i_hist, S, z, v, z_x, v_x, hist)
 
         # what is read off
@@ -242,15 +265,7 @@ def march(
                 note_peaks(par, mode, F, x, omega, True, t, ends, known, room, about, S, z_x, v_x, highest)
                 armed = highest[0] > par[at.REARM]
         if abs(theta_0) < par[at.THETA_STAR] <= abs(theta_1):
-            below, beyond = 0.0, x
-            for _ in range(50):
-                half = 0.5 * (below + beyond)
-                advance(lam, c, bu, th, F, half, S, z, v, z_x, v_x)
-                if abs(dot(th, z_x)) < par[at.THETA_STAR]:
-                    below = half
-                else:
-                    beyond = half
-            out[at.T_OVERTURN] = t + beyond
+            out[at.T_OVERTURN] = t + passage(mode, F, x, par[at.THETA_STAR], S, z, v, z_x, v_x)
         if par[at.DETAIL] > 0.0 and not after and not reported:
             # work of the ground: its part of the loads, along the quartic of the step
             advance(lam, c, bu, th, F, 0.5 * x, S, z, v, z_x, v_x)
@@ -265,7 +280,7 @@ def march(
         if not math.isfinite(theta_1 + dot(top, z_1)):
             out[at.STATUS] = NOT_FINITE
             break
-        if abs(theta_1) >= 0.5 * math.pi:
+        if abs(theta_1) >= FALLEN:
             verdict = FALLS
             out[at.PEAK_SIDE] = 1.0 if theta_1 > 0.0 else -1.0
             if not reported:
