@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from flexible.columns import peak, ricker, rock_column, scalar, sine
+from flexible.columns import RHO, column_batch, peak, ricker, rock_column, scalar, sine
+from frame.frames import framed
 from scenes import G, pulse, record
+
+from rockcli.solvers.flexible import solve
+from rockcli.solvers.frame.solver import solve as solve_frame
 
 
 def test_stiff_base_tends_to_the_rigid_one():
@@ -73,3 +79,43 @@ def test_partial_uplift_overturns_earlier_under_a_long_pulse():
     """T_p 4 s: 2.50 g tan(alpha) overturns on kw = 1e12 N/m³, not on the all-or-nothing base."""
     assert scalar(rock_column(ricker(2.5, 4.0), kw=1e12), "outcome") == 3
     assert scalar(rock_column(ricker(2.5, 4.0)), "outcome") == 1
+
+
+@pytest.mark.parametrize("a_v", [-0.4 * G, 0.4 * G])
+def test_edge_opens_at_a_third_of_the_moment_of_the_weight_there_is(a_v):
+    t = np.linspace(0.0, 100.0, 1001)
+    ramp = record(0.5 * G * 0.1 * t / 100.0, 0.1, duration=100.0, vertical=np.full_like(t, a_v))
+    response = rock_column(ramp, kw=1e11, E=1e13, zeta=0.05, n=5)
+    assert scalar(response, "t_uplift") == pytest.approx(100.0 / 1.5 * (1.0 + a_v / G), rel=2e-3)
+
+
+def shaken_up_and_down(a_v: float, *, soft: float = 0.05, **how):
+    """A column of 10 x 1 m whose base opens at soft alpha at rest."""
+    motion = pulse("sine", 0.7, 4.0, cycles=2.0)
+    motion = replace(motion, vertical=pulse("sine", a_v, 3.0, cycles=2.0).horizontal)
+    kw = RHO * 10.0 * G / (2.0 * 0.5**2) / (soft * np.arctan(0.1))
+    return column_batch(motion, h=5.0, E=4e9, n=3, kw=kw, **how)
+
+
+@pytest.mark.parametrize("soft", [0.02, 0.05])
+def test_vertical_motion_changes_the_weight_not_the_stiffness(soft):
+    # the frame takes the law as a spring, without phases
+    batch = shaken_up_and_down(-7.0, soft=soft, zeta=0.05)
+    assert peak(solve(batch)) == pytest.approx(peak(solve_frame(framed(batch))), rel=4e-3)
+
+
+@pytest.mark.parametrize("a_v", [-12.0, -7.0, 7.0, 12.0])
+def test_energy_closes_where_the_weight_changes(a_v):
+    response = solve(shaken_up_and_down(a_v, zeta=0.0, eta=1.0, accuracy="reference"))
+    assert abs(scalar(response, "energy_residual")) < 1e-5
+
+
+def test_a_base_kept_shut_by_more_than_its_weight_loses_nothing_by_eta():
+    # twice the weight: the swing is beyond where the base would open at rest, and short of where it does
+    heavy = record(np.full(401, G), 0.01).horizontal
+    sway = replace(pulse("sine", 0.3, 4.0, cycles=2.0, duration=3.9), vertical=heavy)
+    kw = RHO * 10.0 * G / (2.0 * 0.5**2) / (0.1 * np.arctan(0.1))
+    response = rock_column(sway, h=5.0, E=4e9, n=3, kw=kw, zeta=0.05, eta=0.5, histories=True)
+    alpha = np.arctan(0.1)
+    assert 0.1 * alpha < np.nanmax(np.abs(response.histories["theta"][0])) < 0.2 * alpha
+    assert scalar(response, "n_impacts") == 0

@@ -11,7 +11,20 @@ import math
 from rockcli.kernels.ahead import CUBE, MATRIX, TABLES, VECTOR
 from rockcli.kernels.column import layout as at
 from rockcli.kernels.column.events import drop, first_event, look, note, note_peaks
-from rockcli.kernels.column.law import along, base_moment, dot, energy, gap, ground, ground_loads, limit, step, work_of
+from rockcli.kernels.column.law import (
+    along,
+    base_moment,
+    contact_moment,
+    dot,
+    energy,
+    gap,
+    ground,
+    ground_loads,
+    limit,
+    opens_at,
+    step,
+    work_of,
+)
 from rockcli.kernels.column.oscillator import advance, fill, wander
 from rockcli.kernels.constants import FALLS, FAST, NOT_FINITE, NOT_YET, OUT_OF_STEPS, RETURNS, UNDECIDED
 from rockcli.kernels.jit import entry, jit
@@ -102,9 +115,7 @@ def write(par, phase, s, mode, F, x, t, t_end, dt_out, i_hist, S, z, v, z_x, v_x
         if phase == at.OPEN:
             hist[3, i_hist] = base_moment(par, s, theta, along(F, 9, y))
         elif par[at.THETA_1] > 0.0:
-            hist[3, i_hist] = (
-                par[at.G] * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH]) * theta / (3.0 * par[at.THETA_1])
-            )
+            hist[3, i_hist] = contact_moment(par, theta)
         else:
             hist[3, i_hist] = -(dot(row, z_x) + dot(row_v, v_x) + par[at.R_A] * along(F, 6, y))
         i_hist += 1
@@ -183,12 +194,14 @@ def march(
             t_next = min(t_next, smooth_until(horizontal, h_data, ih, t), smooth_until(vertical, v_data, iv, t))
         h = par[at.H_FREE] if after else par[at.H_MAX]
         if winkler and phase == at.OPEN:
-            q = max(abs(dot(th, z)), par[at.THETA_1])
+            a_v = ground(vertical, v_data, par[at.FACTOR_V], iv, t, t_motion, S) if not after else 0.0
+            edge = opens_at(par, a_v)
+            q = max(abs(dot(th, z)), edge, 0.1 * par[at.THETA_1])
             stiff = (
                 par[at.G]
                 * par[at.WIDTH]
                 / (par[at.LENGTH] * par[at.LENGTH] * 3.0 * par[at.THETA_1])
-                * (par[at.THETA_1] / q) ** 1.5
+                * min(max(edge, par[at.THETA_1]) / q, 1.0) ** 1.5
             )
             fine, rate = par[at.FINENESS], abs(dot(th, v))
             while h * h * stiff * par[at.MOBILITY] > 0.1 * fine * fine or h * rate > 0.3 * fine * q:
@@ -256,7 +269,7 @@ def march(
                 note_peaks(par, mode, F, x, fast, seen, t, ends, known, room, about, S, z_x, v_x, peaks)
             else:
                 note(par, th, top, t + x, z_1, v_1, peaks)
-        if not armed and turning and abs(theta_0) + stray > par[at.REARM]:
+        if not armed and phase == at.OPEN and abs(theta_0) + stray > par[at.REARM]:
             armed = abs(theta_1) > par[at.REARM]
             if not armed:
                 # it may have been beyond and come back
@@ -295,7 +308,7 @@ def march(
 
         # the reset
         if phase == at.CONTACT:
-            if winkler and abs(theta_1) < 0.5 * par[at.THETA_1]:
+            if winkler and armed and s * theta_1 < 0.0:
                 lost = 0.5 * (1.0 - par[at.ETA] * par[at.ETA]) * dot(v, v)
                 _land(par, t, rate_1, reported, landings, out)
                 balance -= 0.0 if reported else lost

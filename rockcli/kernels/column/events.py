@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.column import layout as at
-from rockcli.kernels.column.law import along, dot, gap, limit
+from rockcli.kernels.column.law import along, dot, gap, limit, limit_change
 from rockcli.kernels.column.oscillator import PACE_ROWS, advance, hop, know_pace, wander
 from rockcli.kernels.jit import jit
 
@@ -50,10 +50,10 @@ def drop(par, phase, lam, c, bu, th, row, row_v, F, d, z, v, floor, floor_rate, 
     wander(lam, c, bu, th, F, d, z, v, row, row_v, floor, floor_rate, found)
     stray = found[0]
     if phase == at.CONTACT and par[at.THETA_1] == 0.0:
-        lighter = max(-F[10], 0.0) + 0.5 * d * max(-F[11], 0.0)
         stray += d * abs(par[at.R_A]) * (abs(F[7]) + 0.5 * d * abs(F[8]))
-        stray += d * lighter * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
-    return stray
+    nearer = 1.0 if phase == at.OPEN else -1.0  # the heavier, the sooner contact begins and the later it ends
+    change = max(nearer * F[10], 0.0) + 0.5 * d * max(nearer * F[11], 0.0)
+    return stray + limit_change(par, phase, d * change)
 
 
 @jit
@@ -64,15 +64,17 @@ def look(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, z, v):
     for k in range(len(lam)):
         value += row[k] * z[k] + row_v[k] * v[k]
         rate += row[k] * v[k] + row_v[k] * (bu[k] * f + th[k] * m - c[k] * v[k] - lam[k] * z[k])
+    a_v = along(F, 9, x)
+    edge_rate = limit_change(par, phase, F[10] + x * F[11])
+    if par[at.THETA_1] > 0.0 and par[at.G] + a_v <= 0.0:
+        edge_rate = 0.0
     if phase == at.OPEN:
-        return gap(par, phase, s, armed, value, 0.0), s * rate
-    edge_rate = 0.0
+        return gap(par, phase, s, armed, value, a_v), s * rate - edge_rate
     if par[at.THETA_1] == 0.0:
         value += par[at.R_A] * along(F, 6, x)
         rate += par[at.R_A] * (F[7] + x * F[8])
-        edge_rate = (F[10] + x * F[11]) * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
-    near = gap(par, phase, s, armed, value, along(F, 9, x))
-    if near < gap(par, phase, s, False, value, along(F, 9, x)):
+    near = gap(par, phase, s, armed, value, a_v)
+    if near < gap(par, phase, s, False, value, a_v):
         return near, s * rate
     return near, edge_rate - math.copysign(rate, value * rate)
 

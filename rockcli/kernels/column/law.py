@@ -27,9 +27,23 @@ def dot(a, b):
 
 
 @jit
+def opens_at(par, a_v):
+    """Rotation at which a Winkler base opens: it follows the weight, the stiffness below does not; 0: rigid base."""
+    return par[at.THETA_1] * max(1.0 + a_v / par[at.G], 0.0)
+
+
+@jit
+def contact_moment(par, theta):
+    """Moment of a Winkler base in full contact, whatever the weight [1/s^2]."""
+    return par[at.G] * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH]) * theta / (3.0 * par[at.THETA_1])
+
+
+@jit
 def base_moment(par, s, theta, a_v):
     """Moment of the base opposing an open column: (g + a_v) b, or the Winkler law (F6); [1/s^2]."""
     weight = par[at.G] + a_v
+    if weight <= 0.0 and par[at.THETA_1] > 0.0:
+        return 0.0
     full = weight * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
     theta_1 = par[at.THETA_1] * weight / par[at.G]
     if theta_1 <= 0.0:
@@ -120,10 +134,18 @@ def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
 def limit(par, phase, s, a_v):
     """What the guard's quantity is held against: see `gap`."""
     if phase == at.OPEN:
-        return par[at.THETA_1] * (1.0 - 1e-9) - par[at.TOL]
+        return opens_at(par, a_v) * (1.0 - 1e-9) - par[at.TOL]
     if par[at.THETA_1] > 0.0:
-        return par[at.THETA_1] * (1.0 + 1e-9)
+        return opens_at(par, a_v) * (1.0 + 1e-9)
     return (par[at.G] + a_v) * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH]) * (1.0 + 1e-10)
+
+
+@jit
+def limit_change(par, phase, change):
+    """By how much `limit` changes with a_v, where there is a weight."""
+    if phase == at.CONTACT and par[at.THETA_1] == 0.0:
+        return change * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
+    return par[at.THETA_1] * change / par[at.G]
 
 
 @jit
@@ -131,7 +153,7 @@ def gap(par, phase, s, armed, value, a_v):
     """Distance to the nearest guard, an event where it turns negative.
 
     OPEN: s theta above where contact begins.  CONTACT: |base moment| below (g + a_v) b (rigid base), |theta|
-    below theta_1 and, if eta is armed, theta on its side of zero (Winkler).
+    below `opens_at` and, if eta is armed, theta on its side of zero (Winkler).
     """
     edge = limit(par, phase, s, a_v)
     if phase == at.OPEN:
@@ -154,13 +176,17 @@ def energy(par, phase, lam, bu, th, z, v):
     falls = 2.0 * half * half - 0.5 * theta * theta
     pull = par[at.G] / par[at.LENGTH]
     total -= pull * ((math.sin(theta) - theta) * sigma + UNIFORM_TO_ROTATION * falls)
+    q, theta_1 = abs(theta), par[at.THETA_1]
+    full = par[at.G] * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
+    opened = full * (q - 4.0 / 3.0 * math.sqrt(theta_1 * q) + 0.5 * theta_1)
     if phase == at.OPEN:
-        q, theta_1 = abs(theta), par[at.THETA_1]
-        full = par[at.G] * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
         if q > theta_1:
-            total += full * (q - 4.0 / 3.0 * math.sqrt(theta_1 * q) + 0.5 * theta_1)
+            total += opened
         elif theta_1 > 0.0:
             total += full * q * q / (6.0 * theta_1)
+    elif theta_1 > 0.0 and q > theta_1 * (1.0 + 1e-6):
+        # held in contact by more than the weight at rest: the modes count the contact's stiffness
+        total += opened - full * q * q / (6.0 * theta_1)
     return total
 
 
@@ -198,6 +224,8 @@ def ground_loads(par, phase, s, theta_0, theta_b, theta_1, y_0, y_b, y_1, x, F):
         F[21 + k] = (a_v * math.cos(theta) + a * math.sin(theta)) * sigma / par[at.LENGTH]
         if phase == at.OPEN:
             F[21 + k] -= base_moment(par, s, theta, a_v) - base_moment(par, s, theta, 0.0)
+        elif par[at.THETA_1] > 0.0 and a_v > 0.0 and abs(theta) > par[at.THETA_1]:
+            F[21 + k] -= contact_moment(par, theta) - base_moment(par, math.copysign(1.0, theta), theta, 0.0)
     for j in range(2):
         f_0, f_b, f_1 = F[18 + 3 * j], F[19 + 3 * j], F[20 + 3 * j]
         F[12 + 3 * j] = f_0

@@ -10,7 +10,8 @@ CONTACT, OPEN = 0, 1
     HAS_DURATION, FACTOR_H, FACTOR_V, R_A, MOBILITY, TOL, GIVE_UP, PHASE_0, SIDE_0, DETAIL, FINENESS,
     N_PAR,
 ) = range(26)  # fmt: skip
-"""g; 2h; b; rotation at which a Winkler base opens (0: rigid base); alpha; p; eta; rotation that re-arms eta;
+"""g; 2h; b; rotation at which a Winkler base opens under the weight at rest (0: rigid base); alpha; p; eta;
+rotation of an open base that re-arms eta;
 energy and rotation of the unstable equilibrium; largest steps with and without ground motion; end of the motion and
 of the report; is the duration given; factors of sampled motions; base moment per a_g of the held column;
 [M^-1]_00; rounding of theta; free rocking after T_STOP; first phase and side; is the work wanted;

@@ -144,7 +144,7 @@ def _parameters(batch: Batch, i: int, column: Prepared, fineness: float, halved:
         at.ALPHA: float(block.alpha[i, 0]),
         at.P: p,
         at.ETA: float(batch.damping.eta[i, 0]),
-        at.REARM: max(REARM * float(block.alpha[i, 0]), column.theta_1),
+        at.REARM: REARM * float(block.alpha[i, 0]),
         at.BARRIER: column.barrier,
         at.THETA_STAR: column.theta_star,
         at.H_MAX: h,
