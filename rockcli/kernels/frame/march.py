@@ -143,13 +143,16 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
             worked += (work[at.LOAD, k] + weight) * (u[k] - u_old[k])
             if damped:
                 lost += work[at.DRAG, k] * (u[k] - u_old[k])
-        if middle_v != 0.0:
+        if middle_v != 0.0 and par[at.BASE] != at.FIBRES:  # those carry the weight itself, whose work is counted
             middle = 0.5 * (theta + u_old[2])
             M, _ = spring(par, middle, 1.0 + middle_v / par[at.G])
             at_rest, _ = spring(par, middle, 1.0)
             worked -= (M - at_rest) * (theta - u_old[2])
 
-        if math.isnan(out[at.T_UPLIFT]) and q > par[at.UPLIFT]:
+        opens = par[at.UPLIFT]
+        if par[at.BASE] == at.WINKLER or par[at.BASE] == at.FIBRES:  # by the weight it carries
+            opens *= max(1.0 + end_v / par[at.G], 0.0)
+        if math.isnan(out[at.T_UPLIFT]) and q > opens:
             out[at.T_UPLIFT] = now
         if q_old < par[at.Q_STAR] <= q:
             out[at.T_OVERTURN] = now
