@@ -116,3 +116,37 @@ def test_polynomials_of_sines_and_exponentials():
         assert elementary.sin_cos_of_any(x) == pytest.approx((math.sin(x), math.cos(x)), rel=0, abs=4e-16)
     for x in np.linspace(-50.0, 0.0, 501):
         assert elementary.exp_of_negative(x) == pytest.approx(math.exp(x), rel=0, abs=4e-16)
+
+
+@pytest.mark.parametrize("initial", [{}, {"theta": "0.3*alpha"}], ids=["stands", "moves"])
+@pytest.mark.parametrize("shape", ["ricker", "ricker_antisymmetric", "sine"])
+def test_pulses_that_begin_at_once_beside_late_ones(shape, initial):
+    """Of a given `t0` short pulses begin later than the report: long ones know nothing of that."""
+
+    def solved(omegas, **solver):
+        return rockcli.run(
+            {
+                "case": {
+                    "block": {"R": 2, "tan_alpha": 0.2},
+                    "initial": initial,
+                    "motion": {
+                        "pulse": {"shape": shape, "a_p": 1, "omega_p": 1, "t0": 0.3 if shape != "sine" else 0.0}
+                    },
+                    "solver": solver,
+                },
+                "vary": {"motion.pulse.omega_p": omegas, "motion.pulse.a_p": np.linspace(2.2, 12, 12).tolist()},
+                "save": {"histories": False, "scalars": list(SCALARS)},
+                "plots": "none",
+            }
+        )
+
+    alone, beside, exact = (
+        solved([8.0, 12.0]),
+        solved([8.0, 12.0, 60.0]),
+        solved([8.0, 12.0, 60.0], accuracy="reference"),
+    )
+    for name in SCALARS:
+        np.testing.assert_array_equal(beside[name].values[:2], alone[name].values, err_msg=name)
+    np.testing.assert_array_equal(beside["outcome"].values, exact["outcome"].values)
+    np.testing.assert_array_equal(beside["n_impacts"].values, exact["n_impacts"].values)
+    np.testing.assert_allclose(beside["theta_peak_over_alpha"].values, exact["theta_peak_over_alpha"].values, rtol=1e-8)

@@ -121,18 +121,18 @@ def in_lanes(
     """`run` of bodies on two edges, or of the `bodies` that roll: `kernels.rolling.parameters`."""
     channel = batch.excitation.horizontal
     assert isinstance(channel, Pulses)
-    pieces, until_fall = channel.table.shape[1], not batch.save.scalars & TO_THE_GROUND
-    tables = channel.table[cases].reshape(len(rows), pieces * PIECE_WIDTH)
+    tables, until_fall = channel.table[cases], not batch.save.scalars & TO_THE_GROUND
     width = results_of_rolling.N_OUT if len(bodies) else to.N_OUT
     found = np.zeros((len(rows), width))
     how = how._replace(max_steps=MAX_STEPS)
     with np.errstate(all="ignore"):  # idle lanes divide by zero too
-        for two_sided, some in _kinds(rows, bodies):  # apart, so that no body depends on others
-            part = found[some]
-            work = lanes.work_space()
-            lanes.sweep(rows[some], bodies, how, tables[some], pieces, two_sided, path, until_fall, work, part)
-            if not isinstance(some, slice):  # of a slice `part` is a view
-                found[some] = part
+        for two_sided, kind in _kinds(rows, bodies):  # apart, so that no body depends on others
+            for table, some in _begun(tables, kind):
+                part, pieces = found[some], table.shape[1]
+                pulses, work = table.reshape(len(table), pieces * PIECE_WIDTH), lanes.work_space()
+                lanes.sweep(rows[some], bodies, how, pulses, pieces, two_sided, path, until_fall, work, part)
+                if not isinstance(some, slice):  # of a slice `part` is a view
+                    found[some] = part
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
     if not path:
         found[:, to.T_OVERTURN] = found[:, to.T_END] = np.nan  # the lanes stop where the answer is known
@@ -153,3 +153,16 @@ def _kinds(rows: Array, bodies: Array) -> list[tuple[bool, Any]]:
     if uneven.all():
         return [(True, whole)]
     return [(False, np.flatnonzero(~uneven)), (True, np.flatnonzero(uneven))]
+
+
+def _begun(tables: Array, some: Any) -> list[tuple[Array, Any]]:
+    """Pieces of some rows' pulses (n, pieces, `ground.WIDTH`), and these rows, as far as there are any.
+
+    Apart those whose pulse begins at once, without the silence that others of the batch have before theirs.
+    """
+    at_once = tables[some, 0, 1] <= 0.0
+    if tables.shape[1] == 1 or not at_once.any():
+        return [(tables[some], some)]
+    rows = np.arange(len(tables))[some]
+    parts = [(tables[rows[at_once], 1:], rows[at_once]), (tables[rows[~at_once]], rows[~at_once])]
+    return [part for part in parts if len(part[1])]
