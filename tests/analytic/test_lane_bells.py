@@ -17,6 +17,7 @@ from scenes import G, make_batch, pulse
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+import rockcli
 from rockcli.scene.block import make_block
 from rockcli.scene.excitation import acceleration
 from rockcli.solvers.event import pulse_lanes as lane_pulses
@@ -120,3 +121,29 @@ def test_another_bell_is_left_to_the_single_body_kernels():
     w, t0 = table[:3, 0, 4], table[:3, 0, 3]
     assert found["t_uplift"][:3] == pytest.approx(t0 - np.sqrt(2.0 * np.log(A[:3])) / w, rel=1e-12)
     assert found["theta_peak_over_alpha"] == pytest.approx(exact["theta_peak_over_alpha"], rel=1e-9)
+
+
+@pytest.mark.parametrize("save", [{}, {"scalars": ["outcome", "theta_peak_over_alpha"]}], ids=["alone", "in lanes"])
+def test_a_body_that_moves_sees_the_bell_come_whatever_the_tolerance(save):
+    study = {
+        "case": {
+            "block": {"R": 2, "tan_alpha": 0.2},
+            "initial": {"theta": "0.5*alpha"},
+            "motion": {"pulse": {"shape": "ricker", "a_p": "6*g*tan_alpha", "omega_p_over_p": 10}},
+        },
+        "vary": {
+            "motion.pulse.omega_p_over_p": np.geomspace(1.0, 60.0, 24).tolist(),
+            "initial.theta": ["0.3*alpha", "0.6*alpha", "0.95*alpha"],
+        },
+        "save": {"histories": False, **save},
+        "plots": "none",
+    }
+    found, exact = (rockcli.run({**study, "case": {**study["case"], "solver": how}}) for how in (LOOSE, REFERENCE))
+    np.testing.assert_array_equal(found["outcome"].values, exact["outcome"].values)
+    peaks = [each["theta_peak_over_alpha"].values for each in (found, exact)]
+    rocks = np.isfinite(peaks[1])
+    assert 20 < np.count_nonzero(rocks) < rocks.size
+    np.testing.assert_allclose(peaks[0][rocks], peaks[1][rocks], atol=2e-3)
+
+
+LOOSE, REFERENCE = {"rtol": 1e-6}, {"accuracy": "reference"}

@@ -12,6 +12,14 @@ WIDTH = 14
 NOTHING, SAMPLES, PULSES = 0, 1, 2
 """Kinds of channel."""
 
+LINEAR, WAVES, BELL = 0.0, 1.0, 2.0
+"""Kinds of piece."""
+
+NEAR, FAR = 0.5, -4.0
+"""Longest step of a body that moves before a bell comes, and where that is, in its y: far from it the first terms of
+its series are nothing, and by Cramer's bound |He_m(y)| < 1.09 sqrt(m!) exp(y^2/4) those left out are below the
+tolerance."""
+
 
 @jit_lean
 def piece_end(channel, data, i):
@@ -42,6 +50,15 @@ def piece_at(channel, data, i, t):
 
 
 @jit_lean
+def sight(channel, data, i, t):
+    """Longest step from t at which the series of piece i tells what comes [s]."""
+    if channel.kind != PULSES or i >= channel.pieces or data[i * WIDTH + 2] != BELL:
+        return math.inf
+    w = data[i * WIDTH + 4]
+    return NEAR / w if w * (t - data[i * WIDTH + 3]) < FAR else math.inf
+
+
+@jit_lean
 def expand(channel, data, factor, i, t, n, out):
     """Write the Taylor coefficients about t of piece i into out[0..deg]; return deg <= n.
 
@@ -54,11 +71,11 @@ def expand(channel, data, factor, i, t, n, out):
         out[1] = slope * factor
         return 1
     row = i * WIDTH
-    if data[row + 2] == 0.0:  # LINEAR
+    if data[row + 2] == LINEAR:
         out[0] = data[row + 3] + data[row + 4] * (t - data[row])
         out[1] = data[row + 4]
         return 1 if out[1] != 0.0 else 0
-    if data[row + 2] == 1.0:
+    if data[row + 2] == WAVES:
         return _expand_waves(data, row, t, n, out)
     return _expand_bell(data, row, t, n, out)
 

@@ -29,7 +29,7 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
 from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good
-from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_at, piece_end
+from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_at, piece_end, sight
 from rockcli.kernels.rigid.law import edge_of, energy, separatrix
 from rockcli.kernels.rigid.readings import raise_peak, set_peak, work_done
 from rockcli.kernels.rigid.rest import lift_off, rest_time
@@ -167,6 +167,8 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
             continue
 
         h = min(h, 2.0 / p_min)
+        if t < t_motion:
+            h = min(h, sight(horizontal, h_data, ih, t), sight(vertical, v_data, iv, t))
         n, h = flow(edge, how, how.tol * edge.alpha, q, v, s, a, a_v, deg, launch, h, c, sin_q, cos_q)
         if not h > 0.0 or math.isnan(c[n]):
             out[to.STATUS] = NOT_FINITE

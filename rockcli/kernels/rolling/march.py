@@ -27,7 +27,7 @@ from rockcli.kernels.constants import (
 from rockcli.kernels.jit import entry, jit_lean
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
-from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_at, piece_end
+from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_at, piece_end, sight
 from rockcli.kernels.rigid.march import ALL, OUTCOME, REST, ROCK
 from rockcli.kernels.rigid.march import work_space as work_space
 from rockcli.kernels.rigid.readings import raise_peak, set_peak, work_done
@@ -203,6 +203,8 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
             continue
 
         h = min(h, 2.0 / math.sqrt(end.p2))
+        if t < t_motion:
+            h = min(h, sight(horizontal, h_data, ih, t), sight(vertical, v_data, iv, t))
         n, h = flow(end, how, small, q, v, s, a, a_v, deg, launch, h, c, sine, cosine)
         if not h > 0.0 or math.isnan(c[n]):
             out[to.STATUS] = NOT_FINITE

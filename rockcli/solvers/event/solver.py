@@ -73,7 +73,8 @@ def _on_two_edges(batch: Batch) -> Response:
     compiled_only = lane_records.asked(batch) or lane_pulses.path_asked(batch)
     seconds = lane_pulses.SECONDS * batch.size if pulses else _estimated_seconds(batch, parameters)
     # not where enough cases come together, or had been solved before: it would be seen in the last bits
-    march = kernels.load(compile_them=compiled_only or seconds > COMPILE_ABOVE)
+    ready = pulses and kernels.compiled_ahead()  # lanes have the same bits, sooner than in plain Python
+    march = kernels.load(compile_them=compiled_only or ready or seconds > COMPILE_ABOVE)
     in_lanes = pulses or (bool(kernels.compiled) and compiled_only)
 
     def attempt() -> tuple[Raw, Opened]:

@@ -47,7 +47,8 @@ def solve(batch: Batch) -> Response:
     facets = facets_in(batch)
     seconds = _estimated_seconds(batch, facets)
     compiled_only = record_lanes.asked(batch) or path_asked(batch)  # as of two edges, however few they are
-    kernels.load("rolling.march", compile_them=compiled_only or seconds > COMPILE_ABOVE)
+    ready = pulse_lanes.asked(batch) and kernels.compiled_ahead()  # with the same bits
+    kernels.load("rolling.march", compile_them=compiled_only or ready or seconds > COMPILE_ABOVE)
     way = _way(batch)
     run = _run(batch, facets, level, way, histories=batch.save.histories)
     judgement = _judged(batch, facets, level, run, way, seconds) if batch.save.scalars & CERTAINTY else None

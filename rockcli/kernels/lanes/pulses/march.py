@@ -65,6 +65,7 @@ from rockcli.kernels.lanes.vector.plain import load, note, room, select, some, s
 from rockcli.kernels.quadrature import LOW
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.ground import NEAR
 from rockcli.kernels.rigid.law import edge_of, potential
 from rockcli.kernels.rigid.march import ALL, OUTCOME
 from rockcli.kernels.rigid.rest import rest_time
@@ -76,10 +77,6 @@ SAFE = 0.35
 
 LONGEST = 2.0
 """Longest step, over 1/p."""
-
-NEAR = 0.5
-"""Longest step of a body that moves before a bell comes, in its y: far from it the first terms of its series are
-nothing, and by Cramer's bound |He_m(y)| < 1.09 sqrt(m!) exp(y^2/4) those left out are below the tolerance."""
 
 
 @entry(MATRIX, MATRIX, Settings, MATRIX, int, bool, bool, bool, VECTOR, MATRIX)
