@@ -47,7 +47,10 @@ def assert_same(batch: Batch, tolerance: float) -> None:
     np.testing.assert_array_equal(found.scalars["t_uplift"] > 0.0, exact["t_uplift"] > 0.0)
     stands = np.isfinite(exact["theta_peak_over_alpha"])
     for name in ("theta_peak_over_alpha", "theta_peak"):
-        error = np.abs(found.scalars[name][stands] - exact[name][stands])
+        one, other = found.scalars[name][stands], exact[name][stands]
+        if (batch.damping.eta == 1.0).all():  # it swings as far to either side, for ever
+            one, other = np.abs(one), np.abs(other)
+        error = np.abs(one - other)
         assert np.median(error) < tolerance
         assert np.quantile(error, 0.99) < 1e3 * tolerance
     # an impact at the very end of the report may fall on either side of it
