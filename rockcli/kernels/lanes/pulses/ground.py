@@ -14,8 +14,7 @@ from rockcli.kernels.lanes.pulses.state import ORDER, series_of_a
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos_of_any
 from rockcli.kernels.lanes.vector.plain import fma, load, select, some, spread, store
-
-LINEAR, WAVES = 0.0, 1.0
+from rockcli.kernels.rigid.ground import LINEAR, WAVES
 
 ROOT = sqrt(3.0)
 AT_ONE, AT_ROOT = exp(-0.5), 2.0 * exp(-1.5)

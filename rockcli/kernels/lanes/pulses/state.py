@@ -15,6 +15,7 @@ from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos
 from rockcli.kernels.lanes.vector.plain import load, select, some, store
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.ground import BELL as BELL
 from rockcli.kernels.rigid.ground import WIDTH as PIECE_WIDTH
 from rockcli.kernels.rigid.law import edge_of, potential
 
@@ -67,8 +68,8 @@ NONE, IMPACT, TOUCH, UPLIFT, DONE, FOR_MARCH = 0.0, 1.0, 1.5, 2.0, 3.0, 4.0
 IDLE, REST, ROCK = -1.0, 0.0, 1.0
 """MODE."""
 
-FREE, BELL = -1.0, 2.0
-"""KIND after the motion's end, and that of a bell."""
+FREE = -1.0
+"""KIND after the motion's end."""
 
 
 @jit_lean
