@@ -64,7 +64,7 @@ def look(par, phase, s, armed, lam, c, bu, th, row, row_v, F, x, z, v):
     for k in range(len(lam)):
         value += row[k] * z[k] + row_v[k] * v[k]
         rate += row[k] * v[k] + row_v[k] * (bu[k] * f + th[k] * m - c[k] * v[k] - lam[k] * z[k])
-    a_v = along(F, 9, x)
+    a_v = along(F, 9, x) if phase == at.CONTACT or par[at.THETA_1] > 0.0 else 0.0
     edge_rate = limit_change(par, phase, F[10] + x * F[11])
     if par[at.THETA_1] > 0.0 and par[at.G] + a_v <= 0.0:
         edge_rate = 0.0

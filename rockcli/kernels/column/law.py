@@ -29,7 +29,7 @@ def dot(a, b):
 @jit
 def opens_at(par, a_v):
     """Rotation at which a Winkler base opens: it follows the weight, the stiffness below does not; 0: rigid base."""
-    return par[at.THETA_1] * max(1.0 + a_v / par[at.G], 0.0)
+    return par[at.THETA_1] * max(1.0 + a_v / par[at.G], 0.0) if par[at.THETA_1] > 0.0 else 0.0
 
 
 @jit
@@ -143,9 +143,9 @@ def limit(par, phase, s, a_v):
 @jit
 def limit_change(par, phase, change):
     """By how much `limit` changes with a_v, where there is a weight."""
-    if phase == at.CONTACT and par[at.THETA_1] == 0.0:
-        return change * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
-    return par[at.THETA_1] * change / par[at.G]
+    if par[at.THETA_1] > 0.0:
+        return par[at.THETA_1] * change / par[at.G]
+    return 0.0 if phase == at.OPEN else change * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
 
 
 @jit
@@ -178,14 +178,16 @@ def energy(par, phase, lam, bu, th, z, v):
     total -= pull * ((math.sin(theta) - theta) * sigma + UNIFORM_TO_ROTATION * falls)
     q, theta_1 = abs(theta), par[at.THETA_1]
     full = par[at.G] * par[at.WIDTH] / (par[at.LENGTH] * par[at.LENGTH])
-    opened = full * (q - 4.0 / 3.0 * math.sqrt(theta_1 * q) + 0.5 * theta_1)
+    held = phase == at.CONTACT and theta_1 > 0.0 and q > theta_1 * (1.0 + 1e-6)  # by more than the weight at rest
+    opened = 0.0
+    if held or (phase == at.OPEN and q > theta_1):
+        opened = full * (q - 4.0 / 3.0 * math.sqrt(theta_1 * q) + 0.5 * theta_1)
     if phase == at.OPEN:
         if q > theta_1:
             total += opened
         elif theta_1 > 0.0:
             total += full * q * q / (6.0 * theta_1)
-    elif theta_1 > 0.0 and q > theta_1 * (1.0 + 1e-6):
-        # held in contact by more than the weight at rest: the modes count the contact's stiffness
+    elif held:  # the modes count the contact's stiffness
         total += opened - full * q * q / (6.0 * theta_1)
     return total
 

@@ -58,10 +58,6 @@ TO_THE_GROUND = frozenset({"t_end", "n_steps", "n_rhs", *FORCES})
 SECONDS = 0.01
 """A case in lanes of plain Python [s]."""
 
-OF_PATH = 0.08
-"""Part of the tolerance that a step of a path may use: then its errors are those of single bodies, whose series are
-longer, and the estimates of errors hold for both (benchmarks/certainty.py)."""
-
 MAX_STEPS = 10_000
 """Steps of a case after which it is left to the single-body kernels."""
 
@@ -110,8 +106,6 @@ def run(lanes: ModuleType, batch: Batch, rows: Array, how: Any, cases: Any, *, p
     `how`: `Settings` of the single-body kernels; `path`: bodies are followed to the end of their paths.  NaN in STATUS
     for a body that is left to the single-body kernels.
     """
-    if path:
-        how = how._replace(tol=OF_PATH * how.tol)
     return in_lanes(lanes, batch, rows, how, cases, np.empty((0, 0)), path=path)
 
 

@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.kernels.constants import STRICTER
 from rockcli.kernels.rigid import parameters as rigid
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling import results as also
 from rockcli.scene.batch import Batch
 from rockcli.solvers.event import pulse_lanes
-from rockcli.solvers.event.pulse_lanes import METHOD, METHOD_ON_PATH, OF_PATH, in_lanes, path_asked
+from rockcli.solvers.event.pulse_lanes import METHOD, METHOD_ON_PATH, in_lanes, path_asked
 
 Array = NDArray[np.float64]
 
@@ -51,7 +50,6 @@ def run(lanes: ModuleType, batch: Batch, pars: Array, bodies: Array, how: Any, c
     """
     rows = on_the_stand(pars[cases], bodies)
     path = path_asked(batch)
-    how = how._replace(tol=(OF_PATH if path else STRICTER) * how.tol)
     found = in_lanes(lanes, batch, rows, how, cases, bodies, path=path)
     never = np.isnan(found[:, to.T_UPLIFT])
     found[never, also.FACET] = bodies[rows[never, rigid.N_PAR].astype(int), at.STANDING]
