@@ -124,7 +124,7 @@ def test_a_curve_of_a_suite_is_its_share_and_its_median():
             np.testing.assert_array_equal(line.get_xdata(), data["k"].values)
     assert [words.get_text() for words in drawn.legends[0].get_texts()] == ["wide", "slender"]
     assert "9 values of" in drawn.get_suptitle()
-    assert "no median where half overturn" in drawn.get_suptitle()
+    assert "no median where half or more overturn" in drawn.get_suptitle()
     assert 0.0 < float(data["p_overturned"].mean()) < 1.0
     vary = {"let.k": vary.pop("let.k"), **vary}
     several = rockcli.run(suite(case=case, let={"k": 1}, vary=vary, over=["block", "motion.pulse.omega_p"]))

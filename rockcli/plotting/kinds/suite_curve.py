@@ -67,7 +67,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid[-1].set_xlabel(axis_label(dataset, axis))
     members = members_word(dataset, suite) if suite.axis in dataset.sizes else ""  # "": over several axes
     fallen = MEDIAN in rows and bool(np.isposinf(dataset[MEDIAN].values).any())
-    notes = [members, selection_note(len(shown), total, "curves"), "no median where half overturn" * fallen]
+    notes = [members, selection_note(len(shown), total, "curves"), "no median where half or more overturn" * fallen]
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     if len(shown) > 1:
         legend_of(figure, grid[0], 3)

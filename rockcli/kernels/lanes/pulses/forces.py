@@ -10,7 +10,7 @@ import math
 
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.lanes.pulses import state as lane
-from rockcli.kernels.lanes.pulses.series import look_along
+from rockcli.kernels.lanes.pulses.series import look_along, value_and_slope
 from rockcli.kernels.lanes.pulses.state import ORDER, put, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
@@ -279,11 +279,7 @@ def _top_of_ground(state, o, where, lo, hi, f_lo, f_hi):
 @jit_lean
 def ground_at(state, o, y):
     """|a_g| of a vector at y in the step under way, and its slope."""
-    a = series_of_a(o)
-    ground, rise = load(state, a + ORDER * WIDTH), spread(0.0)
-    for k in range(ORDER - 1, -1, -1):
-        rise = fma(rise, y, ground)
-        ground = fma(ground, y, load(state, a + k * WIDTH))
+    ground, rise = value_and_slope(state, series_of_a(o), y)
     return abs(ground), select(ground > 0.0, rise, -rise)
 
 

@@ -22,9 +22,10 @@ from rockcli.kernels.lanes.pulses.forces import (
     stood,
 )
 from rockcli.kernels.lanes.pulses.ground import to_come
-from rockcli.kernels.lanes.pulses.state import ORDER, put, series_of_a, series_of_q
+from rockcli.kernels.lanes.pulses.series import value_and_slope
+from rockcli.kernels.lanes.pulses.state import put, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
-from rockcli.kernels.lanes.vector.plain import fma, load, select, some, spread, sqrt, store
+from rockcli.kernels.lanes.vector.plain import load, select, some, spread, sqrt, store
 from rockcli.kernels.quadrature import NODES, POINTS, WEIGHTS
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
@@ -150,10 +151,10 @@ def _look_along(state, o, going, may_pass, t, x, waiting, count, scratch):
 def _find_passage(state, o, may_pass, star, t, x):
     """Passages of the equilibrium alone, from place to place as in `_look_along`."""
     low = spread(0.0)
-    was, _ = rotation_at(state, o, low)
+    was, _ = value_and_slope(state, series_of_q(o), low)
     for j in range(POINTS + 1):
         high = NODES[j] * x if j < POINTS else x
-        new, _ = rotation_at(state, o, high)
+        new, _ = value_and_slope(state, series_of_q(o), high)
         over = may_pass & (was < star) & (new >= star)
         if some(over):
             _pass(state, o, over, star, t, low, high)
@@ -166,7 +167,7 @@ def _pass(state, o, over, star, t, low, high):
     lo, hi = low, select(over, high, low)
     z, going = hi, over
     for _ in range(60):
-        q, v = rotation_at(state, o, z)
+        q, v = value_and_slope(state, series_of_q(o), z)
         miss = q - star
         lo, hi = select(going & (miss < 0.0), z, lo), select(going & ~(miss < 0.0), z, hi)
         step, near = z - miss / v, 1e-10 * (t + z)  # of second order: after a step so short the next one is rounding
@@ -178,17 +179,6 @@ def _pass(state, o, over, star, t, low, high):
             break
     store(state, o + lane.OVER_T * WIDTH, select(over, t + z, load(state, o + lane.OVER_T * WIDTH)))
     return z
-
-
-@jit_lean
-def rotation_at(state, o, y):
-    """q of a vector, and its rate, at y in the step under way."""
-    c = series_of_q(o)
-    q, v = load(state, c + ORDER * WIDTH), spread(0.0)
-    for k in range(ORDER - 1, -1, -1):
-        v = fma(v, y, q)
-        q = fma(q, y, load(state, c + k * WIDTH))
-    return q, v
 
 
 @jit_lean

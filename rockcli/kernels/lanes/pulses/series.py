@@ -110,6 +110,16 @@ def reach_of(state, c, small, h):
 
 
 @jit_lean
+def value_and_slope(state, c, y):
+    """Of the polynomial of the series at c, at y in the step under way."""
+    P, dP = load(state, c + ORDER * WIDTH), spread(0.0)
+    for k in range(ORDER - 1, -1, -1):
+        dP = fma(dP, y, P)
+        P = fma(P, y, load(state, c + k * WIDTH))
+    return P, dP
+
+
+@jit_lean
 def look_along(state, c, h):
     """(P(h), P'(h), bound of |P''|, bound of |P|) of the polynomial P at c, the bounds on [0, h]."""
     P = load(state, c + ORDER * WIDTH)
