@@ -2,7 +2,7 @@
 
     python benchmarks/stability_maps.py [--draw | MAP ...]
 
-Writes `results/stability_maps.csv` (one row per case) and a picture `docs/stability_<map>.png` per map; with names only
+Writes `results/stability_maps.csv` (one row per case) and a picture `docs/figures/stability_<map>.png` per map; with names only
 those maps are solved anew, with --draw none: pictures are drawn from the rows that are there.  Every map is a study over two axes; its error is that of the peak theta/alpha against another
 solver: the event-driven one for stepping codes, DOP853 with located events for the event-driven one.
 """
@@ -33,7 +33,7 @@ from rockcli.plotting.common.style import RC
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results" / "stability_maps.csv"
-PICTURES = HERE.parent / "docs"
+PICTURES = HERE.parent / "docs" / "figures"
 
 COLUMNS = ("map", "panel", "y", "x", "outcome", "same_outcome", "error", "error_estimate", "seconds", "reason")
 

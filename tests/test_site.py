@@ -46,7 +46,7 @@ def test_every_environment_variable_is_listed():
 
 
 def test_the_sketch_is_what_its_script_draws():
-    text = (DOCS / "block.svg").read_text(encoding="utf-8")
+    text = (DOCS / "figures" / "block.svg").read_text(encoding="utf-8")
     assert text == sketch.drawn()
     assert {"R", "α", "h", "b", "θ"} <= {element.text for element in ElementTree.fromstring(text).iter()}
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws docs/block.svg: the block with R, alpha, h, b and theta.
+"""Draws docs/figures/block.svg: the block with R, alpha, h, b and theta.
 
 python docs/tools/sketch.py
 """
@@ -104,4 +104,4 @@ def drawn() -> str:
 
 
 if __name__ == "__main__":
-    Path(__file__).resolve().parents[1].joinpath("block.svg").write_text(drawn(), encoding="utf-8")
+    Path(__file__).resolve().parents[1].joinpath("figures", "block.svg").write_text(drawn(), encoding="utf-8")
