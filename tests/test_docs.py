@@ -32,7 +32,7 @@ HOMES = {
     "E": ("docs/frame.md",),
     "R": ("docs/rules.md",),
     "I": ("docs/identify.md",),
-    "L": ("docs/sweeps.md",),
+    "L": ("docs/lanes.md",),
     "B": ("docs/sweeps.md",),
     "K": ("docs/contact.md",),
     "V": ("docs/rolling.md",),

@@ -1,1 +1,1 @@
-"""Many symmetric bodies at once in SIMD batches of the same automaton (docs/sweeps.md)."""
+"""Many symmetric bodies at once in SIMD batches of the same automaton (docs/lanes.md)."""

@@ -1,4 +1,4 @@
-"""Pulse maps in lanes: which bodies `kernels.lanes.pulses.march` takes, and what it is given (docs/sweeps.md)."""
+"""Pulse maps in lanes: which bodies `kernels.lanes.pulses.march` takes, and what it is given (docs/lanes.md)."""
 
 from __future__ import annotations
 

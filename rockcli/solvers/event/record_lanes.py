@@ -1,4 +1,4 @@
-"""Record maps in lanes: which bodies `kernels.lanes.records.march` takes, and what it is given (docs/sweeps.md)."""
+"""Record maps in lanes: which bodies `kernels.lanes.records.march` takes, and what it is given (docs/lanes.md)."""
 
 from __future__ import annotations
 

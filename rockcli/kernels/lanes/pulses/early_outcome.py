@@ -1,4 +1,4 @@
-"""The outcome of the lanes as early as it is known (docs/sweeps.md)."""
+"""The outcome of the lanes as early as it is known (docs/lanes.md)."""
 
 from __future__ import annotations
 

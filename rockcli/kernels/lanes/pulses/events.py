@@ -1,4 +1,4 @@
-"""Events of the lanes that have one, WIDTH of them at a time whichever lanes they are in (docs/sweeps.md)."""
+"""Events of the lanes that have one, WIDTH of them at a time whichever lanes they are in (docs/lanes.md)."""
 
 from __future__ import annotations
 

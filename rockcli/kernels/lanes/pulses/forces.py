@@ -1,4 +1,4 @@
-"""Largest friction and rate and smallest normal force on the steps of the lanes of pulses (docs/sweeps.md).
+"""Largest friction and rate and smallest normal force on the steps of the lanes of pulses (docs/lanes.md).
 
 They are looked at at the nodes of a quadrature and where the slopes at two of these tell of an extreme between them.
 Such extremes wait until there are WIDTH of them, whichever lanes they are in.

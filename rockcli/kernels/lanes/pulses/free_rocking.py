@@ -1,4 +1,4 @@
-"""Free rocking after the motion, without steps: each swing is as long as an integral says (docs/sweeps.md)."""
+"""Free rocking after the motion, without steps: each swing is as long as an integral says (docs/lanes.md)."""
 
 from __future__ import annotations
 

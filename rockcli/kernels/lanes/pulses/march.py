@@ -1,4 +1,4 @@
-"""Many pulse cases at once: lanes that run each at its own pace, refilled as their cases end (docs/sweeps.md).
+"""Many pulse cases at once: lanes that run each at its own pace, refilled as their cases end (docs/lanes.md).
 
 A lane goes through the same modes, guards and resets as `march`; what is rare or doubtful is left to `march`.
 """

@@ -1,4 +1,4 @@
-"""The whole path of bodies in the lanes of pulses: passages of the equilibrium, forces, rates, energy (docs/sweeps.md).
+"""The whole path of bodies in the lanes of pulses: passages of the equilibrium, forces, rates, energy (docs/lanes.md).
 
 For what is asked of the way there, and not of the outcome alone: a body is followed until it lies on its side or
 nothing is left of its motion, its forces looked at at the nodes of a quadrature of the work of the ground (theory.md

@@ -1,4 +1,4 @@
-"""The flow of a vector of lanes: Taylor coefficients of q(t) = |theta(t)| to a fixed order (docs/sweeps.md)."""
+"""The flow of a vector of lanes: Taylor coefficients of q(t) = |theta(t)| to a fixed order (docs/lanes.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Screening of pulse cases before they take a lane: when a bell first lifts the body (docs/sweeps.md).
+"""Screening of pulse cases before they take a lane: when a bell first lifts the body (docs/lanes.md).
 
 Many cases of a map never lift, or lift and cannot overturn: these have their answer here and take no lane.
 """

@@ -1,1 +1,1 @@
-"""SIMD batches under one sampled motion: all lanes step through the samples together (docs/sweeps.md)."""
+"""SIMD batches under one sampled motion: all lanes step through the samples together (docs/lanes.md)."""

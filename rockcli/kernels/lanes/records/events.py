@@ -1,4 +1,4 @@
-"""What a rocking lane meets: impact, peak, overturning, the motion's end (docs/sweeps.md)."""
+"""What a rocking lane meets: impact, peak, overturning, the motion's end (docs/lanes.md)."""
 
 from __future__ import annotations
 
@@ -246,7 +246,7 @@ def lost(st, i, values, slopes, velocity, linear):
 
     Out there gravity only helps, whatever a vertical motion below g makes of it, and the part of the forcing that
     counts, f = fc cos q + fs sin q, falls as q grows; by the mean value theorem the ground takes at most f times its
-    largest later change of velocity (docs/sweeps.md, L6).
+    largest later change of velocity (docs/lanes.md, L6).
     velocity: at each sample, its largest and its least from there on.
     """
     q, v, k, x = st[lane.Q + i], st[lane.V + i], int(st[lane.PIECE + i]), st[lane.X + i]

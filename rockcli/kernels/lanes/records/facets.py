@@ -1,4 +1,4 @@
-"""Bodies whose two edges differ: what changes in a lane as the body turns over (docs/sweeps.md).
+"""Bodies whose two edges differ: what changes in a lane as the body turns over (docs/lanes.md).
 
 One that rolls from vertex to vertex is such a body on the facet it touched last.  The row of its parameters holds the
 two ends of that facet, and is written anew as the next one touches.

@@ -1,4 +1,4 @@
-"""Forces at the edge, rates and the energy balance of rocking lanes (docs/theory.md T9, docs/sweeps.md).
+"""Forces at the edge, rates and the energy balance of rocking lanes (docs/theory.md T9, docs/lanes.md).
 
 Extremes are looked for at the start of every step and at landings, many lanes at a time; a step inside which something
 may be larger than so far is looked at by itself with the means of a single body.

@@ -1,4 +1,4 @@
-"""Steps that may touch the base or the next facet, many at a time: the guards and the reset (docs/sweeps.md)."""
+"""Steps that may touch the base or the next facet, many at a time: the guards and the reset (docs/lanes.md)."""
 
 from __future__ import annotations
 

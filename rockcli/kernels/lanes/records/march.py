@@ -1,4 +1,4 @@
-"""Record maps: many bodies under sampled motions, in lanes (docs/sweeps.md).
+"""Record maps: many bodies under sampled motions, in lanes (docs/lanes.md).
 
 The automaton of `march`, cut for speed: LANES bodies in flight, each at its own time, are stepped together
 (`step`), and so are landings (`impacts`); a lane that meets another event is looked after by

@@ -1,4 +1,4 @@
-"""Turning points that may be the peak (docs/sweeps.md)."""
+"""Turning points that may be the peak (docs/lanes.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The mode REST of a lane: where a body begins, comes to rest, is lifted, and where it ends (docs/sweeps.md)."""
+"""The mode REST of a lane: where a body begins, comes to rest, is lifted, and where it ends (docs/lanes.md)."""
 
 from __future__ import annotations
 
