@@ -10,20 +10,17 @@ results/throughput.csv, beside those of throughput.py.
 
 from __future__ import annotations
 
-import csv
 import os
 import sys
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from datetime import date
 from pathlib import Path
 
 os.environ["ROCK_KERNELS"] = "compiled"
 
 import numpy as np
 import throughput
-from machine import machine
 
 from rockcli.motion.at2 import parse_at2
 from rockcli.scene.batch import Batch, Save
@@ -128,17 +125,6 @@ def motions(folder: Path, names: Sequence[str] = NAMES) -> list[tuple[str, np.nd
     return found
 
 
-def write(rows: list) -> None:
-    """Put the rows in place of those of the same workload."""
-    path = HERE / "results" / "throughput.csv"
-    with path.open(newline="") as file:
-        kept = [row for row in csv.reader(file) if row[0] != rows[0][0]]
-    with path.open("w", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerows(kept)
-        table.writerows([*row, date.today().isoformat(), machine()] for row in rows)
-
-
 def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE.parent / "records"
     if len(sys.argv) > 2:  # records of one's own choice are shown, not kept
@@ -148,13 +134,13 @@ def main() -> None:
     for name, values, dt in motions(folder):
         rows = measure(name, values, dt, (1.0, 4.0))
         print(*rows, sep="\n", flush=True)
-        write(rows)
+        throughput.write(rows)
     # always rocking: a noise that never falls below the threshold for long, at an amplitude few survive
     rng = np.random.default_rng(7)
     noise = np.convolve(rng.normal(size=3000), np.hanning(9), "same")
     rows = measure("active: filtered noise without a pause", noise, 0.01, (2.0, 6.0))
     print(*rows, sep="\n", flush=True)
-    write(rows)
+    throughput.write(rows)
 
 
 if __name__ == "__main__":
