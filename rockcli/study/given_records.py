@@ -90,4 +90,5 @@ def _numbers(value: Any) -> Any:
 
 
 def _digest(one: Given | Motion) -> str:
-    return hashlib.sha256(np.ascontiguousarray(one.values).tobytes() + repr(one.dt).encode()).hexdigest()
+    told = (one.dt, one.in_g) if isinstance(one, Motion) else one.dt  # equal numbers in other units are another motion
+    return hashlib.sha256(np.ascontiguousarray(one.values).tobytes() + repr(told).encode()).hexdigest()

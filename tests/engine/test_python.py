@@ -80,6 +80,14 @@ def test_settings_may_hold_arrays():
     assert up == pytest.approx(-down, rel=1e-9)
 
 
+def test_motions_of_equal_numbers_in_other_units_are_two(from_file, tmp_path):
+    np.savetxt(tmp_path / "sine.txt", VALUES, fmt="%.17g")
+    in_g = rockcli.read_record(tmp_path / "sine.txt", units="g", dt=DT)
+    in_si = rockcli.read_record(tmp_path / "sine.txt", units="m/s2", dt=DT)
+    dataset = rockcli.run(of(in_g, vary={"motion.record": {"g": in_g, "SI": in_si}}))
+    np.testing.assert_allclose(dataset["pga"].values, np.abs(VALUES).max() * np.array([9.81, 1.0]), rtol=1e-12)
+
+
 def test_other_values_are_another_study():
     first, second = (rockcli.run(of({"values": v, "dt": DT, "units": "g"})) for v in (VALUES, 1.0001 * VALUES))
     assert first.attrs["identity"] != second.attrs["identity"]
