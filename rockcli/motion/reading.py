@@ -135,7 +135,8 @@ def motion_of(
         raise OptionError("dt", f"the trace says its time step is {given.dt:g} s; leave `dt` out", path)
     step = given.dt if given.dt is not None else float(dt or 0.0)
     _only_component(given.component, component, path)
-    digest = hashlib.sha256(given.values.tobytes() + repr((step, unit)).encode()).hexdigest()
+    # of what is given alone: one array may be read in several units or steps, as one file may
+    digest = hashlib.sha256(given.values.tobytes() + repr(given.dt).encode()).hexdigest()
     return _motion(Found(given.values, step, unit, "array", given.component), path, digest)
 
 

@@ -88,6 +88,15 @@ def test_motions_of_equal_numbers_in_other_units_are_two(from_file, tmp_path):
     np.testing.assert_allclose(dataset["pga"].values, np.abs(VALUES).max() * np.array([9.81, 1.0]), rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("told", "times"), [({"units": "m/s2", "dt": DT}, 1.0 / 9.81), ({"units": "g", "dt": 2.0 * DT}, 2.0)]
+)
+def test_one_array_may_be_read_in_several_ways(told, times):
+    settings = {"one": {"values": VALUES, "units": "g", "dt": DT}, "other": {"values": VALUES, **told}}
+    pgv = rockcli.run(of(settings["one"], vary={"motion.record": settings}))["pgv"].values
+    np.testing.assert_allclose(pgv[1], times * pgv[0], rtol=1e-12)
+
+
 def test_other_values_are_another_study():
     first, second = (rockcli.run(of({"values": v, "dt": DT, "units": "g"})) for v in (VALUES, 1.0001 * VALUES))
     assert first.attrs["identity"] != second.attrs["identity"]
