@@ -117,27 +117,37 @@ def read_record(
 
 
 def motion_of(
-    given: Given, name: str, *, component: str | int | None = None, units: str | None = None, dt: float | None = None
+    given: Given | Motion,
+    name: str,
+    *,
+    component: str | int | None = None,
+    units: str | None = None,
+    dt: float | None = None,
 ) -> Motion:
-    """Values given in memory as a `Motion`, as `read_record` reads those of a file.
+    """Values given in memory as a `Motion`, as `read_record` reads those of a file; a `Motion` stays as it is.
 
     Raises:
         RecordError: units or time step are not told, or are told twice and differ; values that are no record.
     """
     path = Path(name)
     unit = _known_unit(units, path)
-    if unit is None:
+    own = given.units if isinstance(given, Motion) else None
+    if unit is None and own is None:
         message = f"values in memory do not tell their units; give them with `units:`, one of {KNOWN_UNITS}"
         raise OptionError("units", message, path)
+    if own is not None and unit is not None and not same_unit(own, unit):
+        raise OptionError("units", f"the motion is in {own}, `units` says {unit}; leave it out", path)
     if given.dt is None and dt is None:
         raise OptionError("dt", "values in memory do not tell their time step; give it with `dt:` [s]", path)
     if given.dt is not None and dt is not None and abs(dt - given.dt) > 1e-6 * given.dt:
-        raise OptionError("dt", f"the trace says its time step is {given.dt:g} s; leave `dt` out", path)
-    step = given.dt if given.dt is not None else float(dt or 0.0)
+        raise OptionError("dt", f"the time step told with the values is {given.dt:g} s; leave `dt` out", path)
     _only_component(given.component, component, path)
+    if isinstance(given, Motion):
+        return given
+    step = given.dt if given.dt is not None else float(dt or 0.0)
     # of what is given alone: one array may be read in several units or steps, as one file may
     digest = hashlib.sha256(given.values.tobytes() + repr(given.dt).encode()).hexdigest()
-    return _motion(Found(given.values, step, unit, "array", given.component), path, digest)
+    return _motion(Found(given.values, step, str(unit), "array", given.component), path, digest)
 
 
 def components_of(path: str | Path) -> list[str | int | None]:

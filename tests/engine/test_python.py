@@ -120,6 +120,22 @@ def test_what_is_wrong_with_a_record_is_said(record, words):
         rockcli.run(of(record))
 
 
+@pytest.mark.parametrize(
+    ("beside", "words"),
+    [
+        ({"units": "m/s2"}, "the motion is in g, `units` says m/s2"),
+        ({"dt": 2.0 * DT}, "the time step told with the values is 0.005 s"),
+        ({"component": "EW"}, "does not name its component"),
+    ],
+)
+def test_what_is_told_beside_a_motion_must_agree_with_it(tmp_path, beside, words):
+    np.savetxt(tmp_path / "sine.txt", VALUES, fmt="%.17g")
+    motion = rockcli.read_record(tmp_path / "sine.txt", units="g", dt=DT)
+    assert float(rockcli.run(of({"file": motion, "units": "g", "dt": DT}))["pga"]) > 0.0
+    with pytest.raises(rockcli.RecordError, match=words):
+        rockcli.run(of({"file": motion, **beside}))
+
+
 PULSES = {
     "title": "Two sizes under sines",
     "case": {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": "0.3*g", "T_p": 0.8}}},

@@ -178,13 +178,10 @@ class Records:
         return Path(name) if name in self.given else self.find(name, where)
 
     def _read(self, name: str, path: Path, reading: dict[str, Any]) -> Motion:
-        from rockcli.motion.motion import Motion
         from rockcli.motion.reading import motion_of, read_record
 
         given = self.given.get(name)
-        if given is None:
-            return read_record(path, **reading)
-        return given if isinstance(given, Motion) else motion_of(given, name, **reading)
+        return read_record(path, **reading) if given is None else motion_of(given, name, **reading)
 
     def _missing(self, name: str) -> str:
         """What is missing, where it was sought and how to get it: a line each."""
