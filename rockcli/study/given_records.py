@@ -81,7 +81,7 @@ def _name(value: Any, found: Records, name: str | None = None) -> str:
 
 def _numbers(value: Any) -> Any:
     try:
-        values = np.array(value, dtype=float)
+        values: Any = np.ma.filled(np.ma.array(value, dtype=float), np.nan)  # what a mask hides is no value
     except (TypeError, ValueError):
         raise StudyError("`values` of a record are not numbers; expected a row of accelerations") from None
     if values.ndim != 1 or len(values) < 2:
