@@ -77,7 +77,7 @@ def info(
     brief = any(inside for _, inside in chosen) or bool(periods) or rotd
     for file, inside in chosen:
         try:
-            found = _components(file, component, units, dt, every=brief)
+            found = _components(file, component, units, dt, every=brief and not rotd)
         except RecordError as error:
             if inside and not rotd:  # others may stand in a folder of records
                 say(f"rock: left out: {error}", err=True)

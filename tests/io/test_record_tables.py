@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import obspy
 import pytest
 from scipy.signal import cont2discrete, lfilter
 from typer.testing import CliRunner
@@ -21,6 +22,7 @@ from rockcli.motion.rotated import rotated, rotated_measures, rotated_spectrum
 RECORDS = Path(__file__).parents[2] / "records"
 ONE, TWO = (RECORDS / f"synthetic_{name}.AT2" for name in ("rock_m65", "soil_m70"))
 G = 9.80665
+CHANNELS = {"HNE": [1.0, -2.0, 3.0], "HNN": [4.0, -5.0, 6.0], "HNZ": [7.0, -8.0, 9.0]}
 
 
 def run(*arguments: object) -> tuple[str, str]:
@@ -109,6 +111,18 @@ def test_pairs_in_every_direction(tmp_path: Path) -> None:
     paths[1].write_text("# units: m/s2\n1\n2\n3\n")
     with pytest.raises(RecordError, match="need the same times"):
         run("info", *paths, "--rotd", "--dt", dt)
+
+
+def test_a_pair_is_of_one_component_of_each_file(tmp_path: Path) -> None:
+    paths = []
+    for name, size in (("a", 1.0), ("b", 2.0)):
+        paths.append(tmp_path / f"{name}.mseed")
+        traces = [obspy.Trace(size * np.array(values), {"channel": place}) for place, values in CHANNELS.items()]
+        obspy.Stream(traces).write(str(paths[-1]), format="MSEED")
+    with pytest.raises(RecordError, match="choose one with --component; the file holds 0: "):
+        run("info", *paths, "--rotd", "--units", "m/s2")
+    (row,) = json.loads(run("info", *paths, "--rotd", "--units", "m/s2", "--component", "HNZ", "--json")[0])
+    assert row["pga_rotd100"] == pytest.approx(np.hypot(9.0, 18.0), rel=1e-4)
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg"])
