@@ -273,6 +273,9 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     format_name = _obspy_format(path)
     trace = _chosen_trace(_obspy_traces(path, format_name), component, path)
     stats = trace.stats
+    if format_name == "KNET" and stats.npts != (count := round(stats.knet.duration * stats.sampling_rate)):
+        said = f"the header announces {count} values and {stats.npts} follow: the file is damaged; get it anew"
+        raise RecordError(said, path)
     calib = float(stats.calib)
     values = np.ma.filled(np.ma.asarray(trace.data, dtype=float), np.nan) * calib
     processing = () if calib == 1.0 else (f"values as stored multiplied by the file's calibration factor {calib:.8g}",)

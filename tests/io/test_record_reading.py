@@ -33,7 +33,7 @@ Station Long.     140.3213
 Station Height(m) 34
 Record Time       1996/08/11 03:12:39
 Sampling Freq(Hz) 100Hz
-Duration Time(s)  59
+Duration Time(s)  0.08
 Dir.              E-W
 Scale Factor      2000(gal)/1000
 Max. Acc. (gal)   10.0
@@ -221,6 +221,13 @@ def test_knet_counts_become_si_with_the_calibration(write) -> None:
     assert read_record(path, units="gal", component="EW").units == "m/s2"
     refused(path, "states its own units", units="g")
     refused(path, "AKT013", component="NS")
+
+
+@pytest.mark.parametrize(("cut", "left"), [("       5       0       0\n", 5), ("       0\n", 7)])
+def test_a_knet_file_that_was_cut_is_refused(write, cut: str, left: int) -> None:
+    assert KNET.endswith(cut)
+    path = write(KNET.removesuffix(cut) + "\n", "AKT013.EW")
+    refused(path, f"the header announces 8 values and {left} follow")
 
 
 def test_seismological_formats_need_units_and_a_component(tmp_path: Path) -> None:
