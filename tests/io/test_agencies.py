@@ -217,6 +217,8 @@ def test_obspy_reads_it_by_the_plug_in(tmp_path: Path, name: str) -> None:
         (geonet().replace("Number of points  12", "Number of points  11"), "announces 33 values and 36 follow"),
         (resorce().replace("m/s/s", "cubits"), "'cubits'"),
         (cwb().replace("     0.040", "     0.070"), "does not grow"),
+        (cwb().replace("Rate(Hz): 50", "Rate(Hz): 51"), "does not grow"),
+        (cwb().replace("#SampleRate", "#RecordLength(sec): 3\n#SampleRate"), "announces 3 s and 0.24 s follow"),
     ],
 )
 def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, text: str, words: str) -> None:

@@ -10,6 +10,9 @@ from rockcli.errors import RecordError
 from rockcli.motion.agencies.channel import Channel, Format, number_in, step, unit_of
 from rockcli.motion.numbers import read_numbers
 
+ROUNDED = 1.0
+"""The length of a record may be stated in whole seconds [s]."""
+
 
 def recognises(lines: list[str]) -> bool:
     """`#Earthquake Information`, and a line `#DataSequence: ...` behind it."""
@@ -31,8 +34,13 @@ def parse(lines: list[str], name: str) -> list[Channel]:
     if table.size % (len(order) + 1) or table.size < 2 * (len(order) + 1):
         raise RecordError(f"expected lines of {len(order) + 1} numbers", name, len(header) + 1)
     table = table.reshape(-1, len(order) + 1)
-    if not np.allclose(np.diff(table[:, 0]), dt, atol=0.05 * dt + 1e-3):
+    off = table[:, 0] - table[0, 0] - dt * np.arange(len(table))
+    if np.abs(off).max() > 0.05 * dt + 1e-3:  # times are printed to 1 ms
         raise RecordError(f"the time column does not grow by {dt:g} s", name, len(header) + 1)
+    length = number_in(said.get("RecordLength(sec)", ""))
+    if length - dt * len(table) > ROUNDED:  # False where none is stated
+        there = f"the header announces {length:g} s and {dt * len(table):g} s follow"
+        raise RecordError(f"{there}: the file has been cut; get it anew", name, len(header) + 1)
     station = said.get("StationCode", "")
     return [
         Channel(np.ascontiguousarray(table[:, i + 1]), dt, unit, place, station, _peak(said, place))
