@@ -147,6 +147,23 @@ class TestForms:
             study_of({"case": "t.csv"}, tmp_path)
         assert re.findall(r"t\.csv:(\d+): case\.block\.b = -0\.5", str(caught.value)) == ["3", "11", "12"]
 
+    def test_all_wrong_cells_are_told_at_once(self, tmp_path):
+        text = "name,block.h,block.width,block.mu\na,21 cm,0.16,0.5\nb,19*cm,22cm,0.4\nc,0.3,0.1,0.5\n"
+        (tmp_path / "t.csv").write_text(text, encoding="utf-8")
+        with pytest.raises(StudyError) as caught:  # the axis of an expression reads the first body before the others
+            study_of({"case": "t.csv", "motion.pulse.a_p": ["0.2*g"]}, tmp_path)
+        assert re.search(
+            r"t\.csv:2: case\.block\.h: .* write 21\*cm\n  line 3: case\.block\.width: ", str(caught.value)
+        )
+        rows = [f"body {i},{i}.5 cm,," for i in range(2, 22)]
+        (tmp_path / "t.csv").write_text("\n".join(["name,block.h,block.width,block.mu", *rows]), encoding="utf-8")
+        with pytest.raises(StudyError, match=r"'block\.width' is empty: .* null for none") as caught:
+            study_of({"case": "t.csv"}, tmp_path)
+        assert re.search(r"'block\.mu' is empty.*also in lines 3, 4, 5", str(caught.value))
+        (tmp_path / "t.csv").write_text("\n".join(["name,block.h,block.width,block.mu", *rows]).replace(",,", ",1,1"))
+        with pytest.raises(StudyError, match=r"line 9: .*\n  and 12 more$"):
+            study_of({"case": "t.csv"}, tmp_path)
+
     def test_a_table_of_a_spreadsheet_in_another_code(self, tmp_path):
         (tmp_path / "t.csv").write_bytes("name,R\na,1*m\nVénus,120*cm\n".encode("cp1252"))
         with pytest.raises(StudyError, match=r"t\.csv:3: is no text in UTF-8: save it as CSV in UTF-8"):

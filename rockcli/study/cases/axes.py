@@ -423,6 +423,7 @@ class _Reader:
         self.labels_first(table, self.source.folder / name)
         paths = [self.of_column(column) for column in table.columns]
         self.once(table.columns, paths)
+        self.check_numbers(table, paths, self.source.folder / name)
         where: list[Where] = [f"{self.source.folder / name}:{i}" for i in table.lines]
         settings = [
             tuple(
@@ -432,6 +433,19 @@ class _Reader:
             for at, row in zip(where, table.rows, strict=True)
         ]
         return self.labelled(table.labels, settings, Places(tuple(where), line), name)
+
+    @staticmethod
+    def check_numbers(table: Table, paths: list[Path], file: FilePath) -> None:
+        """Refuse cells that are no number and no expression where one is expected, all of them at once."""
+        complaints = Complaints()
+        for line, row in zip(table.lines, table.rows, strict=True):
+            for path, value in zip(paths, row, strict=True):
+                if isinstance(value, str) and varies_in_batch(path):
+                    try:
+                        number_or_expression(value)
+                    except ValueError as error:
+                        complaints.note(StudyError(f"{'.'.join(path)}: {error}", file, line))
+        complaints.tell()
 
     def of_column(self, head: str) -> Path:
         """The path over a column of a table."""

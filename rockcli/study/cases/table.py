@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rockcli.errors import StudyError
+from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.loader import scalar
 from rockcli.study.document.tree import Source, Where
 from rockcli.study.inputs import text_of
@@ -68,18 +69,25 @@ def read_table(name: str, source: Source, where: Where) -> Table:
             file=path,
             line=rows[0][0],
         )
-    for i, row in rows[1:]:
-        if not all(row):
-            column = header[row.index("")]
-            raise StudyError(
-                f"the cell below {column!r} is empty; write null where a point has none", file=path, line=i
-            )
-        for column, cell in zip(columns, row[1:], strict=True):
-            if _is_no_finite_number(cell):
-                raise StudyError(f"the cell below {column!r} is {cell}: a finite number is expected", file=path, line=i)
+    _check_cells(path, header, rows[1:])
     body = [row for _, row in rows[1:]]
     values = [[scalar(cell) for cell in row[1:]] for row in body]
     return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, [i for i, _ in rows[1:]])
+
+
+def _check_cells(path: Path, header: list[str], rows: list[tuple[int, list[str]]]) -> None:
+    """Refuse cells that are empty or a number that is none: all of them at once, as spreadsheets have many."""
+    complaints = Complaints()
+    for i, row in rows:
+        for k, (column, cell) in enumerate(zip(header, row, strict=True)):
+            if not cell:
+                none = "or null for none, also where the base case has one"
+                mend = f"write a value, {none}" if k else "it names the point"
+                complaints.note(StudyError(f"the cell below {column!r} is empty: {mend}", file=path, line=i))
+            elif k and _is_no_finite_number(cell):
+                wrong = f"the cell below {column!r} is {cell}: a finite number is expected"
+                complaints.note(StudyError(wrong, file=path, line=i))
+    complaints.tell()
 
 
 def _check_separators(path: Path, line: int, cells: list[str]) -> None:

@@ -70,6 +70,8 @@ class Complaints:
         lines = [sentence + _also(again), *more]
         for error, *again in others[: MOST - 1]:
             lines.append(f"  {_at(error, first)}{short(error.message.splitlines()[0])}{_also(again)}")
+        if len(others) >= MOST:
+            lines.append(f"  and {len(others) - MOST + 1} more")
         raise kind("\n".join(lines), file=first.file, line=first.line)
 
 
