@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockcli.analysis.expect import Verdict, judge
+from rockcli.analysis.fragility import FITTED, STATUS, WHY_NOT
 from rockcli.analysis.places import units_of
 from rockcli.analysis.rules import misled
 from rockcli.errors import StudyError
@@ -59,10 +60,12 @@ def _write(dataset: xarray.Dataset, contents: Contents, target: Path) -> None:
 
 
 _LIMITS = ("fragility_median", "fragility_median_ci_low", "fragility_median_ci_high", "fragility_beta_total")
+_RATES = ("annual_rate", "annual_rate_ci_low", "annual_rate_ci_high")
+_STATUS = "fragility_status"
 
 _WANTED: dict[str, tuple[str, tuple[str, ...]]] = {
-    "fragility": ("Fragility", (*_LIMITS, "fragility_percentile_5", "fragility_begins_at")),
-    "risk": ("Risk", ("annual_rate", "annual_rate_ci_low", "annual_rate_ci_high", "probability_in_age", "survival")),
+    "fragility": ("Fragility", (*_LIMITS, "fragility_percentile_5", "fragility_begins_at", _STATUS)),
+    "risk": ("Risk", (*_RATES, "probability_in_age", "survival", _STATUS)),
     "suite": ("The suite", ("n_answered", "p_overturned", f"{PEAK}_p16", f"{PEAK}_p50", f"{PEAK}_p84")),
 }
 """Tables of a page: title, and which columns."""
@@ -81,7 +84,9 @@ def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
             continue
         bare = {str(head).partition(" [")[0]: head for head in every.columns}
         about = [head for name, head in bare.items() if name in (*str(dataset.attrs["axes"]).split(), LIMIT, HAZARD)]
-        shown = every[[*about, *(bare[name] for name in wanted if name in bare)]].head(_ROWS_SHOWN)
+        none = [status for status in WHY_NOT if STATUS[status] in set(every.get(_STATUS, ()))]
+        wanted = tuple(name for name in wanted if name in bare and (none or name != _STATUS))
+        shown = every[[*about, *(bare[name] for name in wanted)]].head(_ROWS_SHOWN)
         words = units_of(from_xarray(dataset))
         heads, columns = [], []
         for head in shown.columns:
@@ -90,23 +95,29 @@ def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
             values = shown[head].tolist()
             heads.append(_said(name) + (f" [{unit}]" if unit else ""))
             columns.append([_cell(v, divisor, name) for v in values])
-        note = (
-            f"the first {_ROWS_SHOWN} of {len(every)} rows; all: rock table --of {of}"
-            if len(every) > _ROWS_SHOWN
-            else ""
-        )
-        found.append((title, heads, [*map(list, zip(*columns, strict=True))], note))
+        notes = [f"{_curve(STATUS[status])}: {WHY_NOT[status]}" for status in none]
+        if len(every) > _ROWS_SHOWN:
+            notes.append(f"the first {_ROWS_SHOWN} of {len(every)} rows; all: rock table --of {of}")
+        found.append((title, heads, [*map(list, zip(*columns, strict=True))], "; ".join(notes)))
     return found
 
 
 def _cell(value: float | str, divisor: float, name: str) -> str:
     """A value of a table; a dash where there is none."""
+    if name == _STATUS:
+        return _curve(str(value))
     if isinstance(value, str):
         return f"peak theta/alpha > {value}" if name == LIMIT and ">" not in value and value != OVERTURNED else value
     return f"{value / divisor:.4g}" if value == value else "–"
 
 
+def _curve(status: str) -> str:
+    """Whether there is a curve, as a cell says it."""
+    return status if status == STATUS[FITTED] else f"none ({status.replace('_', ' ')})"
+
+
 _SAID = {
+    "fragility_status": "curve",
     "motion_record": "",
     "motion_pulse": "",
     "fragility_": "",

@@ -197,6 +197,25 @@ def test_tables_have_a_row_per_limit_state_and_curve(data):
     assert len(rockcli.table(data, of="deaggregation")) == 4 * data.sizes["intensity_bin"]
 
 
+def test_a_body_without_a_rate_says_why(tmp_path):
+    """One that nothing overturns and one that all motions do within a step have no rate alike."""
+    amplitudes = {"motion.pulse.omega_p": SINES, "motion.pulse.a_p": [1.01 * G * 0.1, 90.0 * G * 0.1]}
+    over = {"axis": "motion.pulse.omega_p", "along": "a_p"}
+    sizes = {"large": {"block.R": 1e6}, "small": {"block.R": 0.1}}
+    data = rockcli.run(study(over=over, vary={"case": sizes, **amplitudes}))
+    table = rockcli.table(data, of="risk")
+    table = table[table["hazard"] == "one"]
+    assert table["annual_rate [year-1]"].isna().all()
+    assert dict(zip(table["case"], table["fragility_status"], strict=True)) == {
+        "large": "none_exceeds",
+        "small": "separable",
+    }
+    rockcli.report(data, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "<td>none (none exceeds)</td>" in page
+    assert "none (separable): it goes from none to all within a step" in page
+
+
 def test_a_clause_may_name_a_hazard_curve(tmp_path):
     clause = {"quantity": "survival", "at": {"limit_state": "overturned", "hazard": "one"}, "min": 0.0, "max": 1.0}
     del clause["max"]
