@@ -19,8 +19,10 @@ _DIGITS = 12
 class Bodies:
     """Collects the bodies of batches of cases."""
 
-    def __init__(self, study: Study) -> None:
+    def __init__(self, study: Study, most: int) -> None:
         self._study = study
+        self._most = most
+        self._times = 1
         self._found: dict[tuple[float, ...], tuple[dict[str, float | str], list[NDArray[np.int64]]]] = {}
 
     def add(self, indices: NDArray[np.int64], batch: Batch) -> None:
@@ -39,6 +41,19 @@ class Bodies:
             entry = self._found.setdefault(tuple(distinct[k].tolist()), (row | begins, []))
             entry[1].append(np.asarray(indices)[cases])
 
+    def add_under_one_motion(self) -> None:
+        """Look at the cases under the first motion alone, `most` at most, and count them as often as there are motions.
+
+        Those of a large study in their own order would be of its first bodies only.
+        """
+        moved = [axis.path.startswith("motion") for axis in self._study.axes]
+        sizes = [1 if motion else axis.size for axis, motion in zip(self._study.axes, moved, strict=True)]
+        count = min(int(np.prod(sizes, dtype=np.int64)), self._most)
+        places = np.unravel_index(np.arange(count), sizes)
+        self._times = self._study.size // int(np.prod(sizes, dtype=np.int64))
+        for indices, batch in self._study.batches(np.ravel_multi_index(places, self._study.shape)):
+            self.add(indices, batch)
+
     def rows(self) -> Iterator[dict[str, float | str]]:
         """A row for each body, in the order of the cases."""
         entries = [(np.sort(np.concatenate(cases)), row) for row, cases in self._found.values()]
@@ -49,7 +64,12 @@ class Bodies:
         for (cases, row), places in zip(entries, where, strict=True):
             name = {"body": self._name(places)}
             last = {"begins to": row.get("begins to", "")} if words else {}
-            yield {**name, "cases": float(len(cases)), **{k: v for k, v in row.items() if k != "begins to"}, **last}
+            yield {
+                **name,
+                "cases": float(len(cases) * self._times),
+                **{k: v for k, v in row.items() if k != "begins to"},
+                **last,
+            }
 
     def _name(self, places: tuple[NDArray[np.int64], ...]) -> str:
         """`case=rack-01`: the axes along which this body stands at one point."""

@@ -71,8 +71,8 @@ class Preview:
         model: model, geometry, damping, initial state.
         motion: accelerations in g and over that of uplift; of a record also its scaling.
         processing: what was done to the records, a sentence each.
-        bodies: every distinct body of the cases looked at: where it stands on the axes (`body`), `cases`, and
-            h, b, alpha, p, mu, uplift in g, and whether it begins to rock or to slide.
+        bodies: every distinct body (of more than `LOOKED_AT` under one motion, those of the first): where it stands
+            on the axes (`body`), `cases`, h, b, alpha, p, mu, uplift in g, whether it rocks or slides first.
         backend: name, or why there is none.
         seconds: estimated processor time of a run of one process without plots, on this machine.
         memory: estimated memory of that process [MB]; megabytes: of histories, 0 if not saved.
@@ -131,14 +131,17 @@ def _preview(study: Study) -> Preview:
     looked_at = min(study.size, LOOKED_AT)
     said: list[str] = []
     seconds = 0.0
-    bodies = Bodies(study)
+    bodies = Bodies(study, LOOKED_AT)
     arrive: dict[int, int] = {}
     for indices, part in study.batches(np.arange(looked_at)):
         said += part.warnings
-        bodies.add(indices, part)
+        if looked_at == study.size:
+            bodies.add(indices, part)
         motion = part.excitation.horizontal
         if isinstance(motion, Samples) and motion.ground is not None:
             arrive[id(motion.values)] = len(motion.values)
+    if looked_at < study.size:
+        bodies.add_under_one_motion()
     for indices, part in study.suites(np.arange(looked_at)):
         each = seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part)
         seconds += seconds_per_batch() + len(indices) * each

@@ -110,6 +110,16 @@ def test_check_lists_every_body_and_how_it_begins(rock, tmp_path, capsys):
     assert [row["h [m]"] for row in found["bodies"]] == [1.0, 0.5]
 
 
+def test_check_lists_every_body_of_a_large_study(rock, tmp_path, capsys):
+    bodies = ", ".join(f"b{i}: {{height: {2 + i}, width: 0.4}}" for i in range(5))
+    wide = "motion.pulse.a_p: {from: 1, to: 9, n: 100}, motion.pulse.T_p: {from: 0.1, to: 2, n: 50}"
+    (tmp_path / "mine.yaml").write_text(STUDY + f"vary: {{block: {{{bodies}}}, {wide}}}\nsave: {{histories: false}}\n")
+    assert rock("check", "mine.yaml", "--json") == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert [(row["body"], row["cases"]) for row in found["bodies"]] == [(f"block=b{i}", 5000) for i in range(5)]
+    assert [row["h [m]"] for row in found["bodies"]] == [1.0, 1.5, 2.0, 2.5, 3.0]
+
+
 def test_check_proposes_refine_for_a_wide_map_and_doubts_it_for_a_narrow_one(rock, tmp_path, capsys):
     size = "vary: {motion.pulse.a_p: {from: 1, to: 9, n: N}, motion.pulse.T_p: {from: 0.1, to: 2, n: N}}\nsave: {histories: false}\n"
     flexible = STUDY.replace("motion:", "model: flexible\n  column: {E: 30e9, rho: 2400}\n  motion:")
