@@ -34,7 +34,7 @@ _BUILT = 4096
 """Cases built at a time to see what they have."""
 
 _OF_PULSES, _OF_MOTIONS, _OF_FLEXIBLE = {"a_p", "omega_p"}, {"pga", "pgv"}, {"u_top_bending"}
-_OF_FRICTION = {"slide", "slide_dot", "lift", "contact_mode"}
+_OF_FRICTION, _OF_MESHES = {"slide", "slide_dot", "lift", "contact_mode"}, {"barrier"}
 """What only studies with such cases have."""
 
 
@@ -61,8 +61,8 @@ class Verdict:
         return self.points > 0 and self.failing == 0
 
 
-def check_quantities(study: Study) -> None:
-    """`StudyError` if a clause speaks of something the dataset will not have."""
+def names_ahead(study: Study, asked: set[str]) -> set[str]:
+    """Names of what the dataset will have; of what only some bodies or motions give, as far as it is `asked` for."""
     saved = {*study.scalars, *COORDINATES, *variables_of(study.curves), *(RULES[name].variable for name in study.rules)}
     if study.histories:
         saved |= {*HISTORIES, *IMPACTS}
@@ -77,8 +77,14 @@ def check_quantities(study: Study) -> None:
         saved |= set(WORST)
     if study.compare_to is not None:
         saved |= {error for error, needed in NEEDED_BY.items() if needed in saved}
-    asked = {clause.quantity for clause in study.expect} & (_OF_PULSES | _OF_MOTIONS | _OF_FLEXIBLE | _OF_FRICTION)
-    saved -= asked - _of_cases(study, asked)
+    asked = asked & (_OF_PULSES | _OF_MOTIONS | _OF_FLEXIBLE | _OF_FRICTION | _OF_MESHES)
+    found = _of_cases(study, asked)
+    return (saved - (asked - found)) | (found & _OF_MESHES)
+
+
+def check_quantities(study: Study) -> None:
+    """`StudyError` if a clause speaks of something the dataset will not have."""
+    saved = names_ahead(study, {clause.quantity for clause in study.expect})
     for clause in study.expect:
         if clause.quantity not in saved:
             if clause.quantity not in VARIABLES:
@@ -99,6 +105,7 @@ def _of_cases(study: Study, asked: set[str]) -> set[str]:
             found |= _OF_MOTIONS if motion is not None and study.size <= LARGE else set()
             found |= _OF_FLEXIBLE if highest(batch).model == FLEXIBLE else set()
             found |= _OF_FRICTION if np.isfinite(batch.block.mu).any() else set()
+            found |= _OF_MESHES if batch.block.scan is not None else set()
             if found >= asked:
                 break
     return found

@@ -19,6 +19,7 @@ from rockcli.analysis.rules import check_rules
 from rockcli.engine.audit import check_audit, with_audit
 from rockcli.engine.backends import check_backend, check_kernels
 from rockcli.engine.lock import locked
+from rockcli.engine.plots_ahead import check_plots
 from rockcli.engine.provenance import refreshed
 from rockcli.engine.search.search import find_overturning
 from rockcli.engine.summary import SHARE, SOLVED, UP_TO_DATE, RunReport, report_on
@@ -110,11 +111,12 @@ def check_answers(study: Study) -> None:
     """What can be said against solving a study, wherever its results go.
 
     Raises:
-        StudyError: a clause of `expect` speaks of what will not be saved, no backend solves the model, or the histories
-            would not fit.
+        StudyError: a clause of `expect` speaks of what will not be saved, a plot shows what will not be there, no
+            backend solves the model, or the histories would not fit.
     """
     check_kernels()
     check_quantities(study)
+    check_plots(study)
     check_backend(study)
     check_histories(study)
     check_rules(study)
@@ -133,6 +135,7 @@ def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
         check_answers(study)
         return
     check_quantities(study)
+    check_plots(study)
     found = netcdf.identity(path)
     if found is not None and netcdf.is_intact(path) is False:  # not to be judged, renewed or added to
         raise StudyError(f"{path} is damaged, or was changed by another program; --fresh solves it again", study.file)

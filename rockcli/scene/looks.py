@@ -26,6 +26,7 @@ class Look:
         labels: {"x", "y", "y1", ...: words}: of all panels, or of the rows of panels counted from the top.
         limits: as `labels`, (low, high) in the unit of the label.
         letters: whether panels are lettered (a), (b), ...
+        line: of the study file that asks for it.
     """
 
     width: float | None = None
@@ -34,6 +35,7 @@ class Look:
     labels: Mapping[str, str] = field(default_factory=dict)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     letters: bool = False
+    line: int | None = field(default=None, compare=False)
 
 
 def width_of(said: str | float | None) -> float | None:

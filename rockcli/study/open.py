@@ -140,7 +140,7 @@ def open_study(
         cases=cases if search is None else search,
         compare_to=match(where, tree, ("compare_to",), compare_to, axes, cases.evaluate) if compare_to else None,
         expect=expect,
-        plots=None if part.plots is None else tuple(looks_of(part.plots)),
+        plots=None if part.plots is None else tuple(looks_of(part.plots, tree)),
         histories=histories,
         dt_out=dt_out,
         scalars=scalars,

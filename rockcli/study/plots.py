@@ -6,20 +6,23 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rockcli.scene.looks import Look, width_of
+from rockcli.study.document.tree import Map, place
 from rockcli.study.schema import PlotPart
 
 
-def looks_of(plots: Sequence[PlotPart]) -> Iterator[tuple[str, Look]]:
-    """Kind and look of each plot; one that is said twice with nothing else is one."""
+def looks_of(plots: Sequence[PlotPart], tree: Map | None = None) -> Iterator[tuple[str, Look]]:
+    """Kind and look of each plot, with its line in the study; one that is said twice with nothing else is one."""
     told = set()
-    for part in plots:
+    for i, part in enumerate(plots):
         bare = isinstance(said_of(part), str)
         if bare and part.kind in told:
             continue
         told |= {part.kind} if bare else set()
         title = None if part.title is False else part.title or ""
         width = width_of(part.width)
-        yield part.kind, Look(width, title, part.select, part.labels, part.limits, part.letters)
+        where = None if tree is None else place(tree, ("plots", i))
+        line = where if isinstance(where, int) else None
+        yield part.kind, Look(width, title, part.select, part.labels, part.limits, part.letters, line)
 
 
 def said_of(part: PlotPart) -> Any:

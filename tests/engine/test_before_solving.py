@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 import rockcli
+from rockcli.engine.plots_ahead import check_plots
 from rockcli.engine.preview import preview
-from rockcli.engine.run import check_study, solve
+from rockcli.engine.run import check_answers, check_study, solve
 from rockcli.engine.sweep import history_size as limits
 from rockcli.engine.sweep.sweep import solve_cases
 from rockcli.errors import StudyError
+from rockcli.plotting.figures import KINDS, why_not
 from rockcli.study.open import open_study
 
 
@@ -175,3 +179,53 @@ def test_the_estimated_time_is_that_of_how_the_cases_are_solved() -> None:
     assert in_lanes < 0.5 * twice
     assert in_lanes < 0.15 * one_by_one  # docs/features.md: by an order
     assert refined < 0.5 * in_lanes
+
+
+SUITE = {"motion": {"record": {"file": "synthetic_pulse_m70.AT2", "window": [0, 2]}}}
+RECORDS = {"motion.record.file": ["synthetic_pulse_m70.AT2", "synthetic_rock_m65.AT2"]}
+SIZES = {"block.R": [1.0, 2.0, 3.0]}
+TELLING: dict[str, dict[str, Any]] = {
+    "one case": {},
+    "no motion": {"case": {"motion": None, "initial": {"theta": 0.1}}},
+    "nothing saved": {"vary": SIZES, "save": {"histories": False, "scalars": ["outcome"]}},
+    "sizes": {"vary": SIZES},
+    "slendernesses": {"vary": {"block": {"a": {"R": 1.0}, "b": {"R": 2.0}}, "block.tan_alpha": [0.1, 0.2, 0.3]}},
+    "search": {"vary": SIZES | {"motion.pulse.a_p": {"from": 2, "to": 20, "n": 4, "find": "overturning"}}},
+    "suite": {"case": SUITE, "vary": RECORDS | SIZES, "over": "record"},
+    "intensities": {"case": SUITE, "vary": RECORDS | {"motion.record.pga": ["0.3*g", "0.5*g"]}, "over": "record"},
+    "inputs": {"uncertain": {"block.tan_alpha": {"uniform": [0.15, 0.25]}}, "samples": 8},
+    "curves": {"curves": ["pushover"]},
+}
+
+
+@pytest.mark.parametrize("more", TELLING.values(), ids=TELLING.keys())
+def test_plots_are_refused_before_solving_as_they_would_be_after_it(more: dict[str, Any]) -> None:
+    given = study(**{key: dict(value) if isinstance(value, dict) else value for key, value in more.items()})
+    dataset = rockcli.run(given)
+    for kind in KINDS:
+        try:
+            check_plots(open_study(given | {"plots": [kind]}))
+            told = ""
+        except StudyError as error:
+            told = error.message.removeprefix(f"plots: {kind}: ")
+        assert told == why_not(kind, dataset), kind
+
+
+@pytest.mark.usefixtures("unsolvable")
+@pytest.mark.parametrize(
+    ("plots", "words"),
+    [
+        ("[phase, fragility]", "plots: fragility: the study takes no statistics over an axis"),
+        ("[{kind: phase, select: {block.R: 5}}]", "plots: phase: block_R=5: there are 1.0, 2.0"),
+        ("[{kind: curve, select: {block.R: [1, 2], mu: 1}}]", "plots: curve: select mu: the axes are block_R"),
+    ],
+)
+def test_a_plot_that_cannot_be_is_told_with_its_line(plots: str, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "x.yaml"
+    given = study(vary={"block.R": [1.0, 2.0]})
+    file.write_text(yaml.safe_dump(given) + f"plots: {plots}\n")
+    for check in (check_study, lambda given, _: check_answers(given)):
+        with pytest.raises(StudyError, match=re.escape(words)) as told:
+            check(open_study(file), tmp_path)
+        assert (told.value.file, told.value.line) == (str(file), len(file.read_text().splitlines()))
+        assert told.value.exit_code == 2

@@ -34,12 +34,7 @@ from rockcli.study.study import SAMPLE, Study
 def assemble(study: Study, results: Results, thresholds: Thresholds | None = None) -> Contents:
     """Contents of the dataset of a solved study, nothing derived yet; `thresholds` (n,) are what a search found."""
     axes = tuple(axis.name for axis in study.axes)
-    fields = {
-        axis.name: axis_field(
-            axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit, words=words_of(axis.path)
-        )
-        for axis in study.axes
-    }
+    fields = axis_fields(study)
     fields |= _symbols(results, axes) | _edges(results, axes) | _samples(study)
     if results.histories:
         fields["time"] = time_field(results.time)
@@ -66,6 +61,16 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
         fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
     contents = Contents(axes, fields, attributes(study, results))
     return contents
+
+
+def axis_fields(study: Study) -> dict[str, Field]:
+    """The coordinates of the axes, outermost first."""
+    return {
+        axis.name: axis_field(
+            axis.name, axis.path, axis.values, numeric=axis.numeric, unit=axis.unit, words=words_of(axis.path)
+        )
+        for axis in study.axes
+    }
 
 
 def _solved(results: Results, axes: tuple[str, ...], shape: tuple[int, ...]) -> Field:
