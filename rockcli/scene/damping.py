@@ -119,7 +119,8 @@ class Key:
 class Scheme:
     """A row: `make(values, block, g)` gives the damping of bodies at g (n,).
 
-    `impacts`: whether eta is lost at impacts.  `remarks(values, block)`: sentences for people.
+    `impacts`: whether eta is lost at impacts.  `doubt`: a sentence on the bodies that `doubted(values, block)` tells,
+    (n,).
     """
 
     name: str
@@ -127,7 +128,8 @@ class Scheme:
     make: Callable[[Values, Block, Array], Damping]
     keys: tuple[Key, ...] = ()
     impacts: bool = False
-    remarks: Callable[[Values, Block], list[str]] = lambda values, block: []
+    doubt: str = ""
+    doubted: Callable[[Values, Block], NDArray[np.bool_]] = lambda values, block: np.zeros(block.size, dtype=bool)
 
 
 def _lossless(block: Block) -> Array:
@@ -173,9 +175,9 @@ def _power(eta: Array, housner: Array) -> Array:
     return np.where(eta == 1.0, 0.0, power)
 
 
-def _clamped(values: Values, block: Block) -> list[str]:
+def _clamped(values: Values, block: Block) -> NDArray[np.bool_]:
     by_housner = values["eta"] is None and values["r_energy"] is None
-    return [CLAMPED] if by_housner and (housner_eta(block) < 0.0).any() else []
+    return np.asarray((housner_eta(block) < 0.0).any(axis=1) & by_housner)
 
 
 def _dashpot(values: Values, block: Block, g: Array) -> Damping:
@@ -230,7 +232,8 @@ _ROWS: tuple[Scheme, ...] = (
             ),
         ),
         impacts=True,
-        remarks=_clamped,
+        doubt=CLAMPED,
+        doubted=_clamped,
     ),
     Scheme(
         "dashpot",

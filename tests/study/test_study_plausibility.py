@@ -72,14 +72,15 @@ class TestDoubts:
             "slender": {"height": 2, "width": 0.3, "mu": 0.6},
             "stout": {"outline": [[0, 0], [2, 0], [2, 1], [0, 1]]},
         }
-        weak = {"motion": {"pulse": {**SINE, "a_p": "0.3*g"}}}
+        weak = {"motion": {"pulse": {**SINE, "a_p": "0.3*g"}}, "damping": "none"}
         assert warnings_of(weak, vary={"block": bodies}) == ()
         assert "too weak" in warnings_of(weak, vary={"block": {"stout": bodies["stout"]}})[0]
 
     def test_many_that_are_too_weak_are_one_sentence(self, tmp_path):
         for i in range(5):
             (tmp_path / f"q{i}.txt").write_text(f"0 0\n0.01 {0.1 * (i + 1):.1f}\n0.02 0\n")
-        motion = {"motion": {"record": {"file": str(tmp_path / "q0.txt"), "units": "m/s2"}}}
+        record = {"file": str(tmp_path / "q0.txt"), "units": "m/s2"}
+        motion = {"motion": {"record": record}, "damping": "none"}
         files = {"motion.record.file": str(tmp_path / "q*.txt")}
         bodies = {"slender": {"height": 2, "width": 0.3}, "stout": {"outline": [[0, 0], [2, 0], [2, 1], [0, 1]]}}
         (said,) = warnings_of(motion, vary={**files, "block": bodies})
@@ -203,3 +204,18 @@ def test_a_column_that_no_model_reads_is_told():
     for model in ("auto", "flexible", 4):
         assert warnings_of({**motion, "model": model}) == ()
     assert warnings_of(motion, vary={"model": ["rigid", "flexible"]}) == ()
+
+
+def test_a_negative_eta_is_told_with_the_body_it_is_of(tmp_path):
+    free = "initial: {theta: 0.1}"
+    (tmp_path / "t.csv").write_text("name,block.h,block.b\ntall,2,1.0\nflat,1,1.5\n")
+    (tmp_path / "x.yaml").write_text(f"name: x\ncase:\n  block: {{h: 1, b: 0.2}}\n  {free}\nvary: {{case: t.csv}}\n")
+    (said,) = open_study(tmp_path / "x.yaml").warnings
+    assert "eta is negative" in said
+    assert said.endswith(f"(at case = flat, {tmp_path}/t.csv:3)")
+    for vary, where in (("vary:\n  block.b: [0.2, 1.5]\n", "(at block.b = 1.5, x.yaml:6)"), ("", "(at x.yaml:3)")):
+        (tmp_path / "x.yaml").write_text(f"name: x\ncase:\n  block: {{h: 1, b: 1.5}}\n  {free}\n{vary}")
+        (said,) = open_study(tmp_path / "x.yaml").warnings
+        assert said.endswith(where)
+    given = {"block": {"h": 1, "b": 1.5}, "initial": {"theta": 0.1}, "damping": {"scheme": "restitution", "eta": 0.5}}
+    assert warnings_of(given) == ()

@@ -44,7 +44,7 @@ def build_pieces(numbers: Numbers, records: Records) -> tuple[Callable[[], objec
     """What a batch is built from, piece by piece: each raises what is wrong with it, whatever the others are."""
     return (
         lambda: numbers.block,
-        lambda: build_damping(numbers, []),
+        lambda: build_damping(numbers),
         lambda: build_excitation(numbers, records, []),
         lambda: _initial(numbers),
         lambda: _numerics(numbers),
@@ -58,7 +58,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
     g = numbers.array(numbers.g)
     block = numbers.block
     numbers.require(("case", "g"), (numbers.p > 0.0) & (numbers.p < np.inf), "g and the block give no finite p")
-    damping = build_damping(numbers, warnings)
+    damping = build_damping(numbers)
     excitation = build_excitation(numbers, records, warnings)
     theta_0, theta_dot_0 = _initial(numbers)
     if damping.fema356 is not None:

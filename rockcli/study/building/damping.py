@@ -24,8 +24,8 @@ FEMA356_IS_POOR = (
 )
 
 
-def build_damping(numbers: Numbers, warnings: list[str]) -> Damping:
-    """The damping of every case; what a careful reader would remark is appended to `warnings`.
+def build_damping(numbers: Numbers) -> Damping:
+    """The damping of every case; what a careful reader would doubt is noted in `numbers.doubts`.
 
     Raises:
         StudyError: a key of another scheme, two keys that say the same thing, a number that cannot be.
@@ -49,7 +49,9 @@ def build_damping(numbers: Numbers, warnings: list[str]) -> Damping:
             for good, must in key.checks:
                 numbers.require((*KEYS, key.name), good(of_case, block, g), must)
     damping = scheme.make(values, block, g)
-    warnings += scheme.remarks(values, block)
+    doubted = scheme.doubted(values, block)
+    if doubted.any():
+        numbers.doubts[scheme.doubt] = int(np.argmax(doubted))
     if damping.fema356 is not None:
         spectrum = _design_spectrum(numbers, (*KEYS, "spectrum"))
         damping = replace(damping, fema356=replace(damping.fema356, spectrum=spectrum))

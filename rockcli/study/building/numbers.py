@@ -83,6 +83,7 @@ class Numbers:
 
     Attributes:
         remarks: sentences about what was made of them.
+        doubts: sentences about what the body of some case makes of the study, each with the first such case.
     """
 
     def __init__(
@@ -101,6 +102,7 @@ class Numbers:
         self._column, self._spot, self.suite = column, spot, suite
         self._make_pair, self._make_body = pair, body
         self.remarks: list[str] = []
+        self.doubts: dict[str, int] = {}
         self._symbols: dict[str, Value] = {}
         self._busy: list[str] = []
         self._pair: Block | None = None
@@ -171,6 +173,15 @@ class Numbers:
                 suffix = f" = {found:.10g}"
         name = ".".join(str(key) for key in keys)
         raise self.source.placed(where, f"{name}{suffix}: {message}{f' (at {context})' if context else ''}")
+
+    def named(self, i: int) -> str:
+        """Case i by its values of the axes, and where its body is said: `block.alpha = 1, study.yaml:5`."""
+        keys: Keys = ("case", "block")
+        block: Map = value_at(self.tree, keys)
+        varied = next(((key, item) for key, item in block.items() if isinstance(item, Varied)), None)
+        at, context = self._spot(None if varied is None else varied[1], i)
+        where = self.source.words(place(self.tree, keys) if at is None else at)
+        return ", ".join(filter(None, (context, where)))
 
     def symbol(self, name: str) -> Value:
         """Value of a name in an expression: g, the block's, `let`, units and pi."""

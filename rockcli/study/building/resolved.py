@@ -47,7 +47,7 @@ class Found:
 
     `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
     `friction`: some case has a mu; `asymmetric`: some body has two different edges; `rolling`: some body rolls over
-    more.  `meant`: keys whose numbers are not implausible.
+    more.  `meant`: keys whose numbers are not implausible.  `doubts`: sentences, with the first case each is about.
     """
 
     dt_out: float = DT_OUT
@@ -61,6 +61,7 @@ class Found:
     rolling: bool = False
     meant: frozenset[Keys] = frozenset()
     implausible: dict[str, None] = field(default_factory=dict)
+    doubts: dict[str, str] = field(default_factory=dict)
     uplift: Uplift = field(default_factory=Uplift)
 
     def look(self, numbers: Numbers, batch: Batch) -> None:
@@ -72,6 +73,7 @@ class Found:
         self.rolling |= bool(batch.block.rolls.any())
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
         self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
+        self.doubts |= {said: numbers.named(i) for said, i in numbers.doubts.items() if said not in self.doubts}
         self.uplift.look(batch)
         self._channel(numbers, batch, batch.excitation.horizontal, MOTION)
         self._channel(numbers, batch, batch.excitation.vertical, (*MOTION, "vertical"))
@@ -129,7 +131,8 @@ class Found:
         for_nothing = value_at(study, ("case", "geometry")) is not None and not self._knows_geometry
         no_column = value_at(study, ("case", "column")) is not None and not self._reads_column
         unread = [NO_GEOMETRY] * for_nothing + [NO_COLUMN] * no_column
-        return [STILL] * nothing_moves + unread + self.uplift.sentences() + list(self.implausible)
+        doubts = [f"{said} (at {first})" if first else said for said, first in self.doubts.items()]
+        return [STILL] * nothing_moves + unread + self.uplift.sentences() + list(self.implausible) + doubts
 
     @property
     def _knows_geometry(self) -> bool:

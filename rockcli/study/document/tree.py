@@ -89,6 +89,12 @@ class Source:
         file, line = self._spot(where)
         return kind(message, file=file, line=line)
 
+    def words(self, where: Where) -> str:
+        """A place as `study.yaml:5`, without folders; "" where there is none."""
+        if isinstance(where, str) or where is None or self.file is None:
+            return where if isinstance(where, str) else ""
+        return f"{Path(self.file).name}:{where}"
+
     def _spot(self, where: Where) -> tuple[str | Path | None, int | None]:
         if isinstance(where, str):
             return where, None
