@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import tomllib
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
@@ -227,6 +228,18 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, text: str, words: s
     with pytest.raises(RecordError, match=words) as caught:
         read_record(path, component=0)
     assert caught.value.line is not None
+
+
+@pytest.mark.parametrize("make", [smc, esm, resorce, csmnc])
+def test_a_second_record_in_a_file_of_one_is_refused(tmp_path: Path, make: Callable[[], str]) -> None:
+    path = tmp_path / "record.txt"
+    path.write_text(make() + "a footer\n")
+    assert len(read_record(path).values) == len(VALUES)
+    path.write_text(make() + make())
+    with pytest.raises(RecordError, match="numbers follow behind the only component") as caught:
+        read_record(path)
+    assert caught.value.line is not None
+    assert caught.value.line > make().count("\n")
 
 
 def test_a_header_that_states_another_peak_is_mentioned(tmp_path: Path) -> None:

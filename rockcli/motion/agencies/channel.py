@@ -72,6 +72,18 @@ def counted(lines: list[str], first: int, count: int, name: str, times: int = 1)
     return values[:count], end
 
 
+def alone(lines: list[str], end: int, name: str) -> None:
+    """Make sure that no numbers stand behind the only component of a file, as those of a second record would.
+
+    Raises:
+        RecordError: they do.
+    """
+    for number, line in enumerate(lines[end:], end + 1):
+        if line.strip() and _NUMERIC.fullmatch(line):
+            message = "numbers follow behind the only component of the file: write a second record as a file of its own"
+            raise RecordError(message, name, number)
+
+
 def sought(pattern: str, line: str, what: str, name: str, number: int) -> re.Match[str]:
     """What a pattern finds on a line, which is told in words where it does not."""
     match = re.search(pattern, line, re.I)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, counted, number_in, sought, step, unit_of, whole
+from rockcli.motion.agencies.channel import Channel, Format, alone, counted, number_in, sought, step, unit_of, whole
 
 _PAIR = re.compile(r"\s*([^:]*?)\s*:\s*(.*?)\s*$")
 
@@ -41,7 +41,8 @@ def parse_esm(lines: list[str], name: str) -> list[Channel]:
     dt, dt_line = _value(pairs, "SAMPLING_INTERVAL_S", name)
     count, count_line = _value(pairs, "NDATA", name)
     units, units_line = _value(pairs, "UNITS", name)
-    values, _ = counted(lines, at, whole(count, "NDATA", name, count_line), name)
+    values, end = counted(lines, at, whole(count, "NDATA", name, count_line), name)
+    alone(lines, end, name)
     unit = unit_of(units, name, units_line)
     peak = abs(number_in(pairs.get("PGA_CM/S^2", ("", 0))[0])) if unit in ("cm/s2", "gal") else float("nan")
     said = {key: pairs[key][0] for key in ("EVENT_NAME", "STATION_NAME") if pairs.get(key, ("",))[0]}
@@ -68,7 +69,8 @@ def parse_resorce(lines: list[str], name: str) -> list[Channel]:
     count, count_line = _value(pairs, "Number of Data", name)
     line = lines[at] if at < len(lines) else ""
     unit = unit_of(sought(r"time series in\s+(\S+)", line, "'... time series in m/s/s'", name, at + 1)[1], name, at + 1)
-    values, _ = counted(lines, at + 1, whole(count, "the number of data", name, count_line), name)
+    values, end = counted(lines, at + 1, whole(count, "the number of data", name, count_line), name)
+    alone(lines, end, name)
     peak = abs(number_in(pairs.get("PGA (m/s/s)", ("", 0))[0])) if unit == "m/s2" else float("nan")
     station = pairs.get("Station Code / Name", ("", 0))[0]
     component = pairs.get("Orientation", ("", 0))[0]
@@ -92,7 +94,8 @@ def parse_csmnc(lines: list[str], name: str) -> list[Channel]:
     peak = next((number_in(m[1]) for line in header if (m := re.search(r"PEAK VALUE:\s*(\S+)", line))), float("nan"))
     component = next((m[1] for line in header if (m := re.match(r"COMP\.\s*(\S+)", line))), "")
     station = next((m[1] for line in header if (m := re.match(r"STATION:\s*(\S+)", line))), "")
-    values, _ = counted(lines, at + 4, whole(said[1], "the number of points", name, at + 1), name)
+    values, end = counted(lines, at + 4, whole(said[1], "the number of points", name, at + 1), name)
+    alone(lines, end, name)
     unit = unit_of(units[0][0], name, units[0][1] + 1)
     title = [header[2].strip()]
     return [

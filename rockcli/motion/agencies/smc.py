@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, counted, number_in, sought, step, whole
+from rockcli.motion.agencies.channel import Channel, Format, alone, counted, number_in, sought, step, whole
 
 TEXTS, INTEGERS, REALS = 11, 6, 10
 """Lines of the three parts of the header."""
@@ -39,7 +39,8 @@ def parse(lines: list[str], name: str) -> list[Channel]:
     at = TEXTS + INTEGERS + REALS
     while at < len(lines) and lines[at].startswith("|"):
         at += 1
-    values, _ = counted(lines, at, count, name)
+    values, end = counted(lines, at, count, name)
+    alone(lines, end, name)
     peak = max(abs(reals[MAXIMUM]), abs(reals[MINIMUM]))
     place = re.search(r"component\s*=\s*(\S+)", text[5], re.I)
     station = sought(r"(?:station\s*=)?\s*(.*?)\s*(?:component\s*=|$)", text[5].strip("* "), "a station", name, 6)[1]
