@@ -271,7 +271,9 @@ def _only_component(name: str, asked: str | int | None, path: Path) -> None:
 def _through_obspy(path: Path, component: str | int | None, unit: str | None) -> Found:
     """The record through ObsPy, its traces multiplied by their calibration factors."""
     format_name = _obspy_format(path)
-    trace = _chosen_trace(_obspy_traces(path, format_name), component, path)
+    traces = _obspy_traces(path, format_name)
+    _refuse_part_of_a_record(traces, path)
+    trace = _chosen_trace(traces, component, path)
     stats = trace.stats
     if format_name == "KNET" and stats.npts != (count := round(stats.knet.duration * stats.sampling_rate)):
         said = f"the header announces {count} values and {stats.npts} follow: the file is damaged; get it anew"
@@ -287,6 +289,13 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     }
     units = _obspy_units(format_name, unit, path)
     return Found(values, float(stats.delta), units, format_name, str(stats.channel), header, processing)
+
+
+def _refuse_part_of_a_record(traces: list[Any], path: Path) -> None:
+    """MiniSEED is made of records of one length or a few, powers of two; ObsPy passes over one that is not whole."""
+    of_mseed = [trace.stats.mseed for trace in traces if "mseed" in trace.stats]
+    if of_mseed and of_mseed[0].filesize % (length := min(one.record_length for one in of_mseed)):
+        raise RecordError(f"the file ends inside a record of {length} bytes: it has been cut; get it anew", path)
 
 
 def _obspy_units(format_name: str, unit: str | None, path: Path) -> str:

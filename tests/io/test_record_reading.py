@@ -249,6 +249,23 @@ def test_seismological_formats_need_units_and_a_component(tmp_path: Path) -> Non
         assert (motion.format, motion.component) == ("MSEED", "HNN")
 
 
+def test_miniseed_that_was_cut_is_refused(tmp_path: Path) -> None:
+    from obspy import Stream, Trace
+
+    path = tmp_path / "cut.mseed"
+    values = np.random.default_rng(5).standard_normal(3000)
+    long, short = (Stream([Trace(values, {"channel": name, "delta": 0.01})]) for name in ("HNE", "HNN"))
+    long.write(str(path), format="MSEED", reclen=4096)
+    whole = path.read_bytes()
+    short.write(str(path), format="MSEED", reclen=512)
+    mixed = whole + path.read_bytes()
+    assert len(mixed) % 4096
+    path.write_bytes(mixed)
+    assert read_record(path, component="HNE", units="m/s2").values.tolist() == values.tolist()
+    path.write_bytes(whole[: int(0.6 * len(whole))])
+    refused(path, "the file ends inside a record of 4096 bytes", units="m/s2")
+
+
 SETTINGS = {
     "RSN729_SUPER.B_B-IVW360_5col_no_header.acc": {"units": "g", "dt": 0.005},
     "BM68elc_5col_no_header.acc": {"units": "g", "dt": 0.01},
