@@ -44,6 +44,7 @@ _UNITS = re.compile(
 _QUANTITY = re.compile(r"\b(ACCELERATION|VELOCITY|DISPLACEMENT)\b", re.I)
 _SERIES = re.compile(r"\b(?:ACCELERATION|VELOCITY|DISPLACEMENT) TIME (?:HISTORY|SERIES) IN UNITS? OF\b", re.I)
 _MILLI = re.compile(r"\s*,?\s*(?:MSEC|MS|MILLI\w*)\b", re.I)
+_RATE = re.compile(r"\s*,?\s*(?:HZ|SPS)\b", re.I)
 _DATE = re.compile(r"\b\d{1,2}/\d{1,2}/\d{2,4}\b")
 
 
@@ -234,10 +235,13 @@ def _dt(match: re.Match[str], name: str, line: int) -> float:
     number = re.match(_DECIMAL, word)
     suffix = "" if number is None else word[number.end() :] + match["rest"]
     dt = float(re.sub("[dD]", "E", number[0])) if number else np.nan
-    if not 0.0 < dt < np.inf:
+    whole = number is not None and re.fullmatch("[A-Z.]*", word[number.end() :], re.I)  # not 1/200
+    if not whole or not 0.0 < dt < np.inf:
         raise RecordError(f"DT is {word!r}; expected the time step in seconds, above zero", name, line)
     if _MILLI.match(suffix):
         raise RecordError("DT is in milliseconds; write it in seconds", name, line)
+    if _RATE.match(suffix):
+        raise RecordError("DT is a rate, in Hz; write the time step in seconds", name, line)
     return dt
 
 
