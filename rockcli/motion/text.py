@@ -38,7 +38,7 @@ _HEAD = re.compile(
     re.I,
 )
 """The names of time, in seconds if it says a unit, and of acceleration, with its unit."""
-_CHARACTERS = re.compile(r"[0-9.eEdD+\-,;\s]*")
+_CHARACTERS = re.compile(r"[0-9.eEdD+\-,;\s]*", re.ASCII)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ def is_numeric_text(data: bytes) -> bool:
     lines = [line for line in _lines(data) if line.strip() and not _COMMENT.match(line)]
     if lines and _HEAD.fullmatch(lines[0]):
         return True
-    if b"-12345" in data or not data.isascii():
+    if b"-12345" in data:
         return False
     body = "\n".join(lines)
     return bool(_CHARACTERS.fullmatch(body)) and any(character.isdigit() for character in body)
@@ -116,8 +116,12 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
 
 
 def _lines(data: bytes) -> list[str]:
-    """The lines of a text, without the mark that spreadsheets put before it."""
-    return data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").splitlines()
+    """The lines of a text in UTF-8, else in Latin-1, without the mark that spreadsheets put before it."""
+    lines = data.removeprefix(b"\xef\xbb\xbf").splitlines()  # those of a `str` also end at U+0085, half an A with ring
+    try:
+        return [line.decode() for line in lines]
+    except UnicodeDecodeError:
+        return [line.decode("latin-1") for line in lines]
 
 
 def _unstated(*, needs_dt: bool) -> str:

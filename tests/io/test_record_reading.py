@@ -143,6 +143,17 @@ def test_a_head_names_the_columns_and_their_units(write, head: str) -> None:
     refused(write(f"{head}\n{TWO}", "other.csv"), "units", units="g")
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1"])
+@pytest.mark.parametrize("head", ["# Ängelholm, Ångström\n# units: cm/s²\n", "# Å\ntime [s],acceleration [cm/s²]\n"])
+def test_comments_and_units_may_hold_any_letters(write, head: str, encoding: str) -> None:
+    motion = read_record(write((head + TWO).encode(encoding), "letters.txt"))
+    assert (motion.values.tolist(), motion.dt) == ([0.001, -0.002, 0.003, 0.004], 0.02)
+
+
+def test_a_mark_before_plain_numbers_is_no_part_of_them(write) -> None:
+    assert read_record(write(b"\xef\xbb\xbf" + TWO.encode(), "marked.txt"), units="g").values[0] == 0.1
+
+
 def test_a_head_that_says_too_little_or_what_is_not_there(write) -> None:
     refused(write(f"time,acceleration\n{TWO}", "bare.csv"), "`units:`")
     assert read_record(write(f"time,acceleration\n{TWO}", "bare.csv"), units="g").in_g
