@@ -71,16 +71,18 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
     """RotD50 and RotD100 of PGA, PGV and Sa(T) of two components.
 
     Raises:
-        RecordError: their time steps or lengths differ.
+        RecordError: their time steps, lengths or the times of their first samples differ.
     """
     import numpy as np
 
     from rockcli.errors import RecordError
+    from rockcli.motion.direction import refuse_other_start
     from rockcli.motion.rotated import rotated_measures, rotated_spectrum
 
     if abs(one.dt - two.dt) > 1e-9 * one.dt or len(one.values) != len(two.values):
         said = f"{len(one.values)} values of {one.dt:g} s, {two.name} has {len(two.values)} of {two.dt:g} s"
         raise RecordError(f"has {said}: two components in one direction need the same times", one.name)
+    refuse_other_start(one, two)
     a, b = one.acceleration(g), two.acceleration(g)
     found = rotated_measures(a, b, one.dt)
     if periods:

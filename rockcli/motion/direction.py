@@ -27,7 +27,7 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
     At 0 and 90 degrees these are the components themselves, bit for bit.
 
     Raises:
-        RecordError: time steps, lengths or units of the components differ.
+        RecordError: time steps, lengths, units or the times of the first samples of the components differ.
     """
     if one.in_g != two.in_g:
         raise RecordError(f"{one.name} is in {one.units}, {two.name} in {two.units}: both must be in the same units")
@@ -39,6 +39,7 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
             f"{one.name} has {len(one.values)} samples, {two.name} {len(two.values)}: both must have as many; "
             f"window: [0, {shorter:.10g}] keeps what they have in common"
         )
+    refuse_other_start(one, two)
     c, s = cosine_and_sine(angle)
     if s == 0.0:
         values = c * one.values
@@ -57,5 +58,17 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
         processing=(*steps, direction),
         warnings=tuple(f"{motion.name}: {sentence}" for motion in (one, two) for sentence in motion.warnings),
         component="",
-        header={},
+        header={"start": one.header["start"]} if "start" in one.header else {},
     )
+
+
+def refuse_other_start(one: Motion, two: Motion) -> None:
+    """Make sure that two components begin together, where both files say when.
+
+    Raises:
+        RecordError: they do not.
+    """
+    if later := two.begins_after(one):
+        first, second = (one, two) if later > 0.0 else (two, one)
+        said = f"{second.name} begins {abs(later):g} s after {first.name}: components must begin at the same time"
+        raise RecordError(f"{said}; cut the files to what they have in common")

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = ["Given", "Motion"]
+
+NO_START = datetime(1970, 1, 1, tzinfo=UTC)
+"""What ObsPy says of files without a time of their first sample."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +49,20 @@ class Motion:
         return (len(self.values) - 1) * self.dt
 
     @property
+    def start(self) -> datetime | None:
+        """When the first sample was taken; None where the file does not say."""
+        said = self.header.get("start")
+        start = None if said is None else datetime.fromisoformat(said)
+        return None if start == NO_START else start
+
+    def begins_after(self, other: Motion) -> float:
+        """How much later it begins than another motion [s]; 0 to within half a time step, or where one does not say."""
+        if self.start is None or other.start is None:
+            return 0.0
+        later = (self.start - other.start).total_seconds()
+        return later if abs(later) > 0.5 * self.dt else 0.0
+
+    @property
     def units(self) -> str:
         """Of `values`: `g` or `m/s2`."""
         return "g" if self.in_g else "m/s2"
@@ -60,8 +78,10 @@ class Given:
 
     Attributes:
         values: acceleration, (k,); dt: time between samples [s], None where it is told beside them.
+        start: when the first sample was taken, ISO 8601, empty where that is not known.
     """
 
     values: NDArray[np.float64]
     dt: float | None = None
     component: str = ""
+    start: str = ""

@@ -147,7 +147,8 @@ def motion_of(
     step = given.dt if given.dt is not None else float(dt or 0.0)
     # of what is given alone: one array may be read in several units or steps, as one file may
     digest = hashlib.sha256(given.values.tobytes() + repr(given.dt).encode()).hexdigest()
-    return _motion(Found(given.values, step, str(unit), "array", given.component), path, digest)
+    header = {"start": given.start} if given.start else {}
+    return _motion(Found(given.values, step, str(unit), "array", given.component, header), path, digest)
 
 
 def components_of(path: str | Path) -> list[str | int | None]:

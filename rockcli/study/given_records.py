@@ -66,7 +66,8 @@ def _name(value: Any, found: Records, name: str | None = None) -> str:
     elif _is_trace(value):
         calib = float(value.stats.get("calib", 1.0))
         values = np.ma.filled(np.ma.asarray(value.data, dtype=float), np.nan) * calib
-        one, default = Given(values, float(value.stats.delta), str(value.stats.get("channel", ""))), str(value.id)
+        component, start = str(value.stats.get("channel", "")), str(value.stats.get("starttime", ""))
+        one, default = Given(values, float(value.stats.delta), component, start), str(value.id)
     else:
         one, default = Given(_numbers(value)), "array"
     name = name or default or "trace"
@@ -90,5 +91,6 @@ def _numbers(value: Any) -> Any:
 
 
 def _digest(one: Given | Motion) -> str:
-    told = (one.dt, one.in_g) if isinstance(one, Motion) else one.dt  # equal numbers in other units are another motion
+    # equal numbers in other units are another motion, and those of another time
+    told = (one.dt, one.in_g, one.start) if isinstance(one, Motion) else (one.dt, one.start)
     return hashlib.sha256(np.ascontiguousarray(one.values).tobytes() + repr(told).encode()).hexdigest()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import obspy
 import pytest
 from reference import body_of, integrate
 from scenes import SHARED
@@ -55,6 +56,36 @@ def samples(folder, record):
 
 BOTH = ["h1.csv", "h2.csv"]
 STEPS = {"window": [0.2, 3.5], "detrend": "linear", "highpass": 0.3}
+
+
+def trace(name, start):
+    header = {"delta": DT, "station": name, "starttime": obspy.UTCDateTime(start)}
+    return obspy.Trace(np.random.default_rng(len(name)).normal(size=400), header)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.004, 2.5])
+def test_components_begin_together(late):
+    """As far as they say when, and to half a step of time."""
+    first, second = trace("A", 1e9), trace("BB", 1e9 + late)
+    study = {"case": {"block": BLOCK, "motion": {"record": {"file": [first, second], "units": "m/s2", "angle": 0.5}}}}
+    if late < 0.5 * DT:
+        pga = np.abs(np.cos(0.5) * first.data + np.sin(0.5) * second.data).max()
+        assert float(rockcli.run(study)["pga"]) == pytest.approx(pga, rel=1e-12)
+        return
+    with pytest.raises(
+        RecordError, match=r"\.BB\.\. begins 2.5 s after \.A\.\.: components must begin at the same time"
+    ):
+        rockcli.run(study)
+
+
+def test_a_vertical_motion_that_begins_at_another_time_is_told():
+    early = {"file": trace("A", 1e9), "units": "m/s2"}
+    late = {"file": trace("BB", 1e9 - 1.5), "units": "m/s2"}
+    for window, said in ((None, ["1.5 s before"]), ([1.5, 3.0], [])):
+        motion = {"record": early, "vertical": {"record": late | ({"window": window} if window else {})}}
+        told = rockcli.check({"case": {"block": BLOCK, "motion": motion}})["warnings"]
+        assert [one for one in told if "begins" in one] == [f".BB.. begins {x} .A.., as the files say; both are taken "
+                                                            "from their first samples on" for x in said]  # fmt: skip
 
 
 @pytest.mark.parametrize("steps", [{}, STEPS], ids=["as filed", "processed"])

@@ -67,6 +67,7 @@ def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) ->
     vertical = None
     if numbers.case.motion.vertical is not None:
         vertical, _ = _channel(numbers, (*MOTION, "vertical"), records, warnings, inherited=amplitude)
+        warnings.extend(_apart(numbers, records))
     duration = numbers.positive((*MOTION, "duration"))
     if duration is None:
         return Excitation(horizontal, vertical, np.full(numbers.n, np.nan))
@@ -75,6 +76,19 @@ def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) ->
             warnings.append("`duration` is shorter than the motion, which is cut off there")
             break
     return Excitation(horizontal, vertical, numbers.array(duration))
+
+
+def _apart(numbers: Numbers, records: Records) -> list[str]:
+    """That a vertical record begins earlier or later than the horizontal one, as their files say."""
+    both = [(*MOTION, "record"), (*MOTION, "vertical", "record")]
+    if any(numbers.said(keys) is None for keys in both):
+        return []
+    g = _g_of_records(numbers)
+    across, up = (_prepared(numbers, keys, records, g, numbers.constant((*keys, "angle"))).motion for keys in both)
+    if not (later := up.begins_after(across)):
+        return []
+    when = f"{abs(later):g} s {'after' if later > 0.0 else 'before'}"
+    return [f"{up.name} begins {when} {across.name}, as the files say; both are taken from their first samples on"]
 
 
 def _channel(
