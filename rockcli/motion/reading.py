@@ -50,6 +50,9 @@ OFFSET = 0.05
 """Mean value over PGA above which it is mentioned: the raw output of an instrument, not a motion."""
 
 
+SINGLE = ("SAC", "SACXY", "AH")
+"""Formats of ObsPy that hold the time step in single precision."""
+
 SEVERAL = 50
 """Files from which it pays to load compiled kernels, which takes 30 ms, as half a millisecond is saved with each."""
 
@@ -289,7 +292,10 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
         **{key: str(value) for key, value in stats.get(format_name.lower(), {}).items()},
     }
     units = _obspy_units(format_name, unit, path)
-    return Found(values, float(stats.delta), units, format_name, str(stats.channel), header, processing)
+    dt = float(stats.delta)
+    if format_name in SINGLE:  # .01 is then .00999999978
+        dt = float(str(np.float32(dt)))
+    return Found(values, dt, units, format_name, str(stats.channel), header, processing)
 
 
 def _refuse_part_of_a_record(traces: list[Any], path: Path) -> None:
@@ -357,10 +363,12 @@ def _obspy_traces(path: Path, format_name: str) -> list[Any]:
 
     import obspy
 
+    # of SAC files the step would be rounded to microseconds, that of 1/128 s by 64 in a million
+    exact = {"round_sampling_interval": False} if format_name in ("SAC", "SACXY") else {}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return list(obspy.read(glob.escape(str(path)), format=format_name, check_compression=False))
+            return list(obspy.read(glob.escape(str(path)), format=format_name, check_compression=False, **exact))
     except RecordError:
         raise
     except Exception as error:

@@ -260,6 +260,17 @@ def test_seismological_formats_need_units_and_a_component(tmp_path: Path) -> Non
         assert (motion.format, motion.component) == ("MSEED", "HNN")
 
 
+@pytest.mark.parametrize("format_name", ["SAC", "SACXY", "AH"])
+@pytest.mark.parametrize("dt", [0.01, 1.0 / 128.0, 1.0 / 300.0])
+def test_a_step_in_single_precision_keeps_its_digits(tmp_path: Path, dt: float, format_name: str) -> None:
+    from obspy import Trace
+
+    path = tmp_path / "step.sac"
+    Trace(np.array([1.0, -2.0, 3.0], dtype=np.float32), {"delta": dt}).write(str(path), format=format_name)
+    assert read_record(path, units="g").dt == pytest.approx(dt, rel=1e-15 if dt == 0.01 else 2e-7)
+    assert read_record(path, units="g", dt=dt).values.tolist() == [1.0, -2.0, 3.0]
+
+
 def test_miniseed_that_was_cut_is_refused(tmp_path: Path) -> None:
     from obspy import Stream, Trace
 
