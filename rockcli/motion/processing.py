@@ -202,4 +202,6 @@ def _fourier(motion: Motion, dt: float) -> NDArray[np.float64]:
     spectrum = np.fft.rfft(motion.values)
     if new > old and old % 2 == 0:
         spectrum[-1] *= 0.5  # the old Nyquist frequency becomes a pair
+    elif new < old and new % 2 == 0:
+        spectrum[new // 2] *= 2.0  # a pair becomes the new one
     return np.asarray(np.fft.irfft(spectrum, new) * (new / old))

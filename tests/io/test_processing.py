@@ -147,6 +147,14 @@ def test_band_limited_methods_find_the_motion_between_the_samples() -> None:
     assert errors["linear"] > 0.1
 
 
+@pytest.mark.parametrize("every", [2, 3])
+def test_fourier_downsampling_keeps_what_is_at_the_new_nyquist_frequency(every: int) -> None:
+    """There a motion is its own samples: nothing lies above."""
+    motion = Motion(values=np.cos(np.pi / every * np.arange(2100) + 0.4), dt=DT, in_g=True)
+    done = process(motion, resample={"dt": every * DT, "method": "fourier"})
+    np.testing.assert_allclose(done.values, motion.values[::every], atol=1e-12)
+
+
 @pytest.mark.parametrize("dt", [0.0022, 0.0033, 0.005, 0.0066, 0.0132, 0.0198])
 def test_resampling_never_leaves_the_record(dt: float) -> None:
     motion = Motion(values=np.sin(np.arange(2048) * 0.05), dt=0.0066, in_g=True)
