@@ -21,7 +21,7 @@ _PLAIN = re.compile(r"[0-9.eE+\-\s]*")
 _OF_NUMBERS = b"0123456789.eE+- \t\n\v\f\r"
 _POWERS = np.array([float(10**k) for k in range(23)])
 _LETTER_D = re.compile(r"(?<=[\d.])[dD](?=[+-]?\d)")
-_NO_LETTER = re.compile(r"(?<=[\d.])([+-]\d{3})(?![\d.])")
+_NO_LETTER = re.compile(r"(\d\.\d*|\.\d+)([+-]\d{3})(?![\d.])")
 _GLUED = re.compile(r"(?<=[\d.])(?=[+-])")
 
 
@@ -161,7 +161,7 @@ def _mended(words: list[str]) -> tuple[list[str], list[float] | None]:
     line = _LETTER_D.sub("E", " ".join(words))
     if not _PLAIN.fullmatch(line):
         return words, None
-    line = _NO_LETTER.sub(r"E\1", line)
+    line = _NO_LETTER.sub(r"\1E\2", line)
     tokens = _GLUED.sub(" ", line).split()
     return tokens, _floats(line, tokens)
 

@@ -349,14 +349,15 @@ def test_numbers_that_no_instrument_gives(tmp_path: Path, values: str, dt: float
         read_record(path, units="g", dt=dt)
 
 
-@pytest.mark.parametrize("spoiled", [None, "  .1-.2", " 1.5D-03", " 2.5-103", " tail of text"])
+@pytest.mark.parametrize("spoiled", [None, "  .1-.2", " 1.5D-03", " 2.5-103", " 100-200", " tail of text"])
 def test_numbers_are_those_printed_whether_read_at_once_or_line_by_line(spoiled: str | None) -> None:
     printed = [f"{x:15.7E}" for x in np.random.default_rng(3).normal(size=23)] + ["  .5", " -3e2", "+7."]
     lines = ["".join(printed[i : i + 5]) for i in range(0, len(printed), 5)] + ["", "\t1.25  -0.0\r"]
     wanted = [float(word) for word in printed] + [1.25, -0.0]
     if spoiled is not None:
         lines.append(spoiled)
-        wanted += {"  .1-.2": [0.1, -0.2], " 1.5D-03": [1.5e-3], " 2.5-103": [2.5e-103]}.get(spoiled, [])
+        of_it = {"  .1-.2": [0.1, -0.2], " 1.5D-03": [1.5e-3], " 2.5-103": [2.5e-103], " 100-200": [100.0, -200.0]}
+        wanted += of_it.get(spoiled, [])
     found = read_numbers(lines, 1, "file", expected=len(wanted))
     assert found.values.tolist() == wanted
     assert found.per_line.sum() == len(wanted) == len(found.tokens)
