@@ -146,6 +146,16 @@ def test_the_legend_stays_on_the_page(models: list[str]) -> None:
     assert not box.overlaps(figure.axes[0].xaxis.label.get_window_extent())
 
 
+def test_a_body_that_rolls_has_none() -> None:
+    """Beyond its two edges it touches others, and overturns elsewhere; on its toes it is the block on two edges."""
+    foot = [[-0.2, 0.01], [-0.1, 0.0], [0.1, 0.0], [0.2, 0.01], [0.2, 2.0], [-0.2, 2.0]]
+    case = {"block": {"outline": foot}, "model": "rigid", "damping": "restitution"}
+    panels = figures.figure("map", mapped(case, {"block.stands": ["outline", "toes"]})).axes[:2]
+    assert [drawn(axes) for axes in panels] == [(0, 0), (1, 1)]
+    box = {"outline": [[-0.1, 0.0], [0.1, 0.0], [0.1, 2.0], [-0.1, 2.0]]}
+    assert drawn(figures.figure("map", mapped(case | {"block": box})).axes[0]) == (1, 1)
+
+
 def test_a_refined_map_is_not_shaded_by_the_peaks_beside_its_boundaries() -> None:
     save = {"scalars": ["outcome", "theta_peak_over_alpha"]}
     refined, full = (figures.figure("map", mapped(save=save, refine=refine)) for refine in (True, False))

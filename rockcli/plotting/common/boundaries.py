@@ -11,6 +11,7 @@ from matplotlib.patheffects import withStroke
 from rockcli.plotting.common.case_settings import case_settings
 from rockcli.plotting.common.cases import axes_of
 from rockcli.plotting.common.labels import path_of
+from rockcli.scene.lower_outline import lower_hull
 from rockcli.scene.overturning import rectangular_without_impact, sine_one_impact, sine_without_impact
 
 if TYPE_CHECKING:
@@ -99,10 +100,18 @@ def _shape(dataset: xarray.Dataset, found: tuple[str, str]) -> str:
     for axis, where in path.items():
         if axis not in found:
             settings[where] = str(dataset[axis].values)
-    if "motion.pulse.shape" not in settings or "alpha_left" in dataset.variables:
+    if "motion.pulse.shape" not in settings or "alpha_left" in dataset.variables or _rolls(dataset, settings):
         return ""
     for where, value in settings.items():
         if value not in _AS_NEEDED.get(where, (value,) if where.startswith(_SAYS_NOTHING) or where == "g" else ()):
             return ""
     known = all(name in dataset.variables and dataset[name].ndim == 0 for name in ("alpha", "eta"))
     return settings["motion.pulse.shape"] if known else ""
+
+
+def _rolls(dataset: xarray.Dataset, settings: dict[str, str]) -> bool:
+    """Whether the body rolls over vertices beside its two edges: the closed forms do not know them."""
+    if "outline_x" not in dataset.variables or settings.get("block.stands") == "toes":
+        return False
+    x, z = (np.ravel(dataset[name].values) for name in ("outline_x", "outline_z"))
+    return len(lower_hull(np.column_stack([x, z]))) > 2
