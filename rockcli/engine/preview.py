@@ -26,6 +26,7 @@ from rockcli.engine.cost import (
 )
 from rockcli.engine.speed import slowness
 from rockcli.engine.sweep.history_size import HISTORIES_AT_MOST, histories_size
+from rockcli.engine.sweep.refine import CELLS
 from rockcli.errors import SolverError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
@@ -145,7 +146,7 @@ def _preview(study: Study) -> Preview:
     for indices, part in study.suites(np.arange(looked_at)):
         each = seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part)
         seconds += seconds_per_batch() + len(indices) * each
-    seconds = seconds / looked_at * study.size * share_refined(study)
+    seconds = seconds / looked_at * study.size * (1.0 if _narrow(study) else share_refined(study))
     seconds += STARTING + seconds_of_reading(batch) * len(study.inputs) + seconds_of_statistics(study)
     seconds += ARRIVING * sum(arrive.values())
     seconds *= slowness()
@@ -173,13 +174,17 @@ def _proposals(study: Study, seconds: float) -> list[str]:
     """What would save most of the time of a map, or does not where it was meant to."""
     numeric = [axis for axis in study.axes if axis.numeric]
     if study.refine:
-        narrow = max(axis.size for axis in study.axes if axis.name in study.refine) <= WIDE
-        return [f"`refine` saves next to nothing on a map of fewer than {WIDE} points a side"] if narrow else []
+        return [f"`refine` solves all of a map of fewer than {2 * CELLS} points a side"] if _narrow(study) else []
     wide = len(numeric) == 2 and min(axis.size for axis in numeric) >= WIDE
     if not wide or seconds < SLOW or study.search is not None or study.over is not None:
         return []
     share = REFINED / max(axis.size for axis in numeric)
     return [f"`refine: true` would solve only where the outcome of this map changes: about {100.0 * share:.2g} % of it"]
+
+
+def _narrow(study: Study) -> bool:
+    """Whether a map is too small to be refined, so that all of it is solved."""
+    return bool(study.refine) and min(axis.size for axis in study.axes if axis.name in study.refine) < 2 * CELLS
 
 
 def _backend(batch: Batch) -> str:

@@ -126,9 +126,13 @@ def test_check_proposes_refine_for_a_wide_map_and_doubts_it_for_a_narrow_one(roc
     (tmp_path / "mine.yaml").write_text(flexible + size.replace("N", "300"))
     assert rock("check", "mine.yaml") == 0
     assert "`refine: true` would solve only" in capsys.readouterr().err
-    (tmp_path / "mine.yaml").write_text(STUDY + "refine: true\n" + size.replace("N", "50"))
-    assert rock("check", "mine.yaml") == 0
-    assert "saves next to nothing" in capsys.readouterr().err
+    for points in (99, 100):
+        (tmp_path / "mine.yaml").write_text(STUDY + "refine: true\n" + size.replace("N", str(points)))
+        assert rock("check", "mine.yaml") == 0
+        doubted = "solves all of a map of fewer than 100 points" in capsys.readouterr().err
+        assert rock("run", "mine.yaml", "--json", "--fresh", "--no-plots") == 0
+        (found,) = json.loads(capsys.readouterr().out)["studies"]
+        assert doubted == (found["refined"] == points**2)
 
 
 @pytest.mark.parametrize(("height", "doubted"), [(180, True), (0.002, True), (18, False), (0.05, False)])
