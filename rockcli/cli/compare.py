@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,35 +12,94 @@ from rockcli.cli.say import say
 if TYPE_CHECKING:
     from rockcli.analysis.compare_datasets import Difference
 
+_NAMED = 10
+"""Datasets of one folder only that are named."""
+
 
 def compare(
-    a: Annotated[Path, typer.Argument(metavar="A.nc", help="A dataset written by `rock run`.")],
-    b: Annotated[Path, typer.Argument(metavar="B.nc", help="Another one over the same axes.")],
+    a: Annotated[Path, typer.Argument(metavar="A", help="A dataset written by `rock run`, or a folder of them.")],
+    b: Annotated[Path, typer.Argument(metavar="B", help="Another one over the same axes, or another folder.")],
     rtol: Annotated[float, typer.Option("--rtol", help="Allowed relative difference of the peaks.")] = 1e-6,
     most: Annotated[int, typer.Option("--most", metavar="N", help="How many of the worst points are named.")] = 10,
     as_json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON.")] = False,
 ) -> None:
     """Compare the outcomes and peaks of two datasets at the points both have, of searches the thresholds found.
 
-    Exit 1 on another outcome or a peak beyond --rtol; the worst points are named.
+    Of two folders every dataset with that of the same name.  Exit 1 on another outcome or a peak beyond --rtol; the
+    worst points are named.
     """
-    from rockcli.analysis.compare_datasets import difference
     from rockcli.errors import StudyError
-    from rockcli.storage import netcdf
 
     if not 0.0 <= rtol < float("inf"):
         raise StudyError(f"--rtol {rtol}: expected a number >= 0")
     if most < 0:
         raise StudyError(f"--most {most}: expected a number >= 0")
-    found = difference(netcdf.read(a), netcdf.read(b), rtol=rtol, most=most, si=as_json)
-    if as_json:
-        say(_as_json(found))
+    if a.is_dir() and b.is_dir():
+        same = _folders(a, b, rtol, most, as_json=as_json)
+    elif a.is_dir() or b.is_dir():
+        raise StudyError(f"{a} and {b}: a folder and a file; expected two datasets, or two folders of them")
     else:
-        say(_in_words(found, rtol))
-    raise typer.Exit(0 if found.same else 1)
+        found, apart = _files(a, b, rtol, most, si=as_json)
+        say(_json(_plain(found, apart)) if as_json else _in_words(found, apart, rtol))
+        same = found.same
+    raise typer.Exit(0 if same else 1)
 
 
-def _in_words(found: Difference, rtol: float) -> str:
+def _files(a: Path, b: Path, rtol: float, most: int, *, si: bool) -> tuple[Difference, dict[str, str]]:
+    """How two datasets differ, and what else is apart: {`study`: the keys that differ, `program`: both versions}."""
+    import json
+
+    from rockcli.analysis.compare_datasets import difference
+    from rockcli.storage import netcdf
+    from rockcli.study.differences import differences
+    from rockcli.study.document.loader import load_value
+
+    one, other = netcdf.read(a), netcdf.read(b)
+    found = difference(one, other, rtol=rtol, most=most, si=si)
+    inputs = (json.loads(contents.attrs.get("inputs", "{}")) for contents in (one, other))
+    new = load_value(other.attrs.get("study", "{}"), f"the study in {b}")
+    keys = differences(one.attrs.get("study", ""), new, *inputs)
+    apart = {"study": f"differs in {keys}" if keys else ""}
+    programs = [str(contents.attrs.get("source", "")) for contents in (one, other)]
+    apart["program"] = "" if programs[0] == programs[1] else " -> ".join(programs)
+    return found, {what: words for what, words in apart.items() if words}
+
+
+def _folders(a: Path, b: Path, rtol: float, most: int, *, as_json: bool) -> bool:
+    """Compare the datasets that two folders both have; whether all are the same."""
+    from rockcli.cli.progress import counted
+    from rockcli.errors import StudyError
+
+    names = [{str(file.relative_to(folder)) for file in folder.rglob("*.nc")} for folder in (a, b)]
+    both, only_a, only_b = sorted(names[0] & names[1]), sorted(names[0] - names[1]), sorted(names[1] - names[0])
+    if not both:
+        raise StudyError(f"{a} and {b} have no dataset of the same name")
+    found, refused = {}, {}
+    for name in both:
+        try:
+            found[name] = _files(a / name, b / name, rtol, most, si=as_json)
+        except StudyError as error:
+            refused[name] = error.message
+    differ = [name for name, (difference, _) in found.items() if not difference.same]
+    if as_json:
+        datasets = [{"name": name, **_plain(*one)} for name, one in found.items()]
+        same = not differ and not refused
+        say(_json({"same": same, "datasets": datasets, "only_a": only_a, "only_b": only_b, "refused": refused}))
+    else:
+        for name in differ:
+            say(f"{name}: {_in_words(*found[name], rtol)}")
+        for words, apart in (("first", only_a), ("second", only_b)):
+            if apart:
+                more = f", and {len(apart) - _NAMED} more" if len(apart) > _NAMED else ""
+                say(f"only in the {words}, not compared: {', '.join(apart[:_NAMED])}{more}")
+        counts = f"{len(found) - len(differ)} the same, {len(differ)} differ{'s' if len(differ) == 1 else ''}"
+        say(f"{counted(len(found), 'dataset')} in both: {counts}")
+    if refused:
+        raise StudyError("\n".join(f"{name}: {message}" for name, message in refused.items()))
+    return not differ
+
+
+def _in_words(found: Difference, apart: dict[str, str], rtol: float) -> str:
     from rockcli.cli.progress import counted
     from rockcli.scene.thresholds import FOUND
 
@@ -50,6 +109,7 @@ def _in_words(found: Difference, rtol: float) -> str:
     lines += [
         f"  the axis {b} of the second is taken for {a}: its labels are the same" for a, b in found.paired.items()
     ]
+    lines += [f"  {what:<9} {words}" for what, words in apart.items()]
     search = found.quantity.endswith(FOUND)
     flags, values = ("states", found.quantity) if search else ("outcomes", "peaks")
     lines.append(f"  {flags:<9} {found.outcomes} differ")
@@ -68,11 +128,16 @@ def _spaced(words: str) -> str:
     return words.replace("_", " ")
 
 
-def _as_json(found: Difference) -> str:
-    import json
+def _plain(found: Difference, apart: dict[str, str]) -> dict[str, Any]:
     from dataclasses import asdict
 
     plain = asdict(found) | {"same": found.same, "worst": [{"at": at, "what": what} for at, what in found.worst]}
     for name in ("largest", "median"):
         plain[name] = plain[name] if plain[name] == plain[name] else None
+    return plain | {"apart": apart}
+
+
+def _json(plain: dict[str, Any]) -> str:
+    import json
+
     return json.dumps(plain, indent=2)

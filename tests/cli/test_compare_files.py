@@ -218,3 +218,50 @@ def test_two_searches_of_other_axes_say_what_each_found() -> None:
         StudyError, match=r"a search found \(motion_pulse_a_p_overturning in the first, scale_overturning in the"
     ):
         difference(one, Contents(other.axes, fields, other.attrs), rtol=1e-6)
+
+
+def test_what_else_is_apart_is_told(first: Contents, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Peaks that differ since the bodies do are no change of the program: both are said."""
+    old = Contents(first.axes, first.fields, first.attrs | {"source": "rockcli 0.1.0"})
+    netcdf.write(old, tmp_path / "a.nc")
+    netcdf.write(dataset([0.5, 2.0, 3.6, 9.0], R=2.5), tmp_path / "b.nc")
+    result = CliRunner().invoke(app, ["compare", str(tmp_path / "a.nc"), str(tmp_path / "b.nc")])
+    assert result.exit_code == 1
+    assert "study     differs in case.block.R (2.0 -> 2.5)" in result.stdout
+    assert f"program   rockcli 0.1.0 -> {first.attrs['source']}" in result.stdout
+
+
+def test_two_folders_are_compared_by_name(first: Contents, tmp_path: Path) -> None:
+    other = changed(first, "theta_peak_over_alpha", (2, 0), 7.0)
+    for folder, name, contents in (
+        ("old", "one", first),
+        ("old", "two", first),
+        ("old", "gone", first),
+        ("new", "one", first),
+        ("new", "two", other),
+        ("new", "three", first),
+    ):
+        (tmp_path / folder / name).mkdir(parents=True)
+        netcdf.write(contents, tmp_path / folder / name / f"{name}.nc")
+    asked = ["compare", str(tmp_path / "old"), str(tmp_path / "new")]
+    result = CliRunner().invoke(app, asked)
+    assert result.exit_code == 1
+    lines = result.stdout.splitlines()
+    assert lines[0] == f"{Path('two', 'two.nc')}: 8 points in both"
+    assert lines[-1] == "2 datasets in both: 1 the same, 1 differs"
+    assert f"only in the first, not compared: {Path('gone', 'gone.nc')}" in lines
+    assert f"only in the second, not compared: {Path('three', 'three.nc')}" in lines
+    told = json.loads(CliRunner().invoke(app, [*asked, "--json"]).stdout)
+    assert [(one["name"], one["same"]) for one in told["datasets"]] == [
+        (str(Path("one", "one.nc")), True),
+        (str(Path("two", "two.nc")), False),
+    ]
+    assert not told["same"]
+    (tmp_path / "new" / "two" / "two.nc").write_text("damaged")
+    assert isinstance(CliRunner().invoke(app, asked).exception, StudyError)
+    (tmp_path / "old" / "two" / "two.nc").unlink()
+    assert CliRunner().invoke(app, asked).exit_code == 0
+    (tmp_path / "empty").mkdir()
+    for other_place in ("empty", "old/one/one.nc"):
+        asked[2] = str(tmp_path / other_place)
+        assert isinstance(CliRunner().invoke(app, asked).exception, StudyError)
