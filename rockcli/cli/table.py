@@ -98,10 +98,10 @@ def _selected(file: Path, wanted: dict[str, list[str]]) -> Iterator[tuple[Mappin
 
     try:
         dataset = open_dataset(file)
-        of_suite = [dim for dim in (LIMIT, HAZARD) if dim in dataset.dims and dim in wanted]
+        of_suite = [dim for dim in (LIMIT, HAZARD) if dim in dataset.dims]
         for dim in of_suite:
-            dataset = _of_labels(dataset, dim, wanted[dim])
-        part, _ = selected(dataset, {axis: values for axis, values in wanted.items() if axis not in of_suite})
+            dataset = _of_labels(dataset, dim, wanted[dim]) if dim in wanted else dataset
+        part, _ = selected(dataset, {axis: values for axis, values in wanted.items() if axis not in of_suite}, of_suite)
     except StudyError as error:
         raise StudyError(error.message, file=file) from None
     yield items_of(part), part.attrs
@@ -110,6 +110,7 @@ def _selected(file: Path, wanted: dict[str, list[str]]) -> Iterator[tuple[Mappin
 def _of_labels(dataset: Any, dim: str, asked: list[str]) -> Any:
     """A dataset at some labels of a dimension, as they are written there or in tables."""
     from rockcli.errors import StudyError
+    from rockcli.plotting.common.selection import hint
     from rockcli.scene.limit_states import exceeded_when, in_full
     from rockcli.scene.variables import LIMIT
 
@@ -117,7 +118,9 @@ def _of_labels(dataset: Any, dim: str, asked: list[str]) -> Any:
     words = [{label, exceeded_when(label), in_full(label)} if dim == LIMIT else {label} for label in there]
     unknown = [one for one in asked if not any(one in each for each in words)]
     if unknown:
-        raise StudyError(f"{dim}={unknown[0]}: there are {', '.join(there)}")
+        raise StudyError(
+            f"{dim}={unknown[0]}: there are {', '.join(there)}{hint(unknown[0], sorted(set().union(*words)))}"
+        )
     return dataset.isel({dim: [i for i, each in enumerate(words) if each & set(asked)]})
 
 

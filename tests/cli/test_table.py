@@ -119,7 +119,11 @@ def test_a_row_of_a_suite_is_selected_and_part_of_its_members_is_no_suite(rock, 
     [
         ("a_p", "expected AXIS=VALUE"),
         ("mass=1", "the axes are T_p, motion_pulse_a_p"),
-        ("T_p=0.7", "there are 0.6, 1.0, 1.5"),
+        ("T_p=0.7", "there are 0.6, 1, 1.5"),
+        ("ap=0.7g", "the axes are T_p, motion_pulse_a_p, limit_state; did you mean 'a_p'?"),
+        ("limit_sate=0.1", "did you mean 'limit_state'?"),
+        ("limit_state=0.2", "limit_state=0.2: there are 0.1, overturned"),
+        ("limit_state=overturnd", "there are 0.1, overturned; did you mean 'overturned'?"),
     ],
 )
 def test_what_cannot_be_selected_is_said(rock, dataset, capsys, words, said):

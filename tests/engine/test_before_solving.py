@@ -216,7 +216,7 @@ def test_plots_are_refused_before_solving_as_they_would_be_after_it(more: dict[s
     ("plots", "words"),
     [
         ("[phase, fragility]", "plots: fragility: the study takes no statistics over an axis"),
-        ("[{kind: phase, select: {block.R: 5}}]", "plots: phase: block_R=5: there are 1.0, 2.0"),
+        ("[{kind: phase, select: {block.R: 5}}]", "plots: phase: block_R=5: there are 1, 2"),
         ("[{kind: curve, select: {block.R: [1, 2], mu: 1}}]", "plots: curve: select mu: the axes are block_R"),
     ],
 )

@@ -113,7 +113,8 @@ def test_an_angle_may_be_in_degrees() -> None:
     ("chosen", "words"),
     [
         ({"radius": 1}, "select radius: the axes are block_R"),
-        ({"R": 3}, "block_R=3: there are 1.0, 2.0, 4.0"),
+        ({"blokc_R": 1}, "the axes are block_R; did you mean 'block_R'"),
+        ({"R": 3}, "block_R=3: there are 1, 2, 4"),
         ({"R": "large"}, "expected a number"),
     ],
 )

@@ -32,20 +32,23 @@ _MANY = 10**6
 """More ground motions than a dataset with histories has."""
 
 
-def selected(dataset: xarray.Dataset, chosen: Mapping[str, Any]) -> tuple[xarray.Dataset, str]:
+def selected(
+    dataset: xarray.Dataset, chosen: Mapping[str, Any], beside: Sequence[str] = ()
+) -> tuple[xarray.Dataset, str]:
     """The cases at some values of axes, and what they are called; the axes stay, with one point where one is chosen.
 
     Args:
         dataset: of `rock run`.
         chosen: {axis, by its name, its path or the end of that: a value or a list of values}; numbers in SI units, or
             as `0.4g` and `10deg`.
+        beside: what else may be said where it is read, for the error about an unknown axis.
 
     Raises:
         StudyError: there is no such axis or value.
     """
     words = []
     for said, values in chosen.items():
-        axis = _axis(dataset, said)
+        axis = _axis(dataset, said, beside)
         every = values if isinstance(values, list | tuple) else [values]
         places = list(dict.fromkeys(place_on(dataset, axis, value) for value in every))
         if dataset.sizes[axis] > 1:
@@ -54,13 +57,14 @@ def selected(dataset: xarray.Dataset, chosen: Mapping[str, Any]) -> tuple[xarray
     return dataset, ", ".join(words)
 
 
-def _axis(dataset: xarray.Dataset, said: str) -> str:
+def _axis(dataset: xarray.Dataset, said: str, beside: Sequence[str]) -> str:
     axes = axes_of(dataset)
     found = [axis for axis in axes if said in (axis, path_of(dataset, axis))]
     found = found or [axis for axis in axes if path_of(dataset, axis).endswith(f".{said}")]
     if len(found) != 1:
-        there = f"the axes are {', '.join(axes)}" if axes else "there is one case only"
-        raise StudyError(f"select {said}: {there}")
+        there = f"the axes are {', '.join([*axes, *beside])}" if axes else "there is one case only"
+        ends = [path_of(dataset, axis).rsplit(".", 1)[-1] for axis in axes]
+        raise StudyError(f"select {said}: {there}{hint(said, [*axes, *beside, *ends])}")
     return found[0]
 
 
@@ -83,13 +87,14 @@ def place_on(dataset: xarray.Dataset, axis: str, value: Any) -> int:
         found = np.array([str(v) == str(value) for v in values])
     if not found.any():
         more = ", ..." if len(values) > _MOST_NAMED else ""
-        near = "" if is_numeric(dataset, axis) else _meant(str(value), [str(v) for v in values])
-        raise StudyError(f"{axis}={value}: there are {', '.join(str(v) for v in values[:_MOST_NAMED])}{more}{near}")
+        labels = [f"{v:.9g}" if is_numeric(dataset, axis) else str(v) for v in values[:_MOST_NAMED].tolist()]
+        near = "" if is_numeric(dataset, axis) else hint(str(value), [str(v) for v in values])
+        raise StudyError(f"{axis}={value}: there are {', '.join(labels)}{more}{near}")
     return int(np.argmax(found))
 
 
-def _meant(said: str, labels: list[str]) -> str:
-    """A hint of the label that is meant: one that contains what is said, or is spelled much like it."""
+def hint(said: str, labels: Sequence[str]) -> str:
+    """Which label is meant, for the end of an error: one that contains what is said, or is spelled much like it."""
     lowered = {label.lower(): label for label in reversed(labels)}
     word = said[:_LONGEST].lower()
     close = [low for low in reversed(lowered) if word in low] or get_close_matches(word, lowered, n=1)
