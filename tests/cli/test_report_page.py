@@ -237,6 +237,17 @@ def test_tables_of_the_suite_and_the_rules(tmp_path: Path) -> None:
     assert "<td>west</td><td>1885</td><td>100</td>" in words
 
 
+def test_a_figure_that_leaves_out_bodies_says_how_they_are_drawn() -> None:
+    bodies = {"block.h": [1.8, 1.9, 2.0, 2.1], "block.b": [0.4, 0.45]}
+    for some, left_out in ((bodies, True), ({"block.h": [1.8, 1.9]}, False)):
+        study = SUITE | {"name": "many", "vary": SUITE["vary"] | some}
+        study["case"] = SUITE["case"] | {"block": {"h": 1.9, "b": 0.4}}
+        text = page(rockcli.run(study), [])
+        for kind in ("ida", "fragility"):
+            said = f"6 of 8 panels shown.*others: rock plot many.nc --kind {kind} --select AXIS=VALUE, of h, b<"
+            assert bool(re.search(said, text)) is left_out
+
+
 def test_sentences_on_a_suite_keep_the_names_of_symbols() -> None:
     study = SUITE | {"vary": SUITE["vary"] | {"block.h": [1.9, 2.0]}}
     study["case"] = SUITE["case"] | {"block": {"h": 1.9, "b": 0.4}}

@@ -32,6 +32,13 @@ def suite_of(dataset: xarray.Dataset) -> Suite | None:
     return Suite(axis, about["along"], about.get("told_against") or about["along"] or "")
 
 
+def suite_axes(dataset: xarray.Dataset) -> tuple[str, ...]:
+    """Names of the axes of the members and of the intensity; () if the study asks for no statistics."""
+    about = json.loads(dataset.attrs.get("ensemble", "null")) or {"axis": [], "along": None}
+    members = [about["axis"]] if isinstance(about["axis"], str) else about["axis"]
+    return tuple(filter(None, (*members, about["along"])))
+
+
 NAMED = ("record", "sample")
 """Axes whose points have a word of their own."""
 

@@ -19,6 +19,7 @@ from rockcli.plotting.common import style
 from rockcli.plotting.common.cases import axes_of, thresholds_in
 from rockcli.plotting.common.labels import coordinate_words, units_of
 from rockcli.plotting.common.style import OUTCOME_COLOURS
+from rockcli.plotting.common.suite import suite_axes
 from rockcli.plotting.common.table import case_table
 from rockcli.plotting.figures import KINDS, default_kinds, figure, why_not
 from rockcli.plotting.page.facts import facts_of, name_of, sentence_of
@@ -190,9 +191,24 @@ def _plot(dataset: xarray.Dataset, kind: str) -> str:
     if why := why_not(kind, dataset):
         return _section(title, f'<p class="quiet">not drawn: {_text(why)}</p>')
     drawn = figure(kind, dataset, Look(title=None))
-    said = "; ".join(filter(None, (sentence, style.untold(drawn))))
+    note = style.untold(drawn)
+    said = "; ".join(filter(None, (sentence, note, _left_out(dataset, kind, note))))
     return _section(title, f'<p class="quiet">{_text(said)}</p><div class="plot">{_image(drawn, sentence)}</div>')
 
+
+def _left_out(dataset: xarray.Dataset, kind: str, note: str) -> str:
+    """How to draw what a figure leaves out; "" where its note says nothing of it."""
+    found = _SOME.search(note)
+    if found is None:
+        return ""
+    gone = () if found[1] in ("cases", "motions") else suite_axes(dataset)  # a part of a suite is no suite
+    axes = [axis for axis in axes_of(dataset) if dataset.sizes[axis] > 1 and axis not in gone]
+    file = f"{dataset.attrs.get('study_name', 'FILE')}.nc"
+    return f"the figure names them; others: rock plot {file} --kind {kind} --select AXIS=VALUE, of {', '.join(axes)}"
+
+
+_SOME = re.compile(r"\d+ of \d+ (\w+) shown")
+"""What `selection_note` says."""
 
 _TITLES = {
     "body": "The body",
