@@ -346,6 +346,16 @@ def test_a_second_intensity_that_matters_narrows_the_curve():
     assert 184 <= held <= 197  # 190 expected, 2 sigma = 6
 
 
+def test_medians_are_told_at_the_mean_of_the_second_intensity_over_what_is_fitted():
+    """Of a cloud what lies below uplift is in no fit, nor in the mean."""
+    rng = np.random.default_rng(3)
+    x, y = (np.exp(0.6 * rng.standard_normal((80, 1))) for _ in range(2))
+    exceeds = (x * y * np.exp(0.3 * rng.standard_normal(x.shape)) > 1.5).astype(int) * (x > 0.8)
+    found = curves(replace(seen(exceeds, x), second=y), 1, begins_at=0.8)
+    assert found.second_at == pytest.approx(stats.gmean(y[x > 0.8]), rel=1e-12)
+    assert found.second_at != pytest.approx(stats.gmean(y[:, 0]), rel=1e-3)
+
+
 def test_two_intensities_that_are_one_have_no_curve():
     category, y = two_intensities()
     for second in (np.ones(y.shape), np.broadcast_to(X**2, y.shape)):
