@@ -155,7 +155,7 @@ def open_study(
             *unused_symbols(tree, variations),
             *replaced_records(base, variations),
             *overridden_axes(variations),
-            *found.plausibility_warnings(tree),
+            *found.plausibility_warnings(tree, int(np.prod(cases.shape, dtype=np.int64))),
             *((RECORDS,) if refine and found.uses else ()),
             *((NOT_SCORED,) if part.score is not None else ()),
         ),

@@ -219,3 +219,43 @@ def test_a_negative_eta_is_told_with_the_body_it_is_of(tmp_path):
         assert said.endswith(where)
     given = {"block": {"h": 1, "b": 1.5}, "initial": {"theta": 0.1}, "damping": {"scheme": "restitution", "eta": 0.5}}
     assert warnings_of(given) == ()
+
+
+FALLING = {"pulse": SINE, "vertical": {"pulse": {"shape": "sine", "a_p": "1.5*g", "T_p": 0.4}}}
+
+
+class TestFallingGround:
+    """g + a_v < 0: of a sine of 1.5 g and 0.4 s from 0.2 s + asin(2/3)/(5 pi) on."""
+
+    def told(self, case=None, **more):
+        return [said for said in warnings_of({"motion": FALLING, **(case or {})}, **more) if "falls away" in said]
+
+    def test_cases_are_counted_and_the_first_time_told(self):
+        amplitudes = {"motion.vertical.pulse.a_p": ["0.5*g", "0.99*g", "1.5*g", "1.2*g"]}
+        (said,) = self.told(vary=amplitudes)
+        assert "(g + a_v < 0) in 2 of 4 cases," in said
+        assert float(said.split("t = ")[1].split(" s")[0]) == pytest.approx(
+            0.2 + np.arcsin(2.0 / 3.0) / (5.0 * np.pi), abs=1e-3
+        )
+        many = {"motion.vertical.pulse.a_p": {"from": "0.5*g", "to": "1.5*g", "n": 201}, "block.R": [*range(1, 151)]}
+        (said,) = self.told(vary=many)
+        assert "cases looked at" in said
+
+    def test_of_a_record(self, tmp_path):
+        t = 0.01 * np.arange(100)
+        np.savetxt(tmp_path / "v.txt", np.column_stack([t, np.sin(5.0 * np.pi * t)]))
+        record = {"file": str(tmp_path / "v.txt"), "units": "g"}
+        vertical = {"pulse": SINE, "vertical": {"record": record}}
+        scales = {"motion.vertical.record.scale": [0.9, 1.5]}
+        (said,) = [one for one in warnings_of({"motion": vertical}, vary=scales) if "falls away" in one]
+        assert "in 1 of 2 cases, first at t = 0.25 s" in said
+
+    def test_who_leaves_the_ground_or_is_not_there_any_more(self):
+        column = {"model": "flexible", "column": {"E": 3e10, "rho": 2500}}
+        assert len(self.told({"model": "linearized"})) == len(self.told(column)) == 1
+        for case in (
+            {"block": {**BLOCK, "mu": 0.6}},
+            {**column, "base": {"law": "winkler", "kw": 1e9}},
+            {"motion": {**FALLING, "duration": 0.24}},
+        ):
+            assert self.told(case) == []

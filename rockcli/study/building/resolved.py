@@ -16,6 +16,7 @@ from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key
 from rockcli.study.document.tree import Keys, Map, value_at
+from rockcli.study.falling_ground import FallingGround
 from rockcli.study.plausibility import STILL, Uplift, plausibility_warnings
 
 Array = NDArray[np.float64]
@@ -63,6 +64,7 @@ class Found:
     implausible: dict[str, None] = field(default_factory=dict)
     doubts: dict[str, str] = field(default_factory=dict)
     uplift: Uplift = field(default_factory=Uplift)
+    falling: FallingGround = field(default_factory=FallingGround)
 
     def look(self, numbers: Numbers, batch: Batch) -> None:
         """Take note of a batch and of the numbers it was built from."""
@@ -75,6 +77,7 @@ class Found:
         self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
         self.doubts |= {said: numbers.named(i) for said, i in numbers.doubts.items() if said not in self.doubts}
         self.uplift.look(batch)
+        self.falling.look(batch)
         self._channel(numbers, batch, batch.excitation.horizontal, MOTION)
         self._channel(numbers, batch, batch.excitation.vertical, (*MOTION, "vertical"))
         if (suite := batch.excitation.suite) is not None:
@@ -124,15 +127,16 @@ class Found:
         }
         return told | {f"{name} (...)": (f"used in more than {MOST_USES} ways",) for name in self.more}
 
-    def plausibility_warnings(self, study: Map) -> list[str]:
-        """Sentences about what is hardly meant."""
+    def plausibility_warnings(self, study: Map, size: int) -> list[str]:
+        """Sentences about what is hardly meant in a study of `size` cases, or not described by its models."""
         curves: Any = value_at(study, ("curves",))
         nothing_moves = self.still and not curves and "fema356" not in self.schemes
         for_nothing = value_at(study, ("case", "geometry")) is not None and not self._knows_geometry
         no_column = value_at(study, ("case", "column")) is not None and not self._reads_column
         unread = [NO_GEOMETRY] * for_nothing + [NO_COLUMN] * no_column
         doubts = [f"{said} (at {first})" if first else said for said, first in self.doubts.items()]
-        return [STILL] * nothing_moves + unread + self.uplift.sentences() + list(self.implausible) + doubts
+        said = [*self.uplift.sentences(), *self.falling.sentences(size)]
+        return [STILL] * nothing_moves + unread + said + list(self.implausible) + doubts
 
     @property
     def _knows_geometry(self) -> bool:
