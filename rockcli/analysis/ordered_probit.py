@@ -28,6 +28,9 @@ Index = NDArray[np.int64]
 _FAR = 40.0
 """Standardised slope beyond which the likelihood has no maximum: the states are separated."""
 
+_FLAT = 1e-9
+"""Standardised slope below which it is rounding: the shares do not change."""
+
 _SMALL = 0.25
 """Part of the distance of two cuts by which one step may bring them closer; with few members between them it errs."""
 
@@ -88,6 +91,7 @@ def ordered_probit(rows: Rows, states: int) -> Probit | None:
     if peak is None:
         return None
     x, gradient, bend = peak
+    x[:d][np.abs(x[:d]) < _FLAT] = 0.0
     covariance = clustered_covariance(gradient, bend, rows.member)
     bends = bends_of_members(*_ends(x, upper, lower, rows, states), rows.weight, rows.member)
     moves = moves_without_members(gradient, bends, rows.member)

@@ -256,6 +256,9 @@ def test_what_has_no_fit_says_why():
             assert np.isfinite(found.median[0]) == (status == FITTED)
         one_mixed = curves(seen([[int(i < k) for k in (0, 4, 10, 10)] for i in range(10)], x), 1, fit=fit)
         assert one_mixed.status[0] == SEPARABLE  # ever steeper fits it ever better
+        for seed in range(20):  # half of the members at every intensity, whichever side rounding falls on
+            levels = np.sort(np.random.default_rng(seed).uniform(1.0, 15.0, 6))
+            assert curves(seen([[0] * 6, [1] * 6], levels), 1, fit=fit).status[0] == FALLING
     # with another state that tells the slope, it has a curve of that slope
     both = [[int(i < k) + int(i < m) for k, m in zip((1, 4, 10, 10), (0, 0, 7, 9), strict=True)] for i in range(10)]
     assert (curves(seen(both, x), 2).status == FITTED).all()
