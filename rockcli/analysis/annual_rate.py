@@ -91,7 +91,8 @@ def _bin(edges: Array, x: Array) -> NDArray[np.int64]:
 def _below(curve: Fragility, hazard: HazardCurve, steps: Array) -> float:
     """What motions below the first point add if its power law goes on."""
     first = float(hazard.intensity[0])
-    lowest = curve.begins_at or float(curve.intensity(np.array(-3.0 * _REACH)))
+    # of a curve so flat that its beginning underflows no more than that can be told
+    lowest = curve.begins_at or max(float(curve.intensity(np.array(-3.0 * _REACH))), np.finfo(float).tiny)
     if lowest >= first:
         return 0.0
     inner = steps[(steps > lowest) & (steps < first)]

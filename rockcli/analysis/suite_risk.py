@@ -161,6 +161,6 @@ def largest_tail(contents: Contents) -> Iterator[tuple[str, str, float]]:
         for end in ("above", "below"):
             with np.errstate(all="ignore"):
                 share = contents.values(f"annual_rate_{end}")[..., i] / rate[..., i]
-            share = share[np.isfinite(share)]
+            share = share[~np.isnan(share)]
             if share.size and share.max() > TAIL:
                 yield str(label), end, float(share.max())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -70,6 +71,18 @@ def test_tails_are_those_of_the_power_law_that_goes_on():
     beneath = integrate.quad(lambda x: stats.norm.cdf(np.log(x / 3.0) / 0.6) * 2.5 * 1e-3 / 3.0 * (x / 3.0) ** -3.5, 0.0, 2.0,
                              epsabs=0.0, epsrel=1e-10)[0]  # fmt: skip
     assert found.below == pytest.approx(beneath, rel=1e-7)
+
+
+@pytest.mark.parametrize("beta", [15.0, 25.0, 1e3])
+def test_a_curve_that_hardly_grows_has_a_rate(beta):
+    """Its beginning underflows to zero; the rate is the probability at the last point and the density before it."""
+    with np.errstate(all="ignore"):  # as where statistics are worked out
+        found = annual_rate(Fragility(3.0, beta), BENT)
+    dist = stats.norm(math.log(3.0), beta)
+    u, log_rate = np.log(BENT.intensity), np.log(BENT.rate)
+    parts = [integrate.quad(lambda v: dist.pdf(v) * np.exp(np.interp(v, u, log_rate)), a, b)[0] for a, b in pairwise(u)]
+    assert found.total == pytest.approx(dist.cdf(u[0]) * BENT.rate[0] + sum(parts), rel=1e-8)
+    assert found.below > found.total
 
 
 def test_the_parts_of_a_rate_are_those_between_their_edges():
