@@ -137,7 +137,9 @@ def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dic
     bodies = tuple(axis for axis in contents.axes if axis != over.axis)
     order = [contents.axes.index(axis) for axis in (*bodies, over.axis)]
     found = found_by(contents, search.name)
-    per_point = np.broadcast_to(_per_point(contents, study, over), contents.shape)
+    per_point = _per_point(contents, study, over)
+    if per_point is None:
+        return {}
     low, high = (end * per_point for end in found.bounds())
     low = np.where(low > 0.0, low, 0.0)
     begins, last = _begins_of_search(contents, study, over, per_point, order)
@@ -167,13 +169,13 @@ def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dic
     } | _fields(bodies, dims, unit, numbers | tails, of_body, status)
 
 
-def _per_point(contents: Contents, study: Study, over: Over) -> Array:
-    """What the intensity is for one unit of the searched amplitude, over the axes."""
+def _per_point(contents: Contents, study: Study, over: Over) -> Array | None:
+    """What the intensity is for one unit of the searched amplitude, over the axes; None where it is not known."""
     assert study.search is not None
     if over.told_against == study.search.axis.name:
         return np.ones(contents.shape)
     first = values_of(over.told_against, contents, study)  # of the cases at the first point
-    return np.full(contents.shape, np.nan) if first is None else first / study.search.axis.values[0]
+    return None if first is None else np.broadcast_to(first / study.search.axis.values[0], contents.shape)
 
 
 def _begins_of_search(

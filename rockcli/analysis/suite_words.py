@@ -181,7 +181,7 @@ def _islands(contents: Contents, over: Over) -> Iterator[str]:
 
 def _refused(contents: Contents, over: Over) -> Iterator[str]:
     if "fragility_status" not in contents.fields:
-        if over.told_against and over.along is not None:
+        if over.told_against:
             names = " or ".join(filter(None, (over.told_against, over.second)))
             yield f"no fragility curves: the intensity {names} is not known of these motions"
         return

@@ -188,7 +188,8 @@ def _thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field
             one = contents.fields[name]
             attrs = one.attrs | {"long_name": words + one.attrs["long_name"]}
             added[f"{name}_{end}"] = Field(rest, reduce(one.values), attrs)
-    curves = fragility_of_thresholds(contents, study, over)
+    measured = with_measures(contents.fields, contents, study) if over.told_against == "cav" else {}
+    curves = fragility_of_thresholds(replace(contents, fields=contents.fields | measured), study, over)
     return added | curves | risk(curves, over)
 
 

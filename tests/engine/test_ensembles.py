@@ -547,6 +547,32 @@ def test_fragility_of_two_intensities_is_the_fit_of_their_values():
         rockcli.run(study(over=over, hazard={"intensity": [1, 2], "rate": [0.1, 0.01]}))
 
 
+def test_fragility_of_a_search_against_cav(tmp_path):
+    """CAV grows with the amplitude: that of a record of one m/s² times its lowest overturning PGA; of pulses none."""
+    files, cav = [], []
+    t = np.arange(0.0, 6.0, 0.01)
+    for i, f in enumerate((0.5, 0.7, 0.9, 1.2)):
+        a = np.sin(2.0 * np.pi * f * t) * np.exp(-(((t - 3.0) / 1.5) ** 2))
+        a /= np.abs(a).max()
+        np.savetxt(tmp_path / f"{i}.csv", a)
+        files.append(str(tmp_path / f"{i}.csv"))
+        fine = np.interp(np.linspace(0.0, t[-1], 100 * len(t)), t, a)
+        cav.append(np.abs(fine).mean() * t[-1])
+    case = {"block": {"R": 1.0, "alpha": ALPHA}, "motion": {"record": {"file": files[0], "units": "m/s2", "dt": 0.01}}}
+    pga = {"from": 1.0, "to": 30.0, "n": 20, "find": "overturning"}
+    vary = {"motion.record.file": files, "motion.record.pga": pga}
+    found = rockcli.run({"name": "s", "case": case, "vary": vary, "over": {"axis": "record", "intensity": "cav"}})
+    capacity = found["motion_record_pga_overturning"].values * np.array(cav)
+    np.testing.assert_allclose(found["fragility_intensity"].values, capacity, rtol=1e-4)
+    begins = G * np.tan(ALPHA) * min(cav)
+    u = np.log(capacity - begins)
+    assert float(found["fragility_median"][0]) == pytest.approx(begins + np.exp(u.mean()), rel=1e-3)
+    vary = {"motion.pulse.omega_p": SINES, "motion.pulse.a_p": {"from": 0.5, "to": 9.0, "n": 9, "find": "overturning"}}
+    none = rockcli.run(study(vary=vary, over={"axis": "motion.pulse.omega_p", "intensity": "cav"}))
+    assert "fragility_median" not in none
+    assert "the intensity cav is not known of these motions" in none.attrs["warnings"]
+
+
 def test_fragility_of_a_search_is_the_sample_of_its_thresholds():
     """One lowest overturning value of every member: mean and scatter of their logarithms above uplift."""
     vary = {"motion.pulse.omega_p": SINES, "motion.pulse.a_p": {"from": 0.5, "to": 9.0, "n": 9, "find": "overturning"}}
