@@ -93,6 +93,8 @@ def maximum(
 def clustered_covariance(gradient: Array, bend: Array, member: NDArray[np.int64]) -> Array:
     """Covariance (k, k) of an estimate: the sandwich, with the factor n/(n - 1) (Liang and Zeger 1986).
 
+    NaN for n = 1: the gradient of a single member is zero at the maximum, and tells no scatter.
+
     Args:
         gradient: (rows, k) at the maximum.
         bend: (k, k) minus the second derivative there.
@@ -100,8 +102,10 @@ def clustered_covariance(gradient: Array, bend: Array, member: NDArray[np.int64]
     """
     score = _scores(gradient, member)
     n = len(score)
+    if n == 1:
+        return np.full(bend.shape, np.nan)
     inverse = np.linalg.inv(bend)
-    return np.asarray(inverse @ (score.T @ score) @ inverse * (n / max(n - 1, 1)))
+    return np.asarray(inverse @ (score.T @ score) @ inverse * (n / (n - 1)))
 
 
 def moves_without_members(gradient: Array, bends: Array, member: NDArray[np.int64]) -> Array | None:

@@ -358,14 +358,14 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
             added = f" ({total:.3g} with beta_added)" if over.beta_added else ""
             tails = []
             for k in (1, 0):  # 5 %, 1 %
-                x, *ends = (
+                x, least, most = (
                     float(contents.values(f"fragility_percentile{end}")[(*at, i, k)]) / divisor
                     for end in ("", "_ci_low", "_ci_high")
                 )
-                tails.append(f"{PERCENTILES[k]:g} % at {x:.3g} ({ends[0]:.3g} to {ends[1]:.3g})")
+                tails.append(f"{PERCENTILES[k]:g} % at {x:.3g}{_limits(least, most, '')}")
             yield (
-                f"{where}{limit_words(label)}: median {over.told_against} {median / divisor:.3g}{unit_words(unit)} "
-                f"(95 % {low / divisor:.3g} to {high / divisor:.3g}), beta {beta:.3g}{added}, "
+                f"{where}{limit_words(label)}: median {over.told_against} {median / divisor:.3g}{unit_words(unit)}"
+                f"{_limits(low / divisor, high / divisor)}, beta {beta:.3g}{added}, "
                 f"{', '.join(tails)}{unit_words(unit)} ({n} {_members(over)})"
             )
             if over.second:
@@ -377,11 +377,16 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
                 yield (
                     f"{where}{limit_words(label)}: this at {over.second} "
                     f"{contents.values('fragility_second')[at] / size:.4g}{unit_words(shown)}; "
-                    f"{'the median' if begins[at] == 0.0 else 'what it is above uplift'} goes with its power {-c:.3g} "
-                    f"(95 % {-c_high:.3g} to {-c_low:.3g})"
+                    f"{'the median' if begins[at] == 0.0 else 'what it is above uplift'} goes with its power {-c:.3g}"
+                    f"{_limits(-c_high, -c_low)}"
                 )
     if many > len(listed):
         yield f"and {many - len(listed)} more bodies: rock table FILE.nc --of fragility"
+
+
+def _limits(low: float, high: float, level: str = "95 % ") -> str:
+    """Confidence limits in brackets; "" where there are none, as of one member."""
+    return "" if np.isnan(low) else f" ({level}{low:.3g} to {high:.3g})"
 
 
 def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
@@ -407,7 +412,8 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
             if np.isfinite(rate[last]):
                 low, high = (float(contents.values(f"annual_rate_ci_{end}")[last]) for end in ("low", "high"))
                 ends = [f"{x / divisor:.3g}" for x in central(contents, last)]
-                said += f" (95 % {low:.3g} to {high:.3g}; 68 % of it from {' to '.join(ends)}{unit_words(unit)})"
+                limits = "" if np.isnan(low) else f"95 % {low:.3g} to {high:.3g}; "
+                said += f" ({limits}68 % of it from {' to '.join(ends)}{unit_words(unit)})"
             yield said
             if over.age is not None and np.isfinite(rate[last]):
                 survives, ratio = (float(contents.values(name)[last]) for name in ("survival", "likelihood_ratio"))

@@ -240,6 +240,16 @@ def test_the_limits_of_the_median_hold_it_in_95_of_100_suites(n, begins):
     assert ((held >= 3760) & (held <= 3840)).all(), held / 4000
 
 
+def test_one_member_has_a_curve_and_no_limits():
+    """It stands again above an intensity that overturned it; that of the others there would be nobody knows."""
+    alone = curves(seen([[0, 0, 1, 0, 1, 1]], np.arange(1.0, 7.0)), 1)
+    assert alone.status[0] == FITTED
+    pair = curves(seen([[0, 0, 1, 0, 1, 1], [0, 1, 0, 1, 1, 1]], np.arange(1.0, 7.0)), 1)
+    for found, told in ((alone, False), (pair, True)):
+        limits = [*found.median_limits(), *found.beta_limits(), found.se_ln_median, found.se_beta]
+        assert (np.isfinite(limits) == told).all()
+
+
 def test_what_has_no_fit_says_why():
     x = np.array([1.0, 2.0, 3.0, 4.0])
     shares = {
