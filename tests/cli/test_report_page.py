@@ -216,6 +216,32 @@ def test_the_headline_of_many_cases() -> None:
     assert {fact.what: fact.value for fact in facts_of(calm)}["overturns"] == "nowhere"
 
 
+def test_the_headline_of_a_search_tells_what_lies_outside_its_range() -> None:
+    """Half a sine at 0.5 g: the smallest body overturns there already, at the lowest point searched; the largest at 0.9 g
+    does not."""
+    case = {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "T_p": 1.0}}}
+    sizes, ends = [0.2, 3.0, 50.0], ["0.5*g", "0.9*g"]
+
+    def told(R: list[float], *a_p: str) -> tuple[str, str, str]:
+        span = {"from": a_p[0], "to": a_p[1], "n": 20, "find": "overturning"}
+        data = rockcli.run({"name": "s", "case": case, "vary": {"block.R": R, "motion.pulse.a_p": span}})
+        (fact,) = (fact for fact in facts_of(data) if fact.what.startswith("overturns"))
+        return fact.value, fact.what, fact.sentence
+
+    at_ends = rockcli.run({"name": "e", "case": case, "vary": {"motion.pulse.a_p": ends, "block.R": sizes}})
+    assert at_ends.outcome.isin([2, 3]).values.tolist() == [[True, False, False], [True, True, False]]
+    what = "peak acceleration of the pulse"
+    assert told(sizes, *ends) == (
+        "0.5 g or less",
+        "overturns from",
+        f"{what}, the lowest searched: 1 of 3 cases overturn there already; 1 of 3 cases overturn nowhere up to 0.9 g",
+    )
+    value, _, sentence = told(sizes[1:], *ends)
+    assert 0.5 < float(value.removesuffix(" g")) < 0.9
+    assert sentence == f"{what}, the lowest that overturns; 1 of 2 cases overturn nowhere up to 0.9 g"
+    assert told(sizes[2:], *ends) == ("nowhere", "overturns", f"up to {what} 0.9 g")
+
+
 def test_no_absolute_paths_and_a_page_for_paper(written: tuple[Path, str]) -> None:
     data = rockcli.open_dataset(written[0])
     told = data.assign_attrs(warnings=json.dumps(["read /home/someone/secret/a.AT2 and C:\\Users\\me\\b.AT2, 1 m/s/s"]))

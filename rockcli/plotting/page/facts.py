@@ -11,11 +11,12 @@ import numpy as np
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, number_at
 from rockcli.plotting.common.labels import axis_values, coordinate_words, has_floors, path_of, shown_unit, whose
 from rockcli.scene.response import OUTCOMES
-from rockcli.scene.thresholds import FOUND
+from rockcli.scene.thresholds import BELOW, FOUND, IN_RANGE, NONE, Thresholds
 from rockcli.scene.variables import HAZARD, LIMIT, PEAK
 
 if TYPE_CHECKING:
     import xarray
+    from numpy.typing import NDArray
 
 _AMPLITUDES = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "scale", "floor_pga", "floor_scale")
 
@@ -182,14 +183,8 @@ def _overturning(dataset: xarray.Dataset) -> list[Fact]:
     found = [
         str(name) for name in dataset.data_vars if str(name).endswith(FOUND) and dataset[name].dims == axes_of(dataset)
     ]
-    for name in found:
-        divisor, unit = shown_unit(dataset, name)
-        values = dataset[name].values / divisor
-        finite = values[np.isfinite(values)]
-        if finite.size:
-            span = f"{finite.min():.3g}" + (f" to {finite.max():.3g}" if finite.size > 1 else "")
-            said = f"{_plain(name.removesuffix(FOUND))}, the lowest that overturns"
-            return [Fact(_with_unit(span, unit), "overturns from", said)]
+    if found:
+        return _of_search(dataset, found[0])
     if "outcome" not in dataset.variables:
         return []
     for axis in axes_of(dataset):
@@ -209,6 +204,33 @@ def _overturning(dataset: xarray.Dataset) -> list[Fact]:
                 ]
             return [Fact("nowhere", "overturns", f"within the {_plain(axis)}{whose(dataset, axis)} of the study")]
     return []
+
+
+def _of_search(dataset: xarray.Dataset, name: str) -> list[Fact]:
+    """The lowest thresholds of the cases, of which some may overturn below the range and some nowhere in it."""
+    divisor, unit = shown_unit(dataset, name)
+    found = Thresholds.read(name, lambda one: dataset[one].values if one in dataset.variables else None)
+    axis = _plain(name.removesuffix(FOUND))
+    known, none, below = (found.state == state for state in (IN_RANGE, NONE, BELOW))
+
+    def cases(which: NDArray[np.bool_]) -> str:
+        return f"{int(which.sum())} of {which.size} cases"
+
+    words = f"{axis}, the lowest that overturns"
+    if below.any():
+        number = f"{found.high[below].min() / divisor:.3g}"
+        words = f"{axis}, the lowest searched" + (f": {cases(below)} overturn there already" if below.size > 1 else "")
+        value = f"{_with_unit(number, unit)} or less"
+    elif known.any():
+        low, high = (float(end) / divisor for end in (found.high[known].min(), found.high[known].max()))
+        value = _with_unit(f"{low:.3g}" + (f" to {high:.3g}" if known.sum() > 1 else ""), unit)
+    elif none.all():
+        return [Fact("nowhere", "overturns", f"up to {axis} {_with_unit(f'{found.low.max() / divisor:.3g}', unit)}")]
+    else:
+        return []
+    if none.any():
+        words += f"; {cases(none)} overturn nowhere up to {_with_unit(f'{found.low[none].max() / divisor:.3g}', unit)}"
+    return [Fact(value, "overturns from", words)]
 
 
 def _with_unit(number: str, unit: str) -> str:
