@@ -194,11 +194,19 @@ def test_time_printed_with_few_digits(write) -> None:
         ("1 2 3\n1e 2 3\n", "not a number"),
         ("1\n1e999\n", "too large"),
         ("1\n2\ne\n", "no line of numbers"),
+        ("0 .1\n.01 nan\n.02 .3\n", "'.01 nan' is no line of numbers"),
+        ("# t, a\n1\n2\n***\n4\n", "'***' is no line of numbers"),
         ("e1\n", "no line of numbers"),
     ],
 )
 def test_tables_that_are_no_record(write, text: str, words: str) -> None:
     refused(write(text, "table.txt"), words, units="g", dt=0.01)
+
+
+def test_a_word_in_a_column_is_told_with_its_line(write) -> None:
+    with pytest.raises(RecordError, match="no line of numbers") as caught:
+        read_record(write("# nan\n" + TWO.replace("0.3", "NaN"), "gap.txt"), units="g")
+    assert caught.value.line == 4
 
 
 def test_rows_of_values_are_read_line_by_line(write) -> None:
