@@ -234,9 +234,12 @@ def _printable(text: str) -> str:
 
 
 def _facts(motion: Motion, g: float) -> dict[str, Any]:
+    from math import isnan
+
     from rockcli.motion.measures import measures
 
     values = measures(motion.acceleration(g), motion.dt, g)
+    known = {name: None if isnan(value) else value for name, value in values.items()}  # JSON has no NaN
     return {
         "format": motion.format,
         "component": motion.component,
@@ -246,7 +249,7 @@ def _facts(motion: Motion, g: float) -> dict[str, Any]:
         "duration": motion.duration,
         "units": motion.units,
         "pga_g": values["pga"] / g,
-        **values,
+        **known,
         "sha256": motion.sha256,
         "processing": list(motion.processing),
         "warnings": list(motion.warnings),
@@ -277,6 +280,8 @@ _UNIT_WORDS = {"g": "g, the acceleration of gravity", "m/s2": "metres per second
 def _table(row: dict[str, Any]) -> str:
     rows = []
     for key, words, unit in LINES:
+        if row[key] is None:
+            continue
         value = f"{row[key]:.6g}" if isinstance(row[key], float) else _UNIT_WORDS.get(row[key], str(row[key]))
         if value:
             rows.append((words, f"{value} {unit}".rstrip()))

@@ -46,6 +46,13 @@ def test_info_as_json() -> None:
     assert {"pgv", "pgd", "arias", "cav", "d5_95", "duration", "format"} <= set(row)
 
 
+def test_what_is_not_known_is_null_in_json_and_left_out_of_the_table(tmp_path: Path) -> None:
+    (tmp_path / "still.txt").write_text("# units: g\n0 0\n0.01 0\n0.02 0\n")
+    (row,) = json.loads(run("info", "--json", tmp_path / "still.txt"), parse_constant=pytest.fail)
+    assert row["t_mean"] is None
+    assert "mean period" not in run("info", tmp_path / "still.txt")
+
+
 def test_convert_there_and_back(tmp_path: Path) -> None:
     motion = read_record(ROCK)
     told = run("convert", ROCK, tmp_path / "a.txt")
