@@ -58,7 +58,7 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
         processing=(*steps, direction),
         warnings=tuple(f"{motion.name}: {sentence}" for motion in (one, two) for sentence in motion.warnings),
         component="",
-        header={"start": one.header["start"]} if "start" in one.header else {},
+        header={key: one.header[key] for key in ("start", "first_time") if key in one.header},
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import numpy as np
@@ -49,18 +49,29 @@ class Motion:
         return (len(self.values) - 1) * self.dt
 
     @property
-    def start(self) -> datetime | None:
-        """When the first sample was taken; None where the file does not say."""
-        said = self.header.get("start")
-        start = None if said is None else datetime.fromisoformat(said)
-        return None if start == NO_START else start
+    def begins(self) -> tuple[str, float] | None:
+        """By which clock and when the first sample was taken [s]; None where the file does not say."""
+        if (said := self.header.get("first_time")) is not None:
+            return "column of times", said
+        start = datetime.fromisoformat(self.header["start"]) if "start" in self.header else NO_START
+        return None if start == NO_START else ("UTC", start.timestamp())
 
     def begins_after(self, other: Motion) -> float:
         """How much later it begins than another motion [s]; 0 to within half a time step, or where one does not say."""
-        if self.start is None or other.start is None:
+        mine, others = self.begins, other.begins
+        if mine is None or others is None or mine[0] != others[0]:
             return 0.0
-        later = (self.start - other.start).total_seconds()
+        later = round(mine[1] - others[1], 6)
         return later if abs(later) > 0.5 * self.dt else 0.0
+
+    def header_from(self, after: float) -> dict[str, Any]:
+        """The header of what is left behind the first seconds."""
+        if self.begins is None:
+            return self.header
+        clock, first = self.begins
+        if clock == "UTC":
+            return self.header | {"start": (NO_START + timedelta(seconds=first + after)).isoformat()}
+        return self.header | {"first_time": first + after}
 
     @property
     def units(self) -> str:

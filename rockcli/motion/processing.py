@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator
-from datetime import timedelta
 from typing import Any
 
 import numpy as np
@@ -120,9 +119,7 @@ def _windowed(motion: Motion, window: Any, g: float) -> Motion:
     trace = _trace(motion)
     start = trace.stats.starttime
     trace.trim(start + t1, start + t2, nearest_sample=True)
-    if motion.start is not None:
-        begins = motion.start + timedelta(seconds=trace.stats.starttime - start)
-        motion = dataclasses.replace(motion, header=motion.header | {"start": begins.isoformat()})
+    motion = dataclasses.replace(motion, header=motion.header_from(trace.stats.starttime - start))
     return _after(motion, trace.data, motion.dt, f"window {t1:g} to {t2:g} s ({trace.stats.npts} samples)", g)
 
 

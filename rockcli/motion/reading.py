@@ -110,7 +110,8 @@ def read_record(
     elif is_numeric_text(data):
         _only_component("", component, path)
         text = parse_text(data, str(path), unit, dt)
-        found = Found(text.values, text.dt, text.units, "text", processing=text.processing)
+        header = {} if text.first_time is None else {"first_time": text.first_time}
+        found = Found(text.values, text.dt, text.units, "text", header=header, processing=text.processing)
     else:
         found = _through_obspy(path, component, unit)
     if dt is not None and abs(dt - found.dt) > 1e-6 * found.dt:

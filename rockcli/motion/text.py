@@ -43,12 +43,13 @@ _CHARACTERS = re.compile(r"[0-9.eEdD+\-,;\s]*", re.ASCII)
 
 @dataclass(frozen=True, eq=False)
 class Text:
-    """Values (k,) in `units`, dt [s], and what was made of the file."""
+    """Values (k,) in `units`, dt [s], what was made of the file, and its first time [s], where it has times."""
 
     values: NDArray[np.float64]
     dt: float
     units: str
     processing: tuple[str, ...]
+    first_time: float | None = None
 
 
 def is_numeric_text(data: bytes) -> bool:
@@ -114,7 +115,7 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     if columns == 2 and is_time:
         step, start = _time_step(first, dt, name)
         shifted = () if start == 0.0 else (f"time counted from the first sample, {start:g} s in the file",)
-        return Text(numbers.values[1::2], step, unit, shifted)
+        return Text(numbers.values[1::2], step, unit, shifted, start)
     _refuse_table(columns, is_time, name)
     if dt is None:
         raise OptionError("dt", "the file does not state the time step; give it with `dt:` in seconds", name)

@@ -92,5 +92,5 @@ def _numbers(value: Any) -> Any:
 
 def _digest(one: Given | Motion) -> str:
     # equal numbers in other units are another motion, and those of another time
-    told = (one.dt, one.in_g, one.start) if isinstance(one, Motion) else (one.dt, one.start)
+    told = (one.dt, one.in_g, one.begins) if isinstance(one, Motion) else (one.dt, one.start)
     return hashlib.sha256(np.ascontiguousarray(one.values).tobytes() + repr(told).encode()).hexdigest()

@@ -78,6 +78,14 @@ def test_components_begin_together(late):
         rockcli.run(study)
 
 
+@pytest.mark.parametrize("steps", [{}, {"window": [0.5, 3.0]}])
+def test_columns_of_times_tell_when_components_begin(folder, steps):
+    rows = "".join(f"{10.0 + i * DT:.2f},1\n" for i in range(400))
+    (folder / "late.csv").write_text("time [s],acceleration [m/s2]\n" + rows)
+    with pytest.raises(RecordError, match=r"late.csv begins 10 s after h1.csv"):
+        samples(folder, {"file": ["h1.csv", "late.csv"], "angle": 0.5, **steps})
+
+
 def test_a_vertical_motion_that_begins_at_another_time_is_told():
     early = {"file": trace("A", 1e9), "units": "m/s2"}
     late = {"file": trace("BB", 1e9 - 1.5), "units": "m/s2"}
