@@ -50,6 +50,14 @@ OFFSET = 0.05
 """Mean value over PGA above which it is mentioned: the raw output of an instrument, not a motion."""
 
 
+COMPRESSED = {
+    b"\x1f\x8b": "compressed by gzip",
+    b"BZh": "compressed by bzip2",
+    b"\xfd7zXZ": "compressed by xz",
+    b"PK\x03\x04": "a ZIP archive, or a spreadsheet (save it as CSV)",
+}
+"""How files begin that hold records inside."""
+
 SINGLE = ("SAC", "SACXY", "AH")
 """Formats of ObsPy that hold the time step in single precision."""
 
@@ -189,6 +197,8 @@ def _bytes(path: Path) -> bytes:
     data = record_bytes(path)
     if not data or data.isspace():
         raise RecordError("the file is empty; get it anew", path)
+    if (kind := next((kind for begin, kind in COMPRESSED.items() if data.startswith(begin)), None)) is not None:
+        raise RecordError(f"this is {kind}; give the record itself", path)
     return data
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import bz2
 import csv
+import gzip
 import hashlib
+import lzma
 import pickle
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +88,11 @@ def test_what_no_format_can_be_read_from(write, tmp_path: Path) -> None:
     refused(write("Corrected acceleration    (Format v01.20)\n 1 2 3\n"), "the format is not known")
     refused(write("some words\n1 2\n"), "format is not known")
     refused(write(bytes(range(256)) * 40), "ObsPy")
+
+
+@pytest.mark.parametrize(("pack", "words"), [(gzip.compress, "gzip"), (bz2.compress, "bzip2"), (lzma.compress, "xz")])
+def test_a_compressed_record_is_told(write, pack: Callable[[bytes], bytes], words: str) -> None:
+    refused(write(pack(AT2.encode())), f"compressed by {words}")
 
 
 @pytest.mark.parametrize("name", ["q.AT2", "q.txt", "q.mseed"])
