@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import inf, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -66,6 +67,7 @@ def info(
     from rockcli.motion.reading import ready_for
 
     periods = _periods(sa or [])
+    _check_g(g)
     _check_spectrum(spectrum)
     chosen = listed(files)
     ready_for(len(chosen))
@@ -112,6 +114,13 @@ def info(
         say(f"rock: {complaint}", err=True)
     if complaints:
         raise complaints[-1]
+
+
+def _check_g(g: float) -> None:
+    from rockcli.errors import RecordError
+
+    if not 0.0 < g < inf:
+        raise RecordError(f"--g is {g:g}; expected m/s², above zero")
 
 
 def _periods(said: list[float]) -> list[float]:
@@ -179,8 +188,7 @@ def convert(
     kind = target.suffix.lower()
     if kind not in (".at2", ".txt"):
         raise RecordError(f"the name ends in {target.suffix!r}; expected .AT2 or .txt, which says the format", target)
-    if not g > 0.0:
-        raise RecordError(f"--g is {g}; expected m/s², above zero", target)
+    _check_g(g)
     check_file(target)
     if target.exists() and not force:
         raise RecordError("the file is already there; choose another name, or replace it with --force", target)
@@ -234,8 +242,6 @@ def _printable(text: str) -> str:
 
 
 def _facts(motion: Motion, g: float) -> dict[str, Any]:
-    from math import isnan
-
     from rockcli.motion.measures import measures
 
     values = measures(motion.acceleration(g), motion.dt, g)

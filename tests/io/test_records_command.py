@@ -53,6 +53,14 @@ def test_what_is_not_known_is_null_in_json_and_left_out_of_the_table(tmp_path: P
     assert "mean period" not in run("info", tmp_path / "still.txt")
 
 
+@pytest.mark.parametrize("g", ["0", "-1", "inf", "nan"])
+def test_g_is_a_number_above_zero(tmp_path: Path, g: str) -> None:
+    for command in (["info", ROCK], ["convert", ROCK, tmp_path / "out.AT2"]):
+        with pytest.raises(RecordError, match=f"--g is {g}; expected m/s², above zero"):
+            run(*command, "--g", g)
+    assert not (tmp_path / "out.AT2").exists()
+
+
 def test_convert_there_and_back(tmp_path: Path) -> None:
     motion = read_record(ROCK)
     told = run("convert", ROCK, tmp_path / "a.txt")
