@@ -81,6 +81,8 @@ def _name(value: Any, found: Records, name: str | None = None) -> str:
 
 
 def _numbers(value: Any) -> Any:
+    if np.iscomplexobj(value):
+        raise StudyError("`values` of a record are complex; expected a row of accelerations, such as their real part")
     try:
         values: Any = np.ma.filled(np.ma.array(value, dtype=float), np.nan)  # what a mask hides is no value
     except (TypeError, ValueError):

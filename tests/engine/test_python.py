@@ -113,6 +113,7 @@ def test_other_values_are_another_study():
         ({"values": VALUES, "file": "a.AT2", "dt": DT, "units": "g"}, "not both"),
         ({"values": trace(), "units": "g", "dt": 0.1}, "leave `dt` out"),
         ({"values": [1.0, float("nan")], "dt": DT, "units": "g"}, "finite"),
+        ({"values": np.fft.ifft(np.fft.fft(VALUES)), "dt": DT, "units": "g"}, "are complex"),
         ({"values": np.ma.masked_greater(VALUES, 0.3), "dt": DT, "units": "g"}, "finite"),
     ],
 )
