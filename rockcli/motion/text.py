@@ -39,6 +39,7 @@ _HEAD = re.compile(
 )
 """The names of time, in seconds if it says a unit, and of acceleration, with its unit."""
 _CHARACTERS = re.compile(r"[0-9.eEdD+\-,;\s]*", re.ASCII)
+_BLANK_OF_SAC = re.compile(rb"-12345(?:\.0*)?(?![\d.])")
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,7 @@ def is_numeric_text(data: bytes) -> bool:
     lines = [line for line in _lines(data) if line.strip() and not _COMMENT.match(line)]
     if lines and _HEAD.fullmatch(lines[0]):
         return True
-    if b"-12345" in data:
+    if _BLANK_OF_SAC.search(data, 0, 4096):
         return False
     body = "\n".join(lines)
     return bool(_CHARACTERS.fullmatch(body)) and any(character.isdigit() for character in body)

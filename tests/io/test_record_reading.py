@@ -163,6 +163,11 @@ def test_a_mark_before_plain_numbers_is_no_part_of_them(write) -> None:
     assert read_record(write(b"\xef\xbb\xbf" + TWO.encode(), "marked.txt"), units="g").values[0] == 0.1
 
 
+def test_a_value_that_begins_like_a_blank_of_sac_is_a_value(write) -> None:
+    path = write("10.5\n-12345.67\n-123450.\n300.25\n", "large.txt")
+    assert read_record(path, units="mm/s2", dt=0.01).values[1] == pytest.approx(-12.34567, rel=1e-15)
+
+
 def test_a_head_that_says_too_little_or_what_is_not_there(write) -> None:
     refused(write(f"time,acceleration\n{TWO}", "bare.csv"), "`units:`")
     assert read_record(write(f"time,acceleration\n{TWO}", "bare.csv"), units="g").in_g
