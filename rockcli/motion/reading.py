@@ -6,7 +6,7 @@ AT2, plain text and the formats of agencies (`agencies`) are read here; for all 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -136,7 +136,7 @@ def motion_of(
     units: str | None = None,
     dt: float | None = None,
 ) -> Motion:
-    """Values given in memory as a `Motion`, as `read_record` reads those of a file; a `Motion` stays as it is.
+    """Values given in memory as a `Motion`, as `read_record` reads those of a file; a `Motion` gets another hash only.
 
     Raises:
         RecordError: units or time step are not told, or are told twice and differ; values that are no record.
@@ -154,8 +154,9 @@ def motion_of(
     if given.dt is not None and dt is not None and abs(dt - given.dt) > 1e-6 * given.dt:
         raise OptionError("dt", f"the time step told with the values is {given.dt:g} s; leave `dt` out", path)
     _only_component(given.component, component, path)
-    if isinstance(given, Motion):
-        return given
+    if isinstance(given, Motion):  # which may be no longer what its file held
+        told = repr((given.dt, given.in_g)).encode()
+        return replace(given, sha256=hashlib.sha256(given.values.tobytes() + told).hexdigest())
     step = given.dt if given.dt is not None else float(dt or 0.0)
     # of what is given alone: one array may be read in several units or steps, as one file may
     digest = hashlib.sha256(given.values.tobytes() + repr(given.dt).encode()).hexdigest()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import obspy
 import pytest
@@ -100,6 +102,14 @@ def test_one_array_may_be_read_in_several_ways(told, times):
 def test_other_values_are_another_study():
     first, second = (rockcli.run(of({"values": v, "dt": DT, "units": "g"})) for v in (VALUES, 1.0001 * VALUES))
     assert first.attrs["identity"] != second.attrs["identity"]
+
+
+@pytest.mark.parametrize("change", [{"values": 1.0001 * VALUES}, {"dt": 2.0 * DT}, {"in_g": False}])
+def test_a_motion_that_was_changed_is_another_study(tmp_path, change):
+    np.savetxt(tmp_path / "sine.txt", VALUES, fmt="%.17g")
+    motion = rockcli.read_record(tmp_path / "sine.txt", units="g", dt=DT)
+    first, again, second = (rockcli.run(of(one)) for one in (motion, replace(motion), replace(motion, **change)))
+    assert first.attrs["identity"] == again.attrs["identity"] != second.attrs["identity"]
 
 
 @pytest.mark.parametrize(
