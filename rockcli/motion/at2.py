@@ -268,9 +268,10 @@ def _stated_unit(header: list[str], name: str) -> str | None:
 
 def _unit(stated: str | None, given: str | None, name: str, line: int) -> str:
     if stated is None and given is None:
-        raise RecordError(
+        raise OptionError(
+            "units",
             "no header line states the units (expected '... IN UNITS OF G'); give them with `units:`, "
-            "one of g, m/s2, cm/s2, gal",
+            "one of g, m/s2, cm/s2, gal, mm/s2",
             name,
             line,
         )

@@ -128,6 +128,9 @@ def test_what_is_missing_is_asked_for_as_options(tmp_path: Path) -> None:
         run("info", source)
     with pytest.raises(RecordError, match=r"--dt"):
         run("convert", source, tmp_path / "a.AT2", "--units", "g")
+    source.write_text("NPTS= 2, DT= .01 SEC\n1\n2\n", encoding="utf-8")
+    with pytest.raises(RecordError, match=r"give them with --units, one of g, m/s2, cm/s2, gal, mm/s2"):
+        run("info", source)
 
 
 def test_help_is_plain() -> None:
