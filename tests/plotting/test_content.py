@@ -129,6 +129,30 @@ def test_a_fall_is_not_followed() -> None:
     assert window(other, [(0,), (1,)]).end > 100.0
 
 
+def test_swings_before_a_fall_are_whole() -> None:
+    """What others need room for cuts the fall, not the swings from which the body came back."""
+    small, falls = swing(1.0, 9.0, 0.01), swing(1.0, 3.2, 0.02)
+    falls = falls + np.where((TIME > 4.0) & (TIME < 5.0), 0.14 * np.sin(np.pi * (TIME - 4.0)), 0.0)
+    falls = falls - np.where(TIME > 5.0, np.minimum(TIME - 5.0, 1.5), 0.0)
+    dataset = shaken([noise(1)] * 2, [small, falls], outcome=("case", np.array([1, 3], dtype=np.int8)))
+    (panel,) = labelled(figures.figure("histories", dataset), r"$\theta/\alpha$")
+    low, high = panel.get_ylim()
+    assert high > 0.7
+    assert -2.0 < low < -0.7
+
+
+def test_the_largest_of_those_that_come_back_is_shown() -> None:
+    """Of fifteen, nine of which hardly move: spread over their peaks every second one was, and this was not."""
+    peaks = np.array([0.0] * 9 + [0.01, 0.02, 0.03, 0.04, 0.5, np.inf])
+    swings = [swing(1.0, 9.0, 0.001 * (i + 1)) for i in range(15)]
+    fates = np.where(np.isinf(peaks), 3, 1).astype(np.int8)
+    more = {"theta_peak_over_alpha": ("case", peaks), "outcome": ("case", fates)}
+    (legend,) = figures.figure("histories", shaken([noise(1)] * 15, swings, **more)).legends
+    told = [text.get_text() for text in legend.get_texts()]
+    assert len(told) == 8
+    assert {"number 0", "number 13", "number 14 (overturns)"} <= set(told)
+
+
 def test_a_motion_is_drawn_once_however_it_is_scaled() -> None:
     record = noise(1)
     cut = np.where(TIME < 9.0, 2.0 * record, np.nan)  # overturned early

@@ -128,6 +128,12 @@ def test_no_word_of_a_title_is_left_alone():
         assert len(lines) == len(textwrap.wrap(said, room))
 
 
+def test_a_number_keeps_its_unit():
+    said = "as it stands, PGA = 0.3 g, synthetic pulse m70"
+    assert wrapped(said, 30) == ["as it stands, PGA = 0.3 g,", "synthetic pulse m70"]
+    assert wrapped(said, 20) == ["as it stands,", "PGA = 0.3 g,", "synthetic pulse m70"]
+
+
 @pytest.mark.parametrize("kind", ["ida", "fragility"])
 def test_titles_and_legends_take_nothing_from_the_panels(drawn, kind):
     """However many lines they have, panels are as high as they are wide, nearly, and never flat."""

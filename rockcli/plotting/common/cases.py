@@ -93,14 +93,22 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
 def _spread_over_peaks(
     dataset: xarray.Dataset, groups: list[list[tuple[int, ...]]], most: int
 ) -> list[list[tuple[int, ...]]]:
-    """Some of the cases, in their order: along one axis of numbers evenly, else from the least to the largest peak."""
+    """Some of the cases, in their order: along one axis of numbers evenly, else from the least to the largest peak.
+
+    Of the latter the largest of those that come back is always one.
+    """
     long = [axis for axis in axes_of(dataset) if dataset.sizes[axis] > 1]
     ordered = len(long) == 1 and is_numeric(dataset, long[0])
     if len(groups) <= most or ordered or PEAK not in dataset.variables:
         return spread(groups, most)
     peaks = np.array([number_at(dataset, PEAK, group[0]) for group in groups])
     by_peak = np.argsort(np.nan_to_num(peaks, nan=-1.0, posinf=np.inf), kind="stable")
-    return [groups[i] for i in sorted(spread(by_peak.tolist(), most))]
+    chosen = spread(by_peak.tolist(), most)
+    back = by_peak[np.isfinite(peaks[by_peak])]
+    lower = [k for k, i in enumerate(chosen) if np.isfinite(peaks[i])]
+    if lower and back[-1] not in chosen:
+        chosen[lower[-1]] = int(back[-1])
+    return [groups[i] for i in sorted(chosen)]
 
 
 def _by_rows(items: list[T], row: int, most: int) -> list[T]:

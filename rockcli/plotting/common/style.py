@@ -208,15 +208,20 @@ def untold(figure: Figure) -> str:
     return re.sub(r"[$\\{}]|_(?=max)", "", note)
 
 
+_UNIT, _JOINED = re.compile(r" (?== )|(?<= =) |(?<=\d) (?=(?:g|mm?|s|rad|Hz|m/s²?)(?:[,;)\s]|$))"), "\N{NO-BREAK SPACE}"
+"""Blanks at which a line does not end, and what stands for them."""
+
+
 def wrapped(words: str, columns: int) -> list[str]:
-    """Words in as few lines as `columns` letters a line allow, of nearly one length."""
+    """Words in as few lines as `columns` letters a line allow, of nearly one length; numbers keep their units."""
+    words = _UNIT.sub(_JOINED, words)
     lines = textwrap.wrap(words, columns)
-    for fewer in range(columns - 1, max(map(len, words.split()), default=1) - 1, -1):
+    for fewer in range(columns - 1, max(1, *map(len, words.split(" "))) - 1, -1):
         narrower = textwrap.wrap(words, fewer)
         if len(narrower) > len(lines):
             break
         lines = narrower
-    return lines
+    return [line.replace(_JOINED, " ") for line in lines]
 
 
 def panel_title(axes: Axes, words: str, width: float, fontsize: float = 8.5) -> None:

@@ -130,13 +130,13 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Win
             axes.plot(impacts, np.zeros_like(impacts), "o", color=colour, markersize=2.6, markeredgewidth=0.0, zorder=4)
         if len(shown) == 1:
             _mark_peak(axes, dataset, case)
-        if fate.startswith("overturned"):
-            fell.append(response.ratio)
-            continue
         reach = response.ratio
+        if fate.startswith("overturned"):
+            fell.append(reach)
+            reach = _before_the_fall(reach)
         low = min(low, float(np.nanmin(reach, initial=0.0)))
         high = max(high, float(np.nanmax(reach, initial=0.0)))
-    # what overturns leaves the panel, and is followed no further than the others need room
+    # what overturns leaves the panel with its last swing, which is followed no further than the others need room
     most = min(SHOWN_UP_TO, max(_FOLLOWED * max(high, -low), _LEAST)) if len(fell) < len(shown) else SHOWN_UP_TO
     for ratio in fell:
         low = min(low, float(np.nanmin(np.maximum(ratio, -most), initial=0.0)))
@@ -147,6 +147,13 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Win
         if low - margin < level < high + margin:
             axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
     axes.set_ylabel(r"$\theta/\alpha$")
+
+
+def _before_the_fall(ratio: Array) -> Array:
+    """The swings of a body that overturns from which it came back: up to its last passage through zero."""
+    known = ratio[np.isfinite(ratio) & (ratio != 0.0)]
+    passed = np.flatnonzero(known[1:] * known[:-1] < 0.0)
+    return np.asarray(known[: passed[-1] + 1 if len(passed) else 0])
 
 
 def _look(dataset: xarray.Dataset, case: Shown, number: int) -> dict[str, Any]:
