@@ -26,6 +26,12 @@ def identify(
         str, typer.Option("--fit", metavar="NAMES", help="What to find beside eta: alpha, p; by commas.")
     ] = "",
     degrees: Annotated[bool, typer.Option("--degrees", help="Rotations are in degrees.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="FILE", help="Write measured and fitted as a table (.csv) or a figure (.png .pdf .svg)."
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
     """Estimate eta, and alpha and p if asked, from a measured free-rocking or shake-table history.
@@ -45,6 +51,7 @@ def identify(
         identify_amplitudes,
         identify_history,
         read_measured,
+        write_fit,
     )
     from rockcli.errors import StudyError
 
@@ -68,6 +75,8 @@ def identify(
             guess[ETA] = eta_of_amplitudes(amplitudes_of(measured), guess[ALPHA])
             names += [THETA, RATE]
         found = identify_history(measured, source, guess, names)
+    if out is not None:
+        write_fit(measured, found, out)
     say(_as_json(found) if as_json else _in_words(found, measured, file))
     for note in found.notes:
         say(f"rock: {file}: {note}", err=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.engine.draw import FORMATS
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
 from rockcli.scene.response import overturned
 from rockcli.solvers.fit import Fit, least_squares_fit
+from rockcli.storage.atomic import replacing, write_text
 from rockcli.study.open import open_study
 
 Array = NDArray[np.float64]
@@ -25,6 +28,8 @@ ETA, ALPHA, P, THETA, RATE = "eta", "alpha", "p", "theta_0", "theta_dot_0"
 
 _LEAST = 0.2
 """Smallest alpha and p that are tried, relative to the first guess; the inverse is the largest p."""
+
+_DECIMAL_COMMAS = re.compile(r"\d,\d+\s*[;\t]")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +43,12 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """What came out: one row per parameter in the order asked, how well it fits, and remarks."""
+    """What came out: one row per parameter in the order asked, how well it fits, the fitted rotations, and remarks."""
 
     names: tuple[str, ...]
     fit: Fit
     points: int
+    fitted: Array
     notes: tuple[str, ...]
 
 
@@ -71,6 +77,8 @@ def read_measured(path: Path, *, degrees: bool) -> Measured:
             if not rows and not _is_number(words[0]):  # a line of headings
                 continue
             raise StudyError(f"expected numbers, not {line.strip()!r}", file=path, line=number) from None
+        if _DECIMAL_COMMAS.search(line):
+            raise StudyError("commas stand in the numbers: write decimals with a point", file=path, line=number)
         if len(row) not in (1, 2) or (rows and len(row) != len(rows[0])) or not np.isfinite(row).all():
             raise StudyError("expected one column (amplitudes) or two (time, rotation)", file=path, line=number)
         if rows and len(row) == 2 and row[0] <= rows[-1][0]:
@@ -149,8 +157,9 @@ def identify_amplitudes(measured: Measured, alpha: float, *, free: Sequence[str]
     low = np.array([0.0, 1e-6 * a[0], 1.0001 * a.max()])[: len(names)]
     high = np.array([1.0, alpha, 1.5])[: len(names)]
     fit = least_squares_fit(residuals, start, step, (low, high), final=True)
-    missed = float(np.sqrt(np.mean(residuals(fit.values[None]) ** 2) / np.mean(a**2)))
-    return Identified(names, fit, len(a), _notes(names, fit, missed))
+    left = residuals(fit.values[None])[0]
+    missed = float(np.sqrt(np.mean(left**2) / np.mean(a**2)))
+    return Identified(names, fit, len(a), a + left, _notes(names, fit, missed))
 
 
 def _notes(names: Sequence[str], fit: Fit, missed: float) -> tuple[str, ...]:
@@ -245,8 +254,34 @@ def identify_history(
 
         fit = least_squares_fit(residuals, np.clip(x, low, high), step, (low, high), final=share == STAGES[-1])
         x = fit.values
-    missed = float(np.sqrt(np.mean(residuals(x[None]) ** 2) / np.mean(theta**2)))
-    return Identified(tuple(free), fit, len(time), _notes(free, fit, missed))
+    left = residuals(x[None])[0]
+    missed = float(np.sqrt(np.mean(left**2) / np.mean(theta**2)))
+    return Identified(tuple(free), fit, len(time), theta + left, _notes(free, fit, missed))
+
+
+def write_fit(measured: Measured, found: Identified, path: Path) -> None:
+    """Write what was measured beside what was fitted [rad]: a table (.csv), or a figure (.png .pdf .svg).
+
+    Raises:
+        StudyError: the name ends otherwise.
+        OutputError: it cannot be written.
+    """
+    ending = path.suffix.lower().lstrip(".")
+    if ending not in ("csv", *FORMATS):
+        raise StudyError(f"--out {path}: expected a name that ends in .csv, .{', .'.join(FORMATS)}")
+    head = "swing" if measured.time is None else "time [s]"
+    along = np.arange(found.points, dtype=float) if measured.time is None else measured.time
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if ending == "csv":
+        rows = zip(along.tolist(), measured.theta.tolist(), found.fitted.tolist(), strict=True)
+        lines = [f"{head},measured [rad],fitted [rad]", *(",".join(map(repr, row)) for row in rows)]
+        write_text(path, "\n".join(lines) + "\n")
+        return
+    from rockcli.plotting import figures, fit
+
+    drawn = fit.figure(along, head, measured.theta, found.fitted, "" if measured.file is None else measured.file.stem)
+    with replacing(path) as scratch:
+        figures.save(drawn, scratch, ending)
 
 
 def _rotations(source: Path | dict[str, Any], values: list[dict[str, float]], time: Array) -> Array:

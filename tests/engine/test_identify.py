@@ -112,9 +112,40 @@ def test_the_command_with_amplitudes(tmp_path: Path) -> None:
     assert f"eta          {ETA_0:.6g}" in told.stdout
 
 
+def test_measured_and_fitted_are_written(tmp_path: Path) -> None:
+    """The fitted rotation is that of an independent integration, the residual the noise that was added."""
+    t = 5.0 + np.arange(0.0, 3.0, 0.02)
+    free, noise = free_rocking(0.6 * ALPHA_0, t - t[0]), 1e-3 * np.random.default_rng(7).normal(size=len(t))
+    file = write(tmp_path / "free.txt", t, free + noise)
+    body = [str(file), "--alpha", str(ALPHA_0), "--p", str(P_0)]
+    identified(*body, "--out", str(tmp_path / "fit.csv"))
+    assert (tmp_path / "fit.csv").read_text().startswith("time [s],measured [rad],fitted [rad]\n")
+    times, measured, fitted = np.loadtxt(tmp_path / "fit.csv", delimiter=",", skiprows=1).T
+    np.testing.assert_allclose(times, t, rtol=1e-12)
+    np.testing.assert_allclose(measured, free + noise, rtol=1e-12)
+    np.testing.assert_allclose(fitted, free, atol=1e-3)
+    peaks = write(tmp_path / "peaks.txt", amplitudes(6))
+    for name in ("fit.png", "fit.svg"):
+        identified(str(peaks), "--alpha", str(ALPHA_0), "--out", str(tmp_path / name))
+        assert (tmp_path / name).stat().st_size > 1000
+    wrong = CliRunner().invoke(app, ["identify", str(peaks), "--alpha", ".25", "--out", str(tmp_path / "fit.jpg")])
+    assert "expected a name that ends in .csv, .png" in str(wrong.exception)
+
+
+def test_the_figure_shows_both_and_the_residuals() -> None:
+    from rockcli.plotting.fit import figure
+
+    time = np.linspace(0.0, 2.0, 200)
+    above, below = figure(time, "time [s]", np.cos(time) + 0.1, np.cos(time), "a test").axes
+    one, other, *_ = (np.asarray(line.get_ydata()) for line in above.lines)
+    np.testing.assert_array_equal(one - other, np.asarray(below.lines[0].get_ydata()))
+    assert below.get_xlabel() == "time [s]"
+
+
 @pytest.mark.parametrize(
     ("text", "options", "said"),
     [
+        ("0,00;0,1\n1,00;0,05\n2,00;0,02\n", ["--alpha", ".2", "--p", "2"], "write decimals with a point"),
         ("0 .1\n1 .05\n1 .02\n", ["--alpha", ".2", "--p", "2"], "do not increase"),
         ("0 .1 3\n1 .05 3\n", ["--alpha", ".2", "--p", "2"], "one column"),
         ("t theta\n0 .1\nx y\n", ["--alpha", ".2", "--p", "2"], "expected numbers"),
