@@ -39,7 +39,7 @@ ATTRIBUTE = "ensemble"
 """Root attribute, JSON: axis, along, limits, the fields that belong to it, its sentences (`says` in SI units, `shown`
 with accelerations in g) and its warnings."""
 
-RANKED: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak")
+RANKED: tuple[str, ...] = (PEAK, "theta_dot_peak", "u_top_peak", "slide_peak")
 """Scalars whose fractiles are taken."""
 
 _FRACTILES: dict[str, float] = {"p16": 0.16, "p50": 0.5, "p84": 0.84}

@@ -62,11 +62,12 @@ def _write(dataset: xarray.Dataset, contents: Contents, target: Path) -> None:
 _LIMITS = ("fragility_median", "fragility_median_ci_low", "fragility_median_ci_high", "fragility_beta_total")
 _RATES = ("annual_rate", "annual_rate_ci_low", "annual_rate_ci_high")
 _STATUS = "fragility_status"
+_SLIDES = ("slide_peak_p50", "slide_peak_p84")
 
 _WANTED: dict[str, tuple[str, tuple[str, ...]]] = {
     "fragility": ("Fragility", (*_LIMITS, "fragility_percentile_5", "fragility_begins_at", _STATUS)),
     "risk": ("Risk", (*_RATES, "probability_in_age", "survival", _STATUS)),
-    "suite": ("The suite", ("n_answered", "p_overturned", f"{PEAK}_p16", f"{PEAK}_p50", f"{PEAK}_p84")),
+    "suite": ("The suite", ("n_answered", "p_overturned", *(f"{PEAK}_{p}" for p in ("p16", "p50", "p84")), *_SLIDES)),
 }
 """Tables of a page: title, and which columns."""
 

@@ -123,6 +123,7 @@ _SUITE_ROWS: tuple[Variable, ...] = (
             ("theta_peak_over_alpha", r"$|\theta|_{\mathrm{max}}/\alpha$", "1"),
             ("theta_dot_peak", r"$|\dot\theta|_{\mathrm{max}}$", "rad s-1"),
             ("u_top_peak", r"$|u_{\mathrm{top}}|_{\mathrm{max}}$", "m"),
+            ("slide_peak", r"$|u|_{\mathrm{max}}$", "m"),
         )
         for end, words in _FRACTILES
         for inf in ("inf where any overturned" if end == "mean" else "overturned counts as inf",)

@@ -415,6 +415,17 @@ def sliding_study(**changes):
     return plain | {"case": case, "vary": vary, "save": {"histories": False, "scalars": scalars}} | changes
 
 
+@pytest.mark.parametrize("mu", [0.2, 0.45])
+def test_fractiles_of_the_slide(mu):
+    """Of seven members the median is the fourth; one that overturns slides without end."""
+    data = rockcli.run(sliding_study(block={"mu": mu}))
+    fell = np.isin(data["outcome"].values, (2, 3))
+    assert fell.any() == (mu > 0.4)
+    fourth = np.sort(np.where(fell, np.inf, data["slide_peak"].values), axis=0)[3]
+    np.testing.assert_array_equal(data["slide_peak_p50"].values, fourth)
+    assert len(np.unique(fourth)) > 1
+
+
 def test_limit_states_of_the_slide():
     """Each quantity is a family of its own, fitted with overturning as its last state; overturning stays the rotation's."""
     data = rockcli.run(sliding_study())
