@@ -87,7 +87,7 @@ _ROWS: tuple[Model, ...] = (
         None,
         False,
         _rigid,
-        "the rigid block, exact for any slenderness; no sliding, no bouncing",
+        "the rigid block, exact for any slenderness; with block.mu it slides and leaves the ground too",
         "(2.2)",
     ),
     Model(

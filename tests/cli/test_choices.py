@@ -37,6 +37,16 @@ def test_every_model_is_listed() -> None:
     assert names >= {"rigid", "linearized", "1", "2", "3", "4", "flexible", "continuum"}
 
 
+def test_what_is_said_of_the_block_is_what_it_does() -> None:
+    case = {
+        "block": {"height": 2.0, "width": 1.2, "mu": 0.3},
+        "motion": {"pulse": {"shape": "sine", "a_p": 6, "T_p": 1}},
+    }
+    slid = float(rockcli.run({"name": "s", "case": case})["slide_peak"]) > 0.0
+    (row,) = (line for line in shown("show", "models").splitlines() if line.startswith("rigid "))
+    assert slid == ("with block.mu it slides" in row)
+
+
 def test_a_row_of_a_table_is_one_line_where_nobody_looks_on(monkeypatch: pytest.MonkeyPatch) -> None:
     from rockcli.cli.tables import table
 
