@@ -18,7 +18,8 @@ def animate(
     ] = None,
     case: Annotated[int | None, typer.Option("--case", metavar="N", help="Which case, counted from 1.")] = None,
     at: Annotated[
-        list[str] | None, typer.Option("--at", metavar="AXIS=VALUE", help="Which case, by its values on axes.")
+        list[str] | None,
+        typer.Option("--at", "--select", metavar="AXIS=VALUE", help="Which case, by its values on axes."),
     ] = None,
     speed: Annotated[float, typer.Option("--speed", help="Seconds of the response per second of animation.")] = 1.0,
     fps: Annotated[float, typer.Option("--fps", help="Frames per second, at most 50.")] = 25.0,

@@ -137,6 +137,7 @@ def test_the_response_is_shown_and_no_more_than_is_watched():
     [
         (["--out", "film.avi"], "a .gif or an .mp4"),
         (["--at", "model=concrete"], "rigid, flexible, fallen"),
+        (["--select", "model=concrete"], "rigid, flexible, fallen"),
         (["--at", "colour=red"], "the axes are model"),
         (["--at", "model"], "AXIS=VALUE"),
         (["--case", "4"], "1 to 3"),
