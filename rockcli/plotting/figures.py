@@ -69,7 +69,7 @@ def _without_map(dataset: xarray.Dataset) -> str:
 def _without_curve(dataset: xarray.Dataset) -> str:
     if curve.along(dataset) is None:
         return "the dataset has no numeric axis"
-    return "" if "theta_peak_over_alpha" in dataset.variables else "theta_peak_over_alpha was not saved"
+    return "" if curve.quantity(dataset) else "theta_peak_over_alpha was not saved"
 
 
 def _draw_map(dataset: xarray.Dataset) -> Figure:
@@ -101,7 +101,7 @@ _ROWS: tuple[Kind, ...] = (
     Kind("map", "outcomes over two numeric axes; over one as `curve`", _without_map, _draw_map),
     Kind(
         "curve",
-        "peaks over one numeric axis; of a suite the share that overturns",
+        "peaks, or lowest overturning values, over one numeric axis; of a suite the share that overturns",
         _without_curve,
         _draw_curve,
     ),

@@ -221,3 +221,25 @@ def test_letters_the_font_lacks_are_no_warning(tmp_path: Path) -> None:
 
     study = {"name": "far", "title": "地震", "case": {"block": {"R": 2, "tan_alpha": 0.2}, "initial": {"theta": 0.1}}}
     save(figure("histories", rockcli.run(study)), tmp_path / "h.png", "png")
+
+
+def test_what_a_search_found_is_a_curve() -> None:
+    """The lowest overturning amplitude against the frequency, by half sines of which it is known in closed form."""
+    from rockcli.scene.overturning import sine_without_impact
+
+    pulse = {"shape": "half_sine", "omega_p_over_p": 1, "a_p_over_g_tan_alpha": 1}
+    case = {"block": {"R": 1, "alpha": 0.1}, "motion": {"pulse": pulse}, "model": "linearized"}
+    frequencies = [1.0, 2.0, 3.0, 8.0]
+    vary = {
+        "motion.pulse.omega_p_over_p": frequencies,
+        "motion.pulse.a_p_over_g_tan_alpha": {"from": 1, "to": 4, "n": 40, "find": "overturning"},
+    }
+    dataset = rockcli.run({"name": "s", "case": case, "vary": vary})
+    assert figures.default_kinds(dataset) == ("curve",)
+    strip, axes = figures.figure("curve", dataset).axes
+    assert axes.get_ylabel() == r"lowest overturning $a_p/(g\,\tan\alpha)$"
+    drawn = np.asarray(axes.lines[0].get_ydata(), dtype=float)
+    expected = sine_without_impact(np.array(frequencies), 1) * 0.1 / np.tan(0.1)
+    assert (expected > 4.0).any()
+    np.testing.assert_allclose(drawn, np.where(expected > 4.0, np.nan, expected), rtol=1e-5)
+    assert [label.get_text() for label in strip.get_yticklabels()] == ["none in range"]

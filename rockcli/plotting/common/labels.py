@@ -70,12 +70,15 @@ def path_of(dataset: xarray.Dataset, name: str) -> str:
 def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:
     """Symbol of an axis of the study, or its name where it has none."""
     path = path_of(dataset, axis)
-    for name in (".".join(path.split(".")[-2:]), path.split(".")[-1], axis):
-        if name in _SYMBOLS:
-            return _SYMBOLS[name]
-        if name in VARIABLES and VARIABLES[name].symbol != name:
-            return VARIABLES[name].symbol
-    return axis.replace("_", " ")
+    names = (".".join(path.split(".")[-2:]), path.split(".")[-1], axis)
+    return next(filter(None, map(symbol_of, names)), axis.replace("_", " "))
+
+
+def symbol_of(name: str) -> str:
+    """Symbol of a key or a variable; "" where it has none."""
+    if name in _SYMBOLS:
+        return _SYMBOLS[name]
+    return VARIABLES[name].symbol if name in VARIABLES and VARIABLES[name].symbol != name else ""
 
 
 def axis_label(dataset: xarray.Dataset, axis: str) -> str:

@@ -1,4 +1,4 @@
-"""Peak rotation along one numeric axis, a curve for each point of the others."""
+"""Peak rotation, or what a search found, along one numeric axis, a curve for each point of the others."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
-from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
+from rockcli.plotting.common.labels import axis_label, axis_values, shown_unit, title_of, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
     LINES,
@@ -21,15 +21,19 @@ from rockcli.plotting.common.style import (
     new_figure,
     width_or,
 )
+from rockcli.plotting.common.suite import suite_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
+from rockcli.plotting.kinds.spectrum import found_label
 from rockcli.scene.response import FAILED, SLIDING, UNRESOLVED
+from rockcli.scene.thresholds import BELOW, BRACKETED, FOUND, NONE
+from rockcli.scene.variables import PEAK
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_STRIP = ("failed", "unresolved", "no answer", "sliding", "overturned")
+_STRIP = ("failed", "unresolved", "no answer", "below range", "sliding", "overturned", "none in range")
 """What has no value, or slides and has none but 0, from the bottom of the strip upwards."""
 
 
@@ -42,6 +46,12 @@ def along(dataset: xarray.Dataset) -> str | None:
     return max(numeric, key=lambda a: int(dataset.sizes[a]), default=None)
 
 
+def quantity(dataset: xarray.Dataset) -> str:
+    """What is drawn: the peak, or what a search found (`find: overturning`), which has none; "" where neither is."""
+    found = [str(name) for name in dataset.data_vars if str(name).endswith(FOUND)]
+    return PEAK if PEAK in dataset.variables else found[0] if found and suite_of(dataset) is None else ""
+
+
 def telling(dataset: xarray.Dataset) -> bool:
     """Whether curves are worth drawing unasked: not many curves of few points, of which some would be left out."""
     axis = along(dataset)
@@ -51,7 +61,7 @@ def telling(dataset: xarray.Dataset) -> bool:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """Curves of theta_peak_over_alpha; what has no value, or slides, is marked in a strip above them."""
+    """Curves of the peak, or of the lowest overturning value; what has none, or slides, is marked in a strip above."""
     axis = along(dataset)
     if axis is None:
         raise ValueError("a curve needs a numeric axis")
@@ -60,7 +70,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     shown, total = pick(dataset, MOST_CURVES, others)
     x = axis_values(dataset, axis)
     rest = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
-    curves = [np.asarray(dataset["theta_peak_over_alpha"].isel(place).values, dtype=float) for place in rest]
+    name = quantity(dataset)
+    divisor, unit = shown_unit(dataset, name)
+    curves = [np.asarray(dataset[name].isel(place).values, dtype=float) / divisor for place in rest]
     missing = [_missing(dataset, place, y) for place, y in zip(rest, curves, strict=True)]
     rows = [row for row in _STRIP if any(row in found for found in missing)]
     thick = 0.14 + 0.03 * len(shown)
@@ -77,15 +89,16 @@ def draw(dataset: xarray.Dataset) -> Figure:
         axes.plot(x[lonely], y[lonely], "o", color=COLOURS[number], markersize=1.4, markeredgewidth=0.0)
     finite = np.concatenate([y[np.isfinite(y)] for y in curves])
     top = 1.12 * max(float(finite.max(initial=0.0)), 0.1)
-    if top > 1.0:
+    if top > 1.0 and name == PEAK:
         axes.axhline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
     axes.set_ylim(0.0, top)
     scale_axes(axes, is_log(x))
     axes.set_xlabel(axis_label(dataset, axis))
-    axes.set_ylabel(variable_label("theta_peak_over_alpha"))
+    axes.set_ylabel(variable_label(PEAK) if name == PEAK else found_label(name, unit))
     if rows:
         _strip(grid[0], x, rows, missing)
-    headline(figure, title_of(dataset), selection_note(len(shown), total, "curves"), over=axes)
+    notes = [selection_note(len(shown), total, "curves"), _islands(dataset, name)]
+    headline(figure, title_of(dataset), "; ".join(filter(None, notes)), over=axes)
     if len(shown) > 1:
         legend_of(figure, axes, 3)
     return figure
@@ -94,11 +107,22 @@ def draw(dataset: xarray.Dataset) -> Figure:
 def _missing(dataset: xarray.Dataset, place: dict[str, int], peaks: Array) -> dict[str, NDArray[np.bool_]]:
     """Where a curve has no value, or the body slides, by the reason."""
     found = {"overturned": np.isposinf(peaks), "no answer": np.isnan(peaks)}
+    if f"{quantity(dataset)}_state" in dataset.variables:
+        state = dataset[f"{quantity(dataset)}_state"].isel(place).values
+        found = {"none in range": state == NONE, "below range": state == BELOW, "no answer": state == BRACKETED}
     if "outcome" in dataset.variables:
         flags = dataset["outcome"].isel(place).values
         found |= {"failed": flags == FAILED, "unresolved": flags == UNRESOLVED, "sliding": flags == SLIDING}
         found["no answer"] &= ~found["failed"] & ~found["unresolved"]
     return {name: where for name, where in found.items() if where.any()}
+
+
+def _islands(dataset: xarray.Dataset, name: str) -> str:
+    """How many of the values that a search found have stable islands above them."""
+    if f"{name}_islands" not in dataset.variables:
+        return ""
+    count = dataset[f"{name}_islands"].values
+    return f"stable islands above {np.sum(count > 0)} of {count.size} points" if (count > 0).any() else ""
 
 
 def _lonely(y: Array) -> NDArray[np.intp]:

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note, thresholds_in
-from rockcli.plotting.common.labels import shown_unit, title_of, unit_in_brackets, variable_label
+from rockcli.plotting.common.labels import shown_unit, symbol_of, title_of, unit_in_brackets, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
@@ -32,7 +32,6 @@ from rockcli.plotting.common.suite import members_word, suite_of
 from rockcli.plotting.kinds.ida import BOLD, MEMBER, fractiles_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.thresholds import BELOW, BRACKETED, FOUND
-from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray
@@ -113,7 +112,7 @@ def _rows(dataset: xarray.Dataset) -> list[Row]:
 def found_label(name: str, unit: str) -> str:
     """Label of the lowest value of a range at which a case overturns."""
     words = name.removesuffix(FOUND).rsplit("motion_record_", 1)[-1].rsplit("motion_pulse_", 1)[-1]
-    symbol = VARIABLES[words].symbol if words in VARIABLES else words.replace("_", " ")
+    symbol = symbol_of(words) or words.replace("_", " ")
     return f"lowest overturning {symbol}{unit_in_brackets(unit)}"
 
 
