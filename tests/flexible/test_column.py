@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flexible.columns import E_CONCRETE, column_batch, peak, ricker, rock_column, scalar, sine
+from flexible.columns import E_CONCRETE, RHO, column_batch, peak, ricker, rock_column, scalar, sine
 from scenes import G, make_batch, pulse, record, still
 
+import rockcli
 from rockcli.engine.backends import choose
 from rockcli.errors import SolverError
 from rockcli.scene.block import make_block
@@ -226,3 +227,21 @@ def test_beside_its_threshold_a_column_overturns_in_a_share_of_runs():
         found = at(high * (1.0 + side * 1e-5))
         assert overturned(found["outcome"])[0] == (share == 1.0)
         assert found["overturn_share"][0] == share
+
+
+@pytest.mark.parametrize("base", [{"law": "rigid"}, {"law": "winkler", "kw": 1e10}])
+@pytest.mark.parametrize("a_v", [0.5, -0.5, -0.9])
+def test_a_column_released_while_the_ground_accelerates_upwards_does_not_vibrate(base, a_v):
+    """Its bending at rest goes with the weight, and it starts from that of g + a_v, constant for two seconds here."""
+    up = {"vertical": {"pulse": {"shape": "rectangular", "a_p": f"{a_v}*g", "T_p": 4}}}
+    column = {"E": 3e10, "rho": RHO, "zeta": 0.0, "elements": 5}
+    case = {"block": {"height": 50, "width": 5}, "initial": {"theta": "0.5*alpha"}, "model": "flexible"}
+    bending = []
+    for motion in ({}, up):
+        study = {"case": case | {"column": column, "base": base, "motion": {"duration": 0.8} | motion}}
+        found = rockcli.run(study | {"save": {"histories": True, "dt_out": 0.002, "scalars": ["outcome"]}})
+        t, w = found["time"].values, found["u_top_bending"].values
+        bending.append(float(w[0]))
+        vibration = w - np.polyval(np.polyfit(t, w, 4), t)
+        assert np.abs(vibration).max() < 0.02 * abs(a_v) * bending[0]  # as large as |a_v| from the weight at rest
+    assert bending[1] == pytest.approx((1.0 + a_v) * bending[0], rel=0.02)

@@ -130,8 +130,13 @@ def _unstable_equilibrium(modes: Modes, length: float, b: float, g: float, theta
     return q, energy(q)
 
 
-def first_state(column: Prepared, theta: float, theta_dot: float, a: float) -> tuple[int, float, Array, Array]:
-    """Phase, side and modal state (z, z') released at a base rotation and rate without bending vibration."""
+def first_state(
+    column: Prepared, theta: float, theta_dot: float, a_g: float, a_v: float
+) -> tuple[int, float, Array, Array]:
+    """Phase, side and modal state (z, z') released at a base rotation and rate without bending vibration.
+
+    The ground accelerates by a_g and a_v then [m/s²]; while it falls away the base carries nothing.
+    """
     modes = column.modes
     N = modes.lam.shape[1]
     z, v = np.zeros(N), np.zeros(N)
@@ -139,11 +144,13 @@ def first_state(column: Prepared, theta: float, theta_dot: float, a: float) -> t
         return at.CONTACT, 1.0, z, v
     s = float(np.sign(theta) or np.sign(theta_dot))
     lam, th, bu = modes.lam[1], modes.th[1], modes.bu[1]
-    q, theta_1 = abs(theta), column.theta_1
-    moment = column.g * column.width / column.length**2
+    weight = column.g + a_v
+    winkler = column.theta_1 > 0.0
+    q, theta_1 = abs(theta), max(column.theta_1 * weight / column.g, 0.0)
+    moment = (max(weight, 0.0) if winkler else weight) * column.width / column.length**2
     if theta_1 > 0.0:
         moment *= 1.0 - 2.0 / 3.0 * np.sqrt(theta_1 / q) if q > theta_1 else q / (3.0 * theta_1)
-    load = (column.g * (np.sin(theta) - theta) - a * np.cos(theta)) / column.length
+    load = (weight * np.sin(theta) - column.g * theta - a_g * np.cos(theta)) / column.length
     bends = lam > 0.0
     z[bends] = (bu[bends] * load - th[bends] * s * moment) / lam[bends]
     rocks = int(np.flatnonzero(~bends)[0])

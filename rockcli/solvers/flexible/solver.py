@@ -189,8 +189,9 @@ def _march(
             continue
         start, rate = float(batch.theta_0[i]), float(batch.theta_dot_0[i])
         upright = start == 0.0 and rate == 0.0
-        a = 0.0 if upright else float(acceleration(batch.excitation.horizontal, np.zeros(1), i)[0])
-        phase, s, z, v = first_state(column, start, rate, a)
+        channels = () if upright else (batch.excitation.horizontal, batch.excitation.vertical)
+        a_g, a_v = (float(acceleration(one, np.zeros(1), i)[0]) for one in channels) if channels else (0.0, 0.0)
+        phase, s, z, v = first_state(column, start, rate, a_g, a_v)
         par[at.PHASE_0], par[at.SIDE_0] = phase, s
         m = column.modes
         if column is not before:
