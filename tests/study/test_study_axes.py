@@ -324,6 +324,36 @@ class TestExpressionsOnAxes:
         (axis,) = study_of({"motion.pulse.omega_p": {"from": "0.5*p", "to": "2*p", "n": 3}}).axes
         assert axis.values[2] == pytest.approx(2 * np.sqrt(3 * 9.81 / 20), rel=1e-15)
 
+    def test_a_symbol_may_be_told_in_a_g_that_is_one_number(self):
+        case = {"g": "1.62*m/s**2", "motion": {"pulse": {"shape": "sine", "a_p": "1.5*a", "T_p": 1}}}
+        for entry in (["0.1*g", "0.3*g"], {"from": "0.1*g", "to": "0.3*g", "n": 2}):
+            study = study_of({"let.a": entry, "block.R": [1.0, 2.0]}, let={"a": 1}, case=case)
+            assert study.axes[0].values == pytest.approx((0.162, 0.486), rel=1e-15)
+            a_p = all_cases(study, lambda b: b.excitation.horizontal.a_p)
+            assert a_p == pytest.approx([0.243, 0.243, 0.729, 0.729], rel=1e-15)
+
+    def test_other_axes_see_a_symbol_that_is_told_in_g(self):
+        study = study_of({"motion.pulse.omega_p": ["2*a/m*s", "3"], "let.a": ["0.5*g"]}, let={"a": 1})
+        assert study.axes[0].values == pytest.approx((9.81, 3.0), rel=1e-15)
+
+    @pytest.mark.parametrize(
+        ("vary", "case", "words"),
+        [
+            ({"let.a": ["0.1*g"], "g": [9.81, 1.62]}, {}, r"'0.1\*g' differs from case to case"),
+            (
+                {"let.a": ["0.1*g"], "case": {"moon": {"g": 1.62}, "earth": {}}},
+                {},
+                r"'0.1\*g' differs from case to case",
+            ),
+            ({"let.a": ["0.1*g"]}, {"g": "9.81*a"}, "units and a constant g: other expressions depend on it"),
+            ({"let.a": [1, "0.1*g*tan_alpha"]}, {}, r"vary.let.a\[1\] is '0.1\*g\*tan_alpha'; expected numbers"),
+            ({"g": ["0.5*g"]}, {}, "other expressions depend on it"),
+        ],
+    )
+    def test_symbols_that_cannot_be_told_so(self, vary, case, words):
+        with pytest.raises(StudyError, match=words):
+            study_of(vary, let={"a": 1}, case=case)
+
     @pytest.mark.parametrize("other", ["block.R", "g", "let.x"])
     def test_different_ones_point_to_the_dimensionless_keys(self, other):
         vary = {"motion.pulse.omega_p": ["2*p*x", "4*p*x"], other: [1, 2]}

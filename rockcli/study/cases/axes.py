@@ -22,7 +22,7 @@ from rockcli.study.cases.file_names import LABELS, names_in
 from rockcli.study.cases.table import NOTE, Table, read_table
 from rockcli.study.cases.variation import Variation, numbers_of
 from rockcli.study.document.complaints import Complaints
-from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
+from rockcli.study.document.expressions import CONSTANTS, Expression, ExpressionError, constant, parse
 from rockcli.study.document.overlay import Setting, leaves, same_twice
 from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
 from rockcli.study.document.tree import List, Map, Places, Source, Where, nearest, place, put_at, value_at
@@ -81,14 +81,13 @@ def read_axes(
             read[text] = _Reader(source, study, text, records)
             done[text] = read[text].read()
     complaints.tell(MissingRecordError)
-    evaluate = evaluator(list(done.values())) if len(done) < len(read) else None
-    for text, reader in read.items():
-        if text not in done:
-            if reader.path[:2] in _SYMBOL_PATHS or reader.path[0] == "let" or reader.path == ("case",):
-                said, more = reader.waiting
-                raise reader.fail(f"is {describe(said)}; {_why_it_cannot_wait(part.let, said)}", *more)
-            reader.evaluate = evaluate
-            done[text] = reader.read()
+    waiting = {text: reader for text, reader in read.items() if text not in done}
+    first = [text for text, reader in waiting.items() if reader.of_symbols]
+    for some in (first, [text for text in waiting if text not in first]):  # what the others may speak of comes first
+        evaluate = evaluator(list(done.values())) if some else None
+        for text in some:
+            waiting[text].evaluate = evaluate
+            done[text] = waiting[text].read()
     variations = [done[text] for text in vary]
     names = dimension_names(list(vary))
     for name in sorted(names_in(study["case"]) - set(names)):
@@ -103,7 +102,7 @@ def read_axes(
 
 
 def _why_it_cannot_wait(let: dict[str, Any], text: str) -> str:
-    why = "expected numbers or expressions of numbers and units: other expressions depend on it"
+    why = "expected numbers or expressions of numbers, units and a constant g: other expressions depend on it"
     own = sorted(parse(text).names & let.keys())
     if own:
         why += f" (`{own[0]}` is a symbol of `let`, which axes of the block, of g and of let cannot use)"
@@ -127,7 +126,6 @@ class _Reader:
     def __init__(self, source: Source, study: Map, text: str, records: Records) -> None:
         self.source, self.study, self.text, self.records = source, study, text, records
         self.evaluate: Evaluate | None = None
-        self.waiting: tuple[str, tuple[str | int, ...]] = ("", ())
         try:
             if text.startswith("case."):
                 raise StudyError(f"paths of axes begin inside the case: {text.removeprefix('case.')!r}")
@@ -140,6 +138,17 @@ class _Reader:
                 else "; settings that change several keys at once go under the axis `case`"
             )
             raise source.placed(place(study, ("vary", text)), f"vary: {error.message}{several}") from None
+
+    @property
+    def of_symbols(self) -> bool:
+        """Whether expressions of other axes and of the case may speak of what the axis changes."""
+        return self.path[:2] in _SYMBOL_PATHS or self.path[0] == "let" or self.path == ("case",)
+
+    def of_g_alone(self, expression: Expression) -> bool:
+        """Whether an expression speaks of nothing of the case but g, which is a number there."""
+        given = self.study["case"].get("g")
+        constant_g = not isinstance(given, str) or parse(given).names <= CONSTANTS.keys()
+        return expression.names <= CONSTANTS.keys() | {"g"} and constant_g and self.path != ("case", "g")
 
     def fail(self, message: str, *more: str | int) -> StudyError:
         return self.source.error(self.study, ("vary", self.text, *more), message)
@@ -230,8 +239,9 @@ class _Reader:
             expression = parse(text)
             if expression.names <= CONSTANTS.keys():
                 return float(expression.evaluate(constant))
+            if self.of_symbols and not self.of_g_alone(expression):
+                raise self.fail(f"is {describe(text)}; {_why_it_cannot_wait(self.study.get('let') or {}, text)}", *more)
             if self.evaluate is None:
-                self.waiting = (text, more)
                 raise _NeedsCase
             return self.evaluate(text)
         except ExpressionError as error:
