@@ -31,7 +31,10 @@ SPREAD = 0.4
 """Prior standard deviation of mu: the amplitude that a model overturns at is known to 40 % beforehand."""
 
 LOCATIONS = np.linspace(-1.0, 1.0, 67)
-SCATTERS = np.geomspace(0.04, 0.4, 9)
+SCATTERS = np.geomspace(0.04, 0.4, 33)
+
+_COARSE = SCATTERS[::4]
+"""Those for which every body is weighed: its evidence is a sum over all of them."""
 
 WALKS = np.geomspace(0.05, 0.4, 4)
 """Standard deviations of the change of mu from a session to the next, equally likely beforehand."""
@@ -57,7 +60,7 @@ def kernel_of(amplitudes: Array) -> Kernel:
 
     log_a = np.log(amplitudes)
     edges = np.concatenate([[-np.inf], 0.5 * (log_a[1:] + log_a[:-1]), [np.inf]])
-    below = ndtr((edges[:, None, None] - LOCATIONS[:, None]) / SCATTERS)
+    below = ndtr((edges[:, None, None] - LOCATIONS[:, None]) / _COARSE)
     prior = np.broadcast_to(-0.5 * (LOCATIONS[:, None] / SPREAD) ** 2, below.shape[1:])
     return Kernel(np.diff(below, axis=0).reshape(len(amplitudes), -1), prior.ravel())
 
@@ -126,11 +129,13 @@ class Summary:
     p97_5: float
 
 
-def summary(values: Array, weight: Array) -> Summary:
-    """Of values (k,) with probabilities (k,)."""
-    order = np.argsort(values, kind="stable")
+def summary(values: Array, weight: Array, *, grid: bool = False) -> Summary:
+    """Of values (k,) with probabilities (k,); percentiles are some of them, of points of a `grid` between them."""
+    order, tails = np.argsort(values, kind="stable"), [0.025, 0.5, 0.975]
     mass = np.cumsum(weight[order])
-    ends = values[order][np.minimum(np.searchsorted(mass, [0.025, 0.5, 0.975]), len(values) - 1)]
+    ends = values[order][np.minimum(np.searchsorted(mass, tails), len(values) - 1)]
+    if grid:
+        ends = np.interp(tails, mass - 0.5 * weight[order], values[order])
     mean = float(weight @ values)
     sd = float(np.sqrt(weight @ (values - mean) ** 2))
     return Summary(mean, sd, *(float(end) for end in ends))
@@ -164,7 +169,8 @@ class Errors:
     def summaries(self) -> tuple[Summary, Summary]:
         """exp(-mu), what the body withstands over what the model does, over all sessions; beta."""
         table = self.weight.mean(axis=0)
-        return summary(np.exp(-LOCATIONS), table.sum(axis=1)), summary(SCATTERS, table.sum(axis=0))
+        capacity = summary(np.exp(-LOCATIONS), table.sum(axis=1), grid=True)
+        return capacity, summary(SCATTERS, table.sum(axis=0), grid=True)
 
 
 def likely(log_capacity: Array) -> Array:
