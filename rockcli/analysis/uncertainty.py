@@ -148,14 +148,17 @@ def with_samples(contents: Contents, became: Members, study: Study, over: Over) 
 def independent_rows(study: Study, over: Over) -> NDArray[np.int64]:
     """Of every member of an ensemble the row that it belongs to, (n,): members of one row are not independent.
 
-    Of several axes a row is a point of the first that has several points and is not that of samples (a record); else of
-    samples each is a row, of Saltelli's design those that share inputs.
+    Of several axes a row is a record, whatever else is made of it (directions, signs), without records a point of the
+    first axis that has several points and is not that of samples; else of samples each is a row, of Saltelli's design
+    those that share inputs.
     """
-    sizes = tuple(next(axis.size for axis in study.axes if axis.name == name) for name in over.axes)
+    axes = [next(axis for axis in study.axes if axis.name == name) for name in over.axes]
+    sizes = tuple(axis.size for axis in axes)
     places = np.unravel_index(np.arange(int(np.prod(sizes))), sizes)
-    for name, size, at in zip(over.axes, sizes, places, strict=True):
-        if name != SAMPLE and size > 1:
-            return np.asarray(at)
+    several = [i for i, axis in enumerate(axes) if axis.name != SAMPLE and axis.size > 1]
+    if several:
+        of_records = (i for i in several if axes[i].path.rsplit(".", 1)[-1] in ("file", "record"))
+        return np.asarray(places[next(of_records, several[0])])
     at = np.asarray(places[-1] if SAMPLE not in over.axes else places[over.axes.index(SAMPLE)])
     if study.uncertain is None or SAMPLE not in over.axes:
         return at

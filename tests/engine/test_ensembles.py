@@ -558,6 +558,38 @@ def test_fragility_of_two_intensities_is_the_fit_of_their_values():
         rockcli.run(study(over=over, hazard={"intensity": [1, 2], "rate": [0.1, 0.01]}))
 
 
+def test_records_are_what_is_independent_wherever_their_axis_stands(tmp_path):
+    """Directions of a record are no new records: limits do not depend on the order of the axes, and those of copies of
+    every record in other directions are those of the records."""
+    rng = np.random.default_rng(3)
+    t = np.arange(0.0, 5.0, 0.02)
+    pairs = []
+    for i in range(8):
+        pair = []
+        for k in range(2):
+            a = np.sin(2.0 * np.pi * rng.uniform(0.5, 1.5) * t + rng.uniform(0.0, 6.0)) * np.exp(
+                -(((t - 2.5) / 1.2) ** 2)
+            )
+            np.savetxt(tmp_path / f"{i}{k}.csv", a)
+            pair.append(str(tmp_path / f"{i}{k}.csv"))
+        pairs.append(pair)
+    record = {"file": pairs[0], "angle": 0.0, "units": "m/s2", "dt": 0.02}
+    case = {"block": {"R": 1.0, "alpha": 0.2}, "motion": {"record": record}}
+    scale = {"motion.record.scale": [2.0, 3.0, 4.0, 6.0, 9.0]}
+    found = []
+    for angles in ([0.0, np.pi], [0.0, 0.3, 0.9, 1.4]):
+        axes = {"motion.record.file": pairs, "motion.record.angle": angles}
+        for order in (axes, dict(reversed(axes.items()))):
+            over = {"axis": [*order], "along": "scale", "limits": [0.5]}
+            found.append(rockcli.run({"name": "s", "case": case, "vary": {**order, **scale}, "over": over}))
+    alone = rockcli.run({"name": "s", "case": case, "vary": {"motion.record.file": pairs, **scale},
+                         "over": {"axis": "record", "along": "scale", "limits": [0.5]}})  # fmt: skip
+    assert (alone["fragility_status"].values == 0).all()
+    for name in ("fragility_median_ci_low", "fragility_median_ci_high", "fragility_percentile_ci_low"):
+        for one, other in (found[:2], found[2:], (alone, found[0])):  # turned by pi a symmetric body does the same
+            np.testing.assert_allclose(one[name].values, other[name].values, rtol=1e-6)
+
+
 def test_fragility_of_a_search_against_cav(tmp_path):
     """CAV grows with the amplitude: that of a record of one m/s² times its lowest overturning PGA; of pulses none."""
     files, cav = [], []
