@@ -76,6 +76,8 @@ def with_rules(contents: Contents, study: Study) -> Contents:
             said = {"references": rule.source, "comment": rule.caveat, "edition": rule.edition}
             if rule.takes_given and study.rules_spectrum is not None:
                 said["spectrum"] = GIVEN
+            if study.search is not None:
+                said["comment"] = f"at the lowest point of the range searched; {rule.caveat}"
             field = variable_field(rule.variable, contents.axes, flat.reshape(study.shape), **said)
             fields[rule.variable] = field
     return Contents(contents.axes, fields, contents.attrs)

@@ -197,10 +197,10 @@ class CaseSource(Protocol):
 
 
 class Searched(CaseSource, Protocol):
-    """A range searched for overturning; as a source of cases, those at its first point.
+    """A range searched for overturning; as a source of cases, those at its lowest point.
 
     Attributes:
-        axis: the scanned points; not a dimension of the dataset.
+        axis: the scanned points, ascending; not a dimension of the dataset.
         name: of the result in the dataset, `<axis>_overturning`.
     """
 

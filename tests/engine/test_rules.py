@@ -34,6 +34,16 @@ def solved(**more: object) -> Contents:
     return solve(open_study(study(**more)))
 
 
+@pytest.mark.parametrize(("start", "end"), [(1.5, 6.0), (6.0, 1.5)])
+def test_of_a_search_rules_and_pga_are_those_of_the_lowest_point(start: float, end: float) -> None:
+    span = {"from": start, "to": end, "n": 4, "find": "overturning"}
+    found = solved(vary={"motion.pulse.a_p_over_g_tan_alpha": span}, rules=["west"])
+    assert float(found.values("west_ratio")) == pytest.approx(1.5, rel=1e-12)
+    assert float(found.values("pga")) == pytest.approx(1.5 * 0.2 * G, rel=1e-12)
+    for name, attribute in (("west_ratio", "comment"), ("pga", "long_name")):
+        assert "at the lowest point of the range searched" in found.fields[name].attrs[attribute]
+
+
 def test_the_standard_s_own_example() -> None:
     # b = .3 m, h = 1.5 m, theta_0 = .05: .350 g, .914 Hz, 1.9 %
     S_a, f = rules.asce43_capacity(np.array([0.05]), 1.5, 0.2, 4.0 / 3.0, G)

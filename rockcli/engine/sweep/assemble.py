@@ -54,6 +54,8 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
         fields |= threshold_fields(study.search, thresholds.reshaped(study.shape), axes)
         for name in {"a_p", "omega_p"} & fields.keys() if study.search.axis.path.startswith("motion") else ():
             del fields[name]  # they change along the range
+        for name in {"pga", "pgv"} & fields.keys():
+            fields[name].attrs["long_name"] += ", at the lowest point of the range searched"
     fields |= _beside_axes(results.histories | _ground(study, results), HISTORIES, axes, study.shape, DIM_TIME)
     fields |= _beside_axes(results.impacts, IMPACTS, axes, study.shape, DIM_IMPACT)
     if "M_base" in fields and results.has_mass:

@@ -24,7 +24,7 @@ class Search:
     """What is searched, and how to build its cases.
 
     Attributes:
-        axis: the scanned points; not a dimension of the dataset.
+        axis: the scanned points, ascending; not a dimension of the dataset.
         name: of the result in the dataset, `<axis>_overturning`.
     """
 
@@ -61,7 +61,7 @@ class Search:
             yield flat % k, batch
 
     def batches(self, indices: Index) -> Iterator[tuple[Index, Batch]]:
-        """Yield (flat indices, batch) of the study's cases at the first scanned point (a `CaseSource`)."""
+        """Yield (flat indices, batch) of the study's cases at the lowest scanned point (a `CaseSource`)."""
         m = self.axis.size
         for flat, batch in self._cases.batches(np.asarray(indices) * m):
             yield flat // m, batch
@@ -81,5 +81,10 @@ def searched(source: Source, study: Map, variations: Sequence[Variation]) -> Var
 
 def make_search(cases: Cases, variation: Variation) -> Search:
     """The search along the last axis of `cases`; all it asks of a solver is the outcome."""
-    asked = replace(cases, save=Save(False, cases.save.dt_out, frozenset({"outcome"})), histories_at={})
-    return Search(variation.axis, f"{variation.axis.name}{FOUND}", asked)
+    assert variation.columns is not None
+    order = np.argsort(variation.axis.values, kind="stable")
+    axis = replace(variation.axis, values=tuple(variation.axis.values[i] for i in order))
+    ascending = replace(variation, axis=axis, columns={path: of[order] for path, of in variation.columns.items()})
+    save = Save(False, cases.save.dt_out, frozenset({"outcome"}))
+    asked = replace(cases, variations=[*cases.variations[:-1], ascending], save=save, histories_at={})
+    return Search(axis, f"{axis.name}{FOUND}", asked)
