@@ -187,6 +187,17 @@ def test_the_headline_has_the_rate_and_the_probability_within_the_age() -> None:
     )
 
 
+def test_the_headline_says_which_bodies_its_median_and_rate_leave_out() -> None:
+    """A tiny body overturns at every level above uplift, and has no curve: the others must not speak for it."""
+    curve = {"label": "site", "intensity": ["0.05*g", "0.5*g", "3*g"], "rate": [1e-2, 1e-4, 1e-7]}
+    vary = {"block.R": [0.001, 2.0, 3.0], **SUITE["vary"]}  # type: ignore[dict-item]
+    data = rockcli.run(SUITE | {"vary": vary, "hazard": [curve]})
+    assert np.isnan(data.fragility_median.values[:, -1]).tolist() == [True, False, False]
+    told = {fact.what: fact.sentence for fact in facts_of(data)}
+    for what in ("median of overturning", "rate of overturning"):
+        assert told[what].endswith("; 1 of 3 bodies have no curve and are not in it")
+
+
 def test_the_headline_has_the_largest_slide() -> None:
     """By hand: a block at rest on friction mu, thrown at speed v, slides v^2 / (2 mu g)."""
     case = {"block": {"R": 2.0, "tan_alpha": 0.5, "mu": 0.1}, "initial": {"slide_rate": 1.0}}

@@ -250,11 +250,12 @@ def _probability(dataset: xarray.Dataset) -> list[Fact]:
         if "overturned" in labels:
             divisor, unit = shown_unit(dataset, "fragility_median")
             part = dataset.isel({LIMIT: labels.index("overturned")})
-            medians = np.ravel(part["fragility_median"].values) / divisor
-            medians = medians[np.isfinite(medians)]
+            every = np.ravel(part["fragility_median"].values) / divisor
+            medians = every[np.isfinite(every)]
             if medians.size:
                 span = f"{medians.min():.3g}" + (f" to {medians.max():.3g}" if medians.size > 1 else "")
                 said = "intensity at which one half of the suite overturns" + (", by body" if medians.size > 1 else "")
+                said += _without_curve(every)
                 return [Fact(_with_unit(span, unit), "median of overturning", said)]
         return []
     if "p_overturned" in dataset.variables and dataset["p_overturned"].size <= _FEW_SHARES:
@@ -264,6 +265,12 @@ def _probability(dataset: xarray.Dataset) -> list[Fact]:
             span = f"{shares.min():.3g}" + (f" to {shares.max():.3g}" if np.ptp(shares) > 0.0 else "")
             return [Fact(f"{span} %", "probability of overturning", "share of the suite that overturns")]
     return []
+
+
+def _without_curve(of_bodies: Array) -> str:
+    """How many bodies are left out of a number, as they have no fragility curve; "" where none is."""
+    missing = int(np.isnan(of_bodies).sum())
+    return f"; {missing} of {of_bodies.size} bodies have no curve and are not in it" if missing else ""
 
 
 def _rate(dataset: xarray.Dataset) -> list[Fact]:
@@ -282,7 +289,8 @@ def _rate(dataset: xarray.Dataset) -> list[Fact]:
     age = json.loads(dataset.attrs.get("ensemble", "{}")).get("age")
     if age and (shares := _span(100.0 * of_falls["probability_in_age"].values)[0]):
         within = f"; within {age:g} years with a probability of {shares} %"
-    return [Fact(f"{rates} a year", "rate of overturning", f"{under}: {once}{within}")]
+    left_out = _without_curve(of_falls["annual_rate"].values[..., 0])
+    return [Fact(f"{rates} a year", "rate of overturning", f"{under}: {once}{within}{left_out}")]
 
 
 def _span(values: Array) -> tuple[str, float, float]:
