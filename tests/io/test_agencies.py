@@ -216,6 +216,10 @@ def test_obspy_reads_it_by_the_plug_in(tmp_path: Path, name: str) -> None:
         (esm(count=13), "announces 13 values and 12 follow"),
         (csmip_v2().replace("ACCEL DATA", "SOME DATA"), "no acceleration at equal time steps"),
         (geonet().replace("Number of points  12", "Number of points  11"), "announces 33 values and 36 follow"),
+        (geonet().replace("at 0.020 sec", "at 0.0.20 sec"), "the interval is '0.0.20'; expected a number"),
+        (geonet(corrected=False).replace("2.00 mm", "2..00 mm"), "the unit is '2..00'"),
+        (csmip_v1().replace("at 200 pts", "at 0 pts"), "the time step is 0 s"),
+        (csmip_v1().replace("at 200 pts", "at 2.0.0 pts"), "the rate is '2.0.0'"),
         (resorce().replace("m/s/s", "cubits"), "'cubits'"),
         (cwb().replace("     0.040", "     0.070"), "does not grow"),
         (cwb().replace("Rate(Hz): 50", "Rate(Hz): 51"), "does not grow"),
@@ -228,6 +232,13 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, text: str, words: s
     with pytest.raises(RecordError, match=words) as caught:
         read_record(path, component=0)
     assert caught.value.line is not None
+
+
+def test_what_only_describes_a_record_may_be_damaged(tmp_path: Path) -> None:
+    path = tmp_path / "record.txt"
+    for text in (geonet().replace("-1235.0 mm", "-.1235.0 mm"), resorce().replace("& Time  ", "& Times ")):
+        path.write_text(text)
+        assert len(read_record(path, component=0).values) == len(VALUES)
 
 
 @pytest.mark.parametrize("make", [smc, esm, resorce, csmnc])

@@ -106,6 +106,13 @@ def number_in(text: str) -> float:
     return float(match[1]) if match else math.nan
 
 
+def decimal(text: str, what: str, name: str, number: int) -> float:
+    """A number without an exponent, which the text is as a whole."""
+    if not re.fullmatch(r"[+-]?(?:\d+\.?\d*|\.\d+)", text, re.ASCII):
+        raise RecordError(f"{what} is {text!r}; expected a number", name, number)
+    return float(text)
+
+
 def whole(text: str, what: str, name: str, number: int) -> int:
     """A number of values, two or more."""
     if not re.fullmatch(r"\s*\d{1,9}\s*", text) or int(text) < 2:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, counted, number_in, step, unit_of, whole
+from rockcli.motion.agencies.channel import Channel, Format, counted, decimal, number_in, step, unit_of, whole
 
 _V2 = re.compile(r"^\s*(\d+) POINTS OF ACCEL\w* DATA EQUALLY SPACED AT\s+([\d.]+) SEC\.?\s*\(UNITS:\s*([^)]+)\)", re.I)
 _V1 = re.compile(r"^\s*(\d+)\s+Accelerogram points at\s+([\d.]+)\s*pts/sec in units of\s+(\S+)", re.I)
@@ -31,7 +31,8 @@ def parse(lines: list[str], name: str) -> list[Channel]:
             continue
         header = lines[begin:at]
         is_V2 = _V2.match(lines[at]) is not None
-        interval = step(float(match[2]) if is_V2 else 1.0 / float(match[2]), name, at + 1)
+        said = decimal(match[2], "the interval" if is_V2 else "the rate", name, at + 1)
+        interval = step(said if is_V2 or said == 0.0 else 1.0 / said, name, at + 1)
         values, at = counted(lines, at + 1, whole(match[1], "the number of points", name, at + 1), name)
         found.append(_channel(header, values, interval, unit_of(match[3], name, at + 1)))
         while at < len(lines) and not lines[at].startswith("/&"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from rockcli.motion.agencies.channel import Channel, Format, counted, sought, step, whole
+from rockcli.motion.agencies.channel import Channel, Format, counted, decimal, number_in, sought, step, whole
 
 TEXTS, HEADER = 16, 26
 """Lines of text, and of the whole header."""
@@ -45,8 +45,8 @@ def _channel(lines: list[str], at: int, name: str) -> Channel:
     else:
         pattern = r"in units of\s+([\d.]+)\s*mm/s/s\s+at intervals of\s+([\d.]+)"
         said = sought(pattern, text[10], "'Raw readings in units of ... mm/s/s at intervals of ... s'", name, at + 11)
-        unit = float(said[1])
-    dt = step(float(said[said.re.groups]), name, at + 11)
+        unit = decimal(said[1], "the unit", name, at + 11)
+    dt = step(decimal(said[said.re.groups], "the interval", name, at + 11), name, at + 11)
     part = lines[: _behind(lines, at)]
     values, _ = counted(part, at + HEADER, count, name, times=3 if corrected else 1)
     place = re.match(r"Component\s+(\S+)", text[12])
@@ -54,7 +54,7 @@ def _channel(lines: list[str], at: int, name: str) -> Channel:
     site = re.match(r"Site\s+(\S+)", text[1])
     return Channel(
         values * unit, dt, "mm/s2", place[1] if place else "", site[1] if site else "",
-        abs(float(peak[1])) if peak else float("nan"), {"title": [" ".join(text[i].split()) for i in (6, 7)]},
+        abs(number_in(peak[1])) if peak else float("nan"), {"title": [" ".join(text[i].split()) for i in (6, 7)]},
     )  # fmt: skip
 
 

@@ -74,7 +74,7 @@ def parse_resorce(lines: list[str], name: str) -> list[Channel]:
     peak = abs(number_in(pairs.get("PGA (m/s/s)", ("", 0))[0])) if unit == "m/s2" else float("nan")
     station = pairs.get("Station Code / Name", ("", 0))[0]
     component = pairs.get("Orientation", ("", 0))[0]
-    header = {"title": [pairs["Event Date & Time"][0]]}
+    header = {"title": [pairs.get("Event Date & Time", ("", 0))[0]]}
     return [Channel(values, step(number_in(dt), name, dt_line), unit, component, station, peak, header)]
 
 
