@@ -220,6 +220,12 @@ def test_obspy_reads_it_by_the_plug_in(tmp_path: Path, name: str) -> None:
         (geonet(corrected=False).replace("2.00 mm", "2..00 mm"), "the unit is '2..00'"),
         (csmip_v1().replace("at 200 pts", "at 0 pts"), "the time step is 0 s"),
         (csmip_v1().replace("at 200 pts", "at 2.0.0 pts"), "the rate is '2.0.0'"),
+        (esm().replace("_S: 0.005000", "_S: 0.0 05"), "SAMPLING_INTERVAL_S is '0.0 05'; expected a number"),
+        (resorce().replace(": 0.005", ": 1/200"), "the time increment is '1/200'"),
+        (csmnc().replace("0.005  SEC", "5-003  SEC"), "the interval is '5-003'"),
+        (cwb().replace("(Hz): 50", "(Hz): 50,0"), r"SampleRate\(Hz\) is '50,0'"),
+        (cosmos().replace("10.000000", "10,000000", 1), r"the time step \[ms\] is '10,000000'"),
+        (smc().replace("2.0000000E+02", "2.000-000E+02", 1), "the rate is '2.000-000E"),
         (resorce().replace("m/s/s", "cubits"), "'cubits'"),
         (cwb().replace("     0.040", "     0.070"), "does not grow"),
         (cwb().replace("Rate(Hz): 50", "Rate(Hz): 51"), "does not grow"),
@@ -232,6 +238,12 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, text: str, words: s
     with pytest.raises(RecordError, match=words) as caught:
         read_record(path, component=0)
     assert caught.value.line is not None
+
+
+def test_an_exponent_of_fortran_in_a_step(tmp_path: Path) -> None:
+    path = tmp_path / "record.txt"
+    path.write_text(resorce().replace(": 0.005", ": 5.0D-03"))
+    assert read_record(path).dt == 0.005
 
 
 def test_what_only_describes_a_record_may_be_damaged(tmp_path: Path) -> None:

@@ -107,10 +107,10 @@ def number_in(text: str) -> float:
 
 
 def decimal(text: str, what: str, name: str, number: int) -> float:
-    """A number without an exponent, which the text is as a whole."""
-    if not re.fullmatch(r"[+-]?(?:\d+\.?\d*|\.\d+)", text, re.ASCII):
+    """A number, which the text is as a whole."""
+    if not re.fullmatch(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?", text, re.ASCII):
         raise RecordError(f"{what} is {text!r}; expected a number", name, number)
-    return float(text)
+    return float(re.sub("[dD]", "E", text))
 
 
 def whole(text: str, what: str, name: str, number: int) -> int:

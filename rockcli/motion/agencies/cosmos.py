@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, counted, number_in, sought, step, unit_of, whole
+from rockcli.motion.agencies.channel import Channel, Format, counted, decimal, number_in, sought, step, unit_of, whole
 
 PEAK, INTERVAL = 63, 61
 """Places, from 0, in the header of reals: largest acceleration, and time step [ms]."""
@@ -67,9 +67,11 @@ def _skip(lines: list[str], at: int, kind: str, name: str) -> int:
 def _reals(lines: list[str], at: int, name: str) -> tuple[list[float], int]:
     said = _announced(lines, at, "Real", name)
     end = at + 1 + int(said[2])
-    reals = [number_in(word) for line in lines[at + 1 : end] for word in line.split()]
-    if len(reals) < PEAK + 1:
-        raise RecordError(f"{len(reals)} real-header values; expected {said[1]}", name, at + 1)
+    words = [word for line in lines[at + 1 : end] for word in line.split()]
+    if len(words) < PEAK + 1:
+        raise RecordError(f"{len(words)} real-header values; expected {said[1]}", name, at + 1)
+    reals = [number_in(word) for word in words]
+    reals[INTERVAL] = decimal(words[INTERVAL], "the time step [ms]", name, at + 1)
     return reals, end
 
 

@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, number_in, step, unit_of
+from rockcli.motion.agencies.channel import Channel, Format, decimal, number_in, step, unit_of
 from rockcli.motion.numbers import read_numbers
 
 ROUNDED = 1.0
@@ -27,7 +27,7 @@ def parse(lines: list[str], name: str) -> list[Channel]:
     if not order or not said.get("DataSequence", "").startswith("Time"):
         raise RecordError("no header line '#DataSequence: Time U(+); N(+); E(+)'", name)
     unit = unit_of(re.split(r"[.\s]", said.get("AmplitudeUnit", ""), maxsplit=1)[0], name, 1)
-    rate = number_in(said.get("SampleRate(Hz)", ""))
+    rate = decimal(said.get("SampleRate(Hz)", ""), "SampleRate(Hz)", name, 1)
     dt = step(1.0 / rate if rate > 0.0 else 0.0, name, 1)
     body = ["" if line.startswith("#") else line for line in lines]
     table = read_numbers(body, 1, name).values

@@ -5,7 +5,18 @@ from __future__ import annotations
 import re
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, alone, counted, number_in, sought, step, unit_of, whole
+from rockcli.motion.agencies.channel import (
+    Channel,
+    Format,
+    alone,
+    counted,
+    decimal,
+    number_in,
+    sought,
+    step,
+    unit_of,
+    whole,
+)
 
 _PAIR = re.compile(r"\s*([^:]*?)\s*:\s*(.*?)\s*$")
 
@@ -49,7 +60,8 @@ def parse_esm(lines: list[str], name: str) -> list[Channel]:
     header = {"title": list(said.values())} | _numbers(pairs, {"MAGNITUDE_W": "magnitude", "VS30_M/S": "vs30"})
     station = pairs.get("STATION_CODE", ("", 0))[0]
     component = pairs.get("STREAM", ("", 0))[0]
-    return [Channel(values, step(number_in(dt), name, dt_line), unit, component, station, peak, header)]
+    interval = step(decimal(dt, "SAMPLING_INTERVAL_S", name, dt_line), name, dt_line)
+    return [Channel(values, interval, unit, component, station, peak, header)]
 
 
 def _numbers(pairs: dict[str, tuple[str, int]], names: dict[str, str]) -> dict[str, float]:
@@ -75,7 +87,8 @@ def parse_resorce(lines: list[str], name: str) -> list[Channel]:
     station = pairs.get("Station Code / Name", ("", 0))[0]
     component = pairs.get("Orientation", ("", 0))[0]
     header = {"title": [pairs.get("Event Date & Time", ("", 0))[0]]}
-    return [Channel(values, step(number_in(dt), name, dt_line), unit, component, station, peak, header)]
+    interval = step(decimal(dt, "the time increment", name, dt_line), name, dt_line)
+    return [Channel(values, interval, unit, component, station, peak, header)]
 
 
 def recognises_csmnc(lines: list[str]) -> bool:
@@ -98,9 +111,8 @@ def parse_csmnc(lines: list[str], name: str) -> list[Channel]:
     alone(lines, end, name)
     unit = unit_of(units[0][0], name, units[0][1] + 1)
     title = [header[2].strip()]
-    return [
-        Channel(values, step(number_in(said[2]), name, at + 1), unit, component, station, abs(peak), {"title": title})
-    ]
+    interval = step(decimal(said[2], "the interval", name, at + 1), name, at + 1)
+    return [Channel(values, interval, unit, component, station, abs(peak), {"title": title})]
 
 
 ESM = Format("ESM", recognises_esm, parse_esm)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, alone, counted, number_in, sought, step, whole
+from rockcli.motion.agencies.channel import Channel, Format, alone, counted, decimal, number_in, sought, step, whole
 
 TEXTS, INTEGERS, REALS = 11, 6, 10
 """Lines of the three parts of the header."""
@@ -31,11 +31,13 @@ def parse(lines: list[str], name: str) -> list[Channel]:
         raise RecordError(f"this is a file of {_KINDS[kind].lower()}; a motion needs the acceleration", name, 1)
     text = [line.rstrip() for line in lines[:TEXTS]]
     integers = " ".join(lines[TEXTS : TEXTS + INTEGERS]).split()
-    reals = [number_in(word) for line in lines[TEXTS + INTEGERS :][:REALS] for word in line.split()]
+    words = [word for line in lines[TEXTS + INTEGERS :][:REALS] for word in line.split()]
+    reals = [number_in(word) for word in words]
     if len(integers) < 48 or len(reals) < 50:
         raise RecordError("the header is not whole: expected 48 integers and 50 reals", name, TEXTS + 1)
     count = whole(integers[COUNT], "the number of values", name, TEXTS + 3)
-    dt = step(1.0 / reals[RATE] if reals[RATE] > 0.0 else 0.0, name, TEXTS + INTEGERS + 1)
+    rate = decimal(words[RATE], "the rate", name, TEXTS + INTEGERS + 1)
+    dt = step(1.0 / rate if rate > 0.0 else 0.0, name, TEXTS + INTEGERS + 1)
     at = TEXTS + INTEGERS + REALS
     while at < len(lines) and lines[at].startswith("|"):
         at += 1
