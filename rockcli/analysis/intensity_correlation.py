@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.motion.measures import measures
+from rockcli.motion.measures import arias, cav, measures
 from rockcli.scene.excitation import Samples
 from rockcli.scene.statistics import pearson, spearman
 from rockcli.scene.variables import MEASURE, MEASURES
@@ -61,25 +61,37 @@ def _of_records(study: Study) -> tuple[dict[str, Array], Array]:
     """Measures of the motion of every case that has a record, (n,) each, NaN for the others; and g of every case."""
     values = {name: np.full(study.size, np.nan) for name in OF_RECORDS}
     g = np.full(study.size, np.nan)
-    known: dict[tuple[bytes, float, int], dict[str, float]] = {}
+    known: dict[tuple[bytes, float, float], dict[str, float]] = {}
     for indices, batch in buildable(study.batches, np.arange(study.size)):
         g[indices] = batch.g
         motion = batch.excitation.horizontal
         if not isinstance(motion, Samples):
             continue
-        raw, whole = motion.values.tobytes(), len(motion.values)
+        raw, end = motion.values.tobytes(), motion.end
         duration = np.where(np.isnan(batch.excitation.duration), np.inf, batch.excitation.duration)
-        kept = np.minimum(np.floor(duration / motion.dt + 1e-9) + 1.0, whole).astype(int)
-        for length in np.unique(kept):
-            rows = kept == length
-            key = (raw, motion.dt, int(length))
+        cut = np.minimum(duration, end)
+        for until in np.unique(cut):
+            rows = cut == until
+            key = (raw, motion.dt, float(until))
             if key not in known:
-                known[key] = measures(motion.values[:length], motion.dt, 1.0)
+                known[key] = _until(motion.values, motion.dt, float(until))
             size = np.abs(np.broadcast_to(motion.factor, rows.shape)[rows])
             for name, power in OF_RECORDS.items():
                 per_g = batch.g[rows] if name == "arias" else 1.0
                 values[name][indices[rows]] = known[key][name] * size**power / per_g
     return values, g
+
+
+def _until(a: Array, dt: float, until: float) -> dict[str, float]:
+    """Measures of a motion up to a time, in g of 1 m/s²: integrals to that time, others of the samples before it."""
+    last = min(int(np.floor(until / dt + 1e-9)), len(a) - 1)
+    found = measures(a[: last + 1], dt, 1.0)
+    rest = until - last * dt
+    if last < len(a) - 1 and rest > 0.0:
+        ends = np.array([a[last], a[last] + (a[last + 1] - a[last]) * rest / dt])
+        found["arias"] += arias(ends, rest, 1.0)
+        found["cav"] += cav(ends, rest)
+    return found
 
 
 def correlations(response: Array, whole: Contents, axis: str) -> dict[str, Field]:

@@ -231,6 +231,20 @@ def test_a_share_at_one_intensity_alone_is_not_told_to_go_from_none_to_all():
     assert "or one of them alone has members that exceed it and members that do not" in contents.attrs["warnings"]
 
 
+def test_integrals_of_a_motion_end_with_the_duration():
+    """Between two samples too: of 1 m/s² they are pi/(2 g) times the duration, and the duration."""
+    level = {"values": np.ones(400), "dt": 0.1, "units": "m/s2"}
+    base = {
+        "case": {"block": {"R": 8.0, "tan_alpha": 0.15}, "motion": {"record": level, "duration": 1.0}},
+        "over": "scale",
+        "vary": {"motion.duration": [0.05, 7.0, 7.063, 100.0], "motion.record.scale": [1.0, 2.0]},
+        "save": {"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]},
+    }
+    data, until = rockcli.run(base), np.array([0.05, 7.0, 7.063, 39.9])
+    np.testing.assert_allclose(data["arias"].sel(scale=2.0), 4.0 * np.pi / (2.0 * G) * until, rtol=1e-12)
+    np.testing.assert_allclose(data["cav"].sel(scale=2.0), 2.0 * until, rtol=1e-12)
+
+
 def test_measures_of_the_motion():
     """Unscaled records: the measures in the dataset are those of the files."""
     base = {
