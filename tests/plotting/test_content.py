@@ -198,6 +198,24 @@ def test_impacts_are_jumps() -> None:
     assert np.isnan(portrait.rate).sum() == known.sum()
 
 
+def test_a_body_that_rolls_strikes_where_its_facets_are() -> None:
+    """Impacts lie on the curve, at the tilts of the facets; the separatrix is that of a body on two edges."""
+    foot = [[-0.25, 0.05], [-0.15, 0.003], [-0.1, 0.0], [0.1, 0.0], [0.15, 0.003], [0.25, 0.05], [0.25, 2], [-0.25, 2]]
+    motion = {"pulse": {"shape": "sine", "omega_p_over_p": 5, "a_p_over_g_tan_alpha": 3}, "duration": 4}
+    case = {"block": {"outline": foot}, "motion": motion}
+    dataset = rockcli.run({"name": "r", "case": case, "vary": {"block.stands": ["outline", "toes"]}})
+    (panel,) = labelled(figures.figure("histories", dataset), r"$\theta/\alpha$")
+    marked = next(line for line in panel.lines if line.get_marker() == "o")
+    tilt = np.arctan(0.003 / 0.05) / float(dataset["alpha"])
+    struck = np.abs(np.asarray(marked.get_ydata(), dtype=float))
+    assert (struck < 1e-9).any()
+    assert (struck > 0.5).any()
+    np.testing.assert_allclose(struck[struck > 0.1], tilt, rtol=1e-3)
+    rolling, turning = figures.figure("phase", dataset).axes
+    dashed = [sum(line.is_dashed() for line in axes.lines) for axes in (rolling, turning)]
+    assert dashed == [0, 4]
+
+
 @pytest.mark.parametrize(("n", "marked"), [(20, True), (40, False)])
 def test_few_impacts_are_marked(n: int, marked: bool) -> None:
     t = np.linspace(5.5, 17.5, n)[None, :]

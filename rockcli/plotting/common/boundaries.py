@@ -100,7 +100,7 @@ def _shape(dataset: xarray.Dataset, found: tuple[str, str]) -> str:
     for axis, where in path.items():
         if axis not in found:
             settings[where] = str(dataset[axis].values)
-    if "motion.pulse.shape" not in settings or "alpha_left" in dataset.variables or _rolls(dataset, settings):
+    if "motion.pulse.shape" not in settings or "alpha_left" in dataset.variables or rolls(dataset):
         return ""
     for where, value in settings.items():
         if value not in _AS_NEEDED.get(where, (value,) if where.startswith(_SAYS_NOTHING) or where == "g" else ()):
@@ -109,9 +109,13 @@ def _shape(dataset: xarray.Dataset, found: tuple[str, str]) -> str:
     return settings["motion.pulse.shape"] if known else ""
 
 
-def _rolls(dataset: xarray.Dataset, settings: dict[str, str]) -> bool:
-    """Whether the body rolls over vertices beside its two edges: the closed forms do not know them."""
-    if "outline_x" not in dataset.variables or settings.get("block.stands") == "toes":
+def rolls(dataset: xarray.Dataset) -> bool:
+    """Whether a body, of one point on the axes that change it, rolls over vertices beside its two edges."""
+    if "outline_x" not in dataset.variables:
         return False
+    stands = [case_settings(dataset).get("block.stands", "")]
+    stands += [
+        str(dataset[axis].values) for axis in axes_of(dataset) if path_of(dataset, axis).endswith("block.stands")
+    ]
     x, z = (np.ravel(dataset[name].values) for name in ("outline_x", "outline_z"))
-    return len(lower_hull(np.column_stack([x, z]))) > 2
+    return stands[-1] != "toes" and len(lower_hull(np.column_stack([x, z]))) > 2

@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.plotting.common.cases import Array, outcome_at, pick, reference_words, selection_note, spread, values_at
+from rockcli.plotting.common.boundaries import rolls
+from rockcli.plotting.common.cases import (
+    Array,
+    axes_of,
+    outcome_at,
+    pick,
+    reference_words,
+    selection_note,
+    spread,
+    values_at,
+)
 from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.response import Response, edges, impacts_of, response_of
 from rockcli.plotting.common.style import (
@@ -68,11 +78,15 @@ def draw(dataset: xarray.Dataset) -> Figure:
             panel_title(axes, ", ".join(part for part in (case.label, fates[-1]) if part), width / columns)
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
-    wide = bool(reach.max() > _WIDE)
+    turns_on_two = [not rolls(dataset.isel(dict(zip(axes_of(dataset), case.position, strict=True)))) for case in shown]
+    wide = bool(reach.max() > _WIDE) and any(turns_on_two)
     across = 1.08 * max(reach[0], 1.0 if wide else 0.01)
     for number, case in enumerate(shown):
         axes = grid.flat[number]
-        _separatrix(axes, edges(dataset, "alpha", case.position), across)
+        if turns_on_two[number]:
+            _separatrix(axes, edges(dataset, "alpha", case.position), across)
+        axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+        axes.axvline(0.0, color=QUIET, linewidth=0.4, zorder=0)
         axes.tick_params(labelbottom=number + columns >= len(shown))
     grid.flat[0].set_xlim(-across, across)
     up = 1.08 * max(reach[1], 1.0 if wide else 0.01)
@@ -120,11 +134,12 @@ def _jumps(dataset: xarray.Dataset, at: tuple[int, ...], response: Response) -> 
 
 
 def _separatrix(axes: Axes, alpha: Array, reach: float) -> None:
-    """The free motions that end in the unstable equilibria, |theta_dot| = 2 p |sin((alpha - |theta|)/2)|, by side."""
+    """The free motions of a body on two edges that end in its unstable equilibria, by side.
+
+    There |theta_dot| = 2 p |sin((alpha - |theta|)/2)|.
+    """
     q = np.linspace(0.0, reach, 201)
     for side, of_side in ((-1.0, alpha[LEFT]), (1.0, alpha[RIGHT])):
         rate = 2.0 * np.sin(0.5 * of_side * (1.0 - q)) / of_side
         for sign in (-1.0, 1.0):
             axes.plot(side * q, sign * rate, color=QUIET, linewidth=0.7, dashes=(4, 2), zorder=1)
-    axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
-    axes.axvline(0.0, color=QUIET, linewidth=0.4, zorder=0)
