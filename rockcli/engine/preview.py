@@ -35,7 +35,7 @@ from rockcli.scene.contact import slides_first
 from rockcli.scene.damping import SCHEMES
 from rockcli.scene.excitation import Channel, Pulses, Samples
 from rockcli.scene.lower_outline import facets_of
-from rockcli.scene.models import MODELS
+from rockcli.scene.models import CONTINUUM, FLEXIBLE, MODELS
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
@@ -327,7 +327,8 @@ def _motion(batch: Batch) -> list[Row]:
     block, pair = batch.block, (batch.model, batch.geometry)
     alpha, tan_alpha = block.of_weak_edge(block.alpha)[:1], block.of_weak_edge(block.tan_alpha)[:1]
     uplift = float((MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha)[0])
-    rows = [Row("uplift_g", "uplift at [g]", uplift)]
+    whose = "uplift of a rigid body at [g]" if batch.model in (FLEXIBLE, CONTINUUM) else "uplift at [g]"
+    rows = [Row("uplift_g", whose, uplift)]
     rows += _channel(batch, batch.excitation.horizontal, uplift, "")
     if batch.excitation.vertical is not None:
         rows += _channel(batch, batch.excitation.vertical, None, "vertical ")

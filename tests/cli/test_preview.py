@@ -55,6 +55,12 @@ def test_the_linearized_block_uplifts_at_alpha(checked: Callable[..., Any]) -> N
     assert "PGA over g alpha" in checked(case)
 
 
+def test_uplift_of_a_flexible_column_is_told_as_that_of_a_rigid_body(checked: Callable[..., Any]) -> None:
+    column = "block: {height: 30, width: 5}, model: flexible, column: {E: 3e9, rho: 1900, zeta: 0.02}"
+    assert "uplift of a rigid body at [g]" in checked(f"{column}, motion: {{{SINE}}}")
+    assert "of a rigid body" not in checked(f"{BLOCK}, motion: {{{SINE}}}")
+
+
 def test_raw_measures_factor_and_processing_of_a_record(checked: Callable[..., Any], tmp_path: Path) -> None:
     (tmp_path / "q.txt").write_text("# units: m/s2\n0 0\n0.01 2\n0.02 0\n0.03 -1\n")
     case = f"{BLOCK}, motion: {{record: {{file: q.txt, pga: 4}}}}"

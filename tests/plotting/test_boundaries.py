@@ -87,6 +87,18 @@ def test_below_floors_no_line_says_where_the_body_lifts(*, settings: bool) -> No
     assert not [word for word in words if "uplift," in word or "closed form" in word]
 
 
+def test_a_flexible_column_has_no_line_of_uplift() -> None:
+    """It lifts below g tan(alpha) where it is pushed suddenly, and does so here."""
+    column = {"block": {"height": 30, "width": 5}, "column": {"E": 3e9, "rho": 1900, "zeta": 0.02}, "model": "flexible"}
+    dataset = mapped(column | {"damping": "restitution"}, {"model": ["rigid", "flexible"]})
+    low = dataset["outcome"].isel(a_p_over_g_tan_alpha=0)
+    assert float(low["a_p_over_g_tan_alpha"]) == 0.5
+    assert low.sel(model="flexible").values.max() > 0 == low.sel(model="rigid").values.max()
+    rigid, flexible = figures.figure("map", dataset).axes[:2]
+    there = [any(line.get_gid() == outcomes.UPLIFT for line in axes.lines) for axes in (rigid, flexible)]
+    assert there == [True, False]
+
+
 def test_they_agree_with_the_outcomes_of_a_map() -> None:
     """Beside the solid line and inside the dashed one the solver says what the figure says."""
     dataset = mapped()

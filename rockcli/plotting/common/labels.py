@@ -102,6 +102,15 @@ def has_floors(dataset: xarray.Dataset) -> bool:
     return any(step.startswith("through ") for steps in processing.values() for step in steps)
 
 
+def deforms(dataset: xarray.Dataset) -> bool:
+    """Whether all bodies are deformable columns, which lift below g tan(alpha) where they are pushed suddenly."""
+    axes = [axis for axis in str(dataset.attrs.get("axes", "")).split() if path_of(dataset, axis) == "model"]
+    model = resolved_case(dataset).get("model")
+    base = model.get("name") if isinstance(model, dict) else model
+    models = np.unique(dataset[axes[0]].values.astype(str)).tolist() if axes else [base]
+    return {*models} <= {"flexible", "continuum"}
+
+
 def unit_g(dataset: xarray.Dataset) -> float:
     """Unit of acceleration in plots [m/s²]: the g of the study's case; 9.81 where it is not told or is varied."""
     varied = {path_of(dataset, str(name)) for name in dataset.coords}

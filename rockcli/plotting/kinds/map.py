@@ -17,6 +17,7 @@ from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, sele
 from rockcli.plotting.common.labels import (
     axis_label,
     axis_values,
+    deforms,
     has_floors,
     path_of,
     shown_unit,
@@ -164,7 +165,7 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
     """Draw the amplitude at which a rigid body lifts, over an axis of amplitudes; whether it is in the map."""
     x, y = found
     role = path_of(dataset, y).rsplit(".", 1)[-1]
-    if role not in _ACCELERATIONS or has_floors(dataset):
+    if role not in _ACCELERATIONS or has_floors(dataset) or deforms(dataset):
         return False
     if role.endswith("_over_g_tan_alpha"):
         level = np.ones(dataset.sizes[x])

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, number_at
-from rockcli.plotting.common.labels import axis_values, coordinate_words, has_floors, path_of, shown_unit, whose
+from rockcli.plotting.common.labels import (
+    axis_values,
+    coordinate_words,
+    deforms,
+    has_floors,
+    path_of,
+    shown_unit,
+    whose,
+)
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.thresholds import BELOW, FOUND, IN_RANGE, NONE, Thresholds
 from rockcli.scene.variables import HAZARD, LIMIT, PEAK
@@ -164,7 +172,7 @@ def name_of(dataset: xarray.Dataset, axis: str) -> str:
 def _uplift(dataset: xarray.Dataset) -> list[Fact]:
     """The ground acceleration at which rigid bodies lift about their weaker edge."""
     names = [name for name in ("alpha_left", "alpha_right", "alpha") if name in dataset.variables]
-    if not names or "outcome" not in dataset.variables:
+    if not names or "outcome" not in dataset.variables or deforms(dataset):
         return []
     weaker = dataset[names[0]]
     for name in names[1:]:
