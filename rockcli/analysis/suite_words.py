@@ -337,7 +337,7 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
     divisor, unit = units.of(str(contents.fields["fragility_median"].attrs["units"]))
     n = len(contents.values(over.axis))
     many = int(np.prod(status.shape[:-1], dtype=int))
-    listed = list(np.ndindex(*status.shape[:-1]))[:MOST_BODIES]
+    listed = _worst(contents.values("fragility_median")[..., -1])
     for at in listed:
         where = f"{place(contents, bodies, at, units)}: " if bodies else ""
         if begins[at] > 0.0:
@@ -381,7 +381,10 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
                     f"{_limits(-c_high, -c_low)}"
                 )
     if many > len(listed):
-        yield f"and {many - len(listed)} more bodies: rock table FILE.nc --of fragility"
+        yield (
+            f"and {many - len(listed)} more bodies, of larger medians of overturning or none: "
+            "rock table FILE.nc --of fragility --select limit_state=overturned --sort fragility_median"
+        )
 
 
 def _limits(low: float, high: float, level: str = "95 % ") -> str:
@@ -396,8 +399,9 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
     rate = contents.values("annual_rate")
     bodies = contents.fields["fragility_begins_at"].dims
     divisor, unit = units.of(str(contents.fields["fragility_median"].attrs["units"]))
-    every = list(np.ndindex(*rate.shape[:-2]))
-    for at in every[:MOST_BODIES]:
+    many = int(np.prod(rate.shape[:-2], dtype=int))
+    listed = _worst(np.asarray(-np.nan_to_num(rate[..., -1, :], nan=-1.0).max(axis=-1)))
+    for at in listed:
         where = f"{place(contents, bodies, at, units)}: " if bodies else ""
         for i, label in enumerate(contents.values(HAZARD)):
             told = [
@@ -422,8 +426,19 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
                     f"{where}{over.age:g} years under {label}: overturns with probability {1.0 - survives:.3g}, "
                     f"survives with {survives:.3g}; a body that stood so long {known} (likelihood ratio {ratio:.3g})"
                 )
-    if len(every) > MOST_BODIES:
-        yield f"and {len(every) - MOST_BODIES} more bodies: rock table FILE.nc --of risk"
+    if many > len(listed):
+        yield (
+            f"and {many - len(listed)} more bodies, that overturn less often or have no rate: "
+            "rock table FILE.nc --of risk --select limit_state=overturned --sort -annual_rate"
+        )
+
+
+def _worst(measure: NDArray[np.float64]) -> list[tuple[int, ...]]:
+    """The bodies that are told of: all, in their order, or the first `MOST_BODIES` by a measure, NaN last."""
+    every = list(np.ndindex(*measure.shape))
+    if len(every) <= MOST_BODIES:
+        return every
+    return [every[i] for i in np.argsort(measure.ravel(), kind="stable")[:MOST_BODIES]]
 
 
 def _tails(contents: Contents, over: Over) -> Iterator[str]:

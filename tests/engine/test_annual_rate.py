@@ -229,6 +229,20 @@ def test_a_body_without_a_rate_says_why(tmp_path):
     assert "none (separable): it goes from none to all within a step" in page
 
 
+def test_of_many_bodies_the_worst_are_told():
+    """Smaller bodies overturn more easily: of eight, in whatever order, the two largest are left to the table."""
+    sizes = [3.0, 0.5, 2.0, 1.0, 4.0, 0.7, 1.5, 5.0]
+    bodies = {f"R{R:g}": {"block.R": R * G} for R in sizes}
+    amplitudes = {"motion.pulse.omega_p": SINES, "motion.pulse.a_p": {"from": 0.5, "to": 20, "n": 24}}
+    over = {"axis": "motion.pulse.omega_p", "along": "a_p"}
+    data = rockcli.run(study(over=over, vary={"case": bodies, **amplitudes}))
+    says = json.loads(data.attrs["ensemble"])["says"]
+    for words in ("median motion_pulse_a_p", "annual rate under one"):
+        told = dict.fromkeys(one.partition(":")[0] for one in says if words in one)
+        assert list(told) == [f"case=R{R:g}" for R in sorted(sizes)[:6]]
+    assert sum("and 2 more bodies" in one and "--sort" in one for one in says) == 2
+
+
 def test_a_clause_may_name_a_hazard_curve(tmp_path):
     clause = {"quantity": "survival", "at": {"limit_state": "overturned", "hazard": "one"}, "min": 0.0, "max": 1.0}
     del clause["max"]
