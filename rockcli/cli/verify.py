@@ -1,7 +1,9 @@
-"""`rock verify`: closed forms against the solvers, printed with tolerances."""
+"""`rock verify`: closed forms against the solvers, printed with tolerances, or datasets against their checksums."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -9,14 +11,22 @@ import typer
 from rockcli.cli.say import say
 from rockcli.cli.tables import table
 
+_STATES = {True: "intact", False: "damaged, or changed by another program", None: "without a checksum"}
+
 
 def verify(
+    paths: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="[FILE.nc|FOLDER...]", help="Datasets; folders are searched. Without any: the solvers."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the checks as JSON.")] = False,
 ) -> None:
-    """Check the solvers against closed forms.
+    """Check the solvers against closed forms, or datasets against the checksums that they carry.
 
-    Exit code 1 if one is missed.
+    Exit code 1 if a closed form is missed, or a dataset is damaged.
     """
+    if paths:
+        raise typer.Exit(0 if _intact(paths, as_json=as_json) else 1)
     from rockcli.engine.verify import checks
 
     made = list(checks())
@@ -40,3 +50,29 @@ def verify(
         say(table(("", "closed form", "expected", "got", "difference", "allowed"), rows, right=4))
         say(f"{agree} of {len(made)} agree; differences are relative")
     raise typer.Exit(0 if agree == len(made) else 1)
+
+
+def _intact(paths: Sequence[Path], *, as_json: bool) -> bool:
+    """Say of datasets whether they are as they were written; whether none is damaged."""
+    from rockcli.cli.progress import counted
+    from rockcli.errors import StudyError
+    from rockcli.storage import netcdf
+
+    files: dict[Path, None] = {}
+    for path in paths:
+        found = sorted(path.rglob("*.nc")) if path.is_dir() else [path]
+        if not found or not found[0].is_file():
+            raise StudyError("no *.nc in this folder" if path.is_dir() else "no such file or folder", file=path)
+        files.update(dict.fromkeys(found))
+    states = {file: netcdf.is_intact(file) for file in files}
+    if as_json:
+        import json
+
+        say(json.dumps([{"file": str(file), "intact": state} for file, state in states.items()], indent=2))
+    else:
+        for file, state in states.items():
+            if not state:
+                say(f"{file}: {_STATES[state]}")
+        whole = sum(state is True for state in states.values())
+        say(f"{counted(len(states), 'dataset')}, {whole} intact")
+    return False not in states.values()

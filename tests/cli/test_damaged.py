@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 from pathlib import Path
 
@@ -142,3 +143,28 @@ def test_one_of_an_earlier_build_has_no_checksum(made, rock):
     rewritten(made, checksum=None)
     assert netcdf.is_intact(made) is None
     assert rock("run", "d.yaml", "--no-plots") == 0
+
+
+def test_datasets_of_a_folder_are_verified(rock, made, capsys):
+    """One that is whole, one of which a number was changed, one cut off, one without a checksum."""
+    folder = made.parent.parent
+    assert rock("verify", folder) == 0
+    assert capsys.readouterr().out == "1 dataset, 1 intact\n"
+    for name in ("changed", "cut", "old"):
+        (folder / f"{name}.nc").write_bytes(made.read_bytes())
+    with netCDF4.Dataset(folder / "changed.nc", "a") as file:
+        file["theta_peak_over_alpha"][0] += 1e-9
+    (folder / "cut.nc").write_bytes(made.read_bytes()[:5000])
+    with netCDF4.Dataset(folder / "old.nc", "a") as file:
+        file.delncattr("checksum")
+    assert rock("verify", made, folder / "old.nc") == 0
+    capsys.readouterr()
+    assert rock("verify", folder, "--json") == 1
+    told = {Path(one["file"]).stem: one["intact"] for one in json.loads(capsys.readouterr().out)}
+    assert told == {"changed": False, "cut": False, "old": None, "d": True}
+    assert rock("verify", folder) == 1
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].startswith(f"{folder / 'changed.nc'}: damaged, or changed")
+    assert said[1].startswith(f"{folder / 'cut.nc'}: damaged")
+    assert said[2:] == [f"{folder / 'old.nc'}: without a checksum", "4 datasets, 1 intact"]
+    assert rock("verify", folder / "gone.nc") == 2
