@@ -30,6 +30,7 @@ _LEAST = 0.2
 """Smallest alpha and p that are tried, relative to the first guess; the inverse is the largest p."""
 
 _DECIMAL_COMMAS = re.compile(r"\d,\d+\s*[;\t]")
+_ONE_COMMA = re.compile(r"\s*[+-]?\d+,\d+\s*$")
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +83,8 @@ def read_measured(path: Path, *, degrees: bool) -> Measured:
         if len(row) not in (1, 2) or (rows and len(row) != len(rows[0])) or not np.isfinite(row).all():
             raise StudyError("expected one column (amplitudes) or two (time, rotation)", file=path, line=number)
         if rows and len(row) == 2 and row[0] <= rows[-1][0]:
-            raise StudyError("the times do not increase", file=path, line=number)
+            hint = "; a comma parts columns: write decimals with a point" if _ONE_COMMA.match(line) else ""
+            raise StudyError(f"the times do not increase{hint}", file=path, line=number)
         rows.append(row)
     if len(rows) < 3:
         raise StudyError("holds fewer than three rows of numbers", file=path)

@@ -146,6 +146,7 @@ def test_the_figure_shows_both_and_the_residuals() -> None:
     ("text", "options", "said"),
     [
         ("0,00;0,1\n1,00;0,05\n2,00;0,02\n", ["--alpha", ".2", "--p", "2"], "write decimals with a point"),
+        ("0,15\n0,13\n0,11\n", ["--alpha", ".2"], "do not increase; a comma parts columns: write decimals with"),
         ("0 .1\n1 .05\n1 .02\n", ["--alpha", ".2", "--p", "2"], "do not increase"),
         ("0 .1 3\n1 .05 3\n", ["--alpha", ".2", "--p", "2"], "one column"),
         ("t theta\n0 .1\nx y\n", ["--alpha", ".2", "--p", "2"], "expected numbers"),
