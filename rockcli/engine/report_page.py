@@ -17,7 +17,7 @@ from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
 from rockcli.storage.contents import Contents
 from rockcli.storage.read import from_xarray, open_dataset, with_axes_left
-from rockcli.storage.table import frame_of
+from rockcli.storage.table import CURVE, frame_of
 from rockcli.study.reopen import clauses_of
 
 if TYPE_CHECKING:
@@ -61,12 +61,11 @@ def _write(dataset: xarray.Dataset, contents: Contents, target: Path) -> None:
 
 _LIMITS = ("fragility_median", "fragility_median_ci_low", "fragility_median_ci_high", "fragility_beta_total")
 _RATES = ("annual_rate", "annual_rate_ci_low", "annual_rate_ci_high")
-_STATUS = "fragility_status"
 _SLIDES = ("slide_peak_p50", "slide_peak_p84")
 
 _WANTED: dict[str, tuple[str, tuple[str, ...]]] = {
-    "fragility": ("Fragility", (*_LIMITS, "fragility_percentile_5", "fragility_begins_at", _STATUS)),
-    "risk": ("Risk", (*_RATES, "probability_in_age", "survival", _STATUS)),
+    "fragility": ("Fragility", (*_LIMITS, "fragility_percentile_5", "fragility_begins_at", CURVE)),
+    "risk": ("Risk", (*_RATES, "probability_in_age", "survival", CURVE)),
     "suite": ("The suite", ("n_answered", "p_overturned", *(f"{PEAK}_{p}" for p in ("p16", "p50", "p84")), *_SLIDES)),
 }
 """Tables of a page: title, and which columns."""
@@ -85,8 +84,8 @@ def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
             continue
         bare = {str(head).partition(" [")[0]: head for head in every.columns}
         about = [head for name, head in bare.items() if name in (*str(dataset.attrs["axes"]).split(), LIMIT, HAZARD)]
-        none = [status for status in WHY_NOT if STATUS[status] in set(every.get(_STATUS, ()))]
-        wanted = tuple(name for name in wanted if name in bare and (none or name != _STATUS))
+        none = [status for status in WHY_NOT if STATUS[status] in set(every.get(CURVE, ()))]
+        wanted = tuple(name for name in wanted if name in bare and (none or name != CURVE))
         shown = every[[*about, *(bare[name] for name in wanted)]].head(_ROWS_SHOWN)
         words = units_of(from_xarray(dataset))
         heads, columns = [], []
@@ -105,7 +104,7 @@ def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
 
 def _cell(value: float | str, divisor: float, name: str) -> str:
     """A value of a table; a dash where there is none."""
-    if name == _STATUS:
+    if name == CURVE:
         return _curve(str(value))
     if isinstance(value, str):
         return f"peak theta/alpha > {value}" if name == LIMIT and ">" not in value and value != OVERTURNED else value

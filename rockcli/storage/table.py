@@ -50,7 +50,9 @@ BLOCK = 65_536
 """Rows read at a time."""
 
 _REASON, _REASONS = "reason", "reasons"
-_STATUS = "fragility_status"
+
+CURVE = "fragility_status"
+"""Whether a body has a fragility curve."""
 
 _Points = dict[str, Any]
 """Dimension -> the points of a block on it: a slice, or of a sorted table an index of every row."""
@@ -271,7 +273,7 @@ def table_of(
     first = [dim for dim in dims if dim in items]
     rest = [name for name in belong if name not in first]
     if of == "risk":  # why a body has no rate: one that never overturns and one that always does have none alike
-        rest.append(_STATUS)
+        rest.append(CURVE)
     if "outcome" in rest:  # after the coordinates, before what was computed
         rest.remove("outcome")
         known = [name for name in rest if name in COORDINATES]
