@@ -28,7 +28,7 @@ BODY = ("--alpha", "0.25", "--p", "3")
         ("0 0.2\n0.1 0.3\n0.2 0.6\n0.3 1.5\n", BODY, "beyond alpha = 0.25 rad"),
         ("0 0.2\n0.1 0.19\n0.2 0.17\n", BODY, "3 unknowns need more than 3 rows"),
         ("0.0;0.2x\n0.1;0.19\n0.2;0.17\n0.3;0.1\n", BODY, "data.txt:1: expected numbers"),
-        ("0,0;0,2\n0,1;0,19\n0,2;0,17\n", BODY, "data.txt:1: expected one column"),
+        ("0,0;0,2\n0,1;0,19\n0,2;0,17\n", BODY, "data.txt:1: commas stand in the numbers"),
         (
             "11\n9\n7\n6\n",
             ("--alpha", "0.25"),
