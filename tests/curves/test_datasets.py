@@ -69,7 +69,7 @@ def test_beside_a_motion_nothing_else_changes():
 
 
 def test_curves_come_and_go_without_solving(tmp_path: Path):
-    study = {"name": "both", "case": {**STILL["case"], "motion": PULSE}, "plots": ["curves"]}
+    study = {"name": "both", "case": {**STILL["case"], "motion": PULSE}}
     run_study(open_study(study), tmp_path, plots=False)
     for curves, there in ((["pushover"], True), ([], False), (["displacements"], True)):
         report = run_study(open_study(study | {"curves": curves}), tmp_path, plots=False)

@@ -173,8 +173,6 @@ class TestDamping:
         assert (batch_of(block, damping={"eta": "housner"}).damping.eta == batch_of(block).damping.eta).all()
         assert (batch_of(block, damping={"r_energy": 0.81}).damping.eta == math.sqrt(0.81)).all()
 
-    def test_a_negative_eta_is_clamped_and_said(self):
-        batch = batch_of({"R": 2, "tan_alpha": 1.5})
-        assert (batch.damping.eta == 0.0).all()
-        assert any("sqrt 2" in sentence for sentence in batch.warnings)
-        assert batch_of({"R": 2, "tan_alpha": 1.41}).warnings == ()
+    def test_a_negative_eta_is_clamped(self):  # and said: test_study_plausibility.py
+        assert (batch_of({"R": 2, "tan_alpha": 1.5}).damping.eta == 0.0).all()
+        assert (batch_of({"R": 2, "tan_alpha": 1.41}).damping.eta > 0.0).all()

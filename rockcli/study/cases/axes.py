@@ -101,9 +101,9 @@ def read_axes(
     return [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
 
 
-def _why_it_cannot_wait(let: dict[str, Any], text: str) -> str:
+def _why_it_cannot_wait(let: Map | None, text: str) -> str:
     why = "expected numbers or expressions of numbers, units and a constant g: other expressions depend on it"
-    own = sorted(parse(text).names & let.keys())
+    own = [] if let is None else sorted(parse(text).names & let.keys())
     if own:
         why += f" (`{own[0]}` is a symbol of `let`, which axes of the block, of g and of let cannot use)"
     return why
@@ -240,7 +240,7 @@ class _Reader:
             if expression.names <= CONSTANTS.keys():
                 return float(expression.evaluate(constant))
             if self.of_symbols and not self.of_g_alone(expression):
-                raise self.fail(f"is {describe(text)}; {_why_it_cannot_wait(self.study.get('let') or {}, text)}", *more)
+                raise self.fail(f"is {describe(text)}; {_why_it_cannot_wait(self.study.get('let'), text)}", *more)
             if self.evaluate is None:
                 raise _NeedsCase
             return self.evaluate(text)
