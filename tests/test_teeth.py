@@ -65,7 +65,7 @@ def late_extremes() -> None:
 def paths_until_the_fall() -> None:
     with_record_lanes()
     with np.errstate(all="ignore"):
-        batch = lanes_pulses.map_of("ricker", 8, scalars=paths_of_lanes.FOUND)
+        batch = lanes_pulses.map_of("ricker", 6, scalars=paths_of_lanes.FOUND)
         paths_of_lanes.assert_same_as_to_the_ground(batch)
 
 
