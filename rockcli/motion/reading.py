@@ -21,7 +21,7 @@ from rockcli.motion.at2 import looks_like_at2, parse_at2
 from rockcli.motion.file import record_bytes
 from rockcli.motion.motion import Given, Motion
 from rockcli.motion.options import OptionError
-from rockcli.motion.text import first_that_is_none, is_numeric_text, parse_text
+from rockcli.motion.text import first_line_of_words, is_numeric_text, parse_text
 from rockcli.motion.units import FACTORS, same_unit, unit_named
 
 if TYPE_CHECKING:
@@ -349,7 +349,7 @@ def _obspy_format(path: Path) -> str:
         asked = declared.select(group=f"obspy.plugin.waveform.{name}", name="isFormat")
         if name not in not_asked and any(_says_yes(entry, path) for entry in asked):
             return str(name)
-    if found := first_that_is_none(record_bytes(path)):
+    if found := first_line_of_words(record_bytes(path)):
         line, text = found
         raise RecordError(f"{text.strip()[:40]!r} is no line of numbers, as those before are; correct it", path, line)
     agencies = ", ".join(one.name for one in FORMATS)

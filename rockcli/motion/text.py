@@ -67,7 +67,7 @@ def is_numeric_text(data: bytes) -> bool:
     return bool(_CHARACTERS.fullmatch(body)) and any(character.isdigit() for character in body)
 
 
-def first_that_is_none(data: bytes) -> tuple[int, str] | None:
+def first_line_of_words(data: bytes) -> tuple[int, str] | None:
     """Number and text of the first line that is none of numbers, of a text that begins with them; None of another."""
     lines = [(i, line) for i, line in enumerate(_lines(data), 1) if line.strip() and not _COMMENT.match(line)]
     other = next(((i, line) for i, line in lines if not _CHARACTERS.fullmatch(line)), None)
