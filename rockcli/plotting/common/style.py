@@ -166,7 +166,7 @@ class Shown(Figure):
     def _repr_png_(self) -> bytes:
         data = BytesIO()
         with mpl.rc_context(RC), no_word_of_glyphs():
-            _settle(self)
+            settle(self)
             self.savefig(data, format="png", dpi=SCREEN_DPI, metadata=_UNDATED["png"])
         return data.getvalue()
 
@@ -254,14 +254,14 @@ def legend_of(figure: Figure, axes: Axes, most: int = 4) -> None:
 
 def save(figure: Figure, path: Path, plot_format: str) -> None:
     """Write a figure; the same figure gives the same bytes.  Its title and note are in the file's metadata too."""
-    _settle(figure)
+    settle(figure)
     title, _, note = str(figure.get_label()).partition("\n")
     named = {"Title": title, _NOTES[plot_format]: note}
     metadata = _UNDATED[plot_format] | {key: words for key, words in named.items() if words}
     figure.savefig(path, format=plot_format, dpi=DPI, metadata=metadata, **_WRITTEN[plot_format])
 
 
-def _settle(figure: Figure) -> None:
+def settle(figure: Figure) -> None:
     """Lay the panels out and round where they are.
 
     The solver of the layout adds in the order of memory addresses, so that panels move by a last bit from run to run.

@@ -231,6 +231,7 @@ _TITLES = {
 def _image(drawn: Figure, words: str) -> str:
     """A figure in the page: scalable, or a picture where it would be heavy."""
     width = int(drawn.get_figwidth() * 130)
+    style.settle(drawn)
     code = io.StringIO()
     with mpl.rc_context({**style.RC, "svg.fonttype": "path"}), style.no_word_of_glyphs():
         drawn.savefig(code, format="svg", metadata={"Date": None, "Creator": None})

@@ -37,6 +37,7 @@ def _section(section: Section) -> str:
 def _image(figure: Figure | None, title: str) -> str:
     if figure is None:
         return ""
+    style.settle(figure)
     picture = io.BytesIO()
     with mpl.rc_context(style.RC), style.no_word_of_glyphs():
         figure.savefig(picture, format="png", dpi=200)
