@@ -1,8 +1,9 @@
 """Scalar physics: floats in, floats out; one source that runs compiled by numba or as plain Python.
 
 Where the kernels were compiled ahead of time, with the program or by `rock cache --fill`, they need no compiler; else
-they are compiled just in time, which costs half a second from a warm cache and far more from a cold one.  One case is
-faster as plain Python.  `load` is the only way in: it decides before the kernels are first imported.
+they are compiled just in time, which costs half a second from a warm cache and far more from a cold one.  Little work
+is done sooner by plain Python: `pays` knows from when on.  `load` is the only way in: it decides before the kernels are
+first imported.
 """
 
 from __future__ import annotations
@@ -21,6 +22,12 @@ announce: Callable[[str], None] | None = None
 
 COMPILING = "compiling the kernels, once: 15 to 60 s (`rock cache --fill` does it beforehand)"
 COMPILING_ALWAYS = "compiling the kernels: 15 to 60 s in every run, as there is no place to keep them (ROCK_CACHE_DIR)"
+
+COMPILE_ABOVE = 2.0
+"""Work for plain Python above which kernels are compiled just in time [s]."""
+
+LOAD_ABOVE = 0.1
+"""Work for plain Python above which kernels compiled ahead of time are loaded [s]: about what that takes."""
 
 ENTRIES = (
     "lanes.records.slipping", "lanes.records.vertical", "lanes.records.march", "contact.march", "lanes.pulses.march",
@@ -59,6 +66,11 @@ def in_use_ahead(name: str) -> ModuleType | None:
     return (
         importlib.import_module(f"{__name__}.{name}") if compiled and jit is not None and jit.ahead_of_time() else None
     )
+
+
+def pays(seconds: float) -> bool:
+    """Whether kernels had better be compiled, or are, for work that takes plain Python about so long [s]."""
+    return bool(compiled) or seconds > COMPILE_ABOVE or (seconds > LOAD_ABOVE and compiled_ahead())
 
 
 def compiled_ahead() -> bool:

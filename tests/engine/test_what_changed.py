@@ -168,7 +168,6 @@ def peaks(folder: Path, out: str) -> Any:
 def test_the_old_answer_is_never_given_again(
     kind: str, way: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("ROCK_KERNELS", "interpreted")
     given, change = tables(way, tmp_path) if kind == "table" else study_of(kind, way, tmp_path)
     given |= {"save": {"histories": False, "scalars": ["outcome", PEAK]}}
 
@@ -235,7 +234,6 @@ def test_two_files_of_one_name_are_told_apart_in_words(tmp_path: Path) -> None:
 
 def test_the_bases_own_record_may_join_the_axis(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What an axis displaces in the base is in no case, and so not in what identifies them."""
-    monkeypatch.setenv("ROCK_KERNELS", "interpreted")
     for version, name in enumerate(("one.csv", "two.csv", "own.csv")):
         motion(tmp_path / name, version)
 
@@ -257,7 +255,6 @@ def test_the_bases_own_record_may_join_the_axis(tmp_path: Path, monkeypatch: pyt
 
 
 def test_a_key_that_only_some_settings_displace_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROCK_KERNELS", "interpreted")
     motion(tmp_path / "h1.csv", 0)
 
     def run(mu: float, settings: dict[str, Any]) -> Any:
@@ -278,7 +275,6 @@ def test_a_key_that_only_some_settings_displace_counts(tmp_path: Path, monkeypat
 
 def test_a_symbol_of_ones_own_displaces_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """`scale` and `pga` say the same of a record; as symbols of `let` they are two."""
-    monkeypatch.setenv("ROCK_KERNELS", "interpreted")
 
     def run(pga: float, points: list[float]) -> Any:
         case = {"block": {"R": "scale", "tan_alpha": "pga"}, "initial": {"theta": 0.01}}
@@ -306,7 +302,6 @@ def test_a_file_that_changes_while_it_is_read_is_not_taken_for_two(tmp_path: Pat
 
 
 def test_a_study_that_was_opened_is_solved_as_it_was_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROCK_KERNELS", "interpreted")
     body(tmp_path / "b.csv", 0)
     given = {"name": "s", "case": {"block": {"outline": "b.csv"}, "initial": {"theta": 0.05}}}
     (tmp_path / "s.yaml").write_text(yaml.safe_dump(given))

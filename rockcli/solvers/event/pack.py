@@ -22,9 +22,6 @@ Array = NDArray[np.float64]
 MAX_STEPS = {True: 20_000_000, False: 30_000}
 """Steps a case may take, compiled or not; a case that needs more uncompiled is solved again compiled."""
 
-COMPILE_ABOVE = 2.0
-"""Estimated seconds of plain Python above which the kernels are compiled."""
-
 BLOCK = 2048
 """Rows written at a time."""
 

@@ -38,7 +38,7 @@ from rockcli.solvers.contact.turns import BESIDE, by_turns, can_take_turns
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
 from rockcli.solvers.event.nudges import finer_than, nudges
-from rockcli.solvers.event.pack import COMPILE_ABOVE, order_of, parameters_of, settings_of
+from rockcli.solvers.event.pack import order_of, parameters_of, settings_of
 from rockcli.solvers.event.unpack import FORCES, Raw, friction_and_normal, histories_of, scalars_of
 from rockcli.solvers.rolling import solver as rolling_bodies
 
@@ -74,7 +74,7 @@ def _on_two_edges(batch: Batch) -> Response:
     seconds = lane_pulses.SECONDS * batch.size if pulses else _estimated_seconds(batch, parameters)
     # not where enough cases come together, or had been solved before: it would be seen in the last bits
     ready = pulses and kernels.compiled_ahead()  # lanes have the same bits, sooner than in plain Python
-    march = kernels.load(compile_them=compiled_only or ready or seconds > COMPILE_ABOVE)
+    march = kernels.load(compile_them=compiled_only or ready or kernels.pays(seconds))
     in_lanes = pulses or (bool(kernels.compiled) and compiled_only)
 
     def attempt() -> tuple[Raw, Opened]:
@@ -124,7 +124,7 @@ def _judged(
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
         # the same bits compiled or not, so that an ensemble may be compiled where one run was not
-        kernel = kernels.load(compile_them=bool(kernels.compiled) or seconds * len(rows) > COMPILE_ABOVE)
+        kernel = kernels.load(compile_them=kernels.pays(seconds * len(rows)))
         others = nudged(peaks, rows, factors)
         packed = parameters_of(others)
         how_well = finer if fine else level

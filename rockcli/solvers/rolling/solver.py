@@ -24,7 +24,7 @@ from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.ground import channel_of
 from rockcli.solvers.contact.solver import Opened, with_contact
 from rockcli.solvers.event.nudges import finer_than, nudges
-from rockcli.solvers.event.pack import COMPILE_ABOVE, order_of, settings_of
+from rockcli.solvers.event.pack import order_of, settings_of
 from rockcli.solvers.event.pulse_lanes import path_asked
 from rockcli.solvers.event.unpack import FORCES, Raw
 from rockcli.solvers.rolling import pulse_lanes, record_lanes
@@ -48,7 +48,7 @@ def solve(batch: Batch) -> Response:
     seconds = _estimated_seconds(batch, facets)
     compiled_only = record_lanes.asked(batch) or path_asked(batch)  # as of two edges, however few they are
     ready = pulse_lanes.asked(batch) and kernels.compiled_ahead()  # with the same bits
-    kernels.load("rolling.march", compile_them=compiled_only or ready or seconds > COMPILE_ABOVE)
+    kernels.load("rolling.march", compile_them=compiled_only or ready or kernels.pays(seconds))
     way = _way(batch)
     run = _run(batch, facets, level, way, histories=batch.save.histories)
     judgement = _judged(batch, facets, level, run, way, seconds) if batch.save.scalars & CERTAINTY else None
@@ -158,8 +158,7 @@ def _judged(batch: Batch, facets: Facets, level: Accuracy, run: Raw, way: str, s
     )
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
-        compiled = bool(kernels.compiled) or seconds / batch.size * len(rows) > COMPILE_ABOVE
-        kernels.load("rolling.march", compile_them=compiled)
+        kernels.load("rolling.march", compile_them=kernels.pays(seconds / batch.size * len(rows)))
         others = nudged(peaks, rows, factors)
         its = facets_in(others)
         how_well = finer if fine else level
