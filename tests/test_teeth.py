@@ -1,6 +1,7 @@
 """The truth tests fail on a spoilt program: one fault at a time, in every family of kernels, a solver and the sweep.
 
-What is asked of the spoilt program is what the tests of that family ask, on a few of their cases.
+What is asked of the spoilt program is what the tests of that family ask, on a few of their cases.  Kernels run as plain
+Python here, which takes seconds where whole paths are followed: those with `-m slow`.
 """
 
 from __future__ import annotations
@@ -410,12 +411,24 @@ FAULTS = {
 """By family and kind of fault."""
 
 
-@pytest.mark.parametrize("truth", dict.fromkeys(fault.truth for fault in FAULTS.values()), ids=lambda f: f.__name__)
+LONG = (pulse_paths, late_extremes, paths_until_the_fall, uneven_paths, rolling, rolling_pulses, rolling_records)
+"""Truths that take plain Python seconds."""
+
+
+def _marked(value: object, truth: Callable[[], None]):
+    return pytest.param(value, marks=[pytest.mark.slow] if truth in LONG else [])
+
+
+@pytest.mark.parametrize(
+    "truth",
+    [_marked(truth, truth) for truth in dict.fromkeys(fault.truth for fault in FAULTS.values())],
+    ids=lambda f: f.__name__,
+)
 def test_the_program_as_it_is_passes(truth, plain):
     truth()
 
 
-@pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.parametrize("name", [_marked(name, fault.truth) for name, fault in FAULTS.items()])
 def test_fault_is_noticed(name, plain):
     fault = FAULTS[name]
     with spoilt(fault.module, fault.right, fault.wrong), pytest.raises((AssertionError, ArithmeticError)):

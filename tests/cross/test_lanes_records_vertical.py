@@ -220,7 +220,7 @@ def test_who_is_solved_one_by_one(monkeypatch):
     np.testing.assert_array_equal(found["outcome"][sticks], solve(lifted(batch)).scalars["outcome"][sticks])
 
 
-@pytest.mark.parametrize("longer", [True, False])
+@pytest.mark.parametrize("longer", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_against_an_independent_integrator(longer):
     values, dt = own()
     if not longer:
