@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 _ROOT = re.compile(rb"<testsuites?\b")
 
+COUNTS = ("tests", "failures", "errors", "skipped")
+"""Attributes of a test suite that add up over the run."""
+
 
 def check_junit(path: Path, datasets: Sequence[Path]) -> None:
     """Refuse a place for the verdicts before anything is solved.
@@ -46,9 +49,12 @@ def _is_ours(path: Path) -> bool:
 
 def write_junit(reports: Sequence[RunReport], path: Path) -> None:
     """One test suite per study: a test for its cases being solved, and one per clause of `expect`."""
+    suites = [_suite(report) for report in reports]
     root = ET.Element("testsuites", name="rock run")
-    for report in reports:
-        root.append(_suite(report))
+    for count in COUNTS:
+        root.set(count, str(sum(int(suite.get(count, 0)) for suite in suites)))
+    root.set("time", f"{sum(report.seconds for report in reports):.3f}")
+    root.extend(suites)
     ET.indent(root)
     tree = ET.ElementTree(root)
     if path.exists() and not path.is_file():  # a pipe or a device
@@ -72,6 +78,7 @@ def _suite(report: RunReport) -> ET.Element:
         name=report.name,
         tests=str(1 + len(report.verdicts)),
         failures=str(failures),
+        errors="0",
         skipped=str(int(skipped)),
         time=f"{report.seconds:.3f}",
     )

@@ -169,7 +169,11 @@ def test_a_missing_record_is_skipped_on_demand(rock: Rock, tmp_path: Path, capsy
     told = capsys.readouterr()
     assert "skipped away" in told.err
     assert "1 skipped" in told.out
-    suites = {suite.get("name"): suite for suite in ET.parse(tmp_path / "out" / "verdicts.xml").getroot()}
+    root = ET.parse(tmp_path / "out" / "verdicts.xml").getroot()
+    suites = {suite.get("name"): suite for suite in root}
+    for count in ("tests", "failures", "errors", "skipped"):
+        assert int(root.get(count, -1)) == sum(int(suite.get(count, -1)) for suite in suites.values()) >= 0
+    assert root.get("skipped") == "1"
     assert suites["away"].get("skipped") == "1"
     assert suites["here"].get("failures") == "0"
     assert rock("run", tmp_path / "away.yaml", "--skip-missing") == 0
