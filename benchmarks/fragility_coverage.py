@@ -4,7 +4,7 @@
 
 Capacities are lognormal above x_0 and those of a member at every intensity, so that stripes are not independent.  Told
 of are the medians of three nested states (stripes and clouds), of searched thresholds of which a third lies above the
-range, the exponent of a second intensity, and of the 1 and 5 % values; beside them how often curves of
+range, their beta, the exponent of a second intensity, and the 1 and 5 % values; beside them how often curves of
 suites that they describe are said to miss them.  Writes results/fragility_coverage.csv, or of it the rows of the names
 asked for.
 """
@@ -21,7 +21,7 @@ from machine import machine
 from scipy.stats import norm
 
 from rockcli.analysis.curve_misfit import LEVEL
-from rockcli.analysis.fragility import Seen, curve_of_capacities, curves
+from rockcli.analysis.fragility import Curves, Seen, curve_of_capacities, curves
 
 HERE = Path(__file__).resolve().parent
 X = np.linspace(0.5, 8.0, 30)
@@ -32,26 +32,61 @@ def capacities(rng: np.random.Generator, n: int, begins: float) -> np.ndarray:
     return begins + (MEDIANS - begins) * np.exp(BETA * rng.standard_normal((n, 1)))
 
 
-def stripes(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+def of_stripes(rng: np.random.Generator, n: int, begins: float) -> Curves:
     category = (capacities(rng, n, begins)[:, :, None] < X).sum(axis=1)
     x = np.broadcast_to(X, category.shape)
-    low, high = curves(Seen(x, category, category, np.ones(x.shape)), 3, begins_at=begins).median_limits()
-    return ((low <= MEDIANS) & (high >= MEDIANS)).tolist()
+    return curves(Seen(x, category, category, np.ones(x.shape)), 3, begins_at=begins)
+
+
+def of_a_cloud(rng: np.random.Generator, n: int, begins: float) -> Curves:
+    x = np.exp(np.log(3.0) + 0.6 * rng.standard_normal((n, 1))) + begins
+    category = (capacities(rng, n, begins) < x).sum(axis=1)[:, None]
+    return curves(Seen(x, category, category, np.ones(x.shape)), 3, begins_at=begins)
+
+
+def of_thresholds(rng: np.random.Generator, n: int, begins: float, *, cut: bool) -> Curves:
+    x = capacities(rng, n, begins)[:, 1]
+    top = begins + (MEDIANS[1] - begins) * np.exp(0.43 * BETA) if cut else np.inf
+    return curve_of_capacities(np.minimum(x, top), np.where(x > top, np.inf, x), np.arange(n), begins)
+
+
+def stripes(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    return held_medians(of_stripes(rng, n, begins))
 
 
 def cloud(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
-    x = np.exp(np.log(3.0) + 0.6 * rng.standard_normal((n, 1))) + begins
-    category = (capacities(rng, n, begins) < x).sum(axis=1)[:, None]
-    low, high = curves(Seen(x, category, category, np.ones(x.shape)), 3, begins_at=begins).median_limits()
+    return held_medians(of_a_cloud(rng, n, begins))
+
+
+def held_medians(found: Curves) -> list[bool]:
+    low, high = found.median_limits()
     return ((low <= MEDIANS) & (high >= MEDIANS)).tolist()
 
 
 def searched(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
-    x = capacities(rng, n, begins)[:, 1]
-    top = begins + (MEDIANS[1] - begins) * np.exp(0.43 * BETA)
-    found = curve_of_capacities(np.minimum(x, top), np.where(x > top, np.inf, x), np.arange(n), begins)
-    low, high = found.median_limits()
+    low, high = of_thresholds(rng, n, begins, cut=True).median_limits()
     return [bool(low[0] <= MEDIANS[1] <= high[0])]
+
+
+def beta_of_stripes(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    return held_beta(of_stripes(rng, n, begins))
+
+
+def beta_of_a_cloud(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    return held_beta(of_a_cloud(rng, n, begins))
+
+
+def beta_searched(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    return held_beta(of_thresholds(rng, n, begins, cut=False))
+
+
+def beta_searched_cut(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
+    return held_beta(of_thresholds(rng, n, begins, cut=True))
+
+
+def held_beta(found: Curves) -> list[bool]:
+    low, high = found.beta_limits()
+    return [bool(low[0] <= BETA <= high[0])]
 
 
 def exponent(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
@@ -64,9 +99,7 @@ def exponent(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
 
 
 def small_percentiles(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
-    category = (capacities(rng, n, begins)[:, :, None] < X).sum(axis=1)
-    x = np.broadcast_to(X, category.shape)
-    low, high = curves(Seen(x, category, category, np.ones(x.shape)), 3, begins_at=begins).percentile_limits(0.0)
+    low, high = of_stripes(rng, n, begins).percentile_limits(0.0)
     return held_percentiles(low[1], high[1], begins)
 
 
@@ -80,8 +113,7 @@ def close_states(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
 
 
 def small_percentiles_searched(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
-    x = capacities(rng, n, begins)[:, 1]
-    low, high = curve_of_capacities(x, x, np.arange(n), begins).percentile_limits(0.0)
+    low, high = of_thresholds(rng, n, begins, cut=False).percentile_limits(0.0)
     return held_percentiles(low[0], high[0], begins)
 
 
@@ -92,9 +124,7 @@ def held_percentiles(low: np.ndarray, high: np.ndarray, begins: float) -> list[b
 
 
 def not_missed(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
-    category = (capacities(rng, n, begins)[:, :, None] < X).sum(axis=1)
-    x = np.broadcast_to(X, category.shape)
-    return (curves(Seen(x, category, category, np.ones(x.shape)), 3, begins_at=begins).misfit_p >= LEVEL).tolist()
+    return (of_stripes(rng, n, begins).misfit_p >= LEVEL).tolist()
 
 
 def missed(rng: np.random.Generator, n: int, begins: float) -> list[bool]:
@@ -110,6 +140,10 @@ CASES = {
     "median, stripes": (stripes, [(42, 0.0), (42, 1.0), (100, 0.0), (12, 1.0)]),
     "median, cloud": (cloud, [(100, 0.0), (400, 1.0)]),
     "median, searched, a third above the range": (searched, [(42, 0.0), (42, 1.0)]),
+    "beta, stripes": (beta_of_stripes, [(5, 0.0), (12, 1.0), (42, 0.0)]),
+    "beta, cloud": (beta_of_a_cloud, [(40, 0.0), (100, 0.0)]),
+    "beta, searched": (beta_searched, [(5, 0.0), (12, 0.0), (42, 0.0)]),
+    "beta, searched, a third above the range": (beta_searched_cut, [(8, 0.0), (12, 0.0), (42, 0.0)]),
     "exponent of a second intensity": (exponent, [(42, 0.0), (100, 1.0)]),
     "1 and 5 %, stripes": (small_percentiles, [(12, 1.0), (42, 0.0), (100, 1.0)]),
     "1 and 5 %, stripes, two states close together": (close_states, [(12, 1.0), (20, 0.0), (42, 0.0)]),

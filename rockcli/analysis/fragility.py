@@ -119,9 +119,21 @@ class Curves:
         return self.begins_at + above / spread, self.begins_at + above * spread
 
     def beta_limits(self) -> tuple[Array, Array]:
-        """The same of beta, on its logarithm."""
-        spread = np.exp(self._reach * self.se_beta / self.beta)
-        return self.beta / spread, self.beta * spread
+        """The same of beta, which is chi of as many degrees of freedom as give its variance by the jackknife.
+
+        Above it is freed of its bias, sqrt(f/(f + 1)) where all capacities are known.  Below it is not: where some lie
+        beyond what was seen there is less of it.
+        """
+        from scipy.stats import chi2
+
+        freedom, tail = self._freedom(), 0.5 * (1.0 - CONFIDENCE)
+        low = self.beta * np.sqrt(freedom / chi2.ppf(1.0 - tail, freedom))
+        return low, self.beta * np.sqrt((freedom + 1.0) / chi2.ppf(tail, freedom))
+
+    def _freedom(self) -> Array:
+        """Degrees of freedom of beta, (states,): at least one, at most those of as many capacities as members."""
+        with np.errstate(divide="ignore"):
+            return np.clip(self.beta**2 / (2.0 * self.jackknife[:, 2]), 1.0, max(self.members - 1, 1))
 
     def exponent_limits(self) -> tuple[Array, Array]:
         """The same of the exponent of the second intensity, by the jackknife."""
@@ -148,12 +160,12 @@ class Curves:
         from scipy.stats import nct
 
         low, high = (np.full((len(self.beta), len(PERCENTILES)), np.nan) for _ in range(2))
-        z = ndtri(np.array(PERCENTILES) / 100.0)
+        z, freedoms = ndtri(np.array(PERCENTILES) / 100.0), self._freedom()
         for j in np.flatnonzero((self.jackknife[:, [0, 2]] > 0.0).all(axis=1)):
             beta, (v_median, covariance, v_beta) = self.beta[j], self.jackknife[j, :3]
             total = np.hypot(beta, beta_added)
             steep = z * beta / total  # derivative by beta
-            freedom = np.clip(beta**2 / (2.0 * v_beta), 1.0, max(self.members - 1, 1))
+            freedom = freedoms[j]
             unbiased = beta * np.sqrt((freedom + 1.0) / freedom)
             least = covariance / v_beta
             scale = np.sqrt(max(v_median - covariance * least, 1e-9 * v_median)) / beta

@@ -528,6 +528,25 @@ def test_limits_of_a_percentile_of_known_capacities_are_those_of_a_normal_sample
     assert abs(np.log(high[0, 1] / exact[1])) < 0.03 * width
 
 
+@pytest.mark.parametrize("n", [5, 12])
+def test_limits_of_beta_hold_it_as_often_as_they_say(n):
+    suites, held = 250, 0
+    for seed in range(suites):
+        low, high = curves(seen(suite(n=n, medians=(3.0,), beta=0.5, seed=seed)), 1).beta_limits()
+        held += low[0] <= 0.5 <= high[0]
+    # 95 % of 250 within 2.5 standard errors; Student's t on the logarithm holds 87 %
+    assert stats.binom.ppf(stats.norm.cdf(-2.5), suites, 0.95) <= held < suites
+
+
+def test_limits_of_beta_of_known_capacities_are_those_of_a_normal_sample():
+    """By chi-square of the variance, up to the scatter of its own variance; below without the bias of the maximum."""
+    u = np.random.default_rng(5).standard_normal(400) * 0.4 + 1.0
+    low, high = curve_of_capacities(np.exp(u), np.exp(u), np.arange(400)).beta_limits()
+    least, most = u.std(ddof=1) * np.sqrt(399.0 / stats.chi2.ppf([0.975, 0.025], 399))
+    assert abs(low[0] - least) < 0.03 * (most - least)
+    assert abs(high[0] - most) < 0.03 * (most - least)
+
+
 @pytest.mark.parametrize("n", [5, 6, 8, 12])
 def test_the_median_bounds_the_limits_of_percentiles(n):
     half = variables.PERCENTILES.index(50.0)
