@@ -45,6 +45,7 @@ def identify(
         THETA,
         P,
         amplitudes_of,
+        check_fit_place,
         check_history,
         eta_of_amplitudes,
         guess_of,
@@ -60,6 +61,8 @@ def identify(
     if wrong:
         raise StudyError(f"--fit {wrong[0]}: expected eta, alpha or p")
     source = _source(study, alpha, p)
+    if out is not None:
+        check_fit_place(out)
     measured = read_measured(file, degrees=degrees)
     guess = guess_of(source)
     if measured.time is None:

@@ -17,6 +17,7 @@ from rockcli.errors import StudyError
 from rockcli.scene.response import overturned
 from rockcli.solvers.fit import Fit, least_squares_fit
 from rockcli.storage.atomic import replacing, write_text
+from rockcli.storage.places import check_file
 from rockcli.study.open import open_study
 
 Array = NDArray[np.float64]
@@ -261,16 +262,28 @@ def identify_history(
     return Identified(tuple(free), fit, len(time), theta + left, _notes(free, fit, missed))
 
 
+def check_fit_place(path: Path) -> None:
+    """Refuse a place for the fit before anything is fitted.
+
+    Raises:
+        StudyError: its name ends as no format does, or nothing can be written there.
+    """
+    if _ending(path) not in ("csv", *FORMATS):
+        raise StudyError(f"--out {path}: expected a name that ends in .csv, .{', .'.join(FORMATS)}")
+    check_file(path)
+
+
+def _ending(path: Path) -> str:
+    return path.suffix.lower().lstrip(".")
+
+
 def write_fit(measured: Measured, found: Identified, path: Path) -> None:
     """Write what was measured beside what was fitted [rad]: a table (.csv), or a figure (.png .pdf .svg).
 
     Raises:
-        StudyError: the name ends otherwise.
         OutputError: it cannot be written.
     """
-    ending = path.suffix.lower().lstrip(".")
-    if ending not in ("csv", *FORMATS):
-        raise StudyError(f"--out {path}: expected a name that ends in .csv, .{', .'.join(FORMATS)}")
+    ending = _ending(path)
     head = "swing" if measured.time is None else "time [s]"
     along = np.arange(found.points, dtype=float) if measured.time is None else measured.time
     path.parent.mkdir(parents=True, exist_ok=True)

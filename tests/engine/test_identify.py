@@ -11,7 +11,9 @@ from reference import flights, symmetric
 from typer.testing import CliRunner
 
 from rockcli.cli.main import app
+from rockcli.engine import identify
 from rockcli.engine.identify import ALPHA, ETA, Measured, identify_amplitudes
+from rockcli.errors import StudyError
 
 G, ALPHA_0, R, ETA_0 = 9.81, 0.25, 0.8, 0.91
 P_0 = float(np.sqrt(0.75 * G / R))
@@ -128,8 +130,16 @@ def test_measured_and_fitted_are_written(tmp_path: Path) -> None:
     for name in ("fit.png", "fit.svg"):
         identified(str(peaks), "--alpha", str(ALPHA_0), "--out", str(tmp_path / name))
         assert (tmp_path / name).stat().st_size > 1000
-    wrong = CliRunner().invoke(app, ["identify", str(peaks), "--alpha", ".25", "--out", str(tmp_path / "fit.jpg")])
-    assert "expected a name that ends in .csv, .png" in str(wrong.exception)
+
+
+def test_a_place_that_cannot_be_is_refused_before_anything_is_fitted(tmp_path, monkeypatch):
+    monkeypatch.setattr(identify, "identify_amplitudes", None)
+    peaks = write(tmp_path / "peaks.txt", amplitudes(6))
+    (tmp_path / "folder.csv").mkdir()
+    for name, why in (("fit.jpg", "expected a name that ends in .csv, .png"), ("folder.csv", "is a folder")):
+        wrong = CliRunner().invoke(app, ["identify", str(peaks), "--alpha", ".25", "--out", str(tmp_path / name)])
+        assert isinstance(wrong.exception, StudyError)
+        assert why in str(wrong.exception)
 
 
 def test_the_figure_shows_both_and_the_residuals() -> None:
