@@ -67,6 +67,15 @@ def test_fragment_has_keys_of_a_study(page, text):
     assert any(keys <= set(part.model_fields) for part in (StudyPart, CasePart, MotionPart)), keys
 
 
+@pytest.mark.parametrize("text", [text for page, text in STUDIES if page == "docs/study.md"], ids=brief)
+def test_study_of_the_guide_runs(text, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("study.yaml").write_text(text, encoding="utf-8")
+    ran = CliRunner().invoke(app, ["run", "study.yaml", "--workers", "1"])
+    assert ran.exit_code == 0, ran.output
+    assert "plots " in ran.stdout
+
+
 def test_the_guide_to_the_study_file_has_its_snippets():
     assert sum(page == "docs/study.md" for page, _ in STUDIES) >= 8
 

@@ -328,3 +328,20 @@ def test_the_title_of_one_portrait_is_over_it(asymmetric: xarray.Dataset) -> Non
     figure.draw_without_rendering()
     box = figure.axes[0].get_position()
     assert figure._suptitle.get_position()[0] == pytest.approx(0.5 * (box.x0 + box.x1), abs=0.005)
+
+
+def test_a_failed_case_does_not_keep_the_others_from_being_drawn() -> None:
+    case = {"block": {"height": 50, "width": 5}, "initial": {"theta": 0.02}, "model": "flexible"}
+    buckles = {"case": case | {"column": {"E": 1e6, "rho": 2500}, "motion": {"duration": 5}}, "save": {"dt_out": 0.05}}
+    alone = rockcli.run({"name": "alone", **buckles})
+    assert int(alone["outcome"]) == -2
+    assert traces_of(alone) == 0
+    both = rockcli.run({"name": "both", **buckles, "vary": {"column.E": [1e6, 3e10]}})
+    assert both["outcome"].values.tolist() == [-2, 1]
+    assert traces_of(both) == 1
+
+
+def traces_of(dataset: xarray.Dataset) -> int:
+    """Curves of the rotation that have anything in them."""
+    (axes,) = labelled(figures.figure("histories", dataset), r"$\theta/\alpha$")
+    return sum(np.isfinite(line.get_ydata()).sum() > 50 for line in axes.lines)

@@ -125,8 +125,7 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Win
             axes.plot([], [], label=_label(dataset, case), **_look(dataset, case, number))
             continue
         axes.plot(response.time, response.ratio, label=_label(dataset, case), zorder=3, **_look(dataset, case, number))
-        if marked:
-            impacts = marks[number]
+        if marked and len(impacts := marks[number]):
             known = np.isfinite(response.ratio)  # 0 at the impacts of a body on two edges, not of one that rolls
             where = np.interp(impacts, response.time[known], response.ratio[known])
             axes.plot(impacts, where, "o", color=colour, markersize=2.6, markeredgewidth=0.0, zorder=4)
