@@ -345,3 +345,17 @@ def traces_of(dataset: xarray.Dataset) -> int:
     """Curves of the rotation that have anything in them."""
     (axes,) = labelled(figures.figure("histories", dataset), r"$\theta/\alpha$")
     return sum(np.isfinite(line.get_ydata()).sum() > 50 for line in axes.lines)
+
+
+def test_cases_whose_histories_are_not_saved_are_not_among_those_drawn() -> None:
+    case = {"block": {"R": 5, "tan_alpha": 0.2}, "initial": {"theta": 0.1}, "motion": {"duration": 5}}
+    study = {"name": "some", "case": case, "save": {"histories": {"model": "rigid"}, "dt_out": 0.01}}
+    dataset = rockcli.run({**study, "vary": {"model": ["rigid", "linearized"]}})
+    assert traces_of(dataset) == 1
+    for kind in ("histories", "phase"):
+        figure = figures.figure(kind, dataset)
+        words = " ".join(text.get_text() for text in figure.texts)
+        assert "rigid" in words
+        assert "linearized" not in words
+        assert "without rotation" not in words
+        assert not figure.legends

@@ -66,7 +66,8 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
     """Cases to show, at most `most`, and how many there are: spread evenly, of cases with no order over their peaks.
 
     Where the study compares (`compare_to`), the reference is not a case of its own but goes with each.
-    Cases whose histories are identical although a label differs are one.
+    Cases whose histories are identical although a label differs are one; those whose histories were not saved are left
+    out.
     `axes` restricts the positions to some of the axes (the others stay at 0); references are then not given, and points
     of the innermost axis stay together.
     """
@@ -75,6 +76,8 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
     reference = reference_on_axes(dataset) if axes is None else {}
     sizes = [int(dataset.sizes[a]) if a in names else 1 for a in every]
     positions = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
+    if axes is None:
+        positions = [p for p in positions if _followed(dataset, p)] or positions
     if reference:
         positions = [p for p in positions if _referred(every, p, reference) != p] or positions
     groups = [[p] for p in positions] if axes is not None else _alike(dataset, positions, reference)
@@ -88,6 +91,13 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
         words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
         shown.append(Shown(group[0], words, None if other == group[0] else other))
     return shown, len(groups)
+
+
+def _followed(dataset: xarray.Dataset, position: tuple[int, ...]) -> bool:
+    """Whether the history of a case was saved, or would have been but that it failed."""
+    if "theta" not in dataset.variables or outcome_at(dataset, position) == "failed":
+        return True
+    return bool(np.isfinite(values_at(dataset, "theta", position)).any())
 
 
 def _spread_over_peaks(

@@ -84,7 +84,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     figure.align_ylabels()
     notes = [selection_note(len(shown), total)]
     if len(shown) == 1:
-        notes.append(_summary(dataset, shown[0]))
+        notes += [shown[0].label, _summary(dataset, shown[0])]
     notes.append(seen.note)
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
     if len(shown) > 1:

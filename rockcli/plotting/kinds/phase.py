@@ -99,7 +99,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         figure.supxlabel(_ACROSS, fontsize=9.0)
         figure.supylabel(_UP, fontsize=9.0)
     notes = [
-        fates[0] if alone is not None else "",
+        ", ".join(part for part in (shown[0].label, fates[0]) if part) if alone is not None else "",
         selection_note(len(shown), total),
         f"{still} without rotation not drawn" if still else "",
         "dotted: impacts" if reach.max() > 0.0 else "",
