@@ -243,3 +243,16 @@ def test_what_a_search_found_is_a_curve() -> None:
     assert (expected > 4.0).any()
     np.testing.assert_allclose(drawn, np.where(expected > 4.0, np.nan, expected), rtol=1e-5)
     assert [label.get_text() for label in strip.get_yticklabels()] == ["none in range"]
+
+
+def test_a_search_that_found_nothing_is_drawn_on_a_logarithmic_axis_too() -> None:
+    """Warnings are errors here."""
+    pulse = {"shape": "half_sine", "omega_p_over_p": 1, "a_p_over_g_tan_alpha": 1}
+    case = {"block": {"R": 1, "alpha": 0.1}, "motion": {"pulse": pulse}}
+    vary = {
+        "motion.pulse.omega_p_over_p": [8.0, 16.0, 32.0],
+        "motion.pulse.a_p_over_g_tan_alpha": {"from": 1, "to": 1.2, "n": 3, "find": "overturning"},
+    }
+    strip, axes = figures.figure("curve", rockcli.run({"name": "s", "case": case, "vary": vary})).axes
+    assert axes.get_xscale() == "log"
+    assert [label.get_text() for label in strip.get_yticklabels()] == ["none in range"]

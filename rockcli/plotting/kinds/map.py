@@ -207,7 +207,8 @@ def scale_axes(axes: Axes, x_log: bool, y_log: bool = False) -> None:
     for log, axis, set_scale in ((x_log, axes.xaxis, axes.set_xscale), (y_log, axes.yaxis, axes.set_yscale)):
         if log:
             set_scale("log")
-            decades = np.log10(axis.get_data_interval()[1] / axis.get_data_interval()[0])
+            low, high = axis.get_data_interval()
+            decades = np.log10(high / low) if low < high else 0.0  # where nothing is drawn low is inf
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.5 else (1.0,)))
             axis.set_major_formatter(plain)
             axis.set_minor_formatter(NullFormatter())
