@@ -76,6 +76,7 @@ def table(
         try:
             units = SI if si else units_of(items, attrs)
             found = table_of(items, attrs, of=of, columns=named, degrees=degrees, units=units, sort=sort)
+            _check_labels(found, of, wanted)
         except StudyError as error:
             raise StudyError(error.message, file=file) from None
         if out is None:
@@ -122,6 +123,16 @@ def _of_labels(dataset: Any, dim: str, asked: list[str]) -> Any:
             f"{dim}={unknown[0]}: there are {', '.join(there)}{hint(unknown[0], sorted(set().union(*words)))}"
         )
     return dataset.isel({dim: [i for i, each in enumerate(words) if each & set(asked)]})
+
+
+def _check_labels(found: Table, of: str, wanted: Mapping[str, list[str]]) -> None:
+    """Refuse to select limit states or hazard curves of a table that has no column of them."""
+    from rockcli.errors import StudyError
+    from rockcli.scene.variables import HAZARD, LIMIT
+
+    for dim, other in ((LIMIT, "fragility"), (HAZARD, "risk")):
+        if dim in wanted and dim not in found.dims:
+            raise StudyError(f"select {dim}: the table {of!r} has no such column; --of {other} has")
 
 
 def _print(table: Table, rows: int, always: Sequence[str]) -> None:

@@ -141,6 +141,13 @@ def test_one_limit_state_of_a_table(rock, dataset, tmp_path, capsys):
     assert "limit_state=fallen: there are" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("of", ["cases", "suite"])
+def test_a_limit_state_of_a_table_without_them_is_refused(rock, dataset, tmp_path, capsys, of):
+    assert rock("table", dataset, "--of", of, "--select", "limit_state=overturned", "--out", "t.csv") == 2
+    assert f"select limit_state: the table '{of}' has no such column; --of fragility has" in capsys.readouterr().err
+    assert not (tmp_path / "t.csv").exists()
+
+
 def test_a_printed_table_says_what_a_limit_state_is_of(rock, dataset, tmp_path, capsys):
     asked = ("table", dataset, "--of", "fragility", "--columns", "fragility_median")
     assert rock(*asked) == 0
