@@ -72,7 +72,7 @@ def table(
         raise StudyError(f"--rows {rows}: expected a whole number greater than 0")
     named = None if columns is None else [name.strip() for name in columns.split(",") if name.strip()]
     wanted = chosen(select)
-    with opened(file) if not wanted else _selected(file, wanted) as (items, attrs):
+    with opened(file) if not wanted else _selected(file, wanted, of) as (items, attrs):
         try:
             units = SI if si else units_of(items, attrs)
             found = table_of(items, attrs, of=of, columns=named, degrees=degrees, units=units, sort=sort)
@@ -89,13 +89,17 @@ def table(
 
 
 @contextmanager
-def _selected(file: Path, wanted: dict[str, list[str]]) -> Iterator[tuple[Mapping[str, Item], Mapping[str, Any]]]:
+def _selected(
+    file: Path, wanted: dict[str, list[str]], of: str
+) -> Iterator[tuple[Mapping[str, Item], Mapping[str, Any]]]:
     """As `opened`, of the cases at some values of axes, and of some limit states or hazard curves."""
+    import json
+
     from rockcli.errors import StudyError
     from rockcli.plotting.common.selection import selected
     from rockcli.scene.variables import HAZARD, LIMIT
     from rockcli.storage.read import open_dataset
-    from rockcli.storage.table import items_of
+    from rockcli.storage.table import BOUNDARIES, CASES, items_of
 
     try:
         dataset = open_dataset(file)
@@ -103,6 +107,10 @@ def _selected(file: Path, wanted: dict[str, list[str]]) -> Iterator[tuple[Mappin
         for dim in of_suite:
             dataset = _of_labels(dataset, dim, wanted[dim]) if dim in wanted else dataset
         part, _ = selected(dataset, {axis: values for axis, values in wanted.items() if axis not in of_suite}, of_suite)
+        if of not in (CASES, BOUNDARIES) and "ensemble" in dataset.attrs.keys() - part.attrs.keys():
+            over = json.loads(dataset.attrs["ensemble"])["axis"]
+            members = ", ".join(over if isinstance(over, list) else [over])
+            raise StudyError(f"--select leaves a part of {members}: the table {of!r} is over all of it")
     except StudyError as error:
         raise StudyError(error.message, file=file) from None
     yield items_of(part), part.attrs

@@ -111,7 +111,7 @@ def test_a_row_of_a_suite_is_selected_and_part_of_its_members_is_no_suite(rock, 
     assert float(row["motion_pulse_a_p [g]"]) == pytest.approx(0.7)
     capsys.readouterr()
     assert rock("table", dataset, "--of", "suite", "--select", "T_p=0.6") == 2
-    assert "has no table 'suite'; it has cases" in capsys.readouterr().err
+    assert "--select leaves a part of T_p: the table 'suite' is over all of it" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
