@@ -79,6 +79,8 @@ def info(
     brief = any(inside for _, inside in chosen) or bool(periods) or rotd
     for file, inside in chosen:
         try:
+            if file.is_dir():
+                raise RecordError("there is no file in this folder; folders in it are not searched", file)
             found = _components(file, component, units, dt, every=brief and not rotd)
         except RecordError as error:
             if inside and not rotd:  # others may stand in a folder of records

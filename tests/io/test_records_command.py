@@ -117,7 +117,7 @@ def test_info_reports_every_file_and_fails_at_the_end(tmp_path: Path) -> None:
         result = CliRunner().invoke(app, ["info", *options, *files])
         assert "none.AT2: there is no such file" in result.stderr
         assert isinstance(result.exception, RecordError)
-        assert "folder" in str(result.exception)
+        assert "there is no file in this folder; folders in it are not searched" in str(result.exception)
         assert "SYNTHETIC" in result.stdout
 
 
