@@ -33,7 +33,7 @@ def _taken(value: Any, found: Records, *, of_record: bool) -> Any:
     if isinstance(value, dict):
         taken: dict[str, Any] = {}
         for key, item in value.items():
-            inside = of_record or str(key).rsplit(".", 1)[-1] == "record"
+            inside = of_record or str(key).rsplit(".", 1)[-1] in ("record", "vertical")
             whole = _is_record(item) and key != "file" and not str(key).endswith(".file")
             taken[key] = {"file": _name(item, found)} if whole else _taken(item, found, of_record=inside)
         if not of_record or "values" not in value:

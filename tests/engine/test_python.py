@@ -54,6 +54,18 @@ def test_a_record_in_memory_is_that_of_a_file(record, from_file):
         np.testing.assert_allclose(dataset[name].values, from_file[name].values, rtol=1e-12)
 
 
+@pytest.mark.parametrize("short", [True, False])
+def test_a_vertical_motion_in_memory_is_that_of_a_file(tmp_path, short):
+    np.savetxt(tmp_path / "up.txt", VALUES, fmt="%.17g")
+    told = {"dt": DT, "units": "g", "scale": 0.5}
+    level = {"record": {"values": -VALUES, "dt": DT, "units": "g"}}
+    peaks = []
+    for up in ({"file": str(tmp_path / "up.txt"), **told}, {"values": VALUES, **told}):
+        motion = level | {"vertical": up if short else {"record": up}}
+        peaks.append(float(rockcli.run({"case": {"block": BLOCK, "motion": motion}})["N_min_over_mg"]))
+    assert peaks[0] == peaks[1] < 0.9
+
+
 def test_what_read_record_returns_is_a_record(tmp_path, from_file):
     np.savetxt(tmp_path / "sine.txt", VALUES, fmt="%.17g")
     motion = rockcli.read_record(tmp_path / "sine.txt", units="g", dt=DT)
