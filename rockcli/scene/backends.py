@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
+from rockcli.scene.constants import METHODS
 from rockcli.scene.models import CONTINUUM, FLEXIBLE, MODELS
 
 if TYPE_CHECKING:
@@ -120,6 +121,21 @@ def unfit_base(batch: Batch) -> str:
     return ""
 
 
+def unfit_beams(batch: Batch) -> str:
+    """Why beam elements do not solve a batch; "" if they do."""
+    method = batch.numerics.method
+    if method not in METHODS:
+        return f"beam elements know the methods corotational and linear, not {method!r}"
+    if method == "linear" and batch.geometry != "negative_stiffness":
+        return "method linear has no P-Delta: it needs geometry: negative_stiffness and a rigid base"
+    return unfit_base(batch)
+
+
+def _unfit_method(batch: Batch) -> str:
+    """Why the general ODE methods do not solve a batch; "" if they do."""
+    return cast("str", _imported("rockcli.solvers.general.solver:unfit")(batch))
+
+
 _RIGID = frozenset({"none", "restitution", "dashpot"})
 _BEAMS = frozenset({*(pair for pair in MODELS if pair[1]), (FLEXIBLE, None)})
 _OF_BEAMS = ("accuracy", "rtol", "method", "dt", "yield_rotation")
@@ -159,7 +175,7 @@ _ROWS: tuple[Backend, ...] = (
         settings=_STEPS,
         stepping=True,
         cost=Cost(step=5e-6),
-        refuses=unfit_base,
+        refuses=unfit_beams,
     ),
     Backend(
         "opensees",
@@ -173,7 +189,7 @@ _ROWS: tuple[Backend, ...] = (
         stepping=True,
         needs="rockcli.solvers.opensees.run:require_opensees",
         cost=Cost(0.3, step=2.5e-5, dt=2e-4),
-        refuses=unfit_base,
+        refuses=unfit_beams,
     ),
     Backend(
         "scipy",
@@ -185,6 +201,7 @@ _ROWS: tuple[Backend, ...] = (
         automatic=False,
         least_rtol=2.5e-14,
         settings=(1e-3, 1e-5, 1e-7, 1e-9, 1e-11),
+        refuses=_unfit_method,
     ),
     Backend(
         "calculix",

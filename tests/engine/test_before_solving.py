@@ -143,6 +143,22 @@ def test_a_backend_that_cannot_solve_the_model(tmp_path: Path) -> None:
     check_study(open_study(study(vary=axis)), tmp_path)  # one that can is among them
 
 
+@pytest.mark.usefixtures("unsolvable")
+@pytest.mark.parametrize(
+    ("case", "said"),
+    [
+        ({"solver": {"backend": "scipy", "method": "RK54"}}, "has no method 'RK54'; it has RK23, RK45"),
+        ({"solver": {"backend": "scipy", "events": False}}, "restitution needs located impacts"),
+        ({"model": 3, "solver": {"backend": "frame", "method": "lineer"}}, "know the methods corotational and linear"),
+        ({"model": 3, "geometry": "corotational", "solver": {"backend": "frame", "method": "linear"}}, "no P-Delta"),
+        ({"model": 3, "solver": {"backend": "opensees", "method": "RK45"}}, "know the methods"),
+    ],
+)
+def test_settings_that_the_backend_does_not_have_are_refused(case: dict[str, Any], said: str) -> None:
+    with pytest.raises(StudyError, match=said):
+        rockcli.run(study(case=case))
+
+
 @pytest.mark.parametrize(
     ("said", "fault"),
     [

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from rockcli import kernels
 from rockcli.errors import SolverError
 from rockcli.kernels.frame import layout as at
+from rockcli.scene.backends import unfit_beams
 from rockcli.scene.batch import Batch
-from rockcli.scene.constants import COARSER, METHODS
+from rockcli.scene.constants import COARSER
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import CERTAINTY, compare_steps
 from rockcli.solvers.common.duration import output_times
@@ -42,8 +43,8 @@ def solve(batch: Batch) -> Response:
         SolverError: the batch asks for what these elements cannot do.
     """
     began = time.perf_counter()
-    if batch.numerics.method not in METHODS:
-        raise SolverError(f"backend frame knows the methods corotational and linear, not {batch.numerics.method!r}")
+    if why := unfit_beams(batch):
+        raise SolverError(why)
     if not batch.block.symmetric.all():
         raise SolverError("backend frame solves symmetric bodies only")
     if batch.model == "flexible" and batch.column is None:

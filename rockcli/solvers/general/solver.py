@@ -95,16 +95,22 @@ def solve(batch: Batch) -> Response:
     return Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
 
 
+def unfit(batch: Batch) -> str:
+    """Why a batch is not solved; "" if it is."""
+    name = batch.numerics.method
+    if name is not None and name not in METHODS:
+        return f"the backend scipy has no method {name!r}; it has {', '.join(METHODS)}"
+    if batch.numerics.events is False and (batch.damping.eta != 1.0).any():
+        return "restitution needs located impacts: without events (solver.events: false) damping is none or dashpot"
+    return ""
+
+
 def _settings(batch: Batch) -> Settings:
+    if why := unfit(batch):
+        raise SolverError(why)
     numerics = batch.numerics
     name = numerics.method or DEFAULT_METHOD
-    if name not in METHODS:
-        raise SolverError(f"the backend scipy has no method {name!r}; it has {', '.join(METHODS)}")
     events = numerics.events is not False
-    if not events and (batch.damping.eta != 1.0).any():
-        raise SolverError(
-            "restitution needs located impacts: without events (solver.events: false) damping is none or dashpot"
-        )
     rtol = numerics.level.ode_rtol if numerics.rtol is None else numerics.rtol
     return Settings(METHODS[name], max(rtol, FLOOR), events, numerics.tolerances.rest_speed)
 

@@ -7,9 +7,10 @@ import time
 import numpy as np
 
 from rockcli.errors import SolverError
+from rockcli.scene.backends import unfit_beams
 from rockcli.scene.batch import Batch
 from rockcli.scene.block import RECTANGLE_INERTIA
-from rockcli.scene.constants import COARSER, METHODS
+from rockcli.scene.constants import COARSER
 from rockcli.scene.response import Response
 from rockcli.solvers.common.certainty import CERTAINTY, compare_steps
 from rockcli.solvers.opensees.case import law_of
@@ -40,11 +41,8 @@ def solve(batch: Batch) -> Response:
 
 def check(batch: Batch) -> None:
     """Raise `SolverError` for what neither the backend nor an exported script can do."""
-    method = batch.numerics.method
-    if method not in METHODS:
-        raise SolverError(f"backend opensees knows the methods corotational and linear, not {method!r}")
-    if method == "linear" and batch.geometry != "negative_stiffness":
-        raise SolverError("method linear has no P-Delta: it needs geometry: negative_stiffness")
+    if why := unfit_beams(batch):
+        raise SolverError(why)
     if not batch.block.symmetric.all():
         raise SolverError("backend opensees solves symmetric bodies only")
     if batch.model == "flexible":
