@@ -24,6 +24,24 @@ def test_a_top_of_its_own_is_said_to_have_no_use_in_a_column(top, said):
         assert told == (said and model == "flexible")
 
 
+@pytest.mark.parametrize(
+    ("case", "who"),
+    [
+        ({"model": "flexible", "column": {"E": 1e10, "rho": 2000}}, "model flexible"),
+        ({"model": 3, "solver": {"backend": "frame"}}, "backend frame"),
+        ({"solver": {"backend": "scipy"}}, "backend scipy"),
+        ({"damping": "fema356"}, "backend fema356"),
+        ({}, ""),
+        ({"model": "linearized", "solver": {"backend": "event"}}, ""),
+    ],
+)
+@pytest.mark.parametrize("mu", [0.1, 0.5, {"static": 0.6, "kinetic": 0.5}, None])
+def test_friction_that_nothing_looks_at_is_said(case, who, mu):
+    block = BLOCK if mu is None else BLOCK | {"mu": mu}
+    said = [each for each in warnings_of(**{"solver": {}, "block": block} | case) if each.startswith("block.mu")]
+    assert said == ([f"block.mu is ignored by {who}, which solves no sliding"] if who and mu is not None else [])
+
+
 class TestSolverKeys:
     @pytest.mark.parametrize(
         ("solver", "keys", "backend"),

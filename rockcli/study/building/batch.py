@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.auto import AUTO, TOLERANCE
-from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT
+from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT, automatic
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.block import RECTANGLE_INERTIA, Block
 from rockcli.scene.column import ACROSS, Base, Column
@@ -66,6 +66,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
             numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
         )
     warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
+    warnings += _friction_said(block, model, geometry, damping.scheme, numerics.backend)
     warnings += unused_solver_keys(numbers.case.solver, model, geometry, damping.scheme)
     _check_rolling(numbers, model, damping)
     column, base = _column(numbers, model), _base(numbers, model)
@@ -202,15 +203,25 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
             said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
     if model in DEFORMABLE and (np.abs(block.top - 2.0 * block.h) > 1e-9 * block.h).any():
         said.append(f"block.top has no use in model {model}: the displacement is that of the column's end, at 2h")
-    if slides_first(block.mu[:, None], block.tan_alpha).any():
-        who = f"is not in model {model}" if model in DEFORMABLE else "in backend event only"
-        said.append(f"a body of mu <= tan alpha slides before it rocks (`rock check` says which do); simulated {who}")
     if (block.rolls & np.isfinite(block.mu)).any():
         said.append(
             "a body that rolls over several vertices is not followed where it would slide: cases whose mu does not "
             "hold have no answer (block.stands: toes leaves it its two edges, and it slides)"
         )
     return said
+
+
+def _friction_said(block: Block, model: str, geometry: str | None, scheme: str, backend: str) -> list[str]:
+    """A sentence where friction decides that a body slides first, or where nothing looks at it."""
+    if not np.isfinite(block.mu).any():
+        return []
+    taken = automatic(model, geometry, scheme) if backend == AUTOMATIC else BACKENDS[backend]
+    if model in DEFORMABLE or (taken is not None and taken.name != EVENT):
+        who = f"model {model}" if taken is None or taken.name == EVENT else f"backend {taken.name}"
+        return [f"block.mu is ignored by {who}, which solves no sliding"]
+    if slides_first(block.mu[:, None], block.tan_alpha).any():
+        return ["a body of mu <= tan alpha slides before it rocks (`rock check` says which do)"]
+    return []
 
 
 def _initial(numbers: Numbers) -> tuple[Array, Array]:
