@@ -42,6 +42,15 @@ def test_friction_that_nothing_looks_at_is_said(case, who, mu):
     assert said == ([f"block.mu is ignored by {who}, which solves no sliding"] if who and mu is not None else [])
 
 
+@pytest.mark.parametrize(("backend", "told"), [("auto", True), ("event", True), ("frame", False), ("opensees", False)])
+def test_fibres_that_a_base_does_not_have_are_said(backend, told):
+    base = {"law": "winkler", "kw": 1e10, "fibres": 11}
+    case = {"model": "flexible", "column": {"E": 1e10, "rho": 2000}, "base": base}
+    said = [each for each in warnings_of({"backend": backend}, **case) if "fibres" in each]
+    assert bool(said) == told
+    assert all(each.startswith("base.fibres is ignored by backend event") for each in said)
+
+
 class TestSolverKeys:
     @pytest.mark.parametrize(
         ("solver", "keys", "backend"),

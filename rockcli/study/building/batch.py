@@ -28,6 +28,9 @@ from rockcli.study.unused import unused_solver_keys
 
 Array = NDArray[np.float64]
 
+_WITH_FIBRES = ("frame", "opensees")
+"""Backends whose base may be of fibres."""
+
 
 def build_batch(numbers: Numbers, records: Records, save: Save) -> Batch:
     """The batch of these numbers.
@@ -66,10 +69,13 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
             numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
         )
     warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
-    warnings += _friction_said(block, model, geometry, damping.scheme, numerics.backend)
+    by = _taken(model, geometry, damping.scheme, numerics.backend)
+    warnings += _friction_said(block, model, by)
     warnings += unused_solver_keys(numbers.case.solver, model, geometry, damping.scheme)
     _check_rolling(numbers, model, damping)
     column, base = _column(numbers, model), _base(numbers, model)
+    if base is not None and base.fibres is not None and by not in _WITH_FIBRES:
+        warnings.append(f"base.fibres is ignored by backend {by}: {' and '.join(_WITH_FIBRES)} have fibres")
     if model == CONTINUUM and damping.scheme not in ("none", "hht"):
         numbers.fail(("case", "damping"), "model continuum loses energy by itself: damping must be none or hht")
     return Batch(
@@ -211,13 +217,20 @@ def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[s
     return said
 
 
-def _friction_said(block: Block, model: str, geometry: str | None, scheme: str, backend: str) -> list[str]:
+def _taken(model: str, geometry: str | None, scheme: str, backend: str) -> str:
+    """The backend that solves the cases; where there is none, or several by turns (model auto), `event`."""
+    if backend != AUTOMATIC:
+        return backend
+    found = automatic(model, geometry, scheme)
+    return EVENT if found is None else found.name
+
+
+def _friction_said(block: Block, model: str, backend: str) -> list[str]:
     """A sentence where friction decides that a body slides first, or where nothing looks at it."""
     if not np.isfinite(block.mu).any():
         return []
-    taken = automatic(model, geometry, scheme) if backend == AUTOMATIC else BACKENDS[backend]
-    if model in DEFORMABLE or (taken is not None and taken.name != EVENT):
-        who = f"model {model}" if taken is None or taken.name == EVENT else f"backend {taken.name}"
+    if model in DEFORMABLE or backend != EVENT:
+        who = f"model {model}" if backend == EVENT else f"backend {backend}"
         return [f"block.mu is ignored by {who}, which solves no sliding"]
     if slides_first(block.mu[:, None], block.tan_alpha).any():
         return ["a body of mu <= tan alpha slides before it rocks (`rock check` says which do)"]
