@@ -61,6 +61,10 @@ def choose(batch: Batch) -> Backend:
             raise SolverError(why)
         return row.of_model(batch.model)
     what = f"model {batch.model!r}" + (f" ({batch.geometry})" if batch.geometry else "")
+    able = [each.name for each in BACKENDS.values() if each.supports(batch)]
+    if asked == AUTOMATIC and able:
+        mend = f"write solver: {{backend: {able[0]}}}" + "".join(f", or {name}" for name in able[1:])
+        raise SolverError(f"backend auto takes none that solves {what} with damping {scheme!r}: {mend}")
     who = "no backend" if asked == AUTOMATIC else f"backend {asked!r} does not"
     verb = "solves" if asked == AUTOMATIC else "solve"
     raise SolverError(f"{who} {verb} {what} with damping {scheme!r}")

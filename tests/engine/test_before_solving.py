@@ -144,6 +144,14 @@ def test_a_backend_that_cannot_solve_the_model(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("unsolvable")
+def test_backends_that_are_not_chosen_by_themselves_are_named() -> None:
+    case = {"model": 4, "damping": "hht", "column": {"E": 3e10, "rho": 2500}, "base": {"law": "winkler", "kw": 1e10}}
+    said = r"auto takes none .* damping 'hht': write solver: \{backend: frame\}, or opensees \(rock show backends"
+    with pytest.raises(StudyError, match=said):
+        rockcli.run(study(case=case | {"geometry": "corotational"}))
+
+
+@pytest.mark.usefixtures("unsolvable")
 @pytest.mark.parametrize(
     ("case", "said"),
     [
