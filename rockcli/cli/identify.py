@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf, isfinite, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -95,6 +96,10 @@ def _source(study: Path | None, alpha: float | None, p: float | None) -> Path | 
         return study
     if alpha is None:
         raise StudyError("the body is missing: give --alpha (and --p for a history), or --study")
+    if not 0.0 < alpha < 0.5 * pi:
+        raise StudyError(f"--alpha {alpha:g}: expected an angle between 0 and pi/2 in radians (10 degrees are 0.1745)")
+    if p is not None and not 0.0 < p < inf:
+        raise StudyError(f"--p {p:g}: expected a number of rad/s greater than 0")
     g = 9.81
     block = {"R": 0.75 * g / (2.0 if p is None else p) ** 2, "alpha": alpha}
     return {"name": "identify", "case": {"g": g, "block": block, "initial": {"theta": 0.5 * alpha}}}
@@ -112,7 +117,8 @@ def _in_words(found: Identified, measured: Measured, file: Path) -> str:
     what = "amplitudes" if measured.time is None else "points"
     lines = [f"{file.name}: {found.points} {what}, scatter {found.fit.scatter:.3g} rad"]
     for name, value, low, high in zip(found.names, found.fit.values, found.fit.low, found.fit.high, strict=True):
-        lines.append(f"  {name:<12} {value:.6g}   95 %: {low:.6g} to {high:.6g}{_unit(name)}")
+        interval = f"95 %: {low:.6g} to {high:.6g}{_unit(name)}" if isfinite(high - low) else "no interval"
+        lines.append(f"  {name:<12} {value:.6g}   {interval}")
     return "\n".join(lines)
 
 
@@ -123,7 +129,6 @@ def _unit(name: str) -> str:
 
 def _as_json(found: Identified) -> str:
     import json
-    import math
 
     rows = zip(found.names, found.fit.values, found.fit.low, found.fit.high, strict=True)
     plain = {
@@ -132,8 +137,8 @@ def _as_json(found: Identified) -> str:
         "parameters": {
             name: {
                 "value": v,
-                "low": low if math.isfinite(low) else None,
-                "high": high if math.isfinite(high) else None,
+                "low": low if isfinite(low) else None,
+                "high": high if isfinite(high) else None,
             }
             for name, v, low, high in rows
         },

@@ -114,6 +114,16 @@ def test_the_command_with_amplitudes(tmp_path: Path) -> None:
     assert f"eta          {ETA_0:.6g}" in told.stdout
 
 
+def test_what_the_data_do_not_determine_has_no_interval(tmp_path: Path) -> None:
+    t = np.arange(0.0, 0.3, 0.01)  # before the first impact
+    file = write(tmp_path / "short.txt", t, free_rocking(0.6 * ALPHA_0, t))
+    told = CliRunner().invoke(app, ["identify", str(file), "--alpha", str(ALPHA_0), "--p", str(P_0)])
+    assert told.exit_code == 0, told.output
+    (eta,) = (line for line in told.stdout.splitlines() if line.strip().startswith("eta"))
+    assert eta.endswith("no interval")
+    assert "nan" not in told.stdout
+
+
 def test_measured_and_fitted_are_written(tmp_path: Path) -> None:
     """The fitted rotation is that of an independent integration, the residual the noise that was added."""
     t = 5.0 + np.arange(0.0, 3.0, 0.02)
@@ -165,6 +175,11 @@ def test_the_figure_shows_both_and_the_residuals() -> None:
         (".3\n.05\n.02\n", ["--alpha", ".2"], "between 0 and alpha"),
         (".1\n.05\n.02\n", ["--alpha", ".2", "--fit", "p"], "say nothing of p"),
         (".1\n.05\n.02\n", ["--alpha", ".2", "--fit", "mass"], "expected eta, alpha or p"),
+        (".1\n.05\n.02\n", ["--alpha", "14"], "--alpha 14: expected an angle between 0 and pi/2 in radians"),
+        (".1\n.05\n.02\n", ["--alpha", "-.2"], "--alpha -0.2: expected an angle"),
+        ("0 .1\n1 .05\n2 .02\n", ["--alpha", ".2", "--p", "0"], "--p 0: expected a number of rad/s"),
+        ("0 .1\n1 .05\n2 .02\n", ["--alpha", ".2", "--p", "-3"], "--p -3: expected a number of rad/s"),
+        ("0 .1\n1 .05\n2 .02\n", ["--alpha", ".2", "--p", "nan"], "--p nan: expected a number of rad/s"),
     ],
 )
 def test_wrong_data(tmp_path: Path, text: str, options: list[str], said: str) -> None:
