@@ -38,6 +38,7 @@ from rockcli.study.document.values import (
     Series,
     Text,
     Triple,
+    describe,
 )
 
 MODELS = (*MODEL_NAMES, *DEFORMABLE, AUTO)
@@ -486,6 +487,16 @@ Rows = Annotated[str, Field(pattern="^[xy]([1-9][0-9]?)?$")]
 """What labels and limits are of."""
 
 
+def _ends(value: Any) -> Any:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"two numbers, [low, high], are expected, not {describe(value)}")
+    return value
+
+
+Ends = Annotated[tuple[float, float], BeforeValidator(_ends)]
+"""The part of an axis of a figure that is shown."""
+
+
 class PlotPart(Part):
     """A plot, and how it is wanted."""
 
@@ -496,7 +507,7 @@ class PlotPart(Part):
     )
     title: Text | Literal[False] | None = key("title instead of the study's; false: none")
     labels: dict[Rows, str] = key("words for x and y, or for y1, y2, ..., the rows of panels from the top", {})
-    limits: dict[Rows, tuple[float, float]] = key("[low, high] of the same, in the units of the labels", {})
+    limits: dict[Rows, Ends] = key("[low, high] of the same, in the units of the labels", {})
     letters: bool = key("letter the panels (a), (b), ...", False)
 
 

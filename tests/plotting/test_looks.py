@@ -214,8 +214,11 @@ def test_a_study_says_how_its_plots_are_wanted(tmp_path: Path) -> None:
     [
         ("[{kind: histogram}]", "plots[0].kind is 'histogram'"),
         ("[{kind: map, width: 2}]", "plots[0].width"),
-        ("[{kind: map, labels: {z: depth}}]", "plots[0].labels"),
-        ("[{kind: map, limits: {x: [1]}}]", "plots[0].limits"),
+        ("[{kind: map, labels: {z: depth}}]", "plots[0].labels.z: unknown key 'z'; known: x, y, and y1, y2, ..."),
+        ("[{kind: map, limits: {z: [0, 1]}}]", "plots[0].limits.z: unknown key 'z'; known: x, y, and y1, y2, ..."),
+        ("[{kind: map, limits: {x: [1]}}]", "plots[0].limits.x: two numbers, [low, high], are expected"),
+        ("[{kind: map, limits: {x: [1, 2, 3]}}]", "plots[0].limits.x: two numbers, [low, high], are expected"),
+        ("[{kind: map, limits: {x: 1}}]", "plots[0].limits.x: two numbers, [low, high], are expected"),
         ("[{width: single}]", "'kind' is missing"),
         ("[{kind: map, letter: true}]", "did you mean 'letters'"),
     ],

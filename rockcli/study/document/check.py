@@ -152,6 +152,8 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
         keys_of_it = ", ".join(fields_at(part, keys[len(at) :]))
         with_keys = f" with the keys {keys_of_it}" if keys_of_it else ""
         return where, f"{name} must be a mapping{with_keys}, not {value}"
+    if kind == "string_pattern_mismatch" and detail["loc"][-1] == "[key]":  # of labels and limits of a plot
+        return where, f"{name}: unknown key {str(keys[-1])!r}; known: x, y, and y1, y2, ... for the rows of panels"
     if kind == "string_pattern_mismatch":
         return where, f"{name} is {value}; only letters, digits, - and _ are allowed, at most 100 of them"
     if kind == "value_error":
