@@ -36,6 +36,8 @@ def compare(
         raise StudyError(f"--most {most}: expected a number >= 0")
     if a.is_dir() and b.is_dir():
         same = _folders(a, b, rtol, most, as_json=as_json)
+    elif gone := next((path for path in (a, b) if not path.exists()), None):
+        raise StudyError("no such file or folder", file=gone)
     elif a.is_dir() or b.is_dir():
         raise StudyError(f"{a} and {b}: a folder and a file; expected two datasets, or two folders of them")
     else:

@@ -265,3 +265,12 @@ def test_two_folders_are_compared_by_name(first: Contents, tmp_path: Path) -> No
     for other_place in ("empty", "old/one/one.nc"):
         asked[2] = str(tmp_path / other_place)
         assert isinstance(CliRunner().invoke(app, asked).exception, StudyError)
+
+
+def test_what_is_not_there_is_named(tmp_path: Path) -> None:
+    (tmp_path / "results").mkdir()
+    for there in (tmp_path / "results", tmp_path / "a.nc"):
+        told = CliRunner().invoke(app, ["compare", str(there), str(tmp_path / "old")])
+        gone = tmp_path / "old" if there.is_dir() else there
+        assert isinstance(told.exception, StudyError)
+        assert str(told.exception) == f"{gone}: no such file or folder"
