@@ -144,9 +144,9 @@ def table(
 ) -> pandas.DataFrame:
     """A dataset as a table: one row per case, axes first, outcome as a word, columns `name [unit]` in SI units.
 
-    `of` is `cases`, or of a suite `suite`, `fragility`, `risk`, `deaggregation`, `stripes` or `demand`; `columns` are
-    the variables wanted beside the axes; `degrees` gives angles in degrees.  Histories are in no table.  Raises
-    `StudyError` for a table or column that is not there.
+    `of` is `cases`, or of a suite `suite`, `fragility`, `risk`, `deaggregation`, `stripes`, `demand` or `inputs`, or of
+    a refined map `boundaries`; `columns` are the variables wanted beside the axes; `degrees` gives angles in degrees.
+    Histories are in no table.  Raises `StudyError` for a table or column that is not there.
     """
     from rockcli.storage.table import frame_of
 
