@@ -221,9 +221,14 @@ class TestRecords:
             batch_of({"record": {"file": "quak.txt"}}, file=folder / "s.yaml")
         message = str(caught.value)
         assert str(folder / "records") in message
-        assert "Close names there: quake.txt" in message
+        assert "Close names: quake.txt" in message
         assert caught.value.file == str(folder / "s.yaml")
         assert caught.value.line is not None
+
+    @pytest.mark.parametrize("name", ["synthetic_rock_m6.AT2", "synthetic_rock_m65", "syntetic_rock_m65.AT2"])
+    def test_a_record_of_the_program_is_among_the_close_names(self, tmp_path, name):
+        with pytest.raises(MissingRecordError, match=r"Close names: synthetic_rock_m65\.AT2"):
+            batch_of({"record": name}, file=tmp_path / "s.yaml")
 
     def test_a_record_of_the_catalogue_says_how_to_get_it(self, folder):
         with pytest.raises(MissingRecordError, match=r"(?s)It is Loma Prieta, WAHO.*\n  How to get it: PEER"):

@@ -190,9 +190,9 @@ class Records:
             lines.append("A pattern stands for several files, which are an axis or points of its named settings:")
             lines.append("vary: {motion.record.file: PATTERN}, or vary: {motion.record: {near: {file: PATTERN}}}")
         lines.append(f"Searched: {', '.join(self._searched())}")
-        close = get_close_matches(Path(name).name[:200], list(self._present()), n=3, cutoff=0.6)
+        close = get_close_matches(Path(name).name[:200], list(dict.fromkeys(self._present())), n=3, cutoff=0.6)
         if close:
-            lines.append(f"Close names there: {', '.join(close)}")
+            lines.append(f"Close names: {', '.join(close)}")
         how = how_to_obtain(name)
         lines += how or ["Put it beside the study, into records/, or into a folder named in ROCK_RECORDS"]
         return "\n  ".join(lines)
@@ -209,9 +209,10 @@ class Records:
         return searched or ["no folder: there is none"]
 
     def _present(self) -> Iterator[str]:
-        for folder in self.folders:
+        """Names of files where records are sought, and of the records that come with the program."""
+        for folder, begin in (*((each, "") for each in self.folders), (_shipped(), SYNTHETIC)):
             try:
-                yield from (path.name for path in folder.iterdir() if path.is_file())
+                yield from (path.name for path in folder.iterdir() if path.is_file() and path.name.startswith(begin))
             except OSError:
                 continue
 
