@@ -39,13 +39,17 @@ _SITE = 1e-4
 
 @dataclass(frozen=True)
 class _Read:
-    """Points of a curve as they stand: intensity in `unit` ("" = SI), rate, of which intensity ("" = not told)."""
+    """Points of a curve as they stand: intensity in `unit` ("" = SI), rate, of which intensity ("" = not told).
+
+    `lines`: of the points in their file, where each has its own.
+    """
 
     intensity: Array
     rate: Array
     of: str = ""
     unit: str = ""
     notes: tuple[str, ...] = ()
+    lines: tuple[int, ...] = ()
 
 
 def read_hazard(source: Source, study: Map, part: StudyPart, over: Over | None, axes: Sequence[Axis]) -> Over | None:
@@ -106,8 +110,10 @@ def _curve(
     else:
         read, default = _file(source.inputs, file, _site(source, study, keys, entry)), file.stem
 
-    def refused(message: str) -> StudyError:
-        return source.error(study, keys, message) if file is None else StudyError(message, file=file)
+    def refused(message: str, point: int | None = None) -> StudyError:
+        if file is None:
+            return source.error(study, keys, message)
+        return StudyError(message, file=file, line=read.lines[point] if point is not None and read.lines else None)
 
     of = read.of.lower()
     if of and not _same(of, against):
@@ -116,9 +122,8 @@ def _curve(
         )
     unit = entry.units or read.unit
     intensity = read.intensity * _factor(unit, against, g, refused)
-    bad = _why_none(intensity, read.rate)
-    if bad:
-        raise refused(bad)
+    if wrong := _why_none(intensity, read.rate):
+        raise refused(*wrong)
     keep = read.rate > 0.0
     notes = read.notes
     if not keep.all():
@@ -134,17 +139,18 @@ def _points(kept: NDArray[np.bool_]) -> str:
     return "1 point" if n == 1 else f"{n} points"
 
 
-def _why_none(x: Array, rate: Array) -> str:
-    """What is wrong with the points of a curve; "" if nothing."""
+def _why_none(x: Array, rate: Array) -> tuple[str, int | None] | None:
+    """What is wrong with the points of a curve, and with which of them; None if nothing."""
     if len(x) < 2:
-        return "needs at least two points"
-    if not (np.isfinite(x).all() and np.isfinite(rate).all()):
-        return "holds a number that is not finite"
-    if not (x > 0.0).all() or not (np.diff(x) > 0.0).all():
-        return "needs intensities that are greater than 0 and ascend"
-    if not (rate >= 0.0).all() or (np.diff(rate) > 0.0).any():
-        return "needs annual rates of exceedance, which are not negative and never grow with the intensity"
-    return ""
+        return "needs at least two points", None
+    if (bad := ~(np.isfinite(x) & np.isfinite(rate))).any():
+        return "holds a number that is not finite", int(np.argmax(bad))
+    if (bad := (x <= 0.0) | (np.diff(x, prepend=0.0) <= 0.0)).any():
+        return "needs intensities that are greater than 0 and ascend", int(np.argmax(bad))
+    if (bad := (rate < 0.0) | (np.diff(rate, prepend=np.inf) > 0.0)).any():
+        said = "needs annual rates of exceedance, which are not negative and never grow with the intensity"
+        return said, int(np.argmax(bad))
+    return None
 
 
 def _list(value: object) -> list[object]:
@@ -231,7 +237,8 @@ def _file(inputs: Inputs, path: Path, site: tuple[float, float] | None) -> _Read
     if not re.fullmatch(r"(annual[_ ])?rate(_of_exceedance)?(\s*\[(1/a|1/yr|1/year)\])?", second.lower()):
         raise StudyError(f"the second column is {second!r}; expected rate, a year's", file=path, line=line)
     values = np.array([[_cell(path, i, cell) for cell in row] for i, row in points])
-    return _Read(values[:, 0], values[:, 1], "" if of == "intensity" else name, unit)
+    told = "" if of == "intensity" else name
+    return _Read(values[:, 0], values[:, 1], told, unit, lines=tuple(i for i, _ in points))
 
 
 def _openquake(path: Path, rows: list[tuple[int, list[str]]], site: tuple[float, float] | None) -> _Read:
