@@ -54,7 +54,7 @@ from rockcli.study.plots import looks_of, said_of
 from rockcli.study.rules_spectrum import read_rules_spectrum
 from rockcli.study.schema import NO_PLOTS, CasePart, OverPart, StudyPart
 from rockcli.study.study import SAMPLE, Expect, Index, Study
-from rockcli.study.unused import overridden_axes, replaced_records, unused_symbols
+from rockcli.study.unused import overridden_axes, replaced_records, rules_without_friction, unused_symbols
 
 HISTORIES_UP_TO = 100
 """Cases up to which histories are saved unless the study says otherwise."""
@@ -155,6 +155,7 @@ def open_study(
             *unused_symbols(tree, variations),
             *replaced_records(base, variations),
             *overridden_axes(variations),
+            *rules_without_friction(base, variations, part.rules),
             *found.plausibility_warnings(tree, int(np.prod(cases.shape, dtype=np.int64))),
             *((RECORDS,) if refine and found.uses else ()),
             *((NOT_SCORED,) if part.score is not None else ()),

@@ -55,6 +55,21 @@ def unused_symbols(study: Map, variations: Iterable[Variation]) -> list[str]:
     return [f"let.{name} is used nowhere" for name in varied if name not in used]
 
 
+def rules_without_friction(study: Map, variations: Iterable[Variation], rules: Iterable[str]) -> list[str]:
+    """A sentence where a rule about sliding is asked for and no case has a friction."""
+    if "asce43_sliding" not in rules or _says_friction(value_at(study, ("case", "block"))):
+        return []
+    for variation in variations:
+        for point in variation.points():
+            if any("mu" in path or _says_friction(value) for path, value, _ in point):
+                return []
+    return ["rules: asce43_sliding says nothing without block.mu, which no case has"]
+
+
+def _says_friction(value: Any) -> bool:
+    return isinstance(value, dict) and (value.get("mu") is not None or any(map(_says_friction, value.values())))
+
+
 def replaced_records(study: Map, variations: Iterable[Variation]) -> list[str]:
     """A sentence where an axis over whole records drops what the base case says of its record."""
     said = []

@@ -51,6 +51,27 @@ def test_fibres_that_a_base_does_not_have_are_said(backend, told):
     assert all(each.startswith("base.fibres is ignored by backend event") for each in said)
 
 
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({}, True),
+        ({"case": {"block": BLOCK | {"mu": 0.3}}}, False),
+        ({"vary": {"block.mu": [0.2, 0.3]}}, False),
+        ({"vary": {"block": {"a": BLOCK | {"mu": 0.3}, "b": BLOCK}}}, False),
+        ({"vary": {"case": {"a": {"block": {"mu": 0.3}}, "b": {}}}}, False),
+        ({"vary": {"case": {"a": {"block.mu": 0.3}, "b": {}}}}, False),
+        ({"vary": {"block.R": [1.0, 2.0]}}, True),
+        ({"uncertain": {"block.mu": {"uniform": [0.2, 0.5]}}}, False),
+        ({"rules": ["west"]}, False),
+    ],
+)
+def test_a_rule_about_sliding_without_friction_is_said(more, told):
+    study = {"name": "x", "case": {"block": BLOCK, "motion": {"pulse": PULSE}}, "rules": ["west", "asce43_sliding"]}
+    more = more | ({"case": study["case"] | more["case"]} if "case" in more else {})
+    said = [each for each in open_study(study | more).warnings if each.startswith("rules: asce43_sliding says nothing")]
+    assert bool(said) == told
+
+
 class TestSolverKeys:
     @pytest.mark.parametrize(
         ("solver", "keys", "backend"),
