@@ -124,6 +124,13 @@ WRONG = [
     ("let: {gamma: 5}", "curves: [pushove]", 2, ["did you mean 'pushover'"]),
     ("let: {gamma: 5}", "plots: [histories, heatmap]", 2, ["plots[1]", "phase, map, ida"]),
     ("let: {gamma: 5}", "plots: histories", 2, ["plots is 'histories'; expected a list"]),
+    ("{R: 5.0, tan_alpha: 0.2}", "{parts: []}", 4, ["case.block.parts is a list of 0; expected at least 1"]),
+    (
+        "let: {gamma: 5}",
+        "rules_spectrum: {periods: [1], S_a: [1, 2]}",
+        2,
+        ["rules_spectrum.periods is a list of 1; expected at least 2"],
+    ),
     ("damping: restitution", "damping: {eta: housnr}", 7, ["case.damping.eta", "did you mean 'housner'"]),
     ("damping: restitution", "solver: {events: 3}", 7, ["case.solver.events is 3; expected true or false"]),
     ("let: {gamma: 5}", "save: {scalars: [outcom]}", 2, ["save.scalars", "did you mean 'outcome'"]),

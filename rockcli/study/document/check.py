@@ -26,6 +26,12 @@ EXPECTED = {
 }
 """What was expected instead, by the beginning of the kind of pydantic's error."""
 
+_BOUNDS = {
+    "too_short": "{actual_length}; expected at least {min_length}",
+    "too_long": "{actual_length}; expected at most {max_length}",
+}
+"""The same of lists, by the kind."""
+
 
 def check_study(source: Source, study: Map) -> StudyPart:
     """The whole study, validated; all that is wrong with its keys is raised as one StudyError."""
@@ -158,6 +164,8 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
         return where, f"{name} is {value}; only letters, digits, - and _ are allowed, at most 100 of them"
     if kind == "value_error":
         return where, f"{name}: {detail['ctx']['error']}{_of_several(study, keys, str(detail['ctx']['error']))}"
+    if kind in _BOUNDS:
+        return where, f"{name} is a list of {_BOUNDS[kind].format(**detail['ctx'])}"
     for begin, expected in EXPECTED.items():
         if kind.startswith(begin):
             return where, f"{name} is {value}; expected {expected.format(**detail.get('ctx', {}))}"
