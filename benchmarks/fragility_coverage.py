@@ -20,8 +20,8 @@ import numpy as np
 from machine import machine
 from scipy.stats import norm
 
-from rockcli.analysis.curve_misfit import LEVEL
-from rockcli.analysis.fragility import Curves, Seen, curve_of_capacities, curves
+from rockcli.analysis.fragility.curves import Curves, Seen, curve_of_capacities, curves
+from rockcli.analysis.fragility.misfit import LEVEL
 
 HERE = Path(__file__).resolve().parent
 X = np.linspace(0.5, 8.0, 30)

@@ -22,7 +22,7 @@ def _with_ensembles(contents: Contents, study: Study) -> Contents:
     """The statistics of suites, a third of the modules of `analysis`: loaded where there are any or were."""
     if study.over is None and "ensemble" not in contents.attrs:
         return contents
-    from rockcli.analysis.suites import with_ensembles
+    from rockcli.analysis.suites.statistics import with_ensembles
 
     return with_ensembles(contents, study)
 

@@ -67,7 +67,7 @@ def names_ahead(study: Study, asked: set[str]) -> set[str]:
     if study.histories:
         saved |= {*HISTORIES, *IMPACTS}
     if study.over is not None:
-        from rockcli.analysis.suites import variables
+        from rockcli.analysis.suites.statistics import variables
 
         saved |= variables(study)
     saved |= {*(AUDIT if study.audit else ())}

@@ -15,9 +15,9 @@ from xml.sax.saxutils import escape, quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility import FITTED, NONE_EXCEEDS
+from rockcli.analysis.fragility.curves import FITTED, NONE_EXCEEDS
 from rockcli.analysis.places import coordinate, units_of
-from rockcli.analysis.suite_words import of_what_arrives
+from rockcli.analysis.suites.words import of_what_arrives
 from rockcli.errors import StudyError
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.variables import LIMIT

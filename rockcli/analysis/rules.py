@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.measures import peaks
-from rockcli.analysis.members import members_of
+from rockcli.analysis.suites.members import members_of
 from rockcli.errors import StudyError
 from rockcli.motion.spectrum import displacement_spectrum, forcing
 from rockcli.scene.batch import Batch

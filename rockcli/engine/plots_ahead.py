@@ -59,7 +59,7 @@ def _ahead(study: Study, kinds: set[str]) -> Contents:
     over = study.over
     attrs = {"case": as_json(study.resolved["case"])}
     if over is not None:
-        from rockcli.analysis.suites import variables
+        from rockcli.analysis.suites.statistics import variables
 
         members = over.axes[0] if len(over.axes) == 1 else over.axes
         about = {"axis": members, "along": over.along, "told_against": over.told_against}

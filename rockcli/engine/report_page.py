@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockcli.analysis.expect import Verdict, judge
-from rockcli.analysis.fragility import FITTED, STATUS, WHY_NOT
+from rockcli.analysis.fragility.curves import FITTED, STATUS, WHY_NOT
 from rockcli.analysis.places import units_of
 from rockcli.analysis.rules import misled
 from rockcli.errors import StudyError

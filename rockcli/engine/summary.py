@@ -149,9 +149,9 @@ def _suite_rows(contents: Contents) -> dict[str, Any]:
     """The rows of numbers of a dataset with statistics of suites, which take modules that others need not load."""
     if "ensemble" not in contents.attrs:
         return {}
-    from rockcli.analysis.suite_fragility import fragility_rows
-    from rockcli.analysis.suite_risk import risk_rows
-    from rockcli.analysis.uncertainty import sample_rows
+    from rockcli.analysis.suites.fragility import fragility_rows
+    from rockcli.analysis.suites.risk import risk_rows
+    from rockcli.analysis.suites.uncertainty import sample_rows
 
     rows = {"fragility": fragility_rows, "samples": sample_rows, "risk": risk_rows}
     return {name: tuple(rows_of(contents)) for name, rows_of in rows.items()}

@@ -48,7 +48,7 @@ try:
     main()
 except SystemExit:
     pass
-print({{"rockcli.analysis.suites", "rockcli.engine.sweep.workers", "multiprocessing", "pandas"}} & sys.modules.keys())
+print({{"rockcli.analysis.suites.statistics", "rockcli.engine.sweep.workers", "multiprocessing", "pandas"}} & sys.modules.keys())
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["set()"]

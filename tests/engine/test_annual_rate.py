@@ -13,8 +13,8 @@ from scenes import G
 from scipy import integrate, stats
 
 import rockcli
-from rockcli.analysis import suite_words
-from rockcli.analysis.annual_rate import Fragility, annual_rate
+from rockcli.analysis.fragility.annual_rate import Fragility, annual_rate
+from rockcli.analysis.suites import words
 from rockcli.engine.run import run_study
 from rockcli.errors import StudyError
 from rockcli.scene.hazard import HazardCurve
@@ -179,8 +179,8 @@ def test_uncertainty_that_is_added_counts(data):
 
 def test_a_direction_is_drawn_anew():
     over = Over(("sample",), None, (), mean=False, inputs=("block.direction",), hazard=(BENT,), age=1.0)
-    assert not list(suite_words._drawn_anew(over))
-    assert "takes block.h as" in " ".join(suite_words._drawn_anew(replace(over, inputs=("block.direction", "block.h"))))
+    assert not list(words._drawn_anew(over))
+    assert "takes block.h as" in " ".join(words._drawn_anew(replace(over, inputs=("block.direction", "block.h"))))
 
 
 def test_a_body_that_is_not_well_known_is_not_drawn_anew(data):
@@ -237,8 +237,8 @@ def test_of_many_bodies_the_worst_are_told():
     over = {"axis": "motion.pulse.omega_p", "along": "a_p"}
     data = rockcli.run(study(over=over, vary={"case": bodies, **amplitudes}))
     says = json.loads(data.attrs["ensemble"])["says"]
-    for words in ("median motion_pulse_a_p", "annual rate under one"):
-        told = dict.fromkeys(one.partition(":")[0] for one in says if words in one)
+    for said in ("median motion_pulse_a_p", "annual rate under one"):
+        told = dict.fromkeys(one.partition(":")[0] for one in says if said in one)
         assert list(told) == [f"case=R{R:g}" for R in sorted(sizes)[:6]]
     assert sum("and 2 more bodies" in one and "--sort" in one for one in says) == 2
 

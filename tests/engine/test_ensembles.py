@@ -11,8 +11,8 @@ from scenes import G
 from scipy import stats
 
 import rockcli
-from rockcli.analysis.fragility import Seen, curves
-from rockcli.analysis.suites import with_ensembles
+from rockcli.analysis.fragility.curves import Seen, curves
+from rockcli.analysis.suites.statistics import with_ensembles
 from rockcli.engine.run import solve
 from rockcli.engine.summary import report_on
 from rockcli.errors import StudyError

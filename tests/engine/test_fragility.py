@@ -11,8 +11,7 @@ from scenes import SHARED
 from scipy import optimize, stats
 
 import rockcli
-from rockcli.analysis.curve_misfit import LEVEL, two_sided
-from rockcli.analysis.fragility import (
+from rockcli.analysis.fragility.curves import (
     ALL_EXCEED,
     BELOW,
     COLLINEAR,
@@ -27,6 +26,7 @@ from rockcli.analysis.fragility import (
     curve_of_capacities,
     curves,
 )
+from rockcli.analysis.fragility.misfit import LEVEL, two_sided
 from rockcli.scene import statistics, variables
 
 X = np.linspace(0.5, 8.0, 30)

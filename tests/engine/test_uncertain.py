@@ -11,7 +11,7 @@ from scenes import G
 from scipy import integrate, stats
 
 import rockcli
-from rockcli.analysis.uncertainty import probability, sobol_indices
+from rockcli.analysis.suites.uncertainty import probability, sobol_indices
 from rockcli.engine.run import run_study, solve
 from rockcli.engine.summary import SOLVED, report_on
 from rockcli.errors import StudyError

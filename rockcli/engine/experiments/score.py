@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.experiments.baselines import Fit, cross_validated, forest, has_forest, logistic, with_squares
 from rockcli.analysis.experiments.scores import Bin, McNemar, Scored, divide_groups, mcnemar, reliability, scored
-from rockcli.analysis.suite_intensity import DAMPING
+from rockcli.analysis.suites.intensity import DAMPING
 from rockcli.engine.experiments.runs import MEASURES, Runs
 from rockcli.engine.experiments.simulated import Simulated, channels_of, simulate
 from rockcli.engine.sweep.sweep import Progress

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility import CONFIDENCE
+from rockcli.analysis.fragility.curves import CONFIDENCE
 from rockcli.analysis.threshold_fields import threshold_fields
 from rockcli.engine.provenance import attributes
 from rockcli.engine.sweep.results import Results

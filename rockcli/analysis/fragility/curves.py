@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.capacity_fit import Capacities
-from rockcli.analysis.capacity_fit import fit as fit_capacities
-from rockcli.analysis.curve_misfit import groups_of, misfit, two_sided
-from rockcli.analysis.interval_likelihood import jackknife_covariance
-from rockcli.analysis.ordered_probit import Probit, Rows, ordered_probit
+from rockcli.analysis.fragility.capacity_fit import Capacities
+from rockcli.analysis.fragility.capacity_fit import fit as fit_capacities
+from rockcli.analysis.fragility.interval_likelihood import jackknife_covariance
+from rockcli.analysis.fragility.misfit import groups_of, misfit, two_sided
+from rockcli.analysis.fragility.ordered_probit import Probit, Rows, ordered_probit
 from rockcli.scene.variables import PERCENTILES
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.interval_likelihood import (
+from rockcli.analysis.fragility.interval_likelihood import (
     Likelihood,
     bends_of_members,
     clustered_covariance,

@@ -12,7 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.interval_likelihood import Likelihood, clustered_covariance, interval_likelihood, maximum
+from rockcli.analysis.fragility.interval_likelihood import (
+    Likelihood,
+    clustered_covariance,
+    interval_likelihood,
+    maximum,
+)
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

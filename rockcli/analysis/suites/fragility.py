@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility import STATUS, Curves, Seen, curve_of_capacities, curves
-from rockcli.analysis.members import Members
-from rockcli.analysis.suite_intensity import moves_at, unit_of, values_of
+from rockcli.analysis.fragility.curves import STATUS, Curves, Seen, curve_of_capacities, curves
+from rockcli.analysis.suites.intensity import moves_at, unit_of, values_of
+from rockcli.analysis.suites.members import Members
+from rockcli.analysis.suites.uncertainty import independent_rows
 from rockcli.analysis.threshold_fields import found_by
-from rockcli.analysis.uncertainty import independent_rows
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.variables import LIMIT, PEAK, PERCENTILE, PERCENTILES, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field

@@ -15,16 +15,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.intensity_correlation import correlations, with_measures
-from rockcli.analysis.members import Members, members_of
 from rockcli.analysis.places import units_of
-from rockcli.analysis.side_by_side import end_to_end, laid_out
-from rockcli.analysis.suite_fragility import FITTED, OF_SECOND, OTHERS, fragility, fragility_of_thresholds
-from rockcli.analysis.suite_risk import OF_AGE, RATES, risk
-from rockcli.analysis.suite_risk import OTHERS as RISK
-from rockcli.analysis.suite_words import sentences, warnings
+from rockcli.analysis.suites.fragility import FITTED, OF_SECOND, OTHERS, fragility, fragility_of_thresholds
+from rockcli.analysis.suites.intensity_correlation import correlations, with_measures
+from rockcli.analysis.suites.members import Members, members_of
+from rockcli.analysis.suites.risk import OF_AGE, RATES, risk
+from rockcli.analysis.suites.risk import OTHERS as RISK
+from rockcli.analysis.suites.side_by_side import end_to_end, laid_out
+from rockcli.analysis.suites.uncertainty import NAMES, with_samples
+from rockcli.analysis.suites.words import sentences, warnings
 from rockcli.analysis.threshold_fields import found_by, threshold_fields
-from rockcli.analysis.uncertainty import NAMES, with_samples
 from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
 from rockcli.scene.units import SI

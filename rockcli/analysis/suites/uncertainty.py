@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility import CONFIDENCE
-from rockcli.analysis.members import Members
+from rockcli.analysis.fragility.curves import CONFIDENCE
+from rockcli.analysis.suites.members import Members
 from rockcli.scene.samples import SALTELLI, base_points
 from rockcli.scene.statistics import spearman
 from rockcli.scene.variables import INPUT, PEAK

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.curve_misfit import LEVEL
-from rockcli.analysis.fragility import FITTED, NONE_EXCEEDS, WHY_NOT
-from rockcli.analysis.intensity_correlation import LEAST
+from rockcli.analysis.fragility.curves import FITTED, NONE_EXCEEDS, WHY_NOT
+from rockcli.analysis.fragility.misfit import LEVEL
 from rockcli.analysis.places import coordinates, place, units_of
-from rockcli.analysis.suite_risk import central, largest_tail
+from rockcli.analysis.suites.intensity_correlation import LEAST
+from rockcli.analysis.suites.risk import central, largest_tail
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.hazard import CONSISTENT, hazard_words
 from rockcli.scene.limit_states import OVERTURNED, exceeded_when, in_full

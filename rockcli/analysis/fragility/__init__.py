@@ -1,0 +1,1 @@
+"""Fragility curves: fitted to what became of members of suites, judged, and convolved with hazard."""
