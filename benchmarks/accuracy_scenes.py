@@ -10,12 +10,12 @@ import numpy as np
 
 from rockcli.motion.reading import read_record
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import housner_eta, make_block
-from rockcli.scene.column import Column
-from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Excitation, Samples
+from rockcli.scene.body.block import housner_eta, make_block
+from rockcli.scene.body.column import Column
+from rockcli.scene.ground.excitation import Excitation, Samples
+from rockcli.scene.ground.pulses import make_pulses
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
-from rockcli.scene.pulses import make_pulses
 
 G = 9.81
 PULSES = {2.0: (3.0, 4.44), 5.0: (2.0, 2.66), 10.0: (1.4, 1.905)}

@@ -36,9 +36,9 @@ from machine import machine
 from rockcli import kernels
 from rockcli.motion.reading import read_record
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import make_block
-from rockcli.scene.column import Column
-from rockcli.scene.excitation import Samples
+from rockcli.scene.body.block import make_block
+from rockcli.scene.body.column import Column
+from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import NO_UPLIFT, ROCKING, overturned
 from rockcli.scene.variables import SCALARS

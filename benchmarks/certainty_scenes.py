@@ -11,11 +11,11 @@ from accuracy_scenes import NOTHING_SAVED, G
 
 from rockcli.motion.reading import read_record
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import Block, housner_eta, make_block
-from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Channel, Excitation, Samples
+from rockcli.scene.body.block import Block, housner_eta, make_block
+from rockcli.scene.ground.excitation import Channel, Excitation, Samples
+from rockcli.scene.ground.pulses import make_pulses
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
-from rockcli.scene.pulses import make_pulses
 
 SHAPES = ("ricker", "sine", "cosine", "rectangular")
 RATIO = 5.0

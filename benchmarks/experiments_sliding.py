@@ -29,7 +29,7 @@ from rockcli.engine.experiments.runs import Runs
 from rockcli.engine.experiments.score import STUDY, Options, Prediction
 from rockcli.engine.experiments.simulated import Simulated, simulate
 from rockcli.engine.sweep.work import Team
-from rockcli.scene.lower_outline import facets_of
+from rockcli.scene.body.lower_outline import facets_of
 from rockcli.study.open import open_study
 
 RESULTS = Path(__file__).resolve().parent / "results" / "experiments_sliding.csv"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Pulses
+from rockcli.scene.ground.excitation import Pulses
 
 L = np.longdouble
 ORDER, TOLERANCE, REST = 24, L(1e-20), L(1e-15)

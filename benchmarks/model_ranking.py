@@ -20,11 +20,11 @@ import numpy as np
 
 from rockcli.motion.reading import read_record
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import housner_eta, make_block
-from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Excitation, Samples
+from rockcli.scene.body.block import housner_eta, make_block
+from rockcli.scene.ground.excitation import Excitation, Samples
+from rockcli.scene.ground.pulses import make_pulses
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
-from rockcli.scene.pulses import make_pulses
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
 from rockcli.solvers.event.solver import solve
 

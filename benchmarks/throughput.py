@@ -26,11 +26,11 @@ from scipy.integrate import solve_ivp
 from rockcli import kernels
 from rockcli.motion.at2 import parse_at2
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import Block, make_block
-from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Excitation, Samples, acceleration
+from rockcli.scene.body.block import Block, make_block
+from rockcli.scene.ground.excitation import Excitation, Samples, acceleration
+from rockcli.scene.ground.pulses import make_pulses
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
-from rockcli.scene.pulses import make_pulses
 from rockcli.solvers.event.solver import solve
 
 HERE = Path(__file__).resolve().parent

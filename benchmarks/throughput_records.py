@@ -24,9 +24,9 @@ import throughput
 
 from rockcli.motion.at2 import parse_at2
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import make_block
-from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Excitation, Samples
+from rockcli.scene.body.block import make_block
+from rockcli.scene.ground.excitation import Excitation, Samples
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
 from rockcli.solvers.event.solver import solve
 

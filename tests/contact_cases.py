@@ -15,7 +15,7 @@ from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.handover import N_HANDOVER
 from rockcli.motion.at2 import parse_at2
-from rockcli.scene.excitation import BELL, LINEAR, PIECE_WIDTH, WAVES
+from rockcli.scene.ground.excitation import BELL, LINEAR, PIECE_WIDTH, WAVES
 
 MODES = ["rest", "slide", "rock", "slide_rock", "flight"]
 G = 9.81

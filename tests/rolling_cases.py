@@ -10,7 +10,7 @@ from rolling_reference import Rock, roll
 from scipy.spatial import ConvexHull
 
 from rockcli.errors import StudyError
-from rockcli.scene.excitation import Pulses, Samples, acceleration
+from rockcli.scene.ground.excitation import Pulses, Samples, acceleration
 from rockcli.scene.response import overturned
 from rockcli.solvers.event.solver import solve
 from rockcli.solvers.rolling.pack import facets_in

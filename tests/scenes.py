@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import Block, housner_eta, make_block
-from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Excitation, Samples
+from rockcli.scene.body.block import Block, housner_eta, make_block
+from rockcli.scene.ground.excitation import Excitation, Samples
+from rockcli.scene.ground.pulses import make_pulses
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
-from rockcli.scene.pulses import make_pulses
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, Response
 from rockcli.scene.variables import GROUND, SCALARS
 from rockcli.solvers.common.ground import ground_of_case

@@ -127,16 +127,16 @@ def test_the_recipes_work(tmp_path):
     of_scalar, of_scalar_row, backend, backend_row, for_tests = rest
     package = tmp_path / "rockcli"
     shutil.copytree(ROOT / "rockcli", package, ignore=shutil.ignore_patterns("__pycache__"))
-    put(package / "scene" / "pulses.py", "_ROWS: tuple[Shape, ...] = (\n", pulse_row)
-    put(package / "scene" / "pulses.py", "_ROWS: tuple[Shape, ...] = (\n", f"{pulse}\n\n", before=True)
-    put(package / "scene" / "models.py", "_ROWS: tuple[Model, ...] = (\n", model_row)
-    put(package / "scene" / "models.py", "_ROWS: tuple[Model, ...] = (\n", f"{model}\n\n", before=True)
-    put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", scheme_row)
-    put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", f"{scheme}\n\n", before=True)
+    put(package / "scene" / "ground" / "pulses.py", "_ROWS: tuple[Shape, ...] = (\n", pulse_row)
+    put(package / "scene" / "ground" / "pulses.py", "_ROWS: tuple[Shape, ...] = (\n", f"{pulse}\n\n", before=True)
+    put(package / "scene" / "laws" / "models.py", "_ROWS: tuple[Model, ...] = (\n", model_row)
+    put(package / "scene" / "laws" / "models.py", "_ROWS: tuple[Model, ...] = (\n", f"{model}\n\n", before=True)
+    put(package / "scene" / "laws" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", scheme_row)
+    put(package / "scene" / "laws" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", f"{scheme}\n\n", before=True)
     put(package / "scene" / "backends.py", "_RIGID = frozenset({", f"{scheme_name.strip()} ")
-    put(package / "scene" / "damping.py", "    alpha_d: Array | None = None\n", field)
-    put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", dampers_row)
-    put(package / "scene" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", f"{dampers}\n\n", before=True)
+    put(package / "scene" / "laws" / "damping.py", "    alpha_d: Array | None = None\n", field)
+    put(package / "scene" / "laws" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", dampers_row)
+    put(package / "scene" / "laws" / "damping.py", "_ROWS: tuple[Scheme, ...] = (\n", f"{dampers}\n\n", before=True)
     backends = (package / "scene" / "backends.py").read_text(encoding="utf-8")
     assert backends.index("        damping=_RIGID,\n") < backends.index('"frame"')  # the first is that of `event`
     (package / "scene" / "backends.py").write_text(

@@ -168,8 +168,8 @@ def choices() -> str:
     """Models, backends, pulses, symbols, plots."""
     from rockcli.plotting.figures import KINDS
     from rockcli.scene.backends import BACKENDS
-    from rockcli.scene.models import MODELS
-    from rockcli.scene.pulses import SHAPES
+    from rockcli.scene.ground.pulses import SHAPES
+    from rockcli.scene.laws.models import MODELS
     from rockcli.study.document.expressions import FUNCTIONS, MEANINGS, UNITS
 
     parts = ["# Choices\n\nModels, backends, pulses, symbols of expressions and plots, as `rock show` lists them.\n"]

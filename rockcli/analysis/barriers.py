@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from rockcli.analysis.over_bodies import Array, over_bodies
-from rockcli.scene.block import RIGHT, Block
-from rockcli.scene.scan import DIRECTIONS
+from rockcli.scene.body.block import RIGHT, Block
+from rockcli.scene.body.scan import DIRECTIONS
 from rockcli.scene.variables import AZIMUTH
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.storage.reduced import reduce

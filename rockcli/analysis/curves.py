@@ -8,9 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.curves import CRITICAL, ENERGY, KINDS, POINTS, critical_ratio, curves_of, errors_of, variables_of
-from rockcli.scene.energy import energy_ratio, energy_ratio_of_impacts
-from rockcli.scene.models import MODELS
+from rockcli.scene.laws.curves import (
+    CRITICAL,
+    ENERGY,
+    KINDS,
+    POINTS,
+    critical_ratio,
+    curves_of,
+    errors_of,
+    variables_of,
+)
+from rockcli.scene.laws.energy import energy_ratio, energy_ratio_of_impacts
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.variables import CASE, ROTATION, VARIABLES
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.cases.buildable import buildable

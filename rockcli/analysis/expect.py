@@ -16,9 +16,9 @@ from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.batch import Batch
-from rockcli.scene.curves import variables_of
-from rockcli.scene.excitation import Pulses
-from rockcli.scene.models import FLEXIBLE
+from rockcli.scene.ground.excitation import Pulses
+from rockcli.scene.laws.curves import variables_of
+from rockcli.scene.laws.models import FLEXIBLE
 from rockcli.scene.response import FAILED, OUTCOMES
 from rockcli.scene.rules import RULES
 from rockcli.scene.units import SI, Units

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.pulse_extremes import extremes, extremes_of_both_signs
 from rockcli.motion.measures import velocity
-from rockcli.scene.excitation import AMPLITUDES, BELL, LINEAR, PIECE_WIDTH, WAVES, Channel, Pulses, Samples
+from rockcli.scene.ground.excitation import AMPLITUDES, BELL, LINEAR, PIECE_WIDTH, WAVES, Channel, Pulses, Samples
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.block import Block
+from rockcli.scene.body.block import Block
 from rockcli.storage.reduced import reduce
 from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import Study

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import LINEAR, Pulses, Samples, acceleration
+from rockcli.scene.ground.excitation import LINEAR, Pulses, Samples, acceleration
 from rockcli.storage.contents import Contents, Field
 from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import Index, Study

@@ -8,7 +8,7 @@ from math import erf
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.excitation import BELL, LINEAR, WAVES
+from rockcli.scene.ground.excitation import BELL, LINEAR, WAVES
 
 Array = NDArray[np.float64]
 Law = Callable[[Array, Array], Array]

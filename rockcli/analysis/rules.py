@@ -12,10 +12,10 @@ from rockcli.analysis.suites.members import members_of
 from rockcli.errors import StudyError
 from rockcli.motion.spectrum import displacement_spectrum, forcing
 from rockcli.scene.batch import Batch
-from rockcli.scene.damping import Fema356
-from rockcli.scene.excitation import Channel, Samples
+from rockcli.scene.ground.excitation import Channel, Samples
+from rockcli.scene.ground.spectra import DesignSpectrum
+from rockcli.scene.laws.damping import Fema356
 from rockcli.scene.rules import RULES, Facts, Spectra
-from rockcli.scene.spectra import DesignSpectrum
 from rockcli.solvers import fema356
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.cases.buildable import buildable

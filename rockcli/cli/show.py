@@ -39,7 +39,7 @@ def show(
 
 def _models() -> str:
     from rockcli.scene.auto import AUTO
-    from rockcli.scene.models import CONTINUUM, FLEXIBLE, MODELS
+    from rockcli.scene.laws.models import CONTINUUM, FLEXIBLE, MODELS
 
     rows = [(m.name, m.geometry or "-", m.reference, m.sentence) for m in MODELS.values()]
     rows.append((FLEXIBLE, "corotational", "-", "the deformable column on a rigid or Winkler base (docs/flexible.md)"))
@@ -77,7 +77,7 @@ def _symbols() -> str:
 
 
 def _pulses() -> str:
-    from rockcli.scene.pulses import SHAPES
+    from rockcli.scene.ground.pulses import SHAPES
 
     rows = [(s.name, ", ".join(s.options) or "-", s.sentence) for s in SHAPES.values()]
     return table(("shape", "options", "a_g, tau = t - t0"), rows)

@@ -40,7 +40,7 @@ from rockcli.scene.auto import (
 )
 from rockcli.scene.auto import prospect as words_of_prospect
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.excitation import scaled
+from rockcli.scene.ground.excitation import scaled
 from rockcli.scene.response import NO_UPLIFT, Response, overturned
 from rockcli.scene.variables import PEAK, SCALARS_AUTO
 from rockcli.study.study import Index

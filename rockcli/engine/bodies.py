@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.contact import slides_first
-from rockcli.scene.models import MODELS
+from rockcli.scene.laws.contact import slides_first
+from rockcli.scene.laws.models import MODELS
 from rockcli.study.study import Study
 
 _DIGITS = 12

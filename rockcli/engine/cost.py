@@ -22,7 +22,7 @@ from rockcli.engine.sweep.results import LET_GO
 from rockcli.scene.auto import highest
 from rockcli.scene.backends import BACKENDS, EVENT
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Pulses, Samples
+from rockcli.scene.ground.excitation import Pulses, Samples
 from rockcli.scene.rules import RULES
 from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.common.duration import durations_of

@@ -30,12 +30,12 @@ from rockcli.engine.sweep.refine import CELLS
 from rockcli.errors import SolverError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT, Block
-from rockcli.scene.contact import slides_first
-from rockcli.scene.damping import SCHEMES
-from rockcli.scene.excitation import Channel, Pulses, Samples
-from rockcli.scene.lower_outline import facets_of
-from rockcli.scene.models import CONTINUUM, FLEXIBLE, MODELS
+from rockcli.scene.body.block import LEFT, RIGHT, Block
+from rockcli.scene.body.lower_outline import facets_of
+from rockcli.scene.ground.excitation import Channel, Pulses, Samples
+from rockcli.scene.laws.contact import slides_first
+from rockcli.scene.laws.damping import SCHEMES
+from rockcli.scene.laws.models import CONTINUUM, FLEXIBLE, MODELS
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ impact comes at p t = acosh(1/(1 - theta_0/alpha)), with the speed p sqrt(alpha^
 n impacts the body rises for p t = atanh(v_n/(p alpha)).  Nonlinear:
 theta_dot^2 = 2 p^2 [cos(alpha - theta_0) - cos(alpha - theta)].
 
-Overturning of the forced linear block: scene/overturning.py.
+Overturning of the forced linear block: scene/laws/overturning.py.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from rockcli.scene.overturning import rectangular_without_impact, sine_without_impact
+from rockcli.scene.laws.overturning import rectangular_without_impact, sine_without_impact
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, ROCKING
 from rockcli.storage.contents import Contents
 

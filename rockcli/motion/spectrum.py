@@ -20,7 +20,7 @@ from math import comb, factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.excitation import BELL, LINEAR, Channel, Samples, acceleration
+from rockcli.scene.ground.excitation import BELL, LINEAR, Channel, Samples, acceleration
 
 __all__ = ["Stretch", "displacement_spectrum", "forcing", "history", "peaks"]
 

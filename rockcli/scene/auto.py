@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from rockcli.scene.auto_table import CHANCES, EXCEEDED, TABLES, TRIED
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Samples
-from rockcli.scene.models import FLEXIBLE
+from rockcli.scene.ground.excitation import Samples
+from rockcli.scene.laws.models import FLEXIBLE
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

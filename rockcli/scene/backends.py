@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
 from rockcli.scene.constants import METHODS
-from rockcli.scene.models import CONTINUUM, FLEXIBLE, MODELS
+from rockcli.scene.laws.models import CONTINUUM, FLEXIBLE, MODELS
 
 if TYPE_CHECKING:
     from rockcli.scene.batch import Batch

@@ -14,10 +14,10 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.block import Block
-from rockcli.scene.column import Base, Column
-from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Channel, Excitation, Samples
+from rockcli.scene.body.block import Block
+from rockcli.scene.body.column import Base, Column
+from rockcli.scene.ground.excitation import Channel, Excitation, Samples
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rockcli.errors import SolverError
 from rockcli.motion.spectrum import Forcing, displacement_spectrum, forcing, history, peaks
 from rockcli.scene.batch import Batch
-from rockcli.scene.damping import Fema356
+from rockcli.scene.laws.damping import Fema356
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_AFTER_IMPACT, ROCKING, UNRESOLVED, Response
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.duration import durations_of

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.auto import CANDIDATES
-from rockcli.scene.contact import MODES
+from rockcli.scene.laws.contact import MODES
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.variables import OF_SOURCE, VARIABLES
 

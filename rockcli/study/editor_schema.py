@@ -14,8 +14,8 @@ from itertools import combinations
 from typing import Any
 
 from rockcli.motion.units import UNIT_NAMES
-from rockcli.scene.damping import SCHEMES
-from rockcli.scene.pulses import SHAPES
+from rockcli.scene.ground.pulses import SHAPES
+from rockcli.scene.laws.damping import SCHEMES
 from rockcli.scene.thresholds import FOUND
 from rockcli.scene.variables import IMPACT, ROTATION, TIME, VARIABLES
 from rockcli.study.building.pulse import AMPLITUDE, FREQUENCY

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import PIECE_WIDTH, Channel, Samples, acceleration
-from rockcli.scene.models import CONTINUUM, DEFORMABLE
+from rockcli.scene.ground.excitation import PIECE_WIDTH, Channel, Samples, acceleration
+from rockcli.scene.laws.models import CONTINUUM, DEFORMABLE
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from rockcli.scene.auto import AUTO
-from rockcli.scene.models import DEFORMABLE, MODELS
+from rockcli.scene.laws.models import DEFORMABLE, MODELS
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.schema import CasePart
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Channel, Samples
-from rockcli.scene.models import MODELS
+from rockcli.scene.ground.excitation import Channel, Samples
+from rockcli.scene.laws.models import MODELS
 from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import UNITS, ExpressionError, parse

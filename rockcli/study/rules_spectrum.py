@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.constants import STANDARD_G
+from rockcli.scene.ground.spectra import DesignSpectrum
 from rockcli.scene.rules import RULES
-from rockcli.scene.spectra import DesignSpectrum
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.schema import StudyPart

@@ -8,15 +8,15 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Fiel
 
 from rockcli.scene.auto import AUTO
 from rockcli.scene.backends import AUTOMATIC, BACKEND_NAMES
-from rockcli.scene.column import ACROSS
+from rockcli.scene.body.column import ACROSS
 from rockcli.scene.constants import ELEMENTS, STANDARD_G
-from rockcli.scene.damping import DEFAULT_SCHEME, SCHEMES, Key
+from rockcli.scene.ground.pulses import SHAPES
+from rockcli.scene.ground.spectra import SPECTRA
+from rockcli.scene.laws.damping import DEFAULT_SCHEME, SCHEMES, Key
+from rockcli.scene.laws.models import DEFORMABLE, MODEL_NAMES
 from rockcli.scene.looks import NARROWEST, WIDEST, WIDTHS
-from rockcli.scene.models import DEFORMABLE, MODEL_NAMES
 from rockcli.scene.numerics import ACCURACIES, STANDARD
-from rockcli.scene.pulses import SHAPES
 from rockcli.scene.rules import RULE_NAMES as RULES
-from rockcli.scene.spectra import SPECTRA
 from rockcli.study.document.values import (
     LENGTHS,
     NUMBER_SCHEMA,

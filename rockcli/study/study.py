@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.hazard import HazardCurve
+from rockcli.scene.ground.hazard import HazardCurve
+from rockcli.scene.ground.spectra import DesignSpectrum
 from rockcli.scene.limit_states import OVERTURNED, limit_label
 from rockcli.scene.looks import Look
-from rockcli.scene.spectra import DesignSpectrum
 from rockcli.scene.variables import PEAK
 
 Index = NDArray[np.int64]
@@ -82,7 +82,7 @@ class Input:
 
 @dataclass(frozen=True, eq=False)
 class Uncertain:
-    """Uncertain inputs in the order of their paths, as the design has them, and how it is made (`scene/samples.py`)."""
+    """Uncertain inputs in the order of their paths, and the design they are from (`scene/uncertain/samples.py`)."""
 
     inputs: tuple[Input, ...]
     sampling: str

@@ -8,7 +8,7 @@ from reference import body_of, integrate
 from scenes import G, block, make_batch, overturns, pulse, record, rock, still
 
 import rockcli
-from rockcli.scene.block import housner_eta, make_block
+from rockcli.scene.body.block import housner_eta, make_block
 from rockcli.solvers.event import solver as event
 from rockcli.solvers.general import solver as general
 

@@ -10,7 +10,7 @@ import pytest
 from scenes import G, block, make_batch, pulse, record, rock, still, with_ground
 from scipy.optimize import brentq
 
-from rockcli.scene.block import make_block
+from rockcli.scene.body.block import make_block
 from rockcli.solvers.event.solver import solve
 
 

@@ -18,8 +18,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import rockcli
-from rockcli.scene.block import make_block
-from rockcli.scene.excitation import acceleration
+from rockcli.scene.body.block import make_block
+from rockcli.scene.ground.excitation import acceleration
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event.solver import solve
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rockcli
-from rockcli.scene.overturning import rectangular_without_impact, sine_one_impact, sine_without_impact
+from rockcli.scene.laws.overturning import rectangular_without_impact, sine_one_impact, sine_without_impact
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, ROCKING
 
 ONE_SINE = {

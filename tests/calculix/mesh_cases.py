@@ -10,9 +10,9 @@ import pytest
 from scenes import array, make_batch, pulse
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import make_block
-from rockcli.scene.column import Base, Column
-from rockcli.scene.damping import Damping
+from rockcli.scene.body.block import make_block
+from rockcli.scene.body.column import Base, Column
+from rockcli.scene.laws.damping import Damping
 from rockcli.solvers.calculix.run import HOW_TO_INSTALL
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason=HOW_TO_INSTALL)

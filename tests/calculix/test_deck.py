@@ -7,7 +7,7 @@ import pytest
 from mesh_cases import fig60, mesh_batch
 from scenes import pulse, record, still
 
-from rockcli.scene.block import make_block
+from rockcli.scene.body.block import make_block
 from rockcli.solvers.calculix.case import Refused, breakpoints, prepare
 from rockcli.solvers.calculix.mesh import make_mesh
 from rockcli.solvers.common.ground import ground_of_case

@@ -13,8 +13,8 @@ from scenes import make_batch, still
 from rockcli.engine.sweep import isolate_failures as apart
 from rockcli.engine.sweep import sweep
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import make_block
-from rockcli.scene.damping import Damping
+from rockcli.scene.body.block import make_block
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import ROCKING, Response
 from rockcli.scene.variables import SCALARS

@@ -15,9 +15,9 @@ from rockcli.engine.sweep.sweep import solve_cases
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.backends import BACKENDS
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Samples
+from rockcli.scene.ground.excitation import Samples
+from rockcli.scene.ground.pulses import make_pulses
 from rockcli.scene.numerics import Numerics
-from rockcli.scene.pulses import make_pulses
 from rockcli.scene.response import FAILED, ROCKING, Response
 from rockcli.storage.reduced import reduce
 

@@ -13,7 +13,7 @@ from scenes import G, make_batch, pulse
 from rockcli.kernels.constants import RETURNS
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Save
-from rockcli.scene.block import LEFT, RIGHT, make_block
+from rockcli.scene.body.block import LEFT, RIGHT, make_block
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import ROCKING
 from rockcli.solvers.event.solver import solve

@@ -24,7 +24,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import workspace as row_of
-from rockcli.scene.excitation import LINEAR, WAVES
+from rockcli.scene.ground.excitation import LINEAR, WAVES
 
 NEAR = 1e-9
 

@@ -11,9 +11,9 @@ from moreau import steps
 from scenes import G, make_batch
 
 from rockcli.motion.reading import read_record
-from rockcli.scene.block import make_block
-from rockcli.scene.excitation import Excitation, Pulses, Samples, acceleration
-from rockcli.scene.pulses import make_pulses
+from rockcli.scene.body.block import make_block
+from rockcli.scene.ground.excitation import Excitation, Pulses, Samples, acceleration
+from rockcli.scene.ground.pulses import make_pulses
 from rockcli.scene.response import SLIDING, overturned
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.contact.turns import can_take_turns

@@ -10,7 +10,7 @@ from scenes import G, block, make_batch, record
 
 from rockcli.kernels.contact import results as to
 from rockcli.motion.reading import read_record
-from rockcli.scene.excitation import Excitation, Suite
+from rockcli.scene.ground.excitation import Excitation, Suite
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.contact import solver as contact_solver
 from rockcli.solvers.contact import turns

@@ -12,9 +12,9 @@ from scenes import G, make_batch, pulse
 from rockcli import kernels
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import make_block
-from rockcli.scene.models import MODELS
-from rockcli.scene.pulses import SHAPES
+from rockcli.scene.body.block import make_block
+from rockcli.scene.ground.pulses import SHAPES
+from rockcli.scene.laws.models import MODELS
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event.pack import parameters_of, settings_of
 from rockcli.solvers.event.solver import solve

@@ -13,9 +13,9 @@ from scipy.optimize import brentq
 
 from rockcli import kernels
 from rockcli.kernels.rigid import results as to
-from rockcli.scene.block import Block
-from rockcli.scene.models import MODELS
-from rockcli.scene.pulses import SHAPES
+from rockcli.scene.body.block import Block
+from rockcli.scene.ground.pulses import SHAPES
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.response import overturned
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event.pack import parameters_of, settings_of

@@ -12,9 +12,9 @@ from scenes import SHARED, G, make_batch
 
 from rockcli import kernels
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import housner_eta, make_block
-from rockcli.scene.excitation import Excitation, Samples
-from rockcli.scene.models import MODELS
+from rockcli.scene.body.block import housner_eta, make_block
+from rockcli.scene.ground.excitation import Excitation, Samples
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
 from rockcli.solvers.event import record_lanes

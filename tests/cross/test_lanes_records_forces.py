@@ -12,8 +12,8 @@ from cross.test_lanes_records import LAWS, _lanes_only, own, read, reference, su
 from scenes import SHARED
 
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import make_block
-from rockcli.scene.damping import housner_eta
+from rockcli.scene.body.block import make_block
+from rockcli.scene.laws.damping import housner_eta
 from rockcli.scene.response import NO_UPLIFT, ROCKING, overturned
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.certainty import CERTAINTY, nudged

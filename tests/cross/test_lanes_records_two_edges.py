@@ -11,8 +11,8 @@ from reference import body_of, integrate
 from scenes import G, make_batch
 
 from rockcli.scene.batch import Save
-from rockcli.scene.block import housner_eta, make_block
-from rockcli.scene.excitation import Excitation, Samples
+from rockcli.scene.body.block import housner_eta, make_block
+from rockcli.scene.ground.excitation import Excitation, Samples
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
 from rockcli.solvers.event import solver as event
 from rockcli.solvers.event.solver import solve

@@ -13,8 +13,8 @@ from reference import body_of, integrate
 from scenes import G
 
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.excitation import Samples
-from rockcli.scene.models import MODELS
+from rockcli.scene.ground.excitation import Samples
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT, ROCKING
 from rockcli.solvers.common.certainty import nudged
 from rockcli.solvers.event import solver as event

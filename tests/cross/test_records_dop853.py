@@ -9,7 +9,7 @@ import pytest
 from reference import body_of, integrate
 from scenes import SHARED, G, block, record, rock
 
-from rockcli.scene.block import housner_eta
+from rockcli.scene.body.block import housner_eta
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
 
 OWN = Path(__file__).resolve().parents[2] / "records"

@@ -12,8 +12,8 @@ from plain import plain as plain
 from scenes import G, array, block, make_batch, pulse, rock, still
 
 from rockcli import kernels
-from rockcli.scene.block import make_block
-from rockcli.scene.column import Column
+from rockcli.scene.body.block import make_block
+from rockcli.scene.body.column import Column
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.variables import SCALARS, SCALARS_LARGE
 from rockcli.solvers.general import body as general_body

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from rockcli.motion.reading import read_record
-from rockcli.scene.damping import Damping
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
 from rockcli.solvers.event.solver import solve
 

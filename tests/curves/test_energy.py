@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scenes import block
 
-from rockcli.scene.block import housner_eta, make_block
-from rockcli.scene.damping import Damping
-from rockcli.scene.energy import energy_ratio, energy_ratio_of_impacts
+from rockcli.scene.body.block import housner_eta, make_block
+from rockcli.scene.laws.damping import Damping
+from rockcli.scene.laws.energy import energy_ratio, energy_ratio_of_impacts
 
 G = np.array([9.81])
 ONES = np.ones((1, 2))

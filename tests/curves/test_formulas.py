@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rockcli.scene.block import make_block
-from rockcli.scene.curves import BLOCK, ENERGY, KINDS, critical_ratio, curves_of, errors_of, variables_of
-from rockcli.scene.models import MODELS
+from rockcli.scene.body.block import make_block
+from rockcli.scene.laws.curves import BLOCK, ENERGY, KINDS, critical_ratio, curves_of, errors_of, variables_of
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.variables import VARIABLES
 
 NEGATIVE, AT_R, AT_H = ("1", "negative_stiffness"), ("1", "corotational"), ("3", "corotational")

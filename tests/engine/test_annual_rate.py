@@ -17,7 +17,7 @@ from rockcli.analysis.fragility.annual_rate import Fragility, annual_rate
 from rockcli.analysis.suites import words
 from rockcli.engine.run import run_study
 from rockcli.errors import StudyError
-from rockcli.scene.hazard import HazardCurve
+from rockcli.scene.ground.hazard import HazardCurve
 from rockcli.study.open import open_study
 from rockcli.study.study import Over
 

@@ -14,8 +14,8 @@ from rockcli.engine.auto import decide, groups, peak_of, try_rigid
 from rockcli.errors import StudyError
 from rockcli.scene import auto
 from rockcli.scene.auto_table import CHANCES, TABLES
-from rockcli.scene.excitation import acceleration, scaled
-from rockcli.scene.pulses import SHAPES
+from rockcli.scene.ground.excitation import acceleration, scaled
+from rockcli.scene.ground.pulses import SHAPES
 from rockcli.study.open import open_study
 
 INF, NAN = np.inf, np.nan

@@ -17,7 +17,7 @@ from rockcli.engine.run import solve
 from rockcli.engine.summary import report_on
 from rockcli.errors import StudyError
 from rockcli.motion.measures import measures
-from rockcli.scene.statistics import fractile
+from rockcli.scene.uncertain.statistics import fractile
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.open import open_study
 

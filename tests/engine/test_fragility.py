@@ -27,7 +27,8 @@ from rockcli.analysis.fragility.curves import (
     curves,
 )
 from rockcli.analysis.fragility.misfit import LEVEL, two_sided
-from rockcli.scene import statistics, variables
+from rockcli.scene import variables
+from rockcli.scene.uncertain import statistics
 
 X = np.linspace(0.5, 8.0, 30)
 

@@ -9,8 +9,8 @@ import pytest
 
 import rockcli
 from rockcli.analysis.measures import peaks, peaks_of_both_signs
-from rockcli.scene.excitation import Pulses, Samples, acceleration
-from rockcli.scene.pulses import SHAPES, make_pulses
+from rockcli.scene.ground.excitation import Pulses, Samples, acceleration
+from rockcli.scene.ground.pulses import SHAPES, make_pulses
 
 A, W = 7.0, 3.0 * np.pi
 T = 2.0 * np.pi / W

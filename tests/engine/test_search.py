@@ -22,8 +22,8 @@ from rockcli.scene.response import (
     SLIDING,
     UNRESOLVED,
 )
-from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BELOW, BESIDE, BRACKETED, IN_RANGE, NONE, Thresholds
+from rockcli.scene.uncertain.statistics import fractile
 
 A_P = "motion_pulse_a_p_overturning"
 ONE_SINE = {"lower": 3.0185998608717963664, "upper": 6.3180705298274460929, "again": 7.168}

@@ -22,7 +22,7 @@ from rockcli.engine.trade.trade_results import contents_of, write_trade
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import default_kinds, figure, why_not
 from rockcli.scene.backends import BACKENDS
-from rockcli.scene.excitation import Samples
+from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.response import NO_UPLIFT
 from rockcli.solvers.general import methods
 from rockcli.storage.read import open_dataset, to_xarray

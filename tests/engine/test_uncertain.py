@@ -15,8 +15,8 @@ from rockcli.analysis.suites.uncertainty import probability, sobol_indices
 from rockcli.engine.run import run_study, solve
 from rockcli.engine.summary import SOLVED, report_on
 from rockcli.errors import StudyError
-from rockcli.scene.distributions import Distribution
-from rockcli.scene.samples import unit_points
+from rockcli.scene.uncertain.distributions import Distribution
+from rockcli.scene.uncertain.samples import unit_points
 from rockcli.storage import netcdf
 from rockcli.study.open import open_study
 

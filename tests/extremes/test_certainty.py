@@ -14,7 +14,7 @@ from scenes import SHARED, G, array, block, make_batch, pulse, record, rock, sti
 
 from rockcli.kernels.constants import FALLS, NO_ANSWER, RETURNS, UNDECIDED
 from rockcli.motion.reading import read_record
-from rockcli.scene.block import make_block
+from rockcli.scene.body.block import make_block
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, ROCKING, UNRESOLVED
 from rockcli.solvers.common.certainty import MEMBERS, Judgement, Nudge, Traces, compare_steps, judge

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scenes import G, array, overturns, pulse, record, repeated, rock, still, unit_block, with_ground
 
-from rockcli.scene.block import housner_eta
-from rockcli.scene.excitation import Excitation
+from rockcli.scene.body.block import housner_eta
+from rockcli.scene.ground.excitation import Excitation
 from rockcli.scene.response import UNRESOLVED
 
 

@@ -12,9 +12,9 @@ from scenes import G, array, block, make_batch, pulse, record, rock, still
 
 from rockcli.motion.reading import read_record
 from rockcli.motion.spectrum import displacement_spectrum, forcing
-from rockcli.scene.damping import Damping, Fema356
+from rockcli.scene.ground.spectra import DesignSpectrum
+from rockcli.scene.laws.damping import Damping, Fema356
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_AFTER_IMPACT, ROCKING, UNRESOLVED
-from rockcli.scene.spectra import DesignSpectrum
 from rockcli.solvers import fema356
 from rockcli.solvers.fema356 import damping_ratio, rocking_period
 

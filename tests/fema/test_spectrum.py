@@ -11,8 +11,8 @@ from scenes import array, record
 
 from rockcli.motion import measures, spectrum
 from rockcli.motion.spectrum import displacement_spectrum, forcing, history, peaks
-from rockcli.scene.excitation import Samples, acceleration
-from rockcli.scene.pulses import make_pulses
+from rockcli.scene.ground.excitation import Samples, acceleration
+from rockcli.scene.ground.pulses import make_pulses
 
 RANDOM = np.random.default_rng(1).normal(size=40)
 DT = 0.02

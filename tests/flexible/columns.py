@@ -8,9 +8,9 @@ import numpy as np
 from scenes import G, array, make_batch, pulse
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import make_block
-from rockcli.scene.column import Base, Column
-from rockcli.scene.excitation import Excitation
+from rockcli.scene.body.block import make_block
+from rockcli.scene.body.column import Base, Column
+from rockcli.scene.ground.excitation import Excitation
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import Response
 from rockcli.solvers.flexible import solve

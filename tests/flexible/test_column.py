@@ -12,8 +12,8 @@ from scenes import G, make_batch, pulse, record, still
 import rockcli
 from rockcli.engine.backends import choose
 from rockcli.errors import SolverError
-from rockcli.scene.block import make_block
-from rockcli.scene.damping import Damping
+from rockcli.scene.body.block import make_block
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.response import ROCKING, UNRESOLVED, overturned
 from rockcli.solvers.event.solver import solve as solve_rigid
 

@@ -11,8 +11,8 @@ import pytest
 from flexible.columns import peak, rock_column, scalar
 from scenes import SHARED, G, make_batch, record
 
-from rockcli.scene.block import make_block
-from rockcli.scene.excitation import Excitation
+from rockcli.scene.body.block import make_block
+from rockcli.scene.ground.excitation import Excitation
 from rockcli.scene.response import ROCKING
 from rockcli.solvers.event.solver import solve as solve_rigid
 

@@ -8,9 +8,9 @@ import numpy as np
 from scenes import G, array, block, make_batch, pulse, still
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import make_block
-from rockcli.scene.column import Base, Column
-from rockcli.scene.damping import Damping
+from rockcli.scene.body.block import make_block
+from rockcli.scene.body.column import Base, Column
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import Response
 

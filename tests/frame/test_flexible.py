@@ -9,7 +9,7 @@ import pytest
 from frame.frames import column, framed, peak
 from scenes import G, array, pulse
 
-from rockcli.scene.column import Base
+from rockcli.scene.body.column import Base
 from rockcli.scene.numerics import Numerics
 from rockcli.solvers.event.solver import solve as event
 from rockcli.solvers.flexible import solve as modal

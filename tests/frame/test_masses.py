@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from frame.frames import PAIRS, column, on_fibres, ricker
 
-from rockcli.scene.column import Column
+from rockcli.scene.body.column import Column
 from rockcli.solvers.frame.structure import (
     clamped_frequency,
     consistent_bar,

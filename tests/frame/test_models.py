@@ -9,7 +9,7 @@ import pytest
 from frame.frames import PAIRS, framed, peak, ricker
 from scenes import G, block, make_batch, overturns, pulse, record
 
-from rockcli.scene.damping import Damping
+from rockcli.scene.laws.damping import Damping
 from rockcli.solvers.event.solver import solve as event
 from rockcli.solvers.frame.solver import solve
 

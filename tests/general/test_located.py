@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scenes import G, array, block, make_batch, pulse, record, still
 
-from rockcli.scene.block import make_block
-from rockcli.scene.damping import Damping
-from rockcli.scene.models import MODELS
+from rockcli.scene.body.block import make_block
+from rockcli.scene.laws.damping import Damping
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import FAILED, NO_UPLIFT, OVERTURNED_AFTER_IMPACT, ROCKING
 from rockcli.solvers.event import solver as event

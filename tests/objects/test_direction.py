@@ -14,7 +14,7 @@ import rockcli
 from rockcli.analysis.direction import with_worst_direction
 from rockcli.errors import RecordError, StudyError
 from rockcli.motion.direction import cosine_and_sine
-from rockcli.scene.block import housner_eta
+from rockcli.scene.body.block import housner_eta
 from rockcli.storage.contents import Contents, axis_field, variable_field
 from rockcli.study.open import open_study
 

@@ -8,7 +8,7 @@ from reference import body_of, integrate
 from scipy.signal import lsim
 
 import rockcli
-from rockcli.scene.block import housner_eta
+from rockcli.scene.body.block import housner_eta
 from rockcli.study.open import open_study
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from rockcli.errors import StudyError
-from rockcli.scene.lower_outline import facets_of, lower_hull, settling_turn
+from rockcli.scene.body.lower_outline import facets_of, lower_hull, settling_turn
 from rockcli.study.open import open_study
 
 

@@ -12,9 +12,9 @@ from scipy.spatial import ConvexHull
 
 import rockcli
 from rockcli.errors import StudyError
-from rockcli.scene.block import RIGHT
-from rockcli.scene.lower_outline import facets_of, lower_hull, settling_turn, turned
-from rockcli.scene.scan import DIRECTIONS, QUARTER, Profile, _overturning
+from rockcli.scene.body.block import RIGHT
+from rockcli.scene.body.lower_outline import facets_of, lower_hull, settling_turn, turned
+from rockcli.scene.body.scan import DIRECTIONS, QUARTER, Profile, _overturning
 from rockcli.study.building import body_mesh
 from rockcli.study.building.body_mesh import measured
 from rockcli.study.open import open_study

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import rockcli
 from rockcli.errors import StudyError
-from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.study.open import open_study
 
 

@@ -12,8 +12,8 @@ from scipy.optimize import brentq
 
 import rockcli
 from rockcli.kernels.contact.codes import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
-from rockcli.scene.block import make_block
-from rockcli.scene.contact import mode_from_rest
+from rockcli.scene.body.block import make_block
+from rockcli.scene.laws.contact import mode_from_rest
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, ROCKING, SLIDING, UNRESOLVED
 from rockcli.scene.variables import SCALARS, SCALARS_SLIDING
 from rockcli.solvers.event.solver import solve

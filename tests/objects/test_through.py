@@ -16,8 +16,8 @@ from rockcli.errors import StudyError
 from rockcli.motion.floors import BETWEEN, Chain
 from rockcli.motion.reading import read_record
 from rockcli.motion.spectrum import forcing
-from rockcli.scene.excitation import Samples, acceleration
-from rockcli.scene.pulses import make_pulses
+from rockcli.scene.ground.excitation import Samples, acceleration
+from rockcli.scene.ground.pulses import make_pulses
 from rockcli.study.open import open_study
 
 RECORD = Path(__file__).parents[2] / "records" / "synthetic_rock_m65.AT2"

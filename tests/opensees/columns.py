@@ -11,8 +11,8 @@ import pytest
 from scenes import G, array, block, make_batch, make_block, pulse
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.column import Column
-from rockcli.scene.damping import Damping
+from rockcli.scene.body.column import Column
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
 
 _LOADS = subprocess.run([sys.executable, "-c", "import openseespy.opensees"], capture_output=True, check=False)

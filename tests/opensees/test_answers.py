@@ -10,8 +10,8 @@ from columns import PULSES, flexible, needs_opensees, peak, rigid
 from scenes import array, pulse, record, still
 
 from rockcli.errors import SolverError
-from rockcli.scene.column import Base, Column
-from rockcli.scene.damping import Damping
+from rockcli.scene.body.column import Base, Column
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
 from rockcli.solvers.event import solver as event
 from rockcli.solvers.flexible import solve as solve_flexible

@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 
 from rockcli.cli.main import app
 from rockcli.errors import StudyError
-from rockcli.scene.column import Base
-from rockcli.scene.damping import Damping
+from rockcli.scene.body.column import Base
+from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
 from rockcli.solvers.opensees.script import script_of
 

@@ -15,7 +15,7 @@ import rockcli
 from rockcli.plotting import figures
 from rockcli.plotting.common.case_settings import case_settings
 from rockcli.plotting.kinds import map as outcomes
-from rockcli.scene.overturning import sine_without_impact
+from rockcli.scene.laws.overturning import sine_without_impact
 
 CASE: dict[str, Any] = {
     "block": {"R": 1, "alpha": 0.3},

@@ -225,7 +225,7 @@ def test_letters_the_font_lacks_are_no_warning(tmp_path: Path) -> None:
 
 def test_what_a_search_found_is_a_curve() -> None:
     """The lowest overturning amplitude against the frequency, by half sines of which it is known in closed form."""
-    from rockcli.scene.overturning import sine_without_impact
+    from rockcli.scene.laws.overturning import sine_without_impact
 
     pulse = {"shape": "half_sine", "omega_p_over_p": 1, "a_p_over_g_tan_alpha": 1}
     case = {"block": {"R": 1, "alpha": 0.1}, "motion": {"pulse": pulse}, "model": "linearized"}

@@ -11,7 +11,7 @@ import rockcli
 from rockcli.plotting import figures
 from rockcli.plotting.kinds import fragility
 from rockcli.plotting.kinds.ida import fractiles_of
-from rockcli.scene.hazard import hazard_words
+from rockcli.scene.ground.hazard import hazard_words
 
 G = 9.81
 

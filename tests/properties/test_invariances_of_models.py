@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import G, array, make_batch, overturns, pulse, record, repeated, rock, still, unit_block
 
-from rockcli.scene.block import make_block
-from rockcli.scene.damping import Damping
+from rockcli.scene.body.block import make_block
+from rockcli.scene.laws.damping import Damping
 from rockcli.solvers.event.solver import solve
 from rockcli.solvers.flexible import solve as solve_flexible
 from rockcli.solvers.frame.solver import solve as solve_frame

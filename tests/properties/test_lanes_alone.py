@@ -15,7 +15,7 @@ from scenes import G, make_batch, pulse
 import rockcli
 from rockcli import kernels
 from rockcli.kernels.lanes.vector import elementary, plain
-from rockcli.scene.block import make_block
+from rockcli.scene.body.block import make_block
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event.solver import solve
 

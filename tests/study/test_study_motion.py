@@ -72,7 +72,7 @@ class TestPulses:
         by_a = batch_of({"pulse": {**shape, "a_p": float(by_A.a_p[0])}}).excitation.horizontal
         np.testing.assert_allclose(by_a.table, by_A.table, rtol=1e-12)
         t = np.linspace(0, float(by_A.end[0]), 20001)
-        from rockcli.scene.excitation import acceleration
+        from rockcli.scene.ground.excitation import acceleration
 
         assert np.abs(acceleration(by_A, t)).max() == pytest.approx(by_A.a_p[0], rel=1e-6)
 

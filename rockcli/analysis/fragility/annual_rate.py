@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.hazard import HazardCurve
+from rockcli.scene.ground.hazard import HazardCurve
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from rockcli.analysis.measures import peaks, peaks_of_both_signs
 from rockcli.motion.spectrum import displacement_spectrum, forcing
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Channel, Samples
-from rockcli.scene.models import MODELS
+from rockcli.scene.ground.excitation import Channel, Samples
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.variables import VARIABLES
 from rockcli.storage.contents import Contents
 from rockcli.study.cases.buildable import buildable

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.motion.measures import arias, cav, measures
-from rockcli.scene.excitation import Samples
-from rockcli.scene.statistics import pearson, spearman
+from rockcli.scene.ground.excitation import Samples
+from rockcli.scene.uncertain.statistics import pearson, spearman
 from rockcli.scene.variables import MEASURE, MEASURES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.storage.reduced import reduce

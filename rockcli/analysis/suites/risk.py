@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.fragility.annual_rate import Fragility, Rate, annual_rate
 from rockcli.analysis.suites.fragility import plain
-from rockcli.scene.hazard import CONSISTENT, HazardCurve
+from rockcli.scene.ground.hazard import CONSISTENT, HazardCurve
 from rockcli.scene.variables import HAZARD, HAZARD_POINT, INTENSITY_BIN, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import Over

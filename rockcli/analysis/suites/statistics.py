@@ -25,8 +25,8 @@ from rockcli.analysis.suites.side_by_side import end_to_end, laid_out
 from rockcli.analysis.suites.uncertainty import NAMES, with_samples
 from rockcli.analysis.suites.words import sentences, warnings
 from rockcli.analysis.threshold_fields import found_by, threshold_fields
-from rockcli.scene.statistics import fractile
 from rockcli.scene.thresholds import BRACKETED
+from rockcli.scene.uncertain.statistics import fractile
 from rockcli.scene.units import SI
 from rockcli.scene.variables import PEAK, VARIABLES
 from rockcli.storage.contents import Contents, Field, variable_field

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.fragility.curves import CONFIDENCE
 from rockcli.analysis.suites.members import Members
-from rockcli.scene.samples import SALTELLI, base_points
-from rockcli.scene.statistics import spearman
+from rockcli.scene.uncertain.samples import SALTELLI, base_points
+from rockcli.scene.uncertain.statistics import spearman
 from rockcli.scene.variables import INPUT, PEAK
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import SAMPLE, Over, Study, Uncertain

@@ -14,7 +14,7 @@ from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.suites.intensity_correlation import LEAST
 from rockcli.analysis.suites.risk import central, largest_tail
 from rockcli.analysis.threshold_fields import found_by
-from rockcli.scene.hazard import CONSISTENT, hazard_words
+from rockcli.scene.ground.hazard import CONSISTENT, hazard_words
 from rockcli.scene.limit_states import OVERTURNED, exceeded_when, in_full
 from rockcli.scene.response import SLIDING
 from rockcli.scene.thresholds import FOUND, threshold_words

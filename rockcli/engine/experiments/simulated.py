@@ -21,7 +21,7 @@ from rockcli.engine.sweep.sweep import Progress
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Samples
+from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.response import overturned
 from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.document.loader import load_file, load_mapping

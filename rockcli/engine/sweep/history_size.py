@@ -9,7 +9,7 @@ import numpy as np
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
-from rockcli.scene.models import FLEXIBLE
+from rockcli.scene.laws.models import FLEXIBLE
 from rockcli.solvers.common.duration import durations_of
 from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import Study

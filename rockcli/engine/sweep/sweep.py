@@ -29,7 +29,7 @@ from rockcli.engine.sweep.work import Team
 from rockcli.errors import MachineError, SolverError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
-from rockcli.scene.models import DEFORMABLE
+from rockcli.scene.laws.models import DEFORMABLE
 from rockcli.scene.response import Response
 from rockcli.scene.variables import GROUND
 from rockcli.storage.on_disk import full, in_blocks, let_go

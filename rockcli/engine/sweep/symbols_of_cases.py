@@ -15,8 +15,8 @@ from rockcli.engine.sweep.chunks import CHUNK, Chunks
 from rockcli.engine.sweep.results import Results
 from rockcli.engine.sweep.symbols import Symbols
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.excitation import Pulses, Samples, codes_of_motions
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.ground.excitation import Pulses, Samples, codes_of_motions
 from rockcli.scene.variables import LARGE, MOTION, OF_SOURCE
 from rockcli.study.cases.buildable import buildable
 from rockcli.study.study import Index, Study

@@ -8,7 +8,7 @@ from dataclasses import replace
 from rockcli.engine.trade.settings import ELEMENTS_REFERENCE, MODEL, NUMERICS, Setting, model_word
 from rockcli.scene.backends import BACKENDS, Pair
 from rockcli.scene.batch import Batch
-from rockcli.scene.models import CONTINUUM, FLEXIBLE
+from rockcli.scene.laws.models import CONTINUUM, FLEXIBLE
 from rockcli.scene.numerics import Numerics
 
 MESH: Pair = (CONTINUUM, None)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rockcli.scene.excitation import Channel, Excitation, Samples
+from rockcli.scene.ground.excitation import Channel, Excitation, Samples
 
 
 def every_second(motion: Samples) -> Samples:

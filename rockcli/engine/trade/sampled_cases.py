@@ -10,7 +10,7 @@ from rockcli.errors import StudyError
 from rockcli.scene.auto import AUTO, CANDIDATES, candidate_of_reference, highest
 from rockcli.scene.backends import BACKENDS, Pair
 from rockcli.scene.batch import Batch
-from rockcli.scene.models import CONTINUUM, DEFORMABLE, FLEXIBLE
+from rockcli.scene.laws.models import CONTINUUM, DEFORMABLE, FLEXIBLE
 from rockcli.study.study import Index, Study
 
 SEED = 20260102

@@ -10,9 +10,9 @@ import numpy as np
 from rockcli.engine.trade.record_sampling import SAMPLINGS, has_samples, resampled
 from rockcli.scene.backends import BACKENDS, EVENT, Pair
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.damping import Damping
-from rockcli.scene.excitation import Pulses
-from rockcli.scene.models import CONTINUUM, DEFORMABLE, FLEXIBLE, MODELS
+from rockcli.scene.ground.excitation import Pulses
+from rockcli.scene.laws.damping import Damping
+from rockcli.scene.laws.models import CONTINUUM, DEFORMABLE, FLEXIBLE, MODELS
 from rockcli.scene.numerics import ACCURACIES, STANDARD, Numerics
 
 NUMERICS, MODEL, DATA = "numerics", "model", "data"

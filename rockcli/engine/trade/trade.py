@@ -30,7 +30,7 @@ from rockcli.engine.trade.settings import (
 from rockcli.errors import SolverError, StudyError
 from rockcli.scene.backends import BACKENDS, Pair
 from rockcli.scene.batch import Batch
-from rockcli.scene.models import DEFORMABLE
+from rockcli.scene.laws.models import DEFORMABLE
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import FAILED, NO_UPLIFT, Response
 from rockcli.study.study import Index, Study

@@ -1,4 +1,4 @@
-"""Taylor coefficients of the ground acceleration about a time t (scene/excitation.py for the pieces)."""
+"""Taylor coefficients of the ground acceleration about a time t (scene/ground/excitation.py for the pieces)."""
 
 from __future__ import annotations
 

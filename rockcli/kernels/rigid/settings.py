@@ -32,7 +32,7 @@ class Channel(NamedTuple):
 
     Attributes:
         kind: `ground.NOTHING`, `SAMPLES` (data: the values at i dt, then for each the largest modulus from there on)
-            or `PULSES` (data: rows of `ground.WIDTH` numbers, scene/excitation.py).
+            or `PULSES` (data: rows of `ground.WIDTH` numbers, scene/ground/excitation.py).
         dt: time between samples [s].
         pieces: intervals between samples, or rows.
     """

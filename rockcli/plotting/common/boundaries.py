@@ -11,8 +11,8 @@ from matplotlib.patheffects import withStroke
 from rockcli.plotting.common.case_settings import case_settings
 from rockcli.plotting.common.cases import axes_of
 from rockcli.plotting.common.labels import path_of
-from rockcli.scene.lower_outline import lower_hull
-from rockcli.scene.overturning import rectangular_without_impact, sine_one_impact, sine_without_impact
+from rockcli.scene.body.lower_outline import lower_hull
+from rockcli.scene.laws.overturning import rectangular_without_impact, sine_one_impact, sine_without_impact
 
 if TYPE_CHECKING:
     import xarray

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockcli.plotting.common.cases import Array, number_at, outcome_at, values_at
-from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.body.block import LEFT, RIGHT
 
 if TYPE_CHECKING:
     import xarray

@@ -12,9 +12,9 @@ from matplotlib.path import Path
 from rockcli.kernels.contact.codes import SLIDE, SLIDE_ROCK
 from rockcli.plotting.common.cases import Array, axes_of, outcome_at, values_at
 from rockcli.plotting.common.response import edges
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.lower_outline import LEVEL, lower_hull, rolled
-from rockcli.scene.lower_outline import turned as turned_by
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.body.lower_outline import LEVEL, lower_hull, rolled
+from rockcli.scene.body.lower_outline import turned as turned_by
 
 if TYPE_CHECKING:
     import xarray

@@ -27,7 +27,7 @@ from rockcli.plotting.common.style import (
     panel_title,
     width_or,
 )
-from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.body.block import LEFT, RIGHT
 
 if TYPE_CHECKING:
     import xarray

@@ -11,7 +11,7 @@ from rockcli.plotting.common.cases import Array, axes_of, selection_note
 from rockcli.plotting.common.ground import Motion, motions
 from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.style import COLOURS, DOUBLE, LINES, PAIR, QUIET, headline, legend_of, new_figure, width_or
-from rockcli.scene.excitation import Samples
+from rockcli.scene.ground.excitation import Samples
 
 if TYPE_CHECKING:
     import xarray

@@ -24,7 +24,7 @@ from rockcli.plotting.common.style import (
 from rockcli.plotting.common.suite import panels, suite_of
 from rockcli.plotting.kinds.fragility import intensity_label
 from rockcli.plotting.kinds.map import scale_axes
-from rockcli.scene.hazard import CONSISTENT, hazard_words
+from rockcli.scene.ground.hazard import CONSISTENT, hazard_words
 
 if TYPE_CHECKING:
     import xarray

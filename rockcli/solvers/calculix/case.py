@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import RECTANGLE_INERTIA
+from rockcli.scene.body.block import RECTANGLE_INERTIA
 from rockcli.scene.constants import REARM
-from rockcli.scene.excitation import Pulses, Samples
+from rockcli.scene.ground.excitation import Pulses, Samples
 from rockcli.solvers.calculix.deck import Deck
 from rockcli.solvers.calculix.mesh import make_mesh
 from rockcli.solvers.calculix.verdict import Body

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from rockcli.kernels.constants import DONE, FALLS, NO_ANSWER, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.excitation import Channel, Excitation, scaled
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.ground.excitation import Channel, Excitation, scaled
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED, overturned
 from rockcli.scene.variables import SCALARS_AUTO, SCALARS_FEMA, SCALARS_FLEXIBLE, SCALARS_SLIDING
 

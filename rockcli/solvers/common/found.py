@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from rockcli.kernels.constants import DONE, OUT_OF_STEPS
 from rockcli.kernels.formulas import potential
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT
-from rockcli.scene.models import MODELS
+from rockcli.scene.body.block import LEFT
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.response import (
     FAILED,
     MAX_IMPACTS_STORED,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import PIECE_WIDTH, Channel, Pulses, Samples, Suite, acceleration, unscaled
+from rockcli.scene.ground.excitation import PIECE_WIDTH, Channel, Pulses, Samples, Suite, acceleration, unscaled
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from rockcli.errors import SolverError
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Pulses, Samples
+from rockcli.scene.ground.excitation import Pulses, Samples
 
 STEPS_PER_PULSE = 40
 """Steps a period of a pulse takes at least."""

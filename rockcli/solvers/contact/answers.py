@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from rockcli.kernels.constants import DONE, FALLS, ILL_POSED, UNDECIDED
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.contact import slides_only
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.laws.contact import slides_only
 from rockcli.scene.response import NO_UPLIFT, SLIDING, UNRESOLVED
 from rockcli.solvers.common.certainty import withdraw
 from rockcli.solvers.common.found import ON_SEPARATRIX, Found, barrier, broke_off, counts, note_unstored

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from rockcli.kernels.contact.codes import FLIGHT, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.formulas import driving, pull, restoring
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.contact import mode_from_rest
-from rockcli.scene.models import MODELS
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.laws.contact import mode_from_rest
+from rockcli.scene.laws.models import MODELS
 from rockcli.solvers.common.found import IMPACTS
 from rockcli.solvers.common.ground import ground_history
 from rockcli.solvers.contact.run import HISTORIES, Raw

@@ -13,8 +13,8 @@ from rockcli.kernels.constants import OUT_OF_STEPS
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT, housner_eta
-from rockcli.scene.excitation import Channel
+from rockcli.scene.body.block import LEFT, RIGHT, housner_eta
+from rockcli.scene.ground.excitation import Channel
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED
 from rockcli.solvers.common.duration import durations_of, output_times

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT
-from rockcli.scene.excitation import PIECE_WIDTH, Channel, Samples, Suite
+from rockcli.scene.body.block import LEFT
+from rockcli.scene.ground.excitation import PIECE_WIDTH, Channel, Samples, Suite
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

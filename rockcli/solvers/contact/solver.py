@@ -16,7 +16,7 @@ from rockcli import kernels
 from rockcli.kernels.constants import FALLS, ILL_POSED
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
-from rockcli.scene.contact import slides_only
+from rockcli.scene.laws.contact import slides_only
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import FAILED, NO_UPLIFT, Response, overturned
 from rockcli.scene.variables import SCALARS_SLIDING

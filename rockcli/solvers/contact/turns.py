@@ -20,7 +20,7 @@ from rockcli.kernels.constants import DONE, FALLS, GIVES_WAY, LEFT_TO_MARCH
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.rigid import results as in_lanes
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT
+from rockcli.scene.body.block import LEFT
 from rockcli.scene.numerics import Accuracy
 from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.contact.run import EXTREMES, Raw, from_the_beginning, parameters_of, run

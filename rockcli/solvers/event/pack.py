@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.damping import dashpot_rate
-from rockcli.scene.models import MODELS, Law
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.laws.damping import dashpot_rate
+from rockcli.scene.laws.models import MODELS, Law
 from rockcli.scene.numerics import Accuracy
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.ground import factors_of

@@ -13,8 +13,8 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import results as results_of_rolling
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import PIECE_WIDTH, Pulses
-from rockcli.scene.models import MODELS
+from rockcli.scene.ground.excitation import PIECE_WIDTH, Pulses
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.variables import (
     SCALARS_ASYMMETRIC,
     SCALARS_AUTO,

@@ -17,8 +17,8 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import results as results_of_rolling
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Samples
-from rockcli.scene.models import MODELS
+from rockcli.scene.ground.excitation import Samples
+from rockcli.scene.laws.models import MODELS
 from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.event import pulse_lanes
 from rockcli.solvers.event.pulse_lanes import FINEST, even

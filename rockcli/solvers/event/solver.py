@@ -19,8 +19,8 @@ from rockcli.kernels.constants import DONE, NO_ANSWER, OUT_OF_STEPS, RETURNS
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
-from rockcli.scene.contact import slides_only
-from rockcli.scene.excitation import Pulses, Samples
+from rockcli.scene.ground.excitation import Pulses, Samples
+from rockcli.scene.laws.contact import slides_only
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response, merged
 from rockcli.solvers.common.certainty import (

@@ -11,8 +11,8 @@ from rockcli.kernels.constants import DONE, FALLS, UNDECIDED
 from rockcli.kernels.formulas import restoring
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.models import MODELS
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.certainty import withdraw

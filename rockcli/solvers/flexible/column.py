@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from rockcli.kernels.column import layout as at
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import RECTANGLE_INERTIA
+from rockcli.scene.body.block import RECTANGLE_INERTIA
 from rockcli.scene.constants import GREENHILL
 from rockcli.solvers.flexible.beam import unit_beam
 from rockcli.solvers.flexible.modes import Modes, UnstableError, make_modes

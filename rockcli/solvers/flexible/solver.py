@@ -13,7 +13,7 @@ from rockcli import kernels
 from rockcli.kernels.column import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.constants import REARM
-from rockcli.scene.excitation import Pulses, Samples, acceleration
+from rockcli.scene.ground.excitation import Pulses, Samples, acceleration
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged

@@ -9,7 +9,7 @@ from rockcli.errors import SolverError
 from rockcli.kernels.frame import layout as at
 from rockcli.scene.backends import unfit_base
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT
+from rockcli.scene.body.block import LEFT
 from rockcli.scene.constants import FIBRES
 
 Array = NDArray[np.float64]

@@ -12,11 +12,11 @@ from rockcli.errors import SolverError
 from rockcli.kernels.constants import FAST
 from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.constants import ALPHA_D, REARM, YIELD_ROTATION
-from rockcli.scene.damping import dashpot_rate
-from rockcli.scene.excitation import Channel, Pulses, acceleration
-from rockcli.scene.models import MODELS
+from rockcli.scene.ground.excitation import Channel, Pulses, acceleration
+from rockcli.scene.laws.damping import dashpot_rate
+from rockcli.scene.laws.models import MODELS
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.stepping import check_step
 from rockcli.solvers.frame.base import fibres_of, kind_of_base

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT
+from rockcli.scene.body.block import LEFT
 from rockcli.scene.constants import DENSITY, ELEMENTS, RIGID
 
 Array = NDArray[np.float64]

@@ -9,9 +9,9 @@ import numpy as np
 
 from rockcli.kernels.constants import FALLS, NOT_YET, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.damping import dashpot_rate
-from rockcli.scene.models import MODELS
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.laws.damping import dashpot_rate
+from rockcli.scene.laws.models import MODELS
 
 SIDE = 0.5 * math.pi
 """|theta| of a body that lies on its side."""
@@ -23,7 +23,7 @@ class Edge:
 
     Attributes:
         p, alpha, R: of this edge [rad/s, rad, m].
-        r0, rs, rc, fc, fs: coefficients of the model (scene/models.py).
+        r0, rs, rc, fc, fs: coefficients of the model (scene/laws/models.py).
         threshold: uplift |a_g|/(g + a_v).
         q_star: rotation of zero restoring moment [rad]; slope: of the restoring law there, positive.
         eta: restitution when landing on this edge.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import LINEAR, WAVES, Channel, Pulses, Samples
+from rockcli.scene.ground.excitation import LINEAR, WAVES, Channel, Pulses, Samples
 from rockcli.solvers.common.duration import durations_of
 
 Array = NDArray[np.float64]

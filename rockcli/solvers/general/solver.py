@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rockcli.errors import SolverError
 from rockcli.kernels.constants import FALLS, UNDECIDED
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.response import Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
 from rockcli.solvers.common.duration import output_times

@@ -10,7 +10,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from rockcli.kernels.constants import FAST, RETURNS
-from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.response import MAX_IMPACTS_STORED
 from rockcli.solvers.general import roots
 from rockcli.solvers.general.body import Body

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rockcli.errors import SolverError
 from rockcli.scene.backends import unfit_base
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
+from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.constants import (
     ALPHA_D,
     DENSITY,
@@ -21,8 +21,8 @@ from rockcli.scene.constants import (
     RIGID,
     YIELD_ROTATION,
 )
-from rockcli.scene.damping import dashpot_rate
-from rockcli.scene.excitation import Channel, Samples, acceleration
+from rockcli.scene.ground.excitation import Channel, Samples, acceleration
+from rockcli.scene.laws.damping import dashpot_rate
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.stepping import check_step
 

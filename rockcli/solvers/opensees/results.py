@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from rockcli.kernels import formulas
 from rockcli.kernels.constants import FALLS, FAST, NO_ANSWER, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.models import MODELS
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.duration import output_times

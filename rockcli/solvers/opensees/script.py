@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Samples
+from rockcli.scene.ground.excitation import Samples
 from rockcli.solvers.opensees import loop, pieces
 from rockcli.solvers.opensees.case import CaseOfOpenSees, case_of
 

@@ -9,7 +9,7 @@ import numpy as np
 from rockcli.errors import SolverError
 from rockcli.scene.backends import unfit_beams
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import RECTANGLE_INERTIA
+from rockcli.scene.body.block import RECTANGLE_INERTIA
 from rockcli.scene.constants import COARSER
 from rockcli.scene.response import Response
 from rockcli.solvers.common.certainty import CERTAINTY, compare_steps

@@ -11,8 +11,8 @@ from rockcli.kernels.constants import DONE, FALLS, RETURNS, UNDECIDED
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import results as also
 from rockcli.scene.batch import Batch
-from rockcli.scene.block import LEFT, RIGHT
-from rockcli.scene.lower_outline import Facets, rolled
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.body.lower_outline import Facets, rolled
 from rockcli.scene.response import NO_UPLIFT
 from rockcli.solvers.common.found import IMPACTS, Found, counts
 from rockcli.solvers.common.ground import ground_history

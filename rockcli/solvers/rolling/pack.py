@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rockcli.kernels.rolling import parameters as at
 from rockcli.scene.batch import Batch
-from rockcli.scene.lower_outline import Facets, facets_of
+from rockcli.scene.body.lower_outline import Facets, facets_of
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.ground import factors_of
 

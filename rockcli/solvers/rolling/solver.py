@@ -15,8 +15,8 @@ from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling import results as also
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Samples
-from rockcli.scene.lower_outline import Facets
+from rockcli.scene.body.lower_outline import Facets
+from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Traces, judge, nudged

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from rockcli.scene.auto import AUTO, TOLERANCE
 from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT, automatic
 from rockcli.scene.batch import Batch, Save
-from rockcli.scene.block import RECTANGLE_INERTIA, Block
-from rockcli.scene.column import ACROSS, Base, Column
+from rockcli.scene.body.block import RECTANGLE_INERTIA, Block
+from rockcli.scene.body.column import ACROSS, Base, Column
 from rockcli.scene.constants import ELEMENTS
-from rockcli.scene.contact import slides_first
-from rockcli.scene.damping import Damping
-from rockcli.scene.models import CONTINUUM, DEFORMABLE
+from rockcli.scene.laws.contact import slides_first
+from rockcli.scene.laws.damping import Damping
+from rockcli.scene.laws.models import CONTINUUM, DEFORMABLE
 from rockcli.scene.numerics import Numerics
 from rockcli.study.building.damping import build_damping, fema356_warnings
 from rockcli.study.building.ground_motion import build_excitation

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.block import Block, make_block
+from rockcli.scene.body.block import Block, make_block
 from rockcli.study.building.body_mesh import build_from_mesh
 from rockcli.study.building.body_outline import BLOCK, build_solid, check_no_mesh, has_outline
 from rockcli.study.building.numbers import Numbers

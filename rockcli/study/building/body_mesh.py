@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.lower_outline import LEVEL, lower_hull
-from rockcli.scene.outline import OutlineError, Solid
-from rockcli.scene.scan import QUARTER, Profile, Scan
+from rockcli.scene.body.lower_outline import LEVEL, lower_hull
+from rockcli.scene.body.outline import OutlineError, Solid
+from rockcli.scene.body.scan import QUARTER, Profile, Scan
 from rockcli.study.building.body_outline import BLOCK, SAID_BY_OUTLINE
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import UNITS

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
-from rockcli.scene.outline import Given, OutlineError, Solid, solid
+from rockcli.scene.body.outline import Given, OutlineError, Solid, solid
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import Value
 from rockcli.study.document.tree import Keys, dotted, place

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.damping import SCHEMES, Damping, Fema356
-from rockcli.scene.excitation import Excitation
-from rockcli.scene.spectra import SPECTRA, DesignSpectrum
+from rockcli.scene.ground.excitation import Excitation
+from rockcli.scene.ground.spectra import SPECTRA, DesignSpectrum
+from rockcli.scene.laws.damping import SCHEMES, Damping, Fema356
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.tree import Keys
 from rockcli.study.schema import SpectrumPart

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rockcli.motion.floors import BETWEEN, RINGS_TO, Arrival, Chain
 from rockcli.motion.options import MAX_SAMPLES
 from rockcli.motion.spectrum import forcing
-from rockcli.scene.excitation import AMPLITUDES, PIECE_WIDTH, Pulses, Samples, scaled
+from rockcli.scene.ground.excitation import AMPLITUDES, PIECE_WIDTH, Pulses, Samples, scaled
 from rockcli.study.building.numbers import Numbers, in_range
 from rockcli.study.building.pulse import build_pulses, unit_pulses
 from rockcli.study.building.records import Records

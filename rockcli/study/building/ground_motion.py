@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
 from rockcli.scene.constants import STANDARD_G
-from rockcli.scene.excitation import Channel, Excitation, Samples, Suite
+from rockcli.scene.ground.excitation import Channel, Excitation, Samples, Suite
 from rockcli.study.building.floors import OF_ARRIVAL, goes_through, of_pulse, of_record
 from rockcli.study.building.numbers import Motions, Numbers, in_range
 from rockcli.study.building.pulse import build_pulses

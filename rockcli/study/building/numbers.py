@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.block import Block
+from rockcli.scene.body.block import Block
 from rockcli.study.document.check import said_at
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, Value, parse
 from rockcli.study.document.tree import Keys, Map, Source, Where, meant, nearest, place, value_at

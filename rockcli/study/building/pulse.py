@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.excitation import Pulses
-from rockcli.scene.pulses import SHAPES, make_pulses, mavroeidis_papageorgiou_peak
+from rockcli.scene.ground.excitation import Pulses
+from rockcli.scene.ground.pulses import SHAPES, make_pulses, mavroeidis_papageorgiou_peak
 from rockcli.study.building.numbers import Numbers, in_range
 from rockcli.study.document.expressions import Value, parse
 from rockcli.study.document.tree import Keys, nearest

@@ -21,7 +21,7 @@ from rockcli.study.document.tree import Source, Where
 if TYPE_CHECKING:
     from rockcli.motion.floors import Arrival
     from rockcli.motion.motion import Given, Motion
-    from rockcli.scene.excitation import Samples
+    from rockcli.scene.ground.excitation import Samples
 
 
 SYNTHETIC = "synthetic_"

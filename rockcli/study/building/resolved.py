@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch
-from rockcli.scene.excitation import Channel, Pulses, Samples
-from rockcli.scene.models import DEFORMABLE
+from rockcli.scene.ground.excitation import Channel, Pulses, Samples
+from rockcli.scene.laws.models import DEFORMABLE
 from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key

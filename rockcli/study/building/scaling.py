@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.excitation import Samples
+from rockcli.scene.ground.excitation import Samples
 from rockcli.study.building.ground_motion import MOTION, SCALING
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.tree import Keys

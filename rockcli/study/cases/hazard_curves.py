@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.scene.constants import STANDARD_G
-from rockcli.scene.hazard import HazardCurve
+from rockcli.scene.ground.hazard import HazardCurve
 from rockcli.scene.units import g_of
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Keys, Map, Source, value_at

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
-from rockcli.scene.distributions import FAMILIES, Distribution
-from rockcli.scene.samples import MOST_INPUTS, WORDS, unit_points
+from rockcli.scene.uncertain.distributions import FAMILIES, Distribution
+from rockcli.scene.uncertain.samples import MOST_INPUTS, WORDS, unit_points
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
 from rockcli.study.document.overlay import same_twice

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from rockcli.scene.damping import SCHEMES
-from rockcli.scene.pulses import SHAPES
+from rockcli.scene.ground.pulses import SHAPES
+from rockcli.scene.laws.damping import SCHEMES
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Where
 

@@ -1,7 +1,7 @@
 """The ground acceleration of the pulses of a vector of lanes: its Taylor coefficients now, and what is still to come.
 
 A bell is b times the second derivative of -exp(-y^2/2), (1 - y^2) exp(-y^2/2), or the third, (y^3 - 3 y) exp(-y^2/2),
-in y = w (t - t_0) (scene/excitation.py, docs/lanes.md); others are left to `march`.
+in y = w (t - t_0) (scene/ground/excitation.py, docs/lanes.md); others are left to `march`.
 """
 
 from __future__ import annotations

@@ -36,8 +36,8 @@ VECTORS = 8
 L_*: constants of the case, p^2 and 1/g multiplied in; L_ALONG, L_ACROSS: the restoring
 moment as r0 + along f + across df/dq, f = fc cos q + fs sin q; L_GUARD uplift |a_g|; L_TOP energy of the equilibrium;
 L_PULL p^2 max|f|/g; L_BOUND of |a_g|; L_GIVEN whether the report ends at a given time.  KIND, ORIGIN, C*: the piece of
-the motion (scene/excitation.py).  EVENT, NEW_*: what the step under way comes to; REACH bound of |q| on it, BRACKET
-where the part of it with a turning point begins, and BREADTH how long that is, as shares of X.
+the motion (scene/ground/excitation.py).  EVENT, NEW_*: what the step under way comes to; REACH bound of |q| on it,
+BRACKET where the part of it with a turning point begins, and BREADTH how long that is, as shares of X.
 SINE, COSINE of q (q, 1 if linear), BELL_E exp(-y^2/2): now.
 What goes with an edge, L_SIDE to L_GRIP, is that of the edge the body turns about; of a body with two different edges
 that of the other one, in the same order, stands from OTHER on, and the two change places as the body turns over.

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.lower_outline import LEVEL, lower_hull, settling_turn, turned
+from rockcli.scene.body.lower_outline import LEVEL, lower_hull, settling_turn, turned
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from rockcli.kernels.constants import SAME
 from rockcli.kernels.contact.codes import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.scene.batch import Batch
-from rockcli.scene.models import MODELS
+from rockcli.scene.laws.models import MODELS
 
 Array = NDArray[np.float64]
 

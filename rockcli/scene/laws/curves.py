@@ -1,7 +1,7 @@
 """Static curves: what a body and the models that stand for it do when turned slowly, theta in [0, alpha].
 
 All quantities are those of a turn to the right about the edge with the smaller alpha.  Arrays are (n, k): n bodies,
-k rotations.  A model's curves follow from its row of scene/models.py; the block's are those of the row `rigid`.
+k rotations.  A model's curves follow from its row of scene/laws/models.py; the block's are those of the row `rigid`.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels import formulas
-from rockcli.scene.block import LEFT, RIGHT, Block
-from rockcli.scene.models import MODELS, Law, Model
+from rockcli.scene.body.block import LEFT, RIGHT, Block
+from rockcli.scene.laws.models import MODELS, Law, Model
 
 Array = NDArray[np.float64]
 
@@ -69,7 +69,7 @@ KINDS: dict[str, Kind] = {
 }
 
 ENERGY = "energy_per_cycle"
-"""The kind that asks for the damping of the case (scene/energy.py), not for its model."""
+"""The kind that asks for the damping of the case (scene/laws/energy.py), not for its model."""
 
 CRITICAL = "theta_critical_over_alpha"
 """Scalar of `moment_rotation`: the rotation at which the restoring moment vanishes."""
@@ -90,7 +90,7 @@ def curves_of(kind: str, model: Model, block: Block, ratio: Array) -> dict[str, 
     """The curves of a kind, by variable name, each (n, k).
 
     Args:
-        kind: of KINDS; model: a row of scene/models.py; block: n bodies.
+        kind: of KINDS; model: a row of scene/laws/models.py; block: n bodies.
         ratio: theta/alpha, (k,) or (n, k).
     """
     alpha, tan_alpha = (block.of_weak_edge(both)[:, None] for both in (block.alpha, block.tan_alpha))

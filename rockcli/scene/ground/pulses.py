@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.excitation import BELL, LINEAR, PIECE_WIDTH, WAVES, Pulses
+from rockcli.scene.ground.excitation import BELL, LINEAR, PIECE_WIDTH, WAVES, Pulses
 
 Array = NDArray[np.float64]
 

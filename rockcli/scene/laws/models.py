@@ -115,7 +115,7 @@ MODELS: dict[tuple[str, str | None], Model] = {(row.name, row.geometry): row for
 MODEL_NAMES: tuple[str, ...] = tuple(dict.fromkeys(row.name for row in _ROWS))
 
 FLEXIBLE = "flexible"
-"""The deformable column (scene/column.py, docs/flexible.md): no law of one rotation, so no row; corotational."""
+"""The deformable column (scene/body/column.py, docs/flexible.md): no law of one rotation, so no row; corotational."""
 
 CONTINUUM = "continuum"
 """The same body as a full mesh (docs/calculix.md)."""

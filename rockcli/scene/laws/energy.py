@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.block import Block, housner_eta
-from rockcli.scene.damping import Damping, dashpot_rate
+from rockcli.scene.body.block import Block, housner_eta
+from rockcli.scene.laws.damping import Damping, dashpot_rate
 
 Array = NDArray[np.float64]
 

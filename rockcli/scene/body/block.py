@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rockcli.scene.scan import Scan
+from rockcli.scene.body.scan import Scan
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.lower_outline import LEVEL, settling_turn, turned
-from rockcli.scene.outline import OutlineError
+from rockcli.scene.body.lower_outline import LEVEL, settling_turn, turned
+from rockcli.scene.body.outline import OutlineError
 
 Array = NDArray[np.float64]
 

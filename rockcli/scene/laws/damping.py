@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.block import Block, housner_eta
-from rockcli.scene.spectra import DesignSpectrum
+from rockcli.scene.body.block import Block, housner_eta
+from rockcli.scene.ground.spectra import DesignSpectrum
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""The motion of the ground: what solvers integrate over, pulses, design spectra, hazard."""
