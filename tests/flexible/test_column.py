@@ -75,6 +75,17 @@ def test_stiff_column_is_model_3(E, eta):
     assert peak(rock_column(sine(), E=E, eta=eta, zeta=0.0, n=5)) == pytest.approx(limit, abs=1e-6)
 
 
+@pytest.mark.parametrize("shape", ["rectangular", "cosine", "square_cycle"])
+@pytest.mark.parametrize("T_p", [1.1, 1.3, 1.4, 1.6, 2.0])
+def test_a_motion_that_ends_on_an_acceleration_acts_to_its_end(shape, T_p):
+    """The last step ends with the motion, to rounding: what the ground does there is the motion's, not the rest after it."""
+    motion = pulse(shape, 1.6 * G * 0.1, 2.0 * np.pi / T_p)
+    limit = model_3(motion)
+    for accuracy in ("draft", "standard"):
+        column = rock_column(motion, E=1e20, eta=1.0, zeta=0.0, n=5, accuracy=accuracy)
+        assert peak(column) == pytest.approx(limit, abs=3e-6)
+
+
 def test_stiff_stocky_column_is_model_3():
     body = make_block(h=12.5, b=2.5, tan_alpha=0.2, alpha=np.arctan(0.2))
     motion = sine(2.5, tan_alpha=0.2)

@@ -204,9 +204,10 @@ def work_of(F, k, h, y_0, y_b, y_1, r_0, r_1):
 
 @jit
 def ground(channel, data, factor, i, t, t_end, tmp):
-    """Acceleration of a channel at t, read on its piece i."""
-    if i >= channel.pieces or t > t_end * (1.0 + 1e-14):
+    """Acceleration of a channel at t, read on its piece i; a step that ends with the motion has rounding beyond it."""
+    if i >= channel.pieces:
         return 0.0
+    t = min(t, t_end)
     if channel.kind == PULSES and t < data[i * PIECE]:
         return 0.0
     expand(channel, data, factor, i, t, 0, tmp)
