@@ -109,3 +109,17 @@ def test_an_asymmetric_body_mirrored_is_its_mirror_image():
     assert float(other.slide_residual) == -float(one.slide_residual)
     assert float(other.theta_peak) == -float(one.theta_peak)
     np.testing.assert_array_equal(other.theta, -one.theta)
+
+
+def test_the_largest_slide_under_a_duration_is_that_of_the_report():
+    """A foot that slips on after the report slides farther than what is reported; its histories end with the report."""
+    case = {
+        "block": {"h": 0.3, "b": [0.11, 0.08], "r_g": 0.17, "mu": 0.15},
+        "initial": {"theta": -0.23, "theta_dot": 0.18, "slide_rate": 0.04},
+    }
+    whole, short = (
+        rockcli.run({"case": {**case, "motion": {"duration": end}}, "save": {"dt_out": 1e-4}}) for end in (1.5, 0.6)
+    )
+    until = float(np.abs(whole.slide[whole.time <= 0.6]).max())  # its foot holds then, and slips again at 0.85 s
+    assert float(whole.slide_peak) > 3.0 * until
+    assert float(short.slide_peak) == pytest.approx(until, rel=1e-3)

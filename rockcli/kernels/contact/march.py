@@ -331,7 +331,8 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
                     i_hist = write_bounces(foot, t, t + wait, dt_out, i_hist, histories)
                     t += wait
                     foot = Foot(foot.s, foot.sigma, 0.0, 0.0, slid, foot.place + 0.5 * (foot.u + slid) * wait)
-                    note_slide(foot.place, out)
+                    if counted:
+                        note_slide(foot.place, out)
                     pick = ON_BASE
             continue
         if event == STOPS:
