@@ -7,6 +7,9 @@ import pytest
 from scenes import G, block, overturns, pulse, rock, still, unit_block
 from tables import BANDS, HALF_SINE, ONE_SINE, ONE_SINE_ONE_IMPACT, RECTANGULAR, SQUARE_CYCLE
 
+import rockcli
+from rockcli.scene.response import NO_UPLIFT, ROCKING
+
 EPSILON = 1e-7
 
 
@@ -113,3 +116,24 @@ def test_double_impulse():
     for factor, falls in ((1.0 - 1e-9, False), (1.0 + 1e-9, True)):
         rates = jump * factor * (1.0 + eta)
         assert overturns(rock(block(R, ta), still(), theta_dot_0=-rates)) is falls
+
+
+@pytest.mark.parametrize("rolls", [False, True], ids=["block", "rolling"])
+@pytest.mark.parametrize("b", [0.577, 0.59, 0.603])
+def test_a_ground_that_stays_at_uplift_to_rounding_ends_in_an_answer(rolls, b):
+    """A few roundings about g tan(alpha) lift a body next to nothing, or not at all, as long as the ground stays there."""
+    outline = [[-b, 0.0], [b, 0.0], [1.2 * b, 1.0], [b, 2.0], [-b, 2.0], [-1.2 * b, 1.0]]
+    amplitudes = sorted({-G * b * (1.0 + k * 1.1e-16) for k in range(-4, 9)})
+    study = {
+        "case": {
+            "block": {"outline": outline} if rolls else {"h": 1.0, "b": b},
+            "motion": {"pulse": {"shape": "rectangular", "a_p": 1.0, "omega_p": 2.0}},
+        },
+        "vary": {"case": {f"case {k}": {"motion.pulse.a_p": a_p} for k, a_p in enumerate(amplitudes)}},
+        "save": {"histories": False},
+    }
+    rocked = rockcli.run(study)
+    assert set(rocked.outcome.values.tolist()) == {NO_UPLIFT, ROCKING}
+    assert float(rocked.theta_peak_over_alpha.max()) < 1e-12
+    assert int(rocked.n_steps.max()) < 20_000
+    assert (np.isnan(rocked.t_uplift) == (rocked.outcome == NO_UPLIFT)).all()

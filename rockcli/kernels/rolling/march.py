@@ -18,6 +18,7 @@ from rockcli.kernels.constants import (
     NO_ROOT,
     NOT_FINITE,
     NOT_YET,
+    NUDGE,
     OUT_OF_STEPS,
     PATIENCE,
     RETURNS,
@@ -77,7 +78,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     ih = iv = i_hist = 0
     verdict = NOT_YET
     work = lost = 0.0
-    stalled = 0
+    stalled, push, lifted = 0, NUDGE, False
     launch = False
     mode = REST
     facet, s, q, v = int(body[at.STANDING]), 1.0, 0.0, 0.0
@@ -185,7 +186,10 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
                 watch_rest(a, a_v, deg, g, moved, out)
             t_new = t_next if (x == NO_ROOT and h == t_next - t) else t + moved
             if stalled > 100:  # lifted and dropped again and again at one instant
-                x, t_new, stalled = NO_ROOT, min(t_next, t + max(1e-12 * (t_next - t), 4e-16 * t)), 0
+                x, t_new, stalled = NO_ROOT, min(t_next, t + max(push * (t_next - t), 4e-16 * t)), 0
+                push *= 10.0  # the ground may stay just there for long
+                if not lifted:
+                    out[to.T_UPLIFT] = math.nan
             while i_hist < n_hist and i_hist * dt_out <= t_new:
                 theta_out[i_hist] = end.tilt
                 rate_out[i_hist] = 0.0
@@ -272,6 +276,8 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
             rate_out[i_hist] = s * slope(c, n, y)
             i_hist += 1
         stalled = stalled + 1 if t_new == t else 0
+        if t_new > t:
+            push, lifted = NUDGE, True
         t, q, v = t_new, q_new, v_new
 
         if event == 2 and outermost:
