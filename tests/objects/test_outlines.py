@@ -240,6 +240,24 @@ def test_what_is_no_body_is_refused(block, words):
         opened(block)
 
 
+@pytest.mark.parametrize("shift", [0.0, 1000.0])
+@pytest.mark.parametrize("lean", [0.0, 0.1])
+def test_parts_that_touch_but_for_rounding_do_not_overlap(shift, lean):
+    """Blocks on one another at heights that are summed up, straight or leaning; a micrometre in common is refused."""
+    rng = np.random.default_rng(8)
+    for _ in range(40):
+        steps, z, parts = rng.uniform(0.1, 0.4, 4), shift, []
+        for step in steps:
+            low, high = (lean * (height - shift) + shift for height in (z, z + step))
+            parts.append({"outline": [[low, z], [low + 0.3, z], [high + 0.3, z + step], [high, z + step]]})
+            z = shift + (z - shift) + step * (1.0 + rng.choice([-1.0, 0.0, 1.0]) * 1e-15)
+        opened({"parts": parts})
+        for point in parts[2]["outline"]:
+            point[1] -= 1e-6
+        with pytest.raises(StudyError, match="overlaps part 2"):
+            opened({"parts": parts})
+
+
 def test_an_outline_from_a_photograph() -> None:
     """Pixels, z down, and two contacts: the body is that of the same outline in metres on its feet."""
     x0, z0, pixel = 120.0, 900.0, 0.004

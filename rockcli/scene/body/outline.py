@@ -136,17 +136,17 @@ def meet(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:
     return np.asarray(proper | touching)
 
 
-def _turn(a: Array, b: Array, c: Array) -> Array:
-    """Twice the area of a-b-c, positive if it turns left; rounding counts as straight."""
+def _turn(a: Array, b: Array, c: Array, slack: float = 0.0) -> Array:
+    """Twice the area of a-b-c, positive if it turns left; rounding, or c within `slack` of the line, is straight."""
     u, v = b - a, c - a
     left, right = u[..., 0] * v[..., 1], u[..., 1] * v[..., 0]
-    area = left - right
-    return np.where(np.abs(area) <= 1e-14 * (np.abs(left) + np.abs(right)), 0.0, area)
+    area, least = left - right, slack * np.hypot(u[..., 0], u[..., 1])
+    return np.where(np.abs(area) <= np.maximum(1e-14 * (np.abs(left) + np.abs(right)), least), 0.0, area)
 
 
-def _between(a: Array, b: Array, c: Array) -> NDArray[np.bool_]:
-    """Whether c, on the line a-b, lies between a and b."""
-    return np.asarray(((c >= np.minimum(a, b)) & (c <= np.maximum(a, b))).all(axis=-1))
+def _between(a: Array, b: Array, c: Array, slack: float = 0.0) -> NDArray[np.bool_]:
+    """Whether c, on the line a-b, lies between a and b, or no more than `slack` beyond."""
+    return np.asarray(((c >= np.minimum(a, b) - slack) & (c <= np.maximum(a, b) + slack)).all(axis=-1))
 
 
 def _folded(a: Array, b: Array, c: Array) -> NDArray[np.bool_]:
@@ -154,15 +154,15 @@ def _folded(a: Array, b: Array, c: Array) -> NDArray[np.bool_]:
     return np.asarray((_turn(a, b, c) == 0.0) & (((b - a) * (c - b)).sum(axis=-1) < 0.0))
 
 
-def inside(point: Array, points: Array) -> NDArray[np.bool_]:
-    """Whether points (n, m, 2) lie strictly inside polygons (n, k, 2), (n, m); those on a side do not."""
+def _inside(point: Array, points: Array, slack: float) -> NDArray[np.bool_]:
+    """Whether points (n, m, 2) lie in polygons (n, k, 2), (n, m), and not within `slack` of a side."""
     a, b = points[:, None, :, :], np.roll(points, -1, axis=1)[:, None, :, :]
     p = point[:, :, None, :]
     rising = (a[..., 1] <= p[..., 1]) & (b[..., 1] > p[..., 1])
     falling = (a[..., 1] > p[..., 1]) & (b[..., 1] <= p[..., 1])
-    turn = _turn(a, b, p)
+    turn = _turn(a, b, p, slack)
     winding = (rising & (turn > 0.0)).sum(axis=2) - (falling & (turn < 0.0)).sum(axis=2)
-    on_a_side = ((turn == 0.0) & _between(a, b, p)).any(axis=2)
+    on_a_side = ((turn == 0.0) & _between(a, b, p, slack)).any(axis=2)
     return np.asarray((winding != 0) & ~on_a_side)
 
 
@@ -175,15 +175,20 @@ def _check_apart(parts: Sequence[Array]) -> None:
 
 
 def _overlap(one: Array, other: Array) -> bool:
-    """Whether a side of `one` crosses one of `other`, or a point of it, of a side or of its inside lies in `other`."""
+    """Whether a side of `one` crosses one of `other`, or a point of it, of a side or of its inside lies in `other`.
+
+    Parts that touch but for rounding, as at heights of .3 and .1 + .2, do not.
+    """
+    slack = 1e-12 * float(max(np.abs(one).max(), np.abs(other).max()))
     ends, other_ends = np.roll(one, -1, axis=1), np.roll(other, -1, axis=1)
     a, b, c, d = one[:, :, None], ends[:, :, None], other[:, None], other_ends[:, None]
-    if ((_turn(a, b, c) * _turn(a, b, d) < 0.0) & (_turn(c, d, a) * _turn(c, d, b) < 0.0)).any():
+    across = _turn(a, b, c, slack) * _turn(a, b, d, slack) < 0.0
+    if (across & (_turn(c, d, a, slack) * _turn(c, d, b, slack) < 0.0)).any():
         return True
     middles = 0.5 * (one + ends)
     ears = (np.roll(one, 1, axis=1) + one + ends) / 3.0
-    within = np.where(inside(ears, one)[:, :, None], ears, middles)
-    return bool(inside(np.concatenate([one, middles, within], axis=1), other).any())
+    within = np.where(_inside(ears, one, slack)[:, :, None], ears, middles)
+    return bool(_inside(np.concatenate([one, middles, within], axis=1), other, slack).any())
 
 
 def _as_seen(parts: Sequence[Array], origin: Array) -> Array:
