@@ -329,7 +329,8 @@ _ROWS: tuple[Variable, ...] = (
         r"$n_{\mathrm{impacts}}$",
         CASE,
         "1",
-        "impacts faster than 1e-6 p alpha, of the edge the body turned about before, up to t_end",
+        "impacts faster than 1e-6 p alpha, of the edge the body turned about before, up to t_end; of a body that rolls "
+        "with the nearer rotation at which it falls in place of alpha",
     ),
     Variable(
         "mu_required",
