@@ -294,6 +294,20 @@ def test_risk_is_shown_of_bodies_that_overturn():
     assert texts.count("no curve of overturning") == 2
 
 
+def test_risk_is_shown_of_the_bodies_that_overturn_most_often():
+    curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
+    sizes = [0.3, 0.22, 0.28, 0.26, 0.23, 0.29, 0.27, 0.21]
+    data = rockcli.run(suite(hazard=[curve], vary=suite()["vary"] | {"block.tan_alpha": sizes}))
+    rates = data["annual_rate"].sel(limit_state="overturned").squeeze("hazard").values
+    most = sorted(np.argsort(-np.nan_to_num(rates, nan=-1.0))[:3])
+    assert np.isfinite(rates[most]).all()
+    assert most not in ([0, 1, 2], [0, 3, 7], [0, 4, 7])  # nor the first, nor some of all
+    figure = rockcli.plot(data, "risk")
+    titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
+    assert [words.rpartition(" ")[2].strip("$") for words in titles] == [f"{sizes[i]:g}" for i in most]
+    assert "3 of 8 bodies shown, those of the highest rates" in figure.get_label()
+
+
 def test_a_limit_of_the_slide_is_exceeded_by_what_overturns():
     assert fragility._state("slide_peak > 0.05 m").endswith("> 0.05 m or overturned")
     assert "overturned" not in fragility._state("0.5")

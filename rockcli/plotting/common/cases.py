@@ -62,7 +62,9 @@ def outcome_at(dataset: xarray.Dataset, position: tuple[int, ...]) -> str:
     return OUTCOMES[int(number_at(dataset, "outcome", position))] if "outcome" in dataset.variables else ""
 
 
-def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None) -> tuple[list[Shown], int]:
+def pick(
+    dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None, largest: xarray.DataArray | None = None
+) -> tuple[list[Shown], int]:
     """Cases to show, at most `most`, and how many there are: spread evenly, of cases with no order over their peaks.
 
     Where the study compares (`compare_to`), the reference is not a case of its own but goes with each.
@@ -70,6 +72,7 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
     out.
     `axes` restricts the positions to some of the axes (the others stay at 0); references are then not given, and points
     of the innermost axis stay together.
+    `largest`, over some of the axes: those where it is largest, in their order.
     """
     every = axes_of(dataset)
     names = every if axes is None else axes
@@ -83,9 +86,12 @@ def pick(dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None
     groups = [[p] for p in positions] if axes is not None else _alike(dataset, positions, reference)
     shown = []
     long = [n for n in sizes if n > 1]
-    some = (
-        _spread_over_peaks(dataset, groups, most) if axes is None else _by_rows(groups, long[-1] if long else 1, most)
-    )
+    if largest is not None:
+        some = _of_largest(groups, every, largest, most)
+    elif axes is None:
+        some = _spread_over_peaks(dataset, groups, most)
+    else:
+        some = _by_rows(groups, long[-1] if long else 1, most)
     for group in some:
         other = _referred(every, group[0], reference) if reference else None
         words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
@@ -119,6 +125,16 @@ def _spread_over_peaks(
     if lower and back[-1] not in chosen:
         chosen[lower[-1]] = int(back[-1])
     return [groups[i] for i in sorted(chosen)]
+
+
+def _of_largest(
+    groups: list[list[tuple[int, ...]]], axes: tuple[str, ...], measure: xarray.DataArray, most: int
+) -> list[list[tuple[int, ...]]]:
+    """The `most` groups where a measure is largest, in their order; NaN is less than any."""
+    values = np.nan_to_num(measure.values, nan=-np.inf)
+    at = [tuple(group[0][axes.index(str(dim))] for dim in measure.dims) for group in groups]
+    order = np.argsort([-values[place] for place in at], kind="stable")
+    return [groups[i] for i in sorted(order[:most])]
 
 
 def _by_rows(items: list[T], row: int, most: int) -> list[T]:

@@ -72,15 +72,20 @@ def without_intensity(dataset: xarray.Dataset) -> str:
 
 
 def panels(
-    dataset: xarray.Dataset, suite: Suite, *, along: bool = False
+    dataset: xarray.Dataset,
+    suite: Suite,
+    *,
+    along: bool = False,
+    most: int = MOST_PANELS,
+    largest: xarray.DataArray | None = None,
 ) -> tuple[list[tuple[Shown, dict[str, int]]], int]:
     """Points of the axes left by the ensemble and the intensity, as {axis: position}; and how many there are.
 
-    `along`: of the intensity too.
+    `along`: of the intensity too.  At most `most` of them: evenly, or those where `largest` is.
     """
     every = axes_of(dataset)
     others = tuple(axis for axis in every if axis != suite.axis and (along or axis != suite.along))
-    shown, total = pick(dataset, MOST_PANELS, others)
+    shown, total = pick(dataset, most, others, largest)
     places = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
     return list(zip(shown, places, strict=True)), total
 

@@ -25,6 +25,7 @@ from rockcli.plotting.common.suite import panels, suite_of
 from rockcli.plotting.kinds.fragility import intensity_label
 from rockcli.plotting.kinds.map import scale_axes
 from rockcli.scene.ground.hazard import CONSISTENT, hazard_words
+from rockcli.scene.variables import HAZARD
 
 if TYPE_CHECKING:
     import xarray
@@ -48,13 +49,15 @@ def without_risk(dataset: xarray.Dataset) -> str:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """Three panels for each body, of overturning: in a row, or below one another where the figure is narrow."""
+    """Three panels for each body, of overturning: in a row, or below one another where the figure is narrow.
+
+    Of more than three bodies those that overturn most often.
+    """
     suite = suite_of(dataset)
     if suite is None or "annual_rate" not in dataset:
         raise ValueError("risk needs an ensemble and a hazard curve")
-    shown, total = panels(dataset, suite)
-    unknown = [not np.isfinite(_rates(dataset.isel(place))).any() for _, place in shown]
-    shown = [shown[i] for i in sorted(np.argsort(unknown, kind="stable")[:_MOST_BODIES])]
+    rates = dataset["annual_rate"].isel(limit_state=-1).max(HAZARD)
+    shown, total = panels(dataset, suite, most=_MOST_BODIES, largest=rates)
     width = width_or(DOUBLE)
     figure, grid = _grid(width, len(shown))
     label = intensity_label(dataset, suite)
@@ -74,13 +77,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
             axes.tick_params(axis="y", labelleft=False, labelright=False)
     legend_of(figure, grid[0, 0])
     note = "of overturning; bands: 95 % by the scatter of the suite"
-    headline(figure, title_of(dataset), "; ".join(filter(None, [note, selection_note(len(shown), total, "bodies")])))
+    some = selection_note(len(shown), total, "bodies")
+    headline(figure, title_of(dataset), f"{note}; {some}, those of the highest rates" if some else note)
     return figure
-
-
-def _rates(part: xarray.Dataset) -> Array:
-    """Annual rates of overturning, NaN where there is no fragility curve of it."""
-    return np.asarray(part["annual_rate"].isel(limit_state=-1).values)
 
 
 def _abreast(width: float, bodies: int) -> bool:
