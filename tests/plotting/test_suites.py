@@ -77,6 +77,18 @@ def test_alternatives_of_a_body_are_shown_together():
     assert [sum(f"= {value}" in title for title in titles) for value in (0.1, 0.2, 0.3)] == [2, 2, 2]
 
 
+def test_of_many_bodies_those_that_overturn_most_easily_are_shown():
+    """As a run tells them; sizes on an axis of numbers are spread evenly."""
+    ratios = [0.30, 5.0, 0.28, 0.20, 0.26, 0.24, 0.22, 0.02]
+    named = {f"body {value}": {"block": {"R": 2.0, "tan_alpha": value}} for value in ratios}
+    curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
+    data = rockcli.run(suite(vary=suite()["vary"] | {"case": named}, hazard=[curve]))
+    shown = {"fragility": [0.28, 0.2, 0.26, 0.24, 0.22, 0.02], "risk": [0.2, 0.24, 0.22]}
+    for kind, expected in (shown | {"ida": shown["fragility"]}).items():
+        titles = [axes.get_title() for axes in rockcli.plot(data, kind).axes if axes.get_title()]
+        assert titles == [f"body {value:g}" for value in expected]
+
+
 def test_members_of_an_ida_are_fainter_the_more_there_are():
     amplitudes = {"motion.pulse.a_p": ["0.2*g", "0.4*g", "0.8*g"]}
     for n, alpha in ((20, 1.0), (300, 0.5)):

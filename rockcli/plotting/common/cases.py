@@ -63,7 +63,7 @@ def outcome_at(dataset: xarray.Dataset, position: tuple[int, ...]) -> str:
 
 
 def pick(
-    dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None, largest: xarray.DataArray | None = None
+    dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None, first: Array | None = None
 ) -> tuple[list[Shown], int]:
     """Cases to show, at most `most`, and how many there are: spread evenly, of cases with no order over their peaks.
 
@@ -71,8 +71,8 @@ def pick(
     Cases whose histories are identical although a label differs are one; those whose histories were not saved are left
     out.
     `axes` restricts the positions to some of the axes (the others stay at 0); references are then not given, and points
-    of the innermost axis stay together.
-    `largest`, over some of the axes: those where it is largest, in their order.
+    of the innermost axis stay together.  `first` is a number for each of these, in their order: those of the least are
+    shown instead of evenly spread ones.
     """
     every = axes_of(dataset)
     names = every if axes is None else axes
@@ -86,12 +86,11 @@ def pick(
     groups = [[p] for p in positions] if axes is not None else _alike(dataset, positions, reference)
     shown = []
     long = [n for n in sizes if n > 1]
-    if largest is not None:
-        some = _of_largest(groups, every, largest, most)
-    elif axes is None:
-        some = _spread_over_peaks(dataset, groups, most)
-    else:
-        some = _by_rows(groups, long[-1] if long else 1, most)
+    some = (
+        _spread_over_peaks(dataset, groups, most)
+        if axes is None
+        else _by_rows(groups, long[-1] if long else 1, most, first)
+    )
     for group in some:
         other = _referred(every, group[0], reference) if reference else None
         words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
@@ -127,21 +126,16 @@ def _spread_over_peaks(
     return [groups[i] for i in sorted(chosen)]
 
 
-def _of_largest(
-    groups: list[list[tuple[int, ...]]], axes: tuple[str, ...], measure: xarray.DataArray, most: int
-) -> list[list[tuple[int, ...]]]:
-    """The `most` groups where a measure is largest, in their order; NaN is less than any."""
-    values = np.nan_to_num(measure.values, nan=-np.inf)
-    at = [tuple(group[0][axes.index(str(dim))] for dim in measure.dims) for group in groups]
-    order = np.argsort([-values[place] for place in at], kind="stable")
-    return [groups[i] for i in sorted(order[:most])]
+def _by_rows(items: list[T], row: int, most: int, first: Array | None) -> list[T]:
+    """At most `most` of items, evenly or those of the least of `first`, in their order.
 
-
-def _by_rows(items: list[T], row: int, most: int) -> list[T]:
-    """At most `most` of items, evenly: in whole rows of the innermost axis where they fit, a body's alternatives."""
-    if not 1 < row <= most < len(items):
-        return spread(items, most)
+    In whole rows of the innermost axis where they fit, a body's alternatives.
+    """
+    row = row if 1 < row <= most < len(items) else 1
     rows = [items[i : i + row] for i in range(0, len(items), row)]
+    if first is not None:
+        least = np.argsort(first.reshape(-1, row).min(axis=1), kind="stable")[: most // row]
+        return [item for i in sorted(least.tolist()) for item in rows[i]]
     return [item for some in spread(rows, most // row) for item in some]
 
 

@@ -6,7 +6,9 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rockcli.plotting.common.cases import Shown, axes_of, pick
+import numpy as np
+
+from rockcli.plotting.common.cases import Array, Shown, axes_of, is_numeric, pick
 from rockcli.plotting.common.labels import axis_symbol
 from rockcli.plotting.common.style import MOST_PANELS
 
@@ -77,17 +79,38 @@ def panels(
     *,
     along: bool = False,
     most: int = MOST_PANELS,
-    largest: xarray.DataArray | None = None,
+    first: xarray.DataArray | None = None,
 ) -> tuple[list[tuple[Shown, dict[str, int]]], int]:
     """Points of the axes left by the ensemble and the intensity, as {axis: position}; and how many there are.
 
-    `along`: of the intensity too.  At most `most` of them: evenly, or those where `largest` is.
+    `along`: of the intensity too.  Of more than `most` those of the least of `first`; without it, of bodies with names
+    the ones that overturn most easily.
     """
     every = axes_of(dataset)
     others = tuple(axis for axis in every if axis != suite.axis and (along or axis != suite.along))
-    shown, total = pick(dataset, most, others, largest)
+    order = None
+    if first is not None:
+        order = first.transpose(*others).values.ravel()
+    elif not along:
+        order = _ease(dataset, others)
+    shown, total = pick(dataset, most, others, order)
     places = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
     return list(zip(shown, places, strict=True)), total
+
+
+def _ease(dataset: xarray.Dataset, others: tuple[str, ...]) -> Array | None:
+    """Medians of overturning of all bodies, flat: 0 of one that always does, inf of one without a curve.
+
+    None where bodies are numbers on axes, which evenly spread ones show, or have no curve at all.
+    """
+    if "fragility_median" not in dataset or all(is_numeric(dataset, axis) for axis in others):
+        return None
+    medians, status = (
+        dataset[f"fragility_{name}"].isel(limit_state=-1).transpose(*others) for name in ("median", "status")
+    )
+    always = status.values.ravel() == str(status.attrs["flag_meanings"]).split().index("all_exceed")
+    ease = np.where(always, 0.0, np.nan_to_num(medians.values.ravel(), nan=np.inf))
+    return ease if np.isfinite(ease).any() else None
 
 
 def members_word(dataset: xarray.Dataset, suite: Suite) -> str:

@@ -57,7 +57,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if suite is None or "annual_rate" not in dataset:
         raise ValueError("risk needs an ensemble and a hazard curve")
     rates = dataset["annual_rate"].isel(limit_state=-1).max(HAZARD)
-    shown, total = panels(dataset, suite, most=_MOST_BODIES, largest=rates)
+    shown, total = panels(dataset, suite, most=_MOST_BODIES, first=-rates.fillna(-1.0))
     width = width_or(DOUBLE)
     figure, grid = _grid(width, len(shown))
     label = intensity_label(dataset, suite)
