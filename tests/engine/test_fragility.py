@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from half_sines import SUITE
 from scenes import SHARED
 from scipy import optimize, stats
 
@@ -631,3 +633,13 @@ def test_few_members_between_two_states_do_not_widen_limits(seed):
     place = variables.PERCENTILES.index(50.0)
     width = np.log(of_half[1][:, place] / of_half[0][:, place]) / np.log(high / low)
     assert ((width > 0.8) & (width < 1.25)).all()
+
+
+@pytest.mark.parametrize(("stiff", "slides"), [({"R": 2.0, "mu": 0.1}, True), ({"R": 2000.0, "mu": 0.8}, False)])
+def test_a_search_of_bodies_that_slide_says_why_none_overturns(stiff: dict, slides: bool) -> None:
+    """They never do: a wider range, which the sentence asked for alone, finds nothing either."""
+    amplitudes = {"from": "0.1*g", "to": "2*g", "n": 20, "find": "overturning"}
+    bodies = {"small": {"tan_alpha": 0.2, "R": 2.0, "mu": 0.8}, "other": {"tan_alpha": 0.2} | stiff}
+    data = rockcli.run(SUITE | {"vary": SUITE["vary"] | {"motion.pulse.a_p": amplitudes, "block": bodies}})
+    said = [one for one in json.loads(data.attrs["warnings"]) if "no case exceeds it" in one]
+    assert [one.endswith(", or bodies slide and do not rock") for one in said] == [slides]

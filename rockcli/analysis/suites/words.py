@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -21,6 +22,7 @@ from rockcli.scene.thresholds import FOUND, threshold_words
 from rockcli.scene.units import Units, unit_words
 from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK, PERCENTILE, PERCENTILES
 from rockcli.storage.contents import Contents
+from rockcli.study.building.batch import SLIDES_FIRST
 from rockcli.study.building.floors import ARRIVES
 from rockcli.study.cases.uncertain import sentence
 from rockcli.study.intensity import GROUND, period_of
@@ -65,7 +67,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
         *_divided(contents),
         *_below(contents, study),
         *_islands(contents, study.over),
-        *_refused(contents, study.over),
+        *_refused(contents, study, study.over),
         *_missed(contents, study.over),
         *_extrapolated(contents, study.over),
         *_tails(contents, study.over),
@@ -179,7 +181,7 @@ def _islands(contents: Contents, over: Over) -> Iterator[str]:
         )
 
 
-def _refused(contents: Contents, over: Over) -> Iterator[str]:
+def _refused(contents: Contents, study: Study, over: Over) -> Iterator[str]:
     if "fragility_status" not in contents.fields:
         if over.told_against:
             names = " or ".join(filter(None, (over.told_against, over.second)))
@@ -187,7 +189,10 @@ def _refused(contents: Contents, over: Over) -> Iterator[str]:
         return
     item = contents.fields["fragility_status"]
     points = item.values[..., 0].size
-    slid = "outcome" in contents.fields and bool((contents.values("outcome") == SLIDING).any())
+    if study.search is not None:
+        slid = SLIDES_FIRST in json.loads(str(contents.attrs.get("warnings", "[]")))
+    else:
+        slid = "outcome" in contents.fields and bool((contents.values("outcome") == SLIDING).any())
     slides = ", or bodies slide and do not rock" if slid else ""
     told: dict[str, list[str]] = {}  # where and why -> the limit states of which it is so
     for i, label in enumerate(contents.values(LIMIT)):

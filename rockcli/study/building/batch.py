@@ -225,6 +225,9 @@ def _taken(model: str, geometry: str | None, scheme: str, backend: str) -> str:
     return EVENT if found is None else found.name
 
 
+SLIDES_FIRST = "a body of mu <= tan alpha slides before it rocks (`rock check` says which do)"
+
+
 def _friction_said(block: Block, model: str, backend: str) -> list[str]:
     """A sentence where friction decides that a body slides first, or where nothing looks at it."""
     if not np.isfinite(block.mu).any():
@@ -233,7 +236,7 @@ def _friction_said(block: Block, model: str, backend: str) -> list[str]:
         who = f"model {model}" if backend == EVENT else f"backend {backend}"
         return [f"block.mu is ignored by {who}, which solves no sliding"]
     if slides_first(block.mu[:, None], block.tan_alpha).any():
-        return ["a body of mu <= tan alpha slides before it rocks (`rock check` says which do)"]
+        return [SLIDES_FIRST]
     return []
 
 
