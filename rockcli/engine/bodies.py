@@ -12,6 +12,9 @@ from rockcli.scene.laws.contact import slides_first
 from rockcli.scene.laws.models import MODELS
 from rockcli.study.study import Study
 
+_POINTS = 3
+"""Points of an axis that are named of a body that stands at several."""
+
 _DIGITS = 12
 """Digits to which two bodies are the same."""
 
@@ -72,12 +75,16 @@ class Bodies:
             }
 
     def _name(self, places: tuple[NDArray[np.int64], ...]) -> str:
-        """`case=rack-01`: the axes along which this body stands at one point."""
+        """`case=rack-01`: the axes of which this body stands at some points only, and the first of these."""
         named = []
         for axis, at in zip(self._study.axes, places, strict=False):
-            if axis.size > 1 and len(np.unique(at)) == 1 and not axis.path.startswith("motion"):
-                value = axis.values[int(at[0])]
-                named.append(f"{axis.name}={value:.6g}" if isinstance(value, float) else f"{axis.name}={value}")
+            points = np.unique(at).tolist()
+            if len(points) < axis.size and not axis.path.startswith("motion"):
+                values = [axis.values[i] for i in points[:_POINTS]]
+                words = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values]
+                words += [f"{len(points) - _POINTS} more"] if len(points) > _POINTS else []
+                *others, last = words
+                named.append(f"{axis.name}={', '.join(others)}{' and ' if others else ''}{last}")
         return ", ".join(named)
 
 

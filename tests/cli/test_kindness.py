@@ -110,6 +110,20 @@ def test_check_lists_every_body_and_how_it_begins(rock, tmp_path, capsys):
     assert [row["h [m]"] for row in found["bodies"]] == [1.0, 0.5]
 
 
+def test_check_names_a_body_that_stands_at_several_points(rock, tmp_path, capsys):
+    """Two inverters of one size, on two floors, are one body: its name was empty."""
+    names = ["MCC", *(f"INV-{i}" for i in range(5))]
+    for several, said in ((2, "INV-0 and INV-1"), (3, "INV-0, INV-1 and INV-2"), (5, "INV-0, INV-1, INV-2 and 2 more")):
+        cells = [f"{name}: {{height: {2 if name == 'MCC' else 1}, width: 0.4}}" for name in names[: 1 + several]]
+        (tmp_path / "mine.yaml").write_text(STUDY + f"vary: {{block: {{{', '.join(cells)}}}}}\n")
+        assert rock("check", "mine.yaml", "--json") == 0
+        (found,) = json.loads(capsys.readouterr().out)
+        assert [(row["body"], row["cases"]) for row in found["bodies"]] == [
+            ("block=MCC", 1),
+            (f"block={said}", several),
+        ]
+
+
 def test_check_lists_every_body_of_a_large_study(rock, tmp_path, capsys):
     bodies = ", ".join(f"b{i}: {{height: {2 + i}, width: 0.4}}" for i in range(5))
     wide = "motion.pulse.a_p: {from: 1, to: 9, n: 100}, motion.pulse.T_p: {from: 0.1, to: 2, n: 50}"
