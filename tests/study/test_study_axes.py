@@ -113,7 +113,11 @@ class TestForms:
             ("name,r\na,1\n", "did you mean 'block.R'"),
             ("name,R,room\na,1,12\n", r"'block.room' is not a path .* of notes begins with # \(# room\)"),
             ("name,R\na,1\na,2\n", "repeats 'a'"),
-            ("name,alpha,tan_alpha\na,0.1,0.2\n", "alpha and tan_alpha say the same thing"),
+            ("name,alpha,tan_alpha\na,0.1,0.2\n", "alpha and tan_alpha say the same thing; leave one out$"),
+            (
+                "name,height,width,h\na,2,0.5,0.9\n",
+                "height and h say the same thing.* a centre of mass elsewhere is h: .* r_g .* and top, and without height",
+            ),
             ("name,R\na,nan\n", r"t\.csv:2: the cell below 'R' is nan: a finite number"),
             ("name,R\na,1\nb,-Infinity\n", r"t\.csv:3: the cell below 'R' is -Infinity"),
             ("\x00\x01", "line"),

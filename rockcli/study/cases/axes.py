@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
+from rockcli.study.building.body import HEIGHT, UNEVEN
 from rockcli.study.building.matching import WILDCARDS
 from rockcli.study.building.numbers import in_words
 from rockcli.study.building.records import MissingRecordError, Records
@@ -330,7 +331,9 @@ class _Reader:
         """Refuse keys of one point that say the same thing twice."""
         if (twice := same_twice(paths)) is not None:
             first, last = (names[i] for i in twice)
-            raise self.fail(f": {first} and {last} say the same thing; leave one out", *more)
+            heights = {paths[i][-2:] for i in twice} == {("block", key) for key in HEIGHT}
+            why = f": {UNEVEN}" if heights else ""
+            raise self.fail(f": {first} and {last} say the same thing; leave one out{why}", *more)
 
     def below(self, key: str, *more: str | int) -> Path:
         """The path of a key written below the axis' own."""
