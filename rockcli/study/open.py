@@ -233,6 +233,12 @@ def _look(cases: Cases, found: Found, numbers: Numbers) -> None:
     found.look(numbers, build_batch(numbers, cases.records, cases.save))
 
 
+def _of_limits(over: Any) -> list[str]:
+    """The quantities that limit states name: `{slide_peak: 0.05}`."""
+    limits = over.get("limits") if isinstance(over, dict) else None
+    return [str(quantity) for limit in limits or () if isinstance(limit, dict) for quantity in limit]
+
+
 def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[str, Any], dict[str, Any] | None]:
     """`save` with its defaults filled in, and the only points whose histories are saved, if not all.
 
@@ -251,6 +257,8 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
     if wanted is None:
         most = SAMPLES_WITH_ALL if tree.get("uncertain") else LARGE
         wanted = () if curves_only else SCALARS if size <= most and not tree.get("refine") else SCALARS_LARGE
+        if wanted is SCALARS_LARGE and found.friction:
+            wanted = [*SCALARS_LARGE, *_of_limits(tree.get("over"))]
     special = {*SCALARS_FEMA, *SCALARS_FLEXIBLE, *SCALARS_SLIDING, *SCALARS_ASYMMETRIC, *SCALARS_AUTO, *SCALARS_ROLLING}
     if found.friction:
         special -= set(SCALARS_SLIDING)

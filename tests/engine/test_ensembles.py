@@ -527,8 +527,16 @@ def test_wrong_limits_of_the_slide(limits, words):
 
 
 def test_limits_of_the_slide_need_it_saved():
-    with pytest.raises(StudyError, match="needs slide_residual among the saved"):
+    with pytest.raises(StudyError, match="needs slide_residual, which bodies with a mu have, among the saved"):
         open_study(sliding_study(save={"histories": False, "scalars": ["outcome", "slide_peak"]}))
+
+
+def test_a_large_study_saves_what_limits_of_the_slide_need():
+    many = {"save": {"histories": False}, "uncertain": {"block.mu": {"uniform": [0.3, 0.6]}}, "samples": 200}
+    checked = open_study(sliding_study(**many))
+    assert checked.size > 10_000
+    assert {"slide_peak", "slide_residual"} <= set(checked.scalars)
+    assert "u_top_peak" not in checked.scalars
 
 
 def test_the_summary_has_the_numbers():

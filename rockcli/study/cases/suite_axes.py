@@ -53,7 +53,7 @@ def read_over(
     limits = [_limit(source, study, i, value) for i, value in enumerate(said.limits)]
     for i, limit in enumerate(limits):
         if limit.quantity not in (PEAK, *scalars):
-            message = f"needs {limit.quantity} among the saved scalars (`save`)"
+            message = f"needs {limit.quantity}, which bodies with a mu have, among the saved scalars (`save`)"
             raise source.error(study, ("over", "limits", i), message)
     first, second = _intensities(source, study, said.intensity, axes)
     return Over(
