@@ -16,6 +16,7 @@ from rockcli.scene.ground.excitation import Channel, Samples
 from rockcli.scene.laws.models import MODELS
 from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
+from rockcli.study.building.scaling import INHERITED, scaling_key
 from rockcli.study.document.expressions import UNITS, ExpressionError, parse
 from rockcli.study.document.paths import is_path, resolve
 from rockcli.study.document.tree import Keys, Map, dotted
@@ -138,6 +139,11 @@ def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | N
         return ""
     if any(getattr(given, key, None) is not None and (*keys, kind, key) in meant for key in _ABSOLUTE):
         return ""
+    if kind == "record" and scaling_key(numbers, keys) == INHERITED:
+        return (
+            f"the vertical {_name(channel)} takes the factor of the horizontal record, which makes its PGA more than "
+            f"{STRONG:g} g: say its own scale or pga if that is not meant"
+        )
     which = "" if keys == MOTION else "vertical "
     return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right (a_p and pga are in m/s²)?"
 

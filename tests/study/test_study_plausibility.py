@@ -30,6 +30,18 @@ class TestDoubts:
         relative = {"shape": "sine", "a_p_over_g_tan_alpha": 20, "T_p": 1}
         assert warnings_of({"motion": {"pulse": relative}}) == ()
 
+    def test_a_vertical_record_made_strong_by_the_factor_of_others_is_told_once(self):
+        """The records are weak beside the vertical one: its units are right."""
+        arrays = [{"values": 0.01 * k * np.sin(np.arange(500.0)), "dt": 0.01, "units": "g"} for k in (1, 2, 3)]
+        up = {"values": np.cos(np.arange(500.0)), "dt": 0.01, "units": "g", "name": "up"}
+        records = {f"r{k}": one | {"name": f"r{k}", "pga": "0.4*g"} for k, one in enumerate(arrays)}
+        motion = {"record": records["r0"], "vertical": {"record": up}}
+        (said,) = (one for one in warnings_of({"motion": motion}, vary={"motion.record": records}) if "than 3 g" in one)
+        assert said.startswith("the vertical up takes the factor of the horizontal record")
+        assert not any("units right" in one for one in warnings_of({"motion": motion}))
+        own = motion | {"vertical": {"record": up | {"pga": "0.3*g"}}}
+        assert not any("vertical" in one for one in warnings_of({"motion": own}))
+
     def test_what_says_its_unit_is_meant(self):
         for a_p in ("40*g", "400*m/s**2", "g*R/m*20"):
             assert warnings_of({"motion": {"pulse": {**SINE, "a_p": a_p}}}) == ()
