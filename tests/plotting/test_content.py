@@ -359,3 +359,18 @@ def test_cases_whose_histories_are_not_saved_are_not_among_those_drawn() -> None
         assert "linearized" not in words
         assert "without rotation" not in words
         assert not figure.legends
+
+
+@pytest.mark.parametrize("width", [90, 180])
+def test_the_numbers_along_slender_bodies_do_not_touch(width: int) -> None:
+    bodies = {name: {"h": 1.15, "width": b} for name, b in (("a", 0.5), ("b", 0.45), ("c", 0.3), ("d", 1.2))}
+    data = rockcli.run(
+        {"case": {"block": {"h": 1.1, "width": 0.6}, "initial": {"theta": 0.1}}, "vary": {"block": bodies}}
+    )
+    figure = rockcli.plot(data, "body", width=width)
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        labels = [label.get_window_extent() for label in axes.get_xticklabels() if label.get_text()]
+        seen = [box for box in labels if axes.bbox.x0 <= 0.5 * (box.x0 + box.x1) <= axes.bbox.x1]
+        for left, right in pairwise(seen):
+            assert right.x0 - left.x1 > 0.25 * right.height

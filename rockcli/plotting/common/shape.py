@@ -18,12 +18,16 @@ from rockcli.scene.body.lower_outline import turned as turned_by
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
 
 _SECTIONS = 25
 """Points along each side of a body that bends."""
 
 _LIES = 1.4
 """Last rotation of a body that overturned beyond which it is drawn on the ground [rad]."""
+
+_NARROWEST = 0.6
+"""Width over height from which the numbers along the axis of a slender body do not touch."""
 
 _HALVINGS = 30
 """Bisections for the largest bending that stays above the ground."""
@@ -103,6 +107,13 @@ def path_of(points: Array) -> Path:
     ends = (*gaps.tolist(), len(points))
     pieces = [points[begin:end] for begin, end in zip((0, *(gaps + 1).tolist()), ends, strict=True)]
     return Path.make_compound_path(*(Path(np.vstack([piece, piece[:1]]), closed=True) for piece in pieces))
+
+
+def with_room_beside(axes: Axes) -> None:
+    """Make a panel of a slender body, equal in both directions, wide enough for the numbers of its axis."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    missing = max(_NARROWEST * (high - low) - (right - left), 0.0)
+    axes.set_xlim(left - 0.5 * missing, right + 0.5 * missing)
 
 
 def motion_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Motion:

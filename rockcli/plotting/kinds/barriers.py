@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, selection_note, spread, values_at
 from rockcli.plotting.common.labels import title_of
-from rockcli.plotting.common.shape import body_of, outline, path_of
+from rockcli.plotting.common.shape import body_of, outline, path_of, with_room_beside
 from rockcli.plotting.common.style import (
     BODY_EDGE,
     BODY_FACE,
@@ -110,6 +110,7 @@ def _draw_body(axes: Axes, dataset: xarray.Dataset, position: Position) -> None:
     axes.plot([0.0, 0.0], [lowest, h], color=QUIET, linewidth=0.6, linestyle=(0, (1, 2)), zorder=3)
     axes.set_aspect("equal")
     axes.margins(0.06)
+    with_room_beside(axes)
     towards = np.degrees(number_at(dataset, "rocks_towards", position)) % 360.0
     axes.set_xlabel(f"along {towards:.4g}\N{DEGREE SIGN}, from the centre of mass [m]", labelpad=1.0)
     axes.set_ylabel("$z$ [m]")

@@ -10,7 +10,7 @@ from matplotlib.patches import Arc, PathPatch
 from rockcli.plotting.common.cases import axes_of, group_label, selection_note, spread
 from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.response import edges
-from rockcli.plotting.common.shape import body_of, outline, outline_at, path_of
+from rockcli.plotting.common.shape import body_of, outline, outline_at, path_of, with_room_beside
 from rockcli.plotting.common.style import (
     BODY_EDGE,
     BODY_FACE,
@@ -131,6 +131,8 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, bes
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
     axes.set_xlim(min(low[0], -body.left) - 0.08 * size, max(high[0], body.right) + 0.08 * size)
     axes.set_ylim(min(low[1], 0.0) - 0.03 * size, high[1] + 0.05 * size)
+    if not beside:
+        with_room_beside(axes)
     axes.set_aspect("equal")
     axes.set_xlabel("$x$ from the centre of mass [m]", labelpad=1.0)
     axes.set_ylabel("$z$ [m]")
