@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from hashlib import sha256
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,10 +68,11 @@ def with_rules(contents: Contents, study: Study) -> Contents:
     fields = {name: item for name, item in contents.fields.items() if name not in every}
     if study.rules:
         values = {name: np.full(study.size, np.nan) for name in study.rules}
+        known: dict[tuple[object, ...], Array] = {}
         with np.errstate(all="ignore"):
             for indices, batch in buildable(study.batches, np.arange(study.size)):
                 for name in study.rules:
-                    values[name][indices] = _evaluate(name, batch, study.rules_spectrum)
+                    values[name][indices] = _evaluate(name, batch, study.rules_spectrum, known)
         for name, flat in values.items():
             rule = RULES[name]
             said = {"references": rule.source, "comment": rule.caveat, "edition": rule.edition}
@@ -102,10 +104,10 @@ def misled(contents: Contents) -> tuple[Misled, ...]:
     return tuple(found)
 
 
-def _evaluate(name: str, batch: Batch, given: DesignSpectrum | None) -> Array:
+def _evaluate(name: str, batch: Batch, given: DesignSpectrum | None, known: dict[tuple[object, ...], Array]) -> Array:
     """One rule for every case of a batch, (n,), about the edge that gives way first.
 
-    NaN without a motion, or the spectrum that is given for it.
+    NaN without a motion, or the spectrum that is given for it.  `known` are spectra that were worked out before.
     """
     block, motion, n = batch.block, batch.excitation.horizontal, batch.size
     given = given if RULES[name].takes_given else None
@@ -118,7 +120,7 @@ def _evaluate(name: str, batch: Batch, given: DesignSpectrum | None) -> Array:
         pga = np.full(n, spectra.interpolated(0, 0.0)[1][0])  # of the spectrum, at its shortest period
     else:
         assert motion is not None
-        spectra = _Spectra(motion, batch.excitation.duration)
+        spectra = _Spectra(motion, batch.excitation.duration, known)
     up = batch.excitation.vertical
     a_v = np.zeros(n) if up is None else peaks(up, n, batch.excitation.duration)[0]
     return RULES[name].of(
@@ -165,10 +167,11 @@ class _Given:
 class _Spectra:
     """Pseudo-acceleration of the motions of a batch, worked out once for each that is alike but for its scale."""
 
-    def __init__(self, motion: Channel, duration: Array) -> None:
+    def __init__(self, motion: Channel, duration: Array, known: dict[tuple[object, ...], Array]) -> None:
         self._motion = motion
+        self._record = (motion.dt, sha256(motion.values.tobytes()).digest()) if isinstance(motion, Samples) else None
         self._until = np.where(np.isfinite(duration), duration, np.inf)
-        self._known: dict[tuple[object, ...], Array] = {}
+        self._known = known
 
     def S_a(self, case: int, zeta: float, periods: Array) -> Array:
         """At periods (m,) [s]: (m,) [m/s²]."""
@@ -192,5 +195,5 @@ class _Spectra:
     def _scale(self, case: int) -> tuple[float, object]:
         """A factor of the motion, and what the motion is beside it."""
         if isinstance(self._motion, Samples):
-            return float(abs(self._motion.factor[case])) or 1.0, "record"
+            return float(abs(self._motion.factor[case])) or 1.0, self._record
         return 1.0, self._motion.table[case].tobytes()

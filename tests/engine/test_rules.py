@@ -11,6 +11,7 @@ from rockcli.analysis.rules import misled
 from rockcli.engine.run import check_answers, solve
 from rockcli.engine.summary import report_on
 from rockcli.errors import StudyError
+from rockcli.motion.spectrum import Array, Forcing, displacement_spectrum
 from rockcli.scene import rules
 from rockcli.storage.contents import Contents
 from rockcli.study.open import open_study
@@ -284,3 +285,27 @@ def test_a_given_floor_spectrum_says_nothing_beyond_its_last_period() -> None:
     )
     assert float(known.values("asce43_theta_over_alpha")) == pytest.approx(0.393, abs=1e-3)
     assert np.isnan(unknown.values("asce43_theta_over_alpha"))
+
+
+def test_the_spectrum_of_a_record_is_worked_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bodies of which each names its records, as cabinets on their floors, share those of one floor."""
+    worked_out: list[float] = []
+
+    def counted(force: Forcing, periods: Array, zeta: float) -> Array:
+        worked_out.append(zeta)
+        return displacement_spectrum(force, periods, zeta)
+
+    monkeypatch.setattr("rockcli.analysis.rules.displacement_spectrum", counted)
+    files = {name: f"synthetic_{name}.AT2" for name in ("rock_m65", "soil_m70")}
+    bodies = {
+        f"{h} on {name}": {"block.h": h, "motion.record.file": file} for h in (0.8, 1.0) for name, file in files.items()
+    }
+    case = {"block": {"h": 1.0, "width": 0.4, "mu": 0.3}, "motion": {"record": {"file": files["rock_m65"], "pga": 5.0}}}
+    vary = {"motion.record.pga": ["0.5*g", "0.7*g"]}
+    one = {"case": case, "rules": ["asce43_sliding"]}
+    every = solved(vary={"case": bodies} | vary, **one).values("asce43_slide")
+    assert len(worked_out) == len(files)
+    for i, (name, body) in enumerate(bodies.items()):
+        alone = solved(vary={"case": {name: body}} | vary, **one).values("asce43_slide")
+        np.testing.assert_allclose(alone[0], every[i], rtol=1e-12)
+    assert np.unique(every).size == 4
