@@ -312,6 +312,8 @@ def test_a_table_of_intensity_and_rate(tmp_path):
     np.testing.assert_allclose(data["hazard_intensity"][0], np.array([0.02, 0.1, 0.5, 2.0]) * G, rtol=1e-12)
     plain = of_file(tmp_path, "intensity,rate\n0.2,0.1\n1,0.01\n20,1e-6\n")  # SI units, as everywhere
     np.testing.assert_allclose(plain["hazard_intensity"][0], [0.2, 1.0, 20.0])
+    ground = of_file(tmp_path, "ground_pga [g],rate\n0.02,0.1\n0.1,0.01\n0.5,2e-4\n2,1e-6\n")  # as `over` calls it
+    np.testing.assert_array_equal(ground["hazard_intensity"], data["hazard_intensity"])
 
 
 @pytest.mark.parametrize(

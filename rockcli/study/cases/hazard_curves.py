@@ -225,11 +225,12 @@ def _file(inputs: Inputs, path: Path, site: tuple[float, float] | None) -> _Read
     (line, (first, second)), *points = rows
     if _is_number(first):
         raise StudyError("the first line names the columns, as `pga [g],rate`", file=path, line=line)
-    name, _, unit = (part.strip() for part in first.rstrip("] ").partition("["))
+    said, _, unit = (part.strip() for part in first.rstrip("] ").partition("["))
+    name = bare(said)  # a hazard curve is of the ground
     of = name.lower()
     if of not in (*_NAMES, "intensity") and not _is_spectral(of):
         raise StudyError(
-            f"the first column is {name!r}; expected intensity, sa(T), {', '.join(_NAMES)}, with the unit in square "
+            f"the first column is {said!r}; expected intensity, sa(T), {', '.join(_NAMES)}, with the unit in square "
             "brackets, as `pga [g],rate`",
             file=path,
             line=line,
