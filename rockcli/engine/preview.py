@@ -260,15 +260,19 @@ def _rolling(block: Block) -> list[Row]:
     return rows
 
 
+_OF_A_FILE, _OF_AN_ANGLE = 8, 4
+"""Decimals of a coordinate [m] and of an angle [deg] beyond which a file of single precision says nothing."""
+
+
 def _mesh(block: Block) -> list[Row]:
     """What the mesh tells of its body as a whole, and of the direction in which it rocks."""
     scan = block.scan
     if scan is None or block.direction is None:
         return []
     profile = scan.profile(float(block.direction[0]))
-    x, y, z = scan.centre.tolist()
+    x, y, z = (np.round(scan.centre, _OF_A_FILE) + 0.0).tolist()
     weakest = scan.profile(scan.weakest)
-    turns = np.degrees(np.arccos(np.clip(-scan.poses[:, 2], -1.0, 1.0)))
+    turns = np.round(np.degrees(np.arccos(np.clip(-scan.poses[:, 2], -1.0, 1.0))), _OF_AN_ANGLE)
     apart = scan.poses_apart(POSES_APART)
     poses = [f"{scan.heights[i]:.4g} m ({turns[i]:.3g} deg)" for i in apart]
     more = f", {len(poses) - POSES} more" if len(poses) > POSES else ""

@@ -265,6 +265,20 @@ def test_what_check_tells(folder):
     assert "0.75 m (0 deg)" in body["poses"]
 
 
+def test_what_check_tells_of_a_mesh_in_single_precision(folder):
+    """No digits of its rounding: `0.8081 m (8.54e-07 deg)`, `2.25072e-12`."""
+    turned = box(0.6, 0.4, 1.5)
+    turned.apply_translation(-turned.bounds.mean(axis=0))
+    turned.apply_transform(trimesh.transformations.rotation_matrix(0.3, [0, 0, 1]))
+    turned.vertices = turned.vertices.astype(np.float32)
+    turned.apply_transform(trimesh.transformations.rotation_matrix(2e-8, [1, 1, 0]))
+    turned.export(folder / "turned.ply")
+    (told,) = rockcli_check(study_file(folder, {"mesh": "turned.ply", "mass": 700}))
+    body = told["first_case"]["body"]
+    assert "0.75 m (0 deg)" in body["poses"]
+    assert "e-" not in body["poses"] + body["centre"]
+
+
 def rockcli_check(file):
     import json
 
