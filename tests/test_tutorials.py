@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+import rockcli
 from rockcli.cli.main import app
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -88,3 +89,30 @@ def test_a_study_shown_in_a_tutorial_runs_to_table_and_page(page, text, tmp_path
         found = CliRunner().invoke(app, command)
         assert found.exit_code == 0, (command, found.output)
     assert "overturned" in found.output
+
+
+def test_a_list_of_equipment_becomes_a_table_of_bodies_on_their_floors(tmp_path, monkeypatch):
+    page = (ROOT / "docs" / "tutorials" / "cabinets.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    radius, floor, axis = (
+        re.search(rf"`({words})`", page)[1] for words in (r"sqrt\(.*?/12\)", r"floors/floor2_.*?", r"record: .*?")
+    )
+    (tmp_path / "floors").mkdir()
+    for number in (1, 2):
+        for record, a in (("a", 4.0), ("b", 6.0)):
+            lines = [f"{0.01 * i:.2f},{number * a if 10 < i < 40 else 0.0}" for i in range(100)]
+            (tmp_path / "floors" / f"floor{number}_{record}.csv").write_text(
+                "\n".join(["time [s],acceleration [m/s2]", *lines, ""])
+            )
+    heads = "name,block.h,block.width,block.top,block.r_g,motion.record.file"
+    cells = [f"{name},1.0,0.6,2.2,{radius},{floor.replace('2', str(n))}" for name, n in (("low", 1), ("high", 2))]
+    (tmp_path / "list.csv").write_text("\n".join([heads, *cells, ""]))
+    (tmp_path / "study.yaml").write_text(
+        f"name: equipment\ncase:\n  block: {{h: 1, width: 1}}\n  motion: {{record: {{file: '{floor}'}}}}\n"
+        f"vary:\n  case: list.csv\n  {axis}\n"
+    )
+    data = rockcli.run("study.yaml")
+    assert data["record"].values.tolist() == ["a", "b"]
+    assert data["pga"].transpose("case", "record").values.tolist() == [[4.0, 6.0], [8.0, 12.0]]
+    p = (9.81 * 1.09**0.5 / ((2.2**2 + 0.6**2) / 12 + 1.09)) ** 0.5
+    assert data["p"].values == pytest.approx(p, rel=1e-12)
