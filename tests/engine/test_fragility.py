@@ -643,3 +643,18 @@ def test_a_search_of_bodies_that_slide_says_why_none_overturns(stiff: dict, slid
     data = rockcli.run(SUITE | {"vary": SUITE["vary"] | {"motion.pulse.a_p": amplitudes, "block": bodies}})
     said = [one for one in json.loads(data.attrs["warnings"]) if "no case exceeds it" in one]
     assert [one.endswith(", or bodies slide and do not rock") for one in said] == [slides]
+
+
+@pytest.mark.parametrize("n", [12, 96])
+def test_a_search_with_stable_islands_says_that_lower_bands_may_be_missed(n: int) -> None:
+    """Few points step over bands of overturning, and all that comes of them is told too high."""
+    scan = {"from": "0.2*g", "to": "2*g", "n": n, "find": "overturning"}
+    pulse = {"shape": "sine", "a_p": 1.0, "omega_p": 1.0, "cycles": 3}
+    case = {"block": SUITE["case"]["block"], "motion": {"pulse": pulse}}
+    vary = {"motion.pulse.omega_p": np.linspace(4.0, 9.0, 12).tolist(), "motion.pulse.a_p": scan}
+    data = rockcli.run(SUITE | {"case": case, "vary": vary})
+    (islands,) = (data[name] for name in data.variables if str(name).endswith("_islands"))
+    said = [one for one in json.loads(data.attrs["warnings"]) if "lower ones may be missed" in one]
+    assert int((islands > 0).sum()) > 0
+    assert [one.split(" cases")[0] for one in said] == [f"{int((islands > 0).sum())} of 12"]
+    assert f"the {n} points" in said[0]

@@ -66,6 +66,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
         *_left_out(contents, study, study.over),
         *_divided(contents),
         *_below(contents, study),
+        *_between(contents, study),
         *_islands(contents, study.over),
         *_refused(contents, study, study.over),
         *_missed(contents, study.over),
@@ -164,6 +165,20 @@ def _below(contents: Contents, study: Study) -> Iterator[str]:
         yield (
             f"{int(rocks.sum())} of {rocks.size} cases rock at the lowest point of the range already and may overturn "
             "below it: begin it where nothing uplifts, or the statistics are those of the range alone"
+        )
+
+
+def _between(contents: Contents, study: Study) -> Iterator[str]:
+    """Where the outcome changes more than once, the lowest change may lie between two points of the scan."""
+    if study.search is None:
+        return
+    islands = found_by(contents, study.search.name).islands
+    if islands is not None and islands.any():
+        some, points = int((islands > 0).sum()), study.search.axis.size
+        yield (
+            f"{some} of {islands.size} cases remain stable again above the lowest value that overturns them; as bands "
+            f"narrower than the spacing of the {points} points are not seen, lower ones may be missed, and the "
+            "statistics told too high: see what more points (n) find"
         )
 
 
