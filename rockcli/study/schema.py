@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, create_model
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    WithJsonSchema,
+    create_model,
+)
 
 from rockcli.scene.auto import AUTO
 from rockcli.scene.backends import AUTOMATIC, BACKEND_NAMES
@@ -493,7 +504,14 @@ def _ends(value: Any) -> Any:
     return value
 
 
-Ends = Annotated[tuple[float, float], BeforeValidator(_ends)]
+def _ascending(ends: tuple[float, float]) -> tuple[float, float]:
+    low, high = ends
+    if not -math.inf < low < high < math.inf:
+        raise ValueError(f"two finite numbers, [low, high], low below high, are expected, not [{low:g}, {high:g}]")
+    return ends
+
+
+Ends = Annotated[tuple[float, float], BeforeValidator(_ends), AfterValidator(_ascending)]
 """The part of an axis of a figure that is shown."""
 
 

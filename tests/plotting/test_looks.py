@@ -173,6 +173,8 @@ def test_labels_limits_and_letters(sizes: xarray.Dataset) -> None:
     assert [axes.texts[-1].get_text() for axes in drawn.axes] == ["(a)", "(b)", "(c)"]
     with pytest.raises(StudyError, match="limits of y4: it has 3 rows of panels"):
         rockcli.plot(sizes, "histories", limits={"y4": (0.0, 1.0)})
+    with pytest.raises(StudyError, match=r"limits \(2, 0.5\): expected two finite numbers, low below high"):
+        rockcli.plot(sizes, "histories", limits={"x": (2.0, 0.5)})
 
 
 def test_a_logarithmic_axis_begins_above_zero(pga: xarray.Dataset) -> None:
@@ -219,6 +221,12 @@ def test_a_study_says_how_its_plots_are_wanted(tmp_path: Path) -> None:
         ("[{kind: map, limits: {x: [1]}}]", "plots[0].limits.x: two numbers, [low, high], are expected"),
         ("[{kind: map, limits: {x: [1, 2, 3]}}]", "plots[0].limits.x: two numbers, [low, high], are expected"),
         ("[{kind: map, limits: {x: 1}}]", "plots[0].limits.x: two numbers, [low, high], are expected"),
+        (
+            "[{kind: histories, limits: {x: [8, 0]}}]",
+            "a.yaml:4: plots[0].limits.x: two finite numbers, [low, high], low",
+        ),
+        ("[{kind: histories, limits: {x: [1, 1]}}]", "a.yaml:4: plots[0].limits.x: two finite numbers"),
+        ("[{kind: histories, limits: {x: [0, .inf]}}]", "a.yaml:4: plots[0].limits.x: two finite numbers"),
         ("[{width: single}]", "'kind' is missing"),
         ("[{kind: map, letter: true}]", "did you mean 'letters'"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ def dress(figure: Figure, look: Look, kind: str) -> None:
     """Give a figure the labels, limits and letters that are wanted.
 
     Raises:
-        StudyError: it has no such row of panels.
+        StudyError: it has no such row of panels, or limits that are none.
     """
     panels = _panels(figure)
     rows = _rows(panels)
@@ -28,6 +29,8 @@ def dress(figure: Figure, look: Look, kind: str) -> None:
             if axis.get_label_text():
                 axis.set_label_text(words)
     for where, (low, high) in _of_axes(look.limits, rows, kind, "limits"):
+        if not -math.inf < low < high < math.inf:
+            raise StudyError(f"plot {kind!r}: limits ({low:g}, {high:g}): expected two finite numbers, low below high")
         for axes, direction in where:
             if low <= 0.0 and getattr(axes, f"get_{direction}scale")() == "log":
                 raise StudyError(f"plot {kind!r}: limits from {low:g}: the axis is logarithmic")
