@@ -355,6 +355,7 @@ def test_a_search_over_a_suite():
         ("record", "no axis"),
         ({"axis": "motion.pulse.omega_p", "along": "motion.pulse.omega_p"}, "must be another axis"),
         ({"axis": "motion.pulse.omega_p", "limits": [0.1, -1]}, "greater than 0"),
+        ({"axis": "motion.pulse.omega_p", "limits": [0.1, 0.5, "1/10"]}, r"limits\[2\] is .*theta/alpha > 0.1 twice"),
         ({"axis": "motion.pulse.omega_p", "limit": [0.1]}, "did you mean 'limits'"),
         ({"axis": "motion.pulse.omega_p", "intensity": "sa(0)"}, "sa"),
         ({"axis": "motion.pulse.omega_p", "intensity": "pgd"}, "expected pga, pgv"),
@@ -518,6 +519,7 @@ def test_curves_of_slides_begin_where_friction_gives_way():
         ([{"slide_peak": 0.0}], "greater than 0"),
         ([{"slide_peak": 0.1, "slide_residual": 0.1}], "expected {slide_peak: m} or"),
         ([{"slide": 0.1}], "slide_peak"),
+        ([{"slide_peak": 0.1}, {"slide_peak": 0.1}], "limit state slide_peak > 0.1 m twice"),
     ],
 )
 def test_wrong_limits_of_the_slide(limits, words):

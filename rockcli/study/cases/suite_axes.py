@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from rockcli.scene.limit_states import in_full
 from rockcli.scene.variables import PEAK
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Map, Source, nearest, value_at
@@ -31,7 +32,7 @@ def read_over(
 
     Raises:
         StudyError: no such axis, no or several axes that may be the intensity where one is needed, a limit that is no
-            positive number, or nothing saved that statistics could be made of.
+            positive number or is said twice, or nothing saved that statistics could be made of.
     """
     if said is None:
         return None
@@ -55,11 +56,13 @@ def read_over(
         if limit.quantity not in (PEAK, *scalars):
             message = f"needs {limit.quantity}, which bodies with a mu have, among the saved scalars (`save`)"
             raise source.error(study, ("over", "limits", i), message)
+        if limit.label in (before.label for before in limits[:i]):
+            raise source.error(study, ("over", "limits", i), f"is the limit state {in_full(limit.label)} twice")
     first, second = _intensities(source, study, said.intensity, axes)
     return Over(
         tuple(axis.name for axis in chosen),
         along.name if along else None,
-        tuple(sorted(set(limits), key=lambda limit: (QUANTITIES.index(limit.quantity), limit.value))),
+        tuple(sorted(limits, key=lambda limit: (QUANTITIES.index(limit.quantity), limit.value))),
         said.mean,
         first,
         said.fit,
