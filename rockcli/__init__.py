@@ -130,7 +130,7 @@ def report(dataset: xarray.Dataset | str | Path, path: str | Path) -> Path:
     """Write the report of a dataset, in memory or in a file, as one HTML page; returns where.
 
     Raises:
-        StudyError: it is no dataset of this program, or the name does not end in .html.
+        StudyError: it is no dataset of this program, or the name does not end in .html or .htm.
     """
     from rockcli.engine.report_page import write_page, write_page_of
 

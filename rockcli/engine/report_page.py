@@ -49,7 +49,7 @@ def write_page_of(dataset: xarray.Dataset, out: Path) -> Path:
 
 def _check(target: Path) -> None:
     if target.suffix.lower() not in (".html", ".htm"):
-        raise StudyError("a report is an HTML page: expected a name that ends in .html", file=target)
+        raise StudyError("a report is an HTML page: expected a name that ends in .html or .htm", file=target)
 
 
 def _write(dataset: xarray.Dataset, contents: Contents, target: Path) -> None:

@@ -242,7 +242,9 @@ def test_a_figure_a_report_and_a_table_of_a_dataset_in_memory(pulses, tmp_path):
         rockcli.plot(pulses, "phase")
     with pytest.raises(rockcli.StudyError, match="ends in"):
         rockcli.plot(pulses, "map", tmp_path / "map.bmp")
-    with pytest.raises(rockcli.StudyError, match="html"):
+    assert rockcli.report(pulses, tmp_path / "pulses.htm").read_bytes() == page.read_bytes()
+    assert ".html or .htm" in str(rockcli.report.__doc__)
+    with pytest.raises(rockcli.StudyError, match=r"ends in \.html or \.htm"):
         rockcli.report(pulses, tmp_path / "pulses.pdf")
 
 
