@@ -233,6 +233,19 @@ class TestOverrides:
         study = open_study(write(tmp_path, GOOD), overrides=[("vary.block.tan_alpha", "[0.2, 0.3]")])
         assert study.axes[0].values == (0.2, 0.3)
 
+    def test_inputs_may_be_made_uncertain(self, tmp_path):
+        told = [
+            ("uncertain.block.R", "{normal: [10, 1]}"),
+            ("uncertain.block.R", "{uniform: [9, 11]}"),
+            ("samples", "4"),
+        ]
+        study = open_study(write(tmp_path, GOOD), overrides=told)
+        assert study.uncertain is not None
+        (read,) = study.uncertain.inputs
+        assert read.path == "block.R"
+        assert ((read.values > 9.0) & (read.values < 11.0)).all()
+        assert open_study(write(tmp_path, GOOD), overrides=[*told[:1], ("uncertain.block.R", "null")]).uncertain is None
+
     def test_what_is_varied_is_said_to_have_no_effect(self, tmp_path):
         study = open_study(write(tmp_path, GOOD), overrides=[("case.block.tan_alpha", "0.5")])
         assert "no effect" in study.warnings[0]
@@ -246,6 +259,7 @@ class TestOverrides:
             ("case.block.R", "big", "`big` is not known"),
             ("nothing", "2", "not a key of a study"),
             ("save.dtout", "2", "did you mean 'dt_out'"),
+            ("uncertain.block.r", "{normal: [10, 1]}", "did you mean 'block.R'"),
             ("", "2", "not a key of a study"),
         ],
     )

@@ -53,8 +53,8 @@ def _label(path: str, text: str) -> str:
 def _keys(path: str, label: str) -> tuple[str, ...]:
     parts = tuple(path.split("."))
     try:
-        if parts[0] == "vary" and len(parts) > 1:
-            return ("vary", ".".join(parts[1:]))
+        if parts[0] in ("vary", "uncertain") and len(parts) > 1:
+            return (parts[0], ".".join(parts[1:]))
         if parts[0] in ("case", "let") and len(parts) > 1:
             return resolve(path)
         if parts[0] not in StudyPart.model_fields:
