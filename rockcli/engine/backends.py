@@ -10,6 +10,7 @@ from rockcli.errors import RockError, SolverError, StudyError
 from rockcli.scene.auto import AUTO, highest
 from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT, Backend, automatic
 from rockcli.scene.batch import Batch
+from rockcli.study.document.tree import Source
 from rockcli.study.study import Study
 
 DECIDING = ("model", "geometry", "damping", "solver", "case")
@@ -30,6 +31,7 @@ def check_kernels() -> None:
 def check_backend(study: Study) -> None:
     """`StudyError` if no backend, or not the one asked for, can solve any case of a study.
 
+    Its line is that of the first key that decides on it and that the sentence names.
     Where an axis decides on it, single cases are refused when they are solved.
     """
     if any(axis.path.split(".")[0] in DECIDING for axis in study.axes):
@@ -41,7 +43,9 @@ def check_backend(study: Study) -> None:
     try:
         choose(batch)
     except SolverError as refused:
-        raise StudyError(f"case: {refused} (rock show backends: what each solves)", file=study.file) from None
+        named = (where for key, where in study.places.items() if key.rsplit(".", 1)[-1] in refused.message)
+        message = f"case: {refused} (rock show backends: what each solves)"
+        raise Source(study.file).placed(next(named, None), message) from None
 
 
 def choose(batch: Batch) -> Backend:

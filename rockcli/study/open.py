@@ -44,7 +44,7 @@ from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, Ex
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.overrides import apply_overrides, without_effect
 from rockcli.study.document.shorthands import expanded
-from rockcli.study.document.tree import Map, Source
+from rockcli.study.document.tree import Map, Source, Where, place, value_at
 from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.features import check_curves
 from rockcli.study.given_records import taken_out
@@ -60,6 +60,9 @@ HISTORIES_UP_TO = 100
 """Cases up to which histories are saved unless the study says otherwise."""
 
 NOT_SCORED = "`score` is for `rock score`, which puts the bodies on the motions of experiments; nothing is scored here"
+
+DECIDES = ("solver.method", "solver.events", "solver.backend", "base", "damping", "geometry", "model")
+"""Keys of the case that decide on the backend, those that only one backend reads first."""
 
 SAMPLES_WITH_ALL = 10_000
 """Cases of a study of uncertain inputs up to which all scalars are saved unless it says otherwise."""
@@ -169,7 +172,14 @@ def open_study(
         uncertain=None if uncertain is None else uncertain[1],
         refine=refine,
         audit=part.audit,
+        places=_places(tree),
     )
+
+
+def _places(tree: Map) -> dict[str, Where]:
+    """Where a study says what decides on the backend."""
+    paths = {key: ("case", *key.split(".")) for key in DECIDES}
+    return {key: place(tree, keys) for key, keys in paths.items() if value_at(tree, keys) is not None}
 
 
 def _kind(value: Any) -> str:

@@ -16,6 +16,7 @@ from rockcli.scene.ground.spectra import DesignSpectrum
 from rockcli.scene.limit_states import OVERTURNED, limit_label
 from rockcli.scene.looks import Look
 from rockcli.scene.variables import PEAK
+from rockcli.study.document.tree import Where
 
 Index = NDArray[np.int64]
 
@@ -257,6 +258,7 @@ class Study:
         inputs: name of every file read, as in the study -> SHA-256 of its bytes.
         processing: record name -> what was done to it, sentences in order, with the effect on PGA and PGV.
         warnings: sentences about the study as a whole.
+        places: where the file says what decides on the backend, by key (`solver.method`), of those that it says.
     """
 
     name: str
@@ -287,6 +289,7 @@ class Study:
     uncertain: Uncertain | None = None
     refine: tuple[str, ...] = ()
     audit: float | bool = False
+    places: dict[str, Where] = field(default_factory=dict)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -167,6 +167,32 @@ def test_settings_that_the_backend_does_not_have_are_refused(case: dict[str, Any
         rockcli.run(study(case=case))
 
 
+@pytest.mark.usefixtures("unsolvable")
+@pytest.mark.parametrize(
+    ("case", "line"),
+    [
+        ("  model: 3\n  solver:\n    backend: frame\n    method: lineer\n", 6),
+        ("  model: 3\n  solver:\n    accuracy: draft\n    backend: calculix\n", 6),
+        ("  solver:\n    backend: scipy\n    events: false\n", 5),
+        ("  model: 4\n  damping: hht\n", 4),
+    ],
+)
+def test_the_line_of_what_the_backend_does_not_solve(tmp_path: Path, case: str, line: int) -> None:
+    file = tmp_path / "a.yaml"
+    column = "  column: {E: 3e10, rho: 2500}\n" if "hht" in case else ""
+    file.write_text(f"name: a\ncase:\n{case}{column}  block: {{R: 2, tan_alpha: 0.2}}\n  initial: {{theta: 0.1}}\n")
+    with pytest.raises(StudyError) as refused:
+        check_study(open_study(file), tmp_path)
+    assert (refused.value.file, refused.value.line) == (str(file), line)
+
+
+@pytest.mark.usefixtures("unsolvable")
+def test_the_option_that_asks_for_what_the_backend_does_not_solve(tmp_path: Path) -> None:
+    told = [("case.solver.backend", "calculix")]
+    with pytest.raises(StudyError, match=r"^--set case\.solver\.backend=calculix: case: backend 'cal"):
+        check_study(open_study(study(), overrides=told), tmp_path)
+
+
 @pytest.mark.parametrize(
     ("said", "fault"),
     [
