@@ -304,6 +304,23 @@ def test_cases_that_are_one_are_drawn_once() -> None:
     assert names == ["linearized", "model 3, negative stiffness", "model 3, corotational", "rigid (reference)"]
 
 
+def test_a_compared_case_whose_history_was_not_saved_is_left_out() -> None:
+    def study(**kept: float | str) -> xarray.Dataset:
+        case = {"block": {"alpha": 0.2, "R": 1.0}, "motion": {"pulse": {"shape": "sine", "a_p": 3.0, "T_p": 1.0}}}
+        vary = {"model": ["rigid", "linearized"], "block.R": [1.0, 2.0]}
+        return rockcli.run({"case": case, "vary": vary, "compare_to": {"model": "rigid"}, "save": {"histories": kept}})
+
+    one = figures.figure("histories", study(R=2.0))
+    assert [text.get_text() for text in one.legends[0].get_texts()] == ["linearized", "rigid (reference)"]
+    assert [axes.get_title() for axes in one.axes if axes.get_title()] == ["$R$ = 2 m"]
+    for model in ("rigid", "linearized"):  # there is nothing to compare
+        dataset = study(model=model)
+        alone = figures.figure("histories", dataset)
+        names = [text.get_text().removesuffix(" (overturns)") for text in alone.legends[0].get_texts()]
+        assert names == [f"{model}, $R$ = 1 m", f"{model}, $R$ = 2 m"]
+        assert "grey" not in str(figures.figure("phase", dataset).get_suptitle())
+
+
 def test_legends_look_as_the_curves_do() -> None:
     study = {
         "name": "c",

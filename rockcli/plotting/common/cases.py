@@ -80,7 +80,7 @@ def pick(
     sizes = [int(dataset.sizes[a]) if a in names else 1 for a in every]
     positions = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
     if axes is None:
-        positions = [p for p in positions if _followed(dataset, p)] or positions
+        positions = [p for p in positions if followed(dataset, p)] or positions
     if reference:
         positions = [p for p in positions if _referred(every, p, reference) != p] or positions
     groups = [[p] for p in positions] if axes is not None else _alike(dataset, positions, reference)
@@ -93,12 +93,14 @@ def pick(
     )
     for group in some:
         other = _referred(every, group[0], reference) if reference else None
+        if other is not None and not followed(dataset, other):
+            other = None
         words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
         shown.append(Shown(group[0], words, None if other == group[0] else other))
     return shown, len(groups)
 
 
-def _followed(dataset: xarray.Dataset, position: tuple[int, ...]) -> bool:
+def followed(dataset: xarray.Dataset, position: tuple[int, ...]) -> bool:
     """Whether the history of a case was saved, or would have been but that it failed."""
     if "theta" not in dataset.variables or outcome_at(dataset, position) == "failed":
         return True

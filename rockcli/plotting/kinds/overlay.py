@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from rockcli.plotting.common.cases import (
     Array,
     axes_of,
+    followed,
     group_label,
     is_numeric,
     number_at,
@@ -64,7 +65,7 @@ class Point:
 def compares(dataset: xarray.Dataset) -> bool:
     """Whether there is something to lay over a reference."""
     reference = reference_on_axes(dataset)
-    return bool(reference) and any(dataset.sizes[axis] > 1 for axis in reference)
+    return any(dataset.sizes[axis] > 1 for axis in reference) and all(_arranged(dataset, reference))
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
@@ -74,7 +75,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     columns, lines = _arranged(dataset, reference)
     shown, curves = spread(columns, MOST_COLUMNS), spread(lines, MOST_LINES)
     cases = [[_position(every, line.place | column.place) for line in curves] for column in shown]
-    bases = [_position(every, dict.fromkeys(every, 0) | column.place | reference) for column in shown]
+    bases = [_base(every, column, reference) for column in shown]
     across = len(shown) if len(shown) <= PANELS_ACROSS else 2 if len(shown) == 4 else PANELS_ACROSS
     down = -(-len(shown) // across)
     names = [name for name in _HEIGHTS if name != "ground" and (name != "rate" or down == 1)]
@@ -119,8 +120,21 @@ def _arranged(dataset: xarray.Dataset, reference: dict[str, int]) -> tuple[list[
     """Columns and curves.
 
     A labelled axis on which the reference does not change (the geometry of a model, compared with the rigid block)
-    gives curves, not columns, if there is room for them, and curves that are one then are drawn once.
+    gives curves, not columns, if there is room for them, and curves that are one then are drawn once.  Columns without
+    the history of their reference, and curves without any, are left out.
     """
+    columns, lines = _all_arranged(dataset, reference)
+    every = axes_of(dataset)
+    columns = [column for column in columns if followed(dataset, _base(every, column, reference))]
+    return columns, [
+        line
+        for line in lines
+        if any(followed(dataset, _position(every, line.place | column.place)) for column in columns)
+    ]
+
+
+def _all_arranged(dataset: xarray.Dataset, reference: dict[str, int]) -> tuple[list[Point], list[Point]]:
+    """`_arranged`, whatever histories were saved."""
     every = axes_of(dataset)
     others = [axis for axis in every if axis not in reference]
     moved = [axis for axis in others if dataset.sizes[axis] > 1 and _same_along(dataset, axis, reference)]
@@ -171,6 +185,10 @@ def _points(dataset: xarray.Dataset, axes: list[str]) -> list[Point]:
         words = [coordinate_label(dataset, axis, i) for axis, i in place.items() if dataset.sizes[axis] > 1]
         found.append(Point(place, ", ".join(words)))
     return found
+
+
+def _base(axes: tuple[str, ...], column: Point, reference: dict[str, int]) -> Position:
+    return _position(axes, dict.fromkeys(axes, 0) | column.place | reference)
 
 
 def _position(axes: tuple[str, ...], place: dict[str, int]) -> Position:
