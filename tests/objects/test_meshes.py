@@ -321,6 +321,7 @@ REFUSED = {
     "outline": (lambda: box(), {"outline": [[0, 0], [1, 0], [0, 1]]}, "leave one of the two out"),
     "height": (lambda: box(), {"height": 2}, "leave one of the two out"),
     "direction": (lambda: box(), {"direction": "north"}, "`north` is not known"),
+    "the weakest": (lambda: box(), {"direction": "weekest"}, "'weekest' is no number; did you mean 'weakest'"),
 }
 
 

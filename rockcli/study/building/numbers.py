@@ -13,12 +13,17 @@ from rockcli.scene.body.block import Block
 from rockcli.study.document.check import said_at
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, Value, parse
 from rockcli.study.document.tree import Keys, Map, Source, Where, meant, nearest, place, value_at
+from rockcli.study.document.values import WEAKEST
 from rockcli.study.schema import CasePart
 
 Array = NDArray[np.float64]
 
 LARGEST = 1e60
 """Motions and their times are smaller than this, so that products of a few of them are numbers still."""
+
+
+_WORDS: dict[Keys, str] = {("damping", "eta"): "housner", ("block", "direction"): WEAKEST}
+"""Words that keys of numbers take too."""
 
 
 class Varied(float):
@@ -63,8 +68,9 @@ def in_range(numbers: Numbers, keys: Keys, value: Any) -> None:
 
 def in_words(keys: tuple[str | int, ...], text: str, message: str) -> str:
     """What is wrong with an expression; at a key that also takes a word, the word that may have been meant."""
-    if keys[-2:] == ("damping", "eta") and f"`{text.strip()}` is not known" in message and meant(text, ["housner"]):
-        return f"{text!r} is no number; did you mean 'housner'?"
+    word = _WORDS.get(keys[-2:])
+    if word is not None and f"`{text.strip()}` is not known" in message and meant(text, [word]):
+        return f"{text!r} is no number; did you mean {word!r}?"
     return message
 
 
