@@ -339,6 +339,20 @@ def test_legends_look_as_the_curves_do() -> None:
     assert [axes.get_ylabel() for axes in corners] == [r"$u_{top}\,/\,2b$", r"$v_{top}\,/\,2b$"]
 
 
+@pytest.mark.parametrize(("alpha", "seen"), [(0.02, False), (0.3, True)])
+def test_a_portrait_names_impacts_that_can_be_seen(alpha: float, seen: bool) -> None:
+    """An impact of a slender block takes 1.5 alpha² of the velocity."""
+    case = {"block": {"R": 1.0, "alpha": alpha}, "initial": {"theta": "0.3*alpha"}}
+    figure = figures.figure("phase", rockcli.run({"case": case, "vary": {"model": ["rigid", "linearized"]}}))
+    figure.draw_without_rendering()
+    longest = 0.0
+    for axes in figure.axes:
+        for path in (path for lines in axes.collections for path in lines.get_paths()):
+            longest = max(longest, float(np.ptp(axes.transData.transform(path.vertices)[:, 1])) * 72.0 / figure.dpi)
+    assert (longest > 5.0) if seen else (0.0 < longest < 0.5)
+    assert ("dotted: impacts" in figure.get_suptitle()) is seen
+
+
 def test_the_title_of_one_portrait_is_over_it(asymmetric: xarray.Dataset) -> None:
     one = asymmetric.isel(initial_theta=0, drop=True).assign_attrs(axes="")
     figure = figures.figure("phase", one)

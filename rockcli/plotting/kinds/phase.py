@@ -45,6 +45,12 @@ _GREY = "#B9B9B9"
 
 _DOTS: Any = (0, (1, 1))
 
+_HEIGHT = 0.86
+"""Of a panel, over its width."""
+
+_POINTS, _SEEN = 72.0, 2.0
+"""Points in an inch; length from which a dotted line is seen, a dot and a gap [pt]."""
+
 _EVERY = 10_000
 """Cases that are looked through."""
 
@@ -63,9 +69,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     still = len(cases) - len(moving)
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.25 if columns == 1 else DOUBLE)
-    figure = new_figure(width, 0.7 + rows * (width / columns) * 0.86)
+    figure = new_figure(width, 0.7 + rows * (width / columns) * _HEIGHT)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    reach = np.zeros(2)
+    reach = np.zeros(3)
     fates = []
     for number, case in enumerate(shown):
         axes = grid.flat[number]
@@ -79,7 +85,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
     turns_on_two = [not rolls(dataset.isel(dict(zip(axes_of(dataset), case.position, strict=True)))) for case in shown]
-    wide = bool(reach.max() > _WIDE) and any(turns_on_two)
+    wide = bool(reach[:2].max() > _WIDE) and any(turns_on_two)
     across = 1.08 * max(reach[0], 1.0 if wide else 0.01)
     for number, case in enumerate(shown):
         axes = grid.flat[number]
@@ -91,6 +97,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid.flat[0].set_xlim(-across, across)
     up = 1.08 * max(reach[1], 1.0 if wide else 0.01)
     grid.flat[0].set_ylim(-up, up)
+    high = _POINTS * width / columns * _HEIGHT  # of a panel
     alone = grid.flat[0] if len(shown) == 1 else None
     if alone is not None:
         alone.set_xlabel(_ACROSS)
@@ -102,7 +109,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         ", ".join(part for part in (shown[0].label, fates[0]) if part) if alone is not None else "",
         selection_note(len(shown), total),
         f"{still} without rotation not drawn" if still else "",
-        "dotted: impacts" if reach.max() > 0.0 else "",
+        "dotted: impacts" if reach[2] / (2.0 * up) * high >= _SEEN else "",
         "dashed: separatrix of free rocking" if wide else "",
         f"grey: {reference_words(dataset)}" if any(case.reference for case in shown) else "",
     ]
@@ -111,19 +118,21 @@ def draw(dataset: xarray.Dataset) -> Figure:
 
 
 def _portrait(axes: Axes, dataset: xarray.Dataset, at: tuple[int, ...], width: float, quiet: bool = False) -> Array:
-    """Draw one case, in grey if `quiet`; how far it reaches, (theta/alpha, theta_dot/(p alpha))."""
+    """Draw one case, in grey if `quiet`; how far it reaches, (theta/alpha, theta_dot/(p alpha)), its longest jump."""
+    jump = 0.0
     response = response_of(dataset, at, apart=True)
     x, y = response.ratio, response.rate
     axes.plot(x, y, color=_GREY if quiet else COLOURS[0], linewidth=width, zorder=2 if quiet else 3)
     if not quiet:
         gaps = _jumps(dataset, at, response)
+        jump = np.abs(y[gaps + 1] - y[gaps - 1]).max(initial=0.0)
         axes.vlines(x[gaps - 1], y[gaps - 1], y[gaps + 1], color=COLOURS[1], linewidth=1.0, linestyles=_DOTS, zorder=4)
         if np.isfinite(x[0]) and abs(x[0]) + abs(y[0]) > 0.0:
             axes.plot(x[0], y[0], "o", color=COLOURS[0], markersize=3.5, zorder=5)
     inside = np.isfinite(x) & np.isfinite(y)
     if outcome_at(dataset, at).startswith("overturned"):
         inside &= np.abs(x) <= _SHOWN_UP_TO
-    return np.array([np.abs(x[inside]).max(initial=0.0), np.abs(y[inside]).max(initial=0.0)])
+    return np.array([np.abs(x[inside]).max(initial=0.0), np.abs(y[inside]).max(initial=0.0), jump])
 
 
 def _jumps(dataset: xarray.Dataset, at: tuple[int, ...], response: Response) -> NDArray[np.intp]:
