@@ -212,16 +212,16 @@ def short_pulse(fig65: xarray.Dataset) -> tuple[str, str]:
     block, lumped, twenty = peaks(fig65)
     holds = np.isinf(block) and np.isfinite([lumped, twenty]).all()
     return (
-        f"block overturns, column stands at {lumped:.3f} / {twenty:.3f} alpha (lumped / consistent)",
+        f"block overturns, column remains stable at {lumped:.3f} / {twenty:.3f} alpha (lumped / consistent)",
         "holds" if holds else "no",
     )
 
 
 def long_pulse(fig66: xarray.Dataset) -> tuple[str, str]:
     block, lumped, twenty, cut, winkler, higher = peaks(fig66)
-    falls = {True: "overturns", False: "stands"}
+    falls = {True: "overturns", False: "remains stable"}
     return (
-        f"block {block:.3f} alpha, stands; column {lumped:.3f} / {twenty:.3f} alpha (lumped / consistent), stands. It "
+        f"block {block:.3f} alpha, stable; column {lumped:.3f} / {twenty:.3f} alpha (lumped / consistent), stable. It "
         f"{falls[bool(np.isinf(higher))]} at 2.58 g tan alpha; at 2.5 with the pulse cut off it {falls[bool(np.isinf(cut))]}, on a no-tension "
         f"base of 1e11 N/m³ it {falls[bool(np.isinf(winkler))]}",
         "first half does not hold (by 1 % of the amplitude); second holds",
