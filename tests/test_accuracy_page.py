@@ -86,6 +86,18 @@ def test_what_the_page_claims_of_standard(levels):
         assert float(row["median"]) <= max(float(draft["median"]), ROUNDING)
 
 
+def test_the_sentence_on_standard_counts_as_the_csv_does(levels):
+    rows, _ = levels.read_rows()
+    standard = [row for row in rows if (row["level"], row["estimate"]) == ("standard", "yes")]
+    decided, cases, left_open = (sum(int(row[key]) for row in standard) for key in ("decided", "cases", "unresolved"))
+    chaotic = next(row["unresolved"] for row in standard if row["scenes"] == "chaotic trains")
+    page = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8").replace("\n", " ").replace("**", "")
+    sentence = (
+        f"is wrong in {decided:_}; {left_open} of {cases:_} are left open, {chaotic} of them in the chaotic trains"
+    )
+    assert sentence.replace("_", " ") in page
+
+
 def test_what_the_page_claims_of_certainty(certainty):
     rows, _ = certainty.read_rows()
     families = [r for r in rows if r["level"] == "standard" and not r["scenes"].startswith(certainty.SUITES)]
