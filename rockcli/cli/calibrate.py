@@ -78,9 +78,9 @@ def _text(found: Calibration) -> str:
         ["capacity, body over model", *_cells(plain["capacity_factor"])],
         ["scatter of ln(capacity)", *_cells(plain["capacity_scatter"])],
     ]
-    told = []
+    walk = []
     if "session_walk" in plain:
-        told.append(f"  ln(capacity) changes by {plain['session_walk']:.2g} from a session to the next")
+        walk.append(f"  ln(capacity) changes by {plain['session_walk']:.2g} from a session to the next")
     labels = []
     for path, told in plain["posterior"].items():
         if "posterior" in told:
@@ -91,7 +91,7 @@ def _text(found: Calibration) -> str:
             labels.append(f"  {path}: " + ", ".join(f"{label} {share:.2f}" for label, share in likely))
     head = ["after the runs", "mean", "sd", "2.5 %", "median", "97.5 %"]
     bodies = f"  {plain['bodies']} bodies, as if {plain['bodies_effective']:.3g} were equally likely"
-    return "\n".join([title, table(head, rows, right=5, indent=2), bodies, *told, *labels])
+    return "\n".join([title, table(head, rows, right=5, indent=2), bodies, *walk, *labels])
 
 
 def _cells(told: dict[str, Any]) -> list[str]:

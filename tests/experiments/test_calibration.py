@@ -235,7 +235,9 @@ def test_calibrate_on_some_runs_and_predict_others(rock, experiments, monkeypatc
     assert found["capacity_factor"]["p2_5"] <= 1.0 <= found["capacity_factor"]["p97_5"]
     first = Path("a.json").read_bytes()
     assert rock("calibrate", experiments / "study.yaml", experiments / "a.csv", "--out", "a.json") == 0
-    assert "capacity, body over model" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "capacity, body over model" in told
+    assert told.rstrip().endswith("were equally likely")
     assert Path("a.json").read_bytes() == first
 
     paths = experiments / "study.yaml", experiments / "b.csv"
@@ -264,6 +266,9 @@ def test_runs_of_a_session_are_predicted_by_its_error(rock, experiments, capsys)
     assert rock("calibrate", study, "dated.csv", "--out", "dated.json", "--json") == 0
     assert 0.05 <= json.loads(capsys.readouterr().out)["session_walk"] <= 0.4
     assert json.loads(Path("dated.json").read_text())["session"][-1] == "2021-08-01"
+    assert rock("calibrate", study, "dated.csv", "--out", "dated.json") == 0
+    walk = json.loads(Path("dated.json").read_text())["session_walk"]
+    assert capsys.readouterr().out.endswith(f"\n  ln(capacity) changes by {walk:.2g} from a session to the next\n")
     said = "--calibration", "dated.json", "--folds", "group", "--no-baselines", "--json"
     assert rock("score", study, "dated.csv", *said) == 0
     capsys.readouterr()
