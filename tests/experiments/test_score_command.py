@@ -201,6 +201,13 @@ def test_a_prediction_asked_for_must_be_one(tmp_path):
         read_runs(path, predictions=["q"])
 
 
+def test_the_column_that_is_no_prediction_is_named_where_nothing_is_left(rock, tmp_path, capsys):
+    path = tmp_path / "runs.csv"
+    path.write_text(GOOD.replace("0.25", "1.25"))
+    assert rock("score", path, "--no-baselines") == 2
+    assert "no baseline (no predictions, as not all their cells are: columns p)" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

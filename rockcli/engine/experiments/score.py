@@ -155,7 +155,10 @@ def report_of(
         found |= {name: p for name, p in fitted.items() if name not in found}
         told += why
     if not found:
-        raise StudyError("has nothing to score: no study, no column of predictions, no baseline", file=runs.file)
+        reasons = f" ({'; '.join(told)})" if told else ""
+        raise StudyError(
+            f"has nothing to score: no study, no column of predictions, no baseline{reasons}", file=runs.file
+        )
     against = next(iter(found)) if how.against is None else how.against
     if against not in found:
         raise StudyError(f"has no prediction {against!r}; there are {', '.join(found)}", file=runs.file)
