@@ -94,5 +94,10 @@ def _text(found: Calibration) -> str:
     return "\n".join([title, table(head, rows, right=5, indent=2), bodies, *walk, *labels])
 
 
+_NO_NUMBER = 1e-12
+"""Numbers below this part of the standard deviation are 0, as the mean of a polarity is."""
+
+
 def _cells(told: dict[str, Any]) -> list[str]:
-    return [f"{told[key]:.4g}" for key in ("mean", "sd", "p2_5", "p50", "p97_5")]
+    numbers = [float(told[key]) for key in ("mean", "sd", "p2_5", "p50", "p97_5")]
+    return [f"{0.0 if abs(number) < _NO_NUMBER * told['sd'] else number:.4g}" for number in numbers]

@@ -22,6 +22,7 @@ from rockcli.analysis.experiments.calibration import (
     evidence,
     predict,
 )
+from rockcli.cli.calibrate import _cells
 from rockcli.engine.experiments.calibrate import Calibration, predicted
 from rockcli.engine.experiments.score import Options
 from rockcli.engine.experiments.simulated import Simulated
@@ -253,6 +254,13 @@ def test_calibrate_on_some_runs_and_predict_others(rock, experiments, monkeypatc
     (unfitted,) = json.loads(capsys.readouterr().out)["specimens"]
     brier = [each["predictions"]["unknown-width"]["brier"] for each in (scores, unfitted)]
     assert brier[0] < brier[1]
+
+
+def test_a_mean_that_rounding_keeps_from_zero_is_zero():
+    told = {"mean": -4.2e-17, "sd": 1.0, "p2_5": -1.0, "p50": -1.0, "p97_5": 1.0}
+    assert _cells(told) == ["0", "1", "-1", "-1", "1"]
+    small = {"mean": 3e-9, "sd": 1e-9, "p2_5": 1e-9, "p50": 3e-9, "p97_5": 5e-9}
+    assert _cells(small) == ["3e-09", "1e-09", "1e-09", "3e-09", "5e-09"]
 
 
 def test_runs_of_a_session_are_predicted_by_its_error(rock, experiments, capsys):
