@@ -122,6 +122,18 @@ def test_history_and_impacts():
     np.testing.assert_array_equal(np.sign(mine), np.sign(law))
 
 
+@pytest.mark.parametrize("name", ["1", "2", "3", "4"])
+def test_moment_of_a_rigid_plastic_base_is_that_of_its_spring(name):
+    batch = ricker(name, "corotational", histories=True)
+    frame, exact = solve(framed(batch)), event(batch)
+    alpha, R = batch.block.alpha[0, 0], batch.block.R[0, 0]
+    rocking = np.abs(exact.histories["theta"][0]) > 1e-2 * alpha
+    ours = exact.histories["M_base"][0, rocking]
+    assert rocking.sum() > 100
+    np.testing.assert_allclose(ours, np.sign(exact.histories["theta"][0, rocking]) * G * R * np.sin(alpha), rtol=1e-14)
+    assert np.nanmax(np.abs(frame.histories["M_base"])) == pytest.approx(np.abs(ours).max(), rel=1e-9)
+
+
 def test_error_estimate_bounds_the_error():
     batch = ricker("3", "negative_stiffness", scalars=("outcome", "theta_peak_over_alpha", "error_estimate"))
     response = solve(framed(batch, dt=None, yield_rotation=None))

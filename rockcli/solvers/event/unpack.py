@@ -235,7 +235,10 @@ def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Ar
 
 
 def _base_moment(batch: Batch, theta: Array, q: Array, a_g: Array, a_v: Array) -> Array:
-    """Moment of the base opposing theta: restoring moment while rocking, -m a_g h at rest, (n, k)."""
+    """Moment of the base opposing theta, (n, k): restoring moment while rocking, -m a_g h at rest.
+
+    A rigid-plastic spring gives m g R sin(alpha) alone: the rest of the restoring moment is that of the weight.
+    """
     model = MODELS[batch.model, batch.geometry]
     block = batch.block
     law = model.law(block.alpha, block.tan_alpha)
@@ -245,7 +248,7 @@ def _base_moment(batch: Batch, theta: Array, q: Array, a_g: Array, a_v: Array) -
 
     r0, rs, rc, R = (of_side(x) for x in (law.r0, law.rs, law.rc, block.R))
     sine, cosine = (q, 1.0) if model.linear else (np.sin(q), np.cos(q))
-    shape = restoring(r0, rs, rc, sine, cosine)
+    shape = r0 if model.geometry == "corotational" else restoring(r0, rs, rc, sine, cosine)
     rocking = np.sign(theta) * R * (batch.g[:, None] + a_v) * shape
     moment = np.where(theta == 0.0, -a_g * block.h[:, None], rocking)
     mass = np.where(np.isfinite(block.mass), block.mass, 1.0)
