@@ -54,6 +54,7 @@ ARRAYS: frozenset[Path] = frozenset(
         ("case", "damping", "eta"),
         ("case", "damping", "r_energy"),
         ("case", "damping", "loss"),
+        ("case", "damping", "coefficient"),
         *(("case", "column", key) for key in ("E", "rho", "zeta")),
         ("case", "base", "kw"),
     ]
