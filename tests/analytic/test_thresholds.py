@@ -137,3 +137,29 @@ def test_a_ground_that_stays_at_uplift_to_rounding_ends_in_an_answer(rolls, b):
     assert float(rocked.theta_peak_over_alpha.max()) < 1e-12
     assert int(rocked.n_steps.max()) < 20_000
     assert (np.isnan(rocked.t_uplift) == (rocked.outcome == NO_UPLIFT)).all()
+    still_ones = rocked.where(rocked.outcome == NO_UPLIFT)
+    assert float(np.abs(still_ones.theta_peak).max()) == 0.0
+    assert np.isnan(still_ones.t_peak).all()
+
+
+@pytest.mark.parametrize("rolls", [False, True], ids=["block", "rolling"])
+def test_what_does_not_rise_by_a_rounding_has_no_peak(rolls):
+    """Records scaled to uplift, where rounding decides: one of no uplift has no rotation, not one of 1e-49 either."""
+    outline = [["-half", 0.0], ["half", 0.0], ["1.2*half", 1.0], ["half", 3.0], ["-half", 3.0], ["-1.2*half", 1.0]]
+    study = {
+        "case": {
+            "block": {"outline": outline} if rolls else {"h": 1.5, "b": "half"},
+            "motion": {"record": {"file": "synthetic_rock_m65.AT2", "pga_over_g_tan_alpha": 1.0}},
+        },
+        "let": {"half": 0.3},
+        "vary": {
+            "motion.record.file": [f"synthetic_{name}.AT2" for name in ("rock_m65", "pulse_m70", "soil_m70")],
+            "let.half": {"from": 0.25, "to": 0.4, "n": 12},
+        },
+        "save": {"histories": False},
+    }
+    found = rockcli.run(study)
+    standing = found.where(found.outcome == NO_UPLIFT)
+    assert int((found.outcome == NO_UPLIFT).sum()) > 3
+    assert float(np.abs(standing.theta_peak).max()) == 0.0
+    assert np.isnan(standing.t_peak).all()

@@ -32,7 +32,7 @@ from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
 from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_at, piece_end, sight
 from rockcli.kernels.rigid.law import edge_of, energy, separatrix
-from rockcli.kernels.rigid.readings import raise_peak, set_peak, work_done
+from rockcli.kernels.rigid.readings import forget_hops, raise_peak, set_peak, work_done
 from rockcli.kernels.rigid.rest import lift_off, rest_time
 from rockcli.kernels.rigid.roots import first_root, last_passage, passage
 from rockcli.kernels.rigid.series import flow, slope, value
@@ -83,11 +83,12 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
     ih = iv = i_hist = 0
     verdict = NOT_YET
     work = lost = 0.0
-    stalled, push, lifted = 0, NUDGE, False
+    stalled, push = 0, NUDGE
+    lifted = par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0  # for longer than no time
     launch = False
     mode = REST
     q, v, s = abs(par[at.THETA_0]), 0.0, 1.0
-    if par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0:
+    if lifted:
         mode = ROCK
         lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
         s = 1.0 if lead > 0.0 else -1.0
@@ -154,8 +155,6 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
             if stalled > 100:  # lifted and dropped again and again at one instant
                 x, t_new, stalled = NO_ROOT, min(t_next, t + max(push * (t_next - t), 4e-16 * t)), 0
                 push *= 10.0  # the ground may stay just there for long
-                if not lifted:
-                    out[to.T_UPLIFT] = math.nan
             while i_hist < n_hist and i_hist * dt_out <= t_new:
                 theta_out[i_hist] = 0.0
                 rate_out[i_hist] = 0.0
@@ -165,7 +164,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
                 mode, launch = ROCK, True
                 q = v = 0.0
                 s = s_up
-                if math.isnan(out[to.T_UPLIFT]):
+                if not lifted:
                     out[to.T_UPLIFT] = t_new
             t = t_new
             continue
@@ -288,6 +287,8 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
             elif v == 0.0:
                 mode = REST
 
+    if not lifted:
+        forget_hops(out)
     out[to.T_END] = t_stop if par[at.HAS_DURATION] == 1.0 else min(t, t_stop)
     if out[to.VERDICT] == FALLS:
         verdict = FALLS

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import driving, restoring
@@ -64,3 +66,10 @@ def set_peak(alpha, s, q, t, out):
     out[side] = max(out[side], q)
     if q > out[to.PEAK] * (1.0 + 1e-12):
         out[to.PEAK], out[to.PEAK_SIDE], out[to.PEAK_ALPHA], out[to.T_PEAK] = q, s, alpha, t
+
+
+@jit_lean
+def forget_hops(out):
+    """Take back the uplift and the peaks of hops that took no time: rounding, of a body that moves at no other time."""
+    out[to.PEAK] = out[to.PEAK_LEFT] = out[to.PEAK_RIGHT] = out[to.RATE_PEAK] = 0.0
+    out[to.T_PEAK] = out[to.T_UPLIFT] = math.nan

@@ -31,7 +31,7 @@ from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_at, piece_end, sight
 from rockcli.kernels.rigid.march import ALL, OUTCOME, REST, ROCK
 from rockcli.kernels.rigid.march import work_space as work_space
-from rockcli.kernels.rigid.readings import raise_peak, set_peak, work_done
+from rockcli.kernels.rigid.readings import forget_hops, raise_peak, set_peak, work_done
 from rockcli.kernels.rigid.rest import lift_off
 from rockcli.kernels.rigid.roots import first_root, last_passage
 from rockcli.kernels.rigid.series import flow, slope, value
@@ -78,7 +78,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     ih = iv = i_hist = 0
     verdict = NOT_YET
     work = lost = 0.0
-    stalled, push, lifted = 0, NUDGE, False
+    stalled, push = 0, NUDGE
     launch = False
     mode = REST
     facet, s, q, v = int(body[at.STANDING]), 1.0, 0.0, 0.0
@@ -86,7 +86,8 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     small = STRICTER * how.tol * min(scale, base)
     lean = horizontal.kind == SAMPLES and vertical.kind == NOTHING and n_hist == 0 and detail < ALL
     theta_0, rate_0 = par[at.THETA_0], par[at.THETA_DOT_0]
-    if theta_0 != 0.0 or rate_0 != 0.0:
+    lifted = theta_0 != 0.0 or rate_0 != 0.0  # for longer than no time
+    if lifted:
         lead = theta_0 if theta_0 != 0.0 else rate_0
         s = 1.0 if lead > 0.0 else -1.0
         step = 1 if s > 0.0 else -1
@@ -188,8 +189,6 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
             if stalled > 100:  # lifted and dropped again and again at one instant
                 x, t_new, stalled = NO_ROOT, min(t_next, t + max(push * (t_next - t), 4e-16 * t)), 0
                 push *= 10.0  # the ground may stay just there for long
-                if not lifted:
-                    out[to.T_UPLIFT] = math.nan
             while i_hist < n_hist and i_hist * dt_out <= t_new:
                 theta_out[i_hist] = end.tilt
                 rate_out[i_hist] = 0.0
@@ -201,7 +200,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
                 if s_up != s:
                     s = s_up
                     end, other = other, end
-                if math.isnan(out[to.T_UPLIFT]):
+                if not lifted:
                     out[to.T_UPLIFT] = t_new
             t = t_new
             continue
@@ -330,6 +329,8 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
         elif v == 0.0:
             mode = REST
 
+    if not lifted:
+        forget_hops(out)
     theta = end.tilt + s * q
     out[to.T_END] = t_stop if given else min(t, t_stop)
     if verdict == FALLS:
