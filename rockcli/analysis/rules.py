@@ -171,7 +171,7 @@ class _Spectra:
         self._motion = motion
         self._record = (motion.dt, sha256(motion.values.tobytes()).digest()) if isinstance(motion, Samples) else None
         self._until = np.where(np.isfinite(duration), duration, np.inf)
-        self._known = known
+        self._known = known if isinstance(motion, Samples) else {}  # pulses may be as many as cases
 
     def S_a(self, case: int, zeta: float, periods: Array) -> Array:
         """At periods (m,) [s]: (m,) [m/s²]."""
