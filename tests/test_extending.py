@@ -156,7 +156,11 @@ def test_the_recipes_work(tmp_path):
     put(march, f"{16 * ' '}out[to.N_IMPACTS] += 1\n{16 * ' '}out[to.ONTO", scalar_then, before=True)
     put(package / "scene" / "numerics.py", "ACCURACIES: dict[str, Accuracy] = {\n", level)
     put(package / "scene" / "rules.py", "_ROWS: tuple[Rule, ...] = (\n", rule)
-    put(package / "analysis" / "suites.py", "STATISTICS: dict[str, Statistic] = {\n", statistic + of_scalar)
+    put(
+        package / "analysis" / "suites" / "statistics.py",
+        "STATISTICS: dict[str, Statistic] = {\n",
+        statistic + of_scalar,
+    )
     put(package / "scene" / "variables.py", "_SUITE_ROWS: tuple[Variable, ...] = (\n", statistic_row + of_scalar_row)
     (package / "solvers" / "leapfrog.py").write_text(backend, encoding="utf-8")
     put(package / "scene" / "backends.py", "_ROWS: tuple[Backend, ...] = (\n", backend_row)
