@@ -62,6 +62,7 @@ class Backend:
         needs: `module:function` that raises `SolverError` on a machine that lacks what it is made of.
         cost: what it takes.
         flexible: the row that holds for model flexible where that is solved in another way.
+        fibres: whether its base may be of fibres.
         refuses: why it does not solve a batch of these models and schemes; "" if it does.
     """
 
@@ -79,6 +80,7 @@ class Backend:
     needs: str = ""
     cost: Cost = Cost(0.02, 5e-5)
     flexible: Backend | None = None
+    fibres: bool = False
     refuses: Callable[[Batch], str] = lambda batch: ""
 
     def of_model(self, model: str) -> Backend:
@@ -175,6 +177,7 @@ _ROWS: tuple[Backend, ...] = (
         settings=_STEPS,
         stepping=True,
         cost=Cost(step=5e-6),
+        fibres=True,
         refuses=unfit_beams,
     ),
     Backend(
@@ -189,6 +192,7 @@ _ROWS: tuple[Backend, ...] = (
         stepping=True,
         needs="rockcli.solvers.opensees.run:require_opensees",
         cost=Cost(0.3, step=2.5e-5, dt=2e-4),
+        fibres=True,
         refuses=unfit_beams,
     ),
     Backend(

@@ -205,7 +205,7 @@ def _refused(contents: Contents, study: Study, over: Over) -> Iterator[str]:
     item = contents.fields["fragility_status"]
     points = item.values[..., 0].size
     if study.search is not None:
-        slid = SLIDES_FIRST in json.loads(str(contents.attrs.get("warnings", "[]")))
+        slid = SLIDES_FIRST in json.loads(str(contents.attrs.get("warnings", "[]")))  # a search saves no outcomes
     else:
         slid = "outcome" in contents.fields and bool((contents.values("outcome") == SLIDING).any())
     slides = ", or bodies slide and do not rock" if slid else ""

@@ -72,8 +72,8 @@ def _on_two_edges(batch: Batch) -> Response:
     pulses = lane_pulses.asked(batch)
     compiled_only = lane_records.asked(batch) or lane_pulses.path_asked(batch)
     seconds = lane_pulses.SECONDS * batch.size if pulses else _estimated_seconds(batch, parameters)
-    # not where enough cases come together, or had been solved before: it would be seen in the last bits
-    ready = pulses and kernels.compiled_ahead()  # lanes have the same bits, sooner than in plain Python
+    # who solves a case hangs on what is asked alone, how its kernels run also on how many there are: with the same bits
+    ready = pulses and kernels.compiled_ahead()  # sooner than lanes in plain Python, however few
     march = kernels.load(compile_them=compiled_only or ready or kernels.pays(seconds))
     in_lanes = pulses or (bool(kernels.compiled) and compiled_only)
 

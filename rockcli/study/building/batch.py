@@ -28,9 +28,6 @@ from rockcli.study.unused import unused_solver_keys
 
 Array = NDArray[np.float64]
 
-_WITH_FIBRES = ("frame", "opensees")
-"""Backends whose base may be of fibres."""
-
 
 def build_batch(numbers: Numbers, records: Records, save: Save) -> Batch:
     """The batch of these numbers.
@@ -74,8 +71,9 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
     warnings += unused_solver_keys(numbers.case.solver, model, geometry, damping.scheme)
     _check_rolling(numbers, model, damping)
     column, base = _column(numbers, model), _base(numbers, model)
-    if base is not None and base.fibres is not None and by not in _WITH_FIBRES:
-        warnings.append(f"base.fibres is ignored by backend {by}: {' and '.join(_WITH_FIBRES)} have fibres")
+    if base is not None and base.fibres is not None and not BACKENDS[by].fibres:
+        able = " and ".join(row.name for row in BACKENDS.values() if row.fibres)
+        warnings.append(f"base.fibres is ignored by backend {by}: {able} have fibres")
     if model == CONTINUUM and damping.scheme not in ("none", "hht"):
         numbers.fail(("case", "damping"), "model continuum loses energy by itself: damping must be none or hht")
     return Batch(
@@ -226,6 +224,7 @@ def _taken(model: str, geometry: str | None, scheme: str, backend: str) -> str:
 
 
 SLIDES_FIRST = "a body of mu <= tan alpha slides before it rocks (`rock check` says which do)"
+"""A warning, which tells also why a suite of such bodies has no fragility curve."""
 
 
 def _friction_said(block: Block, model: str, backend: str) -> list[str]:
