@@ -199,7 +199,7 @@ def test_the_error_estimate_is_another_step():
         ({"base": Base("winkler", array(1e10), 21)}, "fibres belong under a column of elements"),
         ({"damping": Damping("hht", np.ones((1, 2)))}, "hht needs a yielding base"),
         ({"numerics": Numerics(method="linear")}, "no P-Delta"),
-        ({"numerics": Numerics(method="RK45")}, "knows the methods"),
+        ({"numerics": Numerics(method="RK45")}, "know the methods"),
         ({"model": "flexible"}, "needs a column"),
     ],
 )
