@@ -400,6 +400,8 @@ def test_the_numbers_along_slender_bodies_do_not_touch(width: int) -> None:
     )
     figure = rockcli.plot(data, "body", width=width)
     figure.draw_without_rendering()
+    rows = [max(axes.get_position().height for axes in row) for row in (figure.axes[:2], figure.axes[2:])]
+    assert sum(rows) > 0.55  # the figure is hardly higher than its bodies and the words below them
     for axes in figure.axes:
         labels = [label.get_window_extent() for label in axes.get_xticklabels() if label.get_text()]
         seen = [box for box in labels if axes.bbox.x0 <= 0.5 * (box.x0 + box.x1) <= axes.bbox.x1]

@@ -85,8 +85,10 @@ def test_of_many_bodies_those_that_overturn_most_easily_are_shown():
     data = rockcli.run(suite(vary=suite()["vary"] | {"case": named}, hazard=[curve]))
     shown = {"fragility": [0.28, 0.2, 0.26, 0.24, 0.22, 0.02], "risk": [0.2, 0.24, 0.22]}
     for kind, expected in (shown | {"ida": shown["fragility"]}).items():
-        titles = [axes.get_title() for axes in rockcli.plot(data, kind).axes if axes.get_title()]
+        figure = rockcli.plot(data, kind)
+        titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
         assert titles == [f"body {value:g}" for value in expected]
+        assert ("those that overturn most easily" in figure.get_label()) is (kind != "risk")
 
 
 def test_members_of_an_ida_are_fainter_the_more_there_are():
@@ -318,6 +320,13 @@ def test_risk_is_shown_of_the_bodies_that_overturn_most_often():
     titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
     assert [words.rpartition(" ")[2].strip("$") for words in titles] == [f"{sizes[i]:g}" for i in most]
     assert "3 of 8 bodies shown, those of the highest rates" in figure.get_label()
+    narrow = rockcli.plot(data, "risk", width=90)
+    assert "2 of 8 bodies shown, those of the highest rates" in narrow.get_label()
+    assert narrow.get_figheight() < 240.0 / 25.4  # a page of a journal
+    for drawn in (figure, narrow):
+        drawn.draw_without_rendering()
+        below = [axes for axes in drawn.axes if axes.get_xlabel()]
+        assert all(sum(bool(label.get_text()) for label in axes.get_xticklabels()) > 1 for axes in below)
 
 
 def test_a_limit_of_the_slide_is_exceeded_by_what_overturns():

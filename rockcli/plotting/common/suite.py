@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockcli.plotting.common.cases import Array, Shown, axes_of, is_numeric, pick
+from rockcli.plotting.common.cases import Array, Shown, axes_of, is_numeric, pick, selection_note
 from rockcli.plotting.common.labels import axis_symbol
 from rockcli.plotting.common.style import MOST_PANELS
 
@@ -79,23 +79,27 @@ def panels(
     *,
     along: bool = False,
     most: int = MOST_PANELS,
-    first: xarray.DataArray | None = None,
-) -> tuple[list[tuple[Shown, dict[str, int]]], int]:
-    """Points of the axes left by the ensemble and the intensity, as {axis: position}; and how many there are.
+    least: tuple[xarray.DataArray, str] | None = None,
+    what: str = "panels",
+) -> tuple[list[tuple[Shown, dict[str, int]]], str]:
+    """Points of the axes left by the ensemble and the intensity, as {axis: position}; and what says which they are.
 
-    `along`: of the intensity too.  Of more than `most` those of the least of `first`; without it, of bodies with names
-    the ones that overturn most easily.
+    `along`: of the intensity too.  Of more than `most` those where `least` is least, with the words for them; without
+    it, of bodies with names the ones that overturn most easily.  The words, which call them `what`, are "" where all
+    are shown.
     """
     every = axes_of(dataset)
     others = tuple(axis for axis in every if axis != suite.axis and (along or axis != suite.along))
-    order = None
-    if first is not None:
-        order = first.transpose(*others).values.ravel()
-    elif not along:
-        order = _ease(dataset, others)
+    chosen, order = "", None
+    if least is not None:
+        measure, chosen = least
+        order = measure.transpose(*others).values.ravel()
+    elif not along and (order := _ease(dataset, others)) is not None:
+        chosen = "those that overturn most easily"
     shown, total = pick(dataset, most, others, order)
     places = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
-    return list(zip(shown, places, strict=True)), total
+    note = selection_note(len(shown), total, what)
+    return list(zip(shown, places, strict=True)), f"{note}, {chosen}" if note and chosen else note
 
 
 def _ease(dataset: xarray.Dataset, others: tuple[str, ...]) -> Array | None:

@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_ROW, _AROUND = 2.9, (0.85, 0.9)
+"""Most that a row of panels is high, and what words take of a panel's width and height [in]."""
+
 _OF_BODY = ("outline_x", "outline_z", "R", "alpha", "R_left", "R_right", "alpha_left", "alpha_right")
 
 
@@ -55,15 +58,19 @@ def draw(dataset: xarray.Dataset) -> Figure:
     shown = spread(bodies, MOST_PANELS)
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.25 if columns == 1 else DOUBLE)
-    figure = new_figure(width, 0.7 + rows * (3.4 if columns == 1 else 2.9))
+    figure = new_figure(width, 0.7 + rows * (3.4 if columns == 1 else _ROW))
     beside = columns == 1 and width >= PAIR  # where there is room beside the body
     grid = figure.subplots(rows, columns, squeeze=False)
     for axes, position in zip(grid.flat, shown, strict=False):
         _draw(axes, dataset, position, beside=beside)
         if len(bodies) > 1:
             panel_title(axes, group_label(dataset, [position], _named(dataset)), width / columns)
+    drawn = list(grid.flat)[: len(shown)]
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
+    if columns > 1:  # no higher than the bodies are at this width
+        slimmest = max(float(np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())) for axes in drawn)
+        figure.set_figheight(0.7 + rows * min(_ROW, _AROUND[1] + slimmest * (width / columns - _AROUND[0])))
     headline(figure, title_of(dataset), selection_note(len(shown), len(bodies), "bodies"))
     return figure
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockcli.plotting.common.cases import Array, selection_note
+from rockcli.plotting.common.cases import Array
 from rockcli.plotting.common.labels import axis_label, axis_values, path_of, shown_unit, title_of, unit_in_brackets
 from rockcli.plotting.common.style import (
     COLOURS,
@@ -64,7 +64,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     suite = suite_of(dataset)
     if suite is None or "fragility_median" not in dataset:
         raise ValueError("fragility curves need an ensemble and an intensity")
-    shown, total = panels(dataset, suite)
+    shown, note = panels(dataset, suite)
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
     figure = new_figure(width, 1.25 + rows * (width / columns))
@@ -97,7 +97,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     points = "points: shares; " if "p_exceeded" in dataset and suite.told_against in dataset.dims else ""
     words = f"{members_word(dataset, suite)}; {second}{points}{limits}: 95 % limits"
     words += " of the medians" if limits == "bars" else ""
-    headline(figure, title_of(dataset), "; ".join(filter(None, [words, selection_note(len(shown), total, "panels")])))
+    headline(figure, title_of(dataset), "; ".join(filter(None, [words, note])))
     fit_panels(figure, first, max(0.62 * width / columns, SHORTEST), rows)
     return figure
 

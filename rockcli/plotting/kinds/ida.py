@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from rockcli.plotting.common.cases import Array, selection_note
+from rockcli.plotting.common.cases import Array
 from rockcli.plotting.common.labels import (
     axis_label,
     axis_values,
@@ -83,7 +83,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     suite = suite_of(dataset)
     if suite is None or suite.along is None:
         raise ValueError("an IDA needs an ensemble along an intensity")
-    shown, total = panels(dataset, suite)
+    shown, some = panels(dataset, suite)
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
     figure = new_figure(width, 1.0 + rows * (width / columns))
@@ -135,7 +135,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         words.append(Line2D([], [], label=r"uplift, $g\,\tan\alpha$", **LIFTS))
     legend_below(figure, words)
     said = "overturned cases leave to the right" if peak == PEAK else "nothing rocks: displacements along the ground"
-    note = "; ".join(filter(None, [selection_note(len(shown), total, "panels"), said]))
+    note = "; ".join(filter(None, [some, said]))
     headline(figure, title_of(dataset), note)
     fit_panels(figure, grid.flat[0], max(0.62 * width / columns, SHORTEST), rows)
     return figure

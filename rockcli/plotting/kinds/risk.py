@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.ticker import LogLocator
 
-from rockcli.plotting.common.cases import Array, selection_note
+from rockcli.plotting.common.cases import Array
 from rockcli.plotting.common.labels import escape, shown_unit, title_of
 from rockcli.plotting.common.style import (
     COLOURS,
@@ -51,14 +51,16 @@ def without_risk(dataset: xarray.Dataset) -> str:
 def draw(dataset: xarray.Dataset) -> Figure:
     """Three panels for each body, of overturning: in a row, or below one another where the figure is narrow.
 
-    Of more than three bodies those that overturn most often.
+    Of more than there is room for, three at most, those that overturn most often.
     """
     suite = suite_of(dataset)
     if suite is None or "annual_rate" not in dataset:
         raise ValueError("risk needs an ensemble and a hazard curve")
     rates = dataset["annual_rate"].isel(limit_state=-1).max(HAZARD)
-    shown, total = panels(dataset, suite, most=_MOST_BODIES, first=-rates.fillna(-1.0))
     width = width_or(DOUBLE)
+    most = _MOST_BODIES if width >= _THREE else min(_MOST_BODIES, max(1, int(width / _PANEL)))
+    least = -rates.fillna(-1.0), "those of the highest rates"
+    shown, some = panels(dataset, suite, most=most, least=least, what="bodies")
     figure, grid = _grid(width, len(shown))
     label = intensity_label(dataset, suite)
     abreast = _abreast(width, len(shown))
@@ -77,8 +79,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
             axes.tick_params(axis="y", labelleft=False, labelright=False)
     legend_of(figure, grid[0, 0])
     note = "of overturning; bands: 95 % by the scatter of the suite"
-    some = selection_note(len(shown), total, "bodies")
-    headline(figure, title_of(dataset), f"{note}; {some}, those of the highest rates" if some else note)
+    headline(figure, title_of(dataset), "; ".join(filter(None, [note, some])))
     return figure
 
 
@@ -114,7 +115,8 @@ def _hazard(axes: Axes, part: xarray.Dataset) -> Axes:
                   label=escape(hazard_words(str(label))), **_style(i))  # fmt: skip
     scale_axes(axes, x_log=True)
     if np.ptp(np.log10(part["hazard_intensity"].values[part["hazard_intensity"].values > 0.0])) > _CROWDED:
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+        subs = (1.0, 3.0) if width_or(DOUBLE) >= _THREE else (1.0,)
+        axes.xaxis.set_major_locator(LogLocator(subs=subs, numticks=99))  # by itself it leaves a narrow panel without
     axes.set_yscale("log")
     axes.set_ylabel("annual rate of exceedance")
     median, beta, begin = (float(part[f"fragility_{name}"]) for name in ("median", "beta_total", "begins_at"))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockcli.plotting.common.cases import Array, selection_note
+from rockcli.plotting.common.cases import Array
 from rockcli.plotting.common.labels import axis_symbol, path_of, title_of, variable_label
 from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, legend_of, new_figure, width_or
 from rockcli.plotting.common.suite import end_to_end, members_word, panels, suite_of
@@ -45,8 +45,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     members = suite_of(whole)
     assert members is not None
     inputs = [str(path) for path in dataset[INPUT].values]
-    shown, total = panels(whole, members, along=True)
-    shown = shown[:MOST_CURVES]
+    shown, some = panels(whole, members, along=True, most=MOST_CURVES, what="points")
     figure = new_figure(width_or(DOUBLE), max(3.2, 1.6 + 0.16 * len(inputs) * (len(shown) + 1)))
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 0.9))
     peaks = whole[PEAK].values
@@ -77,7 +76,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if len(shown) > 1:
         legend_of(figure, left, 3)
     note = f"{members_word(whole, members)}; points: overturned, with 95 % limits"
-    headline(figure, title_of(dataset), "; ".join(filter(None, [note, selection_note(len(shown), total, "points")])))
+    headline(figure, title_of(dataset), "; ".join(filter(None, [note, some])))
     return figure
 
 
