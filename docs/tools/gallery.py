@@ -42,6 +42,7 @@ PICTURES: dict[str, Picture] = {
     "phase": Picture("examples/first_rock.yaml"),
     "map": Picture("gallery/boundaries.yaml"),
     "curve": Picture("gallery/curve.yaml"),
+    "ranking": Picture("tutorials/cabinets.yaml", options={"select": {"through": "roof", "pga": "0.45g"}}),
     "polar": Picture("objects/direction.yaml", options={"select": {"scale": 0.8}}),
     "boundaries": Picture("gallery/boundaries.yaml"),
     "ida": Picture("suites/balanced_rock.yaml"),

@@ -29,6 +29,7 @@ from rockcli.plotting.kinds import (
     overlay,
     phase,
     polar,
+    ranking,
     risk,
     samples,
     spectrum,
@@ -105,6 +106,12 @@ _ROWS: tuple[Kind, ...] = (
         _without_curve,
         _draw_curve,
     ),
+    Kind(
+        "ranking",
+        "peaks, lowest overturning values or a suite's medians or shares of bodies by name, worst first",
+        ranking.without_ranking,
+        ranking.draw,
+    ),
     Kind("polar", "peaks by direction of the motion or the body", polar.without_directions, polar.draw),
     Kind(
         "boundaries",
@@ -168,12 +175,16 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
                 chosen.append("spectrum")
             elif suite_curve.along(dataset) is not None and not why_not("curve", dataset):
                 chosen.append("curve")
+        if ranking.telling(dataset, beside=bool({*rows, "curve", "spectrum"} & set(chosen))):
+            chosen.append("ranking")
     elif numeric and not _without_map(dataset):
         mapped = outcomes.plane(dataset) is not None and "outcome" in dataset.variables
         if mapped or not polar.without_directions(dataset):
             chosen.append("map" if mapped else "polar")
         elif curve.telling(dataset):
             chosen.append("curve")
+    elif not numeric and ranking.telling(dataset):
+        chosen.append("ranking")
     if not work_precision.without_trade(dataset):
         chosen.append("work_precision")
     if not curves.without_curves(dataset):

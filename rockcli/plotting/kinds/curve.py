@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_STRIP = ("failed", "unresolved", "no answer", "below range", "sliding", "overturned", "none in range")
+STRIP = ("failed", "unresolved", "no answer", "below range", "sliding", "overturned", "none in range")
 """What has no value, or slides and has none but 0, from the bottom of the strip upwards."""
 
 
@@ -73,8 +73,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     name = quantity(dataset)
     divisor, unit = shown_unit(dataset, name)
     curves = [np.asarray(dataset[name].isel(place).values, dtype=float) / divisor for place in rest]
-    missing = [_missing(dataset, place, y) for place, y in zip(rest, curves, strict=True)]
-    rows = [row for row in _STRIP if any(row in found for found in missing)]
+    missing = [without_value(dataset, place, y) for place, y in zip(rest, curves, strict=True)]
+    rows = [row for row in STRIP if any(row in found for found in missing)]
     thick = 0.14 + 0.03 * len(shown)
     figure = new_figure(width_or(SINGLE * 1.3), 3.3 + thick * len(rows))
     heights = [thick * len(rows), 2.4] if rows else [2.4]
@@ -104,7 +104,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     return figure
 
 
-def _missing(dataset: xarray.Dataset, place: dict[str, int], peaks: Array) -> dict[str, NDArray[np.bool_]]:
+def without_value(dataset: xarray.Dataset, place: dict[str, int], peaks: Array) -> dict[str, NDArray[np.bool_]]:
     """Where a curve has no value, or the body slides, by the reason."""
     found = {"overturned": np.isposinf(peaks), "no answer": np.isnan(peaks)}
     if f"{quantity(dataset)}_state" in dataset.variables:

@@ -1,0 +1,110 @@
+"""The ranking of bodies by name: the order of its rows, what it marks at the side, and when it is drawn unasked."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rockcli
+from rockcli.plotting import figures
+from rockcli.scene.looks import Look
+
+G = 9.81
+SIZES = {"low": (1.0, 0.5), "tall": (2.4, 0.4), "slim": (1.6, 0.24), "middle": (1.6, 0.4)}
+UPLIFT = {name: width / height for name, (height, width) in SIZES.items()}
+"""tan(alpha), the peak acceleration over g that lifts each."""
+
+
+def study(**more):
+    blocks = {name: {"height": h, "width": w} for name, (h, w) in SIZES.items()}
+    pulse = {"shape": "sine", "T_p": 0.5, "a_p": 0.3 * G}
+    return {
+        "name": "bodies",
+        "case": {"block": {"height": 1.0, "width": 0.5}, "motion": {"pulse": pulse}},
+        "vary": {"block": blocks},
+        "save": {"histories": False},
+        **more,
+    }
+
+
+def rows(figure):
+    return [label.get_text() for label in figure.axes[0].get_yticklabels()]
+
+
+def dots(axes):
+    """(x, row) of every dot."""
+    lines = [line for line in axes.lines if line.get_linestyle() == "None"]
+    return [(float(x), int(y)) for line in lines for x, y in line.get_xydata() if np.isfinite(x)]
+
+
+def test_peaks_are_in_order_and_what_overturns_stands_first_and_at_the_side():
+    dataset = rockcli.run(study())
+    peaks = dict(zip(dataset["block"].values, dataset["theta_peak_over_alpha"].values, strict=True))
+    assert np.isinf(peaks["slim"])
+    assert peaks["low"] == 0.0  # .3 g is below .5 g
+    figure = figures.figure("ranking", dataset)
+    assert rows(figure) == sorted(SIZES, key=lambda name: -peaks[name])
+    panel, strip = figure.axes
+    assert {rows(figure)[row]: x for x, row in dots(panel)} == {n: p for n, p in peaks.items() if np.isfinite(p)}
+    assert [tick.get_text() for tick in strip.get_xticklabels()] == ["overturned"]
+    assert [rows(figure)[row] for _, row in dots(strip)] == ["slim"]
+
+
+def test_of_a_search_the_lowest_threshold_stands_first():
+    path = "motion.pulse.a_p"
+    vary = study()["vary"] | {path: {"from": 0.1 * G, "to": 0.8 * G, "n": 15, "find": "overturning"}}
+    dataset = rockcli.run(study(vary=vary))
+    found = dict(zip(dataset["block"].values, dataset["motion_pulse_a_p_overturning"].values, strict=True))
+    figure = figures.figure("ranking", dataset)
+    assert rows(figure) == sorted(SIZES, key=found.get)
+    assert {rows(figure)[row]: x for x, row in dots(figure.axes[0])} == pytest.approx(
+        {name: a_p / G for name, a_p in found.items() if np.isfinite(a_p)}
+    )
+    none = [tick.get_text() for tick in figure.axes[1].get_xticklabels()]
+    assert none == ["none in range"]
+    assert figures.default_kinds(dataset) == ("ranking", *(k for k in figures.default_kinds(dataset) if k != "ranking"))
+
+
+def of_a_suite(**more):
+    T_p = {"spacing": "linear", "from": 0.3, "to": 1.0, "n": 9}
+    over = {"axis": "T_p"} | more.pop("over", {})
+    return rockcli.run(study(vary=study()["vary"] | {"motion.pulse.T_p": T_p} | more, over=over))
+
+
+def test_of_a_suite_the_shares_without_intensities():
+    dataset = of_a_suite()
+    share = dict(zip(dataset["block"].values, dataset["p_overturned"].values, strict=True))
+    figure = figures.figure("ranking", dataset)
+    assert [share[name] for name in rows(figure)] == sorted(share.values(), reverse=True)
+    assert {rows(figure)[row]: x for x, row in dots(figure.axes[0])} == share
+    assert "ranking" in figures.default_kinds(dataset)
+
+
+def test_of_a_suite_the_medians_and_at_one_intensity_the_shares():
+    a_p = {"motion.pulse.a_p": [k * 0.1 * G for k in range(1, 9)]}
+    dataset = of_a_suite(**a_p, over={"along": "a_p"})
+    medians = dict(zip(dataset["block"].values, dataset["fragility_median"].values[:, -1] / G, strict=True))
+    figure = figures.figure("ranking", dataset)
+    known = {name: x for name, x in medians.items() if np.isfinite(x)}
+    assert rows(figure)[: len(known)] == sorted(known, key=known.get)
+    assert {rows(figure)[row]: x for x, row in dots(figure.axes[0])} == pytest.approx(known)
+    assert "95 % limits" in figure.get_label()
+    assert "ranking" not in figures.default_kinds(dataset)  # `fragility` has a panel for each of four
+    at_one = figures.figure("ranking", dataset, Look(select={"a_p": 0.4 * G}))
+    assert at_one.axes[0].get_xlabel() == "share that overturns"
+
+
+def test_more_than_a_page_are_the_worst_and_the_note_says_so():
+    widths = {f"w{k}": {"height": 2.0, "width": 0.2 + 0.01 * k} for k in range(70)}
+    dataset = rockcli.run(study(vary={"block": widths}))
+    figure = figures.figure("ranking", dataset)
+    assert len(rows(figure)) == 60
+    assert "60 of 70 rows shown, those that overturn most easily" in figure.get_label()
+    peaks = dict(zip(dataset["block"].values, dataset["theta_peak_over_alpha"].values, strict=True))
+    assert min(peaks[name] for name in rows(figure)) >= max(p for n, p in peaks.items() if n not in rows(figure))
+    assert "ranking" in figures.default_kinds(dataset)
+
+
+def test_numbers_alone_have_no_ranking():
+    dataset = rockcli.run(study(vary={"block.height": [1.0, 2.0, 3.0]}))
+    assert "by name" in figures.why_not("ranking", dataset)
