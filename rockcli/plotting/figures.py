@@ -186,7 +186,7 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
     elif not numeric and ranking.telling(dataset):
         chosen.append("ranking")
     if not work_precision.without_trade(dataset):
-        chosen.append("work_precision")
+        chosen = ["work_precision"]
     if not curves.without_curves(dataset):
         chosen.append("curves")
     return tuple(chosen)

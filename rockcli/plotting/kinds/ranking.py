@@ -27,7 +27,9 @@ from rockcli.plotting.common.style import (
 from rockcli.plotting.common.suite import Suite, end_to_end, members_word, suite_axes, suite_of
 from rockcli.plotting.kinds.curve import STRIP, quantity, without_value
 from rockcli.plotting.kinds.fragility import intensity_label
+from rockcli.plotting.kinds.ida import SLIDE
 from rockcli.plotting.kinds.spectrum import found_label
+from rockcli.plotting.kinds.suite_curve import MEDIAN, SHARE
 from rockcli.scene.variables import PEAK
 
 if TYPE_CHECKING:
@@ -35,9 +37,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MEDIAN, SHARE, SLIDE = "fragility_median", "p_overturned", "slide_peak"
+CAPACITY = "fragility_median"
 
-_MOST = 60
+_MOST_ROWS = 60
 """Rows of a page."""
 
 _ROW, _COLUMN = 0.155, 0.17
@@ -101,7 +103,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     others = tuple(name for name in _left(dataset) if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
     panels, reasons = _read(dataset, axis, others, shown)
-    order = _worst_first(dataset, panels, reasons)[:_MOST]
+    order = _worst_first(dataset, panels, reasons)[:_MOST_ROWS]
     columns = [r for r in (*STRIP, _NO_CURVE, _NEVER, _ALWAYS) if r in reasons and reasons[r][order].any()]
     natural = SINGLE * 1.3 if len(panels) == 1 else DOUBLE
     width = width_or(natural)
@@ -141,7 +143,7 @@ def _ranked(dataset: xarray.Dataset) -> str:
     if suite is None:
         return PEAK if PEAK in dataset.variables else quantity(dataset)
     every = suite.along is None or dataset.sizes.get(suite.along, 1) > 1  # not those at one intensity
-    return next((name for name in (MEDIAN,) * every + (SHARE,) if name in dataset.variables), "")
+    return next((name for name in (CAPACITY,) * every + (SHARE,) if name in dataset.variables), "")
 
 
 def _left(dataset: xarray.Dataset) -> tuple[str, ...]:
@@ -169,15 +171,14 @@ def _read(
         return np.column_stack([np.broadcast_to(column, n) for column in columns]).astype(float) / divisor
 
     suite = _suite(dataset)
-    if suite is not None and name == MEDIAN:
-        divisor = shown_unit(dataset, MEDIAN)[0]
-        limits = table(f"{MEDIAN}_ci_low", divisor), table(f"{MEDIAN}_ci_high", divisor)
-        panel = _Panel(f"median capacity, {intensity_label(dataset, suite)}", table(MEDIAN, divisor), limits)
+    if suite is not None and name == CAPACITY:
+        divisor = shown_unit(dataset, CAPACITY)[0]
+        limits = table(f"{CAPACITY}_ci_low", divisor), table(f"{CAPACITY}_ci_high", divisor)
+        panel = _Panel(f"median capacity, {intensity_label(dataset, suite)}", table(CAPACITY, divisor), limits)
         return [panel], _without_median(dataset, panel.values, table("fragility_status"))
     if suite is not None:
         share = _Panel("share that overturns", table(SHARE), (table(f"{SHARE}_low"), table(f"{SHARE}_high")))
-        median = f"{PEAK}_p50"
-        more = [_Panel(f"median {variable_label(PEAK)}", table(median))] if median in dataset.variables else []
+        more = [_Panel(f"median {variable_label(PEAK)}", table(MEDIAN))] if MEDIAN in dataset.variables else []
         return [share, *more], {"no answer": np.isnan(share.values)}
     divisor, unit = shown_unit(dataset, name)
     panel = _Panel(variable_label(PEAK) if name == PEAK else found_label(name, unit), table(name, divisor))
@@ -265,7 +266,7 @@ def _notes(dataset: xarray.Dataset, rows: int, shown: list[Shown], total: int, p
     members = members_word(end_to_end(dataset), suite) if suite is not None else ""
     bars = ""
     if panels[0].barred:
-        bars = "bars: 95 % limits" if _ranked(dataset) == MEDIAN else "bars: as members without an answer may go"
+        bars = "bars: 95 % limits" if _ranked(dataset) == CAPACITY else "bars: as members without an answer may go"
     fallen = len(panels) > 1 and suite is not None and bool(np.isposinf(panels[1].values).any())
     return [
         members,
