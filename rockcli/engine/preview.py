@@ -321,7 +321,7 @@ def _model(batch: Batch) -> list[Row]:
         rows.append(Row("alpha_d", "hht alpha_d", float(damping.alpha_d[0])))
     rows += [
         Row("theta_0", "initial theta [rad]", float(batch.theta_0[0])),
-        Row("theta_dot_0", "initial rate [rad/s]", float(batch.theta_dot_0[0])),
+        Row("theta_dot_0", "initial angular velocity [rad/s]", float(batch.theta_dot_0[0])),
     ]
     return rows
 

@@ -164,7 +164,7 @@ def case_of(batch: Batch, case: int, *, coarser: float = 1.0) -> CaseOfOpenSees:
     lines += _damping_lines(batch, case, m * R * R)
     lines += [
         ("theta_0", float(batch.theta_0[case]), "initial rotation [rad]"),
-        ("theta_dot_0", float(batch.theta_dot_0[case]), "initial rate [rad/s]"),
+        ("theta_dot_0", float(batch.theta_dot_0[case]), "initial angular velocity [rad/s]"),
         (
             "z_top",
             2.0 * h if batch.model == "flexible" else float(block.top[case]),
