@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rockcli.analysis.measures import peaks
 from rockcli.analysis.suites.members import members_of
 from rockcli.errors import StudyError
-from rockcli.motion.spectrum import displacement_spectrum, forcing
+from rockcli.motion.spectrum import forcing, pseudo_acceleration
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Samples
 from rockcli.scene.ground.spectra import DesignSpectrum
@@ -179,8 +179,7 @@ class _Spectra:
         key = (alike, float(self._until[case]), zeta, periods.tobytes())
         if key not in self._known:
             force = forcing(self._motion, case, float(self._until[case]))
-            S_d = displacement_spectrum(force, periods, zeta)
-            self._known[key] = (2.0 * np.pi / periods) ** 2 * S_d / scale
+            self._known[key] = pseudo_acceleration(force, periods, zeta) / scale
         return self._known[key] * scale
 
     def interpolated(self, case: int, zeta: float, longest: float = 0.0) -> tuple[Array, Array]:

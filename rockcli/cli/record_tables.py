@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-ZETA = 0.05
-"""Damping of the spectra."""
-
 SHORTEST, LONGEST, POINTS = 0.02, 10.0, 120
 """Periods [s] of a drawn spectrum, and how many."""
 
@@ -60,11 +57,11 @@ def spectrum_of(motion: Motion, g: float, periods: Array) -> Array:
     """Pseudo-acceleration at 5 % damping, (m,) [m/s²]."""
     import numpy as np
 
-    from rockcli.motion.spectrum import Stretch, displacement_spectrum
+    from rockcli.motion.spectrum import Stretch, pseudo_acceleration
 
     a = motion.acceleration(g)
     forcing = (Stretch(0.0, motion.dt, np.column_stack([a[:-1], np.diff(a) / motion.dt])),)
-    return np.asarray((2.0 * np.pi / periods) ** 2 * displacement_spectrum(forcing, periods, ZETA))
+    return pseudo_acceleration(forcing, periods)
 
 
 def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> dict[str, float]:
@@ -78,6 +75,7 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
     from rockcli.errors import RecordError
     from rockcli.motion.direction import refuse_other_start
     from rockcli.motion.rotated import rotated_measures, rotated_spectrum
+    from rockcli.motion.spectrum import DAMPING
 
     if abs(one.dt - two.dt) > 1e-9 * one.dt or len(one.values) != len(two.values):
         said = f"{len(one.values)} values of {one.dt:g} s, {two.name} has {len(two.values)} of {two.dt:g} s"
@@ -86,7 +84,7 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
     a, b = one.acceleration(g), two.acceleration(g)
     found = rotated_measures(a, b, one.dt)
     if periods:
-        spectra = rotated_spectrum(a, b, one.dt, np.array(periods, dtype=float), ZETA)
+        spectra = rotated_spectrum(a, b, one.dt, np.array(periods, dtype=float), DAMPING)
         for i, period in enumerate(periods):
             found[f"sa({period:g})"] = (float(spectra[0][i]), float(spectra[1][i]))
     ends = ("rotd50", "rotd100")

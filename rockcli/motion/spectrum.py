@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.ground.excitation import BELL, LINEAR, Channel, Samples, acceleration
 
-__all__ = ["Stretch", "displacement_spectrum", "forcing", "history", "peaks"]
+__all__ = ["DAMPING", "Stretch", "displacement_spectrum", "forcing", "history", "peaks", "pseudo_acceleration"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -38,6 +38,9 @@ POINTS_PER_PERIOD = 16
 
 MOST_PARTS = 32
 """Parts a step is cut into at most to have them."""
+
+DAMPING = 0.05
+"""Damping ratio of Sa(T)."""
 
 _ENTRIES = 1_000_000
 """Complex states held at a time."""
@@ -109,6 +112,11 @@ def _of_pulse(pulses: Channel, case: int, until: float) -> Iterator[Stretch]:
 def displacement_spectrum(motion: Forcing, periods: Array, zeta: float) -> Array:
     """Largest |relative displacement| of oscillators of these periods (m,) [s] and damping ratio zeta: (m,) [m]."""
     return np.abs(peaks(motion, periods, zeta)[0])
+
+
+def pseudo_acceleration(motion: Forcing, periods: Array, zeta: float = DAMPING) -> Array:
+    """Sa = omega^2 S_d of oscillators of these periods (m,) [s] and damping ratio zeta: (m,) [m/s²]."""
+    return np.asarray((2.0 * np.pi / periods) ** 2 * displacement_spectrum(motion, periods, zeta))
 
 
 def peaks(motion: Forcing, periods: Array, zeta: float) -> tuple[Array, Array]:

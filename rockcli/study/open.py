@@ -122,7 +122,7 @@ def open_study(
     if over is not None and uncertain is not None and SAMPLE in over.axes:
         over = dataclasses.replace(over, inputs=tuple(each.path for each in uncertain[1].inputs))
     if over is not None and search is not None:
-        over = of_search(where, tree, over, search)
+        over = of_search(where, tree, over, search, axes)
     over = read_hazard(where, tree, part, over, axes if search is None else (*axes, search.axis))
     refine = read_refine(where, tree, part, axes, scalars, searches=search is not None, over=over)
     expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)

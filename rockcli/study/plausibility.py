@@ -44,7 +44,7 @@ _ANGLES: tuple[Keys, ...] = (
 _RELATIVE = ("a_p_over_g_tan_alpha", "pga_over_g_tan_alpha", "scale", "pgv")
 """Amplitudes that no wrong unit of acceleration can make too large."""
 
-_ABSOLUTE = ("a_p", "pga")
+_ABSOLUTE = ("a_p", "pga", "sa")
 
 
 def surely_meant(study: Map, searched: str | None) -> frozenset[Keys]:

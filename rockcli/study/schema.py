@@ -211,6 +211,8 @@ class RecordPart(Part):
     pga: Number | None = key("peak acceleration wanted of the record [m/s²]")
     pgv: Number | None = key("peak velocity wanted of the record [m/s]")
     pga_over_g_tan_alpha: Number | None = key("peak acceleration wanted of the record over g tan(alpha) [1]")
+    sa: Number | None = key("pseudo-acceleration at 5 % damping wanted of the record [m/s²], at the period sa_period")
+    sa_period: Number | None = key("natural period of the oscillator that sa is of [s]")
     polarity: Number | None = key("sign of the record, 1 or -1")
     angle: Number | None = key("direction from H1 towards H2 [rad]: a_g = H1 cos(angle) + H2 sin(angle)")
 

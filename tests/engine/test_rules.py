@@ -295,7 +295,7 @@ def test_the_spectrum_of_a_record_is_worked_out_once(monkeypatch: pytest.MonkeyP
         worked_out.append(zeta)
         return displacement_spectrum(force, periods, zeta)
 
-    monkeypatch.setattr("rockcli.analysis.rules.displacement_spectrum", counted)
+    monkeypatch.setattr("rockcli.motion.spectrum.displacement_spectrum", counted)
     files = {name: f"synthetic_{name}.AT2" for name in ("rock_m65", "soil_m70")}
     bodies = {
         f"{h} on {name}": {"block.h": h, "motion.record.file": file} for h in (0.8, 1.0) for name, file in files.items()

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.measures import peaks, peaks_of_both_signs
-from rockcli.motion.spectrum import displacement_spectrum, forcing
+from rockcli.motion.spectrum import forcing, pseudo_acceleration
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Samples
 from rockcli.scene.laws.models import MODELS
@@ -17,9 +17,6 @@ from rockcli.study.intensity import GROUND, bare, period_of
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
-
-DAMPING = 0.05
-"""Damping ratio of Sa(T)."""
 
 
 def unit_of(name: str, contents: Contents) -> str:
@@ -81,8 +78,7 @@ def _spectral(study: Study, period: float, *, of_ground: bool) -> Array:
                 size = abs(float(np.broadcast_to(motion.factor, (batch.size,))[i]))
             key = (motion.values.tobytes(), motion.dt, until) if isinstance(motion, Samples) else None
             if key is None or key not in known or not size > 0.0:
-                S_d = displacement_spectrum(forcing(motion, i, until), np.array([period]), DAMPING)[0]
-                S_a = float((2.0 * np.pi / period) ** 2 * S_d)
+                S_a = float(pseudo_acceleration(forcing(motion, i, until), np.array([period]))[0])
                 found[index] = S_a
                 if key is not None and size > 0.0:
                     known[key] = S_a / size

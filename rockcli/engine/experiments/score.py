@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.experiments.baselines import Fit, cross_validated, forest, has_forest, logistic, with_squares
 from rockcli.analysis.experiments.scores import Bin, McNemar, Scored, divide_groups, mcnemar, reliability, scored
-from rockcli.analysis.suites.intensity import DAMPING
 from rockcli.engine.experiments.runs import MEASURES, Runs
 from rockcli.engine.experiments.simulated import Simulated, channels_of, simulate
 from rockcli.engine.sweep.sweep import Progress
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
 from rockcli.motion.measures import measures
-from rockcli.motion.spectrum import Stretch, displacement_spectrum
+from rockcli.motion.spectrum import Stretch, pseudo_acceleration
 from rockcli.scene.constants import STANDARD_G
 
 Array = NDArray[np.float64]
@@ -247,5 +246,5 @@ def _measured(a: Array, dt: float) -> list[float]:
     found["pgv_over_pga"] = found["pgv"] / found["pga"] if found["pga"] > 0.0 else 0.0
     periods = np.array(SPECTRAL)
     steps = (Stretch(0.0, dt, np.column_stack([a[:-1], np.diff(a) / dt])),)
-    spectrum: list[float] = ((2.0 * np.pi / periods) ** 2 * displacement_spectrum(steps, periods, DAMPING)).tolist()
+    spectrum: list[float] = pseudo_acceleration(steps, periods).tolist()
     return [float(np.nan_to_num(found[name])) for name in INTENSITIES] + spectrum

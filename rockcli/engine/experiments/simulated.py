@@ -25,6 +25,7 @@ from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.response import overturned
 from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.document.loader import load_file, load_mapping
+from rockcli.study.document.paths import SCALING
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Source, value_at
 from rockcli.study.identity import as_yaml, plain
@@ -43,8 +44,6 @@ _BODIES = ("case", "let", "vary", "uncertain", "samples", "seed", "sampling")
 
 _SECONDS = 1e-3
 """Estimated time of a case, until the first are measured [s]."""
-
-_SCALES = ("scale", "pga", "pgv", "pga_over_g_tan_alpha")
 
 
 def any_body(reading: dict[str, Any]) -> dict[str, Any]:
@@ -162,7 +161,7 @@ def _check(where: Source, tree: Map, runs: Runs) -> None:
         raise where.error(tree, ("case", "motion", "pulse"), ": the motions are the records of the runs")
     if isinstance(value_at(tree, ("case", "motion", "record", "file")), list):
         raise where.error(tree, ("case", "motion", "record", "file"), "names two components; a run has one record")
-    for key in _SCALES:
+    for key in SCALING:
         if value_at(tree, ("case", "motion", "record", key)) is not None:
             raise where.error(
                 tree, ("case", "motion", "record", key), "is that of each run: give it as column `scale` of the runs"

@@ -34,6 +34,7 @@ _SYMBOLS: dict[str, str] = {
     "pga_over_g_tan_alpha": r"PGA$/(g\,\tan\alpha)$",
     "initial.theta": r"$\theta_0$",
     "initial.theta_dot": r"$\dot\theta_0$",
+    "sa": r"$S_a$",
     "r_energy": r"$r$",
     "g": r"$g$",
     "gamma": r"$\gamma$",
@@ -41,6 +42,9 @@ _SYMBOLS: dict[str, str] = {
     "zeta": r"$\zeta$",
     "rho": r"$\rho$",
 }
+
+_PERIOD = re.compile(r"([0-9.]+)(?:\*s)?")
+"""A number of seconds, as studies write it."""
 
 _POWERS = r"(-?\d+(?:\.\d+)?)e\+?(-?\d+)"
 
@@ -70,8 +74,15 @@ def path_of(dataset: xarray.Dataset, name: str) -> str:
 def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:
     """Symbol of an axis of the study, or its name where it has none."""
     path = path_of(dataset, axis)
+    if path == "motion.record.sa" and (T := _PERIOD.fullmatch(_period_of_sa(dataset))):
+        return f"$S_a$({T[1]} s, 5 %)"
     names = (".".join(path.split(".")[-2:]), path.split(".")[-1], axis)
     return next(filter(None, map(symbol_of, names)), axis.replace("_", " "))
+
+
+def _period_of_sa(dataset: xarray.Dataset) -> str:
+    record = (resolved_case(dataset).get("motion") or {}).get("record") or {}
+    return str(record.get("sa_period", ""))
 
 
 def symbol_of(name: str) -> str:
@@ -88,7 +99,8 @@ def axis_label(dataset: xarray.Dataset, axis: str) -> str:
 
 def whose(dataset: xarray.Dataset, axis: str) -> str:
     """Of a peak of the ground, that it is the ground's, where floors stand between; else ""."""
-    below = path_of(dataset, axis) in ("motion.record.pga", "motion.record.pgv") and has_floors(dataset)
+    peaks = tuple(f"motion.record.{key}" for key in ("pga", "pgv", "sa"))
+    below = path_of(dataset, axis) in peaks and has_floors(dataset)
     return " of the ground" if below else ""
 
 

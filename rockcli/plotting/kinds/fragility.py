@@ -94,7 +94,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     legend_below(figure, first.get_legend_handles_labels()[0], 1 if single else 3)
     second = _second_words(dataset) if single else ""
     limits = "bands" if dataset.sizes["limit_state"] <= _BANDS else "bars"
-    points = "points: shares; " if "p_exceeded" in dataset and suite.told_against in dataset.dims else ""
+    points = "points: shares; " if _stripes(dataset, suite) is not None else ""
     words = f"{members_word(dataset, suite)}; {second}{points}{limits}: 95 % limits"
     words += " of the medians" if limits == "bars" else ""
     headline(figure, title_of(dataset), "; ".join(filter(None, [words, note])))
@@ -133,6 +133,17 @@ def _intensity(part: xarray.Dataset, suite: Suite) -> Array:
     return np.asarray(values[values > 0.0])
 
 
+def _stripes(dataset: xarray.Dataset, suite: Suite) -> Array | None:
+    """Intensities at which all members were solved, as they are shown; None where each has its own."""
+    if suite.along is None or "p_exceeded" not in dataset:
+        return None
+    if suite.told_against in dataset.dims:
+        return axis_values(dataset, suite.told_against)
+    x = dataset["fragility_intensity"].transpose(suite.along, ...).values / shown_unit(dataset, "fragility_median")[0]
+    x = x.reshape(len(x), -1)
+    return np.asarray(x[:, 0]) if (np.ptp(x, axis=1) <= 1e-9 * x.max(axis=1)).all() else None
+
+
 def _first_motion(part: xarray.Dataset) -> str:
     """What happens where the curves begin."""
     slides = any(">" in str(label) for label in part["limit_state"].values)
@@ -156,7 +167,7 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
     begin = float(part["fragility_begins_at"]) / divisor
     # closer where the curves begin, so that they are smooth on a logarithmic axis too
     x = begin + (positive.max() - begin) * np.geomspace(1e-3, 1.0, 401) if len(positive) else np.empty(0)
-    stripes = "p_exceeded" in part and suite.told_against in part.dims
+    stripes = _stripes(part, suite)
     if begin > 0.0:
         axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label=_first_motion(part))
     # several panels have one legend, that of the first
@@ -180,9 +191,9 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
         first = fitted and bool(same[i])  # of the states that share one curve
         style: Any = {"marker": MARKERS[i % len(MARKERS)], "markersize": 3.0, "markeredgewidth": 0.6,
                       "markerfacecolor": "none"}  # fmt: skip
-        if stripes:
+        if stripes is not None:
             shares = part["p_exceeded"].values[:, i]
-            axes.plot(axis_values(part, suite.told_against), shares, linestyle="", color=colour, zorder=2,
+            axes.plot(stripes, shares, linestyle="", color=colour, zorder=2,
                       label=alone, **style)  # fmt: skip
         elif alone:
             axes.plot([], [], linestyle="", color=colour, label=alone, **style)

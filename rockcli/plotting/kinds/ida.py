@@ -17,6 +17,7 @@ from rockcli.plotting.common.labels import (
     axis_values,
     coordinate_label,
     has_floors,
+    path_of,
     shown_unit,
     title_of,
     unit_g,
@@ -170,7 +171,8 @@ def fractiles_of(members: int) -> tuple[tuple[str, str, tuple[float, ...]], ...]
 
 def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
     """Draw the acceleration at which a rigid body lifts, where that is one number; whether it is."""
-    if part[along].attrs.get("units") != "m s-2" or "alpha" not in part.variables or part["alpha"].ndim:
+    peak_of_ground = part[along].attrs.get("units") == "m s-2" and not path_of(part, along).endswith(".sa")
+    if not peak_of_ground or "alpha" not in part.variables or part["alpha"].ndim:
         return False
     if has_floors(part):
         return False

@@ -63,7 +63,7 @@ UPLIFT = "uplift"
 
 _ACCELERATIONS = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha")
 
-_AMPLITUDES = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "scale")
+_AMPLITUDES = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "sa", "scale")
 
 
 def plane(dataset: xarray.Dataset) -> tuple[str, str] | None:

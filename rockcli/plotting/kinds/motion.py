@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockcli.motion.spectrum import displacement_spectrum, forcing
+from rockcli.motion.spectrum import forcing, pseudo_acceleration
 from rockcli.plotting.common.cases import Array, axes_of, selection_note
 from rockcli.plotting.common.ground import Motion, motions
 from rockcli.plotting.common.labels import title_of
@@ -22,8 +22,6 @@ _MOST = 3
 
 _EVERY = 400
 """Cases that are looked through for different motions."""
-
-_SPECTRUM_ZETA = 0.05
 
 _PERIODS = np.geomspace(0.05, 10.0, 121)
 
@@ -92,4 +90,4 @@ def _spectrum(time: Array, motion: Motion) -> Array:
     steady = np.arange(len(a)) * float(time[1] - time[0])
     a = np.interp(steady, time[: len(a)] - time[0], a)  # output times are steady, but for the end of the response
     samples = Samples(a, float(time[1] - time[0]), np.ones(1))
-    return np.asarray((2.0 * np.pi / _PERIODS) ** 2 * displacement_spectrum(forcing(samples), _PERIODS, _SPECTRUM_ZETA))
+    return pseudo_acceleration(forcing(samples), _PERIODS)

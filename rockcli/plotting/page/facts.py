@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-_AMPLITUDES = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "scale", "floor_pga", "floor_scale")
+_AMPLITUDES = (
+    "a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "sa", "scale", "floor_pga", "floor_scale",
+)  # fmt: skip
 
 _OVERTURNED = [flag for flag, name in OUTCOMES.items() if name.startswith("overturned")]
 
@@ -165,7 +167,7 @@ def _where(dataset: xarray.Dataset, at: tuple[int, ...]) -> str:
 def name_of(dataset: xarray.Dataset, axis: str) -> str:
     """An axis in plain words: the last part of its path."""
     last = path_of(dataset, axis).rsplit(".", 1)[-1]
-    plain = {"pga": "PGA", "pgv": "PGV", "file": "record"}.get(last, last.replace("_", " "))
+    plain = {"pga": "PGA", "pgv": "PGV", "sa": "Sa", "file": "record"}.get(last, last.replace("_", " "))
     return plain + whose(dataset, axis)
 
 
@@ -247,7 +249,13 @@ def _with_unit(number: str, unit: str) -> str:
 
 def _plain(axis: str) -> str:
     words = axis.removeprefix("motion_record_").removeprefix("motion_pulse_")
-    known = {"pga": "PGA", "pgv": "PGV", "a_p": "peak acceleration of the pulse", "scale": "scale of the motion"}
+    known = {
+        "pga": "PGA",
+        "pgv": "PGV",
+        "sa": "Sa",
+        "a_p": "peak acceleration of the pulse",
+        "scale": "scale of the motion",
+    }
     return known.get(words, words.replace("_over_g_tan_alpha", " over g tan(alpha)").replace("_", " "))
 
 

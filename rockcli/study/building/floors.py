@@ -16,6 +16,7 @@ from rockcli.study.building.numbers import Numbers, in_range
 from rockcli.study.building.pulse import build_pulses, unit_pulses
 from rockcli.study.building.records import Records
 from rockcli.study.document.expressions import Value
+from rockcli.study.document.paths import SCALING
 from rockcli.study.document.tree import Keys
 
 Array = NDArray[np.float64]
@@ -153,7 +154,7 @@ def _floor_scale(numbers: Numbers, peak: float, factor: Array) -> Value:
     if given[0] == "floor_scale":
         return value
     record = numbers.case.motion.record
-    for key in ("scale", "pga", "pgv", "pga_over_g_tan_alpha"):
+    for key in SCALING:
         if record is not None and getattr(record, key) is not None:
             numbers.fail(keys, f"says how strong what arrives is, and record.{key} the ground; leave one out")
     arrives = peak * np.abs(factor)

@@ -17,7 +17,9 @@ from rockcli.study.building.numbers import Motions, Numbers, in_range
 from rockcli.study.building.pulse import build_pulses
 from rockcli.study.building.records import MissingRecordError, Prepared, Records
 from rockcli.study.document.expressions import Value
+from rockcli.study.document.paths import SCALING
 from rockcli.study.document.tree import Keys, dotted, place
+from rockcli.study.intensity import period_of
 from rockcli.study.schema import CasePart, MotionPart, Part, RecordPart, VerticalPart
 
 if TYPE_CHECKING:
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MOTION: Keys = ("case", "motion")
-SCALING = ("scale", "pga", "pgv", "pga_over_g_tan_alpha")
 DIRECTIONS_KEPT = 512
 """Of two components: a batch is built some times."""
 
@@ -118,7 +119,7 @@ def _samples(
     g = _g_of_records(numbers)
     prepared = _prepared(numbers, keys, records, g, numbers.constant((*keys, "angle")))
     files = (record.file,) if isinstance(record.file, str) else tuple(record.file)
-    samples = _unscaled(prepared, files, g)
+    samples = _unscaled(prepared, files, g, sa_name(numbers, keys))
     motion = prepared.motion
     warnings.extend(_told(motion, two=len(files) > 1))
     factor, amplitude = _factor(numbers, keys, samples.measures, motion.in_g, inherited)
@@ -129,7 +130,7 @@ def _suite(numbers: Numbers, motions: Motions, records: Records, warnings: list[
     """The motions of cases that have a record each, all read and scaled in the same way."""
     keys: Keys = (*MOTION, "record")
     record: RecordPart = numbers.said(keys)
-    g = _g_of_records(numbers)
+    g, sa = _g_of_records(numbers), sa_name(numbers, keys)
     if motions.directions:
         files = [tuple(record.file)] * len(motions.points)
         prepared = [_prepared(numbers, keys, records, g, float(angle)) for angle, _ in motions.points]
@@ -141,12 +142,13 @@ def _suite(numbers: Numbers, motions: Motions, records: Records, warnings: list[
             reading={**reading, "component": record.component},
             steps=steps,
             g=g,
-            measure=lambda each, name: _unscaled(each, (name,), g),
+            measure=lambda each, name: _unscaled(each, (name,), g, sa),
         )
     for each in prepared:
         warnings.extend(_told(each.motion, two=motions.directions))
-    unscaled = tuple(_unscaled(each, names, g) for each, names in zip(prepared, files, strict=True))
-    measures = {name: np.array([each.measures[name] for each in unscaled])[motions.which] for name in ("pga", "pgv")}
+    unscaled = tuple(_unscaled(each, names, g, sa) for each, names in zip(prepared, files, strict=True))
+    known = ("pga", "pgv", sa) if sa else ("pga", "pgv")
+    measures = {name: np.array([each.measures[name] for each in unscaled])[motions.which] for name in known}
     in_g = np.array([each.motion.in_g for each in prepared])[motions.which]
     factor, _ = _factor(numbers, keys, measures, in_g, 1.0)
     return Suite(unscaled, motions.which, factor)
@@ -165,12 +167,31 @@ def _g_of_records(numbers: Numbers) -> float:
     return STANDARD_G if isinstance(numbers.g, np.ndarray) else float(numbers.g)
 
 
-def _unscaled(prepared: Prepared, files: tuple[str, ...], g: float) -> Samples:
-    """A record before its factors, measured."""
+def sa_name(numbers: Numbers, keys: Keys) -> str:
+    """`sa(0.5)` of a record that is scaled to its Sa(0.5 s), "" of another.
+
+    Raises:
+        StudyError: one of `sa` and `sa_period` is there without the other, or the latter is no period.
+    """
+    record: RecordPart = numbers.said(keys)
+    if record.sa is None:
+        if record.sa_period is not None and all(getattr(record, key) is None for key in SCALING):
+            numbers.fail((*keys, "sa_period"), "is the period of `sa`, which the record does not give")
+        return ""
+    period = numbers.constant((*keys, "sa_period"))
+    if period is None:
+        numbers.fail((*keys, "sa"), "needs `sa_period`, the period at which it is wanted")
+    numbers.require((*keys, "sa_period"), np.greater(period, 0.0), "must be greater than 0")
+    return f"sa({period:.12g})"
+
+
+def _unscaled(prepared: Prepared, files: tuple[str, ...], g: float, sa: str) -> Samples:
+    """A record before its factors, measured; `sa`: whose Sa(T) beside PGA and PGV, "" = none."""
     from rockcli.motion.flatfile import metadata_of
     from rockcli.motion.measures import pga, pgv
+    from rockcli.motion.spectrum import forcing, pseudo_acceleration
 
-    if (g, files) not in prepared.unscaled:
+    if (g, files, sa) not in prepared.unscaled:
         motion, raw = prepared.motion, prepared.raw
         values = motion.acceleration(g)
         measures = {"pga": pga(values), "pgv": pgv(values, motion.dt)}
@@ -179,9 +200,12 @@ def _unscaled(prepared: Prepared, files: tuple[str, ...], g: float) -> Samples:
         measures["pga_raw"] = measures["pga"] if unprocessed else pga(raw_values)
         measures["pgv_raw"] = measures["pgv"] if unprocessed else pgv(raw_values, raw.dt)
         measures |= metadata_of(prepared.path, raw.header)
+        if period := period_of(sa):
+            whole = forcing(Samples(values, motion.dt, np.ones(1)))
+            measures[sa] = float(pseudo_acceleration(whole, np.array([period]))[0])
         samples = Samples(values, motion.dt, np.empty(0), motion.name, motion.processing, measures, files)
-        prepared.unscaled[g, files] = samples
-    return prepared.unscaled[g, files]
+        prepared.unscaled[g, files, sa] = samples
+    return prepared.unscaled[g, files, sa]
 
 
 def _factor(
@@ -190,7 +214,8 @@ def _factor(
     """What each case multiplies its record with, (n,), and that without the record's own sign and unit.
 
     Args:
-        measures: pga and pgv of the record, or of that of each case, (n,); in_g: whether it is in g.
+        measures: pga, pgv and, where it is scaled to it, sa(T) of the record, or of that of each case, (n,).
+        in_g: whether it is in g.
     """
     record: RecordPart = numbers.said(keys)
     of_g: Value = np.where(in_g, numbers.g / STANDARD_G, 1.0) if isinstance(numbers.g, np.ndarray) else 1.0
@@ -286,7 +311,7 @@ def _amplitude(numbers: Numbers, keys: Keys, measures: Mapping[str, Value], of_g
     )
     if given[0] == "scale":
         return wanted
-    measure = measures["pgv" if given[0] == "pgv" else "pga"]
+    measure = measures[sa_name(numbers, keys) or ("pgv" if given[0] == "pgv" else "pga")]
     if np.any(np.equal(measure, 0.0)):
         numbers.fail((*keys, given[0]), "the record is zero throughout and cannot be scaled")
     if given[0] == "pga_over_g_tan_alpha":

@@ -42,7 +42,7 @@ class Prepared:
     motion: Motion
     raw: Motion
     path: Path
-    unscaled: dict[tuple[float, tuple[str, ...]], Samples] = field(default_factory=dict)
+    unscaled: dict[tuple[float, tuple[str, ...], str], Samples] = field(default_factory=dict)
 
 
 @dataclass(eq=False)

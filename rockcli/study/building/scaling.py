@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.ground.excitation import Samples
-from rockcli.study.building.ground_motion import MOTION, SCALING
+from rockcli.study.building.ground_motion import MOTION, sa_name
 from rockcli.study.building.numbers import Numbers
+from rockcli.study.document.paths import SCALING
 from rockcli.study.document.tree import Keys
+from rockcli.study.intensity import period_of
 from rockcli.study.schema import RecordPart
 
 Array = NDArray[np.float64]
@@ -23,7 +25,7 @@ SAME = 1e-12
 
 
 def scaling_key(numbers: Numbers, keys: Keys) -> str:
-    """By which key the record of a component is scaled; `INHERITED`, or "" where it is not."""
+    """By which key the record of a component is scaled, `sa` as sa(T); `INHERITED`, or "" where it is not."""
     own = _own_key(numbers, keys)
     return INHERITED if not own and keys != MOTION and _own_key(numbers, MOTION) else own
 
@@ -31,7 +33,8 @@ def scaling_key(numbers: Numbers, keys: Keys) -> str:
 def _own_key(numbers: Numbers, keys: Keys) -> str:
     record: RecordPart | None = numbers.said((*keys, "record"))
     given = (key for key in SCALING if record is not None and getattr(record, key) is not None)
-    return next(given, "")
+    key = next(given, "")
+    return sa_name(numbers, (*keys, "record")) if key == "sa" else key
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,8 @@ class Scaling:
 
     Attributes:
         key: of the study, `INHERITED`, or "" where nothing is scaled.
-        factor: signed.  pga [g], pgv [m/s]: of the motion used; over: its PGA over g tan(alpha).
+        factor: signed.  pga, sa [g], pgv [m/s]: of the motion used; over: its PGA over g tan(alpha); sa is 0 where the
+            record is not scaled to it.
         before, raw: PGA [g] and PGV [m/s] of the processed record and of the file; they differ between directions.
     """
 
@@ -49,6 +53,7 @@ class Scaling:
     pga: Range
     pgv: Range
     over: Range
+    sa: Range
     before: tuple[Range, Range]
     raw: tuple[Range, Range]
 
@@ -66,13 +71,15 @@ class Scaling:
             pga=_range(pga),
             pgv=_range(size * ground_pgv),
             over=_range(pga / tan_alpha),
+            sa=_range(size * measures[key] / gs) if period_of(key) else (0.0, 0.0),
             before=(_range(ground_pga / g), _range(ground_pgv)),
             raw=(_range(measures["pga_raw"] / g), _range(measures["pgv_raw"])),
         )
 
     def with_(self, other: Scaling) -> Scaling:
         """The scaling of these cases and of others."""
-        both = {name: _both(getattr(self, name), getattr(other, name)) for name in ("factor", "pga", "pgv", "over")}
+        of_factor = ("factor", "pga", "pgv", "over", "sa")
+        both = {name: _both(getattr(self, name), getattr(other, name)) for name in of_factor}
         before = _both(self.before[0], other.before[0]), _both(self.before[1], other.before[1])
         raw = _both(self.raw[0], other.raw[0]), _both(self.raw[1], other.raw[1])
         return Scaling(key=self.key, before=before, raw=raw, **both)
@@ -103,6 +110,8 @@ class Scaling:
             return f" to pgv {_words(self.pgv)} m/s"
         if self.key == "pga_over_g_tan_alpha":
             return f" to pga_over_g_tan_alpha {_words(self.over)}"
+        if self.sa[1] > 0.0:
+            return f" to {self.key} {_words(self.sa)} g"
         return f", {INHERITED}" if self.key == INHERITED else ""
 
 

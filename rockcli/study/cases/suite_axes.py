@@ -9,13 +9,14 @@ from typing import Any
 from rockcli.scene.limit_states import in_full
 from rockcli.scene.variables import PEAK
 from rockcli.study.document.expressions import ExpressionError, constant, parse
+from rockcli.study.document.paths import SCALING
 from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
-from rockcli.study.intensity import KNOWN, OF_GROUND, bare, period_of
+from rockcli.study.intensity import GROUND, KNOWN, OF_GROUND, bare, period_of
 from rockcli.study.schema import OverPart, SlideLimitPart
 from rockcli.study.study import Axis, Limit, Over, Searched
 
-AMPLITUDES = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "a_p", "a_p_over_g_tan_alpha", "floor_scale", "floor_pga")
+AMPLITUDES = (*SCALING, "a_p", "a_p_over_g_tan_alpha", "floor_scale", "floor_pga")
 """Last parts of paths that are an intensity unless the study names another."""
 
 QUANTITIES = (PEAK, "slide_peak", "slide_residual")
@@ -59,6 +60,8 @@ def read_over(
         if limit.label in (before.label for before in limits[:i]):
             raise source.error(study, ("over", "limits", i), f"is the limit state {in_full(limit.label)} twice")
     first, second = _intensities(source, study, said.intensity, axes)
+    if not first and along is not None:
+        first = _of_sa(study, along.path, axes)
     return Over(
         tuple(axis.name for axis in chosen),
         along.name if along else None,
@@ -72,7 +75,7 @@ def read_over(
     )
 
 
-def of_search(source: Source, study: Map, over: Over, search: Searched) -> Over:
+def of_search(source: Source, study: Map, over: Over, search: Searched, axes: Sequence[Axis]) -> Over:
     """The statistics of a searched amplitude: of its lowest overturning values there is a curve of overturning.
 
     Raises:
@@ -85,6 +88,8 @@ def of_search(source: Source, study: Map, over: Over, search: Searched) -> Over:
         )
     if not amplitude or over.fit == "none":
         return replace(over, limits=(), intensity="")
+    if not over.intensity:
+        over = replace(over, intensity=_of_sa(study, search.axis.path, axes))
     grows = not over.intensity or bare(over.intensity) in ("pga", "pgv", "cav") or period_of(over.intensity) is not None
     if over.second or not grows:
         known = ", ".join(("pga", "pgv", "cav", "sa(T)", *OF_GROUND))
@@ -104,6 +109,24 @@ def _side_by_side(
         why = "takes axes that stand side by side, each once"
         raise source.error(study, keys, f"{why}; the study has, outermost first, {listed}: put them so in `vary`")
     return [axes[i] for i in at]
+
+
+def _of_sa(study: Map, path: str, axes: Sequence[Axis]) -> str:
+    """`sa(0.5)`, or `ground_sa(0.5)` below floors, if a path is the `sa` of records and has one period; else ""."""
+    record = path.removeprefix("case.")
+    if record != "motion.record.sa" or any(axis.path.endswith(".sa_period") for axis in axes):
+        return ""
+    period = value_at(study, ("case", "motion", "record", "sa_period"))
+    try:
+        T = float(parse(period).evaluate(constant) if isinstance(period, str) else period)
+    except (ExpressionError, TypeError):
+        return ""
+    return f"{GROUND if _has_floors(study['case']) or _has_floors(study.get('vary')) else ''}sa({T:.12g})"
+
+
+def _has_floors(part: Any) -> bool:
+    """Whether a part of a study, or a setting in it, has something stand between the ground and the body."""
+    return isinstance(part, dict) and any("through" in str(k).split(".") or _has_floors(v) for k, v in part.items())
 
 
 def _intensities(source: Source, study: Map, said: Any, axes: Sequence[Axis]) -> tuple[str, str]:

@@ -12,6 +12,7 @@ from typing import Any
 
 from rockcli.scene.ground.pulses import SHAPES
 from rockcli.scene.laws.damping import SCHEMES
+from rockcli.study.document.paths import SCALING
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Where
 
@@ -24,7 +25,7 @@ ALTERNATIVES: tuple[frozenset[str], ...] = (
     frozenset({"pulse", "record"}),
     frozenset({"a_p", "a_p_over_g_tan_alpha", "A"}),
     frozenset({"omega_p", "T_p", "f_p", "omega_p_over_p"}),
-    frozenset({"scale", "pga", "pgv", "pga_over_g_tan_alpha"}),
+    frozenset(SCALING),
     frozenset({"floor_scale", "floor_pga"}),
     frozenset({"eta", "r_energy", "loss"}),
     frozenset({"alpha", "tan_alpha", "slenderness"}),

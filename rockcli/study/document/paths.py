@@ -35,7 +35,9 @@ _BLOCK = (
     "direction",
 )
 _PULSE = ("a_p", "a_p_over_g_tan_alpha", "omega_p", "T_p", "f_p", "omega_p_over_p", "cycles", "t0", "gamma", "nu", "A")
-_SCALING = ("scale", "pga", "pgv", "pga_over_g_tan_alpha", "polarity")
+SCALING = ("scale", "pga", "pgv", "sa", "pga_over_g_tan_alpha")
+"""Keys of a record that say how strong it is, of which one is given."""
+
 _MOTIONS = (("motion",), ("motion", "vertical"))
 
 ARRAYS: frozenset[Path] = frozenset(
@@ -44,7 +46,7 @@ ARRAYS: frozenset[Path] = frozenset(
         *(("case", "block", key) for key in _BLOCK),
         *(("case", "block", "mu", key) for key in ("static", "kinetic")),
         *(("case", *motion, "pulse", key) for motion in _MOTIONS for key in _PULSE),
-        *(("case", *motion, "record", key) for motion in _MOTIONS for key in _SCALING),
+        *(("case", *motion, "record", key) for motion in _MOTIONS for key in (*SCALING, "polarity")),
         ("case", "motion", "duration"),
         ("case", "motion", "floor_scale"),
         ("case", "motion", "floor_pga"),
@@ -66,8 +68,8 @@ UNITS: dict[str, str] = {
     **dict.fromkeys(("alpha", "theta", "nu", "yield_rotation", "angle", "direction"), "rad"),
     **dict.fromkeys(("omega_p", "theta_dot"), "rad s-1"),
     **dict.fromkeys(("f_p", "highpass", "lowpass", "freq", "freqmin", "freqmax"), "s-1"),
-    **dict.fromkeys(("T_p", "t0", "dt", "duration"), "s"),
-    **dict.fromkeys(("g", "a_p", "pga", "floor_pga"), "m s-2"),
+    **dict.fromkeys(("T_p", "t0", "dt", "duration", "sa_period"), "s"),
+    **dict.fromkeys(("g", "a_p", "pga", "sa", "floor_pga"), "m s-2"),
     **dict.fromkeys(("A", "pgv", "slide_rate"), "m s-1"),
     **{"mass": "kg", "E": "Pa", "rho": "kg m-3", "density": "kg m-3", "kw": "N m-3"},
 }
