@@ -167,3 +167,20 @@ def test_on_a_tilted_support_it_turns_about_contacts_at_their_own_heights():
     ends = [line.get_xydata()[0] - rest[0] for line in axes.lines if len(line.get_xdata()) == 1]
     for contact in ((0.1, 0.01), (0.9, 0.09)):
         assert any(np.allclose(end, contact) for end in ends)
+
+
+@pytest.mark.parametrize(
+    ("block", "high"),
+    [
+        ({"h": 0.85, "width": 0.5, "top": 1.9}, 1.9),
+        ({"h": 1.2, "width": 0.5, "top": 1.9}, 1.9),
+        ({"h": 0.85, "width": 0.5}, 1.7),
+        ({"h": 0.85, "width": 0.5, "top": 0.6}, 1.7),  # a shelf that is reported
+    ],
+)
+def test_a_rectangle_is_as_high_as_its_top(block, high):
+    found = rockcli.run({"name": "x", "case": {"block": block}, "plots": []})
+    rest = outline(body_of(found, ()), 0.0)
+    np.testing.assert_allclose([rest[:, 1].min(), np.ptp(rest[:, 0]), rest[:, 1].max()], [0.0, 0.5, high], atol=1e-12)
+    varied = rockcli.run({"name": "x", "case": {"block": block}, "vary": {"block.top": [2.5, 3.0]}, "plots": []})
+    assert outline(body_of(varied, (1,)), 0.0)[:, 1].max() == pytest.approx(3.0)

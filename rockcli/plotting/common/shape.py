@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ import numpy as np
 from matplotlib.path import Path
 
 from rockcli.kernels.contact.codes import SLIDE, SLIDE_ROCK
+from rockcli.plotting.common.case_settings import case_settings
 from rockcli.plotting.common.cases import Array, axes_of, outcome_at, values_at
 from rockcli.plotting.common.response import edges
 from rockcli.scene.body.block import LEFT, RIGHT
@@ -28,6 +30,8 @@ _LIES = 1.4
 
 _NARROWEST = 0.6
 """Width over height from which the numbers along the axis of a slender body do not touch."""
+
+_NUMBER = re.compile(r"[0-9.]+(?:e[-+]?[0-9]+)?")
 
 _HALVINGS = 30
 """Bisections for the largest bending that stays above the ground."""
@@ -78,9 +82,26 @@ def body_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Body:
     rise = 0.0 if level else float(h[LEFT] - h[RIGHT])
     points = outline_at(dataset, position)
     vertices = None
-    if points is not None and _rolls(dataset, position):
+    if points is None and level:
+        points = _up_to_its_top(dataset, position, b, float(h.sum()))
+    elif points is not None and _rolls(dataset, position):
         vertices = lower_hull(points) - np.array([0.0, 0.5 * h.sum()])
     return Body(float(b[LEFT]), float(b[RIGHT]), float(h.sum()), points, rise, vertices)
+
+
+def _up_to_its_top(dataset: xarray.Dataset, position: tuple[int, ...], b: Array, height: float) -> Array | None:
+    """Corners of a rectangle as high as its `top`, (4, 2) [m]; None if that is 2h, or below the centre of mass."""
+    axes = axes_of(dataset)
+    at = next((name for name in ("given_top", "block_top", "top") if name in dataset.variables), "")
+    if at and set(dataset[at].dims) <= set(axes):
+        top = float(values_at(dataset, at, position))
+    else:
+        said = case_settings(dataset).get("block.top", "")
+        top = float(said) if _NUMBER.fullmatch(said) else np.nan
+    if not top > 0.5 * height or abs(top - height) <= LEVEL * height:
+        return None
+    left, right = -b[LEFT], b[RIGHT]
+    return np.array([[left, 0.0], [right, 0.0], [right, top], [left, top]])
 
 
 def _rolls(dataset: xarray.Dataset, position: tuple[int, ...]) -> bool:
