@@ -21,6 +21,9 @@ DIM_TIME, DIM_IMPACT, DIM_REASONS = "time", "impact", "reasons"
 COORDINATES: tuple[str, ...] = ("R", "alpha", "p", "eta", "a_p", "omega_p", "pga", "pgv", *OF_SOURCE)
 """What a plot needs beside the axes, over the axes they depend on."""
 
+OF_TABLES = ("given_", "note_")
+"""What names begin with of columns of the table that an axis was read from: settings, and notes for readers."""
+
 
 @dataclass(frozen=True, eq=False)
 class Field:
@@ -77,7 +80,7 @@ class Contents:
 
 
 def axis_field(
-    name: str, path: str, values: Sequence[Any], *, numeric: bool, unit: str, words: str | None = None
+    name: str, path: str, values: Sequence[Any] | NDArray[Any], *, numeric: bool, unit: str, words: str | None = None
 ) -> Field:
     """Coordinate of an axis of the study, by its path and what that is in words: floats with units, or strings."""
     attrs = {"long_name": words or path, "path": path}

@@ -23,7 +23,7 @@ from rockcli.scene.limit_states import exceeded_when
 from rockcli.scene.units import SI, Units, g_of
 from rockcli.scene.variables import BOUNDARY_POINT, HAZARD, INPUT, INTENSITY_BIN, LIMIT, MEASURE, PERCENTILE
 from rockcli.storage.checksum import note_opened
-from rockcli.storage.contents import COORDINATES
+from rockcli.storage.contents import COORDINATES, OF_TABLES
 from rockcli.storage.netcdf import open_file
 from rockcli.storage.read import with_axes_left
 
@@ -276,7 +276,7 @@ def table_of(
         rest.append(CURVE)
     if "outcome" in rest:  # after the coordinates, before what was computed
         rest.remove("outcome")
-        known = [name for name in rest if name in COORDINATES]
+        known = [name for name in rest if name in COORDINATES or name.startswith(OF_TABLES)]
         rest = [*known, "outcome", *(name for name in rest if name not in known)]
     chosen = rest if columns is None else [_known(name, items, [*first, *rest], elsewhere) for name in columns]
     names = (*first, *dict.fromkeys(name for name in chosen if name not in first))

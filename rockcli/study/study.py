@@ -25,6 +25,23 @@ MATCH = 1e-9
 """Coordinates are the same if they differ by no more than this, relatively."""
 
 
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A column of the table that an axis was read from.
+
+    Attributes:
+        name: in the dataset, `given_mu` of the path block.mu, `note_room` of a column for readers (# room).
+        path: inside the case; the head of a column for readers.
+        values: a number (NaN: none) or a text ("": none) for every point, (n,).
+        unit: of numbers.
+    """
+
+    name: str
+    path: str
+    values: NDArray[Any]
+    unit: str = "1"
+
+
 @dataclass(frozen=True)
 class Axis:
     """One dimension of the dataset.
@@ -37,6 +54,7 @@ class Axis:
         numeric: whether the coordinate is numeric.
         unit: unit of a numeric coordinate, "1" if dimensionless or unknown.
         files: the points as the study names them, where labels are names of files without their folders.
+        given: the columns of the table that it was read from.
     """
 
     name: str
@@ -45,6 +63,7 @@ class Axis:
     numeric: bool
     unit: str = "1"
     files: tuple[str, ...] = ()
+    given: tuple[Given, ...] = ()
 
     @property
     def size(self) -> int:

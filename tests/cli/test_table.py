@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import csv
+import math
 import re
 
 import pytest
+
+import rockcli
 
 SUITE = """
 name: tabled
@@ -214,3 +217,31 @@ def test_curves_alone_have_a_row_of_what_is_known_of_the_body(rock, tmp_path, ca
     head, row = capsys.readouterr().out.splitlines()
     assert head.split()[:2] == ["R", "[m]"]
     assert row.split()[0] == "1.52971"
+
+
+def test_the_dataset_has_the_columns_of_a_table(rock, tmp_path):
+    (tmp_path / "bodies.csv").write_text(
+        "name,# room,block.height,block.mu,motion.record.file,motion.through,# Raum 2\n"
+        "shelf,101,180*cm,null,synthetic_rock_m65.AT2,null,x\n"
+        "rack,7,2.0,0.5,synthetic_soil_m70.AT2,null,y\n"
+    )
+    record = "motion: {record: {file: synthetic_rock_m65.AT2, pga: 0.4*g}}"
+    (tmp_path / "s.yaml").write_text(
+        f"name: s\ncase: {{block: {{height: 1, width: 0.4}}, {record}}}\nvary: {{case: bodies.csv}}\n"
+    )
+    assert rock("run", tmp_path / "s.yaml", "--no-plots") == 0
+    with rockcli.open_dataset("results/s/s.nc") as dataset:
+        given = {str(n): v.values.tolist() for n, v in dataset.coords.items() if str(n)[:5] in ("given", "note_")}
+        assert given == {
+            "given_height": [1.8, 2.0],
+            "given_mu": [pytest.approx(math.nan, nan_ok=True), 0.5],
+            "given_file": ["synthetic_rock_m65.AT2", "synthetic_soil_m70.AT2"],
+            "note_room": ["101", "7"],
+            "note_Raum_2": ["x", "y"],
+        }
+        assert dataset.given_height.attrs["path"] == "block.height"
+        assert dataset.given_height.attrs["units"] == "m"
+    assert rock("table", "results/s/s.nc", "--out", "t.csv") == 0
+    head, shelf, *_ = (tmp_path / "t.csv").read_text().splitlines()
+    assert head.startswith("case,given_height [m],given_mu,given_file,note_room,note_Raum_2,R [m],")
+    assert shelf.split(",")[:6] == ["shelf", "1.8", "", "synthetic_rock_m65.AT2", "101", "x"]

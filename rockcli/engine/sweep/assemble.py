@@ -35,7 +35,7 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
     """Contents of the dataset of a solved study, nothing derived yet; `thresholds` (n,) are what a search found."""
     axes = tuple(axis.name for axis in study.axes)
     fields = axis_fields(study)
-    fields |= _symbols(results, axes) | _edges(results, axes) | _samples(study)
+    fields |= _given(study) | _symbols(results, axes) | _edges(results, axes) | _samples(study)
     if results.histories:
         fields["time"] = time_field(results.time)
         fields |= _motions(results, axes)
@@ -73,6 +73,18 @@ def axis_fields(study: Study) -> dict[str, Field]:
         )
         for axis in study.axes
     }
+
+
+def _given(study: Study) -> dict[str, Field]:
+    """What the tables of the axes say, each column over its axis."""
+    found = {}
+    for axis in study.axes:
+        for each in axis.given:
+            name = each.name if each.name not in found else f"{each.name}_{axis.name}"
+            words = words_of(each.path) if name.startswith("given") else each.path
+            numeric = each.values.dtype.kind == "f"
+            found[name] = axis_field(axis.name, each.path, each.values, numeric=numeric, unit=each.unit, words=words)
+    return found
 
 
 def _solved(results: Results, axes: tuple[str, ...], shape: tuple[int, ...]) -> Field:

@@ -20,7 +20,7 @@ from rockcli.study.building.matching import WILDCARDS
 from rockcli.study.building.numbers import in_words
 from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.cases.file_names import LABELS, names_in
-from rockcli.study.cases.table import NOTE, Table, read_table
+from rockcli.study.cases.table import NOTE, Table, given_by, read_table
 from rockcli.study.cases.variation import Variation, numbers_of
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.expressions import CONSTANTS, Expression, ExpressionError, constant, parse
@@ -29,7 +29,7 @@ from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, 
 from rockcli.study.document.tree import List, Map, Places, Source, Where, nearest, place, put_at, value_at
 from rockcli.study.document.values import WEAKEST, describe, is_finite, number_or_expression
 from rockcli.study.schema import StudyPart
-from rockcli.study.study import MATCH, Axis
+from rockcli.study.study import MATCH, Axis, Given
 
 MAX_POINTS = 10_000_000
 MAX_CASES = 2**40
@@ -270,6 +270,7 @@ class _Reader:
         where: Callable[[int], Where],
         table: str | None = None,
         files: tuple[str, ...] = (),
+        given: tuple[Given, ...] = (),
     ) -> Variation:
         if not labels:
             raise self.fail("has no values")
@@ -281,7 +282,7 @@ class _Reader:
                 raise self.fail(
                     f"has the label {label[:100]!a}: {odd[0]!a} is no character of a label, which is a line"
                 )
-        axis = Axis(self.text, self.text, tuple(labels), False, files=files)
+        axis = Axis(self.text, self.text, tuple(labels), False, files=files, given=given)
         columns = self.columns(settings)
         mappings = any(isinstance(value, Map) for _, value, _ in settings[0])
         return Variation(axis, self.path, () if columns and not mappings else tuple(settings), columns, where, table)
@@ -445,7 +446,7 @@ class _Reader:
             )
             for at, row in zip(where, table.rows, strict=True)
         ]
-        return self.labelled(table.labels, settings, Places(tuple(where), line), name)
+        return self.labelled(table.labels, settings, Places(tuple(where), line), name, given=given_by(table, settings))
 
     @staticmethod
     def check_numbers(table: Table, paths: list[Path], file: FilePath) -> None:

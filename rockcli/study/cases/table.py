@@ -5,15 +5,22 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rockcli.errors import StudyError
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.loader import scalar
+from rockcli.study.document.overlay import Setting
+from rockcli.study.document.paths import UNITS
 from rockcli.study.document.tree import Source, Where
 from rockcli.study.inputs import text_of
+from rockcli.study.study import Given
 
 NOTE = "#"
 """Begins the head of a column that is for readers: rooms, numbers of an inventory."""
@@ -23,7 +30,10 @@ _OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
 @dataclass(frozen=True)
 class Table:
-    """The head of the first column and its line, labels, paths of the columns, values row by row, and their lines."""
+    """The head of the first column and its line, labels, paths of the columns, values row by row, and their lines.
+
+    `notes`: what the columns for readers say, by their heads.
+    """
 
     head: str
     line: int
@@ -31,10 +41,11 @@ class Table:
     columns: list[str]
     rows: list[list[Any]]
     lines: list[int]
+    notes: dict[str, list[str]]
 
 
 def read_table(name: str, source: Source, where: Where) -> Table:
-    """Read a CSV file beside the study, but for columns of notes.
+    """Read a CSV file beside the study.
 
     Raises:
         StudyError: it cannot be read, has no rows or columns, other separators than commas, or a row of another length
@@ -57,6 +68,8 @@ def read_table(name: str, source: Source, where: Where) -> Table:
         if len(row) != len(rows[0][1]):
             _check_separators(path, i, row)
             raise StudyError(f"the line has {len(row)} cells, the first has {len(rows[0][1])}", file=path, line=i)
+    heads = {k: head.removeprefix(NOTE).strip() for k, head in enumerate(rows[0][1]) if k and head.startswith(NOTE)}
+    notes = {head: [row[k] for _, row in rows[1:]] for k, head in heads.items()}
     read = [k for k, head in enumerate(rows[0][1]) if k == 0 or not head.startswith(NOTE)]
     rows = [(i, [row[k] for k in read]) for i, row in rows]
     header = rows[0][1]
@@ -72,7 +85,7 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     _check_cells(path, header, rows[1:])
     body = [row for _, row in rows[1:]]
     values = [[scalar(cell) for cell in row[1:]] for row in body]
-    return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, [i for i, _ in rows[1:]])
+    return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, [i for i, _ in rows[1:]], notes)
 
 
 def _check_cells(path: Path, header: list[str], rows: list[tuple[int, list[str]]]) -> None:
@@ -104,3 +117,24 @@ def _is_no_finite_number(cell: str) -> bool:
         return not math.isfinite(float(cell))
     except ValueError:
         return False
+
+
+def given_by(table: Table, settings: Sequence[tuple[Setting, ...]]) -> tuple[Given, ...]:
+    """The columns of a table as datasets carry them: those of settings, one of each point, and those of notes."""
+    paths = [path for path, _, _ in settings[0]] if settings else []
+    lasts = [path[-1] for path in paths]
+    found = []
+    for k, path in enumerate(paths):
+        inside = path[1:] if path[0] == "case" else path
+        name = inside[-1] if lasts.count(path[-1]) == 1 else "_".join(inside)
+        values = [point[k][1] for point in settings]
+        if all(value is None for value in values):
+            continue
+        numbers = all(value is None or type(value) in (int, float) for value in values)
+        said = np.array(values, dtype=float) if numbers else np.array(["" if v is None else str(v) for v in values])
+        found.append(Given(f"given_{name}", ".".join(inside), said, UNITS.get(path[-1], "1") if numbers else "1"))
+    for head, cells in table.notes.items():
+        name = "note_" + re.sub(r"\W+", "_", head).strip("_")
+        if name not in (each.name for each in found):
+            found.append(Given(name, head, np.array(cells)))
+    return tuple(found)
