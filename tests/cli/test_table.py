@@ -221,9 +221,9 @@ def test_curves_alone_have_a_row_of_what_is_known_of_the_body(rock, tmp_path, ca
 
 def test_the_dataset_has_the_columns_of_a_table(rock, tmp_path):
     (tmp_path / "bodies.csv").write_text(
-        "name,# room,block.height,block.mu,motion.record.file,motion.through,# Raum 2\n"
-        "shelf,101,180*cm,null,synthetic_rock_m65.AT2,null,x\n"
-        "rack,7,2.0,0.5,synthetic_soil_m70.AT2,null,y\n"
+        "name,# room,block.height,block.mu,motion.record.file,motion.through,# Raum 2,#room\n"
+        "shelf,101,180*cm,null,synthetic_rock_m65.AT2,null,x,I\n"
+        "rack,7,2.0,0.5,synthetic_soil_m70.AT2,null,y,II\n"
     )
     record = "motion: {record: {file: synthetic_rock_m65.AT2, pga: 0.4*g}}"
     (tmp_path / "s.yaml").write_text(
@@ -238,10 +238,11 @@ def test_the_dataset_has_the_columns_of_a_table(rock, tmp_path):
             "given_file": ["synthetic_rock_m65.AT2", "synthetic_soil_m70.AT2"],
             "note_room": ["101", "7"],
             "note_Raum_2": ["x", "y"],
+            "note_room_3": ["I", "II"],
         }
         assert dataset.given_height.attrs["path"] == "block.height"
         assert dataset.given_height.attrs["units"] == "m"
     assert rock("table", "results/s/s.nc", "--out", "t.csv") == 0
     head, shelf, *_ = (tmp_path / "t.csv").read_text().splitlines()
-    assert head.startswith("case,given_height [m],given_mu,given_file,note_room,note_Raum_2,R [m],")
+    assert head.startswith("case,given_height [m],given_mu,given_file,note_room,note_Raum_2,note_room_3,R [m],")
     assert shelf.split(",")[:6] == ["shelf", "1.8", "", "synthetic_rock_m65.AT2", "101", "x"]

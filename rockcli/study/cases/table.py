@@ -32,7 +32,7 @@ _OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 class Table:
     """The head of the first column and its line, labels, paths of the columns, values row by row, and their lines.
 
-    `notes`: what the columns for readers say, by their heads.
+    `notes`: the head of every column for readers and what it says.
     """
 
     head: str
@@ -41,7 +41,7 @@ class Table:
     columns: list[str]
     rows: list[list[Any]]
     lines: list[int]
-    notes: dict[str, list[str]]
+    notes: list[tuple[str, list[str]]]
 
 
 def read_table(name: str, source: Source, where: Where) -> Table:
@@ -68,8 +68,11 @@ def read_table(name: str, source: Source, where: Where) -> Table:
         if len(row) != len(rows[0][1]):
             _check_separators(path, i, row)
             raise StudyError(f"the line has {len(row)} cells, the first has {len(rows[0][1])}", file=path, line=i)
-    heads = {k: head.removeprefix(NOTE).strip() for k, head in enumerate(rows[0][1]) if k and head.startswith(NOTE)}
-    notes = {head: [row[k] for _, row in rows[1:]] for k, head in heads.items()}
+    notes = [
+        (head.removeprefix(NOTE).strip(), [row[k] for _, row in rows[1:]])
+        for k, head in enumerate(rows[0][1])
+        if k and head.startswith(NOTE)
+    ]
     read = [k for k, head in enumerate(rows[0][1]) if k == 0 or not head.startswith(NOTE)]
     rows = [(i, [row[k] for k in read]) for i, row in rows]
     header = rows[0][1]
@@ -133,8 +136,8 @@ def given_by(table: Table, settings: Sequence[tuple[Setting, ...]]) -> tuple[Giv
         numbers = all(value is None or type(value) in (int, float) for value in values)
         said = np.array(values, dtype=float) if numbers else np.array(["" if v is None else str(v) for v in values])
         found.append(Given(f"given_{name}", ".".join(inside), said, UNITS.get(path[-1], "1") if numbers else "1"))
-    for head, cells in table.notes.items():
-        name = "note_" + re.sub(r"\W+", "_", head).strip("_")
-        if name not in (each.name for each in found):
-            found.append(Given(name, head, np.array(cells)))
+    for k, (head, cells) in enumerate(table.notes, start=1):
+        name = "note_" + (re.sub(r"\W+", "_", head).strip("_") or str(k))
+        taken = name in (each.name for each in found)
+        found.append(Given(f"{name}_{k}" if taken else name, head, np.array(cells)))
     return tuple(found)
