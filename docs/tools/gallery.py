@@ -47,6 +47,7 @@ PICTURES: dict[str, Picture] = {
     "boundaries": Picture("gallery/boundaries.yaml"),
     "ida": Picture("suites/balanced_rock.yaml"),
     "fragility": Picture("suites/balanced_rock.yaml"),
+    "intensities": Picture("suites/two_intensities.yaml"),
     "risk": Picture("suites/balanced_rock.yaml"),
     "samples": Picture("suites/uncertain.yaml"),
     "spectrum": Picture("suites/rocking_spectrum.yaml"),

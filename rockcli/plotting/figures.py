@@ -25,6 +25,7 @@ from rockcli.plotting.kinds import (
     fragility,
     histories,
     ida,
+    intensities,
     motion,
     overlay,
     phase,
@@ -129,6 +130,12 @@ _ROWS: tuple[Kind, ...] = (
         lambda d: fragility.draw(end_to_end(d)),
     ),
     Kind(
+        "intensities",
+        "overturning over two intensities, with lines of equal probability",
+        intensities.without_intensities,
+        lambda d: intensities.draw(end_to_end(d)),
+    ),
+    Kind(
         "risk",
         "hazard curves, fragility, deaggregation, survival",
         risk.without_risk,
@@ -166,6 +173,7 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
             chosen.append("phase")
     if suite_of(dataset) is not None:
         rows = {"ida": ida.without_ida, "fragility": fragility.without_fragility, "risk": risk.without_risk}
+        rows["intensities"] = intensities.without_intensities
         if any(str(name).endswith(FOUND) for name in dataset.data_vars):  # what is searched has its spectrum
             del rows["fragility"]
         rows["samples"] = samples.without_samples

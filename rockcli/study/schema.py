@@ -54,7 +54,7 @@ from rockcli.study.document.values import (
 
 MODELS = (*MODEL_NAMES, *DEFORMABLE, AUTO)
 PLOTS = (
-    "histories", "bending", "phase", "map", "ida", "fragility", "risk", "samples", "curves", "spectrum",
+    "histories", "bending", "phase", "map", "ida", "fragility", "intensities", "risk", "samples", "curves", "spectrum",
     "work_precision", "body", "barriers", "boundaries", "curve", "polar", "motion", "ranking",
 )  # fmt: skip
 CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")

@@ -337,3 +337,28 @@ def test_a_limit_of_the_slide_is_exceeded_by_what_overturns():
 def test_both_edges_of_a_rectangle_have_one_line_of_words(stripes):
     (axes,) = rockcli.plot(stripes, "body").axes
     assert [text.get_text().startswith(r"$\alpha_{") for text in axes.texts] == [False]
+
+
+def test_two_intensities_have_every_case_and_the_lines_of_the_fitted_curve():
+    over = {"axis": "omega_p", "along": "a_p", "intensity": ["pga", "pgv_over_pga"], "limits": []}
+    dataset = rockcli.run(suite(over=over))
+    assert "intensities" in figures.default_kinds(dataset)
+    figure = figures.figure("intensities", dataset)
+    (axes,) = figure.axes
+    lines = {str(line.get_label()): line for line in axes.lines}
+    fell = np.isin(dataset["outcome"].values, (2, 3))
+    assert len(lines["overturned"].get_xdata()) == fell.sum() > 0
+    assert len(lines["remains stable"].get_xdata()) == (~fell).sum() > 0
+    x_0, m, y_r, c = (
+        float(dataset[f"fragility_{name}"].values.ravel()[-1]) for name in ("begins_at", "median", "second", "exponent")
+    )
+    beta = float(dataset["fragility_beta_total"].values.ravel()[-1])
+    for label, line in lines.items():
+        if label.endswith("%"):
+            second, first = line.get_data()
+            share = ndtr(np.log((first * G - x_0) / ((m - x_0) * (second / y_r) ** -c)) / beta)
+            np.testing.assert_allclose(share, float(label.removesuffix(" %")) / 100.0, rtol=1e-9)
+
+
+def test_one_intensity_has_no_plane(stripes):
+    assert "two intensities" in figures.why_not("intensities", stripes)

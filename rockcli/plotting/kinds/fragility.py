@@ -118,10 +118,14 @@ def intensity_label(dataset: xarray.Dataset, suite: Suite) -> str:
     name = suite.told_against
     if name in dataset.dims:
         return axis_label(dataset, name)
+    return intensity_symbol(name) + unit_in_brackets(shown_unit(dataset, "fragility_median")[1])
+
+
+def intensity_symbol(name: str) -> str:
+    """Symbol of an intensity that is no axis, `pgv_over_pga` or `ground_sa(0.5)`."""
     bare = name.removeprefix("ground_")
     spectral = bare.lower().replace("sa(", r"$S_a$(").replace(")", " s, 5 %)")
-    whose = "" if bare == name else " of the ground"
-    return _NAMES.get(bare, spectral) + whose + unit_in_brackets(shown_unit(dataset, "fragility_median")[1])
+    return _NAMES.get(bare, spectral) + ("" if bare == name else " of the ground")
 
 
 def _intensity(part: xarray.Dataset, suite: Suite) -> Array:

@@ -90,7 +90,8 @@ def telling(dataset: xarray.Dataset, *, beside: bool = False) -> bool:
     Of other cases where they are more than histories distinguish, and nothing is compared.
     """
     axis = along(dataset)
-    if axis is None or not _ranked(dataset) or reference_on_axes(dataset):
+    of_members = suite_of(dataset) is not None and _suite(dataset) is None
+    if axis is None or not _ranked(dataset) or of_members or reference_on_axes(dataset):
         return False
     few = MOST_PANELS if beside else MOST_CURVES if _ranked(dataset) == PEAK else 2
     return int(dataset.sizes[axis]) > few

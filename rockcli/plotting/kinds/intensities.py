@@ -1,0 +1,121 @@
+"""Overturning over two intensities: every case a point, and lines of equal probability, as for balanced rocks.
+
+Lines are those of the fitted curve, whose median moves with a power of the second intensity (Purvance et al. 2008,
+Earthq. Eng. Struct. Dyn. 37: 793-808).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockcli.plotting.common.cases import Array
+from rockcli.plotting.common.labels import shown_unit, title_of, unit_in_brackets
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    LIFTS,
+    LINES,
+    OUTCOME_COLOURS,
+    QUIET,
+    SINGLE,
+    grid_of,
+    headline,
+    legend_below,
+    new_figure,
+    panel_title,
+    width_or,
+)
+from rockcli.plotting.common.suite import members_word, panels, suite_of
+from rockcli.plotting.kinds.fragility import intensity_label, intensity_symbol
+from rockcli.plotting.kinds.map import scale_axes
+from rockcli.scene.response import OUTCOMES
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SECOND = "fragility_intensity_second"
+
+_LEVELS = (0.05, 0.5, 0.95)
+"""Probabilities of overturning that have a line."""
+
+_STYLES = (1, 0, 2)
+
+
+def without_intensities(dataset: xarray.Dataset) -> str:
+    """Why a dataset cannot be drawn so; "" if it can."""
+    if SECOND in dataset.variables and "outcome" in dataset.variables:
+        return ""
+    return "its fragility is not told against two intensities (over: {axis, intensity: [pga, pgv_over_pga]})"
+
+
+def draw(dataset: xarray.Dataset) -> Figure:
+    """A panel for each point of the axes beside the suite and the intensity."""
+    suite = suite_of(dataset)
+    if suite is None or SECOND not in dataset.variables:
+        raise ValueError("two intensities of an ensemble are needed")
+    shown, note = panels(dataset, suite)
+    rows, columns = grid_of(len(shown))
+    width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
+    figure = new_figure(width, 1.25 + rows * 0.85 * (width / columns))
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for number, (case, place) in enumerate(shown):
+        axes = grid.flat[number]
+        _panel(axes, dataset.isel(place))
+        if case.label:
+            panel_title(axes, case.label, width / columns)
+        if number + columns >= len(shown):
+            name = str(dataset[SECOND].attrs["long_name"])
+            unit = unit_in_brackets(shown_unit(dataset, SECOND)[1])
+            axes.set_xlabel(intensity_symbol(name) + unit)
+            axes.tick_params(labelbottom=True)
+        if number % columns == 0:
+            axes.set_ylabel(intensity_label(dataset, suite))
+    for axes in list(grid.flat)[len(shown) :]:
+        axes.set_axis_off()
+    first = grid.flat[0]
+    x, y = (values[values > 0.0] for values in _both(dataset))
+    first.set_xlim(0.9 * x.min(), 1.1 * x.max())
+    first.set_ylim(0.9 * y.min(), 1.1 * y.max())
+    scale_axes(first, True, True)
+    legend_below(figure, first.get_legend_handles_labels()[0], 3)
+    words = f"{members_word(dataset, suite)}; lines: probability of overturning by the fitted curve"
+    headline(figure, title_of(dataset), "; ".join(filter(None, [words, note])))
+    return figure
+
+
+def _both(dataset: xarray.Dataset) -> tuple[Array, Array]:
+    """The second intensity and the first of every case, as they are shown."""
+    found = (dataset[name].values / shown_unit(dataset, name)[0] for name in (SECOND, "fragility_intensity"))
+    second, first = (np.asarray(values, dtype=float) for values in found)
+    return second, first
+
+
+def _panel(axes: Axes, part: xarray.Dataset) -> None:
+    x, y = _both(part)
+    flags = part["outcome"].transpose(*part[SECOND].dims).values
+    fell = np.isin(flags, [flag for flag, name in OUTCOMES.items() if name.startswith("overturned")])
+    stands = ~fell & (flags >= 0)
+    dots: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "markeredgewidth": 0.5}
+    axes.plot(x[stands], y[stands], "o", color=QUIET, markerfacecolor="none", label="remains stable", **dots)
+    colour = OUTCOME_COLOURS["overturned_without_impact"]
+    axes.plot(x[fell], y[fell], "o", color=colour, label="overturned", **dots)
+    divisor = shown_unit(part, "fragility_median")[0]
+    begin = float(part["fragility_begins_at"]) / divisor
+    if begin > 0.0:
+        axes.axhline(begin, zorder=1, label="uplift", **LIFTS)
+    median, beta, c = (
+        float(part[f"fragility_{name}"].isel(limit_state=-1)) for name in ("median", "beta_total", "exponent")
+    )
+    if not np.isfinite(median):
+        return
+    from scipy.special import ndtri  # late: other figures need none of it
+
+    second = np.geomspace(x[x > 0.0].min(), x.max(), 100)
+    above = (median / divisor - begin) * (second / float(part["fragility_second"])) ** -c
+    for number, level in enumerate(_LEVELS):
+        curve = begin + above * np.exp(float(ndtri(level)) * beta)
+        axes.plot(second, curve, color=COLOURS[0], linestyle=LINES[_STYLES[number]], label=f"{100 * level:.0f} %")
