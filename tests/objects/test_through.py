@@ -143,6 +143,29 @@ def test_what_arrives_is_scaled_by_its_own_words(monkeypatch):
     assert float(of(floor_scale=3).pga) == pytest.approx(3.0 * float(of().pga), rel=1e-12)
 
 
+def test_a_vertical_record_takes_the_factor_of_what_arrives(monkeypatch):
+    monkeypatch.chdir(RECORD.parent)
+    case = study()["case"]
+
+    def of(record, **more):
+        motion = {
+            "record": {"file": RECORD.name} | record,
+            "through": NAMED["floor"],
+            "vertical": "synthetic_soil_m70.AT2",
+        }
+        return rockcli.run(study(case=case | {"motion": motion | more}, save={"histories": True}))
+
+    ground, above = of({"scale": 2}), of({}, floor_scale=2)
+    for name in ("a_g", "a_v", "theta"):  # the floor is linear
+        np.testing.assert_array_equal(above[name], ground[name])
+    wanted = of({}, floor_pga=float(ground.pga))
+    np.testing.assert_allclose(wanted.a_v, ground.a_v, rtol=1e-12)
+    both = of({"scale": 2}, floor_scale=0.5)
+    np.testing.assert_array_equal(both.a_v, of({}).a_v)
+    said = json.loads(wanted.attrs["processing"])[RECORD.name][-1]
+    assert said.startswith("scaled by 2 for floor_pga: ")
+
+
 def test_pulses_of_many_periods_go_through_one_by_one():
     pulse = {"shape": "ricker", "a_p": "0.5*g", "T_p": 0.5}
     case = {"block": {"h": 0.9, "b": 0.2}, "motion": {"pulse": pulse, "through": NAMED["floor"]}}

@@ -55,11 +55,11 @@ def waveforms(numbers: Numbers) -> Array | None:
     return np.concatenate([np.stack(columns, axis=1), table.reshape(numbers.n, -1)], axis=1)
 
 
-def of_record(numbers: Numbers, records: Records, ground: Samples, warnings: list[str]) -> Samples:
-    """What arrives of a record."""
+def of_record(numbers: Numbers, records: Records, ground: Samples, warnings: list[str]) -> tuple[Samples, Value]:
+    """What arrives of a record, and what it is multiplied with beside the factor of the ground."""
     arrival = _arrival(numbers, records, replace(ground, factor=np.ones(1)), ground.dt)
-    arrives = _samples(numbers, ground, arrival, ground.factor, warnings)
-    return replace(arrives, ground=replace(ground, factor=arrives.factor))
+    arrives, scale = _samples(numbers, ground, arrival, ground.factor, warnings)
+    return replace(arrives, ground=replace(ground, factor=arrives.factor)), scale
 
 
 def of_pulse(numbers: Numbers, records: Records, warnings: list[str]) -> Samples:
@@ -70,11 +70,13 @@ def of_pulse(numbers: Numbers, records: Records, warnings: list[str]) -> Samples
     arrival = _arrival(numbers, records, unit, PULSE_STEP * period)
     peaks = {"pga": 1.0, "pgv": np.nan, "pga_raw": 1.0, "pgv_raw": np.nan}
     ground = Samples(np.zeros(2), arrival.dt, amplitude, f"{pulses.shape} pulse", (), peaks)
-    arrives = _samples(numbers, ground, arrival, amplitude, warnings)
+    arrives, _ = _samples(numbers, ground, arrival, amplitude, warnings)
     return replace(arrives, ground=scaled(unit, arrives.factor))
 
 
-def _samples(numbers: Numbers, ground: Samples, arrival: Arrival, factor: Array, warnings: list[str]) -> Samples:
+def _samples(
+    numbers: Numbers, ground: Samples, arrival: Arrival, factor: Array, warnings: list[str]
+) -> tuple[Samples, Value]:
     from rockcli.motion.measures import pga, pgv
 
     before = ground.measures
@@ -95,7 +97,8 @@ def _samples(numbers: Numbers, ground: Samples, arrival: Arrival, factor: Array,
     if arrival.between > BETWEEN:
         warnings.append(f"what arrives is linear between samples to {arrival.between:.1g} of its peak only")
     name, files = ground.name, ground.files
-    return Samples(arrival.values, arrival.dt, factor * scale, name, (*ground.processing, said), measures, files)
+    processing = (*ground.processing, said)
+    return Samples(arrival.values, arrival.dt, factor * scale, name, processing, measures, files), scale
 
 
 def _arrival(numbers: Numbers, records: Records, ground: Samples | Pulses, dt: float) -> Arrival:

@@ -106,7 +106,10 @@ def _channel(
         return build_pulses(numbers, (*keys, "pulse"), warnings), 1.0
     if motion.record is not None:
         ground, amplitude = _samples(numbers, (*keys, "record"), records, warnings, inherited)
-        return (of_record(numbers, records, ground, warnings) if between else ground), amplitude
+        if between:
+            arrives, scale = of_record(numbers, records, ground, warnings)
+            return arrives, amplitude * scale
+        return ground, amplitude
     if keys != MOTION:
         numbers.fail(keys, "needs a pulse or a record")
     return None, 1.0

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.ground.excitation import Samples
+from rockcli.study.building.floors import OF_ARRIVAL
 from rockcli.study.building.ground_motion import MOTION, sa_name
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.paths import SCALING
@@ -32,8 +33,12 @@ def scaling_key(numbers: Numbers, keys: Keys) -> str:
 
 def _own_key(numbers: Numbers, keys: Keys) -> str:
     record: RecordPart | None = numbers.said((*keys, "record"))
-    given = (key for key in SCALING if record is not None and getattr(record, key) is not None)
-    key = next(given, "")
+    if record is None:
+        return ""
+    given = [key for key in SCALING if getattr(record, key) is not None]
+    if keys == MOTION:
+        given += [key for key in OF_ARRIVAL if getattr(numbers.case.motion, key) is not None]
+    key = next(iter(given), "")
     return sa_name(numbers, (*keys, "record")) if key == "sa" else key
 
 
@@ -112,6 +117,8 @@ class Scaling:
             return f" to pga_over_g_tan_alpha {_words(self.over)}"
         if self.sa[1] > 0.0:
             return f" to {self.key} {_words(self.sa)} g"
+        if self.key in OF_ARRIVAL:
+            return f" for {self.key}"
         return f", {INHERITED}" if self.key == INHERITED else ""
 
 
