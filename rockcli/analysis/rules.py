@@ -14,7 +14,7 @@ from rockcli.errors import StudyError
 from rockcli.motion.spectrum import forcing, pseudo_acceleration
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Samples
-from rockcli.scene.ground.spectra import DesignSpectrum
+from rockcli.scene.ground.spectra import FloorSpectrum
 from rockcli.scene.laws.damping import Fema356
 from rockcli.scene.rules import RULES, Facts, Spectra
 from rockcli.solvers import fema356
@@ -104,7 +104,7 @@ def misled(contents: Contents) -> tuple[Misled, ...]:
     return tuple(found)
 
 
-def _evaluate(name: str, batch: Batch, given: DesignSpectrum | None, known: dict[tuple[object, ...], Array]) -> Array:
+def _evaluate(name: str, batch: Batch, given: FloorSpectrum | None, known: dict[tuple[object, ...], Array]) -> Array:
     """One rule for every case of a batch, (n,), about the edge that gives way first.
 
     NaN without a motion, or the spectrum that is given for it.  `known` are spectra that were worked out before.
@@ -116,8 +116,8 @@ def _evaluate(name: str, batch: Batch, given: DesignSpectrum | None, known: dict
     pga, pgv = peaks(motion, n, batch.excitation.duration)
     spectra: Spectra
     if given is not None:
-        spectra = _Given(*(given.values[key][0] for key in ("periods", "S_a")))
-        pga = np.full(n, spectra.interpolated(0, 0.0)[1][0])  # of the spectrum, at its shortest period
+        spectra = _Given(given, batch.g)
+        pga = np.array([spectra.interpolated(i, 0.0)[1][0] for i in range(n)])  # at the shortest period
     else:
         assert motion is not None
         spectra = _Spectra(motion, batch.excitation.duration, known)
@@ -150,18 +150,18 @@ def _fema356(batch: Batch) -> Array:
 
 
 class _Given:
-    """A floor response spectrum that the study gives: every case's, taken as it stands whatever the damping."""
+    """A floor response spectrum that the study gives, taken as it stands whatever the damping; g (n,) of the cases."""
 
-    def __init__(self, periods: Array, S_a: Array) -> None:
-        self._periods, self._S_a = periods, S_a
+    def __init__(self, given: FloorSpectrum, g: Array) -> None:
+        self._given, self._unit = given, g if given.in_g else np.ones(len(g))
 
     def S_a(self, case: int, zeta: float, periods: Array) -> Array:
         """At periods (m,) [s]: (m,) [m/s²]."""
-        return np.interp(periods, self._periods, self._S_a)
+        return np.interp(periods, *self.interpolated(case, zeta))
 
     def interpolated(self, case: int, zeta: float, longest: float = 0.0) -> tuple[Array, Array]:
         """Periods [s], ascending, and values to interpolate between, as far as they are given."""
-        return self._periods, self._S_a
+        return self._given.periods, self._unit[case] * self._given.S_a
 
 
 class _Spectra:

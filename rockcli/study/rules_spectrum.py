@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.scene.constants import STANDARD_G
-from rockcli.scene.ground.spectra import DesignSpectrum
+from rockcli.scene.ground.spectra import FloorSpectrum
 from rockcli.scene.rules import RULES
 from rockcli.study.document.expressions import ExpressionError, constant, parse
 from rockcli.study.document.tree import Map, Source
@@ -17,8 +16,8 @@ from rockcli.study.schema import StudyPart
 KEY = "rules_spectrum"
 
 
-def read_rules_spectrum(source: Source, study: Map, part: StudyPart) -> DesignSpectrum | None:
-    """The table a study gives, of one case; None where it gives none.
+def read_rules_spectrum(source: Source, study: Map, part: StudyPart) -> FloorSpectrum | None:
+    """The table a study gives; None where it gives none.
 
     Raises:
         StudyError: lists of different lengths, periods that do not ascend, values that are no accelerations, or no rule
@@ -39,8 +38,7 @@ def read_rules_spectrum(source: Source, study: Map, part: StudyPart) -> DesignSp
         raise source.error(study, (KEY, "periods"), "must ascend, from zero or above")
     if not (S_a > 0.0).all():
         raise source.error(study, (KEY, "S_a"), "must be above zero")
-    factor = STANDARD_G if said.units == "g" else 1.0
-    return DesignSpectrum("table", {"periods": periods[None, :], "S_a": factor * S_a[None, :]})
+    return FloorSpectrum(periods, S_a, said.units == "g")
 
 
 def _numbers(source: Source, study: Map, key: str, values: list[Any]) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.hazard import HazardCurve
-from rockcli.scene.ground.spectra import DesignSpectrum
+from rockcli.scene.ground.spectra import FloorSpectrum
 from rockcli.scene.limit_states import OVERTURNED, limit_label
 from rockcli.scene.looks import Look
 from rockcli.scene.variables import PEAK
@@ -263,8 +263,8 @@ class Study:
         histories: whether histories are saved; dt_out: output spacing [s]; scalars: names in contract order.
         histories_at: {axis name: coordinate value} of the only cases whose histories are saved; None = all.
         curves: kinds of static curve asked for.
-        rules: rules of thumb and code checks asked for; rules_spectrum: a floor response spectrum (a table of one case)
-            for those that take one; None: the motion's own.
+        rules: rules of thumb and code checks asked for; rules_spectrum: a floor response spectrum for those that
+            take one; None: the motion's own.
         search: the range searched for overturning (`find`), which adds no dimension; None = none.
         over: ensemble statistics asked for; None = none.
         uncertain: inputs of which the axis `sample` has samples; None = none.
@@ -301,7 +301,7 @@ class Study:
     histories_at: dict[str, Any] | None = None
     curves: tuple[str, ...] = ()
     rules: tuple[str, ...] = ()
-    rules_spectrum: DesignSpectrum | None = None
+    rules_spectrum: FloorSpectrum | None = None
     search: Searched | None = None
     sweep_id: str = ""
     over: Over | None = None

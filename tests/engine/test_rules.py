@@ -217,6 +217,19 @@ def test_a_given_floor_spectrum_takes_the_place_of_the_motion() -> None:
     assert with_it.identity == without.identity
 
 
+def test_a_given_floor_spectrum_in_g_is_in_that_of_the_case() -> None:
+    """2 mu g = 0.2 g at two thirds of the way from 1 to 2 s, whatever g is."""
+    free = {"block": {"h": 1.5, "b": 0.3, "mu": 0.1}, "initial": {"theta": 0.02}}
+    more = {"rules": ["asce43", "asce43_sliding"], "rules_spectrum": SPECTRUM}
+    contents = solved(case=free, vary={"g": [1.62, G]}, **more)
+    by_hand = 0.2 * np.array([1.62, G]) * (5.0 / 3.0 / (2.0 * np.pi)) ** 2
+    assert contents.values("asce43_slide") == pytest.approx(by_hand, rel=1e-9)
+    in_si = {"units": "m/s²", "S_a": [1.62 * value for value in SPECTRUM["S_a"]]}
+    same = solved(case=free | {"g": 1.62}, **more | {"rules_spectrum": SPECTRUM | in_si})
+    theta = "asce43_theta_over_alpha"
+    assert contents.values(theta)[0] == pytest.approx(same.values(theta), rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

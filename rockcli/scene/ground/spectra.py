@@ -32,6 +32,15 @@ class DesignSpectrum:
         return row.law(np.asarray(periods, dtype=np.float64), beta, *(self.values[key][case] for key in row.keys))
 
 
+@dataclass(frozen=True, eq=False)
+class FloorSpectrum:
+    """Pseudo-acceleration S_a, (m,) [m/s², or in the g of each case if `in_g`], at ascending periods (m,) [s]."""
+
+    periods: Array
+    S_a: Array
+    in_g: bool
+
+
 @dataclass(frozen=True)
 class SpectrumShape:
     """A row: the keys it takes (`lists` of them are lists), a sentence, and S_a(T (m,), beta, *values) -> (m,)."""
