@@ -209,6 +209,14 @@ def test_what_is_wrong_with_a_floor_is_said(motion, words, monkeypatch):
         open_study(study(case={"block": case["block"], "motion": {"through": NAMED["floor"]}}))
 
 
+@pytest.mark.parametrize("path", ["motion.through.0.T", "motion.through.T"])
+def test_one_of_several_floors_is_varied_by_a_symbol(path, monkeypatch):
+    monkeypatch.chdir(RECORD.parent)
+    for axes in ({"vary": {path: [0.3, 0.4]}}, {"uncertain": {path: {"uniform": [0.3, 0.4]}}}):
+        with pytest.raises(StudyError, match=r"inside the list `motion.through`, .* a symbol of `let`"):
+            open_study(study(**axes))
+
+
 @pytest.mark.parametrize("said", [{"t0": 1e9, "T_p": 1.0}, {"t0": 1e30, "T_p": 1.0}, {"T_p": 1e-6}])
 def test_more_samples_than_memory_holds_are_refused(said):
     pulse = {"shape": "sine", "a_p": "0.5*g"} | said

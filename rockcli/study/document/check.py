@@ -227,6 +227,15 @@ def is_number(annotation: Any) -> bool:
     return annotation in marks or any(is_number(item) for item in get_args(annotation))
 
 
+def is_list_of_parts(annotation: Any) -> bool:
+    """Whether a key takes a list of mappings (an annotation as `fields_at` gives it)."""
+    if isinstance(annotation, tuple | list):
+        return any(is_list_of_parts(item) for item in annotation)
+    if get_origin(annotation) is list:
+        return next(_parts(annotation), None) is not None
+    return any(is_list_of_parts(item) for item in get_args(annotation))
+
+
 def _parts(annotation: Any) -> Iterator[type[Part]]:
     if isinstance(annotation, type) and issubclass(annotation, Part):
         yield annotation

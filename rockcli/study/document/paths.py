@@ -7,7 +7,7 @@ from functools import cache
 
 from rockcli.errors import StudyError
 from rockcli.scene.variables import VARIABLES
-from rockcli.study.document.check import fields_at, is_number
+from rockcli.study.document.check import fields_at, is_list_of_parts, is_number
 from rockcli.study.document.tree import nearest
 from rockcli.study.schema import RecordPart, StudyPart
 
@@ -90,7 +90,7 @@ def resolve(text: str) -> Path:
     """The path from the top of a study that an axis means by `block.R`, `let.gamma` or `case`.
 
     Raises:
-        StudyError: the study has no such key; names the nearest one.
+        StudyError: the study has no such key, and the nearest one is named; or it is of a part of a list.
     """
     parts = tuple(text.split("."))
     if parts[0] == "let" and len(parts) == 2 and parts[1].isidentifier():
@@ -103,6 +103,10 @@ def resolve(text: str) -> Path:
         known = fields_at(StudyPart, parts[:i])
         if parts[i] not in known:
             raise StudyError(f"{text[:200]!r} is not a path inside the case; {_hint(text)}")
+        if i < len(parts) - 1 and is_list_of_parts(known[parts[i]]):
+            whole = ".".join(parts[1 : i + 1])
+            said = f"{text[:200]!r} is inside the list `{whole}`, which is set as a whole"
+            raise StudyError(f"{said}; write a symbol of `let` there and vary that: let.NAME")
     return parts
 
 
@@ -126,9 +130,10 @@ def _hint(text: str) -> str:
 @cache
 def _all_paths() -> tuple[str, ...]:
     def walk(path: Path) -> Iterator[str]:
-        for key in fields_at(StudyPart, path):
+        for key, annotation in fields_at(StudyPart, path).items():
             yield ".".join((*path[1:], key))
-            yield from walk((*path, key))
+            if not is_list_of_parts(annotation):
+                yield from walk((*path, key))
 
     return tuple(walk(("case",)))
 
