@@ -59,10 +59,14 @@ class Motion:
     def begins_after(self, other: Motion) -> float:
         """How much later it begins than another motion [s]; 0 to within half a time step, or where one does not say."""
         mine, others = self.begins, other.begins
-        if mine is None or others is None or mine[0] != others[0]:
+        if mine is None or others is None or not self.same_clock(other):
             return 0.0
         later = round(mine[1] - others[1], 6)
         return later if abs(later) > 0.5 * self.dt else 0.0
+
+    def same_clock(self, other: Motion) -> bool:
+        """Whether both say, by one clock, when they begin."""
+        return self.begins is not None and other.begins is not None and self.begins[0] == other.begins[0]
 
     def header_from(self, after: float) -> dict[str, Any]:
         """The header of what is left behind the first seconds."""

@@ -96,6 +96,17 @@ def test_a_vertical_motion_that_begins_at_another_time_is_told():
                                                             "from their first samples on" for x in said]  # fmt: skip
 
 
+@pytest.mark.parametrize(("window", "apart"), [(None, 1), ([1.0, 2.5], 0), ([0.5, 2.5], 1)])
+def test_a_window_of_one_of_two_motions_without_a_clock_is_told(window, apart):
+    """AT2 files do not say when they begin: samples of one time meet only under one window."""
+    along = {"file": "synthetic_soil_m70.AT2", "window": [1.0, 3.0]}
+    up = {"file": "synthetic_rock_m65.AT2"} | ({"window": window} if window else {})
+    told = rockcli.check({"case": {"block": BLOCK, "motion": {"record": along, "vertical": {"record": up}}}})[
+        "warnings"
+    ]
+    assert len([one for one in told if "need the same window" in one]) == apart
+
+
 @pytest.mark.parametrize("steps", [{}, STEPS], ids=["as filed", "processed"])
 @pytest.mark.parametrize(
     ("angle", "name", "sign"), [(0, 0, 1), ("90*deg", 1, 1), ("180*deg", 0, -1), ("3*pi/2", 1, -1)]

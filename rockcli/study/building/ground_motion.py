@@ -80,16 +80,22 @@ def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) ->
 
 
 def _apart(numbers: Numbers, records: Records) -> list[str]:
-    """That a vertical record begins earlier or later than the horizontal one, as their files say."""
+    """That a vertical record begins earlier or later than the horizontal one, as their files or windows say."""
     both = [(*MOTION, "record"), (*MOTION, "vertical", "record")]
     if any(numbers.said(keys) is None for keys in both):
         return []
     g = _g_of_records(numbers)
     across, up = (_prepared(numbers, keys, records, g, numbers.constant((*keys, "angle"))).motion for keys in both)
-    if not (later := up.begins_after(across)):
+    if later := up.begins_after(across):
+        when = f"{abs(later):g} s {'after' if later > 0.0 else 'before'}"
+        return [f"{up.name} begins {when} {across.name}, as the files say; both are taken from their first samples on"]
+    first, above = (0.0 if numbers.said(keys).window is None else _step(numbers, (*keys, "window"))[0] for keys in both)
+    if abs(above - first) <= 0.5 * up.dt or up.same_clock(across):
         return []
-    when = f"{abs(later):g} s {'after' if later > 0.0 else 'before'}"
-    return [f"{up.name} begins {when} {across.name}, as the files say; both are taken from their first samples on"]
+    return [
+        f"the vertical {up.name} is taken from {above:g} s on and {across.name} from {first:g} s (`window`): motions "
+        "recorded side by side need the same window"
+    ]
 
 
 def _channel(
