@@ -143,6 +143,14 @@ def test_what_arrives_is_scaled_by_its_own_words(monkeypatch):
     assert float(of(floor_scale=3).pga) == pytest.approx(3.0 * float(of().pga), rel=1e-12)
 
 
+def test_of_a_record_that_is_zero_throughout_nothing_arrives():
+    still = {"values": np.zeros(50), "dt": 0.01, "units": "g"}
+    found = rockcli.run(
+        study(case={"block": {"h": 0.9, "b": 0.2}, "motion": {"record": still, "through": NAMED["floor"]}})
+    )
+    assert (found.outcome, found.pga) == (0, 0.0)
+
+
 def test_a_vertical_record_takes_the_factor_of_what_arrives(monkeypatch):
     monkeypatch.chdir(RECORD.parent)
     case = study()["case"]

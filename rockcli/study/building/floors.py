@@ -87,8 +87,9 @@ def _samples(
     oscillators = ", then ".join(
         f"T = {float(np.ravel(T)[0]):.6g} s, zeta = {float(np.ravel(zeta)[0]):.4g}" for T, zeta in _chain(numbers)
     )
+    share = peak / before["pga"] if before["pga"] > 0.0 else 0.0  # a record may be zero throughout
     said = (
-        f"through {oscillators}: {ARRIVES} {peak / before['pga']:.4g} of the ground's; "
+        f"through {oscillators}: {ARRIVES} {share:.4g} of the ground's; "
         f"exact at samples {arrival.dt:.6g} s apart, linear between them to {arrival.between:.1g} of its peak; "
         f"rings {arrival.rings:.4g} s after the ground motion, to {arrival.left:.1g} of its peak"
     )
