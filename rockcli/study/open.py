@@ -61,6 +61,11 @@ HISTORIES_UP_TO = 100
 
 NOT_SCORED = "`score` is for `rock score`, which puts the bodies on the motions of experiments; nothing is scored here"
 
+RULES_OF_TWO_EDGES = (
+    "rules know two edges: of a body that rolls over several vertices they tell of its base alone, and from beyond the "
+    "alpha of that it may come back"
+)
+
 DECIDES = ("solver.method", "solver.events", "solver.backend", "base", "damping", "geometry", "model")
 """Keys of the case that decide on the backend, those that only one backend reads first."""
 
@@ -159,6 +164,7 @@ def open_study(
             *replaced_records(base, variations),
             *overridden_axes(variations),
             *rules_without_friction(base, variations, part.rules),
+            *((RULES_OF_TWO_EDGES,) if found.rolling and part.rules else ()),
             *found.plausibility_warnings(tree, int(np.prod(cases.shape, dtype=np.int64))),
             *((RECORDS,) if refine and found.uses else ()),
             *((NOT_SCORED,) if part.score is not None else ()),

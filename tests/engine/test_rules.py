@@ -244,6 +244,18 @@ def test_wrong_floor_spectra(changes: dict[str, object], words: str) -> None:
         open_study(study(rules_spectrum=SPECTRUM | changes))
 
 
+def test_a_body_that_rolls_comes_back_where_a_rule_of_its_base_predicts_overturning() -> None:
+    wide = [[-0.25, 0.03], [-0.05, 0.0], [0.05, 0.0], [0.25, 0.03], [0.2, 0.7], [-0.2, 0.7]]
+    pulse = {"shape": "ricker", "a_p": "0.3*g", "T_p": 0.6}
+    for stands, said in (("outline", 1), ("toes", 0)):
+        case = {"block": {"outline": wide, "stands": stands}, "motion": {"pulse": pulse}}
+        opened = open_study(study(case=case, rules=["fema356"]))
+        assert len([one for one in opened.warnings if "rules know two edges" in one]) == said
+    contents = solved(case=case | {"block": {"outline": wide}}, rules=["fema356"])
+    assert np.isinf(contents.values("fema356_theta_over_alpha"))
+    assert contents.values("outcome") == 1
+
+
 def test_a_floor_spectrum_that_no_rule_reads_is_refused() -> None:
     with pytest.raises(StudyError, match="read by none of the rules"):
         open_study(study(rules=["west"], rules_spectrum=SPECTRUM))
