@@ -119,7 +119,9 @@ def read_record(
         _only_component("", component, path)
         text = parse_text(data, str(path), unit, dt)
         header = {} if text.first_time is None else {"first_time": text.first_time}
-        found = Found(text.values, text.dt, text.units, "text", header=header, processing=text.processing)
+        found = Found(
+            text.values, text.dt, text.units, "text", header=header, processing=text.processing, warnings=text.warnings
+        )
     else:
         found = _through_obspy(path, component, unit)
     if dt is not None and abs(dt - found.dt) > 1e-6 * found.dt:

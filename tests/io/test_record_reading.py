@@ -230,6 +230,16 @@ def test_rows_of_values_are_read_line_by_line(write) -> None:
     assert "5 on each" in motion.processing[0]
 
 
+@pytest.mark.parametrize("columns", [3, 6])
+def test_motions_side_by_side_are_doubted(write, columns: int) -> None:
+    t = 0.01 * np.arange(600)
+    motions = np.array([np.sin((3.0 + j) * t + j) for j in range(columns)])
+    for values, doubted in ((motions.T, True), (motions[0].reshape(-1, columns), False)):
+        text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in values)
+        motion = read_record(write(text), units="g", dt=0.01)
+        assert [f"{columns} motions side by side" in one for one in motion.warnings] == [True] * doubted
+
+
 def test_units_in_a_comment_are_a_statement(tmp_path: Path) -> None:
     path = tmp_path / "own.txt"
     values = np.random.default_rng(0).standard_normal(500)
