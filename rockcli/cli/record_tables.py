@@ -29,6 +29,9 @@ HEADS = (
 
 WORDS = ("record", "component", "format")
 
+VERTICAL = frozenset({"UP", "U", "UD", "V", "VER", "VERT", "VERTICAL", "DN", "DWN", "DOWN", "Z"})
+"""What files call a vertical component."""
+
 
 def listed(paths: Iterable[Path]) -> list[tuple[Path, bool]]:
     """Files, and whether they come out of a folder, where others may stand beside them.
@@ -68,7 +71,7 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
     """RotD50 and RotD100 of PGA, PGV and Sa(T) of two components.
 
     Raises:
-        RecordError: their time steps, lengths or the times of their first samples differ.
+        RecordError: one is vertical; their places, time steps, lengths or the times of their first samples differ.
     """
     import numpy as np
 
@@ -77,6 +80,14 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
     from rockcli.motion.rotated import rotated_measures, rotated_spectrum
     from rockcli.motion.spectrum import DAMPING
 
+    for motion in (one, two):  # as pairs of a folder of three components, or where one is missing, would be
+        if motion.component.upper() in VERTICAL:
+            raise RecordError(f"is a vertical component, {motion.component}: --rotd takes horizontal ones", motion.name)
+    for key in ("event", "station"):
+        first, second = (str(motion.header.get(key) or "") for motion in (one, two))
+        if first and second and first.casefold() != second.casefold():
+            said = f"is of {key} {first}, {two.name} of {second}: --rotd takes two components of one motion"
+            raise RecordError(said, one.name)
     if abs(one.dt - two.dt) > 1e-9 * one.dt or len(one.values) != len(two.values):
         said = f"{len(one.values)} values of {one.dt:g} s, {two.name} has {len(two.values)} of {two.dt:g} s"
         raise RecordError(f"has {said}: two components in one direction need the same times", one.name)

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 import rockcli
 from rockcli.cli.records import app
 from rockcli.errors import RecordError
+from rockcli.motion.at2 import at2_text
 from rockcli.motion.flatfile import NAME, metadata_beside
 from rockcli.motion.measures import velocity
 from rockcli.motion.reading import read_record
@@ -111,6 +112,25 @@ def test_pairs_in_every_direction(tmp_path: Path) -> None:
     paths[1].write_text("# units: m/s2\n1\n2\n3\n")
     with pytest.raises(RecordError, match="need the same times"):
         run("info", *paths, "--rotd", "--dt", dt)
+
+
+@pytest.mark.parametrize(
+    ("files", "words"),
+    [
+        ([("Izmit", "090"), ("Izmit", "UP")], "is a vertical component, UP"),
+        ([("Izmit", "090"), ("Duzce", "180")], "is of station Izmit, b.AT2 of Duzce"),
+        ([("Izmit", "090"), ("Izmit", "180")], ""),
+    ],
+)
+def test_a_pair_is_of_one_place_and_horizontal(tmp_path: Path, files: list[tuple[str, str]], words: str) -> None:
+    for name, (station, component) in zip("ab", files, strict=True):
+        titles = ["RECORD", f"Kocaeli, 8/17/1999, {station}, {component}"]
+        (tmp_path / f"{name}.AT2").write_text(at2_text(np.ones(9), 0.01, titles, tmp_path))
+    if not words:
+        run("info", tmp_path, "--rotd")
+        return
+    with pytest.raises(RecordError, match=words):
+        run("info", tmp_path, "--rotd")
 
 
 def test_a_pair_is_of_one_component_of_each_file(tmp_path: Path) -> None:
