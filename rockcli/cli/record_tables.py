@@ -29,9 +29,6 @@ HEADS = (
 
 WORDS = ("record", "component", "format")
 
-VERTICAL = frozenset({"UP", "U", "UD", "V", "VER", "VERT", "VERTICAL", "DN", "DWN", "DOWN", "Z"})
-"""What files call a vertical component."""
-
 
 def listed(paths: Iterable[Path]) -> list[tuple[Path, bool]]:
     """Files, and whether they come out of a folder, where others may stand beside them.
@@ -81,7 +78,7 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
     from rockcli.motion.spectrum import DAMPING
 
     for motion in (one, two):  # as pairs of a folder of three components, or where one is missing, would be
-        if motion.component.upper() in VERTICAL:
+        if motion.is_vertical:
             raise RecordError(f"is a vertical component, {motion.component}: --rotd takes horizontal ones", motion.name)
     for key in ("event", "station"):
         first, second = (str(motion.header.get(key) or "") for motion in (one, two))

@@ -21,6 +21,13 @@ def cosine_and_sine(angle: float) -> tuple[float, float]:
     return math.cos(angle), math.sin(angle)
 
 
+def told_of_horizontal(motion: Motion) -> tuple[str, ...]:
+    """What is remarkable about a record that is taken as horizontal, one sentence each."""
+    if not motion.is_vertical:
+        return motion.warnings
+    return (*motion.warnings, f"its file calls it a vertical component, {motion.component}; it is taken as horizontal")
+
+
 def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
     """The motion `one cos(angle) + two sin(angle)`, angle [rad] from component one towards component two.
 
@@ -56,7 +63,9 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
         name=f"{one.name} + {two.name}",
         sha256=hashlib.sha256(both.encode()).hexdigest(),
         processing=(*steps, direction),
-        warnings=tuple(f"{motion.name}: {sentence}" for motion in (one, two) for sentence in motion.warnings),
+        warnings=tuple(
+            f"{motion.name}: {sentence}" for motion in (one, two) for sentence in told_of_horizontal(motion)
+        ),
         component="",
         header={key: one.header[key] for key in ("start", "first_time") if key in one.header},
     )

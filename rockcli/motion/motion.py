@@ -14,6 +14,9 @@ __all__ = ["Given", "Motion"]
 NO_START = datetime(1970, 1, 1, tzinfo=UTC)
 """What ObsPy says of files without a time of their first sample."""
 
+VERTICAL = frozenset({"UP", "U", "UD", "V", "VER", "VERT", "VERTICAL", "DN", "DWN", "DOWN", "Z"})
+"""What files call a vertical component."""
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -47,6 +50,11 @@ class Motion:
     def duration(self) -> float:
         """Time of the last sample [s]."""
         return (len(self.values) - 1) * self.dt
+
+    @property
+    def is_vertical(self) -> bool:
+        """Whether the file calls it a vertical component."""
+        return self.component.upper() in VERTICAL
 
     @property
     def begins(self) -> tuple[str, float] | None:

@@ -13,6 +13,7 @@ from scenes import SHARED
 import rockcli
 from rockcli.analysis.direction import with_worst_direction
 from rockcli.errors import RecordError, StudyError
+from rockcli.motion.at2 import at2_text
 from rockcli.motion.direction import cosine_and_sine
 from rockcli.scene.body.block import housner_eta
 from rockcli.storage.contents import Contents, axis_field, variable_field
@@ -94,6 +95,23 @@ def test_a_vertical_motion_that_begins_at_another_time_is_told():
         told = rockcli.check({"case": {"block": BLOCK, "motion": motion}})["warnings"]
         assert [one for one in told if "begins" in one] == [f".BB.. begins {x} .A.., as the files say; both are taken "
                                                             "from their first samples on" for x in said]  # fmt: skip
+
+
+def test_a_vertical_component_that_is_taken_as_horizontal_is_told(tmp_path):
+    for component in ("UP", "090"):
+        titles = ["RECORD", f"Kocaeli, 8/17/1999, Izmit, {component}"]
+        (tmp_path / f"{component}.AT2").write_text(at2_text(np.ones(9), 0.01, titles, tmp_path))
+    up, across = str(tmp_path / "UP.AT2"), str(tmp_path / "090.AT2")
+    motions = {
+        "one": ({"record": up}, 1),
+        "two": ({"record": {"file": [across, up], "angle": 0.5}}, 1),
+        "where it belongs": ({"record": across, "vertical": up}, 0),
+    }
+    for motion, said in motions.values():
+        told = rockcli.check({"case": {"block": BLOCK, "motion": motion}})["warnings"]
+        assert [one.split(":")[0] for one in told if "calls it a vertical component, UP" in one] == ["UP.AT2"] * said
+    suite = {"case": {"block": BLOCK, "motion": {"record": up}}, "vary": {"motion.record.file": [across, up]}}
+    assert any("UP.AT2: its file calls it" in one for one in rockcli.check(suite)["warnings"])
 
 
 @pytest.mark.parametrize(("window", "apart"), [(None, 1), ([1.0, 2.5], 0), ([0.5, 2.5], 1)])

@@ -130,7 +130,7 @@ def _samples(
     files = (record.file,) if isinstance(record.file, str) else tuple(record.file)
     samples = _unscaled(prepared, files, g, sa_name(numbers, keys))
     motion = prepared.motion
-    warnings.extend(_told(motion, two=len(files) > 1))
+    warnings.extend(_told(motion, two=len(files) > 1, across=keys[:-1] == MOTION))
     factor, amplitude = _factor(numbers, keys, samples.measures, motion.in_g, inherited)
     return replace(samples, factor=factor), amplitude
 
@@ -154,7 +154,7 @@ def _suite(numbers: Numbers, motions: Motions, records: Records, warnings: list[
             measure=lambda each, name: _unscaled(each, (name,), g, sa),
         )
     for each in prepared:
-        warnings.extend(_told(each.motion, two=motions.directions))
+        warnings.extend(_told(each.motion, two=motions.directions, across=True))
     unscaled = tuple(_unscaled(each, names, g, sa) for each, names in zip(prepared, files, strict=True))
     known = ("pga", "pgv", sa) if sa else ("pga", "pgv")
     measures = {name: np.array([each.measures[name] for each in unscaled])[motions.which] for name in known}
@@ -163,9 +163,16 @@ def _suite(numbers: Numbers, motions: Motions, records: Records, warnings: list[
     return Suite(unscaled, motions.which, factor)
 
 
-def _told(motion: Motion, *, two: bool) -> list[str]:
-    """What is remarkable about a record, under its name; that of two components is under theirs already."""
-    return list(motion.warnings) if two else [f"{motion.name}: {sentence}" for sentence in motion.warnings]
+def _told(motion: Motion, *, two: bool, across: bool) -> list[str]:
+    """What is remarkable about a record, under its name; that of two components is under theirs already.
+
+    Args:
+        across: whether it is taken as horizontal.
+    """
+    from rockcli.motion.direction import told_of_horizontal
+
+    said = told_of_horizontal(motion) if across and not two else motion.warnings
+    return list(said) if two else [f"{motion.name}: {sentence}" for sentence in said]
 
 
 def _g_of_records(numbers: Numbers) -> float:
