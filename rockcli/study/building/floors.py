@@ -90,7 +90,7 @@ def _samples(
     share = peak / before["pga"] if before["pga"] > 0.0 else 0.0  # a record may be zero throughout
     said = (
         f"through {oscillators}: {ARRIVES} {share:.4g} of the ground's; "
-        f"exact at samples {arrival.dt:.6g} s apart, linear between them to {arrival.between:.1g} of its peak; "
+        f"in straight lines over {arrival.dt:.6g} s with its mean over each, to {arrival.between:.1g} of its peak; "
         f"rings {arrival.rings:.4g} s after the ground motion, to {arrival.left:.1g} of its peak"
     )
     if arrival.left > 10.0 * RINGS_TO:
