@@ -88,7 +88,6 @@ def _openquake(file: Path, out: Path) -> None:
         raise StudyError(error.message, file=file) from None
     folder = out / contents.attrs.get("study_name", file.stem) / "openquake"
     check_folder(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "fragility_model.xml", model.text)
     for why in model.left_out:
         say(f"rock: left out: {why}", err=True)
@@ -135,6 +134,5 @@ def _label(study: Study, number: int) -> str:
 def _write(folder: Path, script: Script) -> None:
     from rockcli.storage.atomic import write_text
 
-    folder.mkdir(parents=True, exist_ok=True)
     for name, text in script.files.items():
         write_text(folder / name, text)

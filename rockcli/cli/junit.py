@@ -63,7 +63,6 @@ def write_junit(reports: Sequence[RunReport], path: Path) -> None:
         except OSError as error:
             raise OutputError(f"cannot be written: {reason(error)}", file=path) from error
         return
-    path.parent.mkdir(parents=True, exist_ok=True)
     if path.exists() and not _is_ours(path):  # made since it was checked, as a plot
         raise OutputError("exists and is not a JUnit file: --junit does not replace it", file=path)
     with replacing(path) as scratch:

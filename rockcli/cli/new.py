@@ -81,6 +81,7 @@ def _write_examples(folder: Path) -> None:
     if folder.exists():
         raise StudyError("is there already; give another folder with --out, or remove it", file=folder)
     check_folder(folder.parent)
+    folder.parent.mkdir(parents=True, exist_ok=True)
     package = Path(rockcli.__file__).parent
     source = package / "shipped"
     if not source.is_dir():  # run from the sources

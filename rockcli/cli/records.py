@@ -164,7 +164,6 @@ def _draw(path: Path, motions: list[Motion], g: float) -> None:
     periods = np.geomspace(SHORTEST, LONGEST, POINTS)
     names = [" ".join(filter(None, (motion.name, motion.component))) for motion in motions]
     spectra = {name: spectrum_of(motion, g, periods) / g for name, motion in zip(names, motions, strict=True)}
-    path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as scratch:
         draw(scratch, periods, spectra, "Response spectra, 5 % damping")
     say(str(path), err=True)
@@ -201,7 +200,6 @@ def convert(
     else:
         values = motion.values if motion.in_g else motion.values / g
         text = at2_text(values, motion.dt, _titles(motion, g), target)
-    target.parent.mkdir(parents=True, exist_ok=True)
     write_text(target, text)
     for remark in motion.warnings:
         say(f"{source}: {remark}", err=True)

@@ -11,6 +11,7 @@ import numpy as np
 
 from rockcli.errors import StudyError
 from rockcli.storage.atomic import replacing
+from rockcli.storage.places import check_file
 from rockcli.storage.read import open_dataset
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def animate(
 
     target = path.parent / DEFAULT if out is None else out
     check_output(target)
+    check_file(target)
     for name, value, most in (("speed", speed, np.inf), ("fps", fps, FASTEST), ("magnify", magnify, np.inf)):
         if not (np.isfinite(value) and 0.0 < value <= most):
             raise StudyError(

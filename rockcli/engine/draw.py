@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 from rockcli.errors import StudyError
 from rockcli.scene.looks import Look, width_of
 from rockcli.storage.atomic import replacing
+from rockcli.storage.places import check_file
 from rockcli.storage.read import open_dataset, with_axes_left
 
 if TYPE_CHECKING:
@@ -205,7 +206,7 @@ def figure_of(
         changed: parts of the `Look`, instead of what the study says.
 
     Raises:
-        StudyError: the dataset cannot be drawn so, or the ending is none of a figure.
+        StudyError: the dataset cannot be drawn so, or no figure can be written to `path`.
     """
     from rockcli.plotting.common.selection import overlaid, selected
     from rockcli.plotting.figures import figure, save, why_not
@@ -217,6 +218,8 @@ def figure_of(
         raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
     if path is not None and path.suffix.lower().lstrip(".") not in FORMATS:
         raise StudyError(f"expected a name that ends in {', '.join('.' + one for one in FORMATS)}", file=path)
+    if path is not None:
+        check_file(path)
     several = [with_axes_left(each) for each in several]
     one = several[0]
     if len(several) > 1:

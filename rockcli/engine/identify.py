@@ -286,7 +286,6 @@ def write_fit(measured: Measured, found: Identified, path: Path) -> None:
     ending = _ending(path)
     head = "swing" if measured.time is None else "time [s]"
     along = np.arange(found.points, dtype=float) if measured.time is None else measured.time
-    path.parent.mkdir(parents=True, exist_ok=True)
     if ending == "csv":
         rows = zip(along.tolist(), measured.theta.tolist(), found.fitted.tolist(), strict=True)
         lines = [f"{head},measured [rad],fitted [rad]", *(",".join(map(repr, row)) for row in rows)]

@@ -16,6 +16,7 @@ from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
 from rockcli.storage.contents import Contents
+from rockcli.storage.places import check_file
 from rockcli.storage.read import from_xarray, open_dataset, with_axes_left
 from rockcli.storage.table import CURVE, frame_of
 from rockcli.study.reopen import clauses_of
@@ -30,7 +31,7 @@ def write_page(path: Path, out: Path | None = None) -> Path:
     """Write the report of a dataset; default: <dataset>.html beside it.
 
     Raises:
-        StudyError: the file is not a dataset of this program, or `out` would replace it.
+        StudyError: the file is not a dataset of this program, or a page cannot be where `out` says.
         OutputError: the page cannot be written.
     """
     target = path.with_suffix(".html") if out is None else out
@@ -50,6 +51,7 @@ def write_page_of(dataset: xarray.Dataset, out: Path) -> Path:
 def _check(target: Path) -> None:
     if target.suffix.lower() not in (".html", ".htm"):
         raise StudyError("a report is an HTML page: expected a name that ends in .html or .htm", file=target)
+    check_file(target)
 
 
 def _write(dataset: xarray.Dataset, contents: Contents, target: Path) -> None:

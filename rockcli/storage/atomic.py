@@ -21,12 +21,15 @@ _SCRATCH = re.compile(rf"\..+\.\d+{re.escape(_MARK)}\.(nc|npz|png|pdf|svg|gif|mp
 def replacing(path: Path) -> Iterator[Path]:
     """Give a scratch file beside `path`; on success it takes the place of `path`, on any exception it is removed.
 
+    Its folder is made if it is missing.
+
     Raises:
         OutputError: it cannot be written.
     """
     scratch = path.with_name(f".{path.stem}.{os.getpid()}{_MARK}{path.suffix}")
     with passing(scratch):
         try:
+            path.parent.mkdir(parents=True, exist_ok=True)
             yield scratch
             with scratch.open("rb+") as file:
                 os.fsync(file.fileno())

@@ -94,6 +94,45 @@ def test_scripts_need_a_folder_too(rock: Rock, file: Path, capsys: pytest.Captur
     assert "x.yaml: is not a folder" in capsys.readouterr().err
 
 
+WRITERS = [
+    ("table results/x/x.nc --out", "t.csv"),
+    ("plot results/x/x.nc --kind phase --out", "p.png"),
+    ("report results/x/x.nc --out", "r.html"),
+    ("animate results/x/x.nc --fps 2 --speed 20 --out", "a.gif"),
+    ("new block --out", "b.yaml"),
+    ("new examples --out", "e"),
+    ("identify swings.txt --alpha 0.2 --out", "f.csv"),
+    ("identify swings.txt --alpha 0.2 --out", "f.png"),
+    ("records convert swings.txt --units g --dt 0.1", "r.AT2"),
+    ("records info swings.txt --units g --dt 0.1 --spectrum", "s.png"),
+    ("export x.yaml --set case.model=3 --set case.damping=dashpot --out", "scripts"),
+    ("run x.yaml --no-plots --junit", "v.xml"),
+]
+
+
+@pytest.fixture
+def solved(rock: Rock, file: Path, tmp_path: Path) -> Rock:
+    assert rock("run", file, "--no-plots", "--quiet") == 0
+    (tmp_path / "swings.txt").write_text("0.1\n-0.07\n0.05\n-0.035\n0.025\n")
+    return rock
+
+
+@pytest.mark.parametrize(("command", "name"), WRITERS)
+def test_whatever_is_written_makes_its_folder(command: str, name: str, solved: Rock, tmp_path: Path) -> None:
+    assert solved(*command.split(), f"new/folder/{name}") == 0
+    assert (tmp_path / "new" / "folder" / name).exists()
+
+
+@pytest.mark.parametrize(("command", "name"), WRITERS)
+def test_a_file_where_a_folder_is_needed_is_told_as_such(
+    command: str, name: str, solved: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "way").write_text("mine")
+    assert solved(*command.split(), f"way/{name}") == 2
+    assert "way: is not a folder" in capsys.readouterr().err
+    assert (tmp_path / "way").read_text() == "mine"
+
+
 def test_a_place_that_is_not_there_yet_is_none(tmp_path: Path) -> None:
     check_folder(tmp_path / "a" / "b")
     check_file(tmp_path / "a" / "b" / "c.nc")

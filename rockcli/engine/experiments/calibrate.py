@@ -141,7 +141,6 @@ def calibrate(
 
 def write(calibration: Calibration, path: Path) -> None:
     """Write a calibration; raises OutputError where it cannot be written."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     write_text(path, json.dumps(calibration.as_plain(), indent=1) + "\n")
 
 

@@ -33,7 +33,6 @@ def write(reports: Sequence[Report], path: Path) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix.lower() in PAGES:
         from rockcli.plotting.page.scores import page
 
