@@ -57,6 +57,7 @@ def _xlsx(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
     """A sheet; infinity, which Excel has no number for, is the word `inf`."""
     try:
         from openpyxl import Workbook
+        from openpyxl.cell import WriteOnlyCell
     except ImportError:
         raise _missing(path, "openpyxl") from None
     book = Workbook(write_only=True)
@@ -64,9 +65,16 @@ def _xlsx(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
     sheet.freeze_panes = "A2"
     sheet.append([column.head for column in first])
 
+    def plain(value: Any) -> Any:
+        if not (isinstance(value, str) and value.startswith(("=", "#"))):
+            return value
+        cell = WriteOnlyCell(sheet, value)
+        cell.data_type = "s"  # by itself it would be a formula, or an error such as #N/A
+        return cell
+
     def add(block: Block) -> None:
         for row in zip(*(_cells(column) for column in block), strict=True):
-            sheet.append(row)
+            sheet.append([plain(value) for value in row])
 
     yield add
     book.save(path)

@@ -178,6 +178,18 @@ def test_a_workbook_holds_numbers_and_words(made, tmp_path):
     check(rows, contents, 1e-15)  # openpyxl writes 16 digits
 
 
+@pytest.mark.parametrize("word", ["=1+2", "=as built", "#N/A", "+x", "-1", "007", "TRUE"])
+def test_a_label_is_text_in_a_workbook_too(made, tmp_path, word):
+    openpyxl = pytest.importorskip("openpyxl")
+    contents, path = made
+    contents.fields["label"] = axis_field("label", "case", [word, "b", "c"], numeric=False, unit="1")
+    netcdf.write(contents, path)
+    with opened(path) as (items, attrs):
+        write(table_of(items, attrs), tmp_path / "t.xlsx")
+    cell = openpyxl.load_workbook(tmp_path / "t.xlsx").active["A2"]
+    assert (cell.value, cell.data_type) == (word, "s")
+
+
 def test_the_dataframe_is_the_same_table(made):
     contents, _ = made
     found = rockcli.table(to_xarray(contents))
