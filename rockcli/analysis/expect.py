@@ -160,7 +160,8 @@ def _judge(contents: Contents, clause: Expect, units: Units) -> Verdict:
             where = tuple(first + int(i) for first, i in zip(firsts, at, strict=True))
     if points == 0 or where is None:
         return Verdict(clause, text, 0, 0, "no value", "")
-    word = OUTCOMES[int(worst)] if clause.quantity == "outcome" else _word(contents, clause, worst, units)
+    known = clause.quantity == "outcome" and not np.isnan(worst)  # else masked (`dataset.where`)
+    word = OUTCOMES[int(worst)] if known else _word(contents, clause, worst, units)
     return Verdict(clause, text, points, bad, word, _place(contents, clause, where, units))
 
 

@@ -214,8 +214,8 @@ def figure_of(
     several: list[xarray.Dataset] = (
         [*dataset] if isinstance(dataset, list | tuple) else [cast("xarray.Dataset", dataset)]
     )
-    if any("axes" not in each.attrs for each in several) or not several:
-        raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
+    if not several:
+        raise StudyError("an empty list: expected one dataset of `rock run` or rockcli.run, or several")
     if path is not None and path.suffix.lower().lstrip(".") not in FORMATS:
         raise StudyError(f"expected a name that ends in {', '.join('.' + one for one in FORMATS)}", file=path)
     if path is not None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rockcli.errors import StudyError
+from rockcli.scene.variables import PEAK
 from rockcli.storage.checksum import NAME, checksum, note_opened
 from rockcli.storage.contents import Contents
 from rockcli.storage.netcdf import no_dataset
@@ -46,12 +47,42 @@ def as_accessor(name: str, accessor: type) -> None:
         register(name)(accessor)
 
 
+def _laid_out(dataset: Any) -> xarray.Dataset:
+    """A dataset of this program with its dimensions as a file has them, whatever xarray made of it meanwhile.
+
+    Raises:
+        StudyError: it is none, or its cases have dimensions that are no axes.
+    """
+    import xarray
+
+    if not isinstance(dataset, xarray.Dataset):
+        raise StudyError(
+            f"expected a dataset of rockcli.run or rockcli.open_dataset, not {type(dataset).__name__}; "
+            "rockcli.open_dataset(path) reads a file"
+        )
+    laid: xarray.Dataset = dataset
+    if "axes" not in laid.attrs:
+        raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
+    axes = str(laid.attrs["axes"]).split()
+    left = [axis for axis in axes if axis in laid.dims]
+    for name in {"outcome", PEAK} & set(laid.variables):
+        if others := [str(dim) for dim in laid[name].dims if dim not in left]:
+            raise StudyError(
+                f"{name!r} is over {', '.join(others)}, which is no axis of the study ({', '.join(axes) or 'none'}): "
+                "give the dataset before dimensions were renamed, stacked or added, or select one point of them"
+            )
+    if "reasons" in laid.variables and not laid["reasons"].dims:  # squeezed, as there was one
+        laid = laid.assign_coords(reasons=("reasons", [laid["reasons"].item()], laid["reasons"].attrs))
+    return laid.transpose(*left, ...)
+
+
 def with_axes_left(dataset: xarray.Dataset) -> xarray.Dataset:
-    """A dataset, or a part of one whose attributes speak of the axes that are left.
+    """A dataset, or a part of one whose attributes speak of the axes that are left; raises as `from_xarray`.
 
     What a suite comes to, and what it is compared to, goes with an axis that has gone.
     """
-    named = str(dataset.attrs.get("axes", "")).split()
+    dataset = _laid_out(dataset)
+    named = str(dataset.attrs["axes"]).split()
     left = [axis for axis in named if axis in dataset.dims]
     if left == named:
         return dataset
@@ -70,11 +101,14 @@ def with_axes_left(dataset: xarray.Dataset) -> xarray.Dataset:
 
 
 def from_xarray(dataset: xarray.Dataset) -> Contents:
-    """What a dataset holds, of a part of one the axes that are left; `StudyError` if it is none of this program."""
+    """What a dataset holds, of a part of one the axes that are left.
+
+    Raises:
+        StudyError: it is none of this program, or its cases have dimensions that are no axes.
+    """
     from rockcli.storage.contents import Field
 
-    if "axes" not in dataset.attrs:
-        raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
+    dataset = _laid_out(dataset)
     axes = tuple(axis for axis in str(dataset.attrs["axes"]).split() if axis in dataset.dims)
     fields = {
         str(name): Field(tuple(map(str, item.dims)), item.values, dict(item.attrs), coordinate=name in dataset.coords)

@@ -413,8 +413,6 @@ def frame_of(
     dataset: xarray.Dataset, *, of: str = CASES, columns: Sequence[str] | None = None, degrees: bool = False
 ) -> pandas.DataFrame:
     """A table of a dataset in memory; see `rockcli.table`."""
-    if "axes" not in dataset.attrs:
-        raise StudyError("is not a dataset of `rock run` or rockcli.run: it does not name its axes")
     dataset = with_axes_left(dataset)
     found = table_of(items_of(dataset), dataset.attrs, of=of, columns=columns, degrees=degrees)
     (block,) = found.blocks(max(found.size, 1))

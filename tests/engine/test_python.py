@@ -219,6 +219,73 @@ def test_a_part_of_a_dataset_is_a_table_a_figure_and_a_report(over, gone, tmp_pa
     assert dataset.attrs["axes"].split() == [*((axis, left) if gone == 0 else (left, axis))]
 
 
+def masked(dataset):
+    return dataset.where(dataset["R"] > 1.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "same"),
+    [
+        (lambda d: d.transpose(), True),
+        (lambda d: d.squeeze(), True),
+        (masked, False),
+    ],
+    ids=["transposed", "squeezed", "masked"],
+)
+def test_what_xarray_makes_of_a_dataset_is_shown_too(change, same, tmp_path):
+    clause = {"quantity": "outcome", "is": "rocking"}
+    more = {
+        "save": {"histories": True, "dt_out": 0.05},
+        "expect": [clause],
+        "case": PULSES["case"] | {"model": "rigid"},
+    }
+    dataset = rockcli.run(PULSES | more)
+    changed = change(dataset)
+    assert changed.rock.report(tmp_path / "changed.html").is_file()
+    assert changed.rock.plot("histories").axes
+    assert changed.rock.plot("map").axes
+    cases, table = dataset.rock.table(), changed.rock.table()
+    if same:
+        assert table[cases.columns].equals(cases)  # squeezed, the one impact of a case stands beside
+        assert repr(changed.rock) == repr(dataset.rock)
+    else:
+        kept = cases[cases["R [m]"] > 1.0]["outcome"].tolist()
+        assert [word for word in table["outcome"] if word] == kept
+        assert sum(changed.rock.outcomes.values()) == len(kept) == 6
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda d: d.rename(block_R="size"),
+        lambda d: d.expand_dims(again=[1, 2]),
+        lambda d: d.stack(size=("block_R", "motion_pulse_a_p")),
+        lambda d: d.assign_coords(size=("block_R", [1, 2])).swap_dims(block_R="size"),
+    ],
+    ids=["renamed", "added", "stacked", "swapped"],
+)
+def test_dimensions_that_are_no_axes_are_told(change, pulses, tmp_path):
+    changed = change(pulses)
+    for ask in (
+        lambda: changed.rock,
+        lambda: rockcli.table(changed),
+        lambda: rockcli.plot(changed),
+        lambda: rockcli.report(changed, tmp_path / "changed.html"),
+    ):
+        with pytest.raises(rockcli.StudyError, match=r"is over (size|again), which is no axis of the study"):
+            ask()
+
+
+@pytest.mark.parametrize("given", [None, "pulses.nc", [], 3, {"case": {}}])
+def test_what_is_no_dataset_is_told(given, tmp_path):
+    asked = [lambda: rockcli.table(given), lambda: rockcli.plot(given)]
+    if not isinstance(given, str):  # a report is of a file too
+        asked.append(lambda: rockcli.report(given, tmp_path / "none.html"))
+    for ask in asked:
+        with pytest.raises(rockcli.StudyError, match=r"expected (a dataset of|one dataset)"):
+            ask()
+
+
 def test_the_scalars_are_one_row_per_case(pulses):
     study = PULSES | {"over": {"axis": "block.R", "along": "a_p"}, "save": {"histories": True, "dt_out": 0.05}}
     dataset = rockcli.run(study)

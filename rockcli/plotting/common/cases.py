@@ -58,8 +58,9 @@ def thresholds_in(dataset: xarray.Dataset, name: str) -> Thresholds:
 
 
 def outcome_at(dataset: xarray.Dataset, position: tuple[int, ...]) -> str:
-    """Meaning of a case's outcome, "" if it was not saved."""
-    return OUTCOMES[int(number_at(dataset, "outcome", position))] if "outcome" in dataset.variables else ""
+    """Meaning of a case's outcome, "" if it was not saved, or is masked (`dataset.where`)."""
+    flag = number_at(dataset, "outcome", position)
+    return "" if np.isnan(flag) else OUTCOMES[int(flag)]
 
 
 def pick(

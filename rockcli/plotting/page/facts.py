@@ -61,7 +61,8 @@ def sentence_of(dataset: xarray.Dataset) -> str:
     """What became of the body, in a sentence; "" where there are no outcomes."""
     if "outcome" not in dataset.variables:
         return ""
-    names = [OUTCOMES[int(flag)] for flag in np.ravel(dataset["outcome"].values)]
+    flags = np.ravel(dataset["outcome"].values)
+    names = [OUTCOMES[int(flag)] for flag in flags[np.isfinite(flags)]]  # what `dataset.where` masks is no case
     overturned = sum(name.startswith("overturned") for name in names)
     rocks, slides, still = (names.count(name) for name in ("rocking", "sliding", "no_uplift"))
     unknown = len(names) - overturned - rocks - slides - still

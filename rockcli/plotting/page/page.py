@@ -173,7 +173,8 @@ def _warnings(dataset: xarray.Dataset) -> str:
     """Warnings about the study, and what the cases have to say, with how many say it."""
     said = [str(sentence) for sentence in json.loads(dataset.attrs.get("warnings", "[]"))]
     if "reason" in dataset.variables and "reasons" in dataset.variables:
-        codes, counts = np.unique(dataset["reason"].values, return_counts=True)
+        numbers = dataset["reason"].values
+        codes, counts = np.unique(numbers[np.isfinite(numbers)], return_counts=True)
         sentences = dataset["reasons"].values
         for code, count in zip(codes, counts, strict=True):
             if sentence := str(sentences[int(code)]):
