@@ -18,7 +18,7 @@ from rockcli.storage import checksum, on_disk
 from rockcli.storage.atomic import replacing
 from rockcli.storage.contents import Contents, Field
 from rockcli.storage.on_disk import blocks, full, let_go, put, taken
-from rockcli.storage.places import reason
+from rockcli.storage.places import reason, unnameable
 
 _COMPRESSED_FROM = 4096
 """Values from which a variable is compressed (lossless)."""
@@ -165,7 +165,7 @@ def open_file(path: Path) -> Iterator[Any]:
     except OSError as error:
         raise StudyError(no_dataset(path) or f"cannot be opened as netCDF: {error.strerror or error}", path) from None
     except Exception as error:  # the library has many words for bytes that mean nothing
-        raise StudyError(f"is damaged: {error}", file=path) from None
+        raise StudyError(no_dataset(path) or f"is damaged: {error}", file=path) from None
     with file:
         try:
             names = set(file.ncattrs())
@@ -177,12 +177,18 @@ def open_file(path: Path) -> Iterator[Any]:
 
 
 def no_dataset(path: Path) -> str:
-    """What a file is instead of a dataset, and what to type; "" where its name does not tell."""
+    """What a file is instead of a dataset, and what to type; "" where that is not to be seen."""
+    if path.is_dir():
+        return "is a folder; give the dataset in it (<name>.nc)"
+    if not path.exists():
+        return "no such file"
     if path.suffix.lower() in (".yaml", ".yml"):
         return f"is a study, not a dataset: `rock run {path}` makes one, results/NAME/NAME.nc"
     if path.is_file() and path.suffix.lower() not in (".nc", ".nc4", ""):
         return f"is no dataset: one that `rock run` wrote is expected, NAME.nc, not *{path.suffix}"
-    return ""
+    if path.is_file() and not path.stat().st_size:
+        return "is empty: a dataset that `rock run` wrote is expected"
+    return unnameable(path.absolute())
 
 
 def _read(path: Path) -> Contents:

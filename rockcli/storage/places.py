@@ -51,6 +51,15 @@ def remove_passing() -> None:
             path.unlink(missing_ok=True)
 
 
+def unnameable(path: Path) -> str:
+    """Why netCDF cannot have a file of this name; "" if it can."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:  # bytes that are no text here
+        return "the name is not in UTF-8, which netCDF needs: choose another"
+    return ""
+
+
 def check_folder(folder: Path) -> None:
     """`StudyError` if a folder neither is there to write in nor can be made."""
     last = Path()
@@ -69,6 +78,8 @@ def check_folder(folder: Path) -> None:
 
 def check_file(path: Path) -> None:
     """`StudyError` if a file can neither be written nor replaced; its folder may be missing."""
+    if path.suffix == ".nc" and (complaint := unnameable(path)):
+        raise StudyError(complaint, file=path)
     check_folder(path.parent)
     mode = _mode(path)
     if mode is not None and stat.S_ISDIR(mode):

@@ -21,10 +21,8 @@ def open_dataset(path: Path) -> xarray.Dataset:
     """Read a dataset file whole; `StudyError` if it cannot be read."""
     import xarray
 
-    if path.is_dir():
-        raise StudyError("is a folder; give the dataset in it (<name>.nc)", file=path)
     if not path.is_file():
-        raise StudyError("no such file", file=path)
+        raise StudyError(no_dataset(path) or "is no file", file=path)
     note_opened(path)
     try:
         with xarray.open_dataset(path, engine="netcdf4") as dataset:
@@ -35,7 +33,8 @@ def open_dataset(path: Path) -> xarray.Dataset:
     except StudyError:
         raise
     except Exception as error:  # the libraries have many words for bytes that mean nothing
-        raise StudyError(no_dataset(path) or f"cannot be read as a dataset: {error}", file=path) from None
+        told = getattr(error, "strerror", None) or error
+        raise StudyError(no_dataset(path) or f"cannot be read as a dataset: {told}", file=path) from None
 
 
 def as_accessor(name: str, accessor: type) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import shutil
 import subprocess
@@ -87,6 +88,36 @@ def test_obstacles(
     said = capsys.readouterr().err
     assert told in said
     assert "bug" not in said
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such names")
+def test_a_name_that_is_no_text_is_told_before_anything_is_solved(
+    rock: Rock, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    odd = os.fsdecode(b"r\xf6ck")
+    monkeypatch.setattr("rockcli.engine.run.run_study", None)
+    assert rock("run", file, "--out", odd) == 2
+    (tmp_path / odd).mkdir()
+    (tmp_path / odd / "x.nc").write_bytes(b"CDF")
+    for command in ("table", "plot"):
+        assert rock(command, f"{odd}/x.nc") == 2
+    said = capsys.readouterr().err
+    assert said.count("the name is not in UTF-8, which netCDF needs: choose another\n") == 3
+    assert said.count("\n") == 3
+
+
+@pytest.mark.parametrize(
+    ("what", "told"),
+    [("folder", "is a folder; give the dataset in it"), ("empty.nc", "is empty"), ("none.nc", "no such file")],
+)
+@pytest.mark.parametrize("command", ["table", "plot", "report", "animate"])
+def test_what_is_there_instead_of_a_dataset(
+    command: str, what: str, told: str, rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "empty.nc").write_bytes(b"")
+    assert rock(command, what) == 2
+    assert f"rock: {what}: {told}" in capsys.readouterr().err
 
 
 def test_scripts_need_a_folder_too(rock: Rock, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
