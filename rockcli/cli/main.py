@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import io
 import os
 import sys
 from collections.abc import Iterator
@@ -100,6 +101,7 @@ def main() -> None:
     """Run the command; every error the user can mend is one sentence on stderr."""
     gc.set_threshold(SELDOM)
     _open_what_is_closed()
+    _print_what_a_stream_lacks()
     with answered(), _dask_left_alone():
         _run()
 
@@ -112,6 +114,13 @@ def _open_what_is_closed() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - until the process ends
+
+
+def _print_what_a_stream_lacks() -> None:
+    """Let streams print a character that their encoding lacks, as cp1252 an alpha, by its number, and not refuse it."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _asked() -> typer.Typer:

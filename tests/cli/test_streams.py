@@ -84,6 +84,21 @@ def test_also_where_nobody_reads_the_errors(tmp_path: Path) -> None:
     assert netcdf.identity(tmp_path / "results" / "a" / "a.nc")
 
 
+@pytest.mark.parametrize("encoding", ["latin-1", "cp1252", "utf-8"])
+def test_what_an_encoding_lacks_is_printed_by_its_number(encoding: str, tmp_path: Path) -> None:
+    (tmp_path / "x.yaml").write_text(
+        "name: x\ncase: {block: {R: 2.0, tan_alpha: 0.2}, initial: {theta: 0.1}}\n"
+        "save: {histories: false}\nvary: {case: {µ α: {}, b: {block.R: 1.0}}}\n",
+        encoding="utf-8",
+    )
+    here = {"cwd": tmp_path, "env": os.environ | {"PYTHONIOENCODING": encoding}, "capture_output": True}
+    command = [sys.executable, "-m", "rockcli"]
+    assert subprocess.run([*command, "run", "x.yaml", "--no-plots"], check=False, **here).returncode == 0  # type: ignore[call-overload]
+    shown = subprocess.run([*command, "table", "results/x/x.nc"], check=False, **here)  # type: ignore[call-overload]
+    assert shown.returncode == 0, shown.stderr
+    assert ("µ α" if encoding == "utf-8" else "µ \\u03b1") in shown.stdout.decode(encoding)
+
+
 def test_what_is_only_shown_is_no_failure(tmp_path: Path) -> None:
     assert read_by_nobody(tmp_path, "show", "variables") == (0, "")
 
