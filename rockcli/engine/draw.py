@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = ("png", "pdf", "svg")
+
+_AS = {"select": "{'pga': 3.0}", "labels": "{'x': 'time [s]'}", "limits": "{'x': (0.0, 2.0)}"}
 
 Asked = Sequence[tuple[str, Look]]
 """Kinds of plot, and how each is wanted."""
@@ -51,7 +54,15 @@ def changes(
     limits: Mapping[str, tuple[float, float]] | None = None,
     letters: bool = False,
 ) -> dict[str, Any]:
-    """What is said of a figure, as parts of the `Look`; `StudyError` for a width that figures cannot have."""
+    """What is said of a figure, as parts of the `Look`; `StudyError` for what no figure can have."""
+    for name, told in (("select", select), ("labels", labels), ("limits", limits)):
+        if told is not None and not isinstance(told, Mapping):
+            raise StudyError(f"{name} is {told!r}; expected a mapping, as {_AS[name]}")
+    if not (title is None or isinstance(title, str)):
+        raise StudyError(f"title is {title!r}; expected words, or None for no title")
+    for row, ends in (limits or {}).items():
+        if not (isinstance(ends, tuple | list) and len(ends) == 2 and all(isinstance(end, Real) for end in ends)):
+            raise StudyError(f"limits of {row!r} are {ends!r}; expected two numbers, as {_AS['limits']}")
     said = {"select": select, "labels": labels, "limits": limits, "letters": letters, "width": width_of(width)}
     return {key: value for key, value in said.items() if value} | ({} if title == "" else {"title": title})
 

@@ -70,10 +70,11 @@ def solve_study(
     """
     from rockcli.storage.read import to_xarray
 
-    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int | np.integer) or workers < 1):
         raise StudyError(f"workers is {workers!r}; expected a whole number of processes greater than 0, or None")
-    study = opened(source, workers or 1)
-    return to_xarray(solve(study, sweep=Sweep(Team(workers or 1), progress=progress)))
+    processes = int(workers or 1)
+    study = opened(source, processes)
+    return to_xarray(solve(study, sweep=Sweep(Team(processes), progress=progress)))
 
 
 def solve(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Contents:

@@ -414,6 +414,8 @@ def frame_of(
 ) -> pandas.DataFrame:
     """A table of a dataset in memory; see `rockcli.table`."""
     dataset = with_axes_left(dataset)
+    if isinstance(columns, str) or not all(isinstance(name, str) for name in columns or ()):
+        raise StudyError(f"columns is {columns!r}; expected a list of names, as ['outcome']")
     found = table_of(items_of(dataset), dataset.attrs, of=of, columns=columns, degrees=degrees)
     (block,) = found.blocks(max(found.size, 1))
     return frame(block)

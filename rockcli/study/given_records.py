@@ -81,9 +81,13 @@ def _name(value: Any, found: Records, name: str | None = None) -> str:
 
 
 def _numbers(value: Any) -> Any:
-    if np.iscomplexobj(value):
-        raise StudyError("`values` of a record are complex; expected a row of accelerations, such as their real part")
     try:
+        if np.iscomplexobj(value):
+            raise StudyError(
+                "`values` of a record are complex; expected a row of accelerations, such as their real part"
+            )
+        if np.asanyarray(value).dtype.kind in "bMmV":  # numpy makes numbers of truths, dates and rows of a table too
+            raise TypeError
         values: Any = np.ma.filled(np.ma.array(value, dtype=float), np.nan)  # what a mask hides is no value
     except (TypeError, ValueError):
         raise StudyError("`values` of a record are not numbers; expected a row of accelerations") from None

@@ -132,6 +132,10 @@ def test_a_motion_that_was_changed_is_another_study(tmp_path, change):
         ({"values": [1.0], "dt": DT, "units": "g"}, "two or more"),
         ({"values": [VALUES, VALUES], "dt": DT, "units": "g"}, "shape"),
         ({"values": "fast", "dt": DT, "units": "g"}, "not numbers"),
+        ({"values": [[1.0, 2.0], [3.0]], "dt": DT, "units": "g"}, "not numbers"),
+        ({"values": VALUES > 0.0, "dt": DT, "units": "g"}, "not numbers"),
+        ({"values": np.arange(600).astype("M8[s]"), "dt": DT, "units": "g"}, "not numbers"),
+        ({"values": np.ones(600, dtype=[("a", float)]), "dt": DT, "units": "g"}, "not numbers"),
         ({"values": VALUES, "file": "a.AT2", "dt": DT, "units": "g"}, "not both"),
         ({"values": trace(), "units": "g", "dt": 0.1}, "leave `dt` out"),
         ({"values": [1.0, float("nan")], "dt": DT, "units": "g"}, "finite"),
@@ -217,6 +221,40 @@ def test_a_part_of_a_dataset_is_a_table_a_figure_and_a_report(over, gone, tmp_pa
     assert part.rock.plot().axes
     assert part.rock.report(tmp_path / "part.html").is_file()
     assert dataset.attrs["axes"].split() == [*((axis, left) if gone == 0 else (left, axis))]
+
+
+@pytest.mark.parametrize(
+    ("how", "words"),
+    [
+        ({"select": "a_p=3"}, "select is 'a_p=3'; expected a mapping"),
+        ({"limits": (0, 1)}, "limits is .* expected a mapping"),
+        ({"limits": {"x": 1}}, "limits of 'x' are 1; expected two numbers"),
+        ({"limits": {"x": (0, None)}}, "limits of 'x' are .* expected two numbers"),
+        ({"limits": {"z": (0, 1)}}, "limits of 'z': expected x or y"),
+        ({"labels": {"ylabel": "words"}}, "labels of 'ylabel': expected x or y"),
+        ({"title": 3}, "title is 3; expected words"),
+    ],
+)
+def test_what_is_wrong_with_a_figure_is_said(how, words, pulses):
+    with pytest.raises(rockcli.StudyError, match=words):
+        rockcli.plot(pulses, "map", **how)
+
+
+@pytest.mark.parametrize("columns", ["outcome", [1]])
+def test_columns_are_a_list_of_names(columns, pulses):
+    with pytest.raises(rockcli.StudyError, match="expected a list of names"):
+        rockcli.table(pulses, columns=columns)
+
+
+def test_numbers_of_numpy_are_numbers(pulses):
+    assert rockcli.run(PULSES, workers=np.int64(2)).attrs["checksum"] == pulses.attrs["checksum"]
+    axis = pulses["motion_pulse_a_p"]
+    for values in (axis.values[1:3], axis[1:3]):
+        shown = rockcli.plot(pulses, "map", select={"a_p": values, "block.R": [1.0, 2.0]})
+        listed = rockcli.plot(pulses, "map", select={"a_p": np.asarray(values).tolist(), "block.R": [1.0, 2.0]})
+        assert [axes.get_xlim() for axes in shown.axes] == [axes.get_xlim() for axes in listed.axes]
+    one = rockcli.plot(pulses, "curve", select={"a_p": axis[1:], "block.R": pulses["block_R"][1]})
+    assert one.axes
 
 
 def masked(dataset):

@@ -70,6 +70,8 @@ def _of_axes(
     found = []
     for name, value in said.items():
         direction, number = name[:1], name[1:]
+        if direction not in ("x", "y") or (number and not number.isdecimal()):
+            raise StudyError(f"plot {kind!r}: {what} of {name!r}: expected x or y, or y1, y2, ... of rows of panels")
         if number and not 1 <= int(number) <= len(rows):
             raise StudyError(f"plot {kind!r}: {what} of {name}: it has {len(rows)} rows of panels")
         chosen = rows[int(number) - 1 : int(number)] if number else rows

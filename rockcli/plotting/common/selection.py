@@ -49,7 +49,8 @@ def selected(
     words = []
     for said, values in chosen.items():
         axis = _axis(dataset, said, beside)
-        every = values if isinstance(values, list | tuple) else [values]
+        many = np.asarray(values).tolist() if hasattr(values, "__array__") else values
+        every = many if isinstance(many, list | tuple) else [many]
         places = list(dict.fromkeys(place_on(dataset, axis, value) for value in every))
         if dataset.sizes[axis] > 1:
             words.append(" and ".join(coordinate_label(dataset, axis, place) for place in places))
