@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +26,10 @@ class Opened:
 
 
 def study_files(paths: Sequence[Path]) -> list[Path]:
-    """Files as given, folders searched for *.yaml and *.yml (sorted); `StudyError` for what is not there."""
+    """Files as given, once each whatever leads there, folders searched for *.yaml and *.yml (sorted).
+
+    Raises `StudyError` for what is not there.
+    """
     files: list[Path] = []
     for path in paths:
         if path.is_dir():
@@ -37,7 +41,10 @@ def study_files(paths: Sequence[Path]) -> list[Path]:
             files.append(path)
         else:
             raise StudyError("no such file or folder", file=path)
-    return list(dict.fromkeys(files))
+    first: dict[str, Path] = {}
+    for file in files:
+        first.setdefault(os.path.realpath(file), file)
+    return list(first.values())
 
 
 def overrides(assignments: Sequence[str]) -> tuple[tuple[str, str], ...]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from handmade import MODEL, SLENDER, answer, clause, make_study, solve_by
 
+from rockcli.cli.sources import study_files
 from rockcli.engine.lock import LOCK_NAME, locked
 from rockcli.engine.run import run_study
 from rockcli.engine.summary import SOLVED, UP_TO_DATE, RunReport, exit_code
@@ -153,3 +154,14 @@ def test_the_dataset_carries_its_provenance(tmp_path: Path, calls: list[int]) ->
     assert "detrended" in attrs["processing"]
     assert '"numpy"' in attrs["versions"]
     assert report.warnings == ("mind",)
+
+
+def test_a_study_is_run_once_whatever_leads_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a").mkdir()
+    first, other = tmp_path / "a" / "x.yaml", tmp_path / "a" / "y.yaml"
+    first.write_text("name: x\n")
+    other.write_text("name: y\n")
+    (tmp_path / "link.yaml").symlink_to(first)
+    monkeypatch.chdir(tmp_path)
+    given = [Path("a/y.yaml"), first, Path("a"), Path("a/../a/x.yaml"), Path("link.yaml"), Path("a/y.yaml")]
+    assert study_files(given) == [Path("a/y.yaml"), first]
