@@ -63,12 +63,22 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
         name=f"{one.name} + {two.name}",
         sha256=hashlib.sha256(both.encode()).hexdigest(),
         processing=(*steps, direction),
-        warnings=tuple(
-            f"{motion.name}: {sentence}" for motion in (one, two) for sentence in told_of_horizontal(motion)
+        warnings=(
+            *(f"{motion.name}: {sentence}" for motion in (one, two) for sentence in told_of_horizontal(motion)),
+            *((f"{one.name} {elsewhere}",) if (elsewhere := of_other_places(one, two)) else ()),
         ),
         component="",
         header={key: one.header[key] for key in ("start", "first_time") if key in one.header},
     )
+
+
+def of_other_places(one: Motion, two: Motion) -> str:
+    """That two components are of two events or stations, as both files say; "" if they do not."""
+    for key in ("event", "station"):
+        first, second = (str(motion.header.get(key) or "") for motion in (one, two))
+        if first and second and first.casefold() != second.casefold():
+            return f"is of {key} {first}, {two.name} of {second}: two components are of one motion"
+    return ""
 
 
 def refuse_other_start(one: Motion, two: Motion) -> None:

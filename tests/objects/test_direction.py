@@ -97,6 +97,17 @@ def test_a_vertical_motion_that_begins_at_another_time_is_told():
                                                             "from their first samples on" for x in said]  # fmt: skip
 
 
+def test_components_of_two_stations_are_told(tmp_path):
+    for name, station, component in (("a", "Izmit", "090"), ("b", "Duzce", "180"), ("c", "Izmit", "180")):
+        titles = ["RECORD", f"Kocaeli, 8/17/1999, {station}, {component}"]
+        (tmp_path / f"{name}.AT2").write_text(at2_text(np.ones(9), 0.01, titles, tmp_path))
+    for other, said in (("b", True), ("c", False)):
+        files = [str(tmp_path / f"{name}.AT2") for name in ("a", other)]
+        motion = {"record": {"file": files, "angle": 0.5}}
+        told = rockcli.check({"case": {"block": BLOCK, "motion": motion}})["warnings"]
+        assert any("a.AT2 is of station Izmit, b.AT2 of Duzce" in one for one in told) is said
+
+
 def test_a_vertical_component_that_is_taken_as_horizontal_is_told(tmp_path):
     for component in ("UP", "090"):
         titles = ["RECORD", f"Kocaeli, 8/17/1999, Izmit, {component}"]
