@@ -96,3 +96,20 @@ def test_an_interrupt_is_answered(script: str, kernels: str, wait: float, by: in
     assert told.count("\n") == 1
     assert seconds < 15.0  # below one on an idle machine; half a minute without an answer
     assert list((tmp_path / "results" / "long").iterdir()) == []
+
+
+IMPORTING = """\
+import os, signal, sys
+class Slow:
+    def find_spec(self, name, *_):
+        if name == "rockcli.cli.main":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Slow())
+from rockcli.__main__ import main
+main()
+"""
+
+
+def test_an_interrupt_while_modules_are_imported_ends_the_command() -> None:
+    ended = subprocess.run([sys.executable, "-c", IMPORTING, "run"], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "rock: interrupted\n")
