@@ -16,7 +16,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Samples
 from rockcli.scene.ground.spectra import FloorSpectrum
 from rockcli.scene.laws.damping import Fema356
-from rockcli.scene.rules import RULES, Facts, Spectra
+from rockcli.scene.rules import RULES, Facts, Rule, Spectra
 from rockcli.solvers import fema356
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.study.cases.buildable import buildable
@@ -45,6 +45,8 @@ class Misled:
         name: of the rule; edition: of its standard, or the year of its paper; cases: where both have an answer.
         unconservative: the rule lets stand what the history overturns; false_alarms: the opposite.  A case of which a
             part of the runs overturns counts by that part.
+        of_slide: it tells a distance instead: unconservative where a body that stands slides farther, false alarm
+            where it does not slide at all.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Misled:
     unconservative: float
     false_alarms: float
     edition: str = ""
+    of_slide: bool = False
 
 
 def check_rules(study: Study) -> None:
@@ -87,7 +90,7 @@ def with_rules(contents: Contents, study: Study) -> Contents:
 
 def misled(contents: Contents) -> tuple[Misled, ...]:
     """Every rule in a dataset against the outcomes in it, of cases with a motion: a given spectrum needs none."""
-    asked = [rule for rule in RULES.values() if rule.of_overturning and rule.variable in contents.fields]
+    asked = [rule for rule in RULES.values() if rule.variable in contents.fields]
     if "outcome" not in contents.fields or not asked:
         return ()
     share = members_of(contents).share
@@ -97,11 +100,22 @@ def misled(contents: Contents) -> tuple[Misled, ...]:
     for rule in asked:
         values = contents.values(rule.variable)
         both = ~np.isnan(share) & ~np.isnan(values)
+        if not rule.of_overturning:
+            if "slide_peak" in contents.fields:
+                slide = contents.values("slide_peak")
+                found.append(_by_distance(rule, values, slide, both & (share == 0.0) & ~np.isnan(slide)))
+            continue
         predicted = np.isinf(values) | (values > rule.limit)
         unconservative, false_alarms = share[both & ~predicted].sum(), (1.0 - share)[both & predicted].sum()
         counted = float(unconservative), float(false_alarms)
         found.append(Misled(rule.name, int(both.sum()), *counted, rule.edition))
     return tuple(found)
+
+
+def _by_distance(rule: Rule, values: Array, slide: Array, stands: NDArray[np.bool_]) -> Misled:
+    """A rule that tells a distance [m] against how far the bodies slide that do not overturn."""
+    farther, still = stands & (slide > values), stands & (slide == 0.0) & (values > 0.0)
+    return Misled(rule.name, int(stands.sum()), int(farther.sum()), int(still.sum()), rule.edition, of_slide=True)
 
 
 def _evaluate(name: str, batch: Batch, given: FloorSpectrum | None, known: dict[tuple[object, ...], Array]) -> Array:

@@ -88,7 +88,8 @@ def _rules(report: RunReport) -> list[str]:
         return [_row("rules", "held against no history, which needs a ground motion and an outcome")]
     lines = []
     for number, rule in enumerate(speaking):
-        missed = f"{rule.unconservative:.4g} unconservative (stable by the rule, overturned by the history)"
+        what = "slides farther" if rule.of_slide else "stable by the rule, overturned by the history"
+        missed = f"{rule.unconservative:.4g} unconservative ({what})"
         words = f"{rule.name}: {missed}, {rule.false_alarms:.4g} false alarms, of {rule.cases} ({rule.edition})"
         lines.append(_row("rules" if number == 0 else "", words))
     return lines

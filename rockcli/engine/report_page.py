@@ -152,7 +152,7 @@ def _rules_table(contents: Contents) -> list[Table]:
         for r in misled(contents)
         if r.cases
     ]
-    note = "unconservative: stable by the rule, overturned by the history; false alarm: the opposite"
+    note = "unconservative: stable by the rule, overturned by the history, or slides farther; false alarm: the opposite"
     return [("Rules of thumb and code checks", head, rows, note)] if rows else []
 
 

@@ -193,7 +193,17 @@ def test_sliding_on_the_spectrum_of_the_motion() -> None:
         f = np.sqrt(c_s / slide) / (2.0 * np.pi)
         S_a = (2.0 * np.pi * f) ** 2 * spectral_displacement(f, 0.1, 0.6 * G)
         assert S_a == pytest.approx(c_s, rel=0.01)
-    assert misled(contents) == ()  # it tells nothing of overturning
+    (counted,) = misled(contents)
+    slid = contents.values("slide_peak")
+    assert (slid[:2] > 0.0).all()
+    assert slid[2] == 0.0  # it rocks
+    assert (slid < found).tolist() == [True, True, False]
+    assert (counted.cases, counted.unconservative, counted.false_alarms) == (3, 0, 0)
+    weak = {"periods": [0.02, 1.0, 8.0], "S_a": [0.01, 0.01, 0.001], "units": "g"}
+    (counted,) = misled(
+        solved(case=case, vary={"block.mu": [0.2, 0.3, 0.7]}, rules=["asce43_sliding"], rules_spectrum=weak)
+    )
+    assert (counted.cases, counted.unconservative, counted.false_alarms) == (3, 2, 0)  # no slide by the rule
     assert np.isnan(solved(rules=["asce43_sliding"]).values("asce43_slide"))  # no friction is given
 
 
