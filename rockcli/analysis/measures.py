@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.pulse_extremes import extremes, extremes_of_both_signs
 from rockcli.motion.measures import velocity
-from rockcli.scene.ground.excitation import AMPLITUDES, BELL, LINEAR, PIECE_WIDTH, WAVES, Channel, Pulses, Samples
+from rockcli.scene.ground.excitation import (
+    AMPLITUDE_COLUMNS,
+    BELL,
+    LINEAR,
+    PIECE_WIDTH,
+    WAVES,
+    Channel,
+    Pulses,
+    Samples,
+)
 
 Array = NDArray[np.float64]
 
@@ -96,7 +105,7 @@ def _of_pulses(pulses: Pulses, until: Array) -> tuple[Array, Array]:
     table = pulses.table.copy()
     table[:, :, PIECE_WIDTH - 1] = 0.0
     kinds = pulses.table[:, :, 2]
-    for columns, scale in ((AMPLITUDES, 1.0 / a_p), (_RATES, 1.0 / pulses.omega_p), (_TIMES, pulses.omega_p)):
+    for columns, scale in ((AMPLITUDE_COLUMNS, 1.0 / a_p), (_RATES, 1.0 / pulses.omega_p), (_TIMES, pulses.omega_p)):
         for kind, of_kind in columns.items():
             for column in of_kind:
                 table[:, :, column] *= np.where(kinds == kind, scale[:, None], 1.0)

@@ -14,11 +14,11 @@ from itertools import combinations
 from typing import Any
 
 from rockcli.motion.units import UNIT_NAMES
+from rockcli.scene.ground.amplitudes import PULSE_AMPLITUDES, PULSE_FREQUENCIES
 from rockcli.scene.ground.pulses import SHAPES
 from rockcli.scene.laws.damping import SCHEMES
 from rockcli.scene.thresholds import FOUND
 from rockcli.scene.variables import IMPACT, ROTATION, TIME, VARIABLES
-from rockcli.study.building.pulse import AMPLITUDE, FREQUENCY
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS
 from rockcli.study.document.overlay import ALTERNATIVES, KINDS, SIZES
 from rockcli.study.document.values import NUMBER_SCHEMA
@@ -305,7 +305,7 @@ def _complete(schema: Schema) -> None:
     """A case that no axis changes is whole: its body has two sizes or a shape, its pulses amplitude and frequency."""
     sizes = [_given(*sorted(group)) for group in SIZES]
     body = {"anyOf": [_given("outline", "parts", "mesh"), *({"allOf": list(pair)} for pair in combinations(sizes, 2))]}
-    pulse = {"if": {"type": "object"}, "then": {"allOf": [_given(*AMPLITUDE), _given(*FREQUENCY)]}}
+    pulse = {"if": {"type": "object"}, "then": {"allOf": [_given(*PULSE_AMPLITUDES), _given(*PULSE_FREQUENCIES)]}}
     motion = {"if": {"type": "object"}, "then": {"properties": {"pulse": pulse}}}
     whole = {"properties": {"case": {"properties": {"block": body, "motion": motion}}}}
     _add(schema, [{"if": {"not": _given("vary", "uncertain")}, "then": whole}])

@@ -275,6 +275,7 @@ def test_accelerations_are_in_g() -> None:
         ("block.R", "motion.pulse.T_p", (1, 0)),
         ("block.R", "motion.pulse.a_p", (0, 1)),
         ("motion.record.pga", "block.R", (1, 0)),
+        ("block.R", "motion.floor_pga", (0, 1)),
         ("motion.pulse.a_p", "motion.pulse.f_p", (1, 0)),
         ("motion.pulse.omega_p_over_p", "motion.pulse.a_p", (0, 1)),
         ("block.R", "block.alpha", (1, 0)),

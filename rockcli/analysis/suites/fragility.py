@@ -14,9 +14,9 @@ from rockcli.analysis.suites.members import Members
 from rockcli.analysis.suites.uncertainty import independent_rows
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.axis_path import axis_path
+from rockcli.scene.ground.amplitudes import AMPLITUDES
 from rockcli.scene.variables import LIMIT, PEAK, PERCENTILE, PERCENTILES, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
-from rockcli.study.cases.suite_axes import AMPLITUDES
 from rockcli.study.intensity import bare, period_of
 from rockcli.study.study import Limit, Over, Study
 

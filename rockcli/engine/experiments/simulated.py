@@ -21,11 +21,11 @@ from rockcli.engine.sweep.sweep import Progress
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
 from rockcli.scene.batch import Batch
+from rockcli.scene.ground.amplitudes import RECORD_SCALINGS
 from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.response import overturned
 from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.document.loader import load_file, load_mapping
-from rockcli.study.document.paths import SCALING
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Source, value_at
 from rockcli.study.identity import as_yaml, plain
@@ -161,7 +161,7 @@ def _check(where: Source, tree: Map, runs: Runs) -> None:
         raise where.error(tree, ("case", "motion", "pulse"), ": the motions are the records of the runs")
     if isinstance(value_at(tree, ("case", "motion", "record", "file")), list):
         raise where.error(tree, ("case", "motion", "record", "file"), "names two components; a run has one record")
-    for key in SCALING:
+    for key in RECORD_SCALINGS:
         if value_at(tree, ("case", "motion", "record", key)) is not None:
             raise where.error(
                 tree, ("case", "motion", "record", key), "is that of each run: give it as column `scale` of the runs"

@@ -38,6 +38,7 @@ from rockcli.plotting.common.style import (
     panel_title,
     width_or,
 )
+from rockcli.scene.ground.amplitudes import AMPLITUDES, PULSE_FREQUENCIES
 from rockcli.scene.response import NO_UPLIFT, OUTCOMES, ROCKING, SLIDING, outcome_words
 
 if TYPE_CHECKING:
@@ -56,14 +57,10 @@ _ROCKING = LinearSegmentedColormap.from_list("rocking", ["#DCECF8", "#9CC9E6", "
 _SLIDING = "////"
 """Hatch of bodies that slide while they rock, or before they overturn."""
 
-_FREQUENCIES = ("omega_p_over_p", "omega_p", "f_p", "T_p")
-
 UPLIFT = "uplift"
 """Mark of the line at which a body lifts."""
 
 _ACCELERATIONS = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha")
-
-_AMPLITUDES = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "sa", "scale")
 
 
 def plane(dataset: xarray.Dataset) -> tuple[str, str] | None:
@@ -75,11 +72,11 @@ def plane(dataset: xarray.Dataset) -> tuple[str, str] | None:
     if len(numeric) < 2:
         return None
     role = {a: path_of(dataset, a).split(".")[-1] for a in numeric}
-    of_motion = (*_FREQUENCIES, *_AMPLITUDES)
+    of_motion = (*PULSE_FREQUENCIES, *AMPLITUDES)
     chosen = sorted(numeric, key=lambda a: (-dataset.sizes[a], role[a] not in of_motion))[:2]
     first, last = sorted(chosen, key=numeric.index)
-    lies = [role[a] in _FREQUENCIES for a in (first, last)]
-    stands = [role[a] in _AMPLITUDES for a in (first, last)]
+    lies = [role[a] in PULSE_FREQUENCIES for a in (first, last)]
+    stands = [role[a] in AMPLITUDES for a in (first, last)]
     turned = (lies[0] and not lies[1]) or (stands[1] and not stands[0])
     return (first, last) if turned else (last, first)
 

@@ -18,6 +18,7 @@ from rockcli.plotting.common.labels import (
     shown_unit,
     whose,
 )
+from rockcli.scene.ground.amplitudes import AMPLITUDES
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.thresholds import BELOW, FOUND, IN_RANGE, NONE, Thresholds
 from rockcli.scene.variables import HAZARD, LIMIT, PEAK
@@ -25,10 +26,6 @@ from rockcli.scene.variables import HAZARD, LIMIT, PEAK
 if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
-
-_AMPLITUDES = (
-    "a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha", "pgv", "sa", "scale", "floor_pga", "floor_scale",
-)  # fmt: skip
 
 _OVERTURNED = [flag for flag, name in OUTCOMES.items() if name.startswith("overturned")]
 
@@ -200,7 +197,7 @@ def _overturning(dataset: xarray.Dataset) -> list[Fact]:
         return []
     for axis in axes_of(dataset):
         role = path_of(dataset, axis).rsplit(".", 1)[-1]
-        if role in _AMPLITUDES and is_numeric(dataset, axis):
+        if role in AMPLITUDES and is_numeric(dataset, axis):
             others = [dim for dim in dataset["outcome"].dims if dim != axis]
             fell = dataset["outcome"].isin(_OVERTURNED).any(dim=others).values
             if fell.any():

@@ -29,7 +29,7 @@ BELL    (d0 + d1 y + d2 y^2 + d3 y^3) exp(-y^2/2), y = c1 (t - c0), d = c[2:6]
 PIECE_WIDTH = 14
 """Columns of a row: t_a, t_b, kind, c0 ... c9, and a bound of |a| over this piece and all later ones."""
 
-AMPLITUDES = {LINEAR: (3, 4), WAVES: (4, 7, 10), BELL: (5, 6, 7, 8)}
+AMPLITUDE_COLUMNS = {LINEAR: (3, 4), WAVES: (4, 7, 10), BELL: (5, 6, 7, 8)}
 """Columns of a piece of each kind that are proportional to the amplitude of the pulse."""
 
 
@@ -141,7 +141,7 @@ def scaled(channel: Channel, factor: float | Array) -> Channel:
         return replace(channel, factor=channel.factor * factor, ground=ground)
     table, each = channel.table.copy(), np.broadcast_to(factor, len(channel.table))[:, None]
     table[:, :, PIECE_WIDTH - 1] *= np.abs(each)
-    for kind, columns in AMPLITUDES.items():
+    for kind, columns in AMPLITUDE_COLUMNS.items():
         for column in columns:
             table[:, :, column] *= np.where(table[:, :, 2] == kind, each, 1.0)
     return replace(channel, table=table, a_p=channel.a_p * factor)
@@ -178,7 +178,7 @@ def _beside_scale(channel: Channel | None, n: int) -> list[bytes]:
         return [sha256(channel.values.tobytes() + np.float64(channel.dt).tobytes()).digest()] * n
     table = channel.table.astype(np.float32)  # periods said in two ways differ in their last bits
     table[:, :, PIECE_WIDTH - 1] = 0.0
-    for kind, columns in AMPLITUDES.items():
+    for kind, columns in AMPLITUDE_COLUMNS.items():
         for column in columns:
             table[:, :, column] *= table[:, :, 2] != kind
     return [channel.shape.encode() + table[i].tobytes() for i in range(n)]

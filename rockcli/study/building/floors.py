@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from rockcli.motion.floors import BETWEEN, RINGS_TO, Arrival, Chain
 from rockcli.motion.options import MAX_SAMPLES
 from rockcli.motion.spectrum import forcing
-from rockcli.scene.ground.excitation import AMPLITUDES, PIECE_WIDTH, Pulses, Samples, scaled
+from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, RECORD_SCALINGS
+from rockcli.scene.ground.excitation import AMPLITUDE_COLUMNS, PIECE_WIDTH, Pulses, Samples, scaled
 from rockcli.study.building.numbers import Numbers, in_range
 from rockcli.study.building.pulse import build_pulses, unit_pulses
 from rockcli.study.building.records import Records
 from rockcli.study.document.expressions import Value
-from rockcli.study.document.paths import SCALING
 from rockcli.study.document.tree import Keys
 
 Array = NDArray[np.float64]
@@ -26,7 +26,6 @@ ARRIVES = "the peak acceleration that arrives is"
 
 THROUGH: Keys = ("case", "motion", "through")
 PULSE: Keys = ("case", "motion", "pulse")
-OF_ARRIVAL = ("floor_scale", "floor_pga")
 
 PULSE_STEP = 1.0 / 40.0
 """Longest time between samples of what a pulse makes of a floor, over the period of the pulse."""
@@ -49,7 +48,7 @@ def waveforms(numbers: Numbers) -> Array | None:
         return np.stack(columns, axis=1)
     table = build_pulses(numbers, PULSE, []).table.copy()
     table[:, :, PIECE_WIDTH - 1] = 0.0
-    for kind, amplitudes in AMPLITUDES.items():
+    for kind, amplitudes in AMPLITUDE_COLUMNS.items():
         for column in amplitudes:
             table[:, :, column] *= table[:, :, 2] != kind
     return np.concatenate([np.stack(columns, axis=1), table.reshape(numbers.n, -1)], axis=1)
@@ -146,7 +145,7 @@ def _chain(numbers: Numbers) -> list[tuple[Value, Value]]:
 
 def _floor_scale(numbers: Numbers, peak: float, factor: Array) -> Value:
     """What arrives is multiplied with."""
-    given = [key for key in OF_ARRIVAL if getattr(numbers.case.motion, key) is not None]
+    given = [key for key in FLOOR_SCALINGS if getattr(numbers.case.motion, key) is not None]
     if not given:
         return 1.0
     keys: Keys = ("case", "motion", given[-1])
@@ -158,7 +157,7 @@ def _floor_scale(numbers: Numbers, peak: float, factor: Array) -> Value:
     if given[0] == "floor_scale":
         return value
     record = numbers.case.motion.record
-    for key in SCALING:
+    for key in RECORD_SCALINGS:
         if record is not None and getattr(record, key) is not None:
             numbers.fail(keys, f"says how strong what arrives is, and record.{key} the ground; leave one out")
     arrives = peak * np.abs(factor)

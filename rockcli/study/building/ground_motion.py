@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
 from rockcli.scene.constants import STANDARD_G
+from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, RECORD_SCALINGS
 from rockcli.scene.ground.excitation import Channel, Excitation, Samples, Suite
-from rockcli.study.building.floors import OF_ARRIVAL, goes_through, of_pulse, of_record
+from rockcli.study.building.floors import goes_through, of_pulse, of_record
 from rockcli.study.building.numbers import Motions, Numbers, in_range
 from rockcli.study.building.pulse import build_pulses
 from rockcli.study.building.records import MissingRecordError, Prepared, Records
 from rockcli.study.document.expressions import Value
-from rockcli.study.document.paths import SCALING
 from rockcli.study.document.tree import Keys, dotted, place
 from rockcli.study.intensity import period_of
 from rockcli.study.schema import CasePart, MotionPart, Part, RecordPart, VerticalPart
@@ -41,7 +41,7 @@ def alike_but_for_records(case: CasePart, *, directions: bool) -> bool:
     """
     motion, record = case.motion, case.motion.record
     beside = motion.pulse is not None or motion.vertical is not None or motion.duration is not None
-    beside |= any(getattr(motion, key) for key in ("through", *OF_ARRIVAL))
+    beside |= any(getattr(motion, key) for key in ("through", *FLOOR_SCALINGS))
     scheme = getattr(case.damping, "scheme", None)
     if record is None or beside or scheme == "fema356":
         return False
@@ -56,7 +56,7 @@ def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) ->
         StudyError: more than one motion, a scaling that cannot be.
         RecordError: a record is missing or cannot be read.
     """
-    for key in ("through", *OF_ARRIVAL):
+    for key in ("through", *FLOOR_SCALINGS):
         said = getattr(numbers.case.motion, key)
         if said and numbers.case.motion.pulse is None and numbers.case.motion.record is None:
             numbers.fail((*MOTION, key), "needs a motion of the ground: a pulse or a record")
@@ -191,7 +191,7 @@ def sa_name(numbers: Numbers, keys: Keys) -> str:
     """
     record: RecordPart = numbers.said(keys)
     if record.sa is None:
-        if record.sa_period is not None and all(getattr(record, key) is None for key in SCALING):
+        if record.sa_period is not None and all(getattr(record, key) is None for key in RECORD_SCALINGS):
             numbers.fail((*keys, "sa_period"), "is the period of `sa`, which the record does not give")
         return ""
     period = numbers.constant((*keys, "sa_period"))
@@ -239,7 +239,7 @@ def _factor(
     polarity = numbers.value((*keys, "polarity"))
     if polarity is not None:
         numbers.require((*keys, "polarity"), np.abs(polarity) == 1.0, "must be 1 or -1")
-    scaling = next((key for key in SCALING if getattr(record, key) is not None), "file")
+    scaling = next((key for key in RECORD_SCALINGS if getattr(record, key) is not None), "file")
     in_range(numbers, (*keys, scaling), amplitude * of_g * np.maximum(measures["pga"], measures["pgv"]))
     return numbers.array(amplitude * of_g * (1.0 if polarity is None else polarity)), amplitude
 
@@ -315,7 +315,7 @@ def _at_its_key(numbers: Numbers, keys: Keys, error: RecordError) -> RecordError
 def _amplitude(numbers: Numbers, keys: Keys, measures: Mapping[str, Value], of_g: Value, inherited: Value) -> Value:
     """What the processed motion is multiplied with; its own scaling, or the one inherited."""
     record: RecordPart = numbers.said(keys)
-    given = [key for key in SCALING if getattr(record, key) is not None]
+    given = [key for key in RECORD_SCALINGS if getattr(record, key) is not None]
     if not given:
         return inherited
     if len(given) > 1:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.ground.amplitudes import PULSE_AMPLITUDES, PULSE_FREQUENCIES
 from rockcli.scene.ground.excitation import Pulses
 from rockcli.scene.ground.pulses import SHAPES, make_pulses, mavroeidis_papageorgiou_peak
 from rockcli.study.building.numbers import Numbers, in_range
@@ -16,8 +17,6 @@ from rockcli.study.schema import PulsePart
 
 Array = NDArray[np.float64]
 
-AMPLITUDE = ("a_p", "a_p_over_g_tan_alpha", "A")
-FREQUENCY = ("omega_p", "T_p", "f_p", "omega_p_over_p")
 OPTIONS = ("cycles", "gamma", "nu", "A")
 
 WAVELET = "mavroeidis_papageorgiou"
@@ -47,7 +46,8 @@ def _pulses(numbers: Numbers, keys: Keys, warnings: list[str], *, unit: bool = F
         if getattr(pulse, option) is not None and option not in law.options:
             takes = nearest(option, law.options) if law.options else "it takes none"
             numbers.fail((*keys, option), f"is no option of the shape {law.name}; {takes}")
-    amplitude = _one_of(numbers, keys, tuple(k for k in AMPLITUDE if k != "A" or "A" in law.options), "amplitude")
+    names = tuple(name for name in PULSE_AMPLITUDES if name != "A" or "A" in law.options)
+    amplitude = _one_of(numbers, keys, names, "amplitude")
     omega_p = _omega_p(numbers, keys)
     options: dict[str, Array] = {}
     if law.name == WAVELET:
@@ -94,7 +94,7 @@ def _a_p(numbers: Numbers, key: str, value: Value) -> Array:
 
 
 def _omega_p(numbers: Numbers, keys: Keys) -> Array:
-    key = _one_of(numbers, keys, FREQUENCY, "frequency")
+    key = _one_of(numbers, keys, PULSE_FREQUENCIES, "frequency")
     value = _present(numbers.positive((*keys, key)))
     text = numbers.said((*keys, key))
     if key == "omega_p" and isinstance(text, str) and "Hz" in parse(text).names:

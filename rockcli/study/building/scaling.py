@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, RECORD_SCALINGS
 from rockcli.scene.ground.excitation import Samples
-from rockcli.study.building.floors import OF_ARRIVAL
 from rockcli.study.building.ground_motion import MOTION, sa_name
 from rockcli.study.building.numbers import Numbers
-from rockcli.study.document.paths import SCALING
 from rockcli.study.document.tree import Keys
 from rockcli.study.intensity import period_of
 from rockcli.study.schema import RecordPart
@@ -35,9 +34,9 @@ def _own_key(numbers: Numbers, keys: Keys) -> str:
     record: RecordPart | None = numbers.said((*keys, "record"))
     if record is None:
         return ""
-    given = [key for key in SCALING if getattr(record, key) is not None]
+    given = [key for key in RECORD_SCALINGS if getattr(record, key) is not None]
     if keys == MOTION:
-        given += [key for key in OF_ARRIVAL if getattr(numbers.case.motion, key) is not None]
+        given += [key for key in FLOOR_SCALINGS if getattr(numbers.case.motion, key) is not None]
     key = next(iter(given), "")
     return sa_name(numbers, (*keys, "record")) if key == "sa" else key
 
@@ -117,7 +116,7 @@ class Scaling:
             return f" to pga_over_g_tan_alpha {_words(self.over)}"
         if self.sa[1] > 0.0:
             return f" to {self.key} {_words(self.sa)} g"
-        if self.key in OF_ARRIVAL:
+        if self.key in FLOOR_SCALINGS:
             return f" for {self.key}"
         return f", {INHERITED}" if self.key == INHERITED else ""
 

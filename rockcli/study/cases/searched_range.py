@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch, Save
+from rockcli.scene.ground.amplitudes import AMPLITUDES
 from rockcli.scene.thresholds import BESIDE, FOUND, PARTS
 from rockcli.study.cases.cases import Cases
-from rockcli.study.cases.suite_axes import AMPLITUDES
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.study import Axis, Index, Over

@@ -6,18 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from rockcli.scene.ground.amplitudes import AMPLITUDES
 from rockcli.scene.limit_states import in_full
 from rockcli.scene.variables import PEAK
 from rockcli.study.document.expressions import ExpressionError, constant, parse
-from rockcli.study.document.paths import SCALING
 from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.intensity import GROUND, KNOWN, OF_GROUND, bare, period_of
 from rockcli.study.schema import OverPart, SlideLimitPart
 from rockcli.study.study import Axis, Limit, Over, Searched
-
-AMPLITUDES = (*SCALING, "a_p", "a_p_over_g_tan_alpha", "floor_scale", "floor_pga")
-"""Last parts of paths that are an intensity unless the study names another."""
 
 QUANTITIES = (PEAK, "slide_peak", "slide_residual")
 """Scalars that limit states may be told of."""

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, PULSE_AMPLITUDES, PULSE_FREQUENCIES, RECORD_SCALINGS
 from rockcli.scene.ground.pulses import SHAPES
 from rockcli.scene.laws.damping import SCHEMES
-from rockcli.study.document.paths import SCALING
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Where
 
@@ -23,10 +23,10 @@ Setting = tuple[Path, Any, Where]
 
 ALTERNATIVES: tuple[frozenset[str], ...] = (
     frozenset({"pulse", "record"}),
-    frozenset({"a_p", "a_p_over_g_tan_alpha", "A"}),
-    frozenset({"omega_p", "T_p", "f_p", "omega_p_over_p"}),
-    frozenset(SCALING),
-    frozenset({"floor_scale", "floor_pga"}),
+    frozenset(PULSE_AMPLITUDES),
+    frozenset(PULSE_FREQUENCIES),
+    frozenset(RECORD_SCALINGS),
+    frozenset(FLOOR_SCALINGS),
     frozenset({"eta", "r_energy", "loss"}),
     frozenset({"alpha", "tan_alpha", "slenderness"}),
     frozenset({"h", "height"}),

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import cache
 
 from rockcli.errors import StudyError
+from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, RECORD_SCALINGS
 from rockcli.scene.variables import VARIABLES
 from rockcli.study.document.check import fields_at, is_list_of_parts, is_number
 from rockcli.study.document.tree import nearest
@@ -35,9 +36,6 @@ _BLOCK = (
     "direction",
 )
 _PULSE = ("a_p", "a_p_over_g_tan_alpha", "omega_p", "T_p", "f_p", "omega_p_over_p", "cycles", "t0", "gamma", "nu", "A")
-SCALING = ("scale", "pga", "pgv", "sa", "pga_over_g_tan_alpha")
-"""Keys of a record that say how strong it is, of which one is given."""
-
 _MOTIONS = (("motion",), ("motion", "vertical"))
 
 ARRAYS: frozenset[Path] = frozenset(
@@ -46,10 +44,9 @@ ARRAYS: frozenset[Path] = frozenset(
         *(("case", "block", key) for key in _BLOCK),
         *(("case", "block", "mu", key) for key in ("static", "kinetic")),
         *(("case", *motion, "pulse", key) for motion in _MOTIONS for key in _PULSE),
-        *(("case", *motion, "record", key) for motion in _MOTIONS for key in (*SCALING, "polarity")),
+        *(("case", *motion, "record", key) for motion in _MOTIONS for key in (*RECORD_SCALINGS, "polarity")),
         ("case", "motion", "duration"),
-        ("case", "motion", "floor_scale"),
-        ("case", "motion", "floor_pga"),
+        *(("case", "motion", key) for key in FLOOR_SCALINGS),
         ("case", "initial", "theta"),
         ("case", "initial", "theta_dot"),
         ("case", "initial", "slide_rate"),
