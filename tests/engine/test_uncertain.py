@@ -244,16 +244,18 @@ def test_numbers_for_programs_and_words_for_people():
     assert "Spearman" in report["suite"][2]
 
 
-def test_coefficient_of_a_dashpot_may_be_uncertain():
-    case = {"block": {"R": 2.0, "alpha": ALPHA}, "initial": {"theta": 0.9 * ALPHA}}
-    case["motion"] = {"pulse": {"shape": "sine", "a_p": 2.2, "T_p": 1.0}}
-    dashpot = {"scheme": "dashpot", "coefficient": 0.02}
-    inputs = {"damping.coefficient": {"uniform": [0.01, 0.2]}}
-    found = rockcli.run({"name": "dashpot", "case": case | {"damping": dashpot}, "uncertain": inputs, "samples": 6})
-    drawn = found.sampled_coefficient.values
-    assert len(set(drawn)) == 6
-    for coefficient, peak in zip(drawn, found.theta_peak_over_alpha.values, strict=True):
-        alone = rockcli.run({"case": case | {"damping": dashpot | {"coefficient": float(coefficient)}}})
+@pytest.mark.parametrize(
+    ("scheme", "key", "low", "high"), [("dashpot", "coefficient", 0.01, 0.2), ("fema356", "W_over_Mg", 0.9, 1.1)]
+)
+def test_numbers_of_the_damping_may_be_uncertain(scheme, key, low, high):
+    case = {"block": {"R": 2.0, "alpha": ALPHA}, "motion": {"pulse": {"shape": "sine", "a_p": 2.2, "T_p": 1.0}}}
+    inputs = {f"damping.{key}": {"uniform": [low, high]}}
+    damping = {"scheme": scheme, key: low}
+    found = rockcli.run({"name": scheme, "case": case | {"damping": damping}, "uncertain": inputs, "samples": 6})
+    drawn, peaks = found[f"sampled_{key}"].values, found.theta_peak_over_alpha.values
+    assert len(set(drawn)) == len(set(peaks)) == 6
+    for number, peak in zip(drawn, peaks, strict=True):
+        alone = rockcli.run({"case": case | {"damping": damping | {key: float(number)}}})
         assert float(alone.theta_peak_over_alpha) == pytest.approx(float(peak), rel=1e-12)
 
 

@@ -17,7 +17,7 @@ from rockcli.study.schema import PulsePart
 
 Array = NDArray[np.float64]
 
-OPTIONS = ("cycles", "gamma", "nu", "A")
+OPTIONS = tuple(dict.fromkeys(option for shape in SHAPES.values() for option in shape.options))
 
 WAVELET = "mavroeidis_papageorgiou"
 

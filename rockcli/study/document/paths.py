@@ -7,10 +7,11 @@ from functools import cache
 
 from rockcli.errors import StudyError
 from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, RECORD_SCALINGS
+from rockcli.scene.laws.damping import SCHEMES
 from rockcli.scene.variables import VARIABLES
 from rockcli.study.document.check import fields_at, is_list_of_parts, is_number
 from rockcli.study.document.tree import nearest
-from rockcli.study.schema import RecordPart, StudyPart
+from rockcli.study.schema import PulsePart, RecordPart, StudyPart
 
 Path = tuple[str, ...]
 
@@ -35,7 +36,8 @@ _BLOCK = (
     "depth",
     "direction",
 )
-_PULSE = ("a_p", "a_p_over_g_tan_alpha", "omega_p", "T_p", "f_p", "omega_p_over_p", "cycles", "t0", "gamma", "nu", "A")
+_PULSE = tuple(key for key in PulsePart.model_fields if key != "shape")
+_DAMPING = tuple(key.name for scheme in SCHEMES.values() for key in scheme.keys if key.number)
 _MOTIONS = (("motion",), ("motion", "vertical"))
 
 ARRAYS: frozenset[Path] = frozenset(
@@ -50,10 +52,7 @@ ARRAYS: frozenset[Path] = frozenset(
         ("case", "initial", "theta"),
         ("case", "initial", "theta_dot"),
         ("case", "initial", "slide_rate"),
-        ("case", "damping", "eta"),
-        ("case", "damping", "r_energy"),
-        ("case", "damping", "loss"),
-        ("case", "damping", "coefficient"),
+        *(("case", "damping", key) for key in _DAMPING),
         *(("case", "column", key) for key in ("E", "rho", "zeta")),
         ("case", "base", "kw"),
     ]
