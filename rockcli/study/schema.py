@@ -17,6 +17,7 @@ from pydantic import (
     create_model,
 )
 
+from rockcli.motion.options import DETRENDS, METHODS
 from rockcli.scene.auto import AUTO
 from rockcli.scene.backends import AUTOMATIC, BACKEND_NAMES
 from rockcli.scene.body.column import ACROSS
@@ -28,6 +29,7 @@ from rockcli.scene.laws.models import DEFORMABLE, MODEL_NAMES
 from rockcli.scene.looks import NARROWEST, WIDEST, WIDTHS
 from rockcli.scene.numerics import ACCURACIES, STANDARD
 from rockcli.scene.rules import RULE_NAMES as RULES
+from rockcli.scene.uncertain.samples import LATIN_HYPERCUBE, SAMPLINGS
 from rockcli.study.document.values import (
     LENGTHS,
     NUMBER_SCHEMA,
@@ -57,6 +59,8 @@ PLOTS = (
     "histories", "bending", "phase", "map", "ida", "fragility", "intensities", "risk", "samples", "curves", "spectrum",
     "work_precision", "body", "barriers", "boundaries", "curve", "polar", "motion", "ranking",
 )  # fmt: skip
+"""The kinds of `plotting.figures`, which a study cannot import; `tests/plotting/test_figures.py` compares them."""
+
 CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")
 
 
@@ -184,7 +188,7 @@ class ResamplePart(Part):
     """Another time step for a record."""
 
     dt: Number = key("new time step [s]", ...)
-    method: Literal["lanczos", "fourier", "linear", "weighted_average_slopes"] = key("how", ...)
+    method: Literal[METHODS] = key("how", ...)  # type: ignore[valid-type]
 
 
 class RecordPart(Part):
@@ -201,7 +205,7 @@ class RecordPart(Part):
     units: Text | None = key("units of the file's values, for files that do not say")
     dt: Number | None = key("time step [s], for files that do not say")
     window: Pair | None = key("part kept, [from, to] [s]")
-    detrend: Literal["constant", "demean", "linear", "simple"] | None = key("what is taken off")
+    detrend: Literal[tuple(DETRENDS)] | None = key("what is taken off")  # type: ignore[valid-type]
     taper: TaperPart | None = key("part of the length tapered at each end [1], or {fraction, type}")
     highpass: FilterPart | None = key("corner frequency [1/s], or {freq, corners, zerophase}")
     lowpass: FilterPart | None = key("corner frequency [1/s], or {freq, corners, zerophase}")
@@ -453,9 +457,6 @@ class DistributionPart(Part):
     truncate: Pair | None = key("[from, to]: nothing outside")
 
 
-SAMPLINGS = ("latin_hypercube", "sobol", "random", "saltelli")
-
-
 class HazardPart(Part):
     """A hazard curve: annual rates at which an intensity is exceeded."""
 
@@ -557,8 +558,8 @@ class StudyPart(Part):
     )
     samples: int = key("number of samples", 200, ge=2, le=10_000_000)
     seed: int = key("of the samples: the same seed gives the same samples", 0, ge=0)
-    sampling: Literal[SAMPLINGS] = key(  # type: ignore[valid-type]
-        "how samples are drawn; saltelli: blocks of Sobol points, for Sobol indices", SAMPLINGS[0]
+    sampling: Literal[tuple(SAMPLINGS)] = key(  # type: ignore[valid-type]
+        "how samples are drawn; saltelli: blocks of Sobol points, for Sobol indices", LATIN_HYPERCUBE
     )
     compare_to: dict[str, Any] | None = key("{axis: value} of the reference")
     over: Over = key(

@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from plotting.columns import columns
 
 from rockcli.plotting import figures
-from rockcli.study.schema import PLOTS
 
 
 def rows(figure: Figure) -> list[str]:
@@ -23,8 +22,7 @@ def curves(figure: Figure, label: str) -> list[np.ndarray]:
     return [np.asarray(line.get_ydata(), dtype=float) for line in panel.lines if len(line.get_ydata()) > 2]
 
 
-def test_the_kind_is_known_to_studies_and_suggested_beside_histories():
-    assert "bending" in PLOTS
+def test_the_kind_is_suggested_beside_histories():
     assert figures.default_kinds(columns())[:2] == ("histories", "bending")
 
 

@@ -15,6 +15,7 @@ from rockcli.plotting import figures
 from rockcli.plotting.common.labels import axis_label, coordinate_label, unit_g, variable_label
 from rockcli.plotting.kinds.map import is_log, plane
 from rockcli.scene.variables import VARIABLES
+from rockcli.study.schema import PLOTS
 
 ALPHA, P = np.arctan(0.2), 1.2
 
@@ -95,6 +96,10 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path: Path) -> None:
         elsewhere = [bytes(rng.randrange(1, 4000)) for _ in range(rng.randrange(20_000))][::2]
     assert elsewhere
     assert len({(tmp_path / name).read_bytes() for name in "abcdef"}) == 1
+
+
+def test_a_study_can_ask_for_every_kind_and_for_no_other() -> None:
+    assert sorted(PLOTS) == sorted(figures.KINDS)
 
 
 def test_what_the_content_suggests() -> None:

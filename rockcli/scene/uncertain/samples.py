@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 LATIN_HYPERCUBE, SOBOL, RANDOM, SALTELLI = "latin_hypercube", "sobol", "random", "saltelli"
 
-WORDS: dict[str, str] = {
+SAMPLINGS: dict[str, str] = {
     LATIN_HYPERCUBE: "Latin hypercube samples",
     SOBOL: "scrambled Sobol points",
     RANDOM: "random samples",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.scene.uncertain.distributions import FAMILIES, Distribution
-from rockcli.scene.uncertain.samples import MOST_INPUTS, WORDS, unit_points
+from rockcli.scene.uncertain.samples import MOST_INPUTS, SAMPLINGS, unit_points
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
 from rockcli.study.document.overlay import same_twice
@@ -92,7 +92,7 @@ def placed(variations: Sequence[Variation], sample: Variation, over: OverPart | 
 
 def sentence(uncertain: Uncertain, n: int) -> str:
     """`10000 Latin hypercube samples, seed 0`."""
-    return f"{n} {WORDS[uncertain.sampling]}, seed {uncertain.seed}"
+    return f"{n} {SAMPLINGS[uncertain.sampling]}, seed {uncertain.seed}"
 
 
 def _path(source: Source, study: Map, text: str) -> Path:
