@@ -5,12 +5,10 @@ from __future__ import annotations
 from rockcli.analysis.over_bodies import over_bodies
 from rockcli.scene.variables import OUTLINE
 from rockcli.storage.contents import Contents, variable_field
+from rockcli.study.schema import OUTLINES
 from rockcli.study.study import Study
 
 NAMES = ("outline_x", "outline_z")
-
-KEYS = frozenset({"outline", "parts", "mesh"})
-"""Of a block, those of which one says that it has an outline."""
 
 
 def with_outlines(contents: Contents, study: Study) -> Contents:
@@ -20,7 +18,7 @@ def with_outlines(contents: Contents, study: Study) -> Contents:
         StudyError, RecordError: a case cannot be built.
     """
     fields = {name: item for name, item in contents.fields.items() if name not in NAMES}
-    found = over_bodies(study, KEYS, lambda block: block.outline)
+    found = over_bodies(study, frozenset(OUTLINES), lambda block: block.outline)
     if found is not None:
         dims, points = found
         for column, name in enumerate(NAMES):

@@ -23,7 +23,7 @@ from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS
 from rockcli.study.document.overlay import ALTERNATIVES, KINDS, SIZES
 from rockcli.study.document.values import NUMBER_SCHEMA
 from rockcli.study.expect import CHECKS, MEANINGS
-from rockcli.study.schema import json_schema
+from rockcli.study.schema import OUTLINES, json_schema
 
 Schema = dict[str, Any]
 
@@ -176,7 +176,7 @@ def _numbers(tree: Any) -> Iterator[Schema]:
 def _block(part: Schema) -> None:
     """Two sizes are enough, and an outline or a mesh says all of them."""
     sizes = [_given(*sorted(group)) for group in SIZES]
-    shapes = _given("outline", "parts", "mesh")
+    shapes = _given(*OUTLINES)
     _add(part, (_never(*three) for three in combinations(sizes, 3)))
     _add(part, (_never(shapes, size) for size in sizes))
     _add(part, [_never(_given(key), {"not": shapes}) for key in ("density", "pixel", "contacts", "parts")])
@@ -304,7 +304,7 @@ def _outside_lists(node: Any) -> Any:
 def _complete(schema: Schema) -> None:
     """A case that no axis changes is whole: its body has two sizes or a shape, its pulses amplitude and frequency."""
     sizes = [_given(*sorted(group)) for group in SIZES]
-    body = {"anyOf": [_given("outline", "parts", "mesh"), *({"allOf": list(pair)} for pair in combinations(sizes, 2))]}
+    body = {"anyOf": [_given(*OUTLINES), *({"allOf": list(pair)} for pair in combinations(sizes, 2))]}
     pulse = {"if": {"type": "object"}, "then": {"allOf": [_given(*PULSE_AMPLITUDES), _given(*PULSE_FREQUENCIES)]}}
     motion = {"if": {"type": "object"}, "then": {"properties": {"pulse": pulse}}}
     whole = {"properties": {"case": {"properties": {"block": body, "motion": motion}}}}

@@ -61,6 +61,9 @@ PLOTS = (
 )  # fmt: skip
 """The kinds of `plotting.figures`, which a study cannot import; `tests/plotting/test_figures.py` compares them."""
 
+OUTLINES = ("mesh", "parts", "outline")
+"""Keys of a block of which one says the outline of the body."""
+
 CURVES = ("moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle")
 
 

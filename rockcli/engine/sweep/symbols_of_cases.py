@@ -19,6 +19,7 @@ from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.ground.excitation import Pulses, Samples, codes_of_motions
 from rockcli.scene.variables import LARGE, MOTION, OF_SOURCE
 from rockcli.study.cases.buildable import buildable
+from rockcli.study.schema import OUTLINES
 from rockcli.study.study import Index, Study
 
 SIDES = ((LEFT, "left"), (RIGHT, "right"))
@@ -104,7 +105,7 @@ def _may_be_asymmetric(resolved: dict[str, Any]) -> bool:
     case = resolved.get("case") or {}
     block = case.get("block") or {}
     varied = " ".join(resolved.get("vary") or {})
-    by_itself = not block.keys().isdisjoint(("outline", "parts", "mesh")) or isinstance(block.get("b"), list)
+    by_itself = not block.keys().isdisjoint(OUTLINES) or isinstance(block.get("b"), list)
     return by_itself or "block" in varied or "case" in varied
 
 

@@ -13,7 +13,7 @@ from rockcli.study.building.body_mesh import build_from_mesh
 from rockcli.study.building.body_outline import BLOCK, build_solid, check_no_mesh, has_outline
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.tree import Keys
-from rockcli.study.schema import BlockPart, FrictionPart
+from rockcli.study.schema import OUTLINES, BlockPart, FrictionPart
 
 HEIGHT, WIDTH, ANGLE = ("h", "height"), ("b", "width"), ("alpha", "tan_alpha", "slenderness")
 GROUPS: tuple[tuple[str, ...], ...] = (("R",), HEIGHT, WIDTH, ANGLE)
@@ -153,7 +153,7 @@ def _contact(numbers: Numbers, block: BlockPart) -> dict[str, Any]:
 def _outlined(numbers: Numbers) -> Block:
     """Bodies of the given outline; the top is their highest point, the mass NaN where no density is given."""
     scan = direction = None
-    key = next(key for key in ("mesh", "parts", "outline") if getattr(numbers.case.block, key) is not None)
+    key = next(key for key in OUTLINES if getattr(numbers.case.block, key) is not None)
     if key == "mesh":
         body, has_mass, scan, direction = build_from_mesh(numbers)
     else:

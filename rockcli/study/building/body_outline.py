@@ -14,7 +14,7 @@ from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import Value
 from rockcli.study.document.tree import Keys, dotted, place
 from rockcli.study.inputs import text_of
-from rockcli.study.schema import BlockPart
+from rockcli.study.schema import OUTLINES, BlockPart
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slen
 
 def has_outline(block: BlockPart) -> bool:
     """Whether a block is given by polygons, or by the surface of which its outline is the projection."""
-    return block.outline is not None or block.parts is not None or block.mesh is not None
+    return any(getattr(block, key) is not None for key in OUTLINES)
 
 
 def check_no_mesh(numbers: Numbers, block: BlockPart) -> None:

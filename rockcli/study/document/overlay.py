@@ -15,6 +15,7 @@ from rockcli.scene.ground.pulses import SHAPES
 from rockcli.scene.laws.damping import SCHEMES
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Where
+from rockcli.study.schema import OUTLINES
 
 Path = tuple[str, ...]
 
@@ -32,7 +33,7 @@ ALTERNATIVES: tuple[frozenset[str], ...] = (
     frozenset({"h", "height"}),
     frozenset({"b", "width"}),
     frozenset({"inertia", "r_g"}),
-    frozenset({"outline", "parts", "mesh"}),
+    frozenset(OUTLINES),
 )
 """Keys of one mapping that say the same thing in different ways."""
 
@@ -47,7 +48,6 @@ SIZES: tuple[frozenset[str], ...] = (
 _FILES = frozenset({"file", "record", "outline", "mesh"})
 """Keys whose words are names of files."""
 
-_OUTLINES = frozenset({"outline", "parts", "mesh"})
 _ALL_SIZES = frozenset().union(*SIZES)
 _OF_OUTLINE = frozenset({"pixel", "z_down", "contacts", "centre"})
 _OF_MESH = frozenset({"units", "direction"})
@@ -74,13 +74,13 @@ def displaced(over: dict[str, Any]) -> set[str]:
     said = {key for key, value in over.items() if value is not None}
     gone = {other for key in said for other in alternatives(key)}
     if sum(bool(said & size) for size in SIZES) >= 2:
-        gone |= _ALL_SIZES | _OUTLINES | {"density", "depth"} | _OF_OUTLINE | _OF_MESH | {"stands"}
+        gone |= _ALL_SIZES | {*OUTLINES} | {"density", "depth"} | _OF_OUTLINE | _OF_MESH | {"stands"}
         gone |= set() if "depth" in said else {"plane"}
-    if said & _OUTLINES:
+    if said & {*OUTLINES}:
         gone |= _ALL_SIZES | {"inertia", "r_g", "centre", "plane"}
     if "mesh" in said:
         gone |= _OF_OUTLINE | {"depth"}
-    elif said & _OUTLINES:
+    elif said & {*OUTLINES}:
         gone |= _OF_MESH
     if "parts" in said:
         gone |= {"density", "depth"}
