@@ -23,9 +23,16 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Shown:
-    """One case in a figure: its position on the axes, its name, and the position of what it is compared with."""
+    """One case in a figure.
+
+    Attributes:
+        position: on all axes.
+        place: {axis: position} on those it was picked on, as `isel` takes it.
+        label: its name; reference: the position of what it is compared with.
+    """
 
     position: tuple[int, ...]
+    place: dict[str, int]
     label: str
     reference: tuple[int, ...] | None = None
 
@@ -97,7 +104,8 @@ def pick(
         if other is not None and not followed(dataset, other):
             other = None
         words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
-        shown.append(Shown(group[0], words, None if other == group[0] else other))
+        place = {axis: i for axis, i in zip(every, group[0], strict=True) if axis in names}
+        shown.append(Shown(group[0], place, words, None if other == group[0] else other))
     return shown, len(groups)
 
 

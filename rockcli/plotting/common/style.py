@@ -160,7 +160,7 @@ def grid_of(n: int, most: int = MOST_COLUMNS) -> tuple[int, int]:
     return -(-n // columns), columns
 
 
-class Shown(Figure):
+class NotebookFigure(Figure):
     """A figure that a notebook shows by itself, drawn as it is in files."""
 
     def _repr_png_(self) -> bytes:
@@ -173,7 +173,7 @@ class Shown(Figure):
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure, width x height [in], laid out so that nothing overlaps."""
-    figure = Shown(figsize=(width, height), layout="constrained")
+    figure = NotebookFigure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 

@@ -81,15 +81,14 @@ def panels(
     most: int = MOST_PANELS,
     least: tuple[xarray.DataArray, str] | None = None,
     what: str = "panels",
-) -> tuple[list[tuple[Shown, dict[str, int]]], str]:
-    """Points of the axes left by the ensemble and the intensity, as {axis: position}; and what says which they are.
+) -> tuple[list[Shown], str]:
+    """Points of the axes left by the ensemble and the intensity, and what says which they are.
 
     `along`: of the intensity too.  Of more than `most` those where `least` is least, with the words for them; without
     it, of bodies with names the ones that overturn most easily.  The words, which call them `what`, are "" where all
     are shown.
     """
-    every = axes_of(dataset)
-    others = tuple(axis for axis in every if axis != suite.axis and (along or axis != suite.along))
+    others = tuple(axis for axis in axes_of(dataset) if axis != suite.axis and (along or axis != suite.along))
     chosen, order = "", None
     if least is not None:
         measure, chosen = least
@@ -97,9 +96,8 @@ def panels(
     elif not along and (order := _ease(dataset, others)) is not None:
         chosen = "those that overturn most easily"
     shown, total = pick(dataset, most, others, order)
-    places = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
     note = selection_note(len(shown), total, what)
-    return list(zip(shown, places, strict=True)), f"{note}, {chosen}" if note and chosen else note
+    return shown, f"{note}, {chosen}" if note and chosen else note
 
 
 def _ease(dataset: xarray.Dataset, others: tuple[str, ...]) -> Array | None:

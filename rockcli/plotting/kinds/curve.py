@@ -65,15 +65,13 @@ def draw(dataset: xarray.Dataset) -> Figure:
     axis = along(dataset)
     if axis is None:
         raise ValueError("a curve needs a numeric axis")
-    every = axes_of(dataset)
-    others = tuple(name for name in every if name != axis)
+    others = tuple(name for name in axes_of(dataset) if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
     x = axis_values(dataset, axis)
-    rest = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
     name = quantity(dataset)
     divisor, unit = shown_unit(dataset, name)
-    curves = [np.asarray(dataset[name].isel(place).values, dtype=float) / divisor for place in rest]
-    missing = [without_value(dataset, place, y) for place, y in zip(rest, curves, strict=True)]
+    curves = [np.asarray(dataset[name].isel(case.place).values, dtype=float) / divisor for case in shown]
+    missing = [without_value(dataset, case.place, y) for case, y in zip(shown, curves, strict=True)]
     rows = [row for row in STRIP if any(row in found for found in missing)]
     thick = 0.14 + 0.03 * len(shown)
     figure = new_figure(width_or(SINGLE * 1.3), 3.3 + thick * len(rows))

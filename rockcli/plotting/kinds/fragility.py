@@ -71,9 +71,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     single = len(shown) == 1
     x = _intensity(dataset, suite)
-    for number, (case, place) in enumerate(shown):
+    for number, case in enumerate(shown):
         axes = grid.flat[number]
-        _panel(axes, dataset.isel(place), suite, numbers=single)
+        _panel(axes, dataset.isel(case.place), suite, numbers=single)
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):

@@ -95,9 +95,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     right = _right(dataset, peak)
     few = int(dataset.sizes[suite.axis]) < _FEW
     lifts = False
-    for number, (case, place) in enumerate(shown):
+    for number, case in enumerate(shown):
         axes = grid.flat[number]
-        part = dataset.isel(place)
+        part = dataset.isel(case.place)
         members = part[peak].transpose(suite.axis, suite.along).values[:, order]
         faint = float(np.clip(_DARK / len(members), _FAINTEST, 1.0))
         for i, curve in enumerate(members):

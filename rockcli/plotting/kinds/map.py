@@ -99,10 +99,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     lifts = False
     for number, case in enumerate(shown):
         axes = grid.flat[number]
-        rest = {a: i for a, i in zip(axes_of(dataset), case.position, strict=True) if a in others}
-        present |= _panel(axes, dataset.isel(rest), found, norm, shaded=peaks is not None)
-        bounded |= {*draw_boundaries(axes, dataset.isel(rest), found)}
-        lifts |= _uplift(axes, dataset.isel(rest), found)
+        present |= _panel(axes, dataset.isel(case.place), found, norm, shaded=peaks is not None)
+        bounded |= {*draw_boundaries(axes, dataset.isel(case.place), found)}
+        lifts |= _uplift(axes, dataset.isel(case.place), found)
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):

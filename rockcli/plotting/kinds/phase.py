@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from rockcli.plotting.common.boundaries import rolls
 from rockcli.plotting.common.cases import (
     Array,
-    axes_of,
     outcome_at,
     pick,
     reference_words,
@@ -84,7 +83,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
             panel_title(axes, ", ".join(part for part in (case.label, fates[-1]) if part), width / columns)
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
-    turns_on_two = [not rolls(dataset.isel(dict(zip(axes_of(dataset), case.position, strict=True)))) for case in shown]
+    turns_on_two = [not rolls(dataset.isel(case.place)) for case in shown]
     wide = bool(reach[:2].max() > _WIDE) and any(turns_on_two)
     across = 1.08 * max(reach[0], 1.0 if wide else 0.01)
     for number, case in enumerate(shown):

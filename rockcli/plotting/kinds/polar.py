@@ -64,12 +64,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     """A curve for each point of the other axes; crosses at the edge overturn, a ring marks the worst direction."""
     axis = towards(dataset)
     assert axis is not None
-    every = axes_of(dataset)
-    others = tuple(name for name in every if name != axis)
+    others = tuple(name for name in axes_of(dataset) if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
     angle = np.asarray(dataset[axis].values, dtype=float)
-    rest = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
-    curves = [np.asarray(dataset[PEAK].isel(place).values, dtype=float) for place in rest]
+    curves = [np.asarray(dataset[PEAK].isel(case.place).values, dtype=float) for case in shown]
     closed = _closes(angle)
     flat = not closed and angle.min() >= 0.0 and angle.max() > 0.5 * np.pi  # a half circle, above its diameter
     width = width_or(SINGLE)

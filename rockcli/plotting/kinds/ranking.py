@@ -103,7 +103,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     assert axis is not None
     others = tuple(name for name in _left(dataset) if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
-    panels, reasons = _read(dataset, axis, others, shown)
+    panels, reasons = _read(dataset, axis, shown)
     order = _worst_first(dataset, panels, reasons)[:_MOST_ROWS]
     columns = [r for r in (*STRIP, _NO_CURVE, _NEVER, _ALWAYS) if r in reasons and reasons[r][order].any()]
     natural = SINGLE * 1.3 if len(panels) == 1 else DOUBLE
@@ -156,19 +156,16 @@ def _left(dataset: xarray.Dataset) -> tuple[str, ...]:
     return tuple(axis for axis in axes_of(dataset) if axis not in gone)
 
 
-def _read(
-    dataset: xarray.Dataset, axis: str, others: tuple[str, ...], shown: list[Shown]
-) -> tuple[list[_Panel], Reasons]:
+def _read(dataset: xarray.Dataset, axis: str, shown: list[Shown]) -> tuple[list[_Panel], Reasons]:
     """What is drawn, and by the reason what has no value, (n, m)."""
-    every, name = axes_of(dataset), _ranked(dataset)
-    places = [{a: i for a, i in zip(every, case.position, strict=True) if a in others} for case in shown]
+    name = _ranked(dataset)
 
     def table(variable: str, divisor: float = 1.0) -> Array:
         item = dataset[variable]
         if "limit_state" in item.dims:
             item = item.isel(limit_state=-1)  # overturning
         n = int(dataset.sizes[axis])
-        columns = [item.isel({a: i for a, i in place.items() if a in item.dims}).values for place in places]
+        columns = [item.isel({a: i for a, i in case.place.items() if a in item.dims}).values for case in shown]
         return np.column_stack([np.broadcast_to(column, n) for column in columns]).astype(float) / divisor
 
     suite = _suite(dataset)
@@ -183,7 +180,7 @@ def _read(
         return [share, *more], {"no answer": np.isnan(share.values)}
     divisor, unit = shown_unit(dataset, name)
     panel = _Panel(variable_label(PEAK) if name == PEAK else found_label(name, unit), table(name, divisor))
-    found = [without_value(dataset, place, y) for place, y in zip(places, panel.values.T, strict=True)]
+    found = [without_value(dataset, case.place, y) for case, y in zip(shown, panel.values.T, strict=True)]
     none = np.zeros(len(panel.values), dtype=bool)
     reasons = {row: np.column_stack([each.get(row, none) for each in found]) for row in STRIP}
     slides = name == PEAK and SLIDE in dataset.variables and bool((dataset[SLIDE].values > _SEEN).any())

@@ -64,8 +64,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     figure, grid = _grid(width, len(shown))
     label = intensity_label(dataset, suite)
     abreast = _abreast(width, len(shown))
-    for number, (row, (case, place)) in enumerate(zip(grid, shown, strict=True)):
-        part = dataset.isel(place).isel(limit_state=-1)
+    for number, (row, case) in enumerate(zip(grid, shown, strict=True)):
+        part = dataset.isel(case.place).isel(limit_state=-1)
         beside = _hazard(row[0], part)
         _deaggregation(row[1], part)
         _survival(row[2], part)

@@ -51,8 +51,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     peaks = whole[PEAK].values
     finite = peaks[np.isfinite(peaks)]
     end = max(1.0, 1.05 * float(finite.max(initial=0.0)))
-    for number, (case, place) in enumerate(shown):
-        part = whole.isel(place)
+    for number, case in enumerate(shown):
+        part = whole.isel(case.place)
         colour = COLOURS[number % len(COLOURS)]
         _exceedance(left, np.ravel(part[PEAK].values), end, colour, case.label)
         p, low, high = (float(part[f"p_overturned{name}"]) for name in ("", "_ci_low", "_ci_high"))
@@ -65,7 +65,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         left.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
     left.set_xlim(0.0, end * (1.07 + 0.02 * len(shown)))
     left.set_xticks([tick for tick in left.get_xticks() if 0.0 <= tick <= end])  # the points are beyond all peaks
-    left.set_ylim(_bottom(part for _, place in shown for part in (whole.isel(place),)), 1.02)
+    left.set_ylim(_bottom(whole.isel(case.place) for case in shown), 1.02)
     left.set_xlabel(variable_label(PEAK))
     left.set_ylabel("probability of exceedance")
     right.set_yticks(range(len(inputs)), [_symbol(dataset, path) for path in inputs])

@@ -118,16 +118,14 @@ def found_label(name: str, unit: str) -> str:
 
 def _of_cases(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -> Figure:
     rows = _rows(dataset)
-    every = axes_of(dataset)
-    others = tuple(name for name in every if name != axis)
+    others = tuple(name for name in axes_of(dataset) if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
     figure = new_figure(width_or(SINGLE * 1.3), 1.4 + 1.75 * len(rows))
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     for axes, row in zip(grid, rows, strict=True):
         curves = []
         for case in shown:
-            place = {a: i for a, i in zip(every, case.position, strict=True) if a in others}
-            curves.append(_values(dataset.isel(place), row, row.name)[order])
+            curves.append(_values(dataset.isel(case.place), row, row.name)[order])
         top = _top(row, curves)
         for number, (case, curve) in enumerate(zip(shown, curves, strict=True)):
             _run(axes, period[order], curve, top, color=COLOURS[number], label=case.label)
@@ -145,17 +143,14 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
     suite = suite_of(dataset)
     assert suite is not None
     rows = _rows(dataset)
-    every = axes_of(dataset)
-    others = tuple(name for name in every if name not in (axis, suite.axis))
+    others = tuple(name for name in axes_of(dataset) if name not in (axis, suite.axis))
     shown, total = pick(dataset, MOST_COLUMNS, others)
     columns = len(shown)
     width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
     figure = new_figure(width, 1.5 + 1.75 * len(rows))
     grid = figure.subplots(len(rows), columns, sharex=True, sharey="row", squeeze=False)
     for line, row in zip(grid, rows, strict=True):
-        parts = [
-            dataset.isel({a: i for a, i in zip(every, case.position, strict=True) if a in others}) for case in shown
-        ]
+        parts = [dataset.isel(case.place) for case in shown]
         members = [_values(part.transpose(suite.axis, axis, ...), row, row.name)[:, order] for part in parts]
         high = [_values(part, row, f"{row.name}_p84")[order] for part in parts]
         top = _top(row, members, high)

@@ -44,19 +44,17 @@ def draw(dataset: xarray.Dataset) -> Figure:
     axis, suite = along(dataset), suite_of(dataset)
     if axis is None or suite is None:
         raise ValueError("a suite and a numeric axis beside it are needed")
-    every = axes_of(dataset)
-    others = tuple(name for name in every if name in dataset[SHARE].dims and name != axis)
+    others = tuple(name for name in axes_of(dataset) if name in dataset[SHARE].dims and name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
     rows = [name for name in (SHARE, MEDIAN) if name in dataset.variables]
     figure = new_figure(width_or(SINGLE * 1.3), 0.9 + 1.9 * len(rows))
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     x = axis_values(dataset, axis)
     for number, case in enumerate(shown):
-        place = {a: i for a, i in zip(every, case.position, strict=True) if a in others}
         style: dict[str, Any] = {"marker": MARKERS[number] if len(x) <= 40 else "", "markersize": 3.0}
         style |= {"color": COLOURS[number], "linestyle": LINES[number % len(LINES)], "markeredgewidth": 0.0}
         for axes, name in zip(grid, rows, strict=True):
-            y = np.asarray(dataset[name].isel(place).values, dtype=float)
+            y = np.asarray(dataset[name].isel(case.place).values, dtype=float)
             axes.plot(x, np.where(np.isfinite(y), y, np.nan), label=case.label, **style)
     grid[0].set_ylabel("share that overturns")
     grid[0].set_ylim(-0.02, 1.02)
