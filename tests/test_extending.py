@@ -119,6 +119,18 @@ def test_the_files_of_the_page_are_there():
     assert not missing
 
 
+def test_every_room_of_the_program_is_in_the_table():
+    package = ROOT / "rockcli"
+    rooms = {str(init.parent.relative_to(package)) for init in package.glob("*/*/__init__.py")}
+    page = (ROOT / "docs" / "building.md").read_text(encoding="utf-8")
+    told = set()
+    for cell in re.findall(r"^\| (`[^|]*`) \| ", page, re.M):
+        first, *more = re.findall(r"`([\w/]+)`", cell) or [""]
+        told |= {first, *(f"{first.split('/')[0]}/{name}" for name in more)}
+    assert len(rooms) > 20
+    assert not rooms - told
+
+
 @pytest.mark.slow
 def test_the_recipes_work(tmp_path):
     pulse, pulse_row, model, model_row, scheme, scheme_row, scheme_name, *rest = PYTHON
