@@ -23,7 +23,7 @@ from rockcli.scene.variables import (
     VARIABLES,
 )
 from rockcli.study.document.complaints import Complaints
-from rockcli.study.document.expressions import ExpressionError, constant, parse
+from rockcli.study.document.expressions import ExpressionError, number_of, parse
 from rockcli.study.document.tree import Keys, Map, Source, nearest, place
 from rockcli.study.document.values import describe
 from rockcli.study.study import MATCH, Axis, Expect, Over
@@ -40,16 +40,11 @@ Evaluate = Callable[[str], float]
 """Value of an expression that is the same in all cases; raises ExpressionError for others."""
 
 
-def of_constants(text: str) -> float:
-    """Value of an expression outside the cases: numbers, units and pi."""
-    return float(parse(text).evaluate(constant))
-
-
 def read_expect(
     source: Source,
     study: Map,
     axes: Sequence[Axis],
-    evaluate: Evaluate = of_constants,
+    evaluate: Evaluate = number_of,
     found: tuple[str, ...] = (),
     suite: Over | None = None,
 ) -> tuple[Expect, ...]:
@@ -137,7 +132,7 @@ def match(
     keys: Keys,
     at: dict[str, Any],
     axes: Sequence[Axis],
-    evaluate: Evaluate = of_constants,
+    evaluate: Evaluate = number_of,
 ) -> dict[str, Any]:
     """{axis name: coordinate} of the points that a mapping of axes (by name, path or the end of it) to values means.
 
@@ -199,7 +194,7 @@ def _number(value: Any) -> float | None:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None
     try:
-        return float(parse(value).evaluate(constant)) if isinstance(value, str) else float(value)
+        return number_of(value)
     except (ExpressionError, OverflowError):
         return None
 

@@ -40,7 +40,7 @@ from rockcli.study.cases.uncertain import placed, read_uncertain
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_study, check_with_base
 from rockcli.study.document.complaints import Complaints
-from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, constant, parse
+from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, stated_number
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.overrides import apply_overrides, without_effect
 from rockcli.study.document.shorthands import expanded
@@ -300,10 +300,7 @@ def _save(source: Source, tree: Map, cases: Cases, found: Found) -> tuple[dict[s
         dt_out = found.dt_out
     else:
         keys = ("save", "dt_out")
-        try:
-            dt_out = float(parse(dt_out).evaluate(constant)) if isinstance(dt_out, str) else float(dt_out)
-        except ExpressionError as error:
-            raise source.error(tree, keys, f": {error}") from None
+        dt_out = stated_number(source, tree, keys, dt_out)
         if not dt_out > 0.0:
             raise source.error(tree, keys, f"is {dt_out:g}; must be greater than 0")
     return {"histories": plain(histories), "dt_out": dt_out, "scalars": scalars}, at

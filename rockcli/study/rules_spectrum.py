@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.ground.spectra import FloorSpectrum
 from rockcli.scene.rules import RULES
-from rockcli.study.document.expressions import ExpressionError, constant, parse
+from rockcli.study.document.expressions import stated_number
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.schema import StudyPart
 
@@ -42,10 +42,4 @@ def read_rules_spectrum(source: Source, study: Map, part: StudyPart) -> FloorSpe
 
 
 def _numbers(source: Source, study: Map, key: str, values: list[Any]) -> NDArray[np.float64]:
-    found = []
-    for i, value in enumerate(values):
-        try:
-            found.append(float(parse(value).evaluate(constant)) if isinstance(value, str) else float(value))
-        except ExpressionError as error:
-            raise source.error(study, (KEY, key, i), f": {error}") from None
-    return np.array(found)
+    return np.array([stated_number(source, study, (KEY, key, i), value) for i, value in enumerate(values)])

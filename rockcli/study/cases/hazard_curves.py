@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from rockcli.errors import StudyError
 from rockcli.scene.constants import STANDARD_G
 from rockcli.scene.ground.hazard import HazardCurve
 from rockcli.scene.units import g_of
-from rockcli.study.document.expressions import ExpressionError, constant, parse
+from rockcli.study.document.expressions import constant, stated_number
 from rockcli.study.document.tree import Keys, Map, Source, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.inputs import Inputs, text_of
@@ -157,14 +158,9 @@ def _list(value: object) -> list[object]:
     return list(value) if isinstance(value, list) else [value]
 
 
-def _number(source: Source, study: Map, keys: Keys, value: object, g: float = STANDARD_G) -> float:
+def _number(source: Source, study: Map, keys: Keys, value: Any, g: float = STANDARD_G) -> float:
     """A number or an expression of numbers, units and g."""
-    try:
-        if not isinstance(value, str):
-            return float(value)  # type: ignore[arg-type]
-        return float(parse(value).evaluate(lambda name: g if name == "g" else constant(name)))
-    except ExpressionError as error:
-        raise source.error(study, keys, f": {error}") from None
+    return stated_number(source, study, keys, value, lambda name: g if name == "g" else constant(name))
 
 
 def _same(of: str, against: str) -> bool:

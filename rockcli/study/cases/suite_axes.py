@@ -9,7 +9,7 @@ from typing import Any
 from rockcli.scene.ground.amplitudes import AMPLITUDES
 from rockcli.scene.limit_states import in_full
 from rockcli.scene.variables import PEAK
-from rockcli.study.document.expressions import ExpressionError, constant, parse
+from rockcli.study.document.expressions import ExpressionError, number_of, stated_number
 from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.intensity import GROUND, KNOWN, OF_GROUND, bare, period_of
@@ -115,7 +115,7 @@ def _of_sa(study: Map, path: str, axes: Sequence[Axis]) -> str:
         return ""
     period = value_at(study, ("case", "motion", "record", "sa_period"))
     try:
-        T = float(parse(period).evaluate(constant) if isinstance(period, str) else period)
+        T = number_of(period)
     except (ExpressionError, TypeError):
         return ""
     return f"{GROUND if _has_floors(study['case']) or _has_floors(study.get('vary')) else ''}sa({T:.12g})"
@@ -158,10 +158,7 @@ def _intensity(source: Source, study: Map, name: Any, axes: Sequence[Axis]) -> s
 
 
 def _beta_added(source: Source, study: Map, value: Any) -> float:
-    try:
-        number = float(parse(value).evaluate(constant)) if isinstance(value, str) else float(value)
-    except ExpressionError as error:
-        raise source.error(study, ("over", "beta_added"), f": {error}") from None
+    number = stated_number(source, study, ("over", "beta_added"), value)
     if not 0.0 <= number < 10.0:
         raise source.error(study, ("over", "beta_added"), f"is {describe(value)}; expected a number >= 0, as 0.2")
     return number
@@ -185,10 +182,7 @@ def _limit(source: Source, study: Map, i: int, value: Any) -> Limit:
         if len(said) != 1:
             raise source.error(study, ("over", "limits", i), "expected {slide_peak: m} or {slide_residual: m}")
         ((quantity, value),) = said.items()
-    try:
-        number = float(parse(value).evaluate(constant)) if isinstance(value, str) else float(value)
-    except ExpressionError as error:
-        raise source.error(study, ("over", "limits", i), f": {error}") from None
+    number = stated_number(source, study, ("over", "limits", i), value)
     if not number > 0.0:
         raise source.error(study, ("over", "limits", i), f"is {describe(value)}; expected a number greater than 0")
     return Limit(number, quantity)

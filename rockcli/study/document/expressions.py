@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.study.document.tree import nearest
+from rockcli.study.document.tree import Keys, Map, Source, nearest
 
 Value = float | NDArray[np.float64]
 
@@ -138,6 +138,25 @@ def constant(name: str) -> Value:
     if name in CONSTANTS:
         return CONSTANTS[name]
     raise ExpressionError(f"`{name}` is not known here, only numbers, units and pi")
+
+
+def number_of(value: float | str, lookup: Callable[[str], Value] = constant) -> float:
+    """A number as a study says it outside its cases: itself, or an expression of what `lookup` knows.
+
+    Raises:
+        ExpressionError: text that is no such expression.
+    """
+    return float(parse(value).evaluate(lookup)) if isinstance(value, str) else float(value)
+
+
+def stated_number(
+    source: Source, study: Map, keys: Keys, value: float | str, lookup: Callable[[str], Value] = constant
+) -> float:
+    """`number_of` a value that stands at `keys`, where a `StudyError` says what is wrong with it."""
+    try:
+        return number_of(value, lookup)
+    except ExpressionError as error:
+        raise source.error(study, keys, f": {error}") from None
 
 
 @lru_cache(maxsize=4096)
