@@ -37,3 +37,15 @@ def place(contents: Contents, dims: Iterable[str], at: Iterable[Any], units: Uni
     """`model=rigid, motion_record_pga=0.2 g`: the point at some positions on some dimensions."""
     pairs = zip(dims, at, strict=True)
     return ", ".join(f"{dim}={coordinate(contents, dim, contents.values(dim)[int(i)], units)}" for dim, i in pairs)
+
+
+def json_point(contents: Contents, dims: Iterable[str], at: Iterable[int]) -> dict[str, Any]:
+    """The coordinates of a point by dimension, as JSON has them."""
+    return {dim: json_value(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
+
+
+def json_value(value: Any) -> Any:
+    """A label as it is, a number as JSON has it: None for what is not finite."""
+    if isinstance(value, str):
+        return value
+    return float(value) if np.isfinite(value) else None

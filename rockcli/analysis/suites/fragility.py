@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.fragility.curves import STATUS, Curves, Seen, curve_of_capacities, curves
+from rockcli.analysis.places import json_point, json_value
 from rockcli.analysis.suites.intensity import moves_at, unit_of, values_of
 from rockcli.analysis.suites.members import Members
 from rockcli.analysis.suites.uncertainty import independent_rows
@@ -46,6 +48,40 @@ OF_SECOND: tuple[str, ...] = ("fragility_exponent", "fragility_exponent_ci_low",
 _IN_UNITS = ("fragility_median", "fragility_percentile", "fragility_misfit_at")
 
 
+@dataclass(frozen=True, eq=False)
+class _Fitted:
+    """What the curves of all bodies come to, over (*bodies, limit states).
+
+    Attributes:
+        numbers: by name, one of each curve.
+        tails: by name, with the percentiles as last axis.
+        status: keys of `STATUS`.
+    """
+
+    numbers: dict[str, Array]
+    tails: dict[str, Array]
+    status: NDArray[np.int8]
+
+    @classmethod
+    def empty(cls, shape: tuple[int, ...], names: Iterable[str] = FITTED) -> _Fitted:
+        """Of no curve yet; `shape` of (*bodies, limit states)."""
+        return cls(
+            {name: np.full(shape, np.nan) for name in names},
+            {name: np.full((*shape, len(PERCENTILES)), np.nan) for name in _TAILS},
+            np.zeros(shape, dtype=np.int8),
+        )
+
+    def put(self, at: tuple[int, ...], states: Index, made: Curves, beta_added: float) -> None:
+        """Take the curves of a body, the first of `made` as those of its limit states `states`."""
+        n = len(states)
+        for name, values in _numbers(made, beta_added).items():
+            if name in self.numbers:
+                self.numbers[name][at][states] = values[:n]
+        for name, values in zip(_TAILS, _tails(made, beta_added), strict=True):
+            self.tails[name][at][states] = values[:n]
+        self.status[at][states] = made.status[:n]
+
+
 def fragility(contents: Contents, became: Members, study: Study, over: Over) -> dict[str, Field]:
     """Shares that exceed each limit state at every intensity, and the curves through them."""
     axes = contents.axes
@@ -53,77 +89,104 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
     order = [axes.index(axis) for axis in bodies] + [axes.index(over.axis)]
     order += [axes.index(over.along)] if over.along is not None else []
 
-    def of_bodies(values: Array) -> NDArray[Any]:
+    def of_bodies(values: NDArray[Any]) -> NDArray[Any]:
         """(..., n, k) with the members and the intensities last; of a cloud k = 1."""
         moved = values.transpose(order)
         return moved if over.along is not None else moved[..., None]
 
-    limits = [limit for limit in over.limits if limit.quantity in contents.fields]
-    labels = [*(limit.label for limit in limits), over.limit_states[-1]]
     x = values_of(over.told_against, contents, study)
-    if x is None:
+    y = values_of(over.second, contents, study) if over.second else None
+    if x is None or (over.second and y is None):
         return {}
     parts = {
         "x": of_bodies(x),
         "stands": of_bodies(np.where(became.divided, 1.0 - np.nan_to_num(became.share), became.answered.astype(float))),
         "falls": of_bodies(np.where(became.divided, became.share, 0.0)),
     }
-    y = values_of(over.second, contents, study) if over.second else None
-    if over.second and y is None:
-        return {}
     if y is not None:
         parts["second"] = of_bodies(np.broadcast_to(y, contents.shape))
     begins, last = _begins(contents, study, over, x, of_bodies)
+    limits = [limit for limit in over.limits if limit.quantity in contents.fields]
+    labels = [*(limit.label for limit in limits), over.limit_states[-1]]
     shape = parts["x"].shape[:-2]
-    dims = (*bodies, LIMIT)
-    names = (*FITTED, *(OF_SECOND if over.second else ()))
-    found = {name: np.full((*shape, len(labels)), np.nan) for name in names}
+    fitted = _Fitted.empty((*shape, len(labels)), (*FITTED, *(OF_SECOND if over.second else ())))
     second_at = np.full(shape, np.nan)
-    status = np.zeros((*shape, len(labels)), dtype=np.int8)
-    tails = {name: np.full((*shape, len(labels), len(PERCENTILES)), np.nan) for name in _TAILS}
     exceeded = []
     rows = independent_rows(study, over)
     for states, of_family in _families(limits):
-        top, keep = len(of_family) + 1, len(states)
-        below = np.zeros(contents.shape, dtype=np.int64)
-        for limit in of_family:
-            below += np.abs(contents.values(limit.quantity)) > limit.value
-        sure = np.where(became.share == 1.0, top, np.where(became.divided, 0, np.minimum(below, top - 1)))
-        parts |= {"low": of_bodies(sure), "high": of_bodies(np.where(became.divided, top - 1, sure))}
+        top = len(of_family) + 1
+        low, high = _categories(contents, became, of_family)
+        parts |= {"low": of_bodies(low), "high": of_bodies(high)}
         for at in np.ndindex(*shape):
             one = {name: values[at] for name, values in parts.items()}
-            made = curves(_seen(one, top, rows), top, fit=over.fit, begins_at=float(begins[at]))
-            second_at[at] = made.second_at
-            for name, values in _numbers(made, over.beta_added).items():
-                if name in found:
-                    found[name][at][states] = values[:keep]
-            status[at][states] = made.status[:keep]
-            for name, values in zip(_TAILS, _tails(made, over.beta_added), strict=True):
-                tails[name][at][states] = values[:keep]
-            missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
-            for end, category in (("low", top), ("high", 0)):
-                more = curves(_seen(one, top, rows, missing, category), top, fit=over.fit, begins_at=float(begins[at]))
-                median = more.median if missing.any() else made.median
-                found[f"fragility_median_{end}"][at][states] = median[:keep]
-        exceeded.append((states, _shares(parts, top)[:keep]))
+            second_at[at] = _fit_body(fitted, at, states, one, top, rows, float(begins[at]), over)
+        exceeded.append((states, _shares(parts, top)[: len(states)]))
     unit = unit_of(over.told_against, contents)
     fields = {LIMIT: Field((LIMIT,), text(labels), {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True)}
     if over.told_against not in axes:
         row = variable_field("fragility_intensity", axes, x, units=unit, long_name=over.told_against)
         fields["fragility_intensity"] = row
     if y is not None:
-        second_unit = unit_of(over.second, contents)
-        attrs = {"units": second_unit, "long_name": over.second}
-        fields["fragility_intensity_second"] = variable_field(
-            "fragility_intensity_second", axes, np.broadcast_to(y, contents.shape), **attrs
-        )
-        fields["fragility_second"] = variable_field("fragility_second", bodies, second_at, units=second_unit)
+        fields |= _second_fields(contents, over, y, bodies, second_at)
     if over.along is not None:
         shares = np.concatenate([share for _, share in exceeded])
         order_of_states = np.argsort(np.concatenate([states for states, _ in exceeded]))
         fields["p_exceeded"] = _exceeded(contents, shares[order_of_states], bodies, over)
     of_body = dict(zip(OF_BODY, (begins, last, *_range(parts["x"])), strict=True))
-    return fields | _fields(bodies, dims, unit, found | tails, of_body, status)
+    return fields | _fields(bodies, unit, fitted, of_body)
+
+
+def _categories(contents: Contents, became: Members, limits: list[Limit]) -> tuple[Index, Index]:
+    """The category of every case, at least and at most: the nested limits it exceeds, one more overturned."""
+    top = len(limits) + 1
+    below = np.zeros(contents.shape, dtype=np.int64)
+    for limit in limits:
+        below += np.abs(contents.values(limit.quantity)) > limit.value
+    low = np.where(became.share == 1.0, top, np.where(became.divided, 0, np.minimum(below, top - 1)))
+    return low, np.where(became.divided, top - 1, low)
+
+
+def _fit_body(
+    fitted: _Fitted,
+    at: tuple[int, ...],
+    states: Index,
+    one: dict[str, Array],
+    top: int,
+    rows: Index,
+    begins: float,
+    over: Over,
+) -> float:
+    """Fit the curves of the body at `at` into `fitted`; the second intensity that they are told at, NaN without one.
+
+    Args:
+        states: its limit states, places among those of the suite.
+        one: parts of the body, (n, k) each.
+        top: the category of what overturns.
+        rows: which members belong together, (n,).
+        begins: where its curves begin.
+    """
+    made = curves(_seen(one, top, rows), top, fit=over.fit, begins_at=begins)
+    fitted.put(at, states, made, over.beta_added)
+    missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
+    for end, category in (("low", top), ("high", 0)):
+        median = made.median
+        if missing.any():
+            counted = _seen(one, top, rows, missing, category)
+            median = curves(counted, top, fit=over.fit, begins_at=begins).median
+        fitted.numbers[f"fragility_median_{end}"][at][states] = median[: len(states)]
+    return made.second_at
+
+
+def _second_fields(
+    contents: Contents, over: Over, y: Array, bodies: tuple[str, ...], second_at: Array
+) -> dict[str, Field]:
+    """The second intensity of the cases, and the one that the curves of every body are told at."""
+    unit, name = unit_of(over.second, contents), "fragility_intensity_second"
+    cases = np.broadcast_to(y, contents.shape)
+    return {
+        name: variable_field(name, contents.axes, cases, units=unit, long_name=over.second),
+        "fragility_second": variable_field("fragility_second", bodies, second_at, units=unit),
+    }
 
 
 def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
@@ -144,19 +207,13 @@ def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dic
     low = np.where(low > 0.0, low, 0.0)
     begins, last = _begins_of_search(contents, study, over, per_point, order)
     low, high = low.transpose(order), high.transpose(order)
-    shape, rows = begins.shape, independent_rows(study, over)
-    dims = (*bodies, LIMIT)
-    numbers = {name: np.full((*shape, 1), np.nan) for name in FITTED}
-    status = np.zeros((*shape, 1), dtype=np.int8)
-    tails = {name: np.full((*shape, 1, len(PERCENTILES)), np.nan) for name in _TAILS}
-    for at in np.ndindex(*shape):
+    rows, first = independent_rows(study, over), np.zeros(1, dtype=np.int64)
+    fitted = _Fitted.empty((*begins.shape, 1))
+    for at in np.ndindex(*begins.shape):
         made = curve_of_capacities(low[at], high[at], rows, float(begins[at]))
-        told = _numbers(made, over.beta_added)
-        for name in FITTED:
-            numbers[name][at] = told.get(name, made.median)  # no member is left out: the same with `_low` and `_high`
-        status[at] = made.status
-        for name, values in zip(_TAILS, _tails(made, over.beta_added), strict=True):
-            tails[name][at] = values
+        fitted.put(at, first, made, over.beta_added)
+        for end in ("low", "high"):  # no member is left out
+            fitted.numbers[f"fragility_median_{end}"][at] = made.median
     unit = search.axis.unit if over.told_against == search.axis.name else unit_of(over.told_against, contents)
     known = np.where(np.isfinite(found.value), found.value * per_point, np.nan)
     ends = np.multiply.outer(per_point, np.array(search.axis.values)[[0, -1]])
@@ -166,7 +223,7 @@ def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dic
     return {
         LIMIT: Field((LIMIT,), labels, {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True),
         "fragility_intensity": variable_field("fragility_intensity", contents.axes, known, **capacity),
-    } | _fields(bodies, dims, unit, numbers | tails, of_body, status)
+    } | _fields(bodies, unit, fitted, of_body)
 
 
 def _per_point(contents: Contents, study: Study, over: Over) -> Array | None:
@@ -194,17 +251,10 @@ def _begins_of_search(
     return np.where(known, lowest, 0.0), np.where(known, highest, 0.0)
 
 
-def _fields(
-    bodies: tuple[str, ...],
-    dims: tuple[str, ...],
-    unit: str,
-    numbers: dict[str, Array],
-    of_body: dict[str, Array],
-    status: NDArray[np.int8],
-) -> dict[str, Field]:
+def _fields(bodies: tuple[str, ...], unit: str, fitted: _Fitted, of_body: dict[str, Array]) -> dict[str, Field]:
     """Curves as variables."""
-    fields = {}
-    for name, values in numbers.items():
+    fields, dims = {}, (*bodies, LIMIT)
+    for name, values in (fitted.numbers | fitted.tails).items():
         attrs: dict[str, Any] = {"units": unit} if name.startswith(_IN_UNITS) else {}
         fields[name] = variable_field(name, (*dims, PERCENTILE) if name in _TAILS else dims, values, **attrs)
     for name, values in of_body.items():
@@ -212,7 +262,7 @@ def _fields(
     coordinate = {"long_name": VARIABLES[PERCENTILE].sentence, "units": "%"}
     fields[PERCENTILE] = Field((PERCENTILE,), np.array(PERCENTILES), coordinate, coordinate=True)
     flags = {"flag_values": np.array(list(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS.values())}
-    fields["fragility_status"] = variable_field("fragility_status", dims, status, **flags)
+    fields["fragility_status"] = variable_field("fragility_status", dims, fitted.status, **flags)
     return fields
 
 
@@ -335,20 +385,13 @@ def fragility_rows(contents: Contents) -> Iterator[dict[str, Any]]:
         return
     dims = contents.fields["fragility_status"].dims
     status = contents.values("fragility_status")
+    of_body = [name for name in (*OF_BODY, "fragility_second") if name in contents.fields]
+    of_curve = [name for name in (*FITTED, *OF_SECOND) if name in contents.fields]
     for at in np.ndindex(*status.shape):
-        row: dict[str, Any] = {dim: plain(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
-        row |= {name: plain(contents.values(name)[at[:-1]]) for name in OF_BODY if name in contents.fields}
-        if "fragility_second" in contents.fields:
-            row["fragility_second"] = plain(contents.values("fragility_second")[at[:-1]])
-        row |= {name: plain(contents.values(name)[at]) for name in (*FITTED, *OF_SECOND) if name in contents.fields}
+        row = json_point(contents, dims, at)
+        row |= {name: json_value(contents.values(name)[at[:-1]]) for name in of_body}
+        row |= {name: json_value(contents.values(name)[at]) for name in of_curve}
         for name in (tail for tail in _TAILS if tail in contents.fields):
             for percent, value in zip(PERCENTILES, contents.values(name)[at], strict=True):
-                row[f"{name}_{percent:g}"] = plain(value)
+                row[f"{name}_{percent:g}"] = json_value(value)
         yield row | {"fragility_status": STATUS[int(status[at])]}
-
-
-def plain(value: Any) -> Any:
-    """A label as it is, a number for JSON: None for what is none."""
-    if isinstance(value, str):
-        return value
-    return float(value) if np.isfinite(value) else None

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.fragility.annual_rate import Fragility, Rate, annual_rate
-from rockcli.analysis.suites.fragility import plain
+from rockcli.analysis.places import json_point, json_value
 from rockcli.scene.ground.hazard import CONSISTENT, HazardCurve
 from rockcli.scene.variables import HAZARD, HAZARD_POINT, INTENSITY_BIN, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
@@ -140,8 +140,7 @@ def risk_rows(contents: Contents) -> Iterator[dict[str, Any]]:
     dims = contents.fields["annual_rate"].dims
     names = [name for name in (*RATES, *OF_AGE) if name in contents.fields]
     for at in np.ndindex(*contents.values("annual_rate").shape):
-        row: dict[str, Any] = {dim: plain(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
-        yield row | {name: plain(contents.values(name)[at]) for name in names}
+        yield json_point(contents, dims, at) | {name: json_value(contents.values(name)[at]) for name in names}
 
 
 def central(contents: Contents, at: tuple[int, ...]) -> tuple[float, float]:

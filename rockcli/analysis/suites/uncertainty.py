@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.fragility.curves import CONFIDENCE
+from rockcli.analysis.places import json_point, json_value
 from rockcli.analysis.suites.members import Members
 from rockcli.scene.uncertain.samples import SALTELLI, base_points
 from rockcli.scene.uncertain.statistics import spearman
@@ -182,15 +183,8 @@ def sample_rows(contents: Contents) -> Iterator[dict[str, Any]]:
     names = ("n_answered", "p_overturned", *PROBABILITY)
     inputs = [str(path) for path in contents.values(INPUT)]
     for at in np.ndindex(*contents.values("p_overturned_se").shape):
-        row: dict[str, Any] = {dim: _plain(contents.values(dim)[i]) for dim, i in zip(dims, at, strict=True)}
-        row |= {name: _plain(contents.values(name)[at]) for name in names}
+        row = json_point(contents, dims, at) | {name: json_value(contents.values(name)[at]) for name in names}
         for name in (RANKS, *SOBOL, *(f"{name}_peak" for name in SOBOL)):
             if name in contents.fields:
-                row[name] = dict(zip(inputs, map(_plain, contents.values(name)[at]), strict=True))
+                row[name] = dict(zip(inputs, map(json_value, contents.values(name)[at]), strict=True))
         yield row
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, str):
-        return value
-    return float(value) if np.isfinite(value) else None
