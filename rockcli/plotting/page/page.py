@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import base64
-import io
 import json
 import re
 from collections.abc import Sequence
 from html import escape
-from importlib.resources import files
-from string import Template
 from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
 
 from rockcli.plotting.common import style
@@ -22,6 +17,7 @@ from rockcli.plotting.common.style import OUTCOME_COLOURS
 from rockcli.plotting.common.suite import suite_axes
 from rockcli.plotting.common.table import case_table
 from rockcli.plotting.figures import KINDS, default_kinds, figure, why_not
+from rockcli.plotting.page.elements import folded, image, laid_out, section, table
 from rockcli.plotting.page.facts import facts_of, name_of, sentence_of
 from rockcli.scene.looks import Look
 from rockcli.scene.response import OUTCOMES, outcome_words
@@ -29,16 +25,9 @@ from rockcli.scene.thresholds import FOUND, threshold_words
 
 if TYPE_CHECKING:
     import xarray
-    from matplotlib.figure import Figure
 
 Table = tuple[str, Sequence[str], Sequence[Sequence[str]], str]
 """Title, names of the columns, rows, a sentence below."""
-
-_HEAVY = 1_500_000
-"""Characters of a drawing above which it is a picture instead: no reader opens a page of many megabytes."""
-
-_DPI = 200
-"""Of pictures: sharp on a laptop at twice its nominal resolution."""
 
 _PLACES = re.compile(r"(?<![\w./\\<])(?:[A-Za-z]:)?[/\\](?:[^/\\\s'\",;:()<>]+[/\\])+([^/\\\s'\",;:()<>]+)")
 """Absolute paths: of no use to a reader elsewhere, and nobody's business."""
@@ -70,33 +59,23 @@ def page(
         plots.append("motion")
     first = [kind for kind in _FIRST if kind in plots and not why_not(kind, dataset)]
     parts = [
-        _section("Result", _facts(dataset) + _outcomes(dataset) + _suite(dataset) + _thresholds(dataset)),
+        section("Result", _facts(dataset) + _outcomes(dataset) + _suite(dataset) + _thresholds(dataset)),
         *(_plot(dataset, kind) for kind in first),
         *(_plot(dataset, kind) for kind in plots if kind not in _FIRST),
-        *(_section(title, _table(head, rows, note)) for title, head, rows, note in tables if rows),
-        _section("Cases", _table(*case_table(dataset))),
-        _section("Checks", _verdicts(verdicts)),
-        _folded("Notes and warnings", _warnings(dataset)),
-        _folded("Study", f"<pre>{_text(str(attrs.get('study', '')).strip())}</pre>" if attrs.get("study") else ""),
-        _section("Provenance", _provenance(dataset)),
+        *(section(title, table(head, rows, note)) for title, head, rows, note in tables if rows),
+        section("Cases", table(*case_table(dataset))),
+        section("Checks", _verdicts(verdicts)),
+        folded("Notes and warnings", _warnings(dataset)),
+        folded("Study", f"<pre>{_text(str(attrs.get('study', '')).strip())}</pre>" if attrs.get("study") else ""),
+        section("Provenance", _provenance(dataset)),
     ]
     references = f'<p class="quiet">{_text(str(attrs["references"]))}</p>' if attrs.get("references") else ""
-    template = Template(files(__package__).joinpath("template.html").read_text(encoding="utf-8"))
-    sections = "\n".join(part for part in parts if part)
-    return template.substitute(name=_text(name), title=_text(title or name), references=references, sections=sections)
+    return laid_out(_text(name), _text(title or name), references, parts)
 
 
 def _text(words: str) -> str:
     """Words for the page, absolute paths without their folders."""
     return escape(_PLACES.sub(r"\1", words))
-
-
-def _section(title: str, body: str) -> str:
-    return f"<section><h2>{escape(title)}</h2>\n{body}</section>" if body else ""
-
-
-def _folded(title: str, body: str) -> str:
-    return f"<section><details><summary>{escape(title)}</summary>\n{body}</details></section>" if body else ""
 
 
 def _facts(dataset: xarray.Dataset) -> str:
@@ -190,11 +169,11 @@ def _plot(dataset: xarray.Dataset, kind: str) -> str:
         KINDS[kind].sentence if kind in KINDS else "",
     )
     if why := why_not(kind, dataset):
-        return _section(title, f'<p class="quiet">not drawn: {_text(why)}</p>')
+        return section(title, f'<p class="quiet">not drawn: {_text(why)}</p>')
     drawn = figure(kind, dataset, Look(title=None))
     note = style.untold(drawn)
     said = "; ".join(filter(None, (sentence, note, _left_out(dataset, kind, note))))
-    return _section(title, f'<p class="quiet">{_text(said)}</p><div class="plot">{_image(drawn, sentence)}</div>')
+    return section(title, f'<p class="quiet">{_text(said)}</p><div class="plot">{image(drawn, sentence)}</div>')
 
 
 def _left_out(dataset: xarray.Dataset, kind: str, note: str) -> str:
@@ -227,35 +206,6 @@ _TITLES = {
     "work_precision": "Error against cost",
 }
 """Titles of sections, where the name of the kind is none."""
-
-
-def _image(drawn: Figure, words: str) -> str:
-    """A figure in the page: scalable, or a picture where it would be heavy."""
-    width = int(drawn.get_figwidth() * 130)
-    style.settle(drawn)
-    code = io.StringIO()
-    with mpl.rc_context({**style.RC, "svg.fonttype": "path"}), style.no_word_of_glyphs():
-        drawn.savefig(code, format="svg", metadata={"Date": None, "Creator": None})
-    text = code.getvalue()
-    if len(text) <= _HEAVY:
-        inside = text[text.index("<svg") :].replace("\n", " ")
-        inside = re.sub(r"<metadata>.*?</metadata>", "", inside)
-        role = f'<svg role="img" aria-label="{escape(words)}" style="max-width:{width}px"'
-        return re.sub(r"^<svg", role, re.sub(r' (width|height)="[\d.]+pt"', "", inside, count=2))
-    picture = io.BytesIO()
-    with mpl.rc_context(style.RC), style.no_word_of_glyphs():
-        drawn.savefig(picture, format="png", dpi=_DPI)
-    data = base64.b64encode(picture.getvalue()).decode("ascii")
-    return f'<img src="data:image/png;base64,{data}" alt="{escape(words)}" style="width:{width}px">'
-
-
-def _table(header: Sequence[str], rows: Sequence[Sequence[str]], note: str) -> str:
-    if not rows:
-        return ""
-    head = "".join(f"<th>{escape(word).replace('_', '_<wbr>')}</th>" for word in header)
-    body = "".join("<tr>" + "".join(f"<td>{escape(word)}</td>" for word in row) + "</tr>" for row in rows)
-    below = f'<p class="quiet">{escape(note)}</p>' if note else ""
-    return f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>{below}'
 
 
 def _provenance(dataset: xarray.Dataset) -> str:
