@@ -11,7 +11,10 @@ from rockcli.cli.say import say
 
 if TYPE_CHECKING:
     from rockcli.analysis.experiments.scores import Score
-    from rockcli.engine.experiments.score import Prediction, Report
+    from rockcli.cli.progress import Progress
+    from rockcli.engine.experiments.runs import Runs
+    from rockcli.engine.experiments.score import Options, Prediction, Report
+    from rockcli.engine.sweep.work import Team
     from rockcli.study.schema import ScorePart
 
 
@@ -69,11 +72,9 @@ def score(
     run is predicted by a calibration on the other groups, without them as the study stands.
     """
     from rockcli.cli.progress import Progress
-    from rockcli.engine.experiments.calibrate import by_study
     from rockcli.engine.experiments.runs import GROUP, read_runs
-    from rockcli.engine.experiments.score import Options, by_specimen, report_of
+    from rockcli.engine.experiments.score import Options, by_specimen
     from rockcli.engine.experiments.score_page import check_target, write
-    from rockcli.engine.experiments.simulated import any_body
     from rockcli.engine.sweep.executors import usable_cores
     from rockcli.engine.sweep.work import Team
     from rockcli.errors import StudyError
@@ -100,23 +101,10 @@ def score(
     chosen = by_specimen(runs, specimen)
     if calibration is not None and len(chosen) > 1:
         raise StudyError(f"has {len(chosen)} specimens, a calibration is of one: choose with --specimen", file=table)
-    reports = []
-    team = Team(workers or usable_cores())
     line = Progress(table.name, shown=True)
     try:
-        for label, some in chosen:
-            found: tuple[str, Prediction] | None = None
-            notes: tuple[str, ...] = ()
-            if study is not None:
-                name, prediction, notes = by_study(
-                    study, some, calibration, options, leave_out=folds is not None, team=team, progress=line
-                )
-                found = name, prediction
-            reports.append(
-                report_of(
-                    some, specimen=label, study=found, source=study or any_body(reading), options=options, notes=notes
-                )
-            )
+        team = Team(workers or usable_cores())
+        reports = _reports(chosen, study, calibration, options, reading, folds is not None, team, line)
     finally:
         line.close()
     if out is not None:
@@ -133,6 +121,35 @@ def score(
             say(f"rock: {table.name}{f', {report.specimen}' * bool(report.specimen)}: {note}", err=True)
     if out is not None:
         say(str(out), err=True)
+
+
+def _reports(
+    chosen: list[tuple[str, Runs]],
+    study: Path | None,
+    calibration: Path | None,
+    options: Options,
+    reading: dict[str, Any],
+    leave_out: bool,
+    team: Team,
+    line: Progress,
+) -> list[Report]:
+    """The scores of every specimen; `reading`: how records are read where there is no study."""
+    from rockcli.engine.experiments.calibrate import by_study
+    from rockcli.engine.experiments.score import report_of
+    from rockcli.engine.experiments.simulated import any_body
+
+    source = any_body(reading) if study is None else study
+    reports = []
+    for label, some in chosen:
+        found: tuple[str, Prediction] | None = None
+        notes: tuple[str, ...] = ()
+        if study is not None:
+            name, prediction, notes = by_study(
+                study, some, calibration, options, leave_out=leave_out, team=team, progress=line
+            )
+            found = name, prediction
+        reports.append(report_of(some, specimen=label, study=found, source=source, options=options, notes=notes))
+    return reports
 
 
 def _sources(files: list[Path]) -> tuple[Path | None, Path, ScorePart]:
@@ -168,10 +185,7 @@ def text(report: Report) -> str:
     parts = [title, table(head, rows, right=len(head) - 1, indent=2)]
     parts.append("  95 % in brackets; missed: fell and was to stand; false: stood and was to fall")
     if report.mcnemar:
-        rows = [
-            [name, str(test.n), str(test.first_only), str(test.second_only), f"{test.p_value:.2g}"]
-            for name, test in report.mcnemar.items()
-        ]
+        rows = [[name, *test.cells()] for name, test in report.mcnemar.items()]
         head = [f"{report.against} against", "runs", "it alone right", "other alone right", "p (McNemar)"]
         parts.append("\n" + table(head, rows, right=4, indent=2))
     rows = [

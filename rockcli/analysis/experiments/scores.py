@@ -151,6 +151,10 @@ class McNemar:
     second_only: int
     p_value: float
 
+    def cells(self) -> list[str]:
+        """The numbers as tables have them."""
+        return [str(self.n), str(self.first_only), str(self.second_only), f"{self.p_value:.2g}"]
+
 
 def mcnemar(outcome: Bools, first: Array, second: Array) -> McNemar:
     """McNemar's exact test of two predictions, (n,) each (McNemar 1947, *Psychometrika* 12: 153-157)."""

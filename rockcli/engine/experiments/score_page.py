@@ -68,10 +68,7 @@ def _sections(report: Report) -> list[Section]:
     sections: list[Section] = [
         (f"{what}Scores", head, rows, f"Intervals of 95 % by a bootstrap of the groups. {said}.", None)
     ]
-    tests = [
-        [name, str(test.n), str(test.first_only), str(test.second_only), f"{test.p_value:.2g}"]
-        for name, test in report.mcnemar.items()
-    ]
+    tests = [[name, *test.cells()] for name, test in report.mcnemar.items()]
     if tests:
         head = ["other prediction", "runs", f"{report.against} alone right", "other alone right", "p"]
         said = "McNemar's exact test, two-sided; it takes the runs for independent."
