@@ -84,7 +84,7 @@ def solve(study: Study, progress: Progress | None = None, sweep: Sweep | None = 
         if study.search is not None:
             found = _searched(study, sweep)
         else:
-            found = assemble(study, (solve_refined if study.refine else solve_cases)(study, sweep=sweep))
+            found = assemble(study, (solve_refined if study.refine else solve_cases)(study, sweep))
     return _with_derived(found, study, sweep)
 
 

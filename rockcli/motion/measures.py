@@ -78,12 +78,12 @@ def cav(a: Array, dt: float) -> float:
     return float(0.5 * dt * part.sum())
 
 
-def significant_duration(a: Array, dt: float, start: float = 0.05, end: float = 0.95) -> float:
-    """Time in which the Arias intensity grows from `start` to `end` of its final value [s]; 0 for no motion."""
+def significant_duration(a: Array, dt: float) -> float:
+    """Time in which the Arias intensity grows from 5 to 95 % of its final value [s]; 0 for no motion."""
     husid = np.concatenate(([0.0], np.cumsum(_squares(a, dt))))
     if husid[-1] == 0.0:
         return 0.0
-    wanted = np.array([start, end]) * husid[-1]
+    wanted = np.array([0.05, 0.95]) * husid[-1]
     i = np.clip(np.searchsorted(husid, wanted, side="right") - 1, 0, len(a) - 2)
     more, left, slope = wanted - husid[i], a[i], (a[i + 1] - a[i]) / dt
     # a^3 grows by 3 slope times the integral of a^2; written so that a slope of 0 divides nothing by 0

@@ -261,14 +261,14 @@ def table_of(
     ensemble = json.loads(attrs.get("ensemble", "null"))
     axes = tuple(str(attrs["axes"]).split())
     dims = _dims(of, axes, ensemble)
-    belong = [name for name, item in items.items() if _belongs(of, name, item, axes, dims, ensemble)]
+    belong = [name for name, item in items.items() if _belongs(of, name, item, dims, ensemble)]
     if dims is None or (of != CASES and not belong):
         raise StudyError(f"has no table {of!r}; it has {', '.join(_there(items, axes, ensemble))}")
 
     def elsewhere(name: str) -> list[str]:
         """Tables of this dataset that have a variable."""
         others = {other: _dims(other, axes, ensemble) for other in TABLES if other != of}
-        return [other for other, over in others.items() if _belongs(other, name, items[name], axes, over, ensemble)]
+        return [other for other, over in others.items() if _belongs(other, name, items[name], over, ensemble)]
 
     first = [dim for dim in dims if dim in items]
     rest = [name for name in belong if name not in first]
@@ -315,7 +315,6 @@ def _belongs(
     of: str,
     name: str,
     item: Item,
-    axes: tuple[str, ...],
     dims: tuple[str, ...] | None,
     ensemble: Mapping[str, Any] | None,
 ) -> bool:
@@ -347,7 +346,7 @@ def _there(items: Mapping[str, Item], axes: tuple[str, ...], ensemble: Mapping[s
         of
         for of in TABLES
         if (dims := _dims(of, axes, ensemble)) is not None
-        and (of == CASES or any(_belongs(of, name, item, axes, dims, ensemble) for name, item in items.items()))
+        and (of == CASES or any(_belongs(of, name, item, dims, ensemble) for name, item in items.items()))
     ]
 
 

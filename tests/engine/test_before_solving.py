@@ -15,7 +15,8 @@ from rockcli.engine.plots_ahead import check_plots
 from rockcli.engine.preview import preview
 from rockcli.engine.run import check_answers, check_study, solve
 from rockcli.engine.sweep import history_size as limits
-from rockcli.engine.sweep.sweep import solve_cases
+from rockcli.engine.sweep.sweep import Sweep, solve_cases
+from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import KINDS, why_not
 from rockcli.study.open import open_study
@@ -83,7 +84,7 @@ def test_long_histories_are_solved_a_few_at_a_time(monkeypatch: pytest.MonkeyPat
     whole = solve_cases(opened)
     monkeypatch.setattr(limits, "CHUNK_AT_MOST", 1)
     seen: list[int] = []
-    one_by_one = solve_cases(opened, lambda done, total: seen.append(done))
+    one_by_one = solve_cases(opened, Sweep(Team(), progress=lambda done, total: seen.append(done)))
     assert seen == [1, 2, 3]
     for name, values in whole.histories.items():
         np.testing.assert_array_equal(one_by_one.histories[name], values)

@@ -287,17 +287,6 @@ def test_no_motion_and_no_answer_are_left_out():
     assert np.isnan(none.median[0])
 
 
-def test_inverse_mills_ratio_by_its_definition_and_by_its_series():
-    near = np.linspace(-30.0, 8.0, 400)
-    by_definition = [
-        math.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi) / (0.5 * math.erfc(-z / math.sqrt(2.0))) for z in near
-    ]
-    np.testing.assert_allclose(statistics.inverse_mills(near), by_definition, rtol=1e-12)
-    far = np.linspace(-1e4, -30.0, 50)
-    by_series = -far / (1.0 - far**-2 + 3.0 * far**-4 - 15.0 * far**-6)
-    np.testing.assert_allclose(statistics.inverse_mills(far), by_series, rtol=1e-9)
-
-
 def test_ranks_and_correlations():
     rng = np.random.default_rng(7)
     a = rng.integers(0, 6, (5, 20)).astype(float)

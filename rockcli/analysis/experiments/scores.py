@@ -29,6 +29,7 @@ SENTENCES = {
 }
 
 _LEVEL = 0.95
+_BINS = 10
 
 BOOTSTRAP = 2000
 """Samples of the bootstrap."""
@@ -176,14 +177,14 @@ class Bin:
     high: float
 
 
-def reliability(outcome: Bools, p: Array, bins: int = 10) -> tuple[Bin, ...]:
-    """Bins of equal width that are not empty; limits of the share by Clopper and Pearson (1934)."""
+def reliability(outcome: Bools, p: Array) -> tuple[Bin, ...]:
+    """Ten bins of equal width, those that are not empty; limits of the share by Clopper and Pearson (1934)."""
     from scipy.stats import beta
 
-    which = np.minimum((p * bins).astype(int), bins - 1)
+    which = np.minimum((p * _BINS).astype(int), _BINS - 1)
     tail = 0.5 * (1.0 - _LEVEL)
     found = []
-    for number in range(bins):
+    for number in range(_BINS):
         inside = which == number
         if n := int(inside.sum()):
             k = int(outcome[inside].sum())

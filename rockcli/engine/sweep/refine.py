@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.results import Results
-from rockcli.engine.sweep.sweep import Progress, Sweep, outlook, take_known, work_off
+from rockcli.engine.sweep.sweep import Sweep, outlook, take_known, work_off
 from rockcli.engine.sweep.symbols_of_cases import describe_rest, symbols_of
 from rockcli.engine.sweep.work import Team
 from rockcli.scene.response import NO_UPLIFT
@@ -52,7 +52,7 @@ PROBES, PROBED = 3000, 20
 UNSOLVED = np.int8(-128)
 
 
-def solve_refined(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Results:
+def solve_refined(study: Study, sweep: Sweep | None = None) -> Results:
     """Solve what tells where outcomes change over the two axes `study.refine`, for every point of the other axes.
 
     `Results.solved` says which cases were solved; the others have the outcome that surrounds them, and no other scalar.
@@ -62,7 +62,6 @@ def solve_refined(study: Study, progress: Progress | None = None, sweep: Sweep |
         OutputError: what is finished cannot be kept.
     """
     sweep = sweep or Sweep(Team())
-    sweep.progress = progress or sweep.progress
     with np.errstate(all="ignore"):
         results = Results.of(study, symbols_of(study, sweep.folder), sweep.folder)
         todo = take_known(sweep, results)

@@ -126,7 +126,7 @@ class Solving:
         return _left_out(answer)
 
 
-def solve_cases(study: Study, progress: Progress | None = None, sweep: Sweep | None = None) -> Results:
+def solve_cases(study: Study, sweep: Sweep | None = None) -> Results:
     """Solve every case of a study.
 
     Raises:
@@ -134,7 +134,6 @@ def solve_cases(study: Study, progress: Progress | None = None, sweep: Sweep | N
         OutputError: what is finished cannot be kept.
     """
     sweep = sweep or Sweep(Team())
-    sweep.progress = progress or sweep.progress
     with np.errstate(all="ignore"):
         return _solve_cases(study, sweep)
 

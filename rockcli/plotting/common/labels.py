@@ -60,10 +60,10 @@ def unit_in_brackets(unit: str) -> str:
     return f" [{shown}]" if shown else ""
 
 
-def variable_label(name: str, unit: str | None = None) -> str:
+def variable_label(name: str) -> str:
     """Symbol and unit of a variable of the dataset."""
     row = VARIABLES[name]
-    return row.symbol + unit_in_brackets(row.unit if unit is None else unit)
+    return row.symbol + unit_in_brackets(row.unit)
 
 
 def path_of(dataset: xarray.Dataset, name: str) -> str:

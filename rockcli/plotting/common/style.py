@@ -154,9 +154,9 @@ def fit_panels(figure: Figure, axes: Axes, height: float, rows: int = 1) -> None
     figure.set_figheight(figure.get_figheight() + rows * (height - now))
 
 
-def grid_of(n: int, most: int = MOST_COLUMNS) -> tuple[int, int]:
+def grid_of(n: int) -> tuple[int, int]:
     """Rows and columns for n panels: as many abreast as the width that is wanted has room for."""
-    columns = min(1 if n == 1 else 2 if n in (2, 4) else 3, most, max(1, int(width_or(DOUBLE) / _NARROW)))
+    columns = min(1 if n == 1 else 2 if n in (2, 4) else 3, MOST_COLUMNS, max(1, int(width_or(DOUBLE) / _NARROW)))
     return -(-n // columns), columns
 
 

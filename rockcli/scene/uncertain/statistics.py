@@ -57,10 +57,3 @@ def spearman(x: Array, y: Array) -> Array:
     """Rank correlation along the last axis of the pairs without NaN; inf is the largest rank."""
     missing = np.isnan(x) | np.isnan(y)
     return pearson(ranks(np.where(missing, np.nan, x)), ranks(np.where(missing, np.nan, y)))
-
-
-def inverse_mills(z: Array) -> Array:
-    """Density over probability of the standard normal law below z."""
-    from scipy.special import erfcx
-
-    return np.asarray(np.sqrt(2.0 / np.pi) / erfcx(-np.asarray(z) / np.sqrt(2.0)))

@@ -57,8 +57,7 @@ def ground_of_cases(batch: Batch, cases: Iterable[int], t: Array) -> Iterator[tu
         yield a_g, a_v
 
 
-def ground_history(batch: Batch, t: Array, live: NDArray[np.bool_], cases: Iterable[int] | None = None) -> Array:
-    """a_g and a_v of all, or some, cases at times t (k,) [s], NaN where `live` (n, k) is not so: (2, n, k) [m/s²]."""
-    rows = range(batch.size) if cases is None else cases
-    shaken = list(ground_of_cases(batch, map(int, rows), t))
+def ground_history(batch: Batch, t: Array, live: NDArray[np.bool_]) -> Array:
+    """a_g and a_v of all cases at times t (k,) [s], NaN where `live` (n, k) is not so: (2, n, k) [m/s²]."""
+    shaken = list(ground_of_cases(batch, range(batch.size), t))
     return np.where(live, np.array(shaken).transpose(1, 0, 2), np.nan)

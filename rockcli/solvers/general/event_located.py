@@ -148,7 +148,7 @@ class Located:
 
         launch = self.q == 0.0 and self.v == 0.0
         for step in self.walker.walk(flow, self.t, (self.q, self.v), piece.t_b, small=launch):
-            event, x = self._event(step, piece, after)
+            event, x = self._event(step)
             if event == "impact" and x == 0.0:  # would enter the ground at once
                 self.resting, self.q, self.v = True, 0.0, 0.0
                 self.stalled += 1
@@ -169,7 +169,7 @@ class Located:
 
     # -- events -------------------------------------------------------------------------------------------------
 
-    def _event(self, step: Step, piece: Piece, after: bool) -> tuple[str, float]:
+    def _event(self, step: Step) -> tuple[str, float]:
         """The first event of a step and the fraction of the step at which it is; "" and 1 if there is none."""
         q = step.nodes[0]
         q_end, v_end = float(step.y[0]), float(step.y[1])

@@ -51,7 +51,7 @@ def read_uncertain(
     if len(part.uncertain) > MOST_INPUTS:
         raise source.error(study, ("uncertain",), f"has more than {MOST_INPUTS} inputs")
     read = [
-        _Read(text, path := _path(source, study, text), _distribution(source, study, text, said, path, evaluate))
+        _Read(text, _path(source, study, text), _distribution(source, study, text, said, evaluate))
         for text, said in part.uncertain.items()
     ]
     _check_apart(source, study, read, axes)
@@ -107,9 +107,7 @@ def _path(source: Source, study: Map, text: str) -> Path:
     return path
 
 
-def _distribution(
-    source: Source, study: Map, text: str, part: DistributionPart, path: Path, evaluate: Evaluate
-) -> Distribution:
+def _distribution(source: Source, study: Map, text: str, part: DistributionPart, evaluate: Evaluate) -> Distribution:
     keys = ("uncertain", text)
     given = [family for family in FAMILIES if getattr(part, family) is not None]
     if len(given) != 1:

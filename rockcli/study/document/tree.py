@@ -144,10 +144,10 @@ def put_at(tree: Any, keys: tuple[str, ...], value: Any) -> Any:
     return copy
 
 
-def meant(key: str, known: Iterable[str], cutoff: float = 0.55) -> str | None:
+def meant(key: str, known: Iterable[str]) -> str | None:
     """The known key that is nearest to what is written; None if none is near."""
     lowered = {name.lower(): name for name in reversed(list(known))}
-    close = get_close_matches(key[:80].lower(), lowered, n=1, cutoff=cutoff)
+    close = get_close_matches(key[:80].lower(), lowered, n=1, cutoff=0.55)
     return lowered[close[0]] if close else None
 
 
