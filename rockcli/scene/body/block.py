@@ -73,6 +73,16 @@ class Block:
         return np.asarray((self.inertia[:, LEFT] - 1.0) * self.R[:, LEFT] ** 2)
 
     @property
+    def mu_in_motion(self) -> Array:
+        """Coefficient of friction of a base that slides, (n,): `mu_kinetic`, or that at rest."""
+        return np.where(np.isnan(self.mu_kinetic), self.mu, self.mu_kinetic)
+
+    @property
+    def mass_or_1(self) -> Array:
+        """Mass, (n,) [kg]; 1 where none is given, so that forces and moments are those per unit mass."""
+        return np.where(np.isfinite(self.mass), self.mass, 1.0)
+
+    @property
     def size(self) -> int:
         """Number of bodies."""
         return len(self.h)
@@ -190,6 +200,11 @@ def housner_eta(block: Block) -> Array:
     product = (block.b[:, LEFT] * block.b[:, RIGHT])[:, None]
     general = (I_cm + np.prod(block.heights, axis=1)[:, None] - product) / (block.inertia * block.R**2)
     return np.where(block.symmetric[:, None], symmetric, general)
+
+
+def impulse_ratio(block: Block, eta: Array) -> Array:
+    """Ratio of the impulses of an impact, along the ground over up: h (1 - eta)/(b_i + eta b_j) onto edge j, (n, 2)."""
+    return np.asarray(block.h[:, None] * (1.0 - eta) / (block.b[:, ::-1] + eta * block.b))
 
 
 def _heights(h: Array, rise: Array) -> Array:

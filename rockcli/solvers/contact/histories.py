@@ -26,8 +26,8 @@ def histories_of(batch: Batch, raw: Raw) -> tuple[dict[str, Array], dict[str, Ar
     t = np.arange(theta.shape[1], dtype=np.float64) * np.float64(batch.save.dt_out)
     a_g, a_v = ground_history(batch, t, live)
     block, top, W = batch.block, batch.block.top[:, None], batch.g[:, None] + a_v
-    mass = np.where(np.isfinite(block.mass), block.mass, 1.0)[:, None]
-    mu = np.where(np.isnan(block.mu_kinetic), block.mu, block.mu_kinetic)[:, None]
+    mass = block.mass_or_1[:, None]
+    mu = block.mu_in_motion[:, None]
 
     def of_side(both: Array) -> Array:
         return np.where(theta > 0.0, both[:, RIGHT, None], both[:, LEFT, None])

@@ -127,7 +127,7 @@ def parameters_of(batch: Batch, first: float = 0.0) -> Array:
     r_g2 = ((block.inertia - 1.0) * block.R**2).mean(axis=1)  # of both edges, the same but for rounding
     rows[:, at.G], rows[:, at.H], rows[:, at.RG2], rows[:, at.TOP] = batch.g, block.h, r_g2, block.top
     rows[:, at.MU_S] = block.mu
-    rows[:, at.MU_K] = np.where(np.isnan(block.mu_kinetic), block.mu, block.mu_kinetic)
+    rows[:, at.MU_K] = block.mu_in_motion
     rows[:, at.E_N] = np.nan_to_num(block.e_n)
     for edge, j, i in ((at.LEFT, LEFT, RIGHT), (at.RIGHT, RIGHT, LEFT)):
         rows[:, edge + at.B], rows[:, edge + at.ALPHA], rows[:, edge + at.RADIUS] = (

@@ -20,7 +20,7 @@ from rockcli.kernels.constants import DONE, FALLS, GIVES_WAY, LEFT_TO_MARCH
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.rigid import results as in_lanes
 from rockcli.scene.batch import Batch
-from rockcli.scene.body.block import LEFT
+from rockcli.scene.body.block import LEFT, impulse_ratio
 from rockcli.scene.numerics import Accuracy
 from rockcli.solvers.common.certainty import CERTAINTY
 from rockcli.solvers.contact.run import EXTREMES, Raw, from_the_beginning, parameters_of, run
@@ -46,8 +46,7 @@ SAME_PASSAGE = 1e-3
 
 def can_take_turns(batch: Batch) -> Mask:
     """Bodies whose foot does not slip while they stand and where they land, (n,), and that nothing pushes."""
-    block, eta = batch.block, batch.damping.eta
-    landing = block.h[:, None] * (1.0 - eta) / (block.b[:, ::-1] + eta * block.b)
+    block, landing = batch.block, impulse_ratio(batch.block, batch.damping.eta)
     pushed = False if batch.slide_rate_0 is None else batch.slide_rate_0 != 0.0
     with np.errstate(invalid="ignore"):
         holds = np.maximum(landing, block.tan_alpha).max(axis=1) < block.mu * ROUNDING

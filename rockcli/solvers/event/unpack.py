@@ -11,7 +11,7 @@ from rockcli.kernels.constants import DONE, FALLS, UNDECIDED
 from rockcli.kernels.formulas import restoring
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
-from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.body.block import LEFT, RIGHT, impulse_ratio
 from rockcli.scene.laws.models import MODELS
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED
 from rockcli.scene.variables import SCALARS
@@ -165,11 +165,9 @@ def friction_and_normal(batch: Batch, out: Array) -> tuple[Array, Array]:
 
 
 def _impact_friction(batch: Batch, onto_left: NDArray[np.bool_], onto_right: NDArray[np.bool_]) -> Array:
-    """Largest ratio of the impulses at an impact, h (1 - eta)/(b_i + eta b_j) from edge i onto j, (n,)."""
-    block, eta = batch.block, batch.damping.eta
-    ratio = block.h[:, None] * (1.0 - eta) / (block.b[:, ::-1] + eta * block.b)
+    """Largest ratio of the impulses at the impacts that there were, (n,)."""
     happened = np.column_stack([onto_left, onto_right])
-    return np.asarray(np.max(np.where(happened, ratio, 0.0), axis=1))
+    return np.asarray(np.max(np.where(happened, impulse_ratio(batch.block, batch.damping.eta), 0.0), axis=1))
 
 
 UNSOLVED = "which this model has no forces for"
@@ -251,5 +249,4 @@ def _base_moment(batch: Batch, theta: Array, q: Array, a_g: Array, a_v: Array) -
     shape = r0 if model.geometry == "corotational" else restoring(r0, rs, rc, sine, cosine)
     rocking = np.sign(theta) * R * (batch.g[:, None] + a_v) * shape
     moment = np.where(theta == 0.0, -a_g * block.h[:, None], rocking)
-    mass = np.where(np.isfinite(block.mass), block.mass, 1.0)
-    return np.asarray(moment * mass[:, None])
+    return np.asarray(moment * block.mass_or_1[:, None])

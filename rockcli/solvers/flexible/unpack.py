@@ -80,7 +80,7 @@ def histories_of(
     theta, rate, bend, moment = (x[:, :n_time] for x in (theta, rate, bend, moment))
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
     length = 2.0 * batch.block.h[:, None]
-    mass = np.where(np.isfinite(batch.block.mass), batch.block.mass, 1.0)[:, None]
+    mass = batch.block.mass_or_1[:, None]
     across = length * bend
     histories = {
         "theta": theta,

@@ -76,7 +76,7 @@ def histories_of(
     t = np.arange(n_time, dtype=np.float64) * np.float64(batch.save.dt_out)
     theta, top = raw[:, :, at.TH], batch.block.top[:, None]
     # solved with the mass of a metre of depth if a column's, with any mass if none is given
-    scale = (np.where(np.isfinite(batch.block.mass), batch.block.mass, 1.0) / np.array(mass))[:, None]
+    scale = (batch.block.mass_or_1 / np.array(mass))[:, None]
     histories = {
         "theta": theta,
         "theta_dot": raw[:, :, at.RATE],

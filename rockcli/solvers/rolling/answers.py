@@ -138,5 +138,4 @@ def _base_moment(batch: Batch, facets: Facets, theta: Array, rate: Array, a_g: A
     arm = x * np.cos(theta) + z * np.sin(theta)  # of the weight, to the right
     resting = (rate == 0.0) & (theta[:, :, None] == facets.tilt[:, None, :]).any(axis=2)
     moment = np.where(resting, -a_g * height, (batch.g[:, None] + a_v) * arm)
-    mass = np.where(np.isfinite(batch.block.mass), batch.block.mass, 1.0)
-    return np.asarray(moment * mass[:, None])
+    return np.asarray(moment * batch.block.mass_or_1[:, None])
