@@ -62,9 +62,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
     figure = new_figure(width, 1.25 + rows * 0.85 * (width / columns))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    for number, (case, place) in enumerate(shown):
+    for number, case in enumerate(shown):
         axes = grid.flat[number]
-        _panel(axes, dataset.isel(place))
+        _panel(axes, dataset.isel(case.place))
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
