@@ -339,9 +339,29 @@ def test_both_edges_of_a_rectangle_have_one_line_of_words(stripes):
     assert [text.get_text().startswith(r"$\alpha_{") for text in axes.texts] == [False]
 
 
-def test_two_intensities_have_every_case_and_the_lines_of_the_fitted_curve():
-    over = {"axis": "omega_p", "along": "a_p", "intensity": ["pga", "pgv_over_pga"], "limits": []}
-    dataset = rockcli.run(suite(over=over))
+@pytest.mark.parametrize(
+    ("intensity", "units"),
+    [
+        (["pga", "pgv_over_pga"], (G, 1.0)),
+        (["pgv", "pga"], (1.0, G)),
+        (["motion.record.pga", "pgv_over_pga"], (G, 1.0)),
+    ],
+)
+def test_two_intensities_have_every_case_and_the_lines_of_the_fitted_curve(intensity, units):
+    records = [f"synthetic_{name}.AT2" for name in ("pulse_m70", "rock_m65", "soil_m70")]
+    dataset = rockcli.run(
+        {
+            "name": "plane",
+            "case": {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"record": {"file": records[0], "pga": 1.0}}},
+            "vary": {
+                "motion.record.file": records,
+                "motion.record.highpass": [0.1, 0.4, 0.8],
+                "motion.record.pga": {"from": 0.1 * G, "to": 2.0 * G, "n": 9, "spacing": "log"},
+            },
+            "over": {"axis": ["record", "highpass"], "intensity": intensity, "limits": []},
+            "save": {"histories": False},
+        }
+    )
     assert "intensities" in figures.default_kinds(dataset)
     figure = figures.figure("intensities", dataset)
     (axes,) = figure.axes
@@ -353,10 +373,11 @@ def test_two_intensities_have_every_case_and_the_lines_of_the_fitted_curve():
         float(dataset[f"fragility_{name}"].values.ravel()[-1]) for name in ("begins_at", "median", "second", "exponent")
     )
     beta = float(dataset["fragility_beta_total"].values.ravel()[-1])
+    assert {"5 %", "50 %", "95 %"} < lines.keys()
     for label, line in lines.items():
         if label.endswith("%"):
-            second, first = line.get_data()
-            share = ndtr(np.log((first * G - x_0) / ((m - x_0) * (second / y_r) ** -c)) / beta)
+            first, second = line.get_ydata() * units[0], line.get_xdata() * units[1]
+            share = ndtr(np.log((first - x_0) / ((m - x_0) * (second / y_r) ** -c)) / beta)
             np.testing.assert_allclose(share, float(label.removesuffix(" %")) / 100.0, rtol=1e-9)
 
 

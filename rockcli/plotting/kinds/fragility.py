@@ -148,7 +148,7 @@ def _stripes(dataset: xarray.Dataset, suite: Suite) -> Array | None:
     return np.asarray(x[:, 0]) if (np.ptp(x, axis=1) <= 1e-9 * x.max(axis=1)).all() else None
 
 
-def _first_motion(part: xarray.Dataset) -> str:
+def first_motion(part: xarray.Dataset) -> str:
     """What happens where the curves begin."""
     slides = any(">" in str(label) for label in part["limit_state"].values)
     return "uplift or slip" if slides else "uplift"
@@ -173,7 +173,7 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
     x = begin + (positive.max() - begin) * np.geomspace(1e-3, 1.0, 401) if len(positive) else np.empty(0)
     stripes = _stripes(part, suite)
     if begin > 0.0:
-        axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label=_first_motion(part))
+        axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label=first_motion(part))
     # several panels have one legend, that of the first
     same = _same_curve(part) if numbers else [[i] for i in range(part.sizes["limit_state"])]
     banded = sum(bool(each) for each in same) <= _BANDS

@@ -28,7 +28,7 @@ from rockcli.plotting.common.style import (
     width_or,
 )
 from rockcli.plotting.common.suite import members_word, panels, suite_of
-from rockcli.plotting.kinds.fragility import intensity_label, intensity_symbol
+from rockcli.plotting.kinds.fragility import first_motion, intensity_label, intensity_symbol
 from rockcli.plotting.kinds.map import scale_axes
 from rockcli.scene.response import OUTCOMES
 
@@ -64,7 +64,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for number, case in enumerate(shown):
         axes = grid.flat[number]
-        _panel(axes, dataset.isel(case.place))
+        _panel(axes, dataset.isel(case.place), suite.told_against)
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
@@ -77,7 +77,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
     first = grid.flat[0]
-    x, y = (values[values > 0.0] for values in _both(dataset))
+    x, y = (values[values > 0.0] for values in _both(dataset, suite.told_against))
     first.set_xlim(0.9 * x.min(), 1.1 * x.max())
     first.set_ylim(0.9 * y.min(), 1.1 * y.max())
     scale_axes(first, True, True)
@@ -87,15 +87,16 @@ def draw(dataset: xarray.Dataset) -> Figure:
     return figure
 
 
-def _both(dataset: xarray.Dataset) -> tuple[Array, Array]:
-    """The second intensity and the first of every case, as they are shown."""
-    found = (dataset[name].values / shown_unit(dataset, name)[0] for name in (SECOND, "fragility_intensity"))
-    second, first = (np.asarray(values, dtype=float) for values in found)
-    return second, first
+def _both(dataset: xarray.Dataset, told_against: str) -> tuple[Array, Array]:
+    """The second intensity and the first, which may be an axis, of every case, as they are shown."""
+    second = dataset[SECOND]
+    name = "fragility_intensity" if "fragility_intensity" in dataset.variables else told_against
+    first = dataset[name].broadcast_like(second).transpose(*second.dims)
+    return second.values / shown_unit(dataset, SECOND)[0], first.values / shown_unit(dataset, name)[0]
 
 
-def _panel(axes: Axes, part: xarray.Dataset) -> None:
-    x, y = _both(part)
+def _panel(axes: Axes, part: xarray.Dataset, told_against: str) -> None:
+    x, y = _both(part, told_against)
     flags = part["outcome"].transpose(*part[SECOND].dims).values
     fell = np.isin(flags, [flag for flag, name in OUTCOMES.items() if name.startswith("overturned")])
     stands = ~fell & (flags >= 0)
@@ -106,7 +107,7 @@ def _panel(axes: Axes, part: xarray.Dataset) -> None:
     divisor = shown_unit(part, "fragility_median")[0]
     begin = float(part["fragility_begins_at"]) / divisor
     if begin > 0.0:
-        axes.axhline(begin, zorder=1, label="uplift", **LIFTS)
+        axes.axhline(begin, zorder=1, label=first_motion(part), **LIFTS)
     median, beta, c = (
         float(part[f"fragility_{name}"].isel(limit_state=-1)) for name in ("median", "beta_total", "exponent")
     )
@@ -115,7 +116,8 @@ def _panel(axes: Axes, part: xarray.Dataset) -> None:
     from scipy.special import ndtri  # late: other figures need none of it
 
     second = np.geomspace(x[x > 0.0].min(), x.max(), 100)
-    above = (median / divisor - begin) * (second / float(part["fragility_second"])) ** -c
+    reference = float(part["fragility_second"]) / shown_unit(part, "fragility_second")[0]
+    above = (median / divisor - begin) * (second / reference) ** -c
     for number, level in enumerate(_LEVELS):
         curve = begin + above * np.exp(float(ndtri(level)) * beta)
         axes.plot(second, curve, color=COLOURS[0], linestyle=LINES[_STYLES[number]], label=f"{100 * level:.0f} %")
