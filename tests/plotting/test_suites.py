@@ -339,17 +339,10 @@ def test_both_edges_of_a_rectangle_have_one_line_of_words(stripes):
     assert [text.get_text().startswith(r"$\alpha_{") for text in axes.texts] == [False]
 
 
-@pytest.mark.parametrize(
-    ("intensity", "units"),
-    [
-        (["pga", "pgv_over_pga"], (G, 1.0)),
-        (["pgv", "pga"], (1.0, G)),
-        (["motion.record.pga", "pgv_over_pga"], (G, 1.0)),
-    ],
-)
-def test_two_intensities_have_every_case_and_the_lines_of_the_fitted_curve(intensity, units):
+def plane(intensity):
+    """Three records, each filtered three times, by PGA: fragility over two intensities."""
     records = [f"synthetic_{name}.AT2" for name in ("pulse_m70", "rock_m65", "soil_m70")]
-    dataset = rockcli.run(
+    return rockcli.run(
         {
             "name": "plane",
             "case": {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"record": {"file": records[0], "pga": 1.0}}},
@@ -362,6 +355,18 @@ def test_two_intensities_have_every_case_and_the_lines_of_the_fitted_curve(inten
             "save": {"histories": False},
         }
     )
+
+
+@pytest.mark.parametrize(
+    ("intensity", "units"),
+    [
+        (["pga", "pgv_over_pga"], (G, 1.0)),
+        (["pgv", "pga"], (1.0, G)),
+        (["motion.record.pga", "pgv_over_pga"], (G, 1.0)),
+    ],
+)
+def test_two_intensities_have_every_case_and_the_lines_of_the_fitted_curve(intensity, units):
+    dataset = plane(intensity)
     assert "intensities" in figures.default_kinds(dataset)
     figure = figures.figure("intensities", dataset)
     (axes,) = figure.axes
@@ -379,6 +384,18 @@ def test_two_intensities_have_every_case_and_the_lines_of_the_fitted_curve(inten
             first, second = line.get_ydata() * units[0], line.get_xdata() * units[1]
             share = ndtr(np.log((first - x_0) / ((m - x_0) * (second / y_r) ** -c)) / beta)
             np.testing.assert_allclose(share, float(label.removesuffix(" %")) / 100.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("second", "symbol", "unit"), [("sa(0.5)", "$S_a$(0.5 s, 5 %)", "g"), ("motion.record.pga", "PGA", "g")]
+)
+def test_figures_name_the_second_of_two_intensities(second, symbol, unit):
+    dataset = plane(["pgv", second])
+    at = float(dataset["fragility_second"]) / G
+    figure = figures.figure("fragility", dataset)
+    assert f"; at {symbol} = {at:.3g} {unit}; bands" in figure.get_label()
+    (axes,) = figures.figure("intensities", dataset).axes
+    assert axes.get_xlabel() == f"{symbol} [{unit}]"
 
 
 def test_one_intensity_has_no_plane(stripes):

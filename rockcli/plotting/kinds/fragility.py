@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockcli.plotting.common.cases import Array
-from rockcli.plotting.common.labels import axis_label, axis_values, path_of, shown_unit, title_of, unit_in_brackets
+from rockcli.plotting.common.labels import axis_label, axis_symbol, axis_values, shown_unit, title_of, unit_in_brackets
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
@@ -107,10 +107,9 @@ def _second_words(dataset: xarray.Dataset) -> str:
     if "fragility_second" not in dataset:
         return ""
     divisor, unit = shown_unit(dataset, "fragility_second")
-    name = path_of(dataset, "fragility_intensity_second").rsplit(".", 1)[-1]
     at = float(dataset["fragility_second"].values.ravel()[0]) / divisor
-    symbol, bare = _NAMES.get(name, name.replace("_", " ")), unit_in_brackets(unit).strip(" []")
-    return f"at {symbol} = {at:.3g} {bare}; "
+    words = f"at {second_symbol(dataset)} = {at:.3g} {unit_in_brackets(unit).strip(' []')}"
+    return f"{words.rstrip()}; "
 
 
 def intensity_label(dataset: xarray.Dataset, suite: Suite) -> str:
@@ -119,6 +118,12 @@ def intensity_label(dataset: xarray.Dataset, suite: Suite) -> str:
     if name in dataset.dims:
         return axis_label(dataset, name)
     return intensity_symbol(name) + unit_in_brackets(shown_unit(dataset, "fragility_median")[1])
+
+
+def second_symbol(dataset: xarray.Dataset) -> str:
+    """Symbol of the second of two intensities."""
+    name = str(dataset["fragility_intensity_second"].attrs["long_name"])
+    return axis_symbol(dataset, name) if name in dataset.dims else intensity_symbol(name)
 
 
 def intensity_symbol(name: str) -> str:

@@ -28,7 +28,7 @@ from rockcli.plotting.common.style import (
     width_or,
 )
 from rockcli.plotting.common.suite import members_word, panels, suite_of
-from rockcli.plotting.kinds.fragility import first_motion, intensity_label, intensity_symbol
+from rockcli.plotting.kinds.fragility import first_motion, intensity_label, second_symbol
 from rockcli.plotting.kinds.map import scale_axes
 from rockcli.scene.response import OUTCOMES
 
@@ -68,9 +68,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
-            name = str(dataset[SECOND].attrs["long_name"])
-            unit = unit_in_brackets(shown_unit(dataset, SECOND)[1])
-            axes.set_xlabel(intensity_symbol(name) + unit)
+            axes.set_xlabel(second_symbol(dataset) + unit_in_brackets(shown_unit(dataset, SECOND)[1]))
             axes.tick_params(labelbottom=True)
         if number % columns == 0:
             axes.set_ylabel(intensity_label(dataset, suite))
