@@ -467,7 +467,7 @@ class HazardPart(Part):
     intensity: Series | None = key("ascending intensities, of the fragility, in SI units or as 0.1*g")
     rate: Series | None = key("annual rates of exceedance [1/year]")
     label: Label | None = key("name of the curve; default that of the file")
-    units: Text | None = key("of the intensities: g, m/s², cm/s², m/s, cm/s, s; default as the file says, or SI units")
+    units: Text | None = key("of the intensities: g, m/s², cm/s², m/s, cm/s, g s, s; default as the file says, or SI")
     site: Pair | None = key("[longitude, latitude] of a file of several sites")
 
 

@@ -317,6 +317,40 @@ def test_a_table_of_intensity_and_rate(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("against", "text", "unit"),
+    [
+        ("arias", "arias [m/s],rate\n0.1,0.01\n0.5,0.001\n", 1.0),
+        ("arias", OPENQUAKE.format(imt="IA"), 1.0),
+        ("cav", "cav [cm/s],rate\n0.1,0.01\n0.5,0.001\n", 0.01),
+        ("cav", "cav [g s],rate\n0.1,0.01\n0.5,0.001\n", G),
+        ("cav", OPENQUAKE.format(imt="CAV"), G),
+        ("floor_pga", "intensity [g],rate\n0.1,0.01\n0.5,0.001\n", G),
+    ],
+)
+def test_units_of_a_hazard_curve(tmp_path, against, text, unit):
+    """OpenQuake's imt module: IA in m/s, CAV in g s."""
+    (tmp_path / "curve.csv").write_text(text, encoding="utf-8")
+    site = {"site": [10.0, 45.0]} if text.startswith("#") else {}
+    along = "floor_pga" if against == "floor_pga" else "record.scale"
+    motion = {"record": {"file": "synthetic_rock_m65.AT2"}}
+    if against == "floor_pga":
+        motion |= {"through": [{"T": 0.3, "zeta": 0.05}], "floor_pga": 1.0}
+    dataset = rockcli.run(
+        {
+            "name": "units",
+            "case": {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": motion},
+            "vary": {"motion.record.file": "synthetic_*.AT2", f"motion.{along}": [1.0, 3.0, 6.0, 12.0]},
+            "over": {"axis": "record"} | ({} if against == "floor_pga" else {"intensity": against}),
+            "hazard": {"file": str(tmp_path / "curve.csv"), **site},
+            "save": {"histories": False},
+        }
+    )
+    used = dataset["hazard_intensity"].values[0]
+    expected = [0.1, 0.5, 2.0] if site else [0.1, 0.5]
+    assert used[:3] == pytest.approx(np.array(expected) * unit, rel=1e-12)
+
+
+@pytest.mark.parametrize(
     ("text", "more", "words"),
     [
         (OPENQUAKE.format(imt="PGA"), {}, "holds 2 sites"),

@@ -34,6 +34,9 @@ Array = NDArray[np.float64]
 _NAMES = ("pga", "pgv", "pgv_over_pga", "arias", "cav")
 """Intensities a curve may be told to be of; beside them sa(T)."""
 
+_OPENQUAKE = {"PGV": ("pgv", "cm/s"), "IA": ("arias", "m/s"), "CAV": ("cav", "g*s")}
+"""Intensities as OpenQuake names them: the name here, and the unit that they have there; others are in g."""
+
 _SITE = 1e-4
 """Degrees by which a site may differ from the one asked for."""
 
@@ -172,13 +175,14 @@ def _same(of: str, against: str) -> bool:
 
 def _factor(unit: str, against: str, g: float, refused: Callable[[str], StudyError]) -> float:
     """What intensities are multiplied by to be in SI units."""
-    acceleration = against == "pga" or against == "a_p" or period_of(against) is not None
+    acceleration = against in ("pga", "a_p", "sa", "floor_pga") or period_of(against) is not None
     text = unit.replace("²", "2").replace("^", "").replace("**", "").replace(" ", "")
     known = {"": 1.0, "1": 1.0}
     if acceleration:
         known = {"": 1.0, "g": g, "%g": 0.01 * g, "m/s2": 1.0, "ms-2": 1.0, "cm/s2": 0.01, "gal": 0.01}
-    elif against == "pgv":
+    elif against in ("pgv", "arias", "cav"):
         known = {"": 1.0, "m/s": 1.0, "ms-1": 1.0, "cm/s": 0.01}
+        known |= {"gs": g, "g-s": g, "g*s": g} if against == "cav" else {}
     elif against == "pgv_over_pga":
         known = {"": 1.0, "s": 1.0}
     factor = known.get(text if text in known else text.lower())
@@ -272,8 +276,8 @@ def _openquake(path: Path, rows: list[tuple[int, list[str]]], site: tuple[float,
     sure = poe >= 1.0
     rate = -np.log1p(-poe[~sure]) / float(time[1])
     notes = (f"{_points(~sure)} of probability 1, which tells no rate, left out",) if sure.any() else ()
-    unit = "cm/s" if imt[1].upper() == "PGV" else "g"
-    return _Read(levels[~sure], rate, imt[1], unit, notes)
+    of, unit = _OPENQUAKE.get(imt[1].upper(), (imt[1], "g"))
+    return _Read(levels[~sure], rate, of, unit, notes)
 
 
 def _is_spectral(name: str) -> bool:
