@@ -52,6 +52,14 @@ def test_sobol_indices_are_drawn_where_the_design_has_them():
     assert "Sobol" in right.get_xlabel()
 
 
+def test_inputs_of_the_vertical_motion_are_called_so():
+    record = {"record": {"file": "synthetic_rock_m65.AT2", "pga": 3.0}}
+    case = {"block": {"R": 2.0, "alpha": 0.2}, "motion": {**record, "vertical": record}}
+    uncertain = {f"motion.{of}record.pga": {"uniform": [1.0, 4.0]} for of in ("", "vertical.")}
+    _, right = figure("samples", rockcli.run(study(case=case, uncertain=uncertain, samples=8))).axes
+    assert [tick.get_text() for tick in right.get_yticklabels()] == ["PGA", "vertical PGA"]
+
+
 def test_several_axes_of_an_ensemble_are_one_in_every_figure_of_suites():
     vary = {"block.mass": [1.0, 2.0, 3.0], "initial.theta": [0.0, 0.01]}
     data = rockcli.run(study(vary=vary, over=["mass", "initial.theta", "sample"]))

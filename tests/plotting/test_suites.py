@@ -398,5 +398,27 @@ def test_figures_name_the_second_of_two_intensities(second, symbol, unit):
     assert axes.get_xlabel() == f"{symbol} [{unit}]"
 
 
+@pytest.mark.parametrize(
+    ("more", "label"),
+    [
+        ({}, "$S_a$(0.5 s, 5 %) [g]"),
+        ({"motion.record.sa_period": [0.3, 1.0]}, "$S_a$ [g]"),
+        ({"case": {"low": {"block.R": 0.5}, "soft": {"motion.record.sa_period": 1.0}}}, "$S_a$ [g]"),
+    ],
+)
+def test_an_axis_of_sa_is_of_a_period_where_all_cases_have_it(more, label):
+    record = {"file": "synthetic_rock_m65.AT2", "sa": 1.0, "sa_period": 0.5}
+    dataset = rockcli.run(
+        {
+            "name": "periods",
+            "case": {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"record": record}},
+            "vary": {**more, "motion.record.file": "synthetic_*.AT2", "motion.record.sa": [2.0, 4.0, 8.0, 16.0]},
+            "over": {"axis": "record", "limits": []},
+            "save": {"histories": False},
+        }
+    )
+    assert figures.figure("ida", dataset).axes[0].get_ylabel() == label
+
+
 def test_one_intensity_has_no_plane(stripes):
     assert "two intensities" in figures.why_not("intensities", stripes)

@@ -77,10 +77,17 @@ def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:
     if path == "motion.record.sa" and (T := _PERIOD.fullmatch(_period_of_sa(dataset))):
         return f"$S_a$({T[1]} s, 5 %)"
     names = (".".join(path.split(".")[-2:]), path.split(".")[-1], axis)
-    return next(filter(None, map(symbol_of, names)), axis.replace("_", " "))
+    symbol = next(filter(None, map(symbol_of, names)), "")
+    if symbol and path.startswith("motion.vertical."):
+        return f"vertical {symbol}"
+    return symbol or axis.replace("_", " ")
 
 
 def _period_of_sa(dataset: xarray.Dataset) -> str:
+    """The period of `sa` in the base case; "" where an axis, a table or a setting gives another."""
+    in_study, in_case = (str(dataset.attrs.get(name, "")).count("sa_period") for name in ("study", "case"))
+    if in_study > in_case or any(path_of(dataset, str(name)).endswith(".sa_period") for name in dataset.coords):
+        return ""
     record = (resolved_case(dataset).get("motion") or {}).get("record") or {}
     return str(record.get("sa_period", ""))
 
