@@ -576,6 +576,10 @@ def test_fragility_of_two_intensities_is_the_fit_of_their_values():
     assert float(found["fragility_exponent"][0]) > 0.0  # the longer the pulse the weaker it may be
     assert "at pgv_over_pga" in " ".join(json.loads(found.attrs["ensemble"])["says"])
     assert "fragility_second [s]" in rockcli.table(found, of="fragility").columns
+    slides = over | {"limits": [{"slide_peak": 0.01}]}
+    sines["case"]["block"]["mu"] = 0.3
+    said = json.loads(rockcli.run(study(over=slides, **sines)).attrs["ensemble"])["says"]
+    assert sum("what it is above uplift or slip goes with its power" in sentence for sentence in said) == 2
     with pytest.raises(StudyError, match="twice"):
         rockcli.run(study(over=over | {"intensity": ["pga", "pga"]}))
     with pytest.raises(StudyError, match="is of one intensity"):

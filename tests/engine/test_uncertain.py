@@ -54,6 +54,12 @@ def away(seed, sampling, n):
     return (float(found.p_overturned) - truth()) / float(found.p_overturned_se)
 
 
+def test_samples_over_another_axis_say_how_many_points_it_has():
+    found = rockcli.run(study(samples=8, vary={"block.mass": [1.0, 2.0, 3.0]}, over=["mass", "sample"]))
+    said = json.loads(found.attrs["ensemble"])["says"]
+    assert said[0] == "8 Latin hypercube samples, seed 0, over 3 points of mass"
+
+
 @pytest.mark.parametrize(
     ("sampling", "n"), [("latin_hypercube", 200), ("random", 200), ("sobol", 256), ("saltelli", 256)]
 )

@@ -310,7 +310,7 @@ def _of_samples(contents: Contents, study: Study, over: Over, units: Units) -> I
     dims = contents.fields["p_overturned_se"].dims
     n = next(axis.size for axis in study.axes if axis.name == SAMPLE)
     others = " x ".join(
-        f"{a.size} {'records' if a.name == 'record' else a.name}"
+        f"{a.size} {'records' if a.name == 'record' else f'points of {a.name}'}"
         for a in study.axes
         if a.name in over.axes and a.name != SAMPLE
     )
@@ -358,10 +358,10 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
     n = len(contents.values(over.axis))
     many = int(np.prod(status.shape[:-1], dtype=int))
     listed = _worst(contents.values("fragility_median")[..., -1])
+    first = "uplift or slip" if any(limit.quantity != PEAK for limit in over.limits) else "uplift"
     for at in listed:
         where = f"{place(contents, bodies, at, units)}: " if bodies else ""
         if begins[at] > 0.0:
-            first = "uplift or slip" if any(limit.quantity != PEAK for limit in over.limits) else "uplift"
             last = float(contents.values("fragility_begins_at_last")[at])
             others = f" of the first member to move; the last moves from {last / divisor:.4g}{unit_words(unit)}"
             yield (
@@ -397,7 +397,7 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
                 yield (
                     f"{where}{limit_words(label)}: this at {over.second} "
                     f"{contents.values('fragility_second')[at] / size:.4g}{unit_words(shown)}; "
-                    f"{'the median' if begins[at] == 0.0 else 'what it is above uplift'} goes with its power {-c:.3g}"
+                    f"{'the median' if begins[at] == 0.0 else f'what it is above {first}'} goes with its power {-c:.3g}"
                     f"{_limits(-c_high, -c_low)}"
                 )
     if many > len(listed):
