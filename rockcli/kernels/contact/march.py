@@ -123,7 +123,7 @@ def begin(par, start, out):
         s = 1.0 if lead > 0.0 else -1.0
         v, pick = s * par[at.THETA_DOT_0], ON_EDGE
         out[to.T_UPLIFT] = 0.0
-        note_angle(q, s, 0.0, out)
+        note_angle(q, s, 0.0, 0.0, out)
         if q >= par[edge_under(s) + at.ALPHA]:
             out[to.T_OVERTURN] = 0.0
     out[to.RATE_PEAK] = abs(v)

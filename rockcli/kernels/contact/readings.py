@@ -136,12 +136,13 @@ def extremes(c, n, x, parts, found):
 
 
 @jit_lean
-def note_angle(q, side, t, out):
-    """Raise the peak of |theta| to q if it is the largest so far, of all or of its side."""
+def note_angle(q, side, t, tol, out):
+    """Raise the peak of |theta| to q if it is the largest so far, of all or of its side (`rigid/readings.set_peak`)."""
     which = to.PEAK_RIGHT if side > 0.0 else to.PEAK_LEFT
     out[which] = max(out[which], q)
-    if q > out[to.PEAK] * (1.0 + 1e-12):
-        out[to.PEAK], out[to.PEAK_SIDE], out[to.T_PEAK] = q, side, t
+    if q > out[to.PEAK] * (1.0 + 1e-12 + 100.0 * tol):
+        out[to.PEAK_SIDE], out[to.T_PEAK] = side, t
+    out[to.PEAK] = max(out[to.PEAK], q)
 
 
 @jit_lean
@@ -167,13 +168,13 @@ def within_reach(c, n, x):
 
 
 @jit_lean
-def note_rotation(foot, step, t, looks, w, out):
+def note_rotation(foot, step, t, looks, tol, w, out):
     """Largest rotation of a step on one edge."""
     if step.reach <= out[to.PEAK_RIGHT if foot.s > 0.0 else to.PEAK_LEFT]:
         return
     found = w[row.FOUND]
     extremes(w[row.Q], step.order, step.x, looks, found)
-    note_angle(found[0], foot.s, t + found[1], out)
+    note_angle(found[0], foot.s, t + found[1], tol, out)
 
 
 @jit_lean
@@ -211,7 +212,7 @@ def note_on_edge(par, how, mode, foot, step, t, counted, looks, w, out):
     """Passage of the equilibrium and extremes of a step on one edge, `counted` if the report has not ended."""
     note_passage(par[edge_under(foot.s) + at.ALPHA], step, t, w, out)
     if counted:
-        note_rotation(foot, step, t, looks, w, out)
+        note_rotation(foot, step, t, looks, how.tol, w, out)
         if how.extremes:
             note_rocking(par, mode, foot, step, looks, w, out)
 
@@ -246,7 +247,7 @@ def note_flying(par, air, n, x, t, counted, w, out):
         out[to.T_OVERTURN] = t + (limit - tilted * theta) / abs(turn)
     if not counted:
         return
-    note_angle(end, tilted, t + x, out)
+    note_angle(end, tilted, t + x, 0.0, out)
     out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(turn))
     lower = 1.0 if theta + 0.5 * turn * x >= 0.0 else -1.0
     b = lower * par[edge_under(lower) + at.B]

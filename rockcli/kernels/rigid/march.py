@@ -99,7 +99,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         if q >= first.q_star:
             out[to.T_OVERTURN] = 0.0
         if v <= 0.0:
-            set_peak(first.alpha, s, q, 0.0, out)
+            set_peak(first.alpha, s, q, 0.0, how.tol, out)
         out[to.RATE_PEAK] = abs(v)
         work = energy(first, q, v, linear)
 
@@ -220,7 +220,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         if two_sided:
             top = out[to.PEAK_RIGHT] if s > 0.0 else out[to.PEAK_LEFT]
         if detail > OUTCOME and reported and reach > top:
-            raise_peak(edge.alpha, s, c, n, x, t, parts, out)
+            raise_peak(edge.alpha, s, c, n, x, t, parts, how.tol, out)
         if reach >= edge.q_star:
             passed = last_passage(c, n, edge.q_star, x, parts)
             if passed != NO_ROOT:
@@ -243,7 +243,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         if t_new > t:
             push, lifted = NUDGE, True
         if detail > OUTCOME and par[at.HAS_DURATION] == 1.0 and t < t_stop <= t_new and v_new > 0.0:
-            set_peak(edge.alpha, s, q_new, t_new, out)  # the report ends while it rises, the run may go on
+            set_peak(edge.alpha, s, q_new, t_new, how.tol, out)  # the report ends while it rises, the run may go on
         t, q, v = t_new, q_new, v_new
 
         if event == 2:
@@ -296,7 +296,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         out[to.PEAK_SIDE] = s
     out[to.VERDICT] = verdict if out[to.STATUS] == DONE else UNDECIDED
     if mode == ROCK and v > 0.0 and detail > OUTCOME and par[at.HAS_DURATION] == 0.0 and verdict != RETURNS:
-        set_peak(edge.alpha, s, q, t, out)  # cut off while rising
+        set_peak(edge.alpha, s, q, t, how.tol, out)  # cut off while rising
     rest_energy = energy(edge, q, v, linear) if mode == ROCK else 0.0
     out[to.ENERGY] = work - lost - rest_energy
     if (
@@ -330,7 +330,7 @@ def afterwards(edge, other, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, o
         if verdict == FALLS and q < edge.q_star <= q_new:
             out[to.T_OVERTURN] = t + passage(c, n, edge.q_star, 0.0, h)
         if verdict == RETURNS and v_new <= 0.0:
-            raise_peak(edge.alpha, s, c, n, h, t, 8, out)
+            raise_peak(edge.alpha, s, c, n, h, t, 8, how.tol, out)
         t, q, v = t + h, q_new, v_new
 
 

@@ -39,11 +39,8 @@ def work_done(edge, s, c, n, x, a, a_v, deg, sin_q, cos_q, moment):
 
 
 @jit_lean
-def raise_peak(alpha, s, c, n, x, t, parts, out):
-    """Raise the peak of |theta| to the largest turning point on [0, x].
-
-    Equal peaks of an undamped body differ by rounding: a later one must be higher by more than that.
-    """
+def raise_peak(alpha, s, c, n, x, t, parts, tol, out):
+    """Raise the peak of |theta| to the largest turning point on [0, x]."""
     lo, v_lo, b_lo = 0.0, c[1], 2.0 * c[2]
     for j in range(1, parts + 1):
         end = x * j / parts
@@ -54,18 +51,23 @@ def raise_peak(alpha, s, c, n, x, t, parts, out):
             v_hi = slope(c, n, hi)
             if (v_lo > 0.0 or (v_lo == 0.0 and b_lo > 0.0)) and v_hi <= 0.0 and hi > lo:
                 y = turning_point(c, n, lo, hi)
-                set_peak(alpha, s, value(c, n, y), t + y, out)
+                set_peak(alpha, s, value(c, n, y), t + y, tol, out)
             lo, v_lo = hi, v_hi
         b_lo = b_hi
 
 
 @jit_lean
-def set_peak(alpha, s, q, t, out):
-    """Note |theta| = q at t if it is the largest so far, of all or of its side; alpha of that side."""
+def set_peak(alpha, s, q, t, tol, out):
+    """Note |theta| = q at t if it is the largest so far, of all or of its side; alpha of that side.
+
+    Equal peaks of an undamped body differ by the errors of its steps: a later one that is higher by no more leaves side
+    and time as they are.
+    """
     side = to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT
     out[side] = max(out[side], q)
-    if q > out[to.PEAK] * (1.0 + 1e-12):
-        out[to.PEAK], out[to.PEAK_SIDE], out[to.PEAK_ALPHA], out[to.T_PEAK] = q, s, alpha, t
+    if q > out[to.PEAK] * (1.0 + 1e-12 + 100.0 * tol):
+        out[to.PEAK_SIDE], out[to.PEAK_ALPHA], out[to.T_PEAK] = s, alpha, t
+    out[to.PEAK] = max(out[to.PEAK], q)
 
 
 @jit_lean

@@ -103,7 +103,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
         out[to.T_UPLIFT] = 0.0
         if theta_0 >= fall_right or theta_0 <= fall_left:
             out[to.T_OVERTURN] = 0.0
-        set_peak(1.0, 1.0 if lead > 0.0 else -1.0, abs(theta_0), 0.0, out)
+        set_peak(1.0, 1.0 if lead > 0.0 else -1.0, abs(theta_0), 0.0, how.tol, out)
         out[to.PEAK_SIDE] = 1.0 if lead > 0.0 else -1.0
         out[to.RATE_PEAK] = abs(v)
     end, other = end_of(body, g, facet, s), end_of(body, g, facet, -s)
@@ -247,7 +247,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
             side = to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT
             if detail > OUTCOME and (reported or not given) and reach + far > out[side]:
                 c[0] = q + far
-                raise_peak(1.0, s, c, n, x, t, parts, out)
+                raise_peak(1.0, s, c, n, x, t, parts, how.tol, out)
                 c[0] = q
         level = s * ((fall_right if end.tilt + 0.5 * s * end.extent > 0.0 else fall_left) - end.tilt)
         if 0.0 < level < end.extent and reach >= level:
@@ -310,7 +310,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
                 t_impact[k], rate_before[k], rate_after[k] = t, rate, eta * rate
                 out[to.IMPACTS_STORED] += 1
         if end.tilt != 0.0:
-            set_peak(1.0, 1.0 if end.tilt > 0.0 else -1.0, abs(end.tilt), t, out)
+            set_peak(1.0, 1.0 if end.tilt > 0.0 else -1.0, abs(end.tilt), t, how.tol, out)
         before = energy(other, 0.0, rate)
         v = eta * abs(rate)
         lost += before - energy(end, 0.0, v)
@@ -339,7 +339,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
         out[also.FACET] = facet
     out[to.VERDICT] = verdict if out[to.STATUS] == DONE else UNDECIDED
     if mode == ROCK and s * v * theta > 0.0 and detail > OUTCOME and t <= t_stop and (given or verdict != RETURNS):
-        set_peak(1.0, 1.0 if theta > 0.0 else -1.0, abs(theta), t, out)  # cut off while rising
+        set_peak(1.0, 1.0 if theta > 0.0 else -1.0, abs(theta), t, how.tol, out)  # cut off while rising
     out[to.ENERGY] = work - lost - energy(end, q, v)
 
 

@@ -138,8 +138,8 @@ def _solve_one(batch: Batch, i: int, how: Settings, *, histories: bool) -> tuple
     """The trajectory of one case, and who counted the work."""
     body, ground = body_of(batch, i), ground_of(batch, i)
     n_time = output_times(batch.save.dt_out, ground.t_stop) if histories else 0
-    trajectory = Trajectory(body, batch.save.dt_out, np.full(n_time, np.nan), np.full(n_time, np.nan))
     margin = max(2e-14, 10.0 * how.rtol)
+    trajectory = Trajectory(body, batch.save.dt_out, np.full(n_time, np.nan), np.full(n_time, np.nan), margin)
     theta, rate = float(batch.theta_0[i]), float(batch.theta_dot_0[i])
     walker = Walker(how.method, how.rtol, math.inf)
     try:

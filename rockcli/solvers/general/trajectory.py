@@ -18,9 +18,6 @@ from rockcli.solvers.general.methods import Step
 
 Array = NDArray[np.float64]
 
-SAME_PEAK = 1e-10
-"""Peaks of an undamped body are equal but for errors: a later one must be higher by more than this fraction."""
-
 
 @dataclass
 class Trajectory:
@@ -28,6 +25,7 @@ class Trajectory:
 
     Attributes:
         dt_out: output spacing [s]; theta, rate: histories (k,), NaN where nothing was noted, k = 0 without.
+        same: fraction by which peaks differ that are equal but for errors, as those of an undamped body.
         peak: largest |theta| so far [rad], on the side of sign `side`, at t_peak; peaks: to the left, to the right.
         rate_peak: largest |rate| [rad/s].
         impacts: (t, rate before, rate after) of the first MAX_IMPACTS_STORED; n_impacts: how many there were;
@@ -40,6 +38,7 @@ class Trajectory:
     dt_out: float
     theta: Array
     rate: Array
+    same: float
     written: int = 0
     peak: float = 0.0
     side: float = 1.0
@@ -106,8 +105,9 @@ class Trajectory:
     def _higher(self, theta: float, t: float) -> None:
         side = RIGHT if theta > 0.0 else LEFT
         self.peaks[side] = max(self.peaks[side], abs(theta))
-        if abs(theta) > self.peak * (1.0 + SAME_PEAK):
-            self.peak, self.side, self.t_peak = abs(theta), math.copysign(1.0, theta), t
+        if abs(theta) > self.peak * (1.0 + self.same):
+            self.side, self.t_peak = math.copysign(1.0, theta), t
+        self.peak = max(self.peak, abs(theta))
 
     def cut_off(self, theta: float, rate: float, t: float) -> None:
         """Note the state at which the report ends, which may be the highest or the fastest so far."""

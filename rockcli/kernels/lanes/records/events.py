@@ -88,7 +88,7 @@ def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a
         out[to.PEAK_SIDE] = s
     given = par[at.HAS_DURATION] == 1.0
     if v > 0.0 and (given or verdict != RETURNS):
-        set_peak(edge.alpha, s, q, t, out)  # cut off while rising
+        set_peak(edge.alpha, s, q, t, how.tol, out)  # cut off while rising
     if how.detail == ALL:
         if par[at.T_STOP] > par[at.T_MOTION]:
             weigh_end(st, i, edge, s, q, v, 0.0, 0.0, how.linear)
@@ -172,7 +172,7 @@ def attend(
     v = slope(c, lane.ORDER, x)
     if reach > st[lane.PEAK + i] and c[1] > 0.0 >= v:
         y = turning_point(c, lane.ORDER, 0.0, x)
-        note_height(st, i, par, value(c, lane.ORDER, y), t0 + y * h, hold and watch, out)
+        note_height(st, i, par, value(c, lane.ORDER, y), t0 + y * h, hold and watch, how.tol, out)
     passed = NO_ROOT
     if path and rolls(par):
         passed = passage_of(par, s, c, guard, x, reach)

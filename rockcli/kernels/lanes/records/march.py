@@ -159,7 +159,7 @@ def in_lanes(
         for j in range(turning):
             i = int(turns[j])
             k = int(st[lane.CASE + i])
-            top(st, i, pars[k], hold and watch, out[k])
+            top(st, i, pars[k], hold and watch, how.tol, out[k])
         for j in range(landing, min(landing + WIDTH, len(landings))):
             landings[j] = place(lane.LANES)
         for j in range(0, landing, WIDTH):

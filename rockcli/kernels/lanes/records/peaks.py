@@ -15,7 +15,7 @@ LAST = 1e-7
 
 
 @jit_lean
-def top(st, i, par, both, out):
+def top(st, i, par, both, tol, out):
     """Raise the peak to where the step that lane i has tried turns: its rate is positive first and then not.
 
     `both`: of either side.  Newton's method kept inside the bracket, from where a parabola turns.
@@ -48,17 +48,17 @@ def top(st, i, par, both, out):
     if h < 0.0:  # the lane is at the step's end
         q -= c1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8))))
         t += h
-    note_height(st, i, par, q + height, t + x * abs(h), both, out)
+    note_height(st, i, par, q + height, t + x * abs(h), both, tol, out)
 
 
 @jit_lean
-def note_height(st, i, par, q, t, both, out):
+def note_height(st, i, par, q, t, both, tol, out):
     """Raise the peak to a turning point of lane i; `both`: the peaks of either side, not the larger alone."""
     s = st[lane.SIDE + i]
     if st[lane.UNLIKE + i] > 0.0:
         tilt, alpha = abs(par[TILT]) if rolls(par) else 0.0, par[(at.RIGHT if s > 0.0 else at.LEFT) + at.ALPHA]
-        set_peak(1.0 if rolls(par) else alpha, s, q + tilt, t, out)
+        set_peak(1.0 if rolls(par) else alpha, s, q + tilt, t, tol, out)
         st[lane.PEAK + i] = top_of(par, s, out)
         return
-    set_peak(par[at.RIGHT + at.ALPHA], s, q, t, out)
+    set_peak(par[at.RIGHT + at.ALPHA], s, q, t, tol, out)
     st[lane.PEAK + i] = min(out[to.PEAK_LEFT], out[to.PEAK_RIGHT]) if both else out[to.PEAK]

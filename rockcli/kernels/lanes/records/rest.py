@@ -145,7 +145,7 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
     st[lane.Q + i], st[lane.V + i] = q, v
     turn(st, i, par, s, out)
     if v <= 0.0:
-        note_height(st, i, par, q, 0.0, hold and watch, out)
+        note_height(st, i, par, q, 0.0, hold and watch, how.tol, out)
     if watch or hold:
         begin_watch(st, i, par, how.linear, q, v, values[int(span[0])])
         if heave is not None:

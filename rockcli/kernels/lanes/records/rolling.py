@@ -107,7 +107,7 @@ def roll_over(st, i, par, bodies, values, slopes, path, watch, out):
         if s < 0.0:
             st[lane.ONTO_LEFT + i] += 1.0
     if par[TILT] != 0.0:
-        set_peak(1.0, 1.0 if par[TILT] > 0.0 else -1.0, abs(par[TILT]), t, out)
+        set_peak(1.0, 1.0 if par[TILT] > 0.0 else -1.0, abs(par[TILT]), t, 0.0, out)
     st[lane.Q + i], st[lane.V + i] = 0.0, par[e + at.ETA] * rate
     turn(st, i, par, s, out)
     if watch:
