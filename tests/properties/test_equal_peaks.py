@@ -29,7 +29,7 @@ def undamped(solver, block, amplitudes, **save):
         {"rtol": 1e-5},
         {"backend": "scipy"},
         {"backend": "scipy", "accuracy": "draft"},
-        {"backend": "scipy", "method": "Radau", "rtol": 1e-6},
+        pytest.param({"backend": "scipy", "method": "Radau", "rtol": 1e-6}, marks=pytest.mark.slow),
     ],
     ids=str,
 )
