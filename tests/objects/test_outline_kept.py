@@ -182,5 +182,8 @@ def test_a_rectangle_is_as_high_as_its_top(block, high):
     found = rockcli.run({"name": "x", "case": {"block": block}, "plots": []})
     rest = outline(body_of(found, ()), 0.0)
     np.testing.assert_allclose([rest[:, 1].min(), np.ptp(rest[:, 0]), rest[:, 1].max()], [0.0, 0.5, high], atol=1e-12)
+    settings = {"as it is": {}, "higher": {"block.top": 2.9}, "none": {"block.top": None}}
+    told = rockcli.run({"name": "x", "case": {"block": block}, "vary": {"case": settings}, "plots": []})
+    assert outline(body_of(told, (1,)), 0.0)[:, 1].max() == pytest.approx(2.0 * block["h"])  # not that of another
     varied = rockcli.run({"name": "x", "case": {"block": block}, "vary": {"block.top": [2.5, 3.0]}, "plots": []})
     assert outline(body_of(varied, (1,)), 0.0)[:, 1].max() == pytest.approx(3.0)

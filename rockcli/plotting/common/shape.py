@@ -32,6 +32,7 @@ _NARROWEST = 0.6
 """Width over height from which the numbers along the axis of a slender body do not touch."""
 
 _NUMBER = re.compile(r"[0-9.]+(?:e[-+]?[0-9]+)?")
+_SAYS_TOP = re.compile(r"\btop:")
 
 _HALVINGS = 30
 """Bisections for the largest bending that stays above the ground."""
@@ -90,14 +91,18 @@ def body_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Body:
 
 
 def _up_to_its_top(dataset: xarray.Dataset, position: tuple[int, ...], b: Array, height: float) -> Array | None:
-    """Corners of a rectangle as high as its `top`, (4, 2) [m]; None if that is 2h, or below the centre of mass."""
+    """Corners of a rectangle as high as its `top`, (4, 2) [m].
+
+    None if that is 2h, below the centre of mass, no plain number, or may be that of a setting or a sample.
+    """
     axes = axes_of(dataset)
     at = next((name for name in ("given_top", "block_top", "top") if name in dataset.variables), "")
     if at and set(dataset[at].dims) <= set(axes):
         top = float(values_at(dataset, at, position))
     else:
         said = case_settings(dataset).get("block.top", "")
-        top = float(said) if _NUMBER.fullmatch(said) else np.nan
+        once = len(_SAYS_TOP.findall(str(dataset.attrs.get("study", "")))) == 1
+        top = float(said) if once and _NUMBER.fullmatch(said) else np.nan
     if not top > 0.5 * height or abs(top - height) <= LEVEL * height:
         return None
     left, right = -b[LEFT], b[RIGHT]

@@ -39,10 +39,8 @@ if TYPE_CHECKING:
 
 SECOND = "fragility_intensity_second"
 
-_LEVELS = (0.05, 0.5, 0.95)
-"""Probabilities of overturning that have a line."""
-
-_STYLES = (1, 0, 2)
+_LEVELS = {0.05: LINES[1], 0.5: LINES[0], 0.95: LINES[2]}
+"""Probabilities of overturning that have a line, and its style."""
 
 
 def without_intensities(dataset: xarray.Dataset) -> str:
@@ -116,6 +114,6 @@ def _panel(axes: Axes, part: xarray.Dataset, told_against: str) -> None:
     second = np.geomspace(x[x > 0.0].min(), x.max(), 100)
     reference = float(part["fragility_second"]) / shown_unit(part, "fragility_second")[0]
     above = (median / divisor - begin) * (second / reference) ** -c
-    for number, level in enumerate(_LEVELS):
+    for level, line in _LEVELS.items():
         curve = begin + above * np.exp(float(ndtri(level)) * beta)
-        axes.plot(second, curve, color=COLOURS[0], linestyle=LINES[_STYLES[number]], label=f"{100 * level:.0f} %")
+        axes.plot(second, curve, color=COLOURS[0], linestyle=line, label=f"{100 * level:.0f} %")
