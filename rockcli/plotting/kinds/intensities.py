@@ -19,7 +19,9 @@ from rockcli.plotting.common.style import (
     LINES,
     OUTCOME_COLOURS,
     QUIET,
+    SHORTEST,
     SINGLE,
+    fit_panels,
     grid_of,
     headline,
     legend_below,
@@ -80,6 +82,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     legend_below(figure, first.get_legend_handles_labels()[0], 3)
     words = f"{members_word(dataset, suite)}; lines: probability of overturning by the fitted curve"
     headline(figure, title_of(dataset), "; ".join(filter(None, [words, note])))
+    fit_panels(figure, first, max(0.7 * width / columns, 1.2 * SHORTEST), rows)
     return figure
 
 
