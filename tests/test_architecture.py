@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -75,7 +76,7 @@ def imports(path: Path) -> list[tuple[str, int]]:
         for child in ast.iter_child_nodes(node):
             visit(child)
 
-    visit(ast.parse(path.read_text(encoding="utf-8")))
+    visit(parsed(path))
     return found
 
 
@@ -112,6 +113,11 @@ def test_programs_are_run_in_one_place():
     assert runners == {"programs.py", "video.py", "build.py"}
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def name_of(path: Path) -> str:
     parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
@@ -134,7 +140,7 @@ def test_no_import_circle():
 def imported(path: Path, modules: dict[str, Path], nodes: Callable[[ast.AST], Iterator[ast.AST]]) -> set[str]:
     """Modules of the package that some nodes of this one import, a name of a package counted as its package."""
     found = set()
-    for node in nodes(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(parsed(path)):
         if isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:
                 found |= {f"{node.module}.{alias.name}", node.module} & modules.keys()
@@ -167,7 +173,7 @@ def test_a_constant_stands_in_one_module():
 
 def constants(path: Path):
     """(name, value) of the constants of a module; type variables are none."""
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+    for node in parsed(path).body:
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
             for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
                 pairs = [(target, node.value)]
@@ -181,7 +187,7 @@ def constants(path: Path):
 def test_a_study_opens_files_through_one_door():
     """What is read elsewhere is on no list, and results would not know that they depend on it."""
     for path in (PACKAGE / "study").rglob("*.py"):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = parsed(path)
         called = {getattr(n.func, "attr", getattr(n.func, "id", "")) for n in ast.walk(tree) if isinstance(n, ast.Call)}
         opened = called & {"open", "read_text", "read_bytes", "loadtxt", "genfromtxt", "fromfile", "load"}
         assert path.name in ("inputs.py", "loader.py") or not opened, f"{path}: {opened}"
@@ -199,7 +205,7 @@ BUILDERS = [path for room in ("building", "cases") for path in sorted((PACKAGE /
 @pytest.mark.parametrize("path", BUILDERS, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_a_default_stands_in_the_schema_alone(path):
     """What is built is read from the validated case: no `or default`, no `get(key, default)`, no look into the tree."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(parsed(path)):
         where = f"{path}:{getattr(node, 'lineno', 0)}"
         if isinstance(node, ast.BoolOp) and isinstance(node.op, ast.Or):
             assert not states_a_default(node.values[-1]), where

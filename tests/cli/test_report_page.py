@@ -274,6 +274,7 @@ def test_tables_of_the_suite_and_the_rules(tmp_path: Path) -> None:
     assert "<td>west</td><td>1885</td><td>100</td>" in words
 
 
+@pytest.mark.slow
 def test_a_figure_that_leaves_out_bodies_says_how_they_are_drawn() -> None:
     bodies = {"block.h": [1.8, 1.9, 2.0, 2.1], "block.b": [0.4, 0.45]}
     for some, left_out in ((bodies, True), ({"block.h": [1.8, 1.9]}, False)):

@@ -210,6 +210,7 @@ def test_tables_have_a_row_per_limit_state_and_curve(data):
     assert len(rockcli.table(data, of="deaggregation")) == 4 * data.sizes["intensity_bin"]
 
 
+@pytest.mark.slow
 def test_a_body_without_a_rate_says_why(tmp_path):
     """One that nothing overturns and one that all motions do within a step have no rate alike."""
     amplitudes = {"motion.pulse.omega_p": SINES, "motion.pulse.a_p": [1.01 * G * 0.1, 90.0 * G * 0.1]}

@@ -337,6 +337,7 @@ def test_two_intensities_are_the_clustered_probit_of_two_regressors_of_statsmode
         assert getattr(found, name)[0] == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_second_intensity_that_matters_narrows_the_curve():
     """The scatter that y explains is no scatter of the curve; of the exponent 95 % limits hold the true one."""
     held = 0

@@ -40,6 +40,7 @@ def identified(*arguments: str) -> dict:
     return json.loads(result.stdout)
 
 
+@pytest.mark.slow
 def test_eta_alpha_and_p_from_a_noisy_history(tmp_path: Path) -> None:
     t = np.arange(0.0, 4.0, 0.02)
     noise = 0.01 * ALPHA_0 * np.random.default_rng(7).normal(size=len(t))

@@ -85,6 +85,7 @@ def test_what_is_printed_is_read(values: list[float], per_line: int, end: str, l
     assert record.values.tolist() == values
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.binary(max_size=300) | st.text("0123.-+eEdD,\n #", max_size=40).map(str.encode))
 def test_any_file(tmp_path: Path, data: bytes) -> None:

@@ -290,6 +290,7 @@ def test_the_command_draws_several_files_together_only_where_it_is_told(tmp_path
     assert "expected AXIS=VALUE" in str(refused.exception)
 
 
+@pytest.mark.slow
 def test_what_a_figure_without_a_title_leaves_out_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The note that stands below a title says which cases are shown; without one the command line does."""
     monkeypatch.chdir(tmp_path)
