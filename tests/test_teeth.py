@@ -411,7 +411,10 @@ FAULTS = {
 """By family and kind of fault."""
 
 
-LONG = (pulse_paths, late_extremes, paths_until_the_fall, uneven_paths, rolling, rolling_pulses, rolling_records)
+LONG = (
+    *(pulse_paths, late_extremes, paths_until_the_fall, uneven_paths, rolling, rolling_pulses, rolling_records),
+    *(lifted_in_a_record, record_forces_of_both, slips),
+)
 """Truths that take plain Python seconds."""
 
 

@@ -81,7 +81,7 @@ def interrupted(
     ("script", "kernels", "wait", "by"),
     [
         (ROCK, "interpreted", 0.5, signal.SIGINT),
-        (ROCK, "jit", 3.0, signal.SIGINT),
+        pytest.param(ROCK, "jit", 3.0, signal.SIGINT, marks=pytest.mark.slow),
         (STUCK, "interpreted", 0.5, signal.SIGINT),
         (DROPPED, "interpreted", 1.0, signal.SIGINT),
         (DROPPED, "interpreted", 1.0, signal.SIGTERM),

@@ -101,6 +101,7 @@ def test_hardly_any_is_left_to_the_single_body(monkeypatch):
     assert sum(alone) == 0
 
 
+@pytest.mark.slow
 def test_against_an_independent_integrator():
     """The outcome of the cut motion, and the peak up to the cut."""
     values, dt = own()

@@ -120,6 +120,7 @@ def test_hardly_any_is_left_to_the_single_body(monkeypatch):
     assert sum(alone) == 0
 
 
+@pytest.mark.slow
 def test_against_an_independent_integrator():
     values, dt = own()
     batch = skew(values, dt, [1.4, 2.4], [1.0], [0.7, 1.3])

@@ -125,6 +125,7 @@ def test_what_the_data_do_not_determine_has_no_interval(tmp_path: Path) -> None:
     assert "nan" not in told.stdout
 
 
+@pytest.mark.slow
 def test_measured_and_fitted_are_written(tmp_path: Path) -> None:
     """The fitted rotation is that of an independent integration, the residual the noise that was added."""
     t = 5.0 + np.arange(0.0, 3.0, 0.02)

@@ -265,8 +265,8 @@ def masked(dataset):
     ("change", "same"),
     [
         (lambda d: d.transpose(), True),
-        (lambda d: d.squeeze(), True),
-        (masked, False),
+        pytest.param(lambda d: d.squeeze(), True, marks=pytest.mark.slow),
+        pytest.param(masked, False, marks=pytest.mark.slow),
     ],
     ids=["transposed", "squeezed", "masked"],
 )

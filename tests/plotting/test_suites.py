@@ -308,6 +308,7 @@ def test_risk_is_shown_of_bodies_that_overturn():
     assert texts.count("no curve of overturning") == 2
 
 
+@pytest.mark.slow
 def test_risk_is_shown_of_the_bodies_that_overturn_most_often():
     curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
     sizes = [0.3, 0.22, 0.28, 0.26, 0.23, 0.29, 0.27, 0.21]
