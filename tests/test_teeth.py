@@ -208,7 +208,7 @@ class Fault(NamedTuple):
 K = "rockcli.kernels."
 FAULTS = {
     "march: sign": Fault(march, K + "rigid.ground", "s, c = A * math.sin(phase), A", "s, c = -A * math.sin(phase), -A"),
-    "march: restitution": Fault(march, K + "rigid.march", "v = eta * abs(rate)", "v = 1.001 * eta * abs(rate)"),
+    "march: restitution": Fault(march, K + "rigid.march", "other.eta * abs(s * min", "1.001 * other.eta * abs(s * min"),
     "march: no reset": Fault(march, K + "rigid.march", "            s = -s\n", ""),
     "march: wrong edge": Fault(
         march,
@@ -217,7 +217,7 @@ FAULTS = {
         "edge, other = (left, right) if s > 0.0 else (right, left)",
     ),
     "march: end of a step": Fault(
-        march, K + "rigid.march", "(event == 0 and x == t_next - t) else t + x", "(event == 0) else t + x"
+        march, K + "rigid.march", "(event == NO_EVENT and x == t_next - t) else t + x", "(event == NO_EVENT) else t + x"
     ),
     "march: late root": Fault(march, K + "rigid.march", "x = first_root(c, n, h, skip)", "x = first_root(c, n, h, skip) * 1.001"),
     "law: coefficient": Fault(march, K + "rigid.law", "par[e + at.RS], par", "par[e + at.RS] * 1.00001, par"),
@@ -312,7 +312,7 @@ FAULTS = {
     "record lanes: normal force": Fault(record_forces, K + "lanes.records.forces", "weight - cos_b * vv)", "weight + cos_b * vv)"),
     "record lanes: inside a step": Fault(record_forces, K + "lanes.records.forces", "return fast | light | rough", "return fast & light & rough"),
     "record lanes: work": Fault(record_forces, K + "lanes.records.forces", "work = load(st, lane.INERTIA + i) * (a1 * area)", "work = load(st, lane.INERTIA + i) * (0.999 * a1 * area)"),
-    "rolling: restitution": Fault(rolling, K + "rolling.march", "v = eta * abs(rate)", "v = 1.001 * eta * abs(rate)"),
+    "rolling: restitution": Fault(rolling, K + "rolling.march", "v = end.eta * abs(rate)", "v = 1.001 * end.eta * abs(rate)"),
     "rolling: impulses": Fault(rolling, K + "rolling.law", "pushed = other_b + eta * b", "pushed = other_b - eta * b"),
     "rolling, pulse lanes: next facet": Fault(
         rolling_pulses, K + "lanes.pulses.rolling", "facet += 1 if s > 0.0 else -1\n    mass", "facet += 0\n    mass"

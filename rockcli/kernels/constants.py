@@ -20,6 +20,9 @@ NUDGE = 1e-12
 """A body that is lifted and dropped again and again at one instant rests for this part of what is left of the piece,
 ten times as long each time that this comes to nothing."""
 
+STALLED = 100
+"""Steps at one instant after which no event is heeded any more."""
+
 NO_ROOT = -1.0
 """In place of the root of a guard that has none on the step."""
 

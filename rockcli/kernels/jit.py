@@ -50,7 +50,7 @@ def is_cold() -> bool:
     return next(places.cache_dir().rglob("*.nbi"), None) is None
 
 
-def jit(function: F) -> F:
+def jit(function: F, *, inlined: bool = False) -> F:
     """Compile a kernel, cached on disk, or leave it as it is.
 
     No fast-math: the same operations in the same order give the same bits compiled or not.  Other threads may run
@@ -62,6 +62,7 @@ def jit(function: F) -> F:
     from numba import njit
 
     options: dict[str, Any] = {"cache": _cached, "error_model": "numpy", "nogil": True, "_nrt": False}
+    options["forceinline"] = inlined
     compiled: Any = njit(**options)(function)
     if _cached:
         _forgive(compiled._cache)
@@ -69,6 +70,11 @@ def jit(function: F) -> F:
 
 
 jit_lean = jit
+
+
+def jit_part(function: F) -> F:
+    """`jit` for a part of a loop, compiled into it: a call with so many arguments would take as long as its work."""
+    return jit(function, inlined=True)
 
 
 def entry(*takes: Any, gives: Any = None) -> Callable[[F], F]:

@@ -21,6 +21,7 @@ from rockcli.kernels.constants import (
     OUT_OF_STEPS,
     PATIENCE,
     RETURNS,
+    STALLED,
     UNDECIDED,
 )
 from rockcli.kernels.contact import parameters as at
@@ -85,7 +86,7 @@ from rockcli.kernels.contact.rest import scales_of, settles
 from rockcli.kernels.contact.selection import stiffness
 from rockcli.kernels.contact.sliding import slide_on, still_until
 from rockcli.kernels.contact.state import Air, Foot, Settings, edge_under
-from rockcli.kernels.contact.steps import STALLED, ground_ahead, next_step
+from rockcli.kernels.contact.steps import ground_ahead, next_step
 from rockcli.kernels.jit import entry, jit_lean, rows
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, piece_at, piece_end
 from rockcli.kernels.rigid.settings import Channel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import NO_ROOT, SAME
+from rockcli.kernels.constants import NO_ROOT, SAME, STALLED
 from rockcli.kernels.contact import flows
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import workspace as row
@@ -38,9 +38,6 @@ EXACT = 1e-17
 
 FAR = 1e-9
 """A guard of forces whose bound is more than this on a step, over their scale, surely has no root on it."""
-
-STALLED = 100
-"""Steps at one instant after which no event is heeded any more."""
 
 
 @jit_lean

@@ -62,6 +62,15 @@ def watch_rocking(edge, s, c, n, x, a, a_v, deg, parts, force, out):
 
 
 @jit_lean
+def note_passage(passed, edge, s, c, n, t, a, a_v, deg, parts, watched, force, out):
+    """Note that a step from t on passes the equilibrium outward, and, if watched, the forces of a body that stands."""
+    out[to.T_OVERTURN] = t + passed
+    if watched:
+        watch_rocking(edge, s, c, n, passed, a, a_v, deg, parts, force, out)
+        out[to.MU_STANDING], out[to.N_STANDING] = out[to.MU], out[to.N_MIN]
+
+
+@jit_lean
 def extreme(edge, s, c, n, a, a_v, deg, lo, hi, f_lo, f_hi, what, force, out):
     """Locate a maximum of `what` (of -N for NORMAL) in [lo, hi] by its derivative (Illinois method) and note it."""
     kept = 0

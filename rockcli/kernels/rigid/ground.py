@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.rigid.settings import Degrees
 
 WIDTH = 14
 """Numbers per piece of a pulse table."""
@@ -49,6 +50,23 @@ def piece_at(channel, data, i, t):
     return i
 
 
+@jit_part
+def pieces_at(ground, ih, iv, t, t_motion, t_end):
+    """Pieces of both components at t, earlier ones given, and when the first of them ends: (ih, iv, t_next).
+
+    From t_motion on there are none, and t_next is t_end.
+    """
+    if t >= t_motion:
+        return ground.horizontal.pieces, ground.vertical.pieces, t_end
+    t_next = t_motion
+    ih, iv = piece_at(ground.horizontal, ground.h_data, ih, t), piece_at(ground.vertical, ground.v_data, iv, t)
+    if ih < ground.horizontal.pieces:
+        t_next = min(t_next, piece_end(ground.horizontal, ground.h_data, ih))
+    if iv < ground.vertical.pieces:
+        t_next = min(t_next, piece_end(ground.vertical, ground.v_data, iv))
+    return ih, iv, t_next
+
+
 @jit_lean
 def sight(channel, data, i, t):
     """Longest step from t at which the series of piece i tells what comes [s]."""
@@ -78,6 +96,32 @@ def expand(channel, data, factor, i, t, n, out):
     if data[row + 2] == WAVES:
         return _expand_waves(data, row, t, n, out)
     return _expand_bell(data, row, t, n, out)
+
+
+@jit_part
+def expand_both(ground, ih, iv, t, n, a, a_v):
+    """Write the Taylor coefficients about t of both components, each in its piece, into a and a_v; their degrees."""
+    deg_a = deg_v = 0
+    a[0] = a_v[0] = 0.0
+    a[1] = a_v[1] = 0.0
+    if ih < ground.horizontal.pieces:
+        deg_a = expand(ground.horizontal, ground.h_data, ground.factor_h, ih, t, n, a)
+    if iv < ground.vertical.pieces:
+        deg_v = expand(ground.vertical, ground.v_data, ground.factor_v, iv, t, n, a_v)
+    return Degrees(deg_a, deg_v)
+
+
+@jit_part
+def longest_step(ground, ih, iv, t):
+    """Longest step from t at which the series of both components tell what comes [s]."""
+    return min(sight(ground.horizontal, ground.h_data, ih, t), sight(ground.vertical, ground.v_data, iv, t))
+
+
+@jit_part
+def bounds_from(ground, ih, iv):
+    """Bounds of |a_g| and |a_v| from these pieces on [m/s^2]."""
+    horizontal = bound_from(ground.horizontal, ground.h_data, ground.factor_h, ih)
+    return horizontal, bound_from(ground.vertical, ground.v_data, ground.factor_v, iv)
 
 
 @jit_lean

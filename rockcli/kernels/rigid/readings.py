@@ -1,14 +1,28 @@
-"""What is read off a step: work and peaks (docs/theory.md)."""
+"""What is noted of a case, and read off a step: work, peaks, impacts, histories (docs/theory.md)."""
 
 from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.constants import MEANINGFUL
+from rockcli.kernels.jit import jit_lean, jit_part
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import driving, restoring
 from rockcli.kernels.rigid.roots import turning_point
 from rockcli.kernels.rigid.series import bend, slope, value
+
+
+@jit_part
+def clear(out, spaces):
+    """Nothing is known of a case yet, and nothing is left of the one before."""
+    for i in range(len(out)):
+        out[i] = 0.0
+    out[to.T_PEAK] = out[to.T_UPLIFT] = out[to.T_OVERTURN] = math.nan
+    out[to.N_MIN] = out[to.N_STANDING] = math.inf
+    out[to.PEAK_ALPHA] = 1.0
+    for space in spaces:
+        for i in range(len(space)):
+            space[i] = 0.0
 
 
 @jit_lean
@@ -75,3 +89,43 @@ def forget_hops(out):
     """Take back the uplift and the peaks of hops that took no time: rounding, of a body that moves at no other time."""
     out[to.PEAK] = out[to.PEAK_LEFT] = out[to.PEAK_RIGHT] = out[to.RATE_PEAK] = 0.0
     out[to.T_PEAK] = out[to.T_UPLIFT] = math.nan
+
+
+@jit_lean
+def note_swing(rate, t, out):
+    """Note what an impact at t carries, its rate over p alpha."""
+    carried = rate**2 - MEANINGFUL**2
+    if carried > 0.0:
+        out[to.SWINGS] += carried
+        out[to.SWINGS_T] += carried * t
+
+
+@jit_lean
+def note_impact(t, rate, eta, impacts, out):
+    """Count an impact, and store it as far as there is room: time, rate before and after."""
+    out[to.N_IMPACTS] += 1
+    k = int(out[to.IMPACTS_STORED])
+    if k < len(impacts[0]):
+        impacts[0][k], impacts[1][k], impacts[2][k] = t, rate, eta * rate
+        out[to.IMPACTS_STORED] += 1
+
+
+@jit_part
+def write_rest(history, i, dt_out, until, theta):
+    """Write a body that stands at theta to its histories from i dt_out on until a time; return the next i."""
+    while i < len(history[0]) and i * dt_out <= until:
+        history[0][i] = theta
+        history[1][i] = 0.0
+        i += 1
+    return i
+
+
+@jit_part
+def write_step(history, i, dt_out, t, until, tilt, s, c, n):
+    """Write a step from t on, theta = tilt + s q, to the histories from i dt_out on until a time; return the next i."""
+    while i < len(history[0]) and i * dt_out <= until:
+        y = i * dt_out - t
+        history[0][i] = tilt + s * max(value(c, n, y), 0.0)
+        history[1][i] = s * slope(c, n, y)
+        i += 1
+    return i

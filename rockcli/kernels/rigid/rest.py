@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import NO_ROOT, STANDSTILL
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.constants import NO_ROOT, STALLED, STANDSTILL
+from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.rigid.edge_forces import watch_rest
 from rockcli.kernels.rigid.law import pressed
 from rockcli.kernels.rigid.roots import uplift
 from rockcli.kernels.rigid.series import value
@@ -48,6 +49,26 @@ def bounced_out(edge, other, s, v, down, down_other, a, a_v, deg, x, t, t_next):
     if pressed(other, -s, value(a, deg.a, y), value(a_v, deg.v, y)) <= 0.0:
         return -1.0
     return t + tail
+
+
+@jit_part
+def stand(left, right, least, a, a_v, deg, t, t_next, stalled, push, watched, guard, out):
+    """A step of a body at rest on two edges: (t at its end, sign with which it lifts off or 0, stalled, push).
+
+    `least` as for `lift_off`; `watched`: what the ground has to give is noted.
+    """
+    h = t_next - t
+    x, s_up, looked = lift_off(left.threshold, right.threshold, least, a, a_v, deg, left.g, h, guard)
+    moved = x if x != NO_ROOT else looked
+    if watched and moved > 0.0:  # at a jump of the ground that it answers at once it is not at rest
+        watch_rest(a, a_v, deg, left.g, moved, out)
+    t_new = t_next if (x == NO_ROOT and looked == h) else t + moved
+    if stalled > STALLED:  # lifted and dropped again and again at one instant
+        t_new = min(t_next, t + max(push * h, 4e-16 * t))
+        return t_new, 0.0, 0, 10.0 * push  # the ground may stay just there for long
+    if x == NO_ROOT:
+        return t_new, 0.0, stalled, push
+    return t_new, s_up, (stalled + 1 if t_new == t else 0), push
 
 
 @jit_lean

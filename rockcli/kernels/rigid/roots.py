@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import NO_ROOT
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit_lean, jit_part
 from rockcli.kernels.rigid.series import bend, slope, value
 
 SQUARED = 1e-9
@@ -49,6 +49,17 @@ def first_root(c, n, h, skip):
         if step <= 4e-16 * x or M * step * step <= 4e-16 * x * abs(dP):  # the step's own error is below rounding
             return min(x, h)
     return min(x, h)
+
+
+@jit_part
+def zeros_before(c, n):
+    """How many leading coefficients of P are zero before a positive one, or -1 if the first other one is not."""
+    if c[0] != 0.0:
+        return 0
+    skip = 1
+    while skip < min(n, 4) and c[skip] == 0.0:
+        skip += 1
+    return -1 if c[skip] <= 0.0 else skip
 
 
 @jit_lean

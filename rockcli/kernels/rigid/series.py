@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit_lean, jit_part
 from rockcli.kernels.rigid.law import driving, restoring
 
 
@@ -101,4 +101,13 @@ def third(c, n, x):
     y = n * (n - 1) * (n - 2) * c[n]
     for k in range(n - 1, 2, -1):
         y = y * x + k * (k - 1) * (k - 2) * c[k]
+    return y
+
+
+@jit_part
+def bound(c, n, x):
+    """Bound of its modulus on [0, x]."""
+    y = 0.0
+    for k in range(n, -1, -1):
+        y = y * x + abs(c[k])
     return y

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Settings(NamedTuple):
@@ -40,6 +40,17 @@ class Channel(NamedTuple):
     kind: int
     dt: float
     pieces: int
+
+
+class Ground(NamedTuple):
+    """Both components of the ground motion, and by what a case scales their samples."""
+
+    horizontal: Channel
+    h_data: Any
+    factor_h: float
+    vertical: Channel
+    v_data: Any
+    factor_v: float
 
 
 class Degrees(NamedTuple):

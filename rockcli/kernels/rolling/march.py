@@ -14,7 +14,6 @@ from rockcli.kernels.constants import (
     DONE,
     FALLS,
     FAST,
-    MEANINGFUL,
     NO_ROOT,
     NOT_FINITE,
     NOT_YET,
@@ -22,21 +21,32 @@ from rockcli.kernels.constants import (
     OUT_OF_STEPS,
     PATIENCE,
     RETURNS,
+    STALLED,
     STRICTER,
     UNDECIDED,
 )
-from rockcli.kernels.jit import entry, jit_lean
+from rockcli.kernels.jit import entry, jit_lean, jit_part
 from rockcli.kernels.rigid import results as to
-from rockcli.kernels.rigid.edge_forces import watch_rest, watch_rocking
-from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bound_from, expand, piece_at, piece_end, sight
-from rockcli.kernels.rigid.march import ALL, OUTCOME, REST, ROCK
+from rockcli.kernels.rigid.edge_forces import note_passage, watch_rocking
+from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bounds_from, expand_both, longest_step, pieces_at
+from rockcli.kernels.rigid.march import ALL, LANDS, NO_EVENT, OUTCOME, REST, ROCK
 from rockcli.kernels.rigid.march import work_space as work_space
-from rockcli.kernels.rigid.readings import forget_hops, raise_peak, set_peak, work_done
-from rockcli.kernels.rigid.rest import lift_off
-from rockcli.kernels.rigid.roots import first_root, last_passage
-from rockcli.kernels.rigid.series import flow, slope, value
+from rockcli.kernels.rigid.readings import (
+    clear,
+    forget_hops,
+    note_impact,
+    note_swing,
+    raise_peak,
+    set_peak,
+    work_done,
+    write_rest,
+    write_step,
+)
+from rockcli.kernels.rigid.rest import stand
+from rockcli.kernels.rigid.roots import first_root, last_passage, zeros_before
+from rockcli.kernels.rigid.series import bound, flow, slope, value
 from rockcli.kernels.rigid.settings import Channel as Channel
-from rockcli.kernels.rigid.settings import Degrees
+from rockcli.kernels.rigid.settings import Ground
 from rockcli.kernels.rigid.settings import Settings as Settings
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling import results as also
@@ -45,6 +55,9 @@ from rockcli.kernels.rolling.glide import glide, waits
 from rockcli.kernels.rolling.law import end_of, energy, push_of
 from rockcli.kernels.rolling.rest import rest_time
 
+TOUCHES = LANDS + 1
+"""What ends a step, beside NO_EVENT and LANDS: the next facet touches, after the last one the side of the body."""
+
 SURE = 1.0 - 1e-9
 """An acceleration nearer to uplift than this is looked at closely."""
 
@@ -52,81 +65,35 @@ SURE = 1.0 - 1e-9
 @jit_lean
 def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history, impacts, spaces, out):
     """Solve one case of a body, a row of the table of `kernels.rolling.parameters`; else as `kernels.rigid.march`."""
-    detail = how.detail
-    theta_out, rate_out = history[0], history[1]
-    t_impact, rate_before, rate_after = impacts[0], impacts[1], impacts[2]
-    n_hist, n_store = len(theta_out), len(t_impact)
-    g = par[at.G]
-    count, scale = int(body[at.COUNT]), body[at.SCALE]
-    fall_left, fall_right = body[at.FALL_LEFT], body[at.FALL_RIGHT]
-    margin = how.margin * scale
-    t_motion, t_stop = par[at.T_MOTION], par[at.T_STOP]
-    given = par[at.HAS_DURATION] == 1.0
-    for i in range(also.N_OUT):
-        out[i] = 0.0
-    out[to.T_PEAK] = out[to.T_UPLIFT] = out[to.T_OVERTURN] = math.nan
-    out[to.N_MIN] = out[to.N_STANDING] = math.inf
-    out[to.PEAK_ALPHA] = 1.0
-    out[also.FACET] = -1.0
-
-    c, sine, cosine, a, a_v, guard, force = spaces
-    for space in spaces:  # nothing of the case before
-        for i in range(len(space)):
-            space[i] = 0.0
-
-    t = 0.0
-    ih = iv = i_hist = 0
-    verdict = NOT_YET
-    work = lost = 0.0
-    stalled, push = 0, NUDGE
-    launch = False
-    mode = REST
-    facet, s, q, v = int(body[at.STANDING]), 1.0, 0.0, 0.0
-    base = min(end_of(body, g, facet, 1.0).alpha, end_of(body, g, facet, -1.0).alpha)
-    small = STRICTER * how.tol * min(scale, base)
-    lean = horizontal.kind == SAMPLES and vertical.kind == NOTHING and n_hist == 0 and detail < ALL
-    theta_0, rate_0 = par[at.THETA_0], par[at.THETA_DOT_0]
-    lifted = theta_0 != 0.0 or rate_0 != 0.0  # for longer than no time
-    if lifted:
-        lead = theta_0 if theta_0 != 0.0 else rate_0
-        s = 1.0 if lead > 0.0 else -1.0
-        step = 1 if s > 0.0 else -1
-        while 0 <= facet + step < count and abs(theta_0) >= abs(end_of(body, g, facet + step, s).tilt):
-            facet += step
-        end = end_of(body, g, facet, s)
-        q, v = abs(theta_0) - abs(end.tilt), s * rate_0
-        mode = ROCK
-        if q == 0.0 and v < 0.0:
-            s, v = -s, -v
-        elif q == 0.0 and v == 0.0:
-            mode = REST
-        out[to.T_UPLIFT] = 0.0
-        if theta_0 >= fall_right or theta_0 <= fall_left:
-            out[to.T_OVERTURN] = 0.0
-        set_peak(1.0, 1.0 if lead > 0.0 else -1.0, abs(theta_0), 0.0, how.tol, out)
-        out[to.PEAK_SIDE] = 1.0 if lead > 0.0 else -1.0
-        out[to.RATE_PEAK] = abs(v)
-    end, other = end_of(body, g, facet, s), end_of(body, g, facet, -s)
-    began = energy(end, q, v)
-    work = began
+    detail, scale = how.detail, body[at.SCALE]
+    ground = Ground(horizontal, h_data, par[at.FACTOR_H], vertical, v_data, par[at.FACTOR_V])
+    t_motion, t_stop, given = par[at.T_MOTION], par[at.T_STOP], par[at.HAS_DURATION] == 1.0
+    lean = vertical.kind == NOTHING and len(history[0]) == 0 and detail < ALL
+    glides = lean and horizontal.kind == SAMPLES and t_motion >= horizontal.pieces * horizontal.dt
+    clear(out, spaces)
+    c, sine, cosine, a, a_v, guard, _ = spaces
+    mode, facet, s, q, v = begin(par, body, how, out)
+    end, other = end_of(body, par[at.G], facet, s), end_of(body, par[at.G], facet, -s)
+    small = STRICTER * how.tol * min(scale, standing_angle(body, par[at.G]))
+    lifted = par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0  # for longer than no time
+    t = lost = 0.0
+    work = energy(end, q, v)
+    ih = iv = i_hist = stalled = 0
+    verdict, push, launch = NOT_YET, NUDGE, False
 
     while True:
         if t >= t_motion and verdict == NOT_YET:
-            verdict, rests_on, hits = free_rolling(body, g, facet, s, q, v, margin)
-            out[also.FACET] = rests_on
+            verdict, out[also.FACET], hits = free_rolling(body, par[at.G], facet, s, q, v, how.margin * scale)
             if detail == OUTCOME:
                 if verdict == FALLS:
                     out[to.N_IMPACTS] += hits
                 break
             if verdict == FALLS and hits > 0:
                 out[to.STRUCK_LATER] = 1.0
-        if t >= t_stop:  # beyond the report: the swing under way still has its peak, its passage of the last barrier
-            theta = end.tilt + s * q
-            inward = v == 0.0 or s * v * theta <= 0.0
-            passed = verdict == FALLS and (theta > fall_right or theta < fall_left) and not inward
-            if mode == REST or passed or (verdict != FALLS and (given or inward)):
-                break
-            if t >= t_stop + PATIENCE / math.sqrt(end.p2):
+        reported = t < t_stop
+        t_end = t_stop if reported else t_stop + PATIENCE / math.sqrt(end.p2)
+        if not reported:
+            if t >= t_end or told(body, end, mode, s, q, v, verdict, given):
                 break
         elif t >= t_motion and mode == REST and not given and end.threshold >= 0.0 and other.threshold >= 0.0:
             break
@@ -134,198 +101,84 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
             out[to.STATUS] = OUT_OF_STEPS
             break
 
-        # the piece we are in, and its end
-        reported = t < t_stop
-        t_next = t_stop if reported else t_stop + PATIENCE / math.sqrt(end.p2)
-        deg_a = deg_v = 0
-        a[0] = a_v[0] = 0.0
-        a[1] = a_v[1] = 0.0
-        if t < t_motion:
-            t_next = t_motion
-            ih, iv = piece_at(horizontal, h_data, ih, t), piece_at(vertical, v_data, iv, t)
-            if ih < horizontal.pieces:
-                t_next = min(t_next, piece_end(horizontal, h_data, ih))
-                if mode == REST and vertical.kind == NOTHING and n_hist == 0 and detail < ALL:
-                    # nothing moves, and nobody asks what the ground does meanwhile
-                    quiet = g * min(end.threshold, other.threshold)
-                    if bound_from(horizontal, h_data, par[at.FACTOR_H], ih) <= quiet:
-                        t = t_motion
-                        continue
-                    if lean and end.threshold > 0.0 and other.threshold > 0.0:
-                        left, right = (other, end) if s > 0.0 else (end, other)
-                        low, high = -g * right.threshold, g * left.threshold
-                        still = waits(h_data, par[at.FACTOR_H], horizontal.pieces, ih, low * SURE, high * SURE)
-                        if still > ih:
-                            t = min(still * horizontal.dt, t_motion)
-                            continue
-                if lean and mode == ROCK and q > 0.0 and not launch and t_motion >= horizontal.pieces * horizontal.dt:
-                    rises = s * end.tilt >= 0.0 and detail > OUTCOME
-                    ceiling = out[to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT] - abs(end.tilt) if rises else math.inf
-                    fall = fall_right if end.tilt + 0.5 * s * end.extent > 0.0 else fall_left
-                    moved_on, t, q, v = glide(
-                        end, s, h_data, horizontal.dt, par[at.FACTOR_H], horizontal.pieces, ih, t, q, v, small,
-                        s * (fall - end.tilt), ceiling,
-                    )  # fmt: skip
-                    if moved_on > 0:
-                        out[to.N_STEPS] += moved_on
-                        stalled = 0
-                        continue
-                deg_a = expand(horizontal, h_data, par[at.FACTOR_H], ih, t, how.order, a)
-            if iv < vertical.pieces:
-                t_next = min(t_next, piece_end(vertical, v_data, iv))
-                deg_v = expand(vertical, v_data, par[at.FACTOR_V], iv, t, how.order, a_v)
-        deg = Degrees(deg_a, deg_v)
-        h = t_next - t
+        ih, iv, t_next = pieces_at(ground, ih, iv, t, t_motion, t_end)
+        left, right = (other, end) if s > 0.0 else (end, other)
+        if lean and ih < horizontal.pieces:
+            if mode == REST:
+                still = stands_until(left, right, ground, ih, t_motion)
+                if still > t:
+                    t = still
+                    continue
+            elif glides and q > 0.0 and not launch:
+                moved_on, t, q, v = glide(
+                    end, s, h_data, horizontal.dt, par[at.FACTOR_H], horizontal.pieces, ih, t, q, v, small,
+                    barrier_of(body, end, s), ceiling_of(end, s, detail, out),
+                )  # fmt: skip
+                if moved_on > 0:
+                    out[to.N_STEPS] += moved_on
+                    stalled = 0
+                    continue
+        deg = expand_both(ground, ih, iv, t, how.order, a, a_v)
         out[to.N_STEPS] += 1
 
         if mode == REST:
-            at_left, at_right = (other, end) if s > 0.0 else (end, other)
             least = max(min(abs(end.threshold), abs(other.threshold)), 1e-3)
-            x, s_up, h = lift_off(at_left.threshold, at_right.threshold, least, a, a_v, deg, g, h, guard)
-            moved = x if x != NO_ROOT else h
-            if detail == ALL and reported and moved > 0.0:
-                watch_rest(a, a_v, deg, g, moved, out)
-            t_new = t_next if (x == NO_ROOT and h == t_next - t) else t + moved
-            if stalled > 100:  # lifted and dropped again and again at one instant
-                x, t_new, stalled = NO_ROOT, min(t_next, t + max(push * (t_next - t), 4e-16 * t)), 0
-                push *= 10.0  # the ground may stay just there for long
-            while i_hist < n_hist and i_hist * dt_out <= t_new:
-                theta_out[i_hist] = end.tilt
-                rate_out[i_hist] = 0.0
-                i_hist += 1
-            if x != NO_ROOT:
-                stalled = stalled + 1 if t_new == t else 0
-                mode, launch = ROCK, True
-                q = v = 0.0
-                if s_up != s:
-                    s = s_up
-                    end, other = other, end
+            t, s_up, stalled, push = stand(
+                left, right, least, a, a_v, deg, t, t_next, stalled, push, detail == ALL and reported, guard, out
+            )  # fmt: skip
+            i_hist = write_rest(history, i_hist, dt_out, t, end.tilt)
+            if s_up != 0.0:
+                mode, launch, s, q, v = ROCK, True, s_up, 0.0, 0.0
+                end, other = (right, left) if s > 0.0 else (left, right)
                 if not lifted:
-                    out[to.T_UPLIFT] = t_new
-            t = t_new
+                    out[to.T_UPLIFT] = t
             continue
 
-        h = min(h, 2.0 / math.sqrt(end.p2))
-        if t < t_motion:
-            h = min(h, sight(horizontal, h_data, ih, t), sight(vertical, v_data, iv, t))
+        h = min(t_next - t, 2.0 / math.sqrt(end.p2), longest_step(ground, ih, iv, t))
         n, h = flow(end, how, small, q, v, s, a, a_v, deg, launch, h, c, sine, cosine)
         if not h > 0.0 or math.isnan(c[n]):
             out[to.STATUS] = NOT_FINITE
             break
-        skip = 0
-        if q == 0.0:
-            skip = 1
-            while skip < min(n, 4) and c[skip] == 0.0:
-                skip += 1
-            if c[skip] <= 0.0:  # would enter the ground at once: not an uplift
-                mode, launch = REST, False
-                stalled += 1
-                continue
-        launch = False
+        launch, skip = False, zeros_before(c, n)
+        if skip < 0:  # would enter the ground at once: not an uplift
+            mode = REST
+            stalled += 1
+            continue
+        event, x, reach = first_event(end, c, n, h, skip, guard)
 
-        # guards: the facet lies flat again, or the next one touches (of the last one a quarter turn, the fall)
-        x = first_root(c, n, h, skip)
-        event = 1 if x != NO_ROOT else 0
-        if event == 0:
-            x = h
-        reach = 0.0
-        for k in range(n, -1, -1):
-            reach = reach * x + abs(c[k])
-        if reach >= end.extent:
-            for k in range(n + 1):
-                guard[k] = -c[k]
-            guard[0] = end.extent - q
-            touch = first_root(guard, n, x, 0) if guard[0] > 0.0 else 0.0
-            if touch != NO_ROOT:
-                event, x = 2, touch
-        outermost = (s > 0.0 and facet == count - 1) or (s < 0.0 and facet == 0)
-
-        # what happened on the way
         parts = 1 if (horizontal.kind == SAMPLES and t < t_motion) else 8
-        if s * end.tilt >= 0.0:  # q grows outward; else no rotation passes that of the facet, which has been noted
-            far = abs(end.tilt)
-            side = to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT
-            if detail > OUTCOME and (reported or not given) and reach + far > out[side]:
-                c[0] = q + far
-                raise_peak(1.0, s, c, n, x, t, parts, how.tol, out)
-                c[0] = q
-        level = s * ((fall_right if end.tilt + 0.5 * s * end.extent > 0.0 else fall_left) - end.tilt)
-        if 0.0 < level < end.extent and reach >= level:
-            passed = NO_ROOT
-            if s * end.tilt >= 0.0:
-                passed = last_passage(c, n, level, x, parts)
-            else:
-                for k in range(n + 1):
-                    guard[k] = -c[k]
-                passed = last_passage(guard, n, -level, x, parts)
-            if passed != NO_ROOT:
-                out[to.T_OVERTURN] = t + passed
-                if detail == ALL and reported:
-                    watch_rocking(end, s, c, n, passed, a, a_v, deg, parts, force, out)
-                    out[to.MU_STANDING], out[to.N_STANDING] = out[to.MU], out[to.N_MIN]
-        if detail == ALL:
-            if reported:
-                watch_rocking(end, s, c, n, x, a, a_v, deg, parts, force, out)
-            work += work_done(end, s, c, n, x, a, a_v, deg, sine, cosine, guard)
-        q_new, v_new = (0.0 if event == 1 else value(c, n, x)), slope(c, n, x)
-        t_new = t_next if (event == 0 and x == t_next - t) else t + x
-        while i_hist < n_hist and i_hist * dt_out <= min(t_new, t_stop):
-            y = i_hist * dt_out - t
-            theta_out[i_hist] = end.tilt + s * max(value(c, n, y), 0.0)
-            rate_out[i_hist] = s * slope(c, n, y)
-            i_hist += 1
-        stalled = stalled + 1 if t_new == t else 0
-        if t_new > t:
+        work += note_way(body, end, how, s, n, x, reach, t, parts, reported, given, deg, spaces, out)
+        t_was, t = t, (t_next if (event == NO_EVENT and x == t_next - t) else t + x)
+        q, v = (0.0 if event == LANDS else value(c, n, x)), slope(c, n, x)
+        i_hist = write_step(history, i_hist, dt_out, t_was, min(t, t_stop), end.tilt, s, c, n)
+        stalled = stalled + 1 if t == t_was else 0
+        if t > t_was:
             push, lifted = NUDGE, True
-        t, q, v = t_new, q_new, v_new
-
-        if event == 2 and outermost:
-            verdict = FALLS
-            if math.isnan(out[to.T_OVERTURN]):
-                out[to.T_OVERTURN] = t
-            break
-        if event == 0:
+        if event == NO_EVENT:
             continue
 
         # reset: the body turns over to the far end of the facet that touches
         rate = s * v
-        if event == 2:
+        if event == TOUCHES:
             facet += 1 if s > 0.0 else -1
-            end = end_of(body, g, facet, -s)
+            if facet < 0 or facet == int(body[at.COUNT]):  # there is none: it lies on its side
+                verdict = FALLS
+                if math.isnan(out[to.T_OVERTURN]):
+                    out[to.T_OVERTURN] = t
+                break
             s = -s
-        other, end = end, end_of(body, g, facet, -s)  # the end it comes from, and the one it turns onto
-        s = -s
-        q = 0.0
-        p = math.sqrt(end.p2)
-        eta = end.eta
-        carried = (rate / (p * scale)) ** 2 - MEANINGFUL**2
-        if carried > 0.0:
-            out[to.SWINGS] += carried
-            out[to.SWINGS_T] += carried * t
-        if abs(rate) > FAST * p * scale and reported:
-            out[to.N_IMPACTS] += 1
-            out[also.MU_IMPACT] = max(out[also.MU_IMPACT], push_of(end.height, eta, end.b, other.b))
-            k = int(out[to.IMPACTS_STORED])
-            if k < n_store:
-                t_impact[k], rate_before[k], rate_after[k] = t, rate, eta * rate
-                out[to.IMPACTS_STORED] += 1
-        if end.tilt != 0.0:
-            set_peak(1.0, 1.0 if end.tilt > 0.0 else -1.0, abs(end.tilt), t, how.tol, out)
-        before = energy(other, 0.0, rate)
-        v = eta * abs(rate)
-        lost += before - energy(end, 0.0, v)
-        if stalled > 100:
+        other, end = end_of(body, par[at.G], facet, s), end_of(body, par[at.G], facet, -s)
+        s, q = -s, 0.0
+        note_landing(end, other, scale, rate, t, reported, how, impacts, out)
+        v = end.eta * abs(rate)
+        lost += energy(other, 0.0, rate) - energy(end, 0.0, v)
+        if stalled > STALLED:
             v = 0.0
         rest_at = rest_time(end, other, s, v, scale, a, a_v, deg, x, t, t_next, how.rest_speed)
         if rest_at >= 0.0:
             lost += energy(end, 0.0, v) - end.height
-            mode = REST
-            q = v = 0.0
-            while i_hist < n_hist and i_hist * dt_out <= rest_at:
-                theta_out[i_hist] = end.tilt
-                rate_out[i_hist] = 0.0
-                i_hist += 1
-            t = rest_at
+            i_hist = write_rest(history, i_hist, dt_out, rest_at, end.tilt)
+            mode, t, v = REST, rest_at, 0.0
         elif v == 0.0:
             mode = REST
 
@@ -341,6 +194,129 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     if mode == ROCK and s * v * theta > 0.0 and detail > OUTCOME and t <= t_stop and (given or verdict != RETURNS):
         set_peak(1.0, 1.0 if theta > 0.0 else -1.0, abs(theta), t, how.tol, out)  # cut off while rising
     out[to.ENERGY] = work - lost - energy(end, q, v)
+
+
+@jit_part
+def begin(par, body, how, out):
+    """How a case starts: (mode, facet, s, q, v)."""
+    facet, theta, rate = int(body[at.STANDING]), par[at.THETA_0], par[at.THETA_DOT_0]
+    out[also.FACET] = -1.0
+    if theta == 0.0 and rate == 0.0:
+        return REST, facet, 1.0, 0.0, 0.0
+    s = 1.0 if (theta if theta != 0.0 else rate) > 0.0 else -1.0
+    step = 1 if s > 0.0 else -1
+    while 0 <= facet + step < int(body[at.COUNT]):
+        if abs(theta) < abs(end_of(body, par[at.G], facet + step, s).tilt):
+            break
+        facet += step
+    out[to.T_UPLIFT] = 0.0
+    if theta >= body[at.FALL_RIGHT] or theta <= body[at.FALL_LEFT]:
+        out[to.T_OVERTURN] = 0.0
+    set_peak(1.0, s, abs(theta), 0.0, how.tol, out)
+    out[to.PEAK_SIDE], out[to.RATE_PEAK] = s, abs(rate)
+    q, v = abs(theta) - abs(end_of(body, par[at.G], facet, s).tilt), s * rate
+    if q == 0.0 and v < 0.0:
+        return ROCK, facet, -s, q, -v
+    return (REST if q == v == 0.0 else ROCK), facet, s, q, v
+
+
+@jit_lean
+def standing_angle(body, g):
+    """The lesser alpha of the facet on which a body stands."""
+    facet = int(body[at.STANDING])
+    return min(end_of(body, g, facet, 1.0).alpha, end_of(body, g, facet, -1.0).alpha)
+
+
+@jit_lean
+def barrier_of(body, end, s):
+    """q at the last barrier of the side to which an end of a facet leads, on whatever facet that is."""
+    fall = body[at.FALL_RIGHT] if end.tilt + 0.5 * s * end.extent > 0.0 else body[at.FALL_LEFT]
+    return s * (fall - end.tilt)
+
+
+@jit_lean
+def ceiling_of(end, s, detail, out):
+    """q beyond which there would be a new peak, infinite where none is wanted, or q does not grow outward."""
+    if s * end.tilt < 0.0 or detail == OUTCOME:
+        return math.inf
+    return out[to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT] - abs(end.tilt)
+
+
+@jit_lean
+def told(body, end, mode, s, q, v, verdict, given):
+    """Beyond the report: whether the swing under way has had its peak, its passage of the last barrier."""
+    theta = end.tilt + s * q
+    inward = v == 0.0 or s * v * theta <= 0.0
+    passed = verdict == FALLS and (theta > body[at.FALL_RIGHT] or theta < body[at.FALL_LEFT]) and not inward
+    return mode == REST or passed or (verdict != FALLS and (given or inward))
+
+
+@jit_lean
+def stands_until(left, right, ground, ih, t_motion):
+    """Until when the horizontal motion from piece ih on surely lifts a body off neither edge [s]; 0: not known."""
+    if bounds_from(ground, ih, 0)[0] <= left.g * min(left.threshold, right.threshold):
+        return t_motion
+    if ground.horizontal.kind != SAMPLES or left.threshold <= 0.0 or right.threshold <= 0.0:
+        return 0.0
+    low, high = -left.g * right.threshold, left.g * left.threshold
+    still = waits(ground.h_data, ground.factor_h, ground.horizontal.pieces, ih, low * SURE, high * SURE)
+    return min(still * ground.horizontal.dt, t_motion) if still > ih else 0.0
+
+
+@jit_part
+def first_event(end, c, n, h, skip, guard):
+    """What ends a step of at most h, and when, and the bound of q on it: (event, x, reach).
+
+    `skip` leading coefficients of q are zero; `guard` is work space.  After the last facet a quarter turn is the fall.
+    """
+    x = first_root(c, n, h, skip)
+    event = NO_EVENT if x == NO_ROOT else LANDS
+    if event == NO_EVENT:
+        x = h
+    reach = bound(c, n, x)
+    if reach >= end.extent:
+        for k in range(n + 1):
+            guard[k] = -c[k]
+        guard[0] = end.extent - c[0]
+        touch = first_root(guard, n, x, 0) if guard[0] > 0.0 else 0.0
+        if touch != NO_ROOT:
+            return TOUCHES, touch, reach
+    return event, x, reach
+
+
+@jit_part
+def note_way(body, end, how, s, n, x, reach, t, parts, reported, given, deg, spaces, out):
+    """As `kernels.rigid.march.note_way`: peak, passage of the last barrier, forces; the work."""
+    c, sine, cosine, a, a_v, guard, force = spaces
+    outward, far, watched = s * end.tilt >= 0.0, abs(end.tilt), how.detail == ALL and reported
+    side = to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT
+    # where q grows inward no rotation passes that of the facet, which has been noted
+    if outward and how.detail > OUTCOME and (reported or not given) and reach + far > out[side]:
+        q, c[0] = c[0], c[0] + far
+        raise_peak(1.0, s, c, n, x, t, parts, how.tol, out)
+        c[0] = q
+    level = barrier_of(body, end, s)
+    if 0.0 < level < end.extent and reach >= level:
+        for k in range(n + 1):
+            guard[k] = -c[k]
+        passed = last_passage(c, n, level, x, parts) if outward else last_passage(guard, n, -level, x, parts)
+        if passed != NO_ROOT:
+            note_passage(passed, end, s, c, n, t, a, a_v, deg, parts, watched, force, out)
+    if watched:
+        watch_rocking(end, s, c, n, x, a, a_v, deg, parts, force, out)
+    return work_done(end, s, c, n, x, a, a_v, deg, sine, cosine, guard) if how.detail == ALL else 0.0
+
+
+@jit_part
+def note_landing(end, other, scale, rate, t, reported, how, impacts, out):
+    """Note an impact of a body that comes from one end of a facet and turns onto the other, `end`."""
+    unit = math.sqrt(end.p2) * scale
+    note_swing(rate / unit, t, out)
+    if abs(rate) > FAST * unit and reported:
+        note_impact(t, rate, end.eta, impacts, out)
+        out[also.MU_IMPACT] = max(out[also.MU_IMPACT], push_of(end.height, end.eta, end.b, other.b))
+    if end.tilt != 0.0:
+        set_peak(1.0, 1.0 if end.tilt > 0.0 else -1.0, abs(end.tilt), t, how.tol, out)
 
 
 @entry(MATRIX, MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, float, CUBE, CUBE, (VECTOR,) * 7, MATRIX)
