@@ -8,9 +8,11 @@ the next one, under its own motion.  Nothing a body gets depends on the others.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.constants import MAX_ORDER
-from rockcli.kernels.jit import entry, jit_lean
+from rockcli.kernels.jit import entry, jit_lean, jit_part
 from rockcli.kernels.lanes.records import footholds, slips
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.events import arrive, attend
@@ -34,6 +36,26 @@ STEPS_PER_SAMPLE, STEPS_AFTER = 16, 20_000
 
 ROUNDS = 1024
 """Rounds between two looks at who has taken too many."""
+
+
+class Cases(NamedTuple):
+    """Of all bodies, row by row; see `in_lanes`."""
+
+    pars: Any
+    bodies: Any
+    spans: Any
+    starts: Any
+    out: Any
+
+
+class Motions(NamedTuple):
+    """All motions, one after the other; see `in_lanes`."""
+
+    values: Any
+    slopes: Any
+    blocks: Any
+    tail: Any
+    velocity: Any
 
 
 def work_space():
@@ -80,188 +102,270 @@ def in_lanes(
     A row of `out` whose STATUS is LEFT_TO_MARCH is for `march_all` to solve.
     """
     page_the_stack()
-    st, landings, turns, touches, c, guard, sin_q, cos_q, a, a_v, force = work
-    path, watch, rolling = len(velocity) == 0, how.detail == ALL, len(bodies) > 0
-    n_case = len(pars)
+    cases, motions = Cases(pars, bodies, spans, starts, out), Motions(values, slopes, blocks, tail, velocity)
+    st, turns = work[0], work[2]
     following = busy = rounds = slipping = waiting = 0
     for number in range(lane.LANES):
         park(st, place(number))
     if feet is not None:
-        sl, series, ready = slip_work
+        sl = slip_work[0]
         for number in range(slips.STATE // slips.STRIDE * WIDTH):
             slips.clear(sl, slips.place(number))
     while True:
-        # fill the free lanes, first with bodies whose foot holds again
-        while waiting > 0 or (busy + slipping < lane.LANES and following < n_case):
-            k, again = following, waiting > 0
-            if feet is not None:  # noqa: SIM102
-                if again:
-                    waiting -= 1
-                    k = int(ready[waiting])
-            if not again:
-                following += 1
-            i = place(busy)
-            if rolling:
-                stand(pars[k], bodies[int(pars[k][BODY])])
-            state = begin(
-                st, i, pars[k], spans[k], how, values, slopes, blocks, tail, path, two_sided, hold, starts[k], out[k],
-                heave,
-            )  # fmt: skip
-            if state == STANDING:
-                st[lane.CASE + i] = k
-                busy += 1
-            else:
-                if feet is not None:
-                    footholds.count_in(feet[k], starts[k], out[k], felt[k])
-                park(st, i)
+        busy, following, waiting = fill(
+            st, busy, following, slipping, waiting, cases, motions, how, two_sided, hold, feet, slip_work, felt, heave
+        )
         if busy == 0 and slipping == 0:
             return
         if feet is not None:
             slipping, waiting = slip_on(
-                sl, slipping, series, foot_work, feet, how, spans, starts, values, slopes, ready, waiting, nothing, felt
+                slipping, waiting, slip_work, foot_work, cases, motions, how, feet, nothing, felt
             )
-        landing = turning = touching = 0
-        emptied = False
-        for o in range(0, place(busy - 1) + 1, lane.STRIDE):
-            if how.linear:
-                calls, moved, near, tops, next_facet = advance_linear(st, o, values, slopes, watch, heave)
-            else:
-                calls, moved, near, tops, next_facet = advance(st, o, values, slopes, watch, hold, heave)
-            if watch:
-                doubtful = commit(st, o)
-                while doubtful != 0:
-                    i = o + lowest_bit(doubtful)
-                    doubtful &= doubtful - 1
-                    k = int(st[lane.CASE + i])
-                    if k >= 0:
-                        look_into(st, i, pars[k], st[lane.SIDE + i], 1.0, guard, force, a, a_v, out[k])
-            landing = note(near, 1.0 * o, landings, landing)
-            turning = note(tops, 1.0 * o, turns, turning)
-            if rolling:
-                touching = note(next_facet, 1.0 * o, touches, touching)
-            while calls != 0:
-                bit = lowest_bit(calls)
-                calls &= calls - 1
-                i = o + bit
-                k = int(st[lane.CASE + i])
-                if (moved >> bit) & 1:
-                    state = arrive(
-                        st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],
-                        out[k], heave,
-                    )  # fmt: skip
-                else:
-                    state = attend(
-                        st, i, pars[k], bodies, how, values, slopes, blocks, tail, velocity,
-                        c, guard, sin_q, cos_q, a, a_v, force, hold, starts[k], out[k], heave,
-                    )  # fmt: skip
-                if state == FINISHED:
-                    st[lane.CASE + i], emptied = left_by(k), True
+        landing, turning, touching, emptied = step_all(st, busy, cases, motions, how, hold, work, heave)
         for j in range(turning):
             i = int(turns[j])
             k = int(st[lane.CASE + i])
-            top(st, i, pars[k], hold and watch, how.tol, out[k])
-        for j in range(landing, min(landing + WIDTH, len(landings))):
-            landings[j] = place(lane.LANES)
-        for j in range(0, landing, WIDTH):
-            over, slow, doubtful, hit = land(st, landings, j, path, watch, how.linear, False, heave)
-            look_into_those(st, landings, j, landing, doubtful, pars, guard, force, a, a_v, out)
-            while two_sided and hit != 0:
-                bit = lowest_bit(hit)
-                hit &= hit - 1
-                if j + bit >= landing:
-                    break
-                i = int(landings[j + bit])
-                k = int(st[lane.CASE + i])
-                turn(st, i, pars[k], st[lane.SIDE + i], out[k])
-                free = rolling and st[lane.PIECE + i] > st[lane.LAST + i]
-                if free and bounce(st, i, pars[k], bodies, how.rest_speed, path, watch, out[k]) == FINISHED:
-                    st[lane.CASE + i], emptied = left_by(k), True
-                    over, slow = over & ~(1 << bit), slow & ~(1 << bit)
-            calls = over | slow
-            while calls != 0:
-                bit = lowest_bit(calls)
-                calls &= calls - 1
-                if j + bit >= landing:
-                    break
-                i = int(landings[j + bit])
-                k = int(st[lane.CASE + i])
-                if (over >> bit) & 1:
-                    state = arrive(
-                        st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],
-                        out[k], heave,
-                    )  # fmt: skip
-                else:
-                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k], heave)
-                if state == FINISHED:
-                    st[lane.CASE + i], emptied = left_by(k), True
-        for j in range(touching, min(touching + WIDTH, len(touches))):
-            touches[j] = place(lane.LANES)
-        for j in range(0, touching, WIDTH):
-            over, slow, doubtful, hit = land(st, touches, j, path, watch, how.linear, True, heave)
-            look_into_those(st, touches, j, touching, doubtful, pars, guard, force, a, a_v, out)
-            calls = over | hit
-            while calls != 0:
-                bit = lowest_bit(calls)
-                calls &= calls - 1
-                if j + bit >= touching:
-                    break
-                i = int(touches[j + bit])
-                k = int(st[lane.CASE + i])
-                state = STANDING
-                if (hit >> bit) & 1:
-                    state = roll_over(st, i, pars[k], bodies, values, slopes, path, watch, out[k])
-                if state != FINISHED and (over >> bit) & 1:
-                    state = arrive(
-                        st, i, pars[k], bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, starts[k],
-                        out[k], heave,
-                    )  # fmt: skip
-                elif state != FINISHED and (hit >> bit) & 1 and st[lane.V + i] <= st[lane.SLOW + i]:
-                    state = rest(st, i, pars[k], how, values, slopes, blocks, tail, hold, starts[k], out[k], heave)
-                if state == FINISHED:
-                    st[lane.CASE + i], emptied = left_by(k), True
+            top(st, i, pars[k], hold and how.detail == ALL, how.tol, out[k])
+        if land_all(st, landing, cases, motions, how, two_sided, hold, work, heave):
+            emptied = True
+        if touching > 0 and touch_all(st, touching, cases, motions, how, hold, work, heave):
+            emptied = True
         rounds += 1
-        if rounds % ROUNDS == 0:
-            for number in range(busy):
-                i = place(number)
-                samples = st[lane.LAST + i] - st[lane.FIRST + i]
+        if rounds % ROUNDS == 0 and give_up_the_slow(st, busy, out):
+            emptied = True
+        if emptied:
+            held = busy
+            busy, slipping, waiting = close_gaps(
+                st, busy, slipping, waiting, cases, motions, how, feet, slip_work, foot_work, nothing, felt
+            )
+            for number in range(busy, held):
+                park(st, place(number))
+
+
+@jit_part
+def fill(st, busy, following, slipping, waiting, cases, motions, how, two_sided, hold, feet, slip_work, felt, heave):
+    """Fill the free lanes, first with bodies whose foot holds again: (how many are busy, have begun, wait)."""
+    pars, bodies, spans, starts, out = cases
+    values, slopes, blocks, tail, velocity = motions
+    while waiting > 0 or (busy + slipping < lane.LANES and following < len(pars)):
+        k, again = following, waiting > 0
+        if feet is not None:  # noqa: SIM102
+            if again:
+                waiting -= 1
+                k = int(slip_work[2][waiting])
+        if not again:
+            following += 1
+        i = place(busy)
+        if len(bodies) > 0:
+            stand(pars[k], bodies[int(pars[k][BODY])])
+        state = begin(
+            st, i, pars[k], spans[k], how, values, slopes, blocks, tail, len(velocity) == 0, two_sided, hold, starts[k],
+            out[k], heave,
+        )  # fmt: skip
+        if state == STANDING:
+            st[lane.CASE + i] = k
+            busy += 1
+        else:
+            if feet is not None:
+                footholds.count_in(feet[k], starts[k], out[k], felt[k])
+            park(st, i)
+    return busy, following, waiting
+
+
+@jit_part
+def step_all(st, busy, cases, motions, how, hold, work, heave):
+    """Step all lanes, and look after those with an event of their own.
+
+    Lanes that land, turn and touch the next facet go to their lists in `work`: how many there are, and whether a body
+    has left its lane.
+    """
+    values, slopes, blocks, tail, velocity = motions
+    _, landings, turns, touches, c, guard, sin_q, cos_q, a, a_v, force = work
+    watch, landing, turning, touching, emptied = how.detail == ALL, 0, 0, 0, False
+    for o in range(0, place(busy - 1) + 1, lane.STRIDE):
+        if how.linear:
+            calls, moved, near, tops, next_facet = advance_linear(st, o, values, slopes, watch, heave)
+        else:
+            calls, moved, near, tops, next_facet = advance(st, o, values, slopes, watch, hold, heave)
+        if watch:
+            doubtful = commit(st, o)
+            while doubtful != 0:
+                i = o + lowest_bit(doubtful)
+                doubtful &= doubtful - 1
                 k = int(st[lane.CASE + i])
-                if k >= 0 and st[lane.STEPS + i] > STEPS_PER_SAMPLE * samples + STEPS_AFTER:
-                    hand_over(out[k])
-                    st[lane.CASE + i], emptied = left_by(k), True
-        if not emptied:
-            continue
-        # close the gaps
-        number, held = 0, busy
-        while number < busy:
-            i = place(number)
-            if number % WIDTH == 0 and bits(load(st, lane.CASE + i) < 0.0) == 0:
-                number += WIDTH
-            elif st[lane.CASE + i] < 0.0:
-                k = int(left_by(st[lane.CASE + i]))
-                if feet is not None:
-                    j = slips.place(slipping)
-                    contact_how = footholds.settings(how)
-                    becomes = footholds.give_way(
-                        st, i, sl, j, k, feet[k], contact_how, starts[k], values, slopes, foot_work, out[k], felt[k]
-                    )
-                    if becomes == footholds.ELSEWHERE:
-                        becomes = footholds.follow(
-                            feet[k], contact_how, spans[k], starts[k], values, foot_work, nothing, felt[k]
-                        )
-                    if becomes == footholds.SLIPPING:
-                        slipping += 1
-                    elif becomes == footholds.HOLDING:
-                        ready[waiting] = k
-                        waiting += 1
-                busy -= 1
-                last = place(busy)
-                for field in range(0, lane.STRIDE, WIDTH):
-                    st[i + field] = st[last + field]
-                    st[i + lane.VECTORS + field] = st[last + lane.VECTORS + field]
+                if k >= 0:
+                    look_into(
+                        st, i, cases.pars[k], st[lane.SIDE + i], 1.0, guard, force, a, a_v, cases.out[k]
+                    )  # fmt: skip
+        landing = note(near, 1.0 * o, landings, landing)
+        turning = note(tops, 1.0 * o, turns, turning)
+        if len(cases.bodies) > 0:
+            touching = note(next_facet, 1.0 * o, touches, touching)
+        while calls != 0:
+            bit = lowest_bit(calls)
+            calls &= calls - 1
+            i = o + bit
+            k = int(st[lane.CASE + i])
+            if (moved >> bit) & 1:
+                state = arrive_at(st, i, k, cases, motions, how, hold, work, heave)
             else:
-                number += 1
-        for number in range(busy, held):
-            park(st, place(number))
+                state = attend(
+                    st, i, cases.pars[k], cases.bodies, how, values, slopes, blocks, tail, velocity,
+                    c, guard, sin_q, cos_q, a, a_v, force, hold, cases.starts[k], cases.out[k], heave,
+                )  # fmt: skip
+            if state == FINISHED:
+                st[lane.CASE + i], emptied = left_by(k), True
+    return landing, turning, touching, emptied
+
+
+@jit_part
+def land_all(st, landing, cases, motions, how, two_sided, hold, work, heave):
+    """Land the first `landing` of the list of those that do; whether a body has left its lane."""
+    pars, bodies, _, _, out = cases
+    landings, guard, a, a_v, force = work[1], work[5], work[8], work[9], work[10]
+    path, watch, emptied = len(motions.velocity) == 0, how.detail == ALL, False
+    for j in range(landing, min(landing + WIDTH, len(landings))):
+        landings[j] = place(lane.LANES)
+    for j in range(0, landing, WIDTH):
+        over, slow, doubtful, hit = land(st, landings, j, path, watch, how.linear, False, heave)
+        look_into_those(st, landings, j, landing, doubtful, pars, guard, force, a, a_v, out)
+        while two_sided and hit != 0:
+            bit = lowest_bit(hit)
+            hit &= hit - 1
+            if j + bit >= landing:
+                break
+            i = int(landings[j + bit])
+            k = int(st[lane.CASE + i])
+            turn(st, i, pars[k], st[lane.SIDE + i], out[k])
+            free = len(bodies) > 0 and st[lane.PIECE + i] > st[lane.LAST + i]
+            if free and bounce(st, i, pars[k], bodies, how.rest_speed, path, watch, out[k]) == FINISHED:
+                st[lane.CASE + i], emptied = left_by(k), True
+                over, slow = over & ~(1 << bit), slow & ~(1 << bit)
+        calls = over | slow
+        while calls != 0:
+            bit = lowest_bit(calls)
+            calls &= calls - 1
+            if j + bit >= landing:
+                break
+            i = int(landings[j + bit])
+            k = int(st[lane.CASE + i])
+            if (over >> bit) & 1:
+                state = arrive_at(st, i, k, cases, motions, how, hold, work, heave)
+            else:
+                state = come_to_rest(st, i, k, cases, motions, how, hold, heave)
+            if state == FINISHED:
+                st[lane.CASE + i], emptied = left_by(k), True
+    return emptied
+
+
+@jit_part
+def touch_all(st, touching, cases, motions, how, hold, work, heave):
+    """Roll the first `touching` of the list of those that touch the next facet over to it; as `land_all`."""
+    pars, bodies, _, _, out = cases
+    touches, guard, a, a_v, force = work[3], work[5], work[8], work[9], work[10]
+    path, watch, emptied = len(motions.velocity) == 0, how.detail == ALL, False
+    for j in range(touching, min(touching + WIDTH, len(touches))):
+        touches[j] = place(lane.LANES)
+    for j in range(0, touching, WIDTH):
+        over, _, doubtful, hit = land(st, touches, j, path, watch, how.linear, True, heave)
+        look_into_those(st, touches, j, touching, doubtful, pars, guard, force, a, a_v, out)
+        calls = over | hit
+        while calls != 0:
+            bit = lowest_bit(calls)
+            calls &= calls - 1
+            if j + bit >= touching:
+                break
+            i = int(touches[j + bit])
+            k = int(st[lane.CASE + i])
+            state = STANDING
+            if (hit >> bit) & 1:
+                state = roll_over(st, i, pars[k], bodies, motions.values, motions.slopes, path, watch, out[k])
+            if state != FINISHED and (over >> bit) & 1:
+                state = arrive_at(st, i, k, cases, motions, how, hold, work, heave)
+            elif state != FINISHED and (hit >> bit) & 1 and st[lane.V + i] <= st[lane.SLOW + i]:
+                state = come_to_rest(st, i, k, cases, motions, how, hold, heave)
+            if state == FINISHED:
+                st[lane.CASE + i], emptied = left_by(k), True
+    return emptied
+
+
+@jit_part
+def arrive_at(st, i, k, cases, motions, how, hold, work, heave):
+    """`arrive` of body k in lane i."""
+    _, _, _, _, c, _, sin_q, cos_q, a, a_v, _ = work
+    return arrive(
+        st, i, cases.pars[k], cases.bodies, how, motions.values, motions.slopes, motions.velocity, c, sin_q, cos_q, a,
+        a_v, hold, cases.starts[k], cases.out[k], heave,
+    )  # fmt: skip
+
+
+@jit_part
+def come_to_rest(st, i, k, cases, motions, how, hold, heave):
+    """`rest` of body k in lane i."""
+    return rest(
+        st, i, cases.pars[k], how, motions.values, motions.slopes, motions.blocks, motions.tail, hold, cases.starts[k],
+        cases.out[k], heave,
+    )  # fmt: skip
+
+
+@jit_part
+def give_up_the_slow(st, busy, out):
+    """Hand over bodies that have taken too many steps; whether there were any."""
+    emptied = False
+    for number in range(busy):
+        i = place(number)
+        samples = st[lane.LAST + i] - st[lane.FIRST + i]
+        k = int(st[lane.CASE + i])
+        if k >= 0 and st[lane.STEPS + i] > STEPS_PER_SAMPLE * samples + STEPS_AFTER:
+            hand_over(out[k])
+            st[lane.CASE + i], emptied = left_by(k), True
+    return emptied
+
+
+@jit_part
+def close_gaps(st, busy, slipping, waiting, cases, motions, how, feet, slip_work, foot_work, nothing, felt):
+    """Move the last bodies into the lanes of those that left: (how many are busy, slip, wait).
+
+    A body with a foot that has given way begins to slip, unless it holds by then or is done.
+    """
+    number = 0
+    while number < busy:
+        i = place(number)
+        if number % WIDTH == 0 and bits(load(st, lane.CASE + i) < 0.0) == 0:
+            number += WIDTH
+        elif st[lane.CASE + i] < 0.0:
+            k = int(left_by(st[lane.CASE + i]))
+            if feet is not None:
+                j = slips.place(slipping)
+                contact_how = footholds.settings(how)
+                becomes = footholds.give_way(
+                    st, i, slip_work[0], j, k, feet[k], contact_how, cases.starts[k], motions.values, motions.slopes,
+                    foot_work, cases.out[k], felt[k],
+                )  # fmt: skip
+                if becomes == footholds.ELSEWHERE:
+                    becomes = footholds.follow(
+                        feet[k],
+                        contact_how,
+                        cases.spans[k],
+                        cases.starts[k],
+                        motions.values,
+                        foot_work,
+                        nothing,
+                        felt[k],
+                    )
+                if becomes == footholds.SLIPPING:
+                    slipping += 1
+                elif becomes == footholds.HOLDING:
+                    slip_work[2][waiting] = k
+                    waiting += 1
+            busy -= 1
+            last = place(busy)
+            for field in range(0, lane.STRIDE, WIDTH):
+                st[i + field] = st[last + field]
+                st[i + lane.VECTORS + field] = st[last + lane.VECTORS + field]
+        else:
+            number += 1
+    return busy, slipping, waiting
 
 
 @jit_lean
@@ -270,12 +374,12 @@ def left_by(k):
     return -2.0 - k
 
 
-@jit_lean
-def slip_on(sl, count, series, w, feet, how, spans, starts, values, slopes, ready, waiting, nothing, felt):
-    """Step the bodies that slip, the first `count` of `sl`; those that hold again are appended to `ready`.
-
-    Returns how many slip and how many are ready.
-    """
+@jit_part
+def slip_on(count, waiting, slip_work, w, cases, motions, how, feet, nothing, felt):
+    """Step the bodies that slip, `count` of them; those that hold again wait for a lane: (how many slip, wait)."""
+    sl, series, ready = slip_work
+    _, _, spans, starts, _ = cases
+    values, slopes, _, _, _ = motions
     contact_how, watch, thinned = footholds.settings(how), how.detail == ALL, False
     for first in range(0, count, WIDTH):
         o = slips.place(first)
