@@ -30,11 +30,11 @@ from rockcli.study.building.batch import build_batch, build_pieces
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.building.resolved import DT_OUT, Found
-from rockcli.study.cases.axes import Evaluate, read_axes
+from rockcli.study.cases.axes import read_axes
 from rockcli.study.cases.cases import Cases
 from rockcli.study.cases.hazard_curves import read_hazard
 from rockcli.study.cases.refined_axes import RECORDS, read_refine
-from rockcli.study.cases.searched_range import make_search, searched
+from rockcli.study.cases.searched_range import Search, make_search, searched
 from rockcli.study.cases.suite_axes import of_search, read_over
 from rockcli.study.cases.uncertain import placed, read_uncertain
 from rockcli.study.cases.variation import Variation
@@ -53,7 +53,7 @@ from rockcli.study.plausibility import surely_meant
 from rockcli.study.plots import looks_of, said_of
 from rockcli.study.rules_spectrum import read_rules_spectrum
 from rockcli.study.schema import NO_PLOTS, CasePart, OverPart, StudyPart
-from rockcli.study.study import SAMPLE, Expect, Index, Study
+from rockcli.study.study import SAMPLE, Axis, Expect, Index, Over, Study, Uncertain
 from rockcli.study.unused import overridden_axes, replaced_records, rules_without_friction, unused_symbols
 
 HISTORIES_UP_TO = 100
@@ -95,22 +95,8 @@ def open_study(
     tree = apply_overrides(expanded(tree), overrides)
     part = _check_top(where, tree)
     base = Map({"case": tree["case"], "let": tree.get("let") or Map()}, tree.where)
-    records = Records(where, given=given, readers=readers)
-    provisional = Save(histories=False, dt_out=DT_OUT, scalars=frozenset())
-
-    def evaluator(known: list[Variation]) -> Evaluate:
-        return Cases(where, base, known, records, provisional).evaluate
-
-    variations = read_axes(where, tree, part, records, evaluator)
-    uncertain = read_uncertain(
-        where, tree, part, variations, Cases(where, base, variations, records, provisional).evaluate
-    )
-    if uncertain is not None:
-        variations = placed(variations, uncertain[0], part.over)
-    sought = searched(where, tree, variations)
-    if sought is not None:  # innermost, so that every other case has its points side by side
-        variations = [*(v for v in variations if v is not sought), sought]
-    cases = Cases(where, base, variations, records, provisional)
+    cases, uncertain, sought = _unfolded(where, tree, part, base, Records(where, given=given, readers=readers))
+    variations = cases.variations
     found = Found(meant=surely_meant(tree, None if sought is None else sought.axis.path))
     _probe(cases, found)
     axes = tuple(v.axis for v in variations if v is not sought)
@@ -122,13 +108,7 @@ def open_study(
     points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
     search = None if sought is None else make_search(cases, sought)
-    wanted = part.over or (OverPart(axis=SAMPLE) if uncertain is not None else None)
-    over = read_over(where, tree, wanted, axes, scalars, searches=search is not None)
-    if over is not None and uncertain is not None and SAMPLE in over.axes:
-        over = dataclasses.replace(over, inputs=tuple(each.path for each in uncertain[1].inputs))
-    if over is not None and search is not None:
-        over = of_search(where, tree, over, search, axes)
-    over = read_hazard(where, tree, part, over, axes if search is None else (*axes, search.axis))
+    over = _statistics(where, tree, part, axes, scalars, uncertain, search)
     refine = read_refine(where, tree, part, axes, scalars, searches=search is not None, over=over)
     expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
@@ -159,11 +139,7 @@ def open_study(
         inputs=dict(sorted(where.inputs.hashes.items())),
         processing=found.processing(),
         warnings=(
-            *without_effect(base, variations, overrides),
-            *unused_symbols(tree, variations),
-            *replaced_records(base, variations),
-            *overridden_axes(variations),
-            *rules_without_friction(base, variations, part.rules),
+            *_ineffective(tree, part, base, variations, overrides),
             *((RULES_OF_TWO_EDGES,) if found.rolling and part.rules else ()),
             *found.plausibility_warnings(tree, int(np.prod(cases.shape, dtype=np.int64))),
             *((RECORDS,) if refine and found.uses else ()),
@@ -175,10 +151,61 @@ def open_study(
         rules_spectrum=read_rules_spectrum(where, tree, part),
         search=search,
         over=over,
-        uncertain=None if uncertain is None else uncertain[1],
+        uncertain=uncertain,
         refine=refine,
         audit=part.audit,
         places=_places(tree),
+    )
+
+
+def _unfolded(
+    where: Source, tree: Map, part: StudyPart, base: Map, records: Records
+) -> tuple[Cases, Uncertain | None, Variation | None]:
+    """The cases of all axes, what is uncertain of them, and the axis along which a threshold is searched."""
+    provisional = Save(histories=False, dt_out=DT_OUT, scalars=frozenset())
+
+    def cases_of(known: list[Variation]) -> Cases:
+        return Cases(where, base, known, records, provisional)
+
+    variations = read_axes(where, tree, part, records, lambda known: cases_of(known).evaluate)
+    drawn = read_uncertain(where, tree, part, variations, cases_of(variations).evaluate)
+    if drawn is not None:
+        variations = placed(variations, drawn[0], part.over)
+    sought = searched(where, tree, variations)
+    if sought is not None:  # innermost, so that every other case has its points side by side
+        variations = [*(v for v in variations if v is not sought), sought]
+    return cases_of(variations), None if drawn is None else drawn[1], sought
+
+
+def _statistics(
+    where: Source,
+    tree: Map,
+    part: StudyPart,
+    axes: tuple[Axis, ...],
+    scalars: tuple[str, ...],
+    uncertain: Uncertain | None,
+    search: Search | None,
+) -> Over | None:
+    """What is told over an axis, and the rates that hazard curves make of it; samples are told over unless asked."""
+    wanted = part.over or (OverPart(axis=SAMPLE) if uncertain is not None else None)
+    over = read_over(where, tree, wanted, axes, scalars, searches=search is not None)
+    if over is not None and uncertain is not None and SAMPLE in over.axes:
+        over = dataclasses.replace(over, inputs=tuple(each.path for each in uncertain.inputs))
+    if over is not None and search is not None:
+        over = of_search(where, tree, over, search, axes)
+    return read_hazard(where, tree, part, over, axes if search is None else (*axes, search.axis))
+
+
+def _ineffective(
+    tree: Map, part: StudyPart, base: Map, variations: list[Variation], overrides: Sequence[tuple[str, str]]
+) -> tuple[str, ...]:
+    """What is said of keys, symbols and settings that no case reads."""
+    return (
+        *without_effect(base, variations, overrides),
+        *unused_symbols(tree, variations),
+        *replaced_records(base, variations),
+        *overridden_axes(variations),
+        *rules_without_friction(base, variations, part.rules),
     )
 
 
