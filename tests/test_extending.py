@@ -163,9 +163,9 @@ def test_the_recipes_work(tmp_path):
     put(package / "scene" / "variables.py", "\n_ROWS: tuple[Variable, ...] = (\n", scalar_row)
     put(package / "scene" / "variables.py", "SCALARS: tuple[str, ...] = (\n", '    "t_first_impact",\n')
     lengthened(package / "kernels" / "rigid" / "results.py", f"{scalar_column.strip()} N_OUT,\n")
-    march = package / "kernels" / "rigid" / "march.py"
-    put(march, "    out[to.PEAK_ALPHA] = 1.0\n", scalar_first)
-    put(march, f"{16 * ' '}out[to.N_IMPACTS] += 1\n{16 * ' '}out[to.ONTO", scalar_then, before=True)
+    readings = package / "kernels" / "rigid" / "readings.py"
+    put(readings, "    out[to.PEAK_ALPHA] = 1.0\n", scalar_first)
+    put(readings, "    out[to.N_IMPACTS] += 1\n", scalar_then, before=True)
     put(package / "scene" / "numerics.py", "ACCURACIES: dict[str, Accuracy] = {\n", level)
     put(package / "scene" / "rules.py", "_ROWS: tuple[Rule, ...] = (\n", rule)
     put(

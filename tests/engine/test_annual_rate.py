@@ -180,7 +180,9 @@ def test_uncertainty_that_is_added_counts(data):
 def test_a_direction_is_drawn_anew():
     over = Over(("sample",), None, (), mean=False, inputs=("block.direction",), hazard=(BENT,), age=1.0)
     assert not list(words._drawn_anew(over))
-    assert "takes block.h as" in " ".join(words._drawn_anew(replace(over, inputs=("block.direction", "block.h"))))
+    told = " ".join(words._drawn_anew(replace(over, inputs=("block.direction", "block.h"))))
+    assert "takes block.h as" in told
+    assert "over:" not in told  # there is nothing else to take statistics over
 
 
 def test_a_body_that_is_not_well_known_is_not_drawn_anew(data):
@@ -191,6 +193,8 @@ def test_a_body_that_is_not_well_known_is_not_drawn_anew(data):
     each = rockcli.run(study(over=axes | {"axis": "motion.pulse.omega_p"}, **more))
     told = ["drawn anew" in one.attrs["warnings"] for one in (mixed, each)]
     assert told == [True, False]
+    assert "`over: omega_p` tells the survival" in mixed.attrs["warnings"]
+    rockcli.run(study(over=axes | {"axis": "omega_p"}, **more))  # as advised
     one = each.sel(limit_state="overturned")
     assert (one.survival.mean("sample") > np.exp(-3000 * one.annual_rate.mean("sample"))).all()
 

@@ -14,7 +14,9 @@ from rockcli.kernels.constants import (
     DONE,
     FALLS,
     FAST,
+    LANDS,
     MAX_ORDER,
+    NO_EVENT,
     NO_ROOT,
     NOT_FINITE,
     NOT_YET,
@@ -23,6 +25,7 @@ from rockcli.kernels.constants import (
     PATIENCE,
     RETURNS,
     STALLED,
+    TOPPLES,
     UNDECIDED,
 )
 from rockcli.kernels.jit import entry, jit_lean, jit_part, room
@@ -52,9 +55,6 @@ from rockcli.kernels.rigid.settings import Settings as Settings
 
 REST, ROCK = 0, 1
 """Modes."""
-
-NO_EVENT, LANDS, TOPPLES = range(3)
-"""What ends a step: its length; theta is 0 again; pi/2 is reached."""
 
 OUTCOME, PEAKS, ALL = 0, 1, 2
 """How much is wanted: the outcome; peaks and times too; forces, rates and the energy balance too."""

@@ -14,6 +14,8 @@ from rockcli.kernels.constants import (
     DONE,
     FALLS,
     FAST,
+    LANDS,
+    NO_EVENT,
     NO_ROOT,
     NOT_FINITE,
     NOT_YET,
@@ -23,13 +25,14 @@ from rockcli.kernels.constants import (
     RETURNS,
     STALLED,
     STRICTER,
+    TOUCHES,
     UNDECIDED,
 )
 from rockcli.kernels.jit import entry, jit_lean, jit_part
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import note_passage, watch_rocking
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bounds_from, expand_both, longest_step, pieces_at
-from rockcli.kernels.rigid.march import ALL, LANDS, NO_EVENT, OUTCOME, REST, ROCK
+from rockcli.kernels.rigid.march import ALL, OUTCOME, REST, ROCK
 from rockcli.kernels.rigid.march import work_space as work_space
 from rockcli.kernels.rigid.readings import (
     clear,
@@ -54,9 +57,6 @@ from rockcli.kernels.rolling.free_rolling import free_rolling
 from rockcli.kernels.rolling.glide import glide, waits
 from rockcli.kernels.rolling.law import end_of, energy, push_of
 from rockcli.kernels.rolling.rest import rest_time
-
-TOUCHES = LANDS + 1
-"""What ends a step, beside NO_EVENT and LANDS: the next facet touches, after the last one the side of the body."""
 
 SURE = 1.0 - 1e-9
 """An acceleration nearer to uplift than this is looked at closely."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, NO_ROOT, RETURNS
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.constants import FALLS, FAST, LANDS, MEANINGFUL, NO_EVENT, NO_ROOT, RETURNS, TOPPLES, TOUCHES
+from rockcli.kernels.jit import jit_lean, jit_part
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.facets import BALLISTIC, BALLISTIC_AFTER, rolls
 from rockcli.kernels.lanes.records.forces import account, drive, drive_up, look_into, weigh_end, work_until
@@ -31,8 +31,11 @@ from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good
 from rockcli.kernels.rigid.law import driving, edge_of, energy, separatrix
 from rockcli.kernels.rigid.march import ALL, OUTCOME, afterwards
 from rockcli.kernels.rigid.readings import set_peak
-from rockcli.kernels.rigid.roots import first_root, last_passage, passage, turning_point
-from rockcli.kernels.rigid.series import slope, value
+from rockcli.kernels.rigid.roots import first_root, last_passage, passage, turning_point, zeros_before
+from rockcli.kernels.rigid.series import bound, slope, value
+
+NOT_HERE = -1
+"""In place of an event: what ends the step is for the kernel of a single body to find."""
 
 
 @jit_lean
@@ -115,121 +118,40 @@ def attend(
     last, piece = int(st[lane.LAST + i]), int(st[lane.PIECE + i])
     free = piece > last
     t0 = (par[at.T_MOTION] if free else (piece - st[lane.FIRST + i]) * st[lane.DT + i]) + x0
-    s, e = st[lane.SIDE + i], at.RIGHT if st[lane.SIDE + i] > 0.0 else at.LEFT
-    edge = edge_of(par, e)
+    s = st[lane.SIDE + i]
+    edge = edge_of(par, at.RIGHT if s > 0.0 else at.LEFT)
     path, watch = len(velocity) == 0, how.detail == ALL
     if not (path or free or q < edge.q_star or c[1] <= 0.0 or rolls(par)):
         if lost(st, i, values, slopes, velocity, how.linear):
             out[to.T_END], out[to.PEAK_SIDE] = t0, s
             return finish(st, i, par, FALLS, out)
         st[lane.LOOK + i] = min(FARTHER * max(q, st[lane.LOOK + i]), HALF_PI)
-    skip = 0
-    if q == 0.0:
-        if c[1] == 0.0:
-            c[2] = max(c[2], 0.0)
-        skip = 1
-        while skip < 4 and c[skip] == 0.0:
-            skip += 1
-        if c[skip] <= 0.0:
-            return hand_over(out)
-
-    # guards
-    x = first_root(c, lane.ORDER, 1.0, skip)
-    impact = x != NO_ROOT
-    if not impact:
-        x = 1.0
-    fell = False
-    reach = 0.0
-    for k in range(lane.ORDER, -1, -1):
-        reach = reach * x + abs(c[k])
-    star = edge.q_star
-    touches = False
-    if rolls(par):
-        touches, x = touch_next(st, i, par, c, guard, x, reach)
-        impact = impact and not touches
-    elif reach >= HALF_PI:
-        if star == math.inf:
-            return hand_over(out)
-        for k in range(lane.ORDER + 1):
-            guard[k] = -c[k]
-        guard[0] = HALF_PI - q
-        if how.linear:
-            ground = 0.0 if free or piece >= last else tail[piece] * abs(par[at.FACTOR_H])
-            lightening = 0.0
-            if heave is not None and not free and piece < last:
-                lightening = heave[3][piece] * abs(par[at.FACTOR_V])
-            q_x, v_x = value(c, lane.ORDER, x), slope(c, lane.ORDER, x)
-            if q_x >= HALF_PI and lost_for_good(edge, q_x, v_x, ground, lightening):
-                fell = True
-                if guard[0] > 0.0:
-                    x = passage(c, lane.ORDER, HALF_PI, 0.0, x)
-        elif guard[0] > 0.0:
-            over = first_root(guard, lane.ORDER, x, 0)
-            if over != NO_ROOT:
-                fell, x = True, over
-    if fell:
-        impact = False
-    v = slope(c, lane.ORDER, x)
-    if reach > st[lane.PEAK + i] and c[1] > 0.0 >= v:
-        y = turning_point(c, lane.ORDER, 0.0, x)
-        note_height(st, i, par, value(c, lane.ORDER, y), t0 + y * h, hold and watch, how.tol, out)
-    passed = NO_ROOT
-    if path and rolls(par):
-        passed = passage_of(par, s, c, guard, x, reach)
-    elif path and reach >= star:
-        passed = last_passage(c, lane.ORDER, star, x, 1)
-    if passed != NO_ROOT:
-        out[to.T_OVERTURN] = t0 + passed * h
+    if q == 0.0 and c[1] == 0.0:
+        c[2] = max(c[2], 0.0)
+    skip = zeros_before(c, lane.ORDER)
+    if skip < 0:
+        return hand_over(out)
+    event, x, reach = first_event(st, i, par, how, c, skip, guard, edge, tail, heave)
+    if event == NOT_HERE:
+        return hand_over(out)
+    note_way(st, i, par, how, c, x, reach, t0, h, path, hold, guard, sin_q, cos_q, a, a_v, force, edge, out)
+    v = slope(c, lane.ORDER, x) / h
+    if event == TOPPLES:
+        q = value(c, lane.ORDER, x)
+        out[to.T_END], out[to.PEAK_SIDE] = t0 + x * h, s
         if watch:
-            look_into(st, i, par, s, passed, guard, force, a, a_v, out)
-            out[to.MU_STANDING], out[to.N_STANDING] = st[lane.MU_MOST + i], st[lane.N_LEAST + i]
-    if watch:
-        look_into(st, i, par, s, x, guard, force, a, a_v, out)
-        work_until(st, i, x, c, sin_q, cos_q, how.linear)
-    v /= h
-    if fell:
-        out[to.T_END] = t0 + x * h
-        out[to.PEAK_SIDE] = s
-        q_x = value(c, lane.ORDER, x)
-        if watch:
-            ground = st[lane.A_0 + i] + st[lane.A_1 + i] * x * h
-            st[lane.WORK + i] -= ground * drive(st, i, q_x, how.linear)
-            if heave is not None:
-                lifting = st[lane.UP_0 + i] + st[lane.UP_1 + i] * x * h
-                st[lane.WORK + i] -= lifting * drive_up(st, i, q_x, how.linear)
-            account(st, i, par, energy(edge, q_x, v, how.linear), out)
-        afterwards(edge, edge, how, s, q_x, v, t0 + x * h, FALLS, c, sin_q, cos_q, a, a_v, out)
+            close_account(st, i, par, how, q, v, x, h, edge, heave, out)
+        afterwards(edge, edge, how, s, q, v, t0 + x * h, FALLS, c, sin_q, cos_q, a, a_v, out)
         return finish(st, i, par, FALLS, out)
 
     # go there
-    st[lane.Q + i], st[lane.V + i] = 0.0 if impact or touches else value(c, lane.ORDER, x), v
-    length = st[lane.LEN + i]
-    place = x0 + x * h
-    if (x == 1.0 and h == length - x0) or place >= length:
-        st[lane.PIECE + i] += 1.0
-        st[lane.X + i] = 0.0
-        at_end = st[lane.PIECE + i] >= st[lane.END + i]
-    else:
-        st[lane.X + i] = place
-        at_end = False
-    if impact:
-        rate = abs(min(v, 0.0))
-        if path:
-            carried = (FAST * rate / st[lane.FAST + i]) ** 2 - MEANINGFUL**2
-            if carried > 0.0:
-                st[lane.SWINGS + i] += carried
-                st[lane.SWINGS_T + i] += carried * (t0 + x * h)
-        if watch:
-            st[lane.LOST + i] += st[lane.LOSS + i] * rate * rate
-        if rate > st[lane.FAST + i]:
-            st[lane.IMPACTS + i] += 1.0
-            if s > 0.0:
-                st[lane.ONTO_LEFT + i] += 1.0
-        st[lane.V + i] = st[lane.ETA + i] * rate
-        turn(st, i, par, -s, out)
-    if touches and roll_over(st, i, par, bodies, values, slopes, path, watch, out) == FINISHED:
+    st[lane.Q + i], st[lane.V + i] = (value(c, lane.ORDER, x) if event == NO_EVENT else 0.0), v
+    at_end = move_on(st, i, x, x0, h)
+    if event == LANDS:
+        strike(st, i, par, s, v, t0 + x * h, path, watch, out)
+    if event == TOUCHES and roll_over(st, i, par, bodies, values, slopes, path, watch, out) == FINISHED:
         return FINISHED
-    if (impact or touches) and not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
+    if event != NO_EVENT and not at_end and st[lane.V + i] <= st[lane.SLOW + i]:
         state = rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave)
         if state != ROCKING:
             return state
@@ -238,6 +160,103 @@ def attend(
             st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out, heave
         )
     return STANDING
+
+
+@jit_part
+def first_event(st, i, par, how, c, skip, guard, edge, tail, heave):
+    """What ends the step of lane i, at which part of it, and the bound of q until then: (event, x, reach)."""
+    x = first_root(c, lane.ORDER, 1.0, skip)
+    event = NO_EVENT if x == NO_ROOT else LANDS
+    if event == NO_EVENT:
+        x = 1.0
+    reach = bound(c, lane.ORDER, x)
+    if rolls(par):
+        touches, x = touch_next(st, i, par, c, guard, x, reach)
+        return TOUCHES if touches else event, x, reach
+    if reach < HALF_PI:
+        return event, x, reach
+    if edge.q_star == math.inf:
+        return NOT_HERE, x, reach
+    for k in range(lane.ORDER + 1):
+        guard[k] = -c[k]
+    guard[0] = HALF_PI - c[0]
+    if how.linear:
+        shaking = lightening = 0.0
+        last, piece = int(st[lane.LAST + i]), int(st[lane.PIECE + i])
+        if piece < last:
+            shaking = tail[piece] * abs(par[at.FACTOR_H])
+            if heave is not None:
+                lightening = heave[3][piece] * abs(par[at.FACTOR_V])
+        q, v = value(c, lane.ORDER, x), slope(c, lane.ORDER, x)
+        if q >= HALF_PI and lost_for_good(edge, q, v, shaking, lightening):
+            return TOPPLES, (passage(c, lane.ORDER, HALF_PI, 0.0, x) if guard[0] > 0.0 else x), reach
+    elif guard[0] > 0.0:
+        over = first_root(guard, lane.ORDER, x, 0)
+        if over != NO_ROOT:
+            return TOPPLES, over, reach
+    return event, x, reach
+
+
+@jit_part
+def note_way(st, i, par, how, c, x, reach, t0, h, path, hold, guard, sin_q, cos_q, a, a_v, force, edge, out):
+    """Note what happens on the step of lane i up to x: peak, passage of the equilibrium, forces and work."""
+    s, watch = st[lane.SIDE + i], how.detail == ALL
+    if reach > st[lane.PEAK + i] and c[1] > 0.0 >= slope(c, lane.ORDER, x):
+        y = turning_point(c, lane.ORDER, 0.0, x)
+        note_height(st, i, par, value(c, lane.ORDER, y), t0 + y * h, hold and watch, how.tol, out)
+    passed = NO_ROOT
+    if path and rolls(par):
+        passed = passage_of(par, s, c, guard, x, reach)
+    elif path and reach >= edge.q_star:
+        passed = last_passage(c, lane.ORDER, edge.q_star, x, 1)
+    if passed != NO_ROOT:
+        out[to.T_OVERTURN] = t0 + passed * h
+        if watch:
+            look_into(st, i, par, s, passed, guard, force, a, a_v, out)
+            out[to.MU_STANDING], out[to.N_STANDING] = st[lane.MU_MOST + i], st[lane.N_LEAST + i]
+    if watch:
+        look_into(st, i, par, s, x, guard, force, a, a_v, out)
+        work_until(st, i, x, c, sin_q, cos_q, how.linear)
+
+
+@jit_part
+def close_account(st, i, par, how, q, v, x, h, edge, heave, out):
+    """The balance of energy of lane i as it falls, at part x of a step of h."""
+    st[lane.WORK + i] -= (st[lane.A_0 + i] + st[lane.A_1 + i] * x * h) * drive(st, i, q, how.linear)
+    if heave is not None:
+        st[lane.WORK + i] -= (st[lane.UP_0 + i] + st[lane.UP_1 + i] * x * h) * drive_up(st, i, q, how.linear)
+    account(st, i, par, energy(edge, q, v, how.linear), out)
+
+
+@jit_part
+def move_on(st, i, x, x0, h):
+    """Lane i has gone part x of a step of h from x0 in its sample; whether it must stop before the next one."""
+    length, now = st[lane.LEN + i], x0 + x * h
+    if not ((x == 1.0 and h == length - x0) or now >= length):
+        st[lane.X + i] = now
+        return False
+    st[lane.PIECE + i] += 1.0
+    st[lane.X + i] = 0.0
+    return st[lane.PIECE + i] >= st[lane.END + i]
+
+
+@jit_part
+def strike(st, i, par, s, v, t, path, watch, out):
+    """Lane i turns over to its other edge."""
+    rate = abs(min(v, 0.0))
+    if path:
+        carried = (FAST * rate / st[lane.FAST + i]) ** 2 - MEANINGFUL**2
+        if carried > 0.0:
+            st[lane.SWINGS + i] += carried
+            st[lane.SWINGS_T + i] += carried * t
+    if watch:
+        st[lane.LOST + i] += st[lane.LOSS + i] * rate * rate
+    if rate > st[lane.FAST + i]:
+        st[lane.IMPACTS + i] += 1.0
+        if s > 0.0:
+            st[lane.ONTO_LEFT + i] += 1.0
+    st[lane.V + i] = st[lane.ETA + i] * rate
+    turn(st, i, par, -s, out)
 
 
 @jit_lean

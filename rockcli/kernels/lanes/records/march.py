@@ -337,21 +337,14 @@ def close_gaps(st, busy, slipping, waiting, cases, motions, how, feet, slip_work
             k = int(left_by(st[lane.CASE + i]))
             if feet is not None:
                 j = slips.place(slipping)
-                contact_how = footholds.settings(how)
+                contact_how, start = footholds.settings(how), cases.starts[k]
                 becomes = footholds.give_way(
-                    st, i, slip_work[0], j, k, feet[k], contact_how, cases.starts[k], motions.values, motions.slopes,
+                    st, i, slip_work[0], j, k, feet[k], contact_how, start, motions.values, motions.slopes,
                     foot_work, cases.out[k], felt[k],
                 )  # fmt: skip
                 if becomes == footholds.ELSEWHERE:
                     becomes = footholds.follow(
-                        feet[k],
-                        contact_how,
-                        cases.spans[k],
-                        cases.starts[k],
-                        motions.values,
-                        foot_work,
-                        nothing,
-                        felt[k],
+                        feet[k], contact_how, cases.spans[k], start, motions.values, foot_work, nothing, felt[k]
                     )
                 if becomes == footholds.SLIPPING:
                     slipping += 1
