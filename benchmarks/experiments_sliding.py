@@ -116,6 +116,8 @@ def main() -> None:
     parser.add_argument("folder", type=Path, metavar="FOLDER")
     parser.add_argument("--workers", type=int, default=2)
     said = parser.parse_args()
+    if not (said.folder / "motions.npz").exists():
+        parser.error(f"{said.folder} has no motions.npz")
     head = [
         "specimen",
         "shape",
