@@ -103,6 +103,15 @@ class TestForms:
         study = study_of({"case": "t.csv"}, tmp_path)
         assert all_cases(study, lambda b: [b.model] * b.size) == ["rigid", "linearized"]
 
+    def test_a_table_may_have_both_of_two_columns_that_say_the_same_where_each_row_has_one(self, tmp_path):
+        (tmp_path / "t.csv").write_text("name,height,width,h,r_g\na,2,0.5,null,null\nb,null,0.5,0.9,0.6\n")
+        base = {"block": {"height": 1.8, "width": 0.4}, "initial": {"theta": 0.01}}
+        study = study_of({"block": "t.csv"}, tmp_path, case=base)
+        assert all_cases(study, lambda b: b.block.h.tolist()) == [1.0, 0.9]
+        (tmp_path / "t.csv").write_text("name,height,width,h\na,2,0.5,null\nb,2,0.5,0.9\nc,2,0.5,0.9\n")
+        with pytest.raises(StudyError, match=r"t\.csv:3: vary.block: height and h say the same .*\(also in line 4\)"):
+            study_of({"block": "t.csv"}, tmp_path, case=base)
+
     @pytest.mark.parametrize(
         ("text", "words"),
         [

@@ -436,8 +436,7 @@ class _Reader:
         table = read_table(name, self.source, line)
         self.labels_first(table, self.source.folder / name)
         paths = [self.of_column(column) for column in table.columns]
-        self.once(table.columns, paths)
-        self.check_numbers(table, paths, self.source.folder / name)
+        self.check_rows(table, paths, self.source.folder / name)
         where: list[Where] = [f"{self.source.folder / name}:{i}" for i in table.lines]
         settings = [
             tuple(
@@ -448,11 +447,17 @@ class _Reader:
         ]
         return self.labelled(table.labels, settings, Places(tuple(where), line), name, given=given_by(table, settings))
 
-    @staticmethod
-    def check_numbers(table: Table, paths: list[Path], file: FilePath) -> None:
-        """Refuse cells that are no number and no expression where one is expected, all of them at once."""
+    def check_rows(self, table: Table, paths: list[Path], file: FilePath) -> None:
+        """Refuse, all at once, cells of a row that say the same thing, and words where a number is expected."""
+        if len(set(paths)) < len(paths):
+            self.once(table.columns, paths)
         complaints = Complaints()
         for line, row in zip(table.lines, table.rows, strict=True):
+            said = [i for i, value in enumerate(row) if value is not None]
+            try:
+                self.once([table.columns[i] for i in said], [paths[i] for i in said])
+            except StudyError as error:
+                complaints.note(StudyError(error.message, file, line))
             for path, value in zip(paths, row, strict=True):
                 if isinstance(value, str) and varies_in_batch(path):
                     try:
