@@ -21,7 +21,7 @@ from rockcli.motion.at2 import looks_like_at2, parse_at2
 from rockcli.motion.file import record_bytes
 from rockcli.motion.motion import Given, Motion
 from rockcli.motion.options import OptionError
-from rockcli.motion.text import first_line_of_words, is_numeric_text, parse_text
+from rockcli.motion.text import SEMICOLON, first_line_of_words, first_semicolon, is_numeric_text, parse_text
 from rockcli.motion.units import FACTORS, same_unit, unit_named
 
 if TYPE_CHECKING:
@@ -354,10 +354,13 @@ def _obspy_format(path: Path) -> str:
     if found := first_line_of_words(record_bytes(path)):
         line, text = found
         raise RecordError(f"{text.strip()[:40]!r} is no line of numbers, as those before are; correct it", path, line)
+    as_text = "two columns under a line `time [s],acceleration [m/s2]`"
+    if separated := first_semicolon(record_bytes(path)):
+        raise RecordError(f"{SEMICOLON}; write the record as {as_text}", path, separated)
     agencies = ", ".join(one.name for one in FORMATS)
     raise RecordError(
         f"the format is not known (read are AT2, {agencies}, columns of numbers, and what ObsPy reads); write the "
-        "record as AT2, or as two columns under a line `time [s],acceleration [m/s2]`",
+        f"record as AT2, or as {as_text}",
         path,
     )
 

@@ -34,6 +34,8 @@ ROUGH = 1.3
 """Change from one number to the next over that down a column above which columns read line by line are doubted: of
 150 records it is at most .8, of three components side by side 1.9 and more."""
 
+SEMICOLON = "separate columns by commas or blanks and decimals by a point; a semicolon stands here"
+
 _COMMENT = re.compile(r"\s*[#%]")
 _UNITS = re.compile(r"\s*[#%]\s*units\s*:\s*(\S+)", re.I)
 _HEAD = re.compile(
@@ -43,6 +45,8 @@ _HEAD = re.compile(
 )
 """The names of time, in seconds if it says a unit, and of acceleration, with its unit."""
 _CHARACTERS = re.compile(r"[0-9.eEdD+\-,;\s]*", re.ASCII)
+_NUMBERED = re.compile(r"\s*[+-]?\d[0-9.eEdD+\-,;\s]*", re.ASCII)
+_ONE_COMMA = re.compile(r"\s*[+-]?\d+,\d+\s*")
 _BLANK_OF_SAC = re.compile(rb"-12345(?:\.0*)?(?![\d.])")
 
 
@@ -77,6 +81,12 @@ def first_line_of_words(data: bytes) -> tuple[int, str] | None:
     lines = [(i, line) for i, line in enumerate(_lines(data), 1) if line.strip() and not _COMMENT.match(line)]
     other = next(((i, line) for i, line in lines if not _CHARACTERS.fullmatch(line)), None)
     return other if other is not None and other != lines[0] else None
+
+
+def first_semicolon(data: bytes) -> int | None:
+    """Number of the first line in which a semicolon separates numbers, whatever stands above it; None without one."""
+    lines = enumerate(_lines(data), 1)
+    return next((number for number, line in lines if ";" in line and _NUMBERED.fullmatch(line)), None)
 
 
 def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> Text:
@@ -122,6 +132,8 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
         step, start = _time_step(first, dt, name)
         shifted = () if start == 0.0 else (f"time counted from the first sample, {start:g} s in the file",)
         return Text(numbers.values[1::2], step, unit, shifted, start)
+    if columns == 2 and all(_ONE_COMMA.fullmatch(line) for line in lines if line.strip() and not _COMMENT.match(line)):
+        raise RecordError("a comma separates columns, and the first is no time: write decimals with a point", name)
     _refuse_table(columns, is_time, name)
     if dt is None:
         raise OptionError("dt", "the file does not state the time step; give it with `dt:` in seconds", name)
@@ -181,9 +193,7 @@ def _without_commas(lines: list[str], name: str) -> list[str]:
             plain.append("")
             continue
         if ";" in line:
-            raise RecordError(
-                "separate columns by commas or blanks and decimals by a point; a semicolon stands here", name, number
-            )
+            raise RecordError(SEMICOLON, name, number)
         commas = line.strip().rstrip(",").count(",")
         if commas and commas != len(line.replace(",", " ").split()) - 1:
             raise RecordError("a comma can only separate numbers; write decimals with a point", name, number)

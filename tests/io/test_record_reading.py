@@ -437,6 +437,16 @@ def test_what_is_wrong_with_a_named_column_is_told_with_its_line(tmp_path, old, 
     assert error.value.line == line
 
 
+def test_semicolons_and_decimal_commas_are_told_under_any_head(write):
+    rows = "".join(f"0,{i:02d};0,{i % 7}\n" for i in range(40))
+    for head in ("Zeit [s];Beschleunigung [m/s2]\n", "time [s];acceleration [m/s2]\n", "\ufeffrecord 1\n\n"):
+        with pytest.raises(RecordError, match=r"a semicolon stands here; write .* `time \[s\],acceleration") as caught:
+            read_record(write((head + rows).encode()))
+        assert caught.value.line == 1 + head.count("\n")
+    column = "".join(f"-0,{i % 7}\n" for i in range(40)).encode()
+    refused(write(column), "write decimals with a point", units="g", dt=0.01)
+
+
 def test_a_head_without_numbers(tmp_path):
     with pytest.raises(RecordError, match="no number follows"):
         columns(tmp_path, HEADED.split("\n")[0] + "\n")
