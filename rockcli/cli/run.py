@@ -88,12 +88,12 @@ def run(
     if spoken and (len(reports) > 1 or opened.skipped):
         say(totals_text(reports))
     code = exit_code(reports)
+    if junit is not None:
+        write_junit(reports, junit)  # before the JSON, whose exit code is then that of the command
     if as_json:
         import json
 
         say(json.dumps({"exit_code": code, "units": "SI", "studies": [r.as_dict() for r in reports]}, indent=2))
-    if junit is not None:
-        write_junit(reports, junit)
     raise typer.Exit(code)
 
 

@@ -219,6 +219,8 @@ def test_a_stream_that_takes_nothing(file: Path, tmp_path: Path) -> None:
 def test_verdicts_that_cannot_be_written(rock: Rock, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert rock("run", file, "--no-plots", "--junit", "/dev/full") == 4
     assert capsys.readouterr().err == "rock: /dev/full: cannot be written: no space left on the device\n"
+    assert rock("run", file, "--no-plots", "--json", "--junit", "/dev/full") == 4
+    assert not capsys.readouterr().out  # a summary would have said that the exit code is 0
 
 
 def test_what_must_not_outlive_its_use(tmp_path: Path) -> None:
