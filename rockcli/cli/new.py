@@ -75,8 +75,14 @@ def _write_examples(folder: Path) -> None:
     from tempfile import TemporaryDirectory
 
     import rockcli
-    from rockcli.errors import StudyError
-    from rockcli.storage.places import check_folder
+    from rockcli.errors import OutputError, StudyError
+    from rockcli.storage.places import check_folder, reason
+
+    def copied(source: str, target: str) -> None:
+        try:
+            shutil.copy2(source, target)
+        except OSError as error:
+            raise OutputError(f"cannot be written: {reason(error)}", file=folder) from error
 
     if folder.exists():
         raise StudyError("is there already; give another folder with --out, or remove it", file=folder)
@@ -88,8 +94,7 @@ def _write_examples(folder: Path) -> None:
         source = package.parent
     with TemporaryDirectory(prefix=".rock-", dir=folder.parent) as place:
         for name in SHIPPED:
-            shutil.copytree(
-                source / name, Path(place, "new", name), ignore=shutil.ignore_patterns("__pycache__", "results")
-            )
+            left_out = shutil.ignore_patterns("__pycache__", "results")
+            shutil.copytree(source / name, Path(place, "new", name), ignore=left_out, copy_function=copied)
         Path(place, "new").rename(folder)
     say(f"{folder}: cd {folder}, rock run studies/examples/first_rock.yaml")

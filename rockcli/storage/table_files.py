@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
@@ -77,7 +78,9 @@ def _xlsx(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
             sheet.append([plain(value) for value in row])
 
     yield add
-    book.save(path)
+    packed = io.BytesIO()
+    book.save(packed)  # an archive that cannot be written complains once more when it is collected
+    path.write_bytes(packed.getbuffer())
 
 
 def _cells(column: Column) -> list[Any]:

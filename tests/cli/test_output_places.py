@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -221,6 +222,23 @@ def test_verdicts_that_cannot_be_written(rock: Rock, file: Path, capsys: pytest.
     assert capsys.readouterr().err == "rock: /dev/full: cannot be written: no space left on the device\n"
     assert rock("run", file, "--no-plots", "--json", "--junit", "/dev/full") == 4
     assert not capsys.readouterr().out  # a summary would have said that the exit code is 0
+
+
+def test_no_space_for_a_sheet_or_for_examples(
+    rock: Rock, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert rock("run", file, "--no-plots", "--quiet") == 0
+    found = limited(tmp_path, 3000, "table", "results/x/x.nc", "--out", "t.xlsx")
+    assert (found.returncode, found.stdout) == (4, "")
+    assert re.fullmatch("rock: t.xlsx: cannot be written: no space.*\n", found.stderr)
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(shutil, "copy2", full)
+    assert rock("new", "examples") == 4
+    assert capsys.readouterr().err == "rock: examples: cannot be written: no space left on the device\n"
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith((".rock", "examples", "t.xlsx"))]
 
 
 def test_what_must_not_outlive_its_use(tmp_path: Path) -> None:
