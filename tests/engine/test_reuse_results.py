@@ -53,6 +53,22 @@ def test_only_the_new_points_are_solved(
     assert_same(wanted, found)
 
 
+@pytest.mark.parametrize("before", [["third", "first", "second"], ["first", "second"]])
+def test_equal_bodies_of_two_names_keep_their_own_answers(
+    before: list[str], tmp_path: Path, counted: list[int]
+) -> None:
+    bodies = {name: {"model": "rigid", "block.R": R} for name, R in (("first", 2.0), ("second", 2.0), ("third", 1.0))}
+    theta = {"initial.theta": THETA}
+    run_study(study(vary={"case": {name: bodies[name] for name in before}} | theta), tmp_path, plots=False)
+    counted.clear()
+    again = study(vary={"case": {name: bodies[name] for name in ("third", "second", "first")}} | theta)
+    report = run_study(again, tmp_path, plots=False)
+    assert (report.taken_over, sum(counted)) == (10 * len(before), 30 - 10 * len(before))
+    found, wanted = netcdf.read(tmp_path / "swept" / "swept.nc"), solved(again)
+    found.attrs["solver_settings"] = wanted.attrs["solver_settings"]
+    assert_same(wanted, found)
+
+
 @pytest.mark.parametrize(
     "more",
     [

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -67,9 +68,19 @@ def _places(study: Study, old: Contents) -> list[Any] | None:
     for axis, (_, _, wanted, _), (_, _, given, _) in zip(study.axes, mine["axes"], theirs["axes"], strict=True):
         if (wanted is None) != (given is None):
             return None
-        here = {point: i for i, point in enumerate(axis.values if wanted is None else wanted)}
-        there = old.values(axis.name).tolist() if given is None else given
+        here = {point: i for i, point in enumerate(_apart(axis.values if wanted is None else wanted))}
+        there = _apart(old.values(axis.name).tolist() if given is None else given)
         if not here.keys() >= set(there):
             return None
         places.append(np.array([here[point] for point in there]))
     return places
+
+
+def _apart(points: Iterable[Any]) -> list[tuple[Any, int]]:
+    """Points, each with how many like it came before: two of one content, as two equal cabinets, are two places."""
+    seen: Counter[Any] = Counter()
+    apart = []
+    for point in points:
+        apart.append((point, seen[point]))
+        seen[point] += 1
+    return apart
