@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import logging
 import os
 import pickle
 import shutil
@@ -236,7 +237,10 @@ def test_a_killed_worker_changes_nothing(
 
 @pytest.mark.slow
 def test_a_scheduler_that_goes_leaves_what_is_finished(
-    cluster: tuple[str, list[subprocess.Popen[bytes]]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    cluster: tuple[str, list[subprocess.Popen[bytes]]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     monkeypatch.setenv("ROCK_KERNELS", "interpreted")
     monkeypatch.setattr(sweep, "CHUNK", 1)
@@ -246,8 +250,11 @@ def test_a_scheduler_that_goes_leaves_what_is_finished(
         if finished == 2:
             workers[-1].send_signal(signal.SIGKILL)
 
+    monkeypatch.setattr(logging.getLogger("distributed.client"), "propagate", True)
+    monkeypatch.setattr(logging.getLogger("distributed"), "propagate", True)
     with pytest.raises(MachineError, match="the scheduler cannot be reached any more; run again"):
         run_study(real(), tmp_path / "out", plots=False, team=Team(dask=address), progress=shoot)
+    assert not caplog.records  # the error says it, without tracebacks of Dask's client
     report = run_study(real(), tmp_path / "out", plots=False)
     assert (report.cases, report.failed) == (9, 0)
     assert report.resumed >= 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import pickle
 import threading
 from collections.abc import Callable, Iterator
@@ -161,6 +162,7 @@ def _client(address: str) -> Any:
         raise StudyError("--dask needs the packages dask and distributed: pip install 'rockcli[distributed]'") from None
     import asyncio  # 50 ms, which every run would pay
 
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # a scheduler that goes is told by our error
     start: Any = distributed.Client
     try:
         secrets = _secrets(address)
