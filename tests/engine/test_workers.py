@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -93,6 +94,32 @@ def test_two_workers_are_at_work_at_once(by, tmp_path: Path) -> None:
     by(both)
     assert (solved(study(), 2).values("n_impacts") >= 0).all()
     assert str(os.getpid()) not in {file.name for file in tmp_path.iterdir()}
+
+
+def test_folders_of_workers_that_are_killed_do_not_stay(by, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As those of OpenSees, when a run is interrupted."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+
+    def beside(batch: Batch) -> Response:
+        with tempfile.TemporaryDirectory(prefix="peer-"):
+            time.sleep(60.0)
+        return made_up(batch)
+
+    def interrupt(number: int, _: object) -> None:
+        if len(list(tmp_path.rglob("peer-*"))) == 2:
+            raise KeyboardInterrupt
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+
+    by(beside)
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        with pytest.raises(KeyboardInterrupt):
+            solved(study(), 2)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_small_study_is_solved_here(by, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,8 +10,10 @@ import logging
 import multiprocessing
 import os
 import pickle
+import shutil
 import signal
 import socket
+import tempfile
 import threading
 import time
 import warnings
@@ -80,13 +82,14 @@ def on_workers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterato
         team.workers = 1
         return
     crew: list[Worker] = []
+    place = _scratch()
     killed: dict[int, int] = {}  # lowest case of a chunk -> workers it has cost
     deaths = 0
     try:
         while chunks.left or any(worker.given for worker in crew):
             while chunks.left and len(crew) < min(team.workers, chunks.left + len(crew)):
                 try:
-                    crew.append(_start(work, [worker.pipe for worker in crew]))
+                    crew.append(_start(work, [worker.pipe for worker in crew], place))
                 except (OSError, MemoryError) as error:
                     team.note(f"{len(crew)} processes at work, as no more can be started: {error}")
                     team.workers = max(len(crew), 1)
@@ -116,6 +119,16 @@ def on_workers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterato
     finally:
         for worker in crew:
             _end(worker)
+        if place is not None:
+            shutil.rmtree(place, ignore_errors=True)
+
+
+def _scratch() -> str | None:
+    """A folder for what workers put into temporary ones, which a killed worker leaves; None: none can be made."""
+    try:
+        return tempfile.mkdtemp(prefix="rock-")
+    except OSError:
+        return None
 
 
 def _feed(worker: Worker, chunks: Chunks, pace: Pace, team: Team) -> None:
@@ -170,12 +183,12 @@ def _own_fault(code: int | None) -> bool:
     return code is None or -code in OWN_FAULT or code >= 0
 
 
-def _start(work: Work[Any], others: list[Connection]) -> Worker:
+def _start(work: Work[Any], others: list[Connection], place: str | None) -> Worker:
     context: Any = multiprocessing.get_context("fork" if FORKS else "spawn")
     mine, theirs = context.Pipe()
     _widen(theirs)
     foreign = [mine, *others] if FORKS else []
-    process = context.Process(target=_serve, args=(theirs, foreign, work, os.getpid()), daemon=True)
+    process = context.Process(target=_serve, args=(theirs, foreign, work, os.getpid(), place), daemon=True)
     with held_back(OURS), warnings.catch_warnings():  # until it no longer has our handlers
         # the only other thread sleeps in a read, and holds no lock
         warnings.filterwarnings("ignore", message=".*multi-threaded.*fork", category=DeprecationWarning)
@@ -199,9 +212,10 @@ def _end(worker: Worker) -> None:
     worker.process.join()
 
 
-def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent: int) -> None:
+def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent: int, place: str | None) -> None:
     """What a worker does: answer one chunk after the other until it is ended."""
     begin_as_child()
+    tempfile.tempdir = place
     for other in foreign:
         other.close()
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
