@@ -203,6 +203,8 @@ def run_study(
         known = 0
         if path.exists() and not fresh:
             if netcdf.identity(path) == study.identity:
+                if share is None:
+                    parts.remove()  # of a run that was killed when the dataset was there, or of a `fresh` one
                 contents, status = _renewed(study, path, sweep), UP_TO_DATE
                 return _reported(study, contents, status, path, started, plot_format if plots else None, si=si)
             old = netcdf.read(path)

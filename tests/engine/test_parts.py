@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -129,6 +130,18 @@ def test_damaged_parts_are_solved_again(tmp_path: Path, counted: list[int], monk
     assert 6 <= report.resumed <= 9  # the turned bit may stand where nobody reads
     assert any("were damaged and were solved again" in warning for warning in report.warnings)
     assert_same(whole, netcdf.read(tmp_path / "swept" / "swept.nc"))
+
+
+def test_parts_of_a_run_that_was_killed_after_its_dataset_go(
+    tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    break_off(tmp_path, monkeypatch)
+    left = tmp_path / "swept" / FOLDER
+    shutil.copytree(left, tmp_path / "kept")
+    run_study(study(), tmp_path, plots=False)
+    (tmp_path / "kept").rename(left)
+    assert run_study(study(), tmp_path, plots=False).status == UP_TO_DATE
+    assert [file.name for file in (tmp_path / "swept").iterdir()] == ["swept.nc"]
 
 
 def test_fresh_forgets_parts(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
