@@ -78,7 +78,7 @@ def run(
     for report in reports:
         say(f"rock: skipped {report.name}: {report.warnings[0]}", err=True)
     spoken = not quiet and not as_json
-    advise("run again to continue: finished cases are kept")
+    advise(f"run again{' without --fresh' if fresh else ''} to continue: finished cases are kept")
     for study in opened.studies:
         team = Team(workers or usable_cores(), dask)
         how: dict[str, Any] = {"plots": not no_plots, "plot_format": plot_format, "team": team, "share": share}

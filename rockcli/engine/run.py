@@ -127,12 +127,14 @@ def check_answers(study: Study) -> None:
 def check_study(study: Study, out_dir: Path, *, fresh: bool = False) -> None:
     """Everything that can be said against running a study before it is solved.
 
+    `fresh`: it replaces what stands there, as one does that was broken off while it did.
+
     Raises:
         StudyError: as `check_answers`; other results stand in the folder, or something stands in its place.
     """
     path = dataset_path(study, out_dir)
     check_file(path)
-    if fresh or not path.exists():
+    if fresh or not path.exists() or Parts(path.parent, study).anew:
         check_answers(study)
         return
     check_quantities(study)
@@ -178,7 +180,7 @@ def run_study(
     Args:
         study: a checked study.
         out_dir: DIR.
-        fresh: replace whatever stands there.
+        fresh: replace whatever stands there; broken off, it is finished by a run that is not fresh.
         plots: draw; plot_format: png, pdf or svg.
         si: the words of the report are in SI units; else accelerations are in g.
         progress: called with (cases done, cases in all).
@@ -201,7 +203,7 @@ def run_study(
             sweep_leftovers(path.parent)
             parts.sweep()
         known = 0
-        if path.exists() and not fresh:
+        if path.exists() and not fresh and not parts.anew:
             if netcdf.identity(path) == study.identity:
                 if share is None:
                     parts.remove()  # of a run that was killed when the dataset was there, or of a `fresh` one
@@ -212,7 +214,7 @@ def run_study(
             assert found is not None
             known, sweep.known = int(np.prod(old.shape, dtype=np.int64)), found
         if fresh:
-            parts.remove(of_others=True)
+            parts.begin_anew()
         try:
             if share is not None:
                 return _of_share(study, sweep, started)
@@ -224,7 +226,7 @@ def run_study(
             with contextlib.suppress(OutputError, MemoryError):  # whatever ends a run, what is finished is kept
                 parts.flush()
                 kept = True
-            if (advised := _advised(error, path, kept=kept)) is not None:
+            if (advised := _advised(error, path, kept=kept, fresh=fresh)) is not None:
                 raise advised from error
             raise
         parts.remove()
@@ -232,13 +234,13 @@ def run_study(
     return replace(report, taken_over=known, resumed=sweep.resumed, warnings=(*report.warnings, *team.notes))
 
 
-def _advised(error: BaseException, path: Path, *, kept: bool) -> RockError | None:
+def _advised(error: BaseException, path: Path, *, kept: bool, fresh: bool) -> RockError | None:
     """An error of the machine that ends a run, with what to do then; None for others.
 
-    kept: whether what was finished last could be written.
+    kept: whether what was finished last could be written.  fresh: whether the run forgets what others kept.
     """
     what = "finished cases are kept" if kept else "cases finished last could not be kept and will be solved again"
-    advice = f"run again once that is fixed: {what}"
+    advice = f"run again{' without --fresh' if fresh else ''} once that is fixed: {what}"
     if isinstance(error, MemoryError):
         return MachineError("; ".join(filter(None, ("out of memory", str(error), advice))), path)
     if isinstance(error, OutputError | MachineError):

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from swept import CASES, assert_same, counting, made_up, solved, study, write_study
+from swept import CASES, STUDY, assert_same, counting, made_up, solved, study, write_study
 
 from rockcli.engine.lock import LOCK_NAME, locked
-from rockcli.engine.run import run_study
+from rockcli.engine.run import check_study, run_study
 from rockcli.engine.summary import SHARE, SOLVED, UP_TO_DATE
 from rockcli.engine.sweep import chunks, parts, sweep
 from rockcli.engine.sweep.chunk_result import ChunkResult, blank, cases_of, spans_of
@@ -49,12 +49,12 @@ def stop_after(monkeypatch: pytest.MonkeyPatch, chunks: int, error: type[BaseExc
     monkeypatch.setattr(Parts, "keep", kept)
 
 
-def break_off(folder: Path, monkeypatch: pytest.MonkeyPatch, chunks: int = 5) -> None:
+def break_off(folder: Path, monkeypatch: pytest.MonkeyPatch, chunks: int = 5, *, fresh: bool = False) -> None:
     """Interrupt a run after some chunks."""
     with monkeypatch.context() as once:
         stop_after(once, chunks, KeyboardInterrupt)
         with pytest.raises(KeyboardInterrupt):
-            run_study(study(), folder, plots=False)
+            run_study(study(), folder, plots=False, fresh=fresh)
 
 
 def hidden(folder: Path) -> list[Path]:
@@ -147,6 +147,21 @@ def test_parts_of_a_run_that_was_killed_after_its_dataset_go(
 def test_fresh_forgets_parts(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
     break_off(tmp_path, monkeypatch)
     assert run_study(study(), tmp_path, plots=False, fresh=True).resumed == 0
+
+
+@pytest.mark.parametrize("there", [{"R": 2.0, "tan_alpha": 0.3}, STUDY["case"]["block"]], ids=["other", "same"])
+def test_a_fresh_run_that_was_broken_off_goes_on_without_fresh(
+    there: dict[str, float], tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = study(case={"block": there, "initial": {"theta": 0.01}})
+    run_study(other, tmp_path, plots=False)
+    break_off(tmp_path, monkeypatch, fresh=True)
+    check_study(study(), tmp_path)
+    counted.clear()
+    report = run_study(study(), tmp_path, plots=False)
+    assert (report.status, report.resumed, sum(counted)) == (SOLVED, 15, CASES - 15)
+    assert_same(solved(study()), netcdf.read(tmp_path / "swept" / "swept.nc"))
+    assert [file.name for file in (tmp_path / "swept").iterdir()] == ["swept.nc"]
 
 
 def test_a_full_disk_keeps_what_was_finished(

@@ -14,11 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.engine.sweep.chunk_result import ChunkResult, cases_of, spans_of
-from rockcli.storage.atomic import sweep_leftovers
+from rockcli.storage.atomic import sweep_leftovers, write_text
 from rockcli.storage.part import read_part, write_part
 from rockcli.study.study import Study
 
 FOLDER = ".parts"
+
+_ANEW = "fresh"
+"""Beside the parts of a run that replaces what stands there, so that the next one goes on with it."""
 
 EVERY = 5.0
 """Time between two parts [s]; what took less and was not written is solved again."""
@@ -96,6 +99,20 @@ class Parts:
             self._waiting = []
         self._cases = 0
         self._since = monotonic()
+
+    @property
+    def anew(self) -> bool:
+        """Whether a run of this study that was to replace what stands in the folder was broken off."""
+        return (self.folder / _ANEW).exists()
+
+    def begin_anew(self) -> None:
+        """Forget the parts of whatever study, and keep in mind that what stands in the folder is to be replaced.
+
+        Raises:
+            OutputError: the folder cannot be written in.
+        """
+        self.remove(of_others=True)
+        write_text(self.folder / _ANEW, "")
 
     def sweep(self) -> None:
         """Remove scratch files of killed runs; only for who holds the folder alone."""
