@@ -68,7 +68,7 @@ def solve_deck(deck: Deck, enough: Callable[[Array, Array], bool]) -> Result:
     key = hashlib.sha256(text.encode()).hexdigest()[:20]
     if (home / key / FINISHED).exists():
         try:
-            return _read(home / key, deck)
+            return _kept(home / key, deck)
         except Garbage as garbage:
             log.warning("%s is run again: %s", home / key, garbage)
     _sweep(home, key)
@@ -134,6 +134,22 @@ def _solved(folder: Path, deck: Deck, text: str, enough: Callable[[Array, Array]
         said = f"{complaint}; it reached t = {so_far.reached:.4g} of {deck.t_stop:.4g} s"
         return Result(said, *nothing, so_far.increments, so_far.iterations)
     assert result is not None
+    return result
+
+
+def _kept(folder: Path, deck: Deck) -> Result:
+    """Read a run that is kept.
+
+    Raises:
+        Garbage: as `_read`, or it does not end where it ended when it was finished.
+    """
+    try:
+        t_end = json.loads((folder / FINISHED).read_text(encoding="utf-8"))["t_end"]
+    except (ValueError, KeyError, TypeError, OSError):
+        raise Garbage(f"{FINISHED} cannot be read") from None
+    result = _read(folder, deck)
+    if result.t[-1] != t_end:
+        raise Garbage(f"{JOB}.dat ends at {result.t[-1]:.4g} s, not at {t_end!r} s")
     return result
 
 
