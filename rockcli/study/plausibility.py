@@ -96,7 +96,7 @@ def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys]
         return [*said, *plausibility_warnings(numbers, rest, meant)]
     horizontal, vertical = batch.excitation.horizontal, batch.excitation.vertical
     with np.errstate(all="ignore"):
-        said = [_implausible_size(batch), _too_strong(numbers, batch, MOTION, horizontal, meant)]
+        said = [_too_strong(numbers, batch, MOTION, horizontal, meant)]
         said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), vertical, meant))
         said += [_in_degrees(numbers, keys) for keys in _ANGLES]
     return [sentence for sentence in said if sentence]
@@ -111,12 +111,13 @@ def _in_degrees(numbers: Numbers, keys: Keys) -> str:
     return f"{dotted(keys[1:])} is {largest:.4g} rad: if degrees are meant, write {largest:.4g}*deg"
 
 
-def _implausible_size(batch: Batch) -> str:
-    height = float(2.0 * batch.block.h.max())
-    if height > TALL:
-        return f"a body is {height:.4g} m high: are its sizes in metres?"
-    low = float(2.0 * batch.block.h.min())
-    return f"a body is {1e3 * low:.3g} mm high: are its sizes in metres?" if low < SMALL else ""
+def doubt_size(numbers: Numbers, batch: Batch) -> None:
+    """Note in `numbers.doubts` a body of a size that few have."""
+    heights = 2.0 * batch.block.h
+    if (high := float(heights.max())) > TALL:
+        numbers.doubts[f"a body is {high:.4g} m high: are its sizes in metres?"] = int(heights.argmax())
+    elif (low := float(heights.min())) < SMALL:
+        numbers.doubts[f"a body is {1e3 * low:.3g} mm high: are its sizes in metres?"] = int(heights.argmin())
 
 
 def _suspects(batch: Batch) -> Iterator[Batch]:

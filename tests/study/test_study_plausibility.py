@@ -66,6 +66,9 @@ class TestDoubts:
     def test_too_tall(self):
         (said,) = warnings_of({"motion": {"pulse": SINE}, "block": {"height": 2100, "width": 550}})
         assert "2100 m high" in said
+        rows = {"first": {"block.height": 1.8}, "second": {"block.height": 180}}
+        (said,) = warnings_of({"motion": {"pulse": SINE}, "block": {"height": 2, "width": 0.5}}, vary={"case": rows})
+        assert said == "a body is 180 m high: are its sizes in metres? (at case = second)"
 
     def test_too_weak(self):
         (said,) = warnings_of({"motion": {"pulse": {**SINE, "a_p": "0.041*g"}}})

@@ -17,7 +17,7 @@ from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key
 from rockcli.study.document.tree import Keys, Map, value_at
 from rockcli.study.falling_ground import FallingGround
-from rockcli.study.plausibility import STILL, Uplift, plausibility_warnings
+from rockcli.study.plausibility import STILL, Uplift, doubt_size, plausibility_warnings
 
 Array = NDArray[np.float64]
 
@@ -75,6 +75,7 @@ class Found:
         self.rolling |= bool(batch.block.rolls.any())
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
         self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
+        doubt_size(numbers, batch)
         self.doubts |= {said: numbers.named(i) for said, i in numbers.doubts.items() if said not in self.doubts}
         self.uplift.look(batch)
         self.falling.look(batch)
