@@ -103,6 +103,11 @@ class TestForms:
         study = study_of({"case": "t.csv"}, tmp_path)
         assert all_cases(study, lambda b: [b.model] * b.size) == ["rigid", "linearized"]
 
+    def test_columns_of_a_table_that_hold_nothing_are_none(self, tmp_path):
+        (tmp_path / "t.csv").write_text("name,block.R,,\na,1,,\nb,2,,\n,,,\n")
+        study = study_of({"case": "t.csv"}, tmp_path)
+        assert all_cases(study, lambda b: b.block.R[:, 0].tolist()) == [1.0, 2.0]
+
     def test_a_table_may_have_both_of_two_columns_that_say_the_same_where_each_row_has_one(self, tmp_path):
         (tmp_path / "t.csv").write_text("name,height,width,h,r_g\na,2,0.5,null,null\nb,null,0.5,0.9,0.6\n")
         base = {"block": {"height": 1.8, "width": 0.4}, "initial": {"theta": 0.01}}
@@ -127,6 +132,10 @@ class TestForms:
                 "name,height,width,h\na,2,0.5,0.9\n",
                 "height and h say the same thing.* a centre of mass elsewhere is h: .* r_g .* and top, and without height",
             ),
+            ("name,R\na,-\nb,N/A\n", r"t\.csv:2: .* 'R' is -: write a value, or null[\s\S]*line 3: .* is N/A: write"),
+            ("name,R,\na,1,x\n", r"t\.csv:1: a column has no head"),
+            ("name,R (cm)\na,120\n", r"t\.csv:1: 'R \(cm\)' is no path .* has no unit"),
+            ("name,r\na,1\n", r"t\.csv:1: .* did you mean 'block\.R'"),
             ("name,R\na,nan\n", r"t\.csv:2: the cell below 'R' is nan: a finite number"),
             ("name,R\na,1\nb,-Infinity\n", r"t\.csv:3: the cell below 'R' is -Infinity"),
             ("\x00\x01", "line"),

@@ -435,7 +435,7 @@ class _Reader:
         line = place(self.study, ("vary", self.text))
         table = read_table(name, self.source, line)
         self.labels_first(table, self.source.folder / name)
-        paths = [self.of_column(column) for column in table.columns]
+        paths = [self.of_column(column, self.source.folder / name, table.line) for column in table.columns]
         self.check_rows(table, paths, self.source.folder / name)
         where: list[Where] = [f"{self.source.folder / name}:{i}" for i in table.lines]
         settings = [
@@ -466,13 +466,13 @@ class _Reader:
                         complaints.note(StudyError(f"{'.'.join(path)}: {error}", file, line))
         complaints.tell()
 
-    def of_column(self, head: str) -> Path:
-        """The path over a column of a table."""
+    def of_column(self, head: str, file: FilePath, line: int) -> Path:
+        """The path over a column of a table, whose heads stand in a line of a file."""
         try:
             return self.below(head)
         except StudyError as error:
             notes = f"the head of a column of notes begins with {NOTE} ({NOTE} {head})"
-            raise StudyError(f"{error.message}; {notes}", error.file, error.line) from None
+            raise StudyError(f"{error.message}; {notes}", file, line) from None
 
     def labels_first(self, table: Table, file: FilePath) -> None:
         """Refuse a table whose first column is no labels, but a path like the others."""

@@ -25,6 +25,9 @@ from rockcli.study.study import Given
 NOTE = "#"
 """Begins the head of a column that is for readers: rooms, numbers of an inventory."""
 
+_NOTHING = frozenset({"-", "--", "\u2013", "\u2014", "?", "n/a", "n.a."})
+"""What people write into a cell to say that nothing is known; none is an expression."""
+
 _OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
 
@@ -68,6 +71,7 @@ def read_table(name: str, source: Source, where: Where) -> Table:
         if len(row) != len(rows[0][1]):
             _check_separators(path, i, row)
             raise StudyError(f"the line has {len(row)} cells, the first has {len(rows[0][1])}", file=path, line=i)
+    rows = _without_blank_columns(rows)
     notes = [
         (head.removeprefix(NOTE).strip(), [row[k] for _, row in rows[1:]])
         for k, head in enumerate(rows[0][1])
@@ -77,9 +81,12 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     rows = [(i, [row[k] for k in read]) for i, row in rows]
     header = rows[0][1]
     columns = header[1:]
-    if len(set(columns)) < len(columns) or not all(columns):
-        raise StudyError("a path of the table is empty or repeats", file=path, line=rows[0][0])
-    if united := next((column for column in columns if column.endswith("]")), None):
+    if not all(columns):
+        raise StudyError("a column has no head: name its path, or take its cells away", file=path, line=rows[0][0])
+    if len(set(columns)) < len(columns):
+        twice = next(column for column in columns if columns.count(column) > 1)
+        raise StudyError(f"the path {twice!r} repeats", file=path, line=rows[0][0])
+    if united := next((column for column in columns if column.endswith(("]", ")"))), None):
         raise StudyError(
             f"{united!r} is no path inside the case: the head of a column has no unit, which cells may have (180*cm)",
             file=path,
@@ -91,15 +98,22 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, [i for i, _ in rows[1:]], notes)
 
 
+def _without_blank_columns(rows: list[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
+    """Rows without columns that hold nothing, not even a head, as spreadsheets write them."""
+    kept = [k for k, column in enumerate(zip(*(row for _, row in rows), strict=True)) if k == 0 or any(column)]
+    return [(i, [row[k] for k in kept]) for i, row in rows]
+
+
 def _check_cells(path: Path, header: list[str], rows: list[tuple[int, list[str]]]) -> None:
     """Refuse cells that are empty or a number that is none: all of them at once, as spreadsheets have many."""
     complaints = Complaints()
     for i, row in rows:
         for k, (column, cell) in enumerate(zip(header, row, strict=True)):
-            if not cell:
+            if not cell or (k and cell.lower() in _NOTHING):
                 none = "or null for none, also where the base case has one"
                 mend = f"write a value, {none}" if k else "it names the point"
-                complaints.note(StudyError(f"the cell below {column!r} is empty: {mend}", file=path, line=i))
+                what = f"is {cell}" if cell else "is empty"
+                complaints.note(StudyError(f"the cell below {column!r} {what}: {mend}", file=path, line=i))
             elif k and _is_no_finite_number(cell):
                 wrong = f"the cell below {column!r} is {cell}: a finite number is expected"
                 complaints.note(StudyError(wrong, file=path, line=i))
