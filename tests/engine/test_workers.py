@@ -261,9 +261,11 @@ def running(pid: int) -> bool:
 @pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
 def test_workers_end_with_their_parent(sign: signal.Signals, tmp_path: Path) -> None:
     write_study(tmp_path)
+    (tmp_path / "temporary").mkdir()
     process = subprocess.Popen(
         [sys.executable, "-c", SLOW, "run", "swept.yaml", "--no-plots", "--workers", "2"],
         cwd=tmp_path,
+        env=os.environ | {"TMPDIR": str(tmp_path / "temporary")},
         stderr=subprocess.PIPE,
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
@@ -282,6 +284,7 @@ def test_workers_end_with_their_parent(sign: signal.Signals, tmp_path: Path) -> 
     while any(running(pid) for pid in pids) and time.monotonic() < limit:
         time.sleep(0.05)
     assert not any(running(pid) for pid in pids)
+    assert not list((tmp_path / "temporary").iterdir())
 
 
 class Big:

@@ -218,7 +218,7 @@ def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent:
     tempfile.tempdir = place
     for other in foreign:
         other.close()
-    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    threading.Thread(target=_end_with, args=(parent, place), daemon=True).start()
     logging.getLogger("rockcli.solvers").handlers = []  # the progress line is the parent's
     np.seterr(all="ignore")
     while True:
@@ -254,10 +254,12 @@ def _portable(error: Exception) -> Exception:
     return error
 
 
-def _end_with(parent: int) -> None:
-    """End this process and all it has started when the parent is gone."""
+def _end_with(parent: int, place: str | None) -> None:
+    """End this process and all it has started when the parent is gone, which can no longer remove `place` then."""
     while os.getppid() == parent:
         time.sleep(LOOK_EVERY)
+    if place is not None:
+        shutil.rmtree(place, ignore_errors=True)
     if GROUPS:
         signal_group(0)
     os._exit(1)
