@@ -52,6 +52,23 @@ def test_fibres_that_a_base_does_not_have_are_said(backend, told):
 
 
 @pytest.mark.parametrize(
+    ("model", "column", "ignored"),
+    [
+        ("flexible", {"E": "30*GPa", "rho": 2500, "across": 3, "mass": "lumped"}, ["across"]),
+        ("continuum", {"E": "30*GPa", "rho": 2500, "mass": "lumped", "zeta": 0.01}, ["mass"]),
+        ("4", {"elements": 20, "zeta": 0.01, "rho": 2500}, ["rho", "zeta"]),
+        ("continuum", {"E": "30*GPa", "rho": 2500, "across": 3, "elements": 9}, []),
+    ],
+)
+def test_keys_of_a_column_that_the_model_does_not_read_are_told(model, column, ignored):
+    backend = {"4": "frame", "continuum": "calculix"}.get(model, "auto")
+    damping = {"scheme": "hht" if model == "4" else "none"}
+    case = {"model": model, "column": column, "damping": damping}
+    told = [each for each in warnings_of({"backend": backend}, **case) if each.startswith("column.")]
+    assert [each.split()[0] for each in told] == [f"column.{key}" for key in ignored]
+
+
+@pytest.mark.parametrize(
     ("more", "told"),
     [
         ({}, True),

@@ -71,6 +71,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
     warnings += unused_solver_keys(numbers.case.solver, model, geometry, damping.scheme)
     _check_rolling(numbers, model, damping)
     column, base = _column(numbers, model), _base(numbers, model)
+    warnings += _unread_of_column(numbers, model)
     if base is not None and base.fibres is not None and not BACKENDS[by].fibres:
         able = " and ".join(row.name for row in BACKENDS.values() if row.fibres)
         warnings.append(f"base.fibres is ignored by backend {by}: {able} have fibres")
@@ -169,6 +170,20 @@ def _column_said(numbers: Numbers) -> ColumnPart | None:
     """The column of a case; one of which nothing is said is none."""
     column = numbers.case.column
     return column if column is not None and column.model_fields_set else None
+
+
+COLUMN_KEYS = {"4": ("elements", "mass"), CONTINUUM: ("E", "rho", "zeta", "elements", "across")}
+"""Keys of a column that models read; others all but `across`."""
+
+
+def _unread_of_column(numbers: Numbers, model: str) -> list[str]:
+    """A sentence for each key of a column that the model does not read; of models without one another warning tells."""
+    given = _column_said(numbers)
+    if given is None or model not in (*DEFORMABLE, "4"):
+        return []
+    read = COLUMN_KEYS.get(model, ("E", "rho", "zeta", "elements", "mass"))
+    said = [key for key in type(given).model_fields if key in given.model_fields_set and key not in read]
+    return [f"column.{key} is ignored by model {model}, which reads {', '.join(read)}" for key in said]
 
 
 def _elements(column: ColumnPart, model: str) -> int:
