@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.auto_table import CHANCES, EXCEEDED, TABLES, TRIED
 from rockcli.scene.batch import Batch
-from rockcli.scene.ground.excitation import Samples
+from rockcli.scene.ground.excitation import Channel, Pulses, Samples
 from rockcli.scene.laws.models import FLEXIBLE
 
 Array = NDArray[np.float64]
@@ -63,6 +63,17 @@ GROUP_OF = {"rigid": "p_T1", "flexible": "opening"}
 
 PAYS = 0.3
 """Chance of serving from which the rigid block is tried: of one case, four of them take a tenth of a column's time."""
+
+PERIODS: dict[str, float] = {
+    "ricker": np.inf,
+    "ricker_antisymmetric": np.inf,
+    "sine": 1.0,
+    "cosine": 1.0,
+    "half_sine": np.inf,
+    "mavroeidis_papageorgiou": 2.0,
+}
+"""Pulse shapes of the calibration: periods T_p that they last there.  In longer trains a column builds up vibrations
+and rocks where the table says that it stays at rest."""
 
 STILL = 0
 """The class of RIGID_CLASSES known without a trial: a body that 5 % more motion does not lift stays at rest."""
@@ -159,6 +170,7 @@ def outside(batch: Batch, groups: Groups) -> list[str]:
     said = [""] * batch.size
     checks: list[tuple[NDArray[np.bool_] | bool, str]] = [
         (excitation.horizontal is None, "there is no horizontal motion"),
+        *_of_motion(excitation.horizontal),
         (excitation.vertical is not None, "there is a vertical motion"),
         ((batch.theta_0 != 0.0) | (batch.theta_dot_0 != 0.0), "the body moves at t = 0"),
         (np.isfinite(excitation.duration), "the response is cut off by `duration`"),
@@ -176,6 +188,17 @@ def outside(batch: Batch, groups: Groups) -> list[str]:
         for i in np.flatnonzero(np.broadcast_to(which, batch.size)):
             said[i] = said[i] or why
     return said
+
+
+def _of_motion(horizontal: Channel | None) -> list[tuple[NDArray[np.bool_] | bool, str]]:
+    """Which horizontal motions are of a kind that the table does not speak of, and why."""
+    if not isinstance(horizontal, Pulses):
+        return [(horizontal is not None and horizontal.ground is not None, "the motion is that of a floor")]
+    periods = PERIODS.get(horizontal.shape)
+    if periods is None:
+        return [(True, f"the calibration has no pulse of shape {horizontal.shape}")]
+    lasts = np.ptp(horizontal.table[:, -1, :2], axis=1) * horizontal.omega_p / (2.0 * np.pi)
+    return [(lasts > periods * (1.0 + 1e-9), f"the pulse lasts longer than {periods:g} T_p")]
 
 
 _WORDS = {

@@ -99,6 +99,10 @@ def test_of_what_overturns_no_model_is_a_number_off() -> None:
         ({"motion": {"pulse": RICKER, "duration": 3.0}}, "cut off by `duration`"),
         ({"motion": {"pulse": RICKER, "vertical": {"pulse": {"shape": "sine", "a_p": 0.1, "T_p": 1}}}}, "vertical"),
         ({"motion": {"pulse": {**RICKER, "a_p_over_g_tan_alpha": 50}}}, "PGA/(g tan alpha) is not in"),
+        ({"motion": {"pulse": {**RICKER, "shape": "square_cycle"}}}, "no pulse of shape square_cycle"),
+        ({"motion": {"pulse": {**RICKER, "shape": "sine", "cycles": 2, "t0": 1}}}, "lasts longer than 1 T_p"),
+        ({"motion": {"pulse": {**RICKER, "shape": "mavroeidis_papageorgiou", "gamma": 3}}}, "longer than 2 T_p"),
+        ({"motion": {"pulse": RICKER, "through": [{"T": 0.5, "zeta": 0.05}]}}, "that of a floor"),
         ({"column": {"E": 1e20, "rho": 2500}}, "p T_1 is not in"),
         ({"base": {"law": "winkler", "kw": 1e15}}, "m g/(2 kw b^2 alpha) is not in"),
     ],
@@ -111,6 +115,18 @@ def test_outside_the_calibrated_range_the_highest_model_is_taken_and_that_is_sai
     assert choice.candidate[0] == (auto.WINKLER if "base" in more else auto.COLUMN)
     assert np.isnan(choice.error[0])
     assert why in choice.said[0]
+
+
+def test_a_column_that_a_train_of_weak_cycles_overturns_is_not_said_to_stay_at_rest() -> None:
+    """Twenty cycles of 0.95 g tan(alpha), which lift no rigid block, build up the vibrations of this column."""
+    pulse = {"shape": "cosine", "a_p_over_g_tan_alpha": 0.95, "omega_p_over_p": 1.5, "cycles": 20}
+    column = {"E": "17.7*GPa", "rho": 2500, "zeta": 0.01}  # p T_1 = 0.28
+    case = {"block": {"R": 5.0, "alpha": 0.1}, "motion": {"pulse": pulse}, "column": column}
+    found, alone = (rockcli.run(study(model, **case)) for model in ("auto", "flexible"))
+    assert np.isinf(float(alone.theta_peak_over_alpha))
+    assert int(found.outcome) == int(alone.outcome)
+    (once,) = decide(batch_of(**case | {"motion": {"pulse": {**pulse, "cycles": 1}}})).said
+    assert "stays at rest" in once
 
 
 def test_what_is_chosen_for_a_case_does_not_depend_on_the_cases_beside_it() -> None:
