@@ -65,8 +65,9 @@ def solved(what: Study, *, together: bool) -> dict[str, Any]:
         {"block": {"h": 2, "b": [0.3, 0.5]}},
         {"model": "linearized"},
         {"damping": {"scheme": "dashpot", "coefficient": 50.0}},
+        {"model": "flexible", "column": {"E": 1e9, "rho": 2500, "zeta": 0.02, "elements": 2}},
     ],
-    ids=["default", "two", "moving", "friction", "asymmetric", "linearized", "dashpot"],
+    ids=["default", "two", "moving", "friction", "asymmetric", "linearized", "dashpot", "flexible"],
 )
 def test_every_case_is_as_with_its_record_alone(folder: Path, more: dict[str, Any]) -> None:
     kernels.load(compile_them=True)

@@ -16,6 +16,7 @@ from rockcli.errors import RecordError, SolverError, StudyError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.backends import EVENT
 from rockcli.scene.batch import Batch
+from rockcli.scene.laws.models import FLEXIBLE
 from rockcli.scene.response import Response
 from rockcli.solvers.event.record_lanes import asked
 from rockcli.study.cases.buildable import ATTEMPTS, Rebuild, build_isolated, reason_of
@@ -69,4 +70,4 @@ def _solved(indices: Index, batch: Batch) -> Iterator[tuple[Index, Response]]:
 
 def _together(batch: Batch) -> bool:
     """Whether the solver of a suite takes cases of many records at once."""
-    return batch.model != AUTO and choose(batch).name == EVENT and asked(batch)
+    return batch.model not in (AUTO, FLEXIBLE) and choose(batch).name == EVENT and asked(batch)
