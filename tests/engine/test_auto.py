@@ -129,6 +129,18 @@ def test_a_column_that_a_train_of_weak_cycles_overturns_is_not_said_to_stay_at_r
     assert "stays at rest" in once
 
 
+def test_a_column_that_its_vibrations_lift_is_solved_as_a_column() -> None:
+    a = "motion.pulse.a_p_over_g_tan_alpha"
+    pulse = {"shape": "cosine", a.rsplit(".", 1)[-1]: 1, "omega_p_over_p": 8}
+    column = {"E": "16.5*GPa", "rho": 2500, "zeta": 0.01}  # p T_1 = 0.29
+    case = {"block": {"R": 5.0, "alpha": 0.1}, "motion": {"pulse": pulse}, "column": column, "vary": {a: [0.5, 0.95]}}
+    found, alone = (rockcli.run(study(model, **case)) for model in ("auto", "flexible"))
+    assert (np.asarray(alone.theta_peak_over_alpha) > auto.TOLERANCE).tolist() == [False, True]
+    assert found.model_used.values.tolist() == [FLAGS["none"], FLAGS["flexible"]]
+    stiff = decide(batch_of(**case | {"column": column | {"E": "600*GPa"}}))  # p T_1 = 0.048
+    assert stiff.candidate.tolist() == [auto.NONE, auto.NONE]
+
+
 def test_what_is_chosen_for_a_case_does_not_depend_on_the_cases_beside_it() -> None:
     a = "motion.pulse.a_p_over_g_tan_alpha"
     case = {"block": {"R": 1.0, "tan_alpha": 0.15}, "column": CONCRETE, "vary": {a: {"from": 0.6, "to": 9, "n": 23}}}
