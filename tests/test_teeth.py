@@ -376,11 +376,9 @@ FAULTS = {
     ),
     "frame: sign": Fault(beam_elements, K + "frame.newmark", "-a_g * pull[i] - down", "a_g * pull[i] - down"),
     "frame: restitution": Fault(beam_elements, K + "frame.march", "v[k] *= eta", "v[k] *= 0.97 * eta"),
-    "frame: no reset": Fault(
-        beam_elements, K + "frame.march", "armed = False\n            before", "armed = True\n            before"
-    ),
+    "frame: no reset": Fault(beam_elements, K + "frame.march", "            armed = False\n", "            armed = True\n"),
     "frame: wrong edge": Fault(
-        beam_elements, K + "frame.march", "armed, side = True, 1.0 if theta > 0.0 else -1.0", "armed, side = True, 1.0"
+        beam_elements, K + "frame.march", "armed, side = True, 1.0 if u[2] > 0.0 else -1.0", "armed, side = True, 1.0"
     ),
     "frame: end of a step": Fault(
         beam_elements, K + "frame.newmark", "((1.0 - gamma) * a[i] + gamma * a_1[i])", "(gamma * a_1[i] + gamma * a_1[i])"
