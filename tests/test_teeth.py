@@ -358,21 +358,19 @@ FAULTS = {
     "contact: time of a swing": Fault(swings_left_out, K + "contact.calming", "- 2.0 * p2 * cos_a * u", "- 1.99 * p2 * cos_a * u"),
     "contact: swings counted": Fault(swings_left_out, K + "contact.calming", "if counts(par, -foot.s, v)", "if counts(par, -foot.s, v / 3.0)"),
     "column: sign": Fault(flexible, K + "column.law", "- g * theta - a * cos)", "+ g * theta - a * cos)"),
-    "column: restitution": Fault(
+    "column: restitution": Fault(flexible, K + "column.automaton", "        v[m] *= par[at.ETA]\n", "        v[m] *= 1.0\n"),
+    "column: no reset": Fault(
         flexible,
         K + "column.automaton",
-        "v[m] *= par[at.ETA]\n                armed = False\n                s = -s\n",
-        "v[m] *= 1.0\n                armed = False\n                s = -s\n",
-    ),
-    "column: no reset": Fault(
-        flexible, K + "column.automaton", "            z[m], v[m] = z_x[m], v_x[m]\n", "            z[m] = z_x[m]\n"
+        "switch(T, False, z, v, z_x, v_x)\n    for m in range(len(z)):\n        z[m], v[m] = z_x[m], v_x[m]\n",
+        "switch(T, False, z, v, z_x, v_x)\n    for m in range(len(z)):\n        z[m] = z_x[m]\n",
     ),
     "column: wrong edge": Fault(flexible, K + "column.law", "        return s * full\n", "        return -s * full\n"),
     "column: end of a step": Fault(
         flexible,
         K + "column.automaton",
-        "t = t_next if lands and not event else t + x",
-        "t = t_next if lands else t + h",
+        "t = t_next if lands and h == wanted and not event else t + x",
+        "t = t_next if lands and h == wanted else t + h",
     ),
     "frame: sign": Fault(beam_elements, K + "frame.newmark", "-a_g * pull[i] - down", "a_g * pull[i] - down"),
     "frame: restitution": Fault(beam_elements, K + "frame.march", "v[k] *= eta", "v[k] *= 0.97 * eta"),

@@ -8,6 +8,7 @@ again: it lengthens as the vibrations die out.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from rockcli.kernels.column import layout as at
 from rockcli.kernels.column.law import along, dot, gap, limit, limit_change
@@ -28,6 +29,35 @@ PATIENCE = 200
 
 MOST_PACES = 240.0
 """A step is walked for its peaks in no more paces than twice this."""
+
+
+class Bound(NamedTuple):
+    """How far the guard's quantity and its rate may stray in a step, and the fastest modes that matter in them.
+
+    Attributes:
+        stray, swing: of the quantity, of its rate.
+        omega, omega_swing: [rad/s].
+    """
+
+    stray: float
+    omega: float
+    swing: float
+    omega_swing: float
+
+
+@jit
+def mode_of(modes, phase):
+    """The rows of `modes` of `march` for a phase."""
+    return (
+        modes[0, phase], modes[1, phase], modes[2, phase], modes[3, phase], modes[4, phase], modes[5, phase],
+        modes[6, phase],
+    )  # fmt: skip
+
+
+@jit
+def matters(par):
+    """Share below which a mode is too weak at this accuracy to set how densely a step is looked at."""
+    return 1e-5 if par[at.FINENESS] >= 1.0 else (1e-7 if par[at.FINENESS] >= 0.5 else 1e-9)
 
 
 @jit
@@ -136,6 +166,30 @@ def first_event(par, phase, s, armed, mode, F, h, ends, floor, known, room, abou
         if count > PATIENCE:
             resolved *= 1.1
     return -1.0
+
+
+@jit
+def guards(par, modes, phase, s, armed, F, h, z, v, known, work, about, S, found):
+    """When the first guard turns negative in a step, or h: (time, whether one does, `Bound` of the step).
+
+    Where one does, rows 0, 1 of `work` hold the state then.
+    """
+    mode, z_1, v_1, z_x, v_x = mode_of(modes, phase), work[0], work[1], work[2], work[3]
+    lam, c, bu, th, _, row, row_v = mode
+    weak = matters(par)
+    floor = weak * (limit(par, at.CONTACT, s, 0.0) if phase == at.CONTACT else par[at.ALPHA])
+    near, _ = look(par, phase, s, armed, lam, c, bu, th, row, row_v, F, 0.0, z, v)
+    floor_rate = math.sqrt(weak) * par[at.P] * par[at.ALPHA]
+    fall = drop(par, phase, lam, c, bu, th, row, row_v, F, h, z, v, floor, floor_rate, found)
+    bound = Bound(found[0], found[1], found[2], found[3])
+    if near <= fall:
+        ends, room = (z, v, z_1, v_1), work[4:8]
+        y = first_event(par, phase, s, armed, mode, F, h, ends, floor, known, room, about, S, found, z_x, v_x)
+        if y >= 0.0:
+            for m in range(len(z)):
+                z_1[m], v_1[m] = z_x[m], v_x[m]
+            return y, True, bound
+    return h, False, bound
 
 
 @jit

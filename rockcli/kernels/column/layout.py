@@ -17,6 +17,10 @@ of the report; is the duration given; factors of sampled motions; base moment pe
 [M^-1]_00; rounding of theta; free rocking after T_STOP; first phase and side; is the work wanted;
 factor of the accuracy level on the steps."""
 
+LAM, DAMPING, UNIFORM, TURN, TOP, ROW, ROW_RATE = range(7)
+"""Rows of `modes` of `march`: lam, c; components along uniform load, base rotation, top; the guard's quantity of z, of
+z'."""
+
 # what a case returns
 (
     STATUS, VERDICT, PEAK, PEAK_SIDE, T_PEAK, RATE_PEAK, U_PEAK, T_UPLIFT, T_OVERTURN, T_END, N_LANDINGS, ENERGY,
