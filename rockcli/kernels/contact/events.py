@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import ILL_POSED
+from rockcli.kernels.constants import FAST, ILL_POSED
 from rockcli.kernels.contact import impacts
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
@@ -13,19 +13,32 @@ from rockcli.kernels.contact.codes import (
     BOTH_EDGES,
     FLIGHT,
     JAM,
+    LEAVES,
     LEFT_EDGE,
+    LIFTS,
     NEITHER,
     NO_EDGE,
     ON_BASE,
     ON_EDGE,
+    REST,
     RIGHT_EDGE,
     ROCK,
     SETTLED,
     SLIDE,
     SLIDE_ROCK,
+    SLIPS,
 )
-from rockcli.kernels.contact.readings import energy_in_flight, energy_on_edge, integral, note_uplift
-from rockcli.kernels.contact.selection import on_base, on_edge
+from rockcli.kernels.contact.readings import (
+    energy_in_flight,
+    energy_on_edge,
+    integral,
+    note_event,
+    note_flight,
+    note_impact,
+    note_slip,
+    note_uplift,
+)
+from rockcli.kernels.contact.selection import on_base, on_edge, stiffness
 from rockcli.kernels.contact.state import Air, Foot, edge_beyond, edge_under
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid.series import slope, value
@@ -155,3 +168,62 @@ def struck_corner(par, way, foot, air):
         return SETTLED, foot, Air(air.x, air.x_rate, -d, air.z_rate, theta, turn, touching), hit, change
     foot = Foot(way, foot.sigma, max(way * theta, 0.0), way * turn, along, air.x + c - b)
     return ON_EDGE, foot, air, hit, change
+
+
+@jit_lean
+def entered(par, pick, mode, t, foot, air, slipped, jumped, a_g, weight, events, out):
+    """The mode after an event, with the ground's motion from now on: (mode, foot, air, launch, slipped, gain)."""
+    new, foot, change = chosen(par, pick, foot, a_g, weight, out)
+    launch, slips = 0, new in (SLIDE, SLIDE_ROCK)
+    if new == FLIGHT:
+        air, launch = take_off(par, pick == ON_BASE, foot), FROM_GROUND
+        note_flight(t, air, out)
+    elif slips:
+        launch = 1 if foot.u == 0.0 else 0
+        note_slip(t, new == SLIDE_ROCK, slipped, out)
+    if new in (ROCK, SLIDE_ROCK):
+        note_uplift(t, out)
+    unchanged = jumped and new == mode  # only rounding made a guard of it
+    if not (unchanged or (t == 0.0 and out[to.N_STEPS] == 1)):
+        note_event(t, new, events, out)
+    if new == REST and not unchanged:
+        out[to.T_REST] = t
+    return new, foot, air, launch, slips, change
+
+
+@jit_lean
+def struck(par, scales, t, way, foot, air, impacts, out):
+    """A body in flight meets the ground, the edge on the side `way` first: (pick, foot, air, energy it gained)."""
+    out[to.NEARLY_FLAT] = min(out[to.NEARLY_FLAT], abs(air.theta) / scales.alpha_min)
+    rate = air.turn
+    if air.theta == 0.0 and rate == 0.0 and par[at.FIRST] == 0.0:
+        pick, foot, air, hit, change = struck_flat(par, t, foot, air, out)
+    else:
+        pick, foot, air, hit, change = struck_corner(par, way, foot, air)
+    out[to.GAIN] = max(out[to.GAIN], change)
+    if hit > FAST * scales.p_min * scales.alpha_min * scales.R_min and t <= par[at.T_STOP]:
+        note_impact(t, rate, air.turn, impacts, out)
+    return pick, foot, air, change
+
+
+@jit_lean
+def gave_way(par, event, way, mode, t, foot, air, launch, slipped, events, out):
+    """A foot that held slips or leaves the ground, a body at rest tips: (mode, foot, air, launch, slipped)."""
+    if event == SLIPS:
+        e, beta = edge_under(foot.s), par[edge_under(foot.s) + at.ALPHA] - foot.q
+        foot = Foot(foot.s, way, foot.q, foot.v, 0.0, foot.place)
+        launch, slipped = (1 if par[at.MU_S] == par[at.MU_K] else 0), True
+        if mode == ROCK and stiffness(par, e, beta, par[at.MU_K] * foot.s * way) <= 0.0:
+            event = LEAVES  # as it gives way it leaves, as W < R cos(beta) q'^2: no slip is consistent
+        mode = SLIDE if mode == REST else SLIDE_ROCK
+        note_slip(t, mode == SLIDE_ROCK, False, out)
+        note_event(t, mode, events, out)
+    if event == LEAVES:
+        air, launch, slipped, mode = take_off(par, mode in (REST, SLIDE), foot), FROM_GROUND, False, FLIGHT
+        note_flight(t, air, out)
+        note_event(t, mode, events, out)
+    elif event == LIFTS:
+        foot, mode, launch = Foot(way, foot.sigma, 0.0, 0.0, 0.0, foot.place), ROCK, 0
+        note_uplift(t, out)
+        note_event(t, mode, events, out)
+    return mode, foot, air, launch, slipped

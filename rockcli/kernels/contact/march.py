@@ -13,7 +13,6 @@ from rockcli.kernels.ahead import CUBE, MATRIX
 from rockcli.kernels.constants import (
     DONE,
     FALLS,
-    FAST,
     HOLDS,
     MAX_ORDER,
     NOT_FINITE,
@@ -33,8 +32,6 @@ from rockcli.kernels.contact.codes import (
     FLIGHT,
     JAMS,
     LANDS,
-    LEAVES,
-    LIFTS,
     NO_EDGE,
     NO_EVENT,
     ON_BASE,
@@ -44,38 +41,22 @@ from rockcli.kernels.contact.codes import (
     SETTLED,
     SLIDE,
     SLIDE_ROCK,
-    SLIPS,
     STOPS,
     STRIKES,
     TOPPLES,
 )
-from rockcli.kernels.contact.events import (
-    FROM_GROUND,
-    chosen,
-    flown,
-    landed,
-    moved,
-    struck_corner,
-    struck_flat,
-    take_off,
-)
+from rockcli.kernels.contact.events import entered, flown, gave_way, landed, moved, struck
 from rockcli.kernels.contact.parts import add_part
 from rockcli.kernels.contact.readings import (
-    LOOKS,
     counts,
     energy_in_flight,
     energy_on_edge,
-    extremes,
     note_angle,
     note_carried,
     note_event,
-    note_flight,
-    note_flying,
     note_impact,
-    note_on_edge,
     note_slide,
-    note_slip,
-    note_uplift,
+    note_step,
     slide_in_flight,
     work,
     write_bounces,
@@ -83,8 +64,7 @@ from rockcli.kernels.contact.readings import (
     write_step,
 )
 from rockcli.kernels.contact.rest import scales_of, settles
-from rockcli.kernels.contact.selection import stiffness
-from rockcli.kernels.contact.sliding import slide_on, still_until
+from rockcli.kernels.contact.sliding import skimmed
 from rockcli.kernels.contact.state import Air, Foot, Settings, edge_under
 from rockcli.kernels.contact.steps import ground_ahead, next_step
 from rockcli.kernels.jit import entry, jit_lean, rows
@@ -154,6 +134,69 @@ def ended(par, scales, t, mode, foot, air, watched, out):
 
 
 @jit_lean
+def came_down(
+    par,
+    how,
+    scales,
+    t_was,
+    t,
+    foot,
+    ahead,
+    stalled,
+    counted,
+    skips,
+    dt_out,
+    i_hist,
+    histories,
+    impacts,
+    w,
+    balance,
+    out,
+):
+    """A body comes down on its other edge, and may bounce to rest: (pick, t, foot, next output, balance)."""
+    hit = -foot.v
+    if hit == 0.0:
+        return ON_BASE, t, foot, i_hist, balance
+    foot, change = landed(par, foot, out)
+    balance += change
+    if t <= par[at.T_STOP]:
+        note_carried(scales, hit, t, out)
+        if counts(par, -foot.s, hit):
+            note_impact(t, foot.s * hit, foot.s * foot.v, impacts, out)
+    if stalled > STALLED:
+        foot = Foot(foot.s, foot.sigma, 0.0, 0.0, foot.u, foot.place)
+    if not foot.v > 0.0:
+        return ON_BASE, t, foot, i_hist, balance
+    if skips and t_was >= par[at.T_MOTION] and calms_down(par, foot, out):
+        t, foot, change = swung(par, scales, t, foot, how.rest_speed, impacts, out)
+        balance += change
+    wait, slid = settles(par, foot, w, ahead.degree, t - t_was, ahead.t_next - t, how.rest_speed)
+    if wait < 0.0:
+        return ON_EDGE, t, foot, i_hist, balance
+    balance -= energy_on_edge(par, foot) - 0.5 * slid * slid
+    i_hist = write_bounces(foot, t, t + wait, dt_out, i_hist, histories)
+    foot = Foot(foot.s, foot.sigma, 0.0, 0.0, slid, foot.place + 0.5 * (foot.u + slid) * wait)
+    if counted:
+        note_slide(foot.place, out)
+    return ON_BASE, t + wait, foot, i_hist, balance
+
+
+@jit_lean
+def finish(par, how, t, mode, foot, air, balance, dt_out, i_hist, histories, out):
+    """Results that the end of a case gives."""
+    lasts, t_stop = par[at.HAS_DURATION] == 1.0, par[at.T_STOP]
+    out[to.T_END] = t_stop if lasts else min(t, t_stop)
+    if out[to.STATUS] != DONE:
+        out[to.VERDICT] = UNDECIDED
+    left, place = (energy_on_edge(par, foot) if mode != REST else 0.0), foot.place
+    if mode == FLIGHT:
+        left, place = energy_in_flight(par, air), slide_in_flight(par, air.x, air.theta)
+    out[to.BALANCE], out[to.SLIDE_END] = (balance - left if how.balance else math.nan), place
+    if mode == REST:
+        write_rest(foot, out[to.T_END], dt_out, i_hist, histories)
+
+
+@jit_lean
 def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histories, impacts, events, w, out):
     """Solve one case, from where `start`, a row of `handover`, has it: then `out` goes on from what it holds.
 
@@ -193,22 +236,13 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
             if hands_back and t - t_held > A_WHILE * horizontal.dt and t < par[at.T_MOTION] - horizontal.dt:
                 out[to.STATUS] = HOLDS
                 break
-        if skims and mode == REST and pick == SETTLED and t < par[at.T_MOTION]:
+        if skims and pick == SETTLED and t < par[at.T_MOTION] and (mode == REST or (mode == SLIDE and foot.u != 0.0)):
             ih = piece_at(horizontal, h_data, ih, t)
-            still = still_until(par, horizontal, h_data, ih)
-            if still > ih:
-                out[to.N_STEPS] += still - ih
-                out[to.N_MIN] = min(out[to.N_MIN], 1.0)
-                t, ih, stalled, launch = piece_end(horizontal, h_data, still - 1), still, 0, 0
-                continue
-        if skims and mode == SLIDE and pick == SETTLED and foot.u != 0.0 and t < par[at.T_MOTION]:
-            ih = piece_at(horizontal, h_data, ih, t)
-            after, foot, worked = slide_on(par, horizontal, h_data, ih, t, foot, out)
+            after, foot, worked = skimmed(par, mode, horizontal, h_data, ih, t, foot, out)
             if after > ih:
                 balance += worked
-                out[to.N_STEPS] += after - ih
                 t, ih, stalled, launch = piece_end(horizontal, h_data, after - 1), after, 0, 0
-                t_held = t
+                t_held = t if mode == SLIDE else t_held
                 continue
         if out[to.N_STEPS] >= how.max_steps:
             out[to.STATUS] = OUT_OF_STEPS
@@ -223,23 +257,11 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
 
         # the mode, with the ground motion from now on
         if pick != SETTLED:
-            new, foot, change = chosen(par, pick, foot, w[row.A_G][0], w[row.WEIGHT][0], out)
+            mode, foot, air, launch, slipped, change = entered(
+                par, pick, mode, t, foot, air, slipped, jumped, w[row.A_G][0], w[row.WEIGHT][0], events, out
+            )  # fmt: skip
             balance += change
-            launch = 0
-            if new == FLIGHT:
-                air, launch = take_off(par, pick == ON_BASE, foot), FROM_GROUND
-                note_flight(t, air, out)
-            elif new in (SLIDE, SLIDE_ROCK):
-                launch = 1 if foot.u == 0.0 else 0
-                note_slip(t, new == SLIDE_ROCK, slipped, out)
-            if new in (ROCK, SLIDE_ROCK):
-                note_uplift(t, out)
-            unchanged = jumped and new == mode  # only rounding made a guard of it
-            if not (unchanged or (t == 0.0 and out[to.N_STEPS] == 1)):
-                note_event(t, new, events, out)
-            if new == REST and not unchanged:
-                out[to.T_REST] = t
-            mode, pick, jumped, slipped = new, SETTLED, False, new in (SLIDE, SLIDE_ROCK)
+            pick, jumped = SETTLED, False
             continue  # expanded again, as the step may begin with this mode's own guards
 
         step = next_step(par, how, scales, mode, foot, air, launch, ahead, w)
@@ -251,18 +273,9 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
         x, event = step.x, step.event
         t_was, t_new = t, (ahead.t_next if x == ahead.t_next - t else t + x)
         counted = t < t_stop or not lasts
-        looks = 1 if ahead.degree == 1 and t < par[at.T_MOTION] else LOOKS
         if how.balance:
             balance += work(par, mode, foot, step, n, ahead.degree, ahead.level, w)
-        if mode in (ROCK, SLIDE_ROCK):
-            note_on_edge(par, how, mode, foot, step, t, counted, looks, w, out)
-        elif mode == FLIGHT:
-            note_flying(par, air, n, x, t, counted, w, out)
-        elif counted and ahead.level:
-            out[to.N_MIN] = min(out[to.N_MIN], 1.0)
-        elif counted:
-            extremes(w[row.WEIGHT], ahead.degree, x, looks, w[row.FOUND])
-            out[to.N_MIN] = min(out[to.N_MIN], w[row.FOUND][2] / par[at.G])
+        note_step(par, how, mode, foot, air, step, t, counted, ahead, w, out)
         i_hist = write_step(par, mode, foot, air, step, t, t_new, n, w, dt_out, i_hist, histories)
 
         # the state at its end
@@ -283,24 +296,15 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
             continue
 
         # the event
-        reported = t <= t_stop
-        if event in (STRIKES, LANDS) and not reported:
+        if event in (STRIKES, LANDS) and t > t_stop:
             out[to.STRUCK_LATER] = 1.0
         if event == TOPPLES:
             out[to.VERDICT] = FALLS
             out[to.PEAK_SIDE] = foot.s if mode != FLIGHT else math.copysign(1.0, air.theta)
             break
         if event == STRIKES:
-            out[to.NEARLY_FLAT] = min(out[to.NEARLY_FLAT], abs(air.theta) / scales.alpha_min)
-            rate = air.turn
-            if air.theta == 0.0 and rate == 0.0 and par[at.FIRST] == 0.0:
-                pick, foot, air, hit, change = struck_flat(par, t, foot, air, out)
-            else:
-                pick, foot, air, hit, change = struck_corner(par, step.way, foot, air)
+            pick, foot, air, change = struck(par, scales, t, step.way, foot, air, impacts, out)
             balance += change
-            out[to.GAIN] = max(out[to.GAIN], change)
-            if hit > FAST * scales.p_min * scales.alpha_min * scales.R_min and reported:
-                note_impact(t, rate, air.turn, impacts, out)
             if pick == SETTLED:  # it bounces
                 launch = 1
                 note_event(t, FLIGHT, events, out)
@@ -309,32 +313,10 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
                 continue
             event, mode = LANDS, ROCK  # the other edge at once
         if event == LANDS:
-            hit = -foot.v
-            if hit == 0.0:
-                pick = ON_BASE
-                continue
-            foot, change = landed(par, foot, out)
-            balance += change
-            if reported:
-                note_carried(scales, hit, t, out)
-            if counts(par, -foot.s, hit) and reported:
-                note_impact(t, foot.s * hit, foot.s * foot.v, impacts, out)
-            if stalled > STALLED:
-                foot = Foot(foot.s, foot.sigma, 0.0, 0.0, foot.u, foot.place)
-            pick = ON_EDGE if foot.v > 0.0 else ON_BASE
-            if foot.v > 0.0:
-                if skips and t_was >= par[at.T_MOTION] and calms_down(par, foot, out):
-                    t, foot, change = swung(par, scales, t, foot, how.rest_speed, impacts, out)
-                    balance += change
-                wait, slid = settles(par, foot, w, ahead.degree, t - t_was, ahead.t_next - t, how.rest_speed)
-                if wait >= 0.0:
-                    balance -= energy_on_edge(par, foot) - 0.5 * slid * slid
-                    i_hist = write_bounces(foot, t, t + wait, dt_out, i_hist, histories)
-                    t += wait
-                    foot = Foot(foot.s, foot.sigma, 0.0, 0.0, slid, foot.place + 0.5 * (foot.u + slid) * wait)
-                    if counted:
-                        note_slide(foot.place, out)
-                    pick = ON_BASE
+            pick, t, foot, i_hist, balance = came_down(
+                par, how, scales, t_was, t, foot, ahead, stalled, counted, skips, dt_out, i_hist, histories, impacts, w,
+                balance, out,
+            )  # fmt: skip
             continue
         if event == STOPS:
             foot = Foot(foot.s, foot.sigma, foot.q, foot.v, 0.0, foot.place)
@@ -346,39 +328,14 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
             if event == JAMS or stalled <= SAME_INSTANT:
                 continue
         pick, jumped = SETTLED, False
-        if event == SLIPS:
-            foot = Foot(foot.s, step.way, foot.q, foot.v, 0.0, foot.place)
-            launch = 1 if par[at.MU_S] == par[at.MU_K] else 0
-            beta = par[edge_under(foot.s) + at.ALPHA] - foot.q
-            if mode == ROCK and stiffness(par, edge_under(foot.s), beta, par[at.MU_K] * foot.s * step.way) <= 0.0:
-                event = LEAVES  # as it gives way it leaves, as W < R cos(beta) q'^2: no slip is consistent
-            mode = SLIDE if mode == REST else SLIDE_ROCK
-            note_slip(t, mode == SLIDE_ROCK, False, out)
-            slipped = True
-            note_event(t, mode, events, out)
-        if event == LEAVES:
-            air, launch, slipped = take_off(par, mode in (REST, SLIDE), foot), FROM_GROUND, False
-            mode = FLIGHT
-            note_flight(t, air, out)
-            note_event(t, mode, events, out)
-        elif event == LIFTS:
-            foot = Foot(step.way, foot.sigma, 0.0, 0.0, 0.0, foot.place)
-            mode, launch = ROCK, 0
-            note_uplift(t, out)
-            note_event(t, mode, events, out)
+        mode, foot, air, launch, slipped = gave_way(
+            par, event, step.way, mode, t, foot, air, launch, slipped, events, out
+        )  # fmt: skip
 
     if hands_back:
         start[carry.T], start[carry.SIDE], start[carry.SLIDE], start[carry.U] = t, foot.s, foot.place, 0.0
         start[carry.Q], start[carry.V] = (0.0, 0.0) if mode == REST else (foot.q, foot.v)
-    out[to.T_END] = t_stop if lasts else min(t, t_stop)
-    if out[to.STATUS] != DONE:
-        out[to.VERDICT] = UNDECIDED
-    left, place = (energy_on_edge(par, foot) if mode != REST else 0.0), foot.place
-    if mode == FLIGHT:
-        left, place = energy_in_flight(par, air), slide_in_flight(par, air.x, air.theta)
-    out[to.BALANCE], out[to.SLIDE_END] = (balance - left if how.balance else math.nan), place
-    if mode == REST:
-        write_rest(foot, out[to.T_END], dt_out, i_hist, histories)
+    finish(par, how, t, mode, foot, air, balance, dt_out, i_hist, histories, out)
 
 
 @entry(MATRIX, Settings, Channel, MATRIX, Channel, MATRIX, float, MATRIX, CUBE, CUBE, CUBE, MATRIX, MATRIX)

@@ -266,6 +266,21 @@ def note_flying(par, air, n, x, t, counted, w, out):
 
 
 @jit_lean
+def note_step(par, how, mode, foot, air, step, t, counted, ahead, w, out):
+    """What happens on the way: extremes of a step, the passage of the equilibrium."""
+    looks = 1 if ahead.degree == 1 and t < par[at.T_MOTION] else LOOKS
+    if mode in (ROCK, SLIDE_ROCK):
+        note_on_edge(par, how, mode, foot, step, t, counted, looks, w, out)
+    elif mode == FLIGHT:
+        note_flying(par, air, how.order, step.x, t, counted, w, out)
+    elif counted and ahead.level:
+        out[to.N_MIN] = min(out[to.N_MIN], 1.0)
+    elif counted:
+        extremes(w[row.WEIGHT], ahead.degree, step.x, looks, w[row.FOUND])
+        out[to.N_MIN] = min(out[to.N_MIN], w[row.FOUND][2] / par[at.G])
+
+
+@jit_lean
 def integral(c, n, x):
     """Integral of a polynomial from 0 to x."""
     y = c[n] / (n + 1)

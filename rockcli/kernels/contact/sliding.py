@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
+from rockcli.kernels.contact.codes import REST
 from rockcli.kernels.contact.readings import note_slide
 from rockcli.kernels.contact.state import Foot
 from rockcli.kernels.contact.steps import FAR
@@ -51,3 +52,17 @@ def slide_on(par, horizontal, h_data, i, t, foot, out):
     note_slide(place, out)
     out[to.TOP_PEAK], out[to.N_MIN] = max(out[to.TOP_PEAK], abs(place)), min(out[to.N_MIN], 1.0)
     return i, Foot(foot.s, sigma, foot.q, foot.v, u, place), worked
+
+
+@jit_lean
+def skimmed(par, mode, horizontal, h_data, ih, t, foot, out):
+    """A body at rest, or that slides on, under samples from piece ih on that change no mode: (piece, foot, work)."""
+    worked = 0.0
+    if mode == REST:
+        after = still_until(par, horizontal, h_data, ih)
+        if after > ih:
+            out[to.N_MIN] = min(out[to.N_MIN], 1.0)
+    else:
+        after, foot, worked = slide_on(par, horizontal, h_data, ih, t, foot, out)
+    out[to.N_STEPS] += max(after - ih, 0)
+    return after, foot, worked
