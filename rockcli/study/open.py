@@ -95,7 +95,7 @@ def open_study(
     tree = apply_overrides(expanded(tree), overrides)
     part = _check_top(where, tree)
     base = Map({"case": tree["case"], "let": tree.get("let") or Map()}, tree.where)
-    cases, uncertain, sought = _unfolded(where, tree, part, base, Records(where, given=given, readers=readers))
+    cases, uncertain, sought = _with_axes(where, tree, part, base, Records(where, given=given, readers=readers))
     variations = cases.variations
     found = Found(meant=surely_meant(tree, None if sought is None else sought.axis.path))
     _probe(cases, found)
@@ -158,7 +158,7 @@ def open_study(
     )
 
 
-def _unfolded(
+def _with_axes(
     where: Source, tree: Map, part: StudyPart, base: Map, records: Records
 ) -> tuple[Cases, Uncertain | None, Variation | None]:
     """The cases of all axes, what is uncertain of them, and the axis along which a threshold is searched."""

@@ -1,4 +1,4 @@
-"""What is read off a step of the flexible column: histories, extremes, landings, work (docs/flexible.md)."""
+"""What is read off a step of the flexible column: histories, extremes, impacts, work (docs/flexible.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is read off a step of the frame: energy, work, peaks, landings, histories (docs/frame.md)."""
+"""What is read off a step of the frame: energy, work, peaks, impacts, histories (docs/frame.md)."""
 
 from __future__ import annotations
 
