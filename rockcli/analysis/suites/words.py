@@ -92,12 +92,15 @@ def _drawn_anew(over: Over) -> Iterator[str]:
     """A body that is not well known is the same in all earthquakes: its survival is no power of the mean."""
     unknown = [path for path in over.inputs if path.split(".")[0] in OF_THE_BODY and path != DIRECTION]
     if over.hazard and over.age is not None and unknown:
-        others = [axis for axis in over.axes if axis != SAMPLE]
-        over_others = f"; `over: {others[0] if len(others) == 1 else others}` tells the survival of every sample, and "
-        yield (
+        said = (
             f"survival takes {', '.join(unknown)} as drawn anew in every earthquake, which makes it too low for one "
-            f"body that is not well known{f'{over_others}their mean is that of the body' if others else ''}"
+            "body that is not well known"
         )
+        others = [axis for axis in over.axes if axis != SAMPLE]
+        if others:
+            axes = others[0] if len(others) == 1 else f"[{', '.join(others)}]"
+            said += f"; `over: {axes}` tells the survival of every sample, and their mean is that of the body"
+        yield said
 
 
 def _left_out(contents: Contents, study: Study, over: Over) -> Iterator[str]:

@@ -192,8 +192,11 @@ def entered(par, pick, mode, t, foot, air, slipped, jumped, a_g, weight, events,
 
 
 @jit_lean
-def struck(par, scales, t, way, foot, air, impacts, out):
-    """A body in flight meets the ground, the edge on the side `way` first: (pick, foot, air, energy it gained)."""
+def struck(par, scales, t, way, foot, air, stored, out):
+    """A body in flight meets the ground, the edge on the side `way` first: (pick, foot, air, energy it gained).
+
+    stored: impacts so far, as those of `march`.
+    """
     out[to.NEARLY_FLAT] = min(out[to.NEARLY_FLAT], abs(air.theta) / scales.alpha_min)
     rate = air.turn
     if air.theta == 0.0 and rate == 0.0 and par[at.FIRST] == 0.0:
@@ -202,7 +205,7 @@ def struck(par, scales, t, way, foot, air, impacts, out):
         pick, foot, air, hit, change = struck_corner(par, way, foot, air)
     out[to.GAIN] = max(out[to.GAIN], change)
     if hit > FAST * scales.p_min * scales.alpha_min * scales.R_min and t <= par[at.T_STOP]:
-        note_impact(t, rate, air.turn, impacts, out)
+        note_impact(t, rate, air.turn, stored, out)
     return pick, foot, air, change
 
 

@@ -135,24 +135,9 @@ def ended(par, scales, t, mode, foot, air, watched, out):
 
 @jit_lean
 def came_down(
-    par,
-    how,
-    scales,
-    t_was,
-    t,
-    foot,
-    ahead,
-    stalled,
-    counted,
-    skips,
-    dt_out,
-    i_hist,
-    histories,
-    impacts,
-    w,
-    balance,
+    par, how, scales, t_was, t, foot, ahead, stalled, counted, skips, dt_out, i_hist, histories, impacts, w, balance,
     out,
-):
+):  # fmt: skip
     """A body comes down on its other edge, and may bounce to rest: (pick, t, foot, next output, balance)."""
     hit = -foot.v
     if hit == 0.0:

@@ -15,7 +15,7 @@ from rockcli.kernels.contact.state import edge_under
 from rockcli.kernels.jit import jit_lean
 from rockcli.kernels.rigid.law import potential
 from rockcli.kernels.rigid.roots import last_passage, lowest_point, turning_point
-from rockcli.kernels.rigid.series import slope, value
+from rockcli.kernels.rigid.series import bound, slope, value
 
 LOOKS = 8
 """Parts of a step in which extremes are looked for."""
@@ -159,15 +159,6 @@ def note_top(found, out):
 
 
 @jit_lean
-def within_reach(c, n, x):
-    """A bound of |c| on [0, x]."""
-    total = 0.0
-    for k in range(n, -1, -1):
-        total = total * x + abs(c[k])
-    return total
-
-
-@jit_lean
 def note_rotation(foot, step, t, looks, tol, w, out):
     """Largest rotation of a step on one edge."""
     if step.reach <= out[to.PEAK_RIGHT if foot.s > 0.0 else to.PEAK_LEFT]:
@@ -189,11 +180,11 @@ def note_rocking(par, mode, foot, step, looks, w, out):
             guard[k] = (k + 1) * c[k + 1]
         extremes(guard, m - 1, x, looks, found)
         out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(found[0]), abs(found[2]))
-    if N[0] + abs(N[0]) - within_reach(N, m - 2, x) < out[to.N_MIN] * par[at.G]:
+    if N[0] + abs(N[0]) - bound(N, m - 2, x) < out[to.N_MIN] * par[at.G]:
         extremes(N, m - 2, x, looks, found)
         out[to.N_MIN] = min(out[to.N_MIN], found[2] / par[at.G])
     slip = w[row.SLIP]
-    slid = within_reach(slip, step.slip_order, x) * x if mode == SLIDE_ROCK else 0.0
+    slid = bound(slip, step.slip_order, x) * x if mode == SLIDE_ROCK else 0.0
     if abs(foot.place) + slid + par[at.TOP] * min(step.reach, 1.0) <= out[to.TOP_PEAK]:  # sin(q) is less than q
         return
     # the top: slide + top sin(theta)

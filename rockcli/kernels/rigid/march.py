@@ -37,6 +37,7 @@ from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bounds_from, 
 from rockcli.kernels.rigid.law import edge_of, energy, separatrix
 from rockcli.kernels.rigid.readings import (
     clear,
+    empty,
     forget_hops,
     note_impact,
     note_swing,
@@ -79,7 +80,8 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
     p_min = math.sqrt(min(left.p2, right.p2))
     waits = vertical.kind == NOTHING and len(history[0]) == 0 and detail < ALL
     quiet = par[at.G] * min(left.threshold, right.threshold)
-    clear(out, spaces)
+    clear(out)
+    empty(spaces)
     c, sin_q, cos_q, a, a_v, guard, _ = spaces
     mode, s, q, v = begin(par, left, right, how, out)
     lifted = mode == ROCK  # for longer than no time

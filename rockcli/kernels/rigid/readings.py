@@ -13,13 +13,18 @@ from rockcli.kernels.rigid.series import bend, slope, value
 
 
 @jit_part
-def clear(out, spaces):
-    """Nothing is known of a case yet, and nothing is left of the one before."""
+def clear(out):
+    """Nothing is known of a case yet."""
     for i in range(len(out)):
         out[i] = 0.0
     out[to.T_PEAK] = out[to.T_UPLIFT] = out[to.T_OVERTURN] = math.nan
     out[to.N_MIN] = out[to.N_STANDING] = math.inf
     out[to.PEAK_ALPHA] = 1.0
+
+
+@jit_part
+def empty(spaces):
+    """Nothing is left in work space of the case before."""
     for space in spaces:
         for i in range(len(space)):
             space[i] = 0.0

@@ -36,6 +36,7 @@ from rockcli.kernels.rigid.march import ALL, OUTCOME, REST, ROCK
 from rockcli.kernels.rigid.march import work_space as work_space
 from rockcli.kernels.rigid.readings import (
     clear,
+    empty,
     forget_hops,
     note_impact,
     note_swing,
@@ -70,7 +71,8 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     t_motion, t_stop, given = par[at.T_MOTION], par[at.T_STOP], par[at.HAS_DURATION] == 1.0
     lean = vertical.kind == NOTHING and len(history[0]) == 0 and detail < ALL
     glides = lean and horizontal.kind == SAMPLES and t_motion >= horizontal.pieces * horizontal.dt
-    clear(out, spaces)
+    clear(out)
+    empty(spaces)
     c, sine, cosine, a, a_v, guard, _ = spaces
     mode, facet, s, q, v = begin(par, body, how, out)
     end, other = end_of(body, par[at.G], facet, s), end_of(body, par[at.G], facet, -s)

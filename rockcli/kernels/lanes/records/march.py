@@ -219,13 +219,19 @@ def step_all(st, busy, cases, motions, how, hold, work, heave):
 
 
 @jit_part
+def fill_up(queue, count):
+    """End a list of lanes with one that nobody is in, as far as a vector reaches."""
+    for j in range(count, min(count + WIDTH, len(queue))):
+        queue[j] = place(lane.LANES)
+
+
+@jit_part
 def land_all(st, landing, cases, motions, how, two_sided, hold, work, heave):
     """Land the first `landing` of the list of those that do; whether a body has left its lane."""
     pars, bodies, _, _, out = cases
     landings, guard, a, a_v, force = work[1], work[5], work[8], work[9], work[10]
     path, watch, emptied = len(motions.velocity) == 0, how.detail == ALL, False
-    for j in range(landing, min(landing + WIDTH, len(landings))):
-        landings[j] = place(lane.LANES)
+    fill_up(landings, landing)
     for j in range(0, landing, WIDTH):
         over, slow, doubtful, hit = land(st, landings, j, path, watch, how.linear, False, heave)
         look_into_those(st, landings, j, landing, doubtful, pars, guard, force, a, a_v, out)
@@ -264,8 +270,7 @@ def touch_all(st, touching, cases, motions, how, hold, work, heave):
     pars, bodies, _, _, out = cases
     touches, guard, a, a_v, force = work[3], work[5], work[8], work[9], work[10]
     path, watch, emptied = len(motions.velocity) == 0, how.detail == ALL, False
-    for j in range(touching, min(touching + WIDTH, len(touches))):
-        touches[j] = place(lane.LANES)
+    fill_up(touches, touching)
     for j in range(0, touching, WIDTH):
         over, _, doubtful, hit = land(st, touches, j, path, watch, how.linear, True, heave)
         look_into_those(st, touches, j, touching, doubtful, pars, guard, force, a, a_v, out)

@@ -40,6 +40,7 @@ from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import edge_of, energy, pressed
 from rockcli.kernels.rigid.march import ALL
+from rockcli.kernels.rigid.readings import clear
 from rockcli.kernels.rolling import results as also
 from rockcli.kernels.rolling.rest import uncounted
 
@@ -66,11 +67,7 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
     span: of its motion, the first sample and the last, the time between two, and a sample of zeros.  heave: None, or of
     a vertical motion below g what values, slopes, blocks and tail are of the horizontal one.
     """
-    for k in range(to.N_OUT):
-        out[k] = 0.0
-    out[to.T_PEAK] = out[to.T_UPLIFT] = out[to.T_OVERTURN] = math.nan
-    out[to.N_MIN] = out[to.N_STANDING] = math.inf
-    out[to.PEAK_ALPHA] = 1.0
+    clear(out)
     st[lane.HEAVE + i] = 0.0
     if heave is not None:
         st[lane.HEAVE + i] = par[at.FACTOR_V] / par[at.G]
