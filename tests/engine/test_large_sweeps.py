@@ -116,7 +116,9 @@ def test_memory_does_not_grow_with_the_cases(tmp_path: Path, monkeypatch: pytest
     more = many.size - few.size
 
     def growth(where: str, status: str) -> float:
-        return (most(many, tmp_path / where / "many", status) - most(few, tmp_path / where / "few", status)) / more
+        """Of the better of two runs: what is loaded once, or by another thread, is not of the study."""
+        tries = [tmp_path / where / name for name in ("once", "again")]
+        return (min(most(many, t / "many", status) for t in tries) - most(few, tries[0] / "few", status)) / more
 
     most(few, tmp_path / "first", SOLVED)  # imports
     assert growth("memory", SOLVED) > 8.5  # nine, but for what the smaller study asks for besides
