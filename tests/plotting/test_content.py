@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import rockcli
@@ -285,6 +286,35 @@ def test_the_plane_of_a_map(first: str, second: str, plane: tuple[int, int]) -> 
     names = ("one", "two")
     x, y = outcomes.plane(peaks(names, (first, second))) or ("", "")
     assert (names.index(x), names.index(y)) == plane
+
+
+@pytest.mark.parametrize("save", [["outcome"], ["outcome", "theta_peak_over_alpha"]])
+def test_even_cells_drawn_as_an_image_are_where_others_are(save: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Down an axis too; 3 pixels of 1000 lie on the borders of cells, where the two ways may round differently."""
+    study = {
+        "name": "m",
+        "case": {
+            "block": {"R": 2.0, "tan_alpha": 0.2},
+            "motion": {"pulse": {"shape": "ricker", "a_p": 3.0, "f_p": 1.0}},
+        },
+        "vary": {
+            "motion.pulse.f_p": {"from": 3.0, "to": 0.3, "n": 31},
+            "motion.pulse.a_p": {"from": 1.0, "to": 9.0, "n": 27},
+        },
+        "save": {"scalars": save},
+    }
+    dataset = rockcli.run(study)
+
+    def pixels() -> np.ndarray:
+        figure = figures.figure("map", dataset)
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        assert bool(figure.axes[0].images) == outcomes._even(np.arange(3.0))
+        return np.asarray(canvas.buffer_rgba())
+
+    image = pixels()
+    monkeypatch.setattr(outcomes, "_even", lambda edges: False)
+    assert np.mean((image != pixels()).any(axis=-1)) < 0.003
 
 
 def test_cases_that_are_one_are_drawn_once() -> None:
