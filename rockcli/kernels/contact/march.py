@@ -67,7 +67,7 @@ from rockcli.kernels.contact.rest import scales_of, settles
 from rockcli.kernels.contact.sliding import skimmed
 from rockcli.kernels.contact.state import Air, Foot, Settings, edge_under
 from rockcli.kernels.contact.steps import ground_ahead, next_step
-from rockcli.kernels.jit import entry, jit_lean, rows
+from rockcli.kernels.jit import entry, jit_lean, jit_part, rows
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, piece_at, piece_end
 from rockcli.kernels.rigid.settings import Channel
 
@@ -133,6 +133,24 @@ def ended(par, scales, t, mode, foot, air, watched, out):
     return RETURNS if t >= t_motion and angle < scales.alpha_min and energy < barrier else UNDECIDED
 
 
+@jit_part
+def taken_along(par, how, mode, foot, air, step, t, t_new, counted, ahead, w, dt_out, i_hist, histories, out):
+    """A body goes along its step, and what is found on the way is noted: (foot, air, work, next output)."""
+    worked, n = 0.0, how.order
+    if how.balance:
+        worked = work(par, mode, foot, step, n, ahead.degree, ahead.level, w)
+    note_step(par, how, mode, foot, air, step, t, counted, ahead, w, out)
+    i_hist = write_step(par, mode, foot, air, step, t, t_new, n, w, dt_out, i_hist, histories)
+    if mode == FLIGHT:
+        return foot, flown(air, n, step.x, w), worked, i_hist
+    foot = moved(mode, foot, step, step.event == STOPS, step.event == LANDS, w)
+    if counted and mode in (SLIDE, SLIDE_ROCK):
+        note_slide(foot.place, out)
+        if mode == SLIDE:
+            out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(foot.place))
+    return foot, air, worked, i_hist
+
+
 @jit_lean
 def came_down(
     par, how, scales, t_was, t, foot, ahead, stalled, counted, skips, dt_out, i_hist, histories, impacts, w, balance,
@@ -190,7 +208,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
     at t = 0 is no event.  A body of which only free swings are left is not followed through them, nor to its rest after
     the report, unless histories or events are wanted.
     """
-    n, lasts, t_stop = how.order, par[at.HAS_DURATION] == 1.0, par[at.T_STOP]
+    lasts, t_stop = par[at.HAS_DURATION] == 1.0, par[at.T_STOP]
     scales = scales_of(par, how.tol)
     for i in range(row.N_ROWS):  # nothing of the case before
         for k in range(MAX_ORDER + 2):
@@ -254,24 +272,13 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
             out[to.STATUS] = NOT_FINITE
             break
 
-        # what happened on the way
         x, event = step.x, step.event
         t_was, t_new = t, (ahead.t_next if x == ahead.t_next - t else t + x)
         counted = t < t_stop or not lasts
-        if how.balance:
-            balance += work(par, mode, foot, step, n, ahead.degree, ahead.level, w)
-        note_step(par, how, mode, foot, air, step, t, counted, ahead, w, out)
-        i_hist = write_step(par, mode, foot, air, step, t, t_new, n, w, dt_out, i_hist, histories)
-
-        # the state at its end
-        if mode == FLIGHT:
-            air = flown(air, n, x, w)
-        else:
-            foot = moved(mode, foot, step, event == STOPS, event == LANDS, w)
-            if counted and mode in (SLIDE, SLIDE_ROCK):
-                note_slide(foot.place, out)
-                if mode == SLIDE:
-                    out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(foot.place))
+        foot, air, worked, i_hist = taken_along(
+            par, how, mode, foot, air, step, t, t_new, counted, ahead, w, dt_out, i_hist, histories, out
+        )  # fmt: skip
+        balance += worked
         stalled = 0 if ahead.stuck else stalled
         stalled = stalled + 1 if t_new == t else 0
         t = t_new

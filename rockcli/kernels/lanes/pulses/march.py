@@ -6,10 +6,11 @@ A lane goes through the same modes, guards and resets as `march`; what is rare o
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.constants import FALLS, FAST, LEFT_TO_MARCH, RETURNS
-from rockcli.kernels.jit import entry, jit_lean
+from rockcli.kernels.jit import entry, jit_lean, jit_part
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
@@ -80,6 +81,47 @@ LONGEST = 2.0
 """Longest step, over 1/p."""
 
 
+class Cases(NamedTuple):
+    """Of all cases, row by row; see `sweep`."""
+
+    pars: Any
+    bodies: Any
+    tables: Any
+    pieces: int
+    out: Any
+
+
+class Asked(NamedTuple):
+    """How they are solved, and what for; see `sweep`.  rolls: bodies may roll; watch: forces are asked for."""
+
+    how: Any
+    two_sided: bool
+    rolls: bool
+    path: bool
+    watch: bool
+    until_fall: bool
+
+
+class Space(NamedTuple):
+    """Work space.
+
+    Lanes; room for the series of a vector; what is screened; postponed cases; extremes that wait; then lists of lanes.
+    """
+
+    state: Any
+    scratch: Any
+    screened: Any
+    backlog: Any
+    waiting: Any
+    asking: Any
+    lifting: Any
+    ending: Any
+    moving: Any
+    slowing: Any
+    bouncing: Any
+    touching: Any
+
+
 @entry(MATRIX, MATRIX, Settings, MATRIX, int, bool, bool, bool, VECTOR, MATRIX)
 def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, out):
     """Solve every row of `pars` under the pulse of its row of `tables`.
@@ -92,115 +134,158 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, 
     of the facet on which a body stands, and a last column is the row of its body.
     What is not done here has STATUS LEFT_TO_MARCH.
     """
-    rolls, watch = len(bodies) > 0, path and how.detail == ALL
-    linear, tol, detail = how.linear, how.tol, how.detail
-    state, scratch, screened, backlog, waiting, lists = split(work)
-    lanes = lane.VECTORS * WIDTH
-    asking, lifting, ending, moving, slowing, bouncing, touching = (
-        lists[:lanes], lists[lanes : 2 * lanes], lists[2 * lanes : 3 * lanes], lists[3 * lanes : 4 * lanes],
-        lists[4 * lanes : 5 * lanes], lists[5 * lanes : 6 * lanes], lists[6 * lanes : 7 * lanes],
-    )  # fmt: skip
-    upcoming = busy = n_postponed = n_waiting = n_ending = 0
+    space = space_of(work)
+    state = space.state
+    cases = Cases(pars, bodies, tables, pieces, out)
+    asked = Asked(how, two_sided, len(bodies) > 0, path, path and how.detail == ALL, until_fall)
+    upcoming = busy = n_postponed = n_ending = 0
     for o in range(0, lane.VECTORS * STRIDE, STRIDE):
         for i in range(o, o + WIDTH):
             put(state, i, lane.MODE, lane.IDLE)
             put(state, i, lane.EVENT, lane.IDLE)
             put(state, i, lane.CASE, -1.0)
-            ending[n_ending] = i
+            space.ending[n_ending] = i
             n_ending += 1
     while True:
         for j in range(n_ending):
-            i = int(ending[j])
+            i = int(space.ending[j])
             if state[i + lane.CASE * WIDTH] >= 0.0:
-                finish_case(state, i, two_sided, bodies, path, watch, pars, out)
+                finish_case(state, i, cases, asked)
                 busy -= 1
-            upcoming, came = next_case(
-                state, i, upcoming, screened, pars, bodies, tables, pieces, linear, two_sided, 100.0 * how.margin,
-                detail == OUTCOME, path, watch, out,
-            )  # fmt: skip
+            upcoming, came = next_case(state, i, upcoming, space.screened, cases, asked)
             busy += came
         if busy == 0:
             if n_postponed > 0:
-                count_impacts(backlog, n_postponed, linear, two_sided, path, out)
+                count_impacts(space.backlog, n_postponed, how.linear, two_sided, path, out)
             return
-        n_asking = n_lifting = n_ending = n_moving = n_slowing = n_bouncing = 0
-        for o in range(0, lane.VECTORS * STRIDE, STRIDE):
-            look(state, o, linear, two_sided, rolls or path, tol, scratch)
-            event = load(state, o + lane.EVENT * WIDTH)
-            n_asking = note(event == lane.IMPACT, 1.0 * o, asking, n_asking)
-            n_lifting = note(event == lane.UPLIFT, 1.0 * o, lifting, n_lifting)
-        find_impacts(state, scratch, asking, n_asking)
-        find_uplifts(state, two_sided, scratch, lifting, n_lifting)
-        n_touching = find_touches(state, scratch, touching) if rolls or path else 0
-        if detail > OUTCOME:
-            find_tops(state, tol, scratch, asking)
-        if path:
-            for o in range(0, lane.VECTORS * STRIDE, STRIDE):
-                n_waiting = follow(state, o, watch, two_sided, rolls, waiting, n_waiting, scratch)
-            if n_waiting > 0:
-                find_extremes(state, waiting, 0, n_waiting, scratch)
-                n_waiting = 0
-        for j in range(n_touching):
-            i = int(touching[j])
-            if state[i + lane.EVENT * WIDTH] != lane.TOUCH:
-                continue
-            if rolls:
-                par = pars[int(state[i + lane.CASE * WIDTH])]
-                roll_over(state, i, bodies[int(par[at.N_PAR])], par[at.G], path)
-            else:
-                put(state, i, lane.NEW_Q, state[i + lane.L_EXTENT * WIDTH])
-        for o in range(0, lane.VECTORS * STRIDE, STRIDE):
-            if watch:
-                note_standing(state, o)
-            advance(state, o, two_sided, rolls, path, SLOWEST * how.rest_speed if rolls else how.rest_speed)
-            event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
-            past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
-            n_moving = note((event >= lane.NONE) & (event < lane.DONE) & past, 1.0 * o, moving, n_moving)
-            n_slowing = note((event == lane.IMPACT) & (mode == lane.REST), 1.0 * o, slowing, n_slowing)
-            if detail > OUTCOME and rolls:
-                n_bouncing = note(may_only_bounce(state, o), 1.0 * o, bouncing, n_bouncing)
-            elif detail > OUTCOME:
-                bounces = only_bounces(state, o, tol, linear, two_sided)
-                if watch:
-                    bounces = bounces & ~bounces_matter(state, o, two_sided)
-                n_bouncing = note(bounces, 1.0 * o, bouncing, n_bouncing)
-        for j in range(n_slowing):
-            i = int(slowing[j])
-            par = pars[int(state[i + lane.CASE * WIDTH])]
-            if rolls:
-                rest_on_facet(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed, scratch)
-            else:
-                v = state[i + lane.V * WIDTH]
-                come_to_rest(state, i, par, how.rest_speed, scratch)
-                if path and state[i + lane.V * WIDTH] == 0.0:
-                    put(state, i, lane.LOST, state[i + lane.LOST * WIDTH] + state[i + lane.L_MASS * WIDTH] * v * v)
+        touch(look_at_all(space, asked), space, cases, asked)
+        n_moving, n_slowing, n_bouncing = advance_all(space, asked)
+        slow_down(n_slowing, space, cases, asked)
         for j in range(n_moving):
-            i = int(moving[j])
+            i = int(space.moving[j])
             next_piece(state, i, tables[int(state[i + lane.CASE * WIDTH])], pieces)
-        for j in range(n_bouncing):
-            i = int(bouncing[j])
-            if rolls:
-                par = pars[int(state[i + lane.CASE * WIDTH])]
-                bounce(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.rest_speed, path, watch)
-                continue
-            postpone(state, i, backlog, n_postponed, two_sided, how.rest_speed)
-            n_postponed += 1
-            if n_postponed == WIDTH:
-                count_impacts(backlog, n_postponed, linear, two_sided, path, out)
-                n_postponed = 0
+        n_postponed = leave_bouncing(n_bouncing, n_postponed, space, cases, asked)
+        n_ending = judge_all(space, cases, asked)
+
+
+@jit_part
+def look_at_all(space, asked):
+    """Expand all lanes and find their events: how many touch the next facet, or their wall, listed in `touching`."""
+    how, state = asked.how, space.state
+    n_asking = n_lifting = n_waiting = 0
+    for o in range(0, lane.VECTORS * STRIDE, STRIDE):
+        look(state, o, how.linear, asked.two_sided, asked.rolls or asked.path, how.tol, space.scratch)
+        event = load(state, o + lane.EVENT * WIDTH)
+        n_asking = note(event == lane.IMPACT, 1.0 * o, space.asking, n_asking)
+        n_lifting = note(event == lane.UPLIFT, 1.0 * o, space.lifting, n_lifting)
+    find_impacts(state, space.scratch, space.asking, n_asking)
+    find_uplifts(state, asked.two_sided, space.scratch, space.lifting, n_lifting)
+    n_touching = find_touches(state, space.scratch, space.touching) if asked.rolls or asked.path else 0
+    if how.detail > OUTCOME:
+        find_tops(state, how.tol, space.scratch, space.asking)
+    if asked.path:
         for o in range(0, lane.VECTORS * STRIDE, STRIDE):
-            if rolls:
-                free = note(left_alone(state, o), 1.0 * o, touching, 0)
-                for j in range(free):
-                    i = int(touching[j])
-                    par = pars[int(state[i + lane.CASE * WIDTH])]
-                    roll_freely(state, i, bodies[int(par[at.N_PAR])], par[at.G], how.margin, detail)
-                judge_rolling(state, o, how, path)
-            elif path:
-                judge_path(state, o, how, two_sided, until_fall)
-            else:
-                judge(state, o, how, two_sided)
-            n_ending = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, ending, n_ending)
+            n_waiting = follow(
+                state, o, asked.watch, asked.two_sided, asked.rolls, space.waiting, n_waiting, space.scratch
+            )
+        if n_waiting > 0:
+            find_extremes(state, space.waiting, 0, n_waiting, space.scratch)
+    return n_touching
+
+
+@jit_part
+def touch(count, space, cases, asked):
+    """Turn the first `count` lanes of `touching` over to the next facet, or put them on the ground."""
+    state = space.state
+    for j in range(count):
+        i = int(space.touching[j])
+        if state[i + lane.EVENT * WIDTH] != lane.TOUCH:
+            continue
+        if asked.rolls:
+            par = cases.pars[int(state[i + lane.CASE * WIDTH])]
+            roll_over(state, i, cases.bodies[int(par[at.N_PAR])], par[at.G], asked.path)
+        else:
+            put(state, i, lane.NEW_Q, state[i + lane.L_EXTENT * WIDTH])
+
+
+@jit_part
+def advance_all(space, asked):
+    """Take all lanes to the ends of their steps: how many are at the end of a piece, may rest, may only bounce."""
+    how, state = asked.how, space.state
+    n_moving = n_slowing = n_bouncing = 0
+    for o in range(0, lane.VECTORS * STRIDE, STRIDE):
+        if asked.watch:
+            note_standing(state, o)
+        slow = SLOWEST * how.rest_speed if asked.rolls else how.rest_speed
+        advance(state, o, asked.two_sided, asked.rolls, asked.path, slow)
+        event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
+        past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
+        n_moving = note((event >= lane.NONE) & (event < lane.DONE) & past, 1.0 * o, space.moving, n_moving)
+        n_slowing = note((event == lane.IMPACT) & (mode == lane.REST), 1.0 * o, space.slowing, n_slowing)
+        if how.detail > OUTCOME and asked.rolls:
+            n_bouncing = note(may_only_bounce(state, o), 1.0 * o, space.bouncing, n_bouncing)
+        elif how.detail > OUTCOME:
+            bounces = only_bounces(state, o, how.tol, how.linear, asked.two_sided)
+            if asked.watch:
+                bounces = bounces & ~bounces_matter(state, o, asked.two_sided)
+            n_bouncing = note(bounces, 1.0 * o, space.bouncing, n_bouncing)
+    return n_moving, n_slowing, n_bouncing
+
+
+@jit_part
+def slow_down(count, space, cases, asked):
+    """The first `count` lanes of `slowing` come to rest, or go on rocking."""
+    state, rest_speed = space.state, asked.how.rest_speed
+    for j in range(count):
+        i = int(space.slowing[j])
+        par = cases.pars[int(state[i + lane.CASE * WIDTH])]
+        if asked.rolls:
+            rest_on_facet(state, i, cases.bodies[int(par[at.N_PAR])], par[at.G], rest_speed, space.scratch)
+        else:
+            v = state[i + lane.V * WIDTH]
+            come_to_rest(state, i, par, rest_speed, space.scratch)
+            if asked.path and state[i + lane.V * WIDTH] == 0.0:
+                put(state, i, lane.LOST, state[i + lane.LOST * WIDTH] + state[i + lane.L_MASS * WIDTH] * v * v)
+
+
+@jit_part
+def leave_bouncing(count, n_postponed, space, cases, asked):
+    """Of the first `count` lanes of `bouncing` only impacts are to be counted: how many wait for that by now."""
+    how, state = asked.how, space.state
+    for j in range(count):
+        i = int(space.bouncing[j])
+        if asked.rolls:
+            par = cases.pars[int(state[i + lane.CASE * WIDTH])]
+            body = cases.bodies[int(par[at.N_PAR])]
+            bounce(state, i, body, par[at.G], how.rest_speed, asked.path, asked.watch)
+            continue
+        postpone(state, i, space.backlog, n_postponed, asked.two_sided, how.rest_speed)
+        n_postponed += 1
+        if n_postponed == WIDTH:
+            count_impacts(space.backlog, n_postponed, how.linear, asked.two_sided, asked.path, cases.out)
+            n_postponed = 0
+    return n_postponed
+
+
+@jit_part
+def judge_all(space, cases, asked):
+    """Decide what is known of all lanes: how many are done, listed in `ending`."""
+    how, state = asked.how, space.state
+    count = 0
+    for o in range(0, lane.VECTORS * STRIDE, STRIDE):
+        if asked.rolls:
+            free = note(left_alone(state, o), 1.0 * o, space.touching, 0)
+            for j in range(free):
+                i = int(space.touching[j])
+                par = cases.pars[int(state[i + lane.CASE * WIDTH])]
+                roll_freely(state, i, cases.bodies[int(par[at.N_PAR])], par[at.G], how.margin, how.detail)
+            judge_rolling(state, o, how, asked.path)
+        elif asked.path:
+            judge_path(state, o, how, asked.two_sided, asked.until_fall)
+        else:
+            judge(state, o, how, asked.two_sided)
+        count = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, space.ending, count)
+    return count
 
 
 def work_space():
@@ -211,62 +296,67 @@ def work_space():
 
 
 @jit_lean
-def split(work):
-    """Work space: lanes; room for series of a vector; what is screened; postponed cases; extremes; lists of lanes."""
+def space_of(work):
+    """The parts of the work space."""
     i = lane.VECTORS * STRIDE
     j = i + (3 * ORDER + 6) * WIDTH
     k = j + SCREEN_FIELDS * WIDTH
     m = k + BACKLOG * WIDTH
-    p = m + WAITING
-    return work[:i], work[i:j], work[j:k], work[k:m], work[m:p], work[p:]
+    p, n = m + WAITING, lane.VECTORS * WIDTH
+    return Space(
+        work[:i], work[i:j], work[j:k], work[k:m], work[m:p], work[p : p + n], work[p + n : p + 2 * n],
+        work[p + 2 * n : p + 3 * n], work[p + 3 * n : p + 4 * n], work[p + 4 * n : p + 5 * n],
+        work[p + 5 * n : p + 6 * n], work[p + 6 * n : p + 7 * n],
+    )  # fmt: skip
 
 
 @jit_lean
-def finish_case(state, i, two_sided, bodies, path, watch, pars, out):
+def finish_case(state, i, cases, asked):
     """The case in lane i has its answer, or is left to `march`."""
-    rolls = len(bodies) > 0
     case = int(state[i + lane.CASE * WIDTH])
+    par, out = cases.pars[case], cases.out[case]
     if state[i + lane.EVENT * WIDTH] == lane.FOR_MARCH:
-        out[case][to.STATUS] = LEFT_TO_MARCH
-    if path and state[i + lane.VERDICT * WIDTH] == FALLS:
+        out[to.STATUS] = LEFT_TO_MARCH
+    if asked.path and state[i + lane.VERDICT * WIDTH] == FALLS:
         put(state, i, lane.L_GIVEN, 1.0)  # its rotation grows to the end, as that of a report cut off
-    leave(state, i, two_sided and not rolls, state[i + lane.VERDICT * WIDTH], out[case])
-    if path:
-        leave_path(state, i, watch, two_sided, pars[case], out[case])
-    if rolls:
-        leave_rolling(state, i, bodies[int(pars[case][at.N_PAR])], pars[case][at.G], path, out[case])
+    leave(state, i, asked.two_sided and not asked.rolls, state[i + lane.VERDICT * WIDTH], out)
+    if asked.path:
+        leave_path(state, i, asked.watch, asked.two_sided, par, out)
+    if asked.rolls:
+        leave_rolling(state, i, cases.bodies[int(par[at.N_PAR])], par[at.G], asked.path, out)
     put(state, i, lane.CASE, -1.0)
     put(state, i, lane.EVENT, lane.IDLE)
 
 
 @jit_lean
-def next_case(
-    state, i, upcoming, screened, pars, bodies, tables, pieces, linear, two_sided, doubt, early, path, watch, out
-):  # fmt: skip
+def next_case(state, i, upcoming, screened, cases, asked):
     """The next case that has to be followed goes into lane i: (number of the one after it, 1 or 0 if there is none)."""
+    pars, tables, pieces, how, two_sided = cases.pars, cases.tables, cases.pieces, asked.how, asked.two_sided
     while upcoming < len(pars):
         case, place = upcoming, upcoming % WIDTH
         if place == 0:
-            screen(screened, case, pars, tables, pieces, linear, doubt, early and not two_sided)
+            early = how.detail == OUTCOME and not two_sided
+            screen(screened, case, pars, tables, pieces, how.linear, 100.0 * how.margin, early)
         upcoming += 1
+        par, table, out = pars[case], tables[case], cases.out[case]
         if screened[place + KNOWN * WIDTH] > 0.0:
-            leave_screened(screened, place, pars[case], out[case])
-            if watch and not never_lifted(pars[case], tables[case], pieces, out[case]):
-                out[case][to.STATUS] = LEFT_TO_MARCH
-        elif path and not is_followed(pars[case], tables[case], pieces):
-            out[case][to.STATUS] = LEFT_TO_MARCH
+            leave_screened(screened, place, par, out)
+            if asked.watch and not never_lifted(par, table, pieces, out):
+                out[to.STATUS] = LEFT_TO_MARCH
+        elif asked.path and not is_followed(par, table, pieces):
+            out[to.STATUS] = LEFT_TO_MARCH
         elif enter(
-            state, i, case, pars[case], tables[case], pieces, linear, two_sided, screened[place + ENERGY * WIDTH],
+            state, i, case, par, table, pieces, how.linear, two_sided, screened[place + ENERGY * WIDTH],
             screened[place + UPLIFT_T * WIDTH], screened[place + SIDE * WIDTH], screened[place + BELL_E * WIDTH],
         ):  # fmt: skip
-            if len(bodies) > 0:
-                enter_rolling(state, i, bodies[int(pars[case][at.N_PAR])], pars[case][at.G], path)
-            if path:
-                enter_path(state, i, pars[case], tables[case], len(bodies) > 0, watch)
-            next_piece(state, i, tables[case], pieces)
+            if asked.rolls:
+                enter_rolling(state, i, cases.bodies[int(par[at.N_PAR])], par[at.G], asked.path)
+            if asked.path:
+                enter_path(state, i, par, table, asked.rolls, asked.watch)
+            next_piece(state, i, table, pieces)
             return upcoming, 1
         else:
-            out[case][to.STATUS] = LEFT_TO_MARCH
+            out[to.STATUS] = LEFT_TO_MARCH
     return upcoming, 0
 
 

@@ -7,8 +7,9 @@ import math
 from rockcli.kernels import handover as carry
 from rockcli.kernels.constants import FALLS, GIVES_WAY, LEFT_TO_MARCH, NOT_YET, RETURNS, STANDSTILL
 from rockcli.kernels.constants import FAST as COUNTED
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit_lean, jit_part
 from rockcli.kernels.lanes.records import state as lane
+from rockcli.kernels.lanes.records.bounces import bounce_out, feet, in_all, slowest, weakest
 from rockcli.kernels.lanes.records.facets import (
     BALLISTIC,
     EXTENT_LEFT,
@@ -22,7 +23,6 @@ from rockcli.kernels.lanes.records.facets import (
     note_pushes,
     risen,
     rolls,
-    scales,
     top_of,
 )
 from rockcli.kernels.lanes.records.forces import (
@@ -38,11 +38,10 @@ from rockcli.kernels.lanes.records.peaks import note_height
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
-from rockcli.kernels.rigid.law import edge_of, energy, pressed
+from rockcli.kernels.rigid.law import edge_of, energy
 from rockcli.kernels.rigid.march import ALL
 from rockcli.kernels.rigid.readings import clear
 from rockcli.kernels.rolling import results as also
-from rockcli.kernels.rolling.rest import uncounted
 
 FINISHED, STANDING, ROCKING = 0, 1, 2
 """What becomes of a lane: its body is done, or goes on from where it is; ROCKING: it does not come to rest."""
@@ -56,9 +55,6 @@ BLOCK = 64
 NEAR = 1e-3
 """Bounces taken so reach no farther than this fraction of the turn to the next facet."""
 
-NEARLY_STEADY = 5e-5
-"""Change of the moment from one impact to the next, relative, below which it is taken to first order."""
-
 
 @jit_lean
 def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, hold, start, out, heave):
@@ -68,73 +64,83 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
     a vertical motion below g what values, slopes, blocks and tail are of the horizontal one.
     """
     clear(out)
+    watch = how.detail == ALL
+    put_body(st, i, par, how.tol, path, two_sided)
+    st[lane.WATCHED + i] = 1.0 if watch and two_sided else 0.0
     st[lane.HEAVE + i] = 0.0
     if heave is not None:
         st[lane.HEAVE + i] = par[at.FACTOR_V] / par[at.G]
-    p2 = par[at.RIGHT + at.P2]
-    st[lane.FREE_0 + i], st[lane.FREE_S + i], st[lane.FREE_C + i] = (
-        -p2 * par[at.RIGHT + at.R0], -p2 * par[at.RIGHT + at.RS], -p2 * par[at.RIGHT + at.RC],
-    )  # fmt: skip
-    st[lane.UNLIKE + i], st[lane.AHEAD + i], st[lane.WALL + i] = (
-        1.0 if two_sided else 0.0,
-        1.0 if path else FARTHER,
-        HALF_PI,
-    )
-    # the first term left out is at most an eighth of the last one kept: a hundredth of what the level allows, as an
-    # error may grow with every impact, and it costs a tenth more steps
-    st[lane.SMALL + i] = 0.08 * how.tol * par[at.RIGHT + at.ALPHA]
-    if two_sided:
-        st[lane.SMALL + i] = 0.08 * how.tol * min(par[at.LEFT + at.ALPHA], par[at.RIGHT + at.ALPHA])
-    if rolls(par):
-        st[lane.SMALL + i] = min(st[lane.SMALL + i], 0.08 * how.tol * par[SCALE])
-        out[also.FACET] = -1.0
-    st[lane.PEAK + i] = 0.0
-    # who does not ask when it passes the equilibrium looks where it is farther from there, and mostly lost
-    star = par[at.RIGHT + at.Q_STAR]
-    st[lane.LOOK + i] = star if path else min(FARTHER * star, max(star, HALF_PI))
-    st[lane.STEPS + i] = st[lane.IMPACTS + i] = st[lane.ONTO_LEFT + i] = 0.0
-    p_alpha = math.sqrt(p2) * par[at.RIGHT + at.ALPHA]
-    st[lane.ETA + i], st[lane.FAST + i], st[lane.SLOW + i] = (
-        par[at.RIGHT + at.ETA],
-        COUNTED * p_alpha,
-        BALLISTIC * p_alpha,
-    )
-    # the sum of the bounces is least where the ground presses more on the edge of the first
-    eta = par[at.RIGHT + at.ETA]
-    st[lane.SETTLING + i] = (1.0 + math.sqrt(eta)) ** 2 / (
-        (1.0 - eta * eta) * p2 * (par[at.RIGHT + at.R0] + par[at.RIGHT + at.RC])
-    )
     if st[lane.HEAVE + i] != 0.0:  # gravity may be up to twice what it is
         st[lane.SETTLING + i] *= 0.5
+    if rolls(par):
+        out[also.FACET] = -1.0
     st[lane.FIRST + i], st[lane.LAST + i], st[lane.DT + i] = span[0], span[1], span[2]
     st[lane.PIECE + i], st[lane.X + i], st[lane.CAP + i], st[lane.STILL + i] = span[0], 0.0, math.inf, span[3]
     aim(st, i, par, int(span[0]))
-    st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = st[lane.LEFT_BEFORE + i] = st[lane.IMPACTS_BEFORE + i] = 0.0
-    watch = how.detail == ALL
-    st[lane.WATCHED + i] = 1.0 if watch and two_sided else 0.0
     if hold:
         st[lane.MU_HELD + i], st[lane.WEAK + i] = start[carry.MU], 0.0
         if start[carry.T] >= 0.0:
-            dt = span[2]
-            k = int(start[carry.T] / dt)
-            while k > 0 and k * dt > start[carry.T]:
-                k -= 1
-            while (k + 1) * dt <= start[carry.T]:
-                k += 1
-            st[lane.PIECE + i], st[lane.X + i] = span[0] + k, start[carry.T] - k * dt
-            st[lane.Q + i], st[lane.V + i] = start[carry.Q], start[carry.V]
-            turn(st, i, par, start[carry.SIDE], out)
-            begin_watch(st, i, par, how.linear, start[carry.Q], start[carry.V], ground(st, i, values, slopes))
-            if start[carry.Q] == 0.0 and start[carry.V] == 0.0:
-                return lift(st, i, par, watch, values, slopes, blocks, tail, out, heave)
-            return STANDING
+            return resume(st, i, par, how, values, slopes, blocks, tail, start, out, heave)
     if par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0:
         if watch or hold:
             begin_watch(st, i, par, how.linear, 0.0, 0.0, 0.0)
         return lift(st, i, par, watch, values, slopes, blocks, tail, out, heave)
+    set_off(st, i, par, how, values, watch, hold, out, heave)
+    return STANDING
+
+
+@jit_lean
+def put_body(st, i, par, tol, path, two_sided):
+    """What lane i knows of its body, and nothing found of it yet."""
+    p2, eta, star = par[at.RIGHT + at.P2], par[at.RIGHT + at.ETA], par[at.RIGHT + at.Q_STAR]
+    st[lane.FREE_0 + i], st[lane.FREE_S + i], st[lane.FREE_C + i] = (
+        -p2 * par[at.RIGHT + at.R0], -p2 * par[at.RIGHT + at.RS], -p2 * par[at.RIGHT + at.RC],
+    )  # fmt: skip
+    st[lane.UNLIKE + i], st[lane.WALL + i] = (1.0 if two_sided else 0.0), HALF_PI
+    # the first term left out is at most an eighth of the last one kept: a hundredth of what the level allows, as an
+    # error may grow with every impact, and it costs a tenth more steps
+    st[lane.SMALL + i] = 0.08 * tol * par[at.RIGHT + at.ALPHA]
+    if two_sided:
+        st[lane.SMALL + i] = 0.08 * tol * min(par[at.LEFT + at.ALPHA], par[at.RIGHT + at.ALPHA])
+    if rolls(par):
+        st[lane.SMALL + i] = min(st[lane.SMALL + i], 0.08 * tol * par[SCALE])
+    # who does not ask when it passes the equilibrium looks where it is farther from there, and mostly lost
+    st[lane.AHEAD + i] = 1.0 if path else FARTHER
+    st[lane.LOOK + i] = star if path else min(FARTHER * star, max(star, HALF_PI))
+    p_alpha = math.sqrt(p2) * par[at.RIGHT + at.ALPHA]
+    st[lane.ETA + i], st[lane.FAST + i], st[lane.SLOW + i] = eta, COUNTED * p_alpha, BALLISTIC * p_alpha
+    # the sum of the bounces is least where the ground presses more on the edge of the first
+    st[lane.SETTLING + i] = (1.0 + math.sqrt(eta)) ** 2 / (
+        (1.0 - eta * eta) * p2 * (par[at.RIGHT + at.R0] + par[at.RIGHT + at.RC])
+    )
+    st[lane.PEAK + i] = st[lane.STEPS + i] = st[lane.IMPACTS + i] = st[lane.ONTO_LEFT + i] = 0.0
+    st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = st[lane.LEFT_BEFORE + i] = st[lane.IMPACTS_BEFORE + i] = 0.0
+
+
+@jit_lean
+def resume(st, i, par, how, values, slopes, blocks, tail, start, out, heave):
+    """Put lane i where `start`, a row of `handover`, has its body."""
+    first, dt, q, v = st[lane.FIRST + i], st[lane.DT + i], start[carry.Q], start[carry.V]
+    k = int(start[carry.T] / dt)
+    while k > 0 and k * dt > start[carry.T]:
+        k -= 1
+    while (k + 1) * dt <= start[carry.T]:
+        k += 1
+    st[lane.PIECE + i], st[lane.X + i] = first + k, start[carry.T] - k * dt
+    st[lane.Q + i], st[lane.V + i] = q, v
+    turn(st, i, par, start[carry.SIDE], out)
+    begin_watch(st, i, par, how.linear, q, v, ground(st, i, values, slopes))
+    if q == 0.0 and v == 0.0:
+        return lift(st, i, par, how.detail == ALL, values, slopes, blocks, tail, out, heave)
+    return STANDING
+
+
+@jit_lean
+def set_off(st, i, par, how, values, watch, hold, out, heave):
+    """Lane i moves at first."""
     lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
     s = 1.0 if lead > 0.0 else -1.0
-    q, v = abs(par[at.THETA_0]), s * par[at.THETA_DOT_0]
+    q, v, first = abs(par[at.THETA_0]), s * par[at.THETA_DOT_0], int(st[lane.FIRST + i])
     out[to.T_UPLIFT] = 0.0
     out[to.PEAK_SIDE] = s
     if q >= par[(at.RIGHT if s > 0.0 else at.LEFT) + at.Q_STAR]:
@@ -144,10 +150,9 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
     if v <= 0.0:
         note_height(st, i, par, q, 0.0, hold and watch, how.tol, out)
     if watch or hold:
-        begin_watch(st, i, par, how.linear, q, v, values[int(span[0])])
+        begin_watch(st, i, par, how.linear, q, v, values[first])
         if heave is not None:
-            st[lane.WORK + i] += heave[0][int(span[0])] * drive_up(st, i, q, how.linear)
-    return STANDING
+            st[lane.WORK + i] += heave[0][first] * drive_up(st, i, q, how.linear)
 
 
 @jit_lean
@@ -191,62 +196,73 @@ def lift(st, i, par, watch, values, slopes, blocks, tail, out, heave):
 
     Samples that cannot open the guard are not looked at: the next that can is found by the bounds of blocks.
     """
-    g, factor = par[at.G], par[at.FACTOR_H]
-    left, right = g * par[at.LEFT + at.THRESHOLD], g * par[at.RIGHT + at.THRESHOLD]
-    quiet = min(left, right)
-    first, last, dt = int(st[lane.FIRST + i]), int(st[lane.LAST + i]), st[lane.DT + i]
+    factor, last = par[at.FACTOR_H], int(st[lane.LAST + i])
     k, x = int(st[lane.PIECE + i]), st[lane.X + i]
     k_0, x_0 = k, x
     if k < last and factor != 0.0:
+        quiet = par[at.G] * min(par[at.LEFT + at.THRESHOLD], par[at.RIGHT + at.THRESHOLD])
         level = quiet / abs(factor) * (1.0 - 1e-12)
         while tail[k] * abs(factor) > (quiet if heave is None else quiet * lightest(st, i, heave[3][k])):
             aim(st, i, par, k)
-            full = st[lane.LEN + i]
-            a_g = (values[k] + slopes[k] * x) * factor
-            rate = slopes[k] * factor
-            weight, change = 1.0, 0.0
-            if heave is not None:
-                weight = 1.0 + st[lane.HEAVE + i] * (heave[0][k] + heave[1][k] * x)
-                change = st[lane.HEAVE + i] * heave[1][k]
-            best, s_up = math.inf, 0.0
-            for sign in (-1.0, 1.0):
-                own = right if sign > 0.0 else left
-                d, dd = own * weight + sign * a_g, own * change + sign * rate
-                y = math.inf
-                if d < 0.0:
-                    y = 0.0
-                elif dd < 0.0:
-                    y = 0.0 if d <= 1e-15 * own else (d + 2e-15 * own) / -dd  # open beyond rounding
-                if y <= full - x and y < best:
-                    best, s_up = y, sign
-            if s_up != 0.0 and x + best >= full:  # at the sample's end: what counts is the next one's slope
-                k += 1
-                x = 0.0
-                if k >= last:
-                    break
-                continue
-            if s_up != 0.0:
-                if watch and (k > k_0 or x + best > x_0):
-                    if heave is not None:
-                        stood_through(st, i, par, values, slopes, heave, k_0, x_0, k, x + best)
-                    else:  # while at rest |a_g| is nowhere above what lifts it
-                        most = abs(values[k] + slopes[k] * (x + best))
-                        if st[lane.UNLIKE + i] > 0.0:  # to one side; to the other it may be
-                            most = max(most, loudest(values, slopes, k_0, x_0, k))
-                        stood(st, i, par, most)
-                st[lane.PIECE + i], st[lane.X + i], st[lane.Q + i], st[lane.V + i] = k, x + best, 0.0, 0.0
+            wait, s_up = opens(st, i, par, k, x, values, slopes, heave)
+            at_end = s_up != 0.0 and x + wait >= st[lane.LEN + i]  # what counts is the next sample's slope
+            if s_up != 0.0 and not at_end:
+                if watch and (k > k_0 or x + wait > x_0):
+                    stood_up_to(st, i, par, values, slopes, heave, k_0, x_0, k, x + wait)
+                st[lane.PIECE + i], st[lane.X + i], st[lane.Q + i], st[lane.V + i] = k, x + wait, 0.0, 0.0
                 turn(st, i, par, s_up, out)
                 if math.isnan(out[to.T_UPLIFT]):
-                    out[to.T_UPLIFT] = (k - first) * dt + (x + best)
+                    out[to.T_UPLIFT] = (k - int(st[lane.FIRST + i])) * st[lane.DT + i] + (x + wait)
                 return STANDING
             k += 1
             x = 0.0
-            j = following(values, blocks, level, k, last, st[lane.HEAVE + i], heave)
-            if j > last:
-                break
-            k = max(k, j - 1)
+            if not at_end:
+                k = max(k, following(values, blocks, level, k, last, st[lane.HEAVE + i], heave) - 1)
             if k >= last:
                 break
+    return stay(st, i, par, watch, values, slopes, tail, k_0, x_0, out, heave)
+
+
+@jit_part
+def opens(st, i, par, k, x, values, slopes, heave):
+    """When after x in sample k a guard of a body at rest opens in it, and the side; or (inf, 0)."""
+    g, factor = par[at.G], par[at.FACTOR_H]
+    left, right = g * par[at.LEFT + at.THRESHOLD], g * par[at.RIGHT + at.THRESHOLD]
+    a_g, rate = (values[k] + slopes[k] * x) * factor, slopes[k] * factor
+    weight, change = 1.0, 0.0
+    if heave is not None:
+        weight = 1.0 + st[lane.HEAVE + i] * (heave[0][k] + heave[1][k] * x)
+        change = st[lane.HEAVE + i] * heave[1][k]
+    wait, s_up = math.inf, 0.0
+    for sign in (-1.0, 1.0):
+        own = right if sign > 0.0 else left
+        d, dd = own * weight + sign * a_g, own * change + sign * rate
+        y = math.inf
+        if d < 0.0:
+            y = 0.0
+        elif dd < 0.0:
+            y = 0.0 if d <= 1e-15 * own else (d + 2e-15 * own) / -dd  # open beyond rounding
+        if y <= st[lane.LEN + i] - x and y < wait:
+            wait, s_up = y, sign
+    return wait, s_up
+
+
+@jit_part
+def stood_up_to(st, i, par, values, slopes, heave, k_0, x_0, k, x):
+    """Lane i has been at rest from x_0 in sample k_0 to x in sample k, where it is lifted."""
+    if heave is not None:
+        stood_through(st, i, par, values, slopes, heave, k_0, x_0, k, x)
+        return
+    most = abs(values[k] + slopes[k] * x)  # |a_g| is nowhere above what lifts it
+    if st[lane.UNLIKE + i] > 0.0:  # to one side; to the other it may be
+        most = max(most, loudest(values, slopes, k_0, x_0, k))
+    stood(st, i, par, most)
+
+
+@jit_lean
+def stay(st, i, par, watch, values, slopes, tail, k_0, x_0, out, heave):
+    """Lane i is at rest from x_0 in sample k_0 to the end."""
+    last, dt = int(st[lane.LAST + i]), st[lane.DT + i]
     out[to.T_END] = par[at.T_MOTION]
     if watch:
         if k_0 < last:
@@ -376,112 +392,60 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave)
 
     Slow bounces are flights under a moment linear in time; each is solved for its end and its impact counted.
     """
-    s, v = st[lane.SIDE + i], st[lane.V + i]
-    e, o = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
-    p = math.sqrt(par[e + at.P2])
-    k, x = int(st[lane.PIECE + i]), st[lane.X + i]
-    left = st[lane.LEN + i] - x
-    # about its edge and about the other: what presses it down at rest, and what the ground adds, linear in time
-    press, press_o = pressed(edge_of(par, e), s, 0.0, 0.0), pressed(edge_of(par, o), -s, 0.0, 0.0)
-    force = s * par[e + at.P2] * par[e + at.FC] * par[at.FACTOR_H] / par[at.G]
-    force_o = -s * par[o + at.P2] * par[o + at.FC] * par[at.FACTOR_H] / par[at.G]
-    a = values[k] + slopes[k] * x
-    u0, u1, w0, w1 = force * a, force * slopes[k], force_o * a, force_o * slopes[k]
-    eta, eta_o = par[e + at.ETA], par[o + at.ETA]
-    scale, scale_o = scales(par, e, o)
-    still, watch = STANDSTILL * (p * par[SCALE] if rolls(par) else scale), how.detail == ALL
-    if press <= 0.0 or press_o <= 0.0:  # the ground alone holds it on this facet, if anything does
-        return ROCKING if v > still else hand_over(out)
+    v, k, x = st[lane.V + i], int(st[lane.PIECE + i]), st[lane.X + i]
+    a, watch = values[k] + slopes[k] * x, how.detail == ALL
     weight, lighter = 1.0, 0.0
     if heave is not None:
         lighter = st[lane.HEAVE + i] * heave[1][k]
         weight = 1.0 + st[lane.HEAVE + i] * heave[0][k] + lighter * x
-        u1, w1 = u1 + press * lighter, w1 + press_o * lighter
-        press, press_o = press * weight, press_o * weight
-    if press + u0 <= 0.0 or press_o + w0 <= 0.0:
+    here, there = feet(par, st[lane.SIDE + i], a, slopes[k], weight, lighter)
+    still = STANDSTILL * (here.p * par[SCALE] if rolls(par) else here.p * par[here.edge + at.ALPHA])
+    if here.press <= 0.0 or there.press <= 0.0:  # the ground alone holds it on this facet, if anything does
+        return ROCKING if v > still else hand_over(out)
+    if here.press + here.push <= 0.0 or there.press + there.push <= 0.0:
         # a standing body that the ground just fails to lift must not bounce on one spot for ever
         return lift(st, i, par, watch, values, slopes, blocks, tail, out, heave) if v <= still else ROCKING
-    per_cycle = eta * eta_o
-    if v > still and per_cycle >= 1.0:
-        return ROCKING
-    y, rate, turned = 0.0, v, 1.0
-    counted = onto_left = 0.0
+    wait = 0.0
     if v > still:
-        whole = 2.0 * v * (1.0 / (press + u0) + eta_o / (press_o + w0)) / (1.0 - per_cycle)
-        lowest = press - max(abs(u0), abs(u0 + u1 * whole))
-        highest = st[lane.PEAK + i]
-        if st[lane.UNLIKE + i] > 0.0:
-            lowest = min(lowest, press_o - max(abs(w0), abs(w0 + w1 * whole)))
-            highest = min(highest, top_of(par, -s, out))
-            if rolls(par):
-                highest = min(highest, NEAR * min(par[EXTENT_LEFT], par[EXTENT_RIGHT]))
-        if heave is not None:  # what it adds is alike on both sides, the ground's is not
-            lowest = min(lowest, press_o - max(abs(w0), abs(w0 + w1 * whole)))
-        if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > highest:
+        if here.eta * there.eta >= 1.0:
             return ROCKING
-        p_o, limit = math.sqrt(par[o + at.P2]), math.inf
-        slow = how.rest_speed * min(p * math.sin(par[e + at.ALPHA]), p_o * math.sin(par[o + at.ALPHA]))
-        if rolls(par):
-            limit = uncounted(p, eta, p_o, eta_o, par[SCALE])
-            slow = min(how.rest_speed * min(press + u0, press_o + w0) / p, limit)
+        left = st[lane.LEN + i] - x
+        whole = in_all(here, there, v)
+        lowest = weakest(here, there, whole, st[lane.UNLIKE + i] > 0.0 or heave is not None)
+        if whole > left or lowest <= 0.0 or 0.5 * v * v / lowest > flattest(st, i, par, here.side, out):
+            return ROCKING
+        slow = slowest(par, how.rest_speed, here, there)
         change, lighter = slopes[k] * whole, lighter * whole
-        if hold and v > slow and bounces_matter(st, i, par, s, a, change, 1.0, 0.0, 0.0, st[lane.MU_HELD + i]):
+        if hold and v > slow and bounces_matter(st, i, par, here.side, a, change, 1.0, 0.0, 0.0, st[lane.MU_HELD + i]):
             if start[carry.T] < 0.0:  # so that all that never stop have the bits of pure rocking
                 return stop(st, i, par, how, values, slopes, start, out)
             return ROCKING
         least, most = st[lane.N_LEAST + i], st[lane.MU_MOST + i]
-        if watch and v > slow and bounces_matter(st, i, par, s, a, change, weight, lighter, least, most):
+        if watch and v > slow and bounces_matter(st, i, par, here.side, a, change, weight, lighter, least, most):
             return ROCKING
-        straight = NEARLY_STEADY * lowest * lowest / max(abs(u1), abs(w1))
-        fast, fast_o = COUNTED * scale, COUNTED * scale_o
-        while rate > slow and rate > straight:
-            D, D1 = press + (u0 + u1 * y), u1
-            flight = 2.0 * rate / (0.5 * D + math.sqrt(0.25 * D * D + 2.0 / 3.0 * D1 * rate))
-            y += flight
-            if not (y < left and press + (u0 + u1 * y) > 0.0 and press_o + (w0 + w1 * y) > 0.0):
-                return ROCKING
-            rate = (D + 0.5 * D1 * flight) * flight - rate
-            if rate > fast:
-                counted += 1.0
-                if turned * s > 0.0:
-                    onto_left += 1.0
-            rate *= eta_o
-            turned = -turned
-            press, press_o, u0, w0, u1, w1 = press_o, press, w0, u0, w1, u1
-            eta, eta_o, fast, fast_o, force, force_o = eta_o, eta, fast_o, fast, force_o, force
-            if rolls(par):
-                slow = min(how.rest_speed * min(press + (u0 + u1 * y), press_o + (w0 + w1 * y)) / p, limit)
-        if rate > still:  # the rest is a geometric series
-            here, there = press + (u0 + u1 * y), press_o + (w0 + w1 * y)
-            series = 1.0 / (1.0 - per_cycle)
-            if rolls(par):
-                slow = min(how.rest_speed * min(here, there) / p, limit)
-            y += 2.0 * rate * (1.0 / here + eta_o / there) * series
-            if not (y < left and press + (u0 + u1 * y) > 0.0 and press_o + (w0 + w1 * y) > 0.0):
-                return ROCKING
-            if rate > slow:  # they are worth counting
-                back = force_o / force if u1 != 0.0 else -1.0
-                drift = u1 * rate * (1.0 / (here * here) + back * eta_o / (there * there)) * series
-                if heave is not None:
-                    drift = rate * (u1 / (here * here) + w1 * eta_o / (there * there)) * series
-                rate *= 1.0 + 2.0 / 3.0 * drift
-                while rate > slow:
-                    if rate > fast:
-                        counted += 1.0
-                        if turned * s > 0.0:
-                            onto_left += 1.0
-                    rate *= eta_o
-                    turned = -turned
-                    eta, eta_o, fast, fast_o = eta_o, eta, fast_o, fast
-    st[lane.IMPACTS + i] += counted
-    st[lane.ONTO_LEFT + i] += onto_left
-    st[lane.LOST + i] += 0.5 * par[e + at.RADIUS] * (v / p) ** 2
+        wait, n, n_left = bounce_out(par, how.rest_speed, here, there, v, slow, still, left, lowest)
+        if wait < 0.0:
+            return ROCKING
+        st[lane.IMPACTS + i] += n
+        st[lane.ONTO_LEFT + i] += n_left
+    st[lane.LOST + i] += 0.5 * par[here.edge + at.RADIUS] * (v / here.p) ** 2
     if k > st[lane.LAST + i]:
-        out[to.T_END] = par[at.T_MOTION] + (x + y)
+        out[to.T_END] = par[at.T_MOTION] + (x + wait)
         if watch:
             account(st, i, par, risen(par), out)
         if rolls(par) and out[to.VERDICT] == RETURNS:
             out[also.FACET] = par[FACET]
         return finish(st, i, par, out[to.VERDICT], out)
-    st[lane.X + i] = x + y
+    st[lane.X + i] = x + wait
     return lift(st, i, par, watch, values, slopes, blocks, tail, out, heave)
+
+
+@jit_part
+def flattest(st, i, par, s, out):
+    """Rotation up to which bounces of lane i from the edge of side s on are taken in one go: no peak is in them."""
+    highest = st[lane.PEAK + i]
+    if st[lane.UNLIKE + i] > 0.0:
+        highest = min(highest, top_of(par, -s, out))
+        if rolls(par):
+            highest = min(highest, NEAR * min(par[EXTENT_LEFT], par[EXTENT_RIGHT]))
+    return highest
