@@ -69,7 +69,7 @@ def cache(
 
 def _fill(levels: list[str]) -> None:
     """Compile what is missing for some levels into the cache."""
-    from rockcli.errors import OutputError
+    from rockcli.errors import OutputError, StudyError
     from rockcli.kernels import ahead, places
     from rockcli.kernels.build import build
 
@@ -81,7 +81,7 @@ def _fill(levels: list[str]) -> None:
     if not missing:
         return
     if not places.cache_takes_files():
-        raise OutputError(f"{places.cache_dir()}: cannot be written; ROCK_CACHE_DIR names another place")
+        raise StudyError(f"{places.cache_dir()}: cannot be written; ROCK_CACHE_DIR names another place")
     say(f"compiling the kernels for {', '.join(missing)}: minutes", err=True)
     try:
         build(places.cache_dir(), missing)

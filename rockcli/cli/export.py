@@ -77,7 +77,7 @@ def _openquake(file: Path, out: Path) -> None:
     from rockcli.errors import StudyError
     from rockcli.storage import netcdf
     from rockcli.storage.atomic import write_text
-    from rockcli.storage.places import check_folder
+    from rockcli.storage.places import check_file
 
     if file.suffix != ".nc":
         raise StudyError("--to openquake writes the fragility curves of a dataset: expected FILE.nc", file=file)
@@ -86,14 +86,14 @@ def _openquake(file: Path, out: Path) -> None:
         model = fragility_model(contents)
     except StudyError as error:
         raise StudyError(error.message, file=file) from None
-    folder = out / contents.attrs.get("study_name", file.stem) / "openquake"
-    check_folder(folder)
-    write_text(folder / "fragility_model.xml", model.text)
+    target = out / contents.attrs.get("study_name", file.stem) / "openquake" / "fragility_model.xml"
+    check_file(target)
+    write_text(target, model.text)
     for why in model.left_out:
         say(f"rock: left out: {why}", err=True)
     for warning in model.warnings:
         say(f"rock: warning: {warning}", err=True)
-    say(str(folder / "fragility_model.xml"))
+    say(str(target))
 
 
 def _cases(study: Study, case: int | None) -> Iterator[tuple[int, Batch, int]]:
@@ -133,6 +133,9 @@ def _label(study: Study, number: int) -> str:
 
 def _write(folder: Path, script: Script) -> None:
     from rockcli.storage.atomic import write_text
+    from rockcli.storage.places import check_file
 
+    for name in script.files:
+        check_file(folder / name)
     for name, text in script.files.items():
         write_text(folder / name, text)

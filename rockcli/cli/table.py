@@ -64,7 +64,7 @@ def table(
     """
     from rockcli.errors import StudyError
     from rockcli.scene.units import SI
-    from rockcli.storage.places import check_folder
+    from rockcli.storage.places import check_file
     from rockcli.storage.table import CASES, opened, table_of, units_of
     from rockcli.storage.table_files import write
 
@@ -83,7 +83,7 @@ def table(
             brief = named is None and of == CASES
             _print(found, rows, always=(*found.dims, (sort or "").removeprefix("-")) if brief else found.names)
         else:
-            check_folder(out.parent)
+            check_file(out)
             write(found, out)
             say(str(out))
 

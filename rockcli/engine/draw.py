@@ -79,7 +79,7 @@ def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tu
         The files drawn, and a sentence for each kind asked for that the dataset cannot show.
 
     Raises:
-        StudyError: the file cannot be read, or the format is unknown.
+        StudyError: the file cannot be read, the format is unknown, or no plot can be written there.
     """
     if plot_format not in FORMATS:
         raise StudyError(f"unknown format {plot_format!r}; there are {', '.join(FORMATS)}")
@@ -90,9 +90,11 @@ def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tu
     dataset = open_dataset(path)
     if asked is None:
         asked = [(kind, Look()) for kind in default_kinds(dataset)]
+    targets = [path.parent / f"{name}.{plot_format}" for name in _names(kind for kind, _ in asked)]
+    for target in targets:
+        check_file(target)
     drawn, complaints = [], []
-    for (kind, look), name in zip(asked, _names(kind for kind, _ in asked), strict=True):
-        target = path.parent / f"{name}.{plot_format}"
+    for (kind, look), target in zip(asked, targets, strict=True):
         try:
             drawn.append(_write(dataset, kind, look, target))
         except StudyError as error:

@@ -165,6 +165,32 @@ def test_a_file_where_a_folder_is_needed_is_told_as_such(
     assert (tmp_path / "way").read_text() == "mine"
 
 
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        *[(command, name) for command, name in WRITERS if not command.startswith(("new", "export"))],
+        ("plot results/x/x.nc --kind phase", "results/x/phase.png"),
+        ("run x.yaml", "results/x/histories.png"),
+        ("export x.yaml --set case.model=3 --set case.damping=dashpot --out .", "x/opensees/case_1.py"),
+    ],
+)
+def test_a_folder_where_a_file_is_to_be_written_is_told_as_such(
+    command: str, name: str, solved: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / name).mkdir(parents=True)
+    capsys.readouterr()
+    assert solved(*command.split(), *([] if "/" in name else [name])) == 2
+    assert capsys.readouterr().err == f"rock: {name}: is a folder where a file is to be written\n"
+
+
+def test_plots_beside_a_dataset_in_a_folder_that_takes_none(
+    solved: Rock, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(os, "access", lambda _, mode: not mode & os.W_OK)
+    assert solved("plot", "results/x/x.nc", "--kind", "phase") == 2
+    assert "rock: results/x: is a folder in which this user may not write\n" in capsys.readouterr().err
+
+
 def test_a_place_that_is_not_there_yet_is_none(tmp_path: Path) -> None:
     check_folder(tmp_path / "a" / "b")
     check_file(tmp_path / "a" / "b" / "c.nc")

@@ -14,7 +14,7 @@ import pytest
 
 from rockcli import kernels
 from rockcli.cli import cache
-from rockcli.errors import OutputError
+from rockcli.errors import OutputError, StudyError
 from rockcli.kernels import ahead, build, places
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -221,7 +221,7 @@ def test_a_cache_that_cannot_be_written_is_said(nothing_installed: Path, monkeyp
     assert said.returncode == 0
     assert "cannot be written: kernels compiled just in time are compiled in every run" in said.stdout
     monkeypatch.setenv("ROCK_CACHE_DIR", place)
-    with pytest.raises(OutputError, match=r"cannot be written; ROCK_CACHE_DIR names another place"):
+    with pytest.raises(StudyError, match=r"cannot be written; ROCK_CACHE_DIR names another place"):
         cache.cache(fill=True)
 
 
