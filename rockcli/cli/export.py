@@ -137,5 +137,5 @@ def _write(folder: Path, script: Script) -> None:
 
     for name in script.files:
         check_file(folder / name)
-    for name, text in script.files.items():
+    for name, text in reversed(script.files.items()):  # a script that is there has what it reads
         write_text(folder / name, text)

@@ -103,7 +103,11 @@ def main() -> None:
     _open_what_is_closed()
     _print_what_a_stream_lacks()
     with answered(), _dask_left_alone():
-        _run()
+        try:
+            _run()
+        except KeyboardInterrupt:  # also one that comes while the end of the command is told
+            tell()
+            sys.exit(INTERRUPTED)
 
 
 def _open_what_is_closed() -> None:
@@ -158,9 +162,6 @@ def _run() -> None:
         elif left.code in (None, 0, 1) and sys.argv[1:2] != ["run"]:  # a run refuses it
             _warn_of_changes()
         raise
-    except KeyboardInterrupt:
-        tell()
-        sys.exit(INTERRUPTED)
     except RockError as error:
         say(f"rock: {error}", err=True)
         sys.exit(error.exit_code)

@@ -70,6 +70,7 @@ def trade(
     if not found.points:
         raise StudyError(f"no setting was measured: {'; '.join(_families(found.skipped))}", file=given.file)
     path = write_trade(given, found, out)
+    advise(f"{path} is written")
     drawn = () if no_plots else _draw(path, plot_format)
     if as_json:
         import json

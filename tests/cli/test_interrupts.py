@@ -113,3 +113,36 @@ main()
 def test_an_interrupt_while_modules_are_imported_ends_the_command() -> None:
     ended = subprocess.run([sys.executable, "-c", IMPORTING, "run"], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "rock: interrupted\n")
+
+
+LATE = """\
+import os, signal
+from rockcli.cli import main
+main._warn_of_changes = lambda: os.kill(os.getpid(), signal.SIGINT)
+main.main()
+"""
+
+
+def test_an_interrupt_while_the_end_is_told_has_no_traceback() -> None:
+    ended = subprocess.run([sys.executable, "-c", LATE, "show", "models"], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (130, "rock: interrupted\n")
+
+
+DRAWING = """\
+import os, signal
+from rockcli.cli import trade
+from rockcli.cli.main import main
+trade._draw = lambda *_: os.kill(os.getpid(), signal.SIGINT)
+main()
+"""
+
+
+def test_an_interrupt_while_a_trade_is_drawn_says_what_is_written(tmp_path: Path) -> None:
+    (tmp_path / "x.yaml").write_text(STUDY[: STUDY.index("vary")])
+    ended = subprocess.run(
+        [sys.executable, "-c", DRAWING, "trade", "x.yaml", "--budget", "1s", "-q"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 130
+    assert ended.stderr == "rock: interrupted; results/long-trade/long-trade.nc is written\n"
+    assert (tmp_path / "results" / "long-trade" / "long-trade.nc").exists()
