@@ -29,6 +29,19 @@ def signal_group(leader: int, number: signal.Signals = _KILL) -> None:
             os.killpg(leader, number)
 
 
+def is_running(number: int) -> bool:
+    """Whether a process of this number runs; on Windows, where asking would end it, it is taken to."""
+    if sys.platform == "win32":
+        return True
+    try:
+        os.kill(number, 0)
+    except ProcessLookupError:
+        return False
+    except (PermissionError, OverflowError):  # another user's; no number of a process
+        return True
+    return True
+
+
 @contextmanager
 def held_back(numbers: Set[signal.Signals]) -> Iterator[None]:
     """Keep signals waiting; a process that is forked meanwhile has to let them in."""

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rockcli.errors import OutputError
+from rockcli.process_groups import is_running
 from rockcli.storage.places import passing, reason
 
 _MARK = ".part"
@@ -21,7 +22,7 @@ _SCRATCH = re.compile(rf"\..+\.\d+{re.escape(_MARK)}\.(nc|npz|png|pdf|svg|gif|mp
 def replacing(path: Path) -> Iterator[Path]:
     """Give a scratch file beside `path`; on success it takes the place of `path`, on any exception it is removed.
 
-    Its folder is made if it is missing.
+    Its folder is made if it is missing.  Scratch files of the same name whose process is gone are removed.
 
     Raises:
         OutputError: it cannot be written.
@@ -30,6 +31,7 @@ def replacing(path: Path) -> Iterator[Path]:
     with passing(scratch):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
+            _sweep_killed(path)
             yield scratch
             with scratch.open("rb+") as file:
                 os.fsync(file.fileno())
@@ -54,6 +56,18 @@ def sweep_leftovers(folder: Path) -> None:
     for scratch in folder.iterdir():
         if _SCRATCH.fullmatch(scratch.name):
             scratch.unlink(missing_ok=True)
+
+
+def _sweep_killed(path: Path) -> None:
+    """Remove what killed writers of one file left; parts of sweeps have their own (`sweep_leftovers`), and are many."""
+    begin, end = f".{path.stem}.", f"{_MARK}{path.suffix}"
+    if path.suffix == ".npz":
+        return
+    for name in os.listdir(path.parent):
+        if name.startswith(begin) and name.endswith(end):
+            number = name[len(begin) : -len(end)]
+            if number.isdecimal() and not is_running(int(number)):
+                path.with_name(name).unlink(missing_ok=True)
 
 
 def _sync_folder(folder: Path) -> None:

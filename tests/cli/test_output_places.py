@@ -353,6 +353,17 @@ def test_what_is_left_behind_is_called_so(tmp_path: Path) -> None:
     assert (tmp_path / "a.b.nc").read_text() == "half"
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="a process cannot be asked for without ending it")
+def test_what_a_killed_writer_of_the_same_file_left_goes(rock: Rock, tmp_path: Path) -> None:
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    stay = [f".b.{os.getppid()}.part.yaml", f".c.{gone.pid}.part.yaml", f".b.{gone.pid}.part.nc", ".b.x.part.yaml"]
+    for name in (*stay, f".b.{gone.pid}.part.yaml"):
+        (tmp_path / name).write_text("half")
+    assert rock("new", "block", "--out", "b.yaml") == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*stay, "b.yaml"])
+
+
 def test_figures_of_an_earlier_run_are_named(rock, tmp_path, capsys):
     text = (
         "name: few\ncase:\n  block: {R: 2.0, tan_alpha: 0.2}\n  initial: {theta: 0.1}\n"
