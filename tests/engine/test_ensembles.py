@@ -115,9 +115,9 @@ def test_the_mean_only_where_it_is_asked_for(data):
     np.testing.assert_allclose(asked["theta_peak_over_alpha_mean"].values, peak.mean(axis=0), rtol=1e-12)
 
 
-def handmade(outcome, peak, share=None) -> tuple[Contents, rockcli.study.study.Study]:
+def handmade(outcome, peak, share=None, begins_at=0) -> tuple[Contents, rockcli.study.study.Study]:
     """The study's dataset with outcomes (5, 16) put in by hand, and shares of runs that overturn."""
-    over = {"axis": "motion.pulse.omega_p", "begins_at": 0}  # what is put in by hand may move below uplift
+    over = {"axis": "motion.pulse.omega_p", "begins_at": begins_at}  # what is put in by hand may move below uplift
     checked = open_study(study(over=over, save={"histories": False, "scalars": ["outcome", "theta_peak_over_alpha"]}))
     whole = solve(checked)
     fields = dict(whole.fields)
@@ -189,6 +189,23 @@ def test_the_bracket_is_that_of_the_two_extremes():
         np.testing.assert_allclose(
             found["none"].values(f"fragility_median_{median}")[-1], found[name].values("fragility_median")[-1]
         )
+
+
+def test_members_without_an_answer_below_uplift_leave_the_bracket_to_the_others():
+    """The first two of the intensities, .5 and 1 g alpha, lift no member."""
+    fell = np.random.default_rng(8).uniform(2.0, 16.0, (5, 1)) < np.arange(16)
+    found = {}
+    for name, unknown in (("all", []), ("below", [0, 1]), ("both", [0, 1, 5]), ("above", [5])):
+        outcome = np.where(fell, 3.0, 1.0)
+        outcome[0, unknown] = -1.0
+        peak = np.where(outcome == 3.0, np.inf, np.where(outcome < 0.0, np.nan, 0.05))
+        found[name] = handmade(outcome, peak, begins_at="uplift")[0]
+    for some, others in (("below", "all"), ("both", "above")):
+        for end in ("_low", "", "_high"):
+            low = [found[name].values(f"fragility_median{end}")[-1] for name in (some, others)]
+            assert np.isfinite(low).all()
+            assert low[0] == low[1]
+    assert found["above"].values("fragility_median_low")[-1] < found["above"].values("fragility_median_high")[-1]
 
 
 def test_an_irregular_body_has_one_fragility_with_an_error_estimate_and_without():

@@ -198,7 +198,7 @@ def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.
     use = (seen.weight > 0.0) & (seen.x > 0.0)
     if seen.second is not None:
         use &= seen.second > 0.0
-    early = use & (seen.x <= begins_at * (1.0 + 1e-9))
+    early = use & too_weak(seen.x, begins_at)
     beneath = np.array([bool((early & (seen.low > j)).any()) for j in range(states)])
     use &= ~early
     rows_of = np.arange(seen.x.shape[0]) if seen.rows is None else seen.rows
@@ -221,6 +221,11 @@ def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.
         _each_alone(rows, found)
     _judge(rows, found)
     return replace(found, median=begins_at + found.median)
+
+
+def too_weak(x: Array, begins_at: float) -> NDArray[np.bool_]:
+    """Whether intensities are where nothing can exceed a limit state: at or below x_0, but for rounding."""
+    return np.asarray(x <= begins_at * (1.0 + 1e-9))
 
 
 def curve_of_capacities(low: Array, high: Array, member: Index, begins_at: float = 0.0) -> Curves:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility.curves import STATUS, Curves, Seen, curve_of_capacities, curves
+from rockcli.analysis.fragility.curves import STATUS, Curves, Seen, curve_of_capacities, curves, too_weak
 from rockcli.analysis.places import json_point, json_value
 from rockcli.analysis.suites.intensity import moves_at, unit_of, values_of
 from rockcli.analysis.suites.members import Members
@@ -168,6 +168,7 @@ def _fit_body(
     made = curves(_seen(one, top, rows), top, fit=over.fit, begins_at=begins)
     fitted.put(at, states, made, over.beta_added)
     missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
+    missing &= ~too_weak(one["x"], begins)  # without an answer, but nothing moves there
     for end, category in (("low", top), ("high", 0)):
         median = made.median
         if missing.any():
