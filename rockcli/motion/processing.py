@@ -86,7 +86,12 @@ def _processed(
         fraction, shape = options.taper_options(taper, now.name)
         trace = _trace(now)
         trace.taper(max_percentage=fraction, type=shape)
-        now = _after(now, trace.data, now.dt, f"taper {fraction:g} of the length at each end, {shape}", g)
+        step = f"taper {fraction:g} of the length at each end, {shape}"
+        if fraction * len(now.values) < 1.0:
+            step += f" ({len(now.values)} samples): not one sample, nothing done"
+            warning = f"`taper` {fraction:g} of {len(now.values)} samples is not one: nothing is tapered"
+            now = dataclasses.replace(now, warnings=(*now.warnings, warning))
+        now = _after(now, trace.data, now.dt, step, g)
     for key, value in asked.items():
         if value is not None:
             now = _filtered(now, key, value, g)

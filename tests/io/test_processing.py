@@ -62,6 +62,20 @@ def test_taper(sines: Motion, taper: Any) -> None:
     assert done.values[250:-250].tolist() == sines.values[250:-250].tolist()
 
 
+def test_a_taper_of_less_than_a_sample_is_told_as_nothing_done() -> None:
+    short = Motion(values=np.array([1.0, 2.0, -1.5, 0.5, 0.25] * 2 + [1.0]), dt=DT, in_g=False)
+    done = process(short, taper=0.05)
+    assert done.values.tolist() == short.values.tolist()
+    assert (
+        "taper 0.05 of the length at each end, cosine (11 samples): not one sample, nothing done:" in done.processing[0]
+    )
+    assert done.warnings == ("`taper` 0.05 of 11 samples is not one: nothing is tapered",)
+    whole = process(short, taper=0.1)
+    assert whole.values.tolist() == [0.0, *short.values[1:-1], 0.0]
+    assert "nothing" not in whole.processing[0]
+    assert whole.warnings == ()
+
+
 def test_filters(sines: Motion) -> None:
     low, high = amplitude(sines, 1.0), amplitude(sines, 30.0)
     lowpassed, highpassed = process(sines, lowpass=10.0), process(sines, highpass=10.0)
