@@ -98,11 +98,40 @@ np.testing.assert_allclose(peak.sel(damping="edges"), peak.sel(damping="dashpot"
 assert (abs(peak.sel(damping="none") - peak.sel(damping="edges")) > 1e-3).all()
 """
 
+LIMITED = """name: limited
+case:
+  block: {R: 2.0, tan_alpha: 0.2}
+  motion: {pulse: {shape: sine, a_p: 1.8*g*tan_alpha, omega_p: 8}}
+over: {axis: omega_p, limits: [0.5, {u_top_peak: 0.1}]}
+vary:
+  motion.pulse.omega_p: [3, 5, 6, 8, 10]
+  motion.pulse.a_p: {from: 0.15*g, to: 0.7*g, n: 12}
+save: {histories: false, scalars: [outcome, theta_peak_over_alpha, u_top_peak]}
+"""
+
+CHECKED_LIMITED = """
+import numpy as np, xarray
+(path,) = __import__("pathlib").Path("results").rglob("limited.nc")
+data = xarray.open_dataset(path)
+far = ((data["u_top_peak"] > 0.1) | (data["outcome"] >= 2)).mean("motion_pulse_omega_p")
+assert 0.0 == far[0] < far[2] < far[-1] == 1.0
+state = data.sel(limit_state="u_top_peak > 0.1 m")
+np.testing.assert_array_equal(state["p_exceeded"], far)
+assert 0.2 * 9.81 < state["fragility_median"] < data["fragility_median"].sel(limit_state="overturned")
+"""
+
 
 ROWS = dict(re.findall(r"^\| \*?([a-z -]+?)\*? \| (`.*) \|$", (ROOT / "docs" / "building.md").read_text("utf-8"), re.M))
 MOST = {"a pulse": 1, "a model of one rotation": 1, "a damping scheme": 4, "a backend": 3, "an output scalar": 3}
 MOST |= {"a backend that runs an external program": 4}
-MOST |= {"a suite statistic": 2, "a code rule": 1, "a level of accuracy": 1, "a command": 2, "a plot": 3}
+MOST |= {
+    "a suite statistic": 2,
+    "a limit state": 2,
+    "a code rule": 1,
+    "a level of accuracy": 1,
+    "a command": 2,
+    "a plot": 3,
+}
 
 
 @pytest.mark.parametrize("change", MOST)
@@ -136,7 +165,7 @@ def test_the_recipes_work(tmp_path):
     pulse, pulse_row, model, model_row, scheme, scheme_row, scheme_name, *rest = PYTHON
     field, dampers, dampers_row, dampers_name, dampers_read, *rest = rest
     scalar_row, scalar_column, scalar_first, scalar_then, level, rule, statistic, statistic_row, *rest = rest
-    of_scalar, of_scalar_row, backend, backend_row, for_tests = rest
+    of_scalar, of_scalar_row, limit_name, limit_key, backend, backend_row, for_tests = rest
     package = tmp_path / "rockcli"
     shutil.copytree(ROOT / "rockcli", package, ignore=shutil.ignore_patterns("__pycache__"))
     put(package / "scene" / "ground" / "pulses.py", "_ROWS: tuple[Shape, ...] = (\n", pulse_row)
@@ -174,6 +203,10 @@ def test_the_recipes_work(tmp_path):
         statistic + of_scalar,
     )
     put(package / "scene" / "variables.py", "_SUITE_ROWS: tuple[Variable, ...] = (\n", statistic_row + of_scalar_row)
+    put(package / "study" / "cases" / "suite_axes.py", "QUANTITIES = (PEAK, ", f"{limit_name.strip()} ")
+    put(
+        package / "study" / "schema.py", '    """A limit state of a body that slides: one of the two."""\n\n', limit_key
+    )
     (package / "solvers" / "leapfrog.py").write_text(backend, encoding="utf-8")
     put(package / "scene" / "backends.py", "_ROWS: tuple[Backend, ...] = (\n", backend_row)
     shutil.copytree(ROOT / "tests" / "cross", tmp_path / "tests" / "cross")
@@ -183,6 +216,7 @@ def test_the_recipes_work(tmp_path):
     put(tmp_path / "tests" / "cross" / "test_backends.py", "\nSETTINGS = {\n", setting)
     put(tmp_path / "tests" / "cross" / "test_backends.py", "\nTOLERANCES = {\n", "".join(tolerances))
     (tmp_path / "trial.yaml").write_text(STUDY + VARIED % coefficient(0.1 * P), encoding="utf-8")
+    (tmp_path / "limited.yaml").write_text(LIMITED, encoding="utf-8")
     rate = 0.02 / coefficient(1.0)
     (tmp_path / "map.yaml").write_text(MAP % (rate, rate), encoding="utf-8")
 
@@ -199,6 +233,8 @@ def test_the_recipes_work(tmp_path):
     run("-c", CHECKED)
     rock("run", "map.yaml", "--no-plots")
     run("-c", CHECKED_MAP)
+    rock("run", "limited.yaml", "--no-plots")
+    run("-c", CHECKED_LIMITED)
     for topic, name in (
         ("variables", "t_first_impact"),
         ("pulses", "haversine"),
