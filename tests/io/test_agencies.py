@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import tomllib
 from collections.abc import Callable
+from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import pytest
 from rockcli.errors import RecordError
 from rockcli.motion.agencies import plugins
 from rockcli.motion.agencies.formats import FORMATS, channels_of, format_of
+from rockcli.motion.direction import in_direction
 from rockcli.motion.reading import read_record
 from rockcli.motion.units import FACTORS
 
@@ -173,6 +175,32 @@ def test_a_file_made_by_hand_is_read(tmp_path: Path, name: str, line_end: str) -
     assert one is not None
     for channel in channels_of(path.read_bytes(), one, "record"):
         assert channel.peak == pytest.approx(np.abs(channel.values).max(), rel=1e-2)
+
+
+STARTS = [
+    (esm, "UNITS:", "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS: 20180206_155029.{}\nUNITS:"),
+    (esm, "UNITS:", "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS: 06/02/2018 15:50:29.{}00\nUNITS:"),
+    (cwb, "#SampleRate", "#StartTime(GMT+08): 2018/02/06-23:50:29.{}\n#SampleRate"),
+    (cosmos, "CE-T1\n\n", "CE-T1\nRcrd start time: 2018/02/06 15:50:29.{} UTC (Q=5)\n"),
+    (cosmos, "CE-T1\n\n", "CE-T1\nRcrd start time:02/06/2018, 15:50:29.{} UTC (Q=2)\n"),
+]
+
+
+@pytest.mark.parametrize(("make", "place", "line"), STARTS)
+def test_a_start_that_the_file_states_is_read_and_compared(
+    make: Callable[[], str], place: str, line: str, tmp_path: Path
+) -> None:
+    motions = []
+    for name, said in (("first", line.format("250")), ("second", line.format("750")), ("unsaid", place)):
+        path = tmp_path / f"{name}.txt"
+        path.write_text(make().replace(place, said))
+        motions.append(read_record(path, component="U" if make is cwb else None))
+    first, second, unsaid = motions
+    assert first.begins == ("UTC", datetime(2018, 2, 6, 15, 50, 29, 250_000, tzinfo=UTC).timestamp())
+    assert second.begins_after(first) == 0.5
+    assert unsaid.begins is None
+    with pytest.raises(RecordError, match=r"second.txt begins 0.5 s after first.txt"):
+        in_direction(first, second, 0.5)
 
 
 def test_every_format_is_made_by_hand_and_declared() -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -52,6 +54,16 @@ class Format:
     name: str
     recognises: Callable[[list[str]], bool]
     parse: Callable[[list[str], str], list[Channel]]
+
+
+def begun(text: str, *forms: str) -> dict[str, str]:
+    """When the first sample was taken, as `start` of a header; {} for what is in none of the forms of `strptime`."""
+    for form in forms:
+        with suppress(ValueError):
+            moment = datetime.strptime(text.strip(), form)
+            aware = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
+            return {"start": aware.astimezone(UTC).isoformat()}
+    return {}
 
 
 def counted(lines: list[str], first: int, count: int, name: str, times: int = 1) -> tuple[Array, int]:

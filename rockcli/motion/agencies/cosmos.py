@@ -5,12 +5,28 @@ from __future__ import annotations
 import re
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, counted, decimal, number_in, sought, step, unit_of, whole
+from rockcli.motion.agencies.channel import (
+    Channel,
+    Format,
+    begun,
+    counted,
+    decimal,
+    number_in,
+    sought,
+    step,
+    unit_of,
+    whole,
+)
 
 PEAK, INTERVAL = 63, 61
 """Places, from 0, in the header of reals: largest acceleration, and time step [ms]."""
 
 UNKNOWN = -999.0
+
+
+_START = re.compile(r"start time:\s*(\d+/\d+/\d+),?\s+(\d+:\d+:\d+\.?\d*)\s+UTC", re.I)
+_STARTS = ("%Y/%m/%d %H:%M:%S.%f", "%m/%d/%Y %H:%M:%S.%f", "%Y/%m/%d %H:%M:%S", "%m/%d/%Y %H:%M:%S")
+"""As CESMD and as CGS write it."""
 
 
 def recognises(lines: list[str]) -> bool:
@@ -57,6 +73,7 @@ def _channel(lines: list[str], at: int, name: str) -> tuple[Channel, int]:
     component = direction or (channel[1] if channel else "")
     code = next((m[1] for one in text if (m := re.search(r"Code:\s*(\S+)", one))), "")
     header = {"title": [" ".join(one.split()) for one in text[:2]], "processed": "uncorrected" not in first.lower()}
+    header |= next((begun(f"{m[1]} {m[2]}", *_STARTS) for one in text if (m := _START.search(one))), {})
     return Channel(values, dt, units, component, code, peak, header), end + 1
 
 

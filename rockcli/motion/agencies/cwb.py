@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, decimal, number_in, step, unit_of
+from rockcli.motion.agencies.channel import Channel, Format, begun, decimal, number_in, step, unit_of
 from rockcli.motion.numbers import read_numbers
 
 ROUNDED = 1.0
@@ -41,11 +41,19 @@ def parse(lines: list[str], name: str) -> list[Channel]:
     if length - dt * len(table) > ROUNDED:  # False where none is stated
         there = f"the header announces {length:g} s and {dt * len(table):g} s follow"
         raise RecordError(f"{there}: the file has been cut; get it anew", name, len(header) + 1)
-    station = said.get("StationCode", "")
+    station, start = said.get("StationCode", ""), _start(said)
     return [
-        Channel(np.ascontiguousarray(table[:, i + 1]), dt, unit, place, station, _peak(said, place))
+        Channel(np.ascontiguousarray(table[:, i + 1]), dt, unit, place, station, _peak(said, place), start)
         for i, place in enumerate(order)
     ]
+
+
+def _start(said: dict[str, str]) -> dict[str, str]:
+    """`#StartTime(GMT+08): 2018/02/06-23:50:29.000`."""
+    for key, value in said.items():
+        if zone := re.fullmatch(r"StartTime\(GMT([+-]\d\d)\)", key):
+            return begun(f"{value} {zone[1]}00", "%Y/%m/%d-%H:%M:%S.%f %z", "%Y/%m/%d-%H:%M:%S %z")
+    return {}
 
 
 def _peak(said: dict[str, str], place: str) -> float:

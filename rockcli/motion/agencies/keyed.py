@@ -9,6 +9,7 @@ from rockcli.motion.agencies.channel import (
     Channel,
     Format,
     alone,
+    begun,
     counted,
     decimal,
     number_in,
@@ -38,6 +39,10 @@ def _value(pairs: dict[str, tuple[str, int]], key: str, name: str) -> tuple[str,
     return pairs[key]
 
 
+_FIRST_SAMPLE = ("%Y%m%d_%H%M%S.%f", "%Y%m%d_%H%M%S", "%d/%m/%Y %H:%M:%S.%f", "%d/%m/%Y %H:%M:%S")
+"""As ESM and as AFAD write it."""
+
+
 def recognises_esm(lines: list[str]) -> bool:
     """`EVENT_NAME: ...` and `EVENT_ID: ...`."""
     return len(lines) > 1 and lines[0].startswith("EVENT_NAME:") and lines[1].startswith("EVENT_ID:")
@@ -58,10 +63,11 @@ def parse_esm(lines: list[str], name: str) -> list[Channel]:
     peak = abs(number_in(pairs.get("PGA_CM/S^2", ("", 0))[0])) if unit in ("cm/s2", "gal") else float("nan")
     said = {key: pairs[key][0] for key in ("EVENT_NAME", "STATION_NAME") if pairs.get(key, ("",))[0]}
     header = {"title": list(said.values())} | _numbers(pairs, {"MAGNITUDE_W": "magnitude", "VS30_M/S": "vs30"})
+    start = begun(pairs.get("DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS", ("", 0))[0], *_FIRST_SAMPLE)
     station = pairs.get("STATION_CODE", ("", 0))[0]
     component = pairs.get("STREAM", ("", 0))[0]
     interval = step(decimal(dt, "SAMPLING_INTERVAL_S", name, dt_line), name, dt_line)
-    return [Channel(values, interval, unit, component, station, peak, header)]
+    return [Channel(values, interval, unit, component, station, peak, header | start)]
 
 
 def _numbers(pairs: dict[str, tuple[str, int]], names: dict[str, str]) -> dict[str, float]:
