@@ -7,6 +7,8 @@ import pytest
 from mesh_cases import fig60, mesh_batch
 from scenes import pulse, record, still
 
+import rockcli
+from rockcli.errors import StudyError
 from rockcli.scene.body.block import make_block
 from rockcli.solvers.calculix.case import Refused, breakpoints, prepare
 from rockcli.solvers.calculix.mesh import make_mesh
@@ -123,3 +125,16 @@ def test_asymmetric_moving_or_columnless_cases_are_refused():
     ):
         with pytest.raises(Refused, match=sentence):
             prepare(bad, 0)
+
+
+def test_a_rate_at_the_start_is_refused_before_anything_is_solved():
+    case = {
+        "block": {"h": 25.0, "b": 2.5},
+        "initial": {"theta": 0.01, "theta_dot": 0.1},
+        "model": "continuum",
+        "column": {"E": 3e10, "rho": 2500.0},
+        "damping": "none",
+    }
+    with pytest.raises(StudyError, match=r"initial\.theta_dot = 0\.1: model continuum starts from rest"):
+        rockcli.check({"name": "pushed", "case": case})
+    rockcli.check({"name": "let-go", "case": case | {"initial": {"theta": 0.01}}})

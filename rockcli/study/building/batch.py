@@ -77,6 +77,8 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         warnings.append(f"base.fibres is ignored by backend {by}: {able} have fibres")
     if model == CONTINUUM and damping.scheme not in ("none", "hht"):
         numbers.fail(("case", "damping"), "model continuum loses energy by itself: damping must be none or hht")
+    if model == CONTINUUM:
+        numbers.require(("case", "initial", "theta_dot"), theta_dot_0 == 0.0, "model continuum starts from rest")
     return Batch(
         g=g,
         block=block,
