@@ -108,10 +108,11 @@ def with_audit(
     attrs = {name: words for name, words in contents.attrs.items() if name != "audit"}
     if not study.audit:
         return Contents(contents.axes, fields, attrs)
-    chosen, levels, left_out = _chosen(study)
+    finished = _finished(contents, study)
+    chosen, levels, left_out = _chosen(study, finished)
     again = _solved_again(study, chosen, team or Team(), progress)
     found = _Findings.of(contents, chosen, again)
-    says = [_first_sentence(study, found, levels, left_out), *found.sentences(contents)]
+    says = [_first_sentence(len(finished), found, levels, left_out), *found.sentences(contents)]
     shape, axes = study.shape, contents.axes
     comment = {"comment": f"{NOT_AUDITED}: not audited, or no outcome to compare"}
     for name, dims, values, more in (
@@ -124,12 +125,19 @@ def with_audit(
     return Contents(axes, fields, attrs)
 
 
-def _chosen(study: Study) -> tuple[Index, list[str], int]:
-    """Flat indices that are audited, the levels in words, and how many cases there is nothing tighter for."""
-    n = min(study.size, MOST) if study.audit is True else max(1, round(float(study.audit) * study.size))
-    cases = np.arange(study.size, dtype=np.int64)
-    if n < study.size:
-        cases = np.sort(np.random.default_rng(SEED).choice(study.size, n, replace=False)).astype(np.int64)
+def _finished(contents: Contents, study: Study) -> Index:
+    """Flat indices of the cases that were solved: what `refine` filled in is no answer of a solver."""
+    if "solved" in contents.fields:
+        return np.flatnonzero(contents.values("solved").ravel()).astype(np.int64)
+    return np.arange(study.size, dtype=np.int64)
+
+
+def _chosen(study: Study, cases: Index) -> tuple[Index, list[str], int]:
+    """Flat indices among `cases` that are audited, the levels in words, and how many there is nothing tighter for."""
+    size = len(cases)
+    n = min(size, MOST) if study.audit is True else max(1, round(float(study.audit) * size))
+    if n < size:
+        cases = np.sort(cases[np.random.default_rng(SEED).choice(size, n, replace=False)])
     parts: list[Index] = []
     levels: dict[str, None] = {}
     for part, batch in buildable(study.batches, cases):
@@ -241,9 +249,9 @@ class _Findings:
             yield f"and {len(worst) - NAMED} more, in audit_same_outcome and audit_error"
 
 
-def _first_sentence(study: Study, found: _Findings, levels: list[str], left_out: int) -> str:
-    whole = found.audited + left_out == study.size
-    what = f"all {found.audited}" if whole and not left_out else f"{found.audited} of {study.size}"
+def _first_sentence(size: int, found: _Findings, levels: list[str], left_out: int) -> str:
+    whole = found.audited + left_out == size
+    what = f"all {found.audited}" if whole and not left_out else f"{found.audited} of {size}"
     how = "" if whole else " (a sample, the same every time)"
     limit = "ten times their stated error" if found.stated else f"{UNSTATED:g}"
     words = f"{what} cases again{how}, {', '.join(levels) or 'nothing tighter'}: "

@@ -139,6 +139,17 @@ def test_time_steps_and_yield_rotation_are_halved_together():
     assert (found.dt, found.yield_rotation) == (5e-5, 5e-7)
 
 
+def test_what_refine_filled_in_is_not_audited():
+    """A pixel that was filled in wrongly is no other outcome of a solver, and need not be solved for an audit."""
+    values = {"from": 1.0, "to": 10.0, "n": 100}
+    vary = {"motion.pulse.a_p_over_g_tan_alpha": values, "block.R": values}
+    found = solve(study(vary=vary, refine=True, save={}))
+    solved = found.values("solved") == 1
+    assert 0 < solved.sum() < solved.size
+    np.testing.assert_array_equal(found.values("audit_same_outcome"), np.where(solved, 1, NOT_AUDITED))
+    assert f"all {solved.sum()} cases again" in found.attrs["audit"]
+
+
 def test_nothing_is_tighter_than_reference_and_that_is_said():
     found = solve(study(case=STUDY["case"] | {"solver": {"accuracy": "reference"}}))
     assert (found.values("audit_same_outcome") == NOT_AUDITED).all()
