@@ -77,6 +77,8 @@ def tighter(batch: Batch) -> Numerics | None:
     stepping = backend.stepping and batch.model != AUTO  # whose rigid bodies are not
     if stepping and given.dt is not None:
         return replace(given, dt=STEPS_FINER * given.dt)
+    if batch.model == AUTO and level:
+        given = replace(given, accuracy=level)  # the columns among its cases take no rtol
     if not stepping and given.rtol is not None:
         least = backend.least_rtol
         return None if given.rtol <= least else replace(given, rtol=max(FINER * given.rtol, least))
@@ -150,11 +152,11 @@ def _chosen(study: Study, cases: Index) -> tuple[Index, list[str], int]:
 
 
 def _step(before: Numerics, after: Numerics) -> str:
-    for name in ("dt", "rtol"):
-        old, new = getattr(before, name), getattr(after, name)
-        if old != new:
-            return f"{name} {old:g} -> {new:g}"
-    return f"{before.accuracy} -> {after.accuracy}"
+    steps = [(name, getattr(before, name), getattr(after, name)) for name in ("dt", "rtol")]
+    words = [f"{name} {old:g} -> {new:g}" for name, old, new in steps if old != new]
+    if before.accuracy != after.accuracy:
+        words.append(f"{before.accuracy} -> {after.accuracy}")
+    return " with ".join(words)
 
 
 def _solved_again(

@@ -15,6 +15,7 @@ from rockcli.cli.main import app
 from rockcli.engine.audit import NOT_AUDITED, check_audit, tighter
 from rockcli.engine.run import check_answers, run_study, solve
 from rockcli.errors import StudyError
+from rockcli.scene.auto import CANDIDATES
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT
 from rockcli.study.open import open_study
 
@@ -137,6 +138,21 @@ def test_time_steps_and_yield_rotation_are_halved_together():
     found = tighter(batch)
     assert found is not None
     assert (found.dt, found.yield_rotation) == (5e-5, 5e-7)
+
+
+def test_columns_that_model_auto_takes_are_audited_where_rtol_is_given():
+    """They take no rtol: a finer one alone would solve them again to the same bits, and confirm anything."""
+    case = {
+        "block": {"height": 10.0, "width": 2.0},
+        "motion": {"pulse": {"shape": "sine", "a_p_over_g_tan_alpha": 1.5, "omega_p_over_p": 4.0}},
+        "model": "auto",
+        "column": {"E": 3e9, "rho": 2500.0, "zeta": 0.01},
+        "solver": {"rtol": 1e-6},
+    }
+    found = solve(study(case=case, vary={}, save={}))
+    assert CANDIDATES[int(found.values("model_used"))] == "flexible"
+    assert "rtol 1e-06 -> 1e-08 with standard -> reference" in found.attrs["audit"]
+    assert 0.0 < float(found.values("audit_error")) < 1e-6
 
 
 def test_what_refine_filled_in_is_not_audited():
