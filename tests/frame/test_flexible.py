@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from frame.frames import column, framed, peak
-from scenes import G, array, pulse
+from scenes import G, array, block, make_batch, pulse, still
 
 from rockcli.scene.body.column import Base
 from rockcli.scene.numerics import Numerics
@@ -99,5 +99,18 @@ def test_a_winkler_base_under_vertical_motion_opens_by_what_it_carries_and_keeps
     batch, kw = under_both(0.0, 1.0)
     found = solve(framed(replace(batch, base=Base("winkler", kw, fibres)), dt=5e-4)).scalars
     column_alone = modal(replace(batch, base=Base("winkler", kw, None))).scalars
-    assert found["t_uplift"][0] == pytest.approx(column_alone["t_uplift"][0], abs=1e-3)
+    # the vertical motion sets the column on fibres swinging by 21 m/s^3 over omega = 63 1/s, 3 % of the weight at rest
+    within = 1e-3 if fibres is None else 0.01
+    assert found["t_uplift"][0] == pytest.approx(column_alone["t_uplift"][0], abs=within)
     assert abs(found["energy_residual"][0]) < 1e-6
+
+
+def test_a_base_of_fibres_uplifts_where_it_hops():
+    """Closed form: dropped with A = .8 g, it swings about -(g - A)/omega^2 from -g/omega^2 and is off at v = 0."""
+    fall, omega, body = 0.8, 20.0, block(2.0, 0.2)
+    batch = make_batch(body, still(0.5), eta=1.0, model="4")
+    motion = replace(still(0.5), vertical=pulse("rectangular", -fall * G, 2.0 * np.pi).horizontal)
+    kw = 2500.0 * 2.0 * body.h[0] * omega**2  # of 2 b kw/m
+    hopping = replace(batch, geometry="corotational", excitation=motion, base=Base("winkler", array(kw), 5))
+    leaves = np.arccos(-(1.0 - fall) / fall) / omega
+    assert solve(framed(hopping)).scalars["t_uplift"][0] == pytest.approx(leaves, abs=2e-4)

@@ -73,13 +73,19 @@ def note_start(par, u, v, out):
 
 
 @jit
+def opened(par, u, a_v):
+    """Whether an edge is lifted; on fibres, where the base moves up and down, the higher corner tells."""
+    if par[at.BASE] == at.FIBRES:
+        return u[1] + par[at.HALF_WIDTH] * abs(u[2]) > par[at.TOLERANCE] * par[at.REACH]
+    carried = max(1.0 + a_v / par[at.G], 0.0) if par[at.BASE] == at.WINKLER else 1.0
+    return abs(u[2]) > par[at.UPLIFT] * carried
+
+
+@jit
 def note_end_of_step(par, fibres, a_v, t, h, q_old, u, v, rows, history, written, out):
     """Note uplift, overturning, peaks by the end of a step, t + h; write the history up to there, return its length."""
     now, theta, q = t + h, u[2], abs(u[2])
-    opens = par[at.UPLIFT]
-    if par[at.BASE] == at.WINKLER or par[at.BASE] == at.FIBRES:  # by the weight it carries
-        opens *= max(1.0 + a_v / par[at.G], 0.0)
-    if math.isnan(out[at.T_UPLIFT]) and q > opens:
+    if math.isnan(out[at.T_UPLIFT]) and opened(par, u, a_v):
         out[at.T_UPLIFT] = now
     if q_old < par[at.Q_STAR] <= q:
         out[at.T_OVERTURN] = now
