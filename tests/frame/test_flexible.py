@@ -11,6 +11,7 @@ from scenes import G, array, block, make_batch, pulse, still
 
 from rockcli.scene.body.column import Base
 from rockcli.scene.numerics import Numerics
+from rockcli.scene.response import NO_UPLIFT
 from rockcli.solvers.event.solver import solve as event
 from rockcli.solvers.flexible import solve as modal
 from rockcli.solvers.frame.solver import solve
@@ -103,6 +104,20 @@ def test_a_winkler_base_under_vertical_motion_opens_by_what_it_carries_and_keeps
     within = 1e-3 if fibres is None else 0.01
     assert found["t_uplift"][0] == pytest.approx(column_alone["t_uplift"][0], abs=within)
     assert abs(found["energy_residual"][0]) < 1e-6
+
+
+@pytest.mark.parametrize("fibres", [None, 21])
+def test_a_base_in_full_contact_loses_nothing_by_eta(fibres):
+    # the edge opens from .15 alpha on; a spring that is pressed all the time takes no energy
+    body = column(height=20.0, n=2, zeta=0.0, excitation=pulse("sine", 0.3 * G * 0.1, 2.0 * np.pi / 1.5, duration=8.0))
+    kw = 2500.0 * 40.0 * G / (2.0 * 1.0**2) / (0.15 * np.arctan(0.1))
+    batch = replace(body, base=Base("winkler", array(kw), fibres), save=replace(body.save, histories=True))
+    kept = solve(framed(batch, dt=1e-3))
+    struck = solve(framed(replace(batch, damping=replace(batch.damping, eta=0.8 * batch.damping.eta)), dt=1e-3))
+    assert np.nanmax(np.abs(kept.histories["theta"])) > 0.05 * np.arctan(0.1)
+    assert struck.scalars["outcome"][0] == NO_UPLIFT
+    assert struck.scalars["n_impacts"][0] == 0
+    np.testing.assert_array_equal(struck.histories["theta"], kept.histories["theta"])
 
 
 def test_a_base_of_fibres_uplifts_where_it_hops():

@@ -10,7 +10,7 @@ from rockcli.kernels.frame import layout as at
 from rockcli.kernels.frame.banded import clear, copy
 from rockcli.kernels.frame.elements import damping, stored_energy
 from rockcli.kernels.frame.newmark import accelerate, settle, step
-from rockcli.kernels.frame.readings import add_work, kinetic, note, note_end_of_step, note_start, record
+from rockcli.kernels.frame.readings import add_work, kinetic, note, note_end_of_step, note_start, opened, record
 from rockcli.kernels.jit import entry, jit
 
 DIVISIONS = 4
@@ -137,7 +137,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
         out[at.STATUS] = at.NO_STATICS
         return
     note_start(par, u, v, out)
-    side, armed = 1.0 if u[2] >= 0.0 else -1.0, abs(u[2]) > par[at.REARM]
+    side, armed = 1.0 if u[2] >= 0.0 else -1.0, abs(u[2]) > par[at.REARM] and opened(par, u, a_v[0])
     note(par, u, v, 1.0 + a_v[0] / par[at.G], fibres, rows[1])
     written = record(par, -par[at.DT], par[at.DT], rows[1], rows[1], history, 0)
     worked, lost, u_old = 0.0, 0.0, work[at.BEFORE]
@@ -171,7 +171,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
                 impacts, out,
             )  # fmt: skip
             armed = False
-        if abs(u[2]) > par[at.REARM]:
+        if abs(u[2]) > par[at.REARM] and opened(par, u, end_v):
             armed, side = True, 1.0 if u[2] > 0.0 else -1.0
         written = note_end_of_step(par, fibres, end_v, t, h, abs(u_old[2]), u, v, rows, history, written, out)
         if fallen(u[2], now, out):
