@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from columns import PULSES, flexible, needs_opensees, peak, rigid
-from scenes import array, pulse, record, still
+from scenes import G, array, block, make_batch, pulse, record, still
 
 from rockcli.errors import SolverError
 from rockcli.scene.body.column import Base, Column
@@ -222,3 +222,14 @@ def test_a_vertical_motion_needs_fibres():
     shaken = replace(batch, excitation=replace(batch.excitation, vertical=batch.excitation.horizontal))
     with pytest.raises(SolverError, match="vertical motion needs fibres"):
         solve(shaken)
+
+
+def test_a_base_of_fibres_uplifts_where_it_hops():
+    """Closed form: dropped with A = .8 g, it swings about -(g - A)/omega^2 from -g/omega^2 and is off at v = 0."""
+    fall, omega, body = 0.8, 20.0, block(2.0, 0.2)
+    motion = replace(still(0.2), vertical=pulse("rectangular", -fall * G, 2.0 * np.pi).horizontal)
+    kw = 2500.0 * 2.0 * body.h[0] * omega**2  # of 2 b kw/m
+    batch = make_batch(body, motion, eta=1.0, model="4")
+    hopping = replace(batch, geometry="corotational", base=Base("winkler", array(kw), 5), numerics=Numerics(dt=2e-4))
+    leaves = np.arccos(-(1.0 - fall) / fall) / omega
+    assert solve(hopping).scalars["t_uplift"][0] == pytest.approx(leaves, abs=4e-4)

@@ -86,7 +86,7 @@ while i < STEPS:
         sys.exit(f"the solution ceased to be finite at t = {t:.6g} s")
     if abs(theta) > theta_armed:  # one eta per impact: the base has to open by this much before the next
         armed, last_armed = True, t
-    if t_uplift is None and abs(theta) > theta_y:
+    if t_uplift is None and opened():
         t_uplift = t
     if abs(theta) > abs(peak["theta"]):
         peak["theta"], peak["t"] = theta, t

@@ -144,6 +144,11 @@ ops.element("zeroLength", SPRING, GROUND, BASE, "-mat", 1, "-dir", 6)
 def base_moment():
     \"\"\"Moment of the base on the body, opposing theta [N m].\"\"\"
     return -ops.eleResponse(SPRING, "material", 1, "stress")[0]
+
+
+def opened():
+    \"\"\"Whether the base has opened.\"\"\"
+    return abs(theta) > theta_y
 """
 
 FIBRES = """\
@@ -160,6 +165,11 @@ ops.element("zeroLengthSection", SECTION, GROUND, BASE, 1, "-orient", 0, 1, 0, -
 def base_moment():
     \"\"\"Moment of the base on the body, opposing theta [N m].\"\"\"
     return -ops.eleResponse(SECTION, "section", "force")[1]
+
+
+def opened():
+    \"\"\"Whether a corner has left the base, which moves up and down.\"\"\"
+    return ops.nodeDisp(BASE, 2) + b * abs(theta) > TOLERANCE
 """
 
 DASHPOT = """\
