@@ -129,3 +129,15 @@ def test_a_base_of_fibres_uplifts_where_it_hops():
     hopping = replace(batch, geometry="corotational", excitation=motion, base=Base("winkler", array(kw), 5))
     leaves = np.arccos(-(1.0 - fall) / fall) / omega
     assert solve(framed(hopping)).scalars["t_uplift"][0] == pytest.approx(leaves, abs=2e-4)
+
+
+@pytest.mark.parametrize("fibres", [None, 21])
+def test_a_column_let_go_in_full_contact_does_not_uplift(fibres):
+    # from .05 alpha on a base that opens at .3 alpha: the edges stay down, as in the modal solver
+    kw = array(2500.0 * 40.0 * G / (2.0 * 1.0**2) / (0.3 * np.arctan(0.1)))
+    let_go = column(height=20.0, n=2, theta_0=0.05 * np.arctan(0.1), excitation=still(3.0))
+    on_law, batch = (replace(let_go, base=Base("winkler", kw, how)) for how in (None, fibres))
+    found = solve(framed(batch, dt=1e-3)).scalars
+    assert found["outcome"][0] == modal(on_law).scalars["outcome"][0] == NO_UPLIFT
+    assert np.isnan(found["t_uplift"][0])
+    assert found["theta_peak_over_alpha"][0] == 0.0

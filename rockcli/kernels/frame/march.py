@@ -136,7 +136,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
     if not stands:
         out[at.STATUS] = at.NO_STATICS
         return
-    note_start(par, u, v, out)
+    note_start(par, a_v[0], u, v, out)
     side, armed = 1.0 if u[2] >= 0.0 else -1.0, abs(u[2]) > par[at.REARM] and opened(par, u, a_v[0])
     note(par, u, v, 1.0 + a_v[0] / par[at.G], fibres, rows[1])
     written = record(par, -par[at.DT], par[at.DT], rows[1], rows[1], history, 0)

@@ -61,24 +61,26 @@ def add_work(par, damped, pull, weights, a_g, a_v, u, work, worked, lost):
 
 
 @jit
-def note_start(par, u, v, out):
-    """Results of the state to begin with, whose accelerations took one residual."""
-    out[at.VERDICT], out[at.N_RHS] = UNDECIDED, 1.0
-    moving = abs(u[2]) > 0.0 or abs(v[2]) > 0.0
-    out[at.T_UPLIFT] = 0.0 if moving else math.nan
-    out[at.T_PEAK] = out[at.T_OVERTURN] = out[at.T_END] = math.nan
-    out[at.PEAK], out[at.PEAK_SIDE] = abs(u[2]), 1.0 if u[2] >= 0.0 else -1.0
-    if moving:
-        out[at.T_PEAK], out[at.RATE_PEAK], out[at.TOP_PEAK] = 0.0, abs(v[2]), abs(u[len(u) - 3])
-
-
-@jit
 def opened(par, u, a_v):
     """Whether an edge is lifted; on fibres, where the base moves up and down, the higher corner tells."""
     if par[at.BASE] == at.FIBRES:
         return u[1] + par[at.HALF_WIDTH] * abs(u[2]) > par[at.TOLERANCE] * par[at.REACH]
     carried = max(1.0 + a_v / par[at.G], 0.0) if par[at.BASE] == at.WINKLER else 1.0
     return abs(u[2]) > par[at.UPLIFT] * carried
+
+
+@jit
+def note_start(par, a_v, u, v, out):
+    """Results of the state to begin with, whose accelerations took one residual."""
+    out[at.VERDICT], out[at.N_RHS] = UNDECIDED, 1.0
+    moving = abs(u[2]) > 0.0 or abs(v[2]) > 0.0
+    yields = par[at.BASE] == at.WINKLER or par[at.BASE] == at.FIBRES
+    begins = opened(par, u, a_v) if yields else moving  # such a base turns in full contact too
+    out[at.T_UPLIFT] = 0.0 if begins else math.nan
+    out[at.T_PEAK] = out[at.T_OVERTURN] = out[at.T_END] = math.nan
+    out[at.PEAK], out[at.PEAK_SIDE] = abs(u[2]), 1.0 if u[2] >= 0.0 else -1.0
+    if moving:
+        out[at.T_PEAK], out[at.RATE_PEAK], out[at.TOP_PEAK] = 0.0, abs(v[2]), abs(u[len(u) - 3])
 
 
 @jit
