@@ -12,7 +12,7 @@ from swept import assert_same, counting
 from rockcli.cli.words import report_text
 from rockcli.engine.run import run_study, solve
 from rockcli.engine.summary import report_on
-from rockcli.engine.sweep.refine import COARSEST, UNDER_RECORDS, Maps, coarse_pitch
+from rockcli.engine.sweep.refine import UNDER_PULSES, UNDER_RECORDS, Maps, coarse_pitch
 from rockcli.engine.sweep.sweep import Sweep
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
@@ -136,7 +136,7 @@ def test_a_band_thinner_than_a_pixel_is_followed_over_its_gaps(monkeypatch: pyte
 
 def test_an_island_between_the_coarse_pixels_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
     """What the documentation says is missed is missed, and what it says is found is found."""
-    pitch = coarse_pitch(SIDE, COARSEST)
+    pitch = coarse_pitch(SIDE, UNDER_PULSES.coarsest)
 
     def solver(batch: Batch) -> Response:
         found = made_up(batch)
@@ -168,7 +168,7 @@ def test_what_is_drawn_at_random_tells_how_much_is_wrong(monkeypatch: pytest.Mon
         return found
 
     monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
-    monkeypatch.setattr("rockcli.engine.sweep.refine.AHEAD", 0)
+    monkeypatch.setattr("rockcli.engine.sweep.refine.UNDER_PULSES", UNDER_PULSES._replace(ahead=0))
     refined, full = both(MAP)
     wrong = (refined.values("outcome") != full.values("outcome")).mean()
     told = refined.fields["solved"].attrs
@@ -196,8 +196,8 @@ def test_every_change_lies_between_pixels_that_were_solved(counted: list[int]) -
     [(2, 1, 1), (99, 1, 1), (100, 2, 2), (200, 4, 4), (399, 4, 4), (400, 8, 8), (1000, 16, 16), (9000, 32, 16)],
 )
 def test_the_coarse_grid_has_at_least_fifty_cells(n: int, pitch: int, under_records: int) -> None:
-    assert coarse_pitch(n, COARSEST) == pitch
-    assert coarse_pitch(n, UNDER_RECORDS) == under_records
+    assert coarse_pitch(n, UNDER_PULSES.coarsest) == pitch
+    assert coarse_pitch(n, UNDER_RECORDS.coarsest) == under_records
 
 
 def test_a_broken_off_run_goes_on(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -313,6 +313,6 @@ def test_records_are_warned_of() -> None:
     }
     assert any("fractal" in sentence for sentence in open_study(given).warnings)
     fine = open_study(given | {"vary": {name: {"from": 1, "to": 2, "n": 1600} for name in given["vary"]}})
-    assert Maps.of(fine).pitch == UNDER_RECORDS
-    assert Maps.of(open_study(ricker(1600))).pitch == COARSEST
+    assert Maps.of(fine).pitch == UNDER_RECORDS.coarsest
+    assert Maps.of(open_study(ricker(1600))).pitch == UNDER_PULSES.coarsest
     assert not any("fractal" in sentence for sentence in open_study(given | {"refine": False}).warnings)

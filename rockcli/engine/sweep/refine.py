@@ -13,9 +13,9 @@ from those that are not solved tell how much that may be, and what they find is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,15 +33,24 @@ Mask = NDArray[np.bool_]
 CELLS = 50
 """Cells of the coarse grid along an axis, at least; its pitch is the largest power of two that leaves so many."""
 
-COARSEST, UNDER_RECORDS = 32, 16
-"""Pitch of the coarse grid, at most [pixels]; under recorded motions islands are everywhere."""
 
-WIDE = 4
-"""Pitch down to which places are solved together with the eight around them [pixels]."""
+class Search(NamedTuple):
+    """Where changes are sought; lengths in pixels."""
 
-AHEAD, KNOWN = 24, 8
-"""Pixels ahead of a part one pixel wide in which the next is sought, at most 1.5 pitches of the coarse grid; pixels for
-which a band must be followed back for its direction to be known."""
+    coarsest: int
+    """Pitch of the coarse grid, at most."""
+    wide: int
+    """Pitch down to which what lies beside a change is solved together with the eight around it."""
+    ahead: int
+    """How far ahead of the end of a part one pixel wide the next is sought, at most; also two pitches of the coarse
+    grid."""
+    every: int
+    """From one row looked at there to the next, at most; less on small maps.  As parts are some pixels long and what is
+    found is followed, every row would find little more."""
+
+
+UNDER_PULSES, UNDER_RECORDS = Search(32, 4, 24, 1), Search(16, 1, 30, 3)
+"""Under recorded motions islands are everywhere, and one change lies beside another."""
 
 FEW = 32
 """Places below which they are left to the grid of half the pitch: a round of a few costs as much as one of hundreds."""
@@ -109,14 +118,16 @@ class Maps:
         solved: whether the place was solved.
         lines: pixels of the present grid along n and along m, ascending; the last pixel always belongs to it.
         pitch: of the grid; the last step of an axis may be shorter.
-        reach: how far ahead of parts one pixel wide the next is sought [pixels].
+        wide: pitch down to which the eight around what lies beside a change are solved too.
+        ahead: how far ahead of parts one pixel wide the next is sought [pixels].
         probes: how many pixels were drawn at random from those not solved, and how many of them had another outcome.
     """
 
     outcome: NDArray[np.int8]
     solved: Mask
     pitch: int
-    reach: int
+    wide: int
+    ahead: range
     lines: tuple[Index, Index]
     _pixels: tuple[int, int]
     _shape: tuple[int, ...]
@@ -128,12 +139,14 @@ class Maps:
         """Nothing solved yet."""
         plane = tuple(i for i, axis in enumerate(study.axes) if axis.name in study.refine)
         n, m = (study.shape[i] for i in plane)
-        pitch = coarse_pitch(min(n, m), UNDER_RECORDS if study.processing else COARSEST)
-        reach = min(AHEAD, 3 * pitch // 2)
+        search = UNDER_RECORDS if study.processing else UNDER_PULSES
+        pitch = coarse_pitch(min(n, m), search.coarsest)
+        step = min(search.every, 1 + pitch // 8)
+        ahead = range(step, min(search.ahead, 2 * pitch) + 1, step)
         lines = (_grid(n, pitch), _grid(m, pitch))
         shape = (study.size // (n * m), len(lines[0]), len(lines[1]))
         nothing = np.full(shape, UNSOLVED), np.zeros(shape, dtype=bool)
-        return cls(*nothing, pitch, reach, lines, (n, m), study.shape, plane)
+        return cls(*nothing, pitch, search.wide, ahead, lines, (n, m), study.shape, plane)
 
     def wanted(self) -> Iterator[Index]:
         """Places to be solved, ascending, round by round: what one yields is to be taken before the next."""
@@ -199,7 +212,7 @@ class Maps:
 
     def _with_neighbours(self, places: Index) -> Index:
         """Places, and the eight around each as long as the grid is wide."""
-        if self.pitch < WIDE:
+        if self.pitch < self.wide:
             return places
         _, n, m = self.outcome.shape
         first, row, column = places // (n * m) * n, places // m % n, places % m
@@ -248,20 +261,18 @@ class Maps:
             for way in (-1, 1):
                 own = outcome[thin]
                 ends = thin[np.all([outcome[thin + way * along + i * across] != own for i in (-1, 0, 1)], axis=0)]
-                slope, known = self._followed_back(ends, down, way)
-                found += self._sought(ends[known], down, way, slope[known], _corridor)
-                found += self._sought(ends[~known], down, way, np.zeros_like(slope[~known]), _fan)
+                found += self._sought(ends, down, way, self._followed_back(ends, down, way))
         return found
 
-    def _followed_back(self, ends: Index, down: bool, way: int) -> tuple[NDArray[np.float64], Mask]:
-        """How far aside a pixel ahead the bands go that end at some places, and whether enough of them is known.
+    def _followed_back(self, ends: Index, down: bool, way: int) -> NDArray[np.float64]:
+        """How far aside a pixel ahead the bands go that end at some places, as far as they are known.
 
         Pixel by pixel the band goes on where it has been going, a pixel aside, or more the longer the gap before.
         """
         outcome, solved = self.outcome.reshape(-1), self.solved.reshape(-1)
         own, aside, back = outcome[ends][:, None], np.zeros_like(ends), np.zeros_like(ends)
         off = np.array([0, 1, -1, 2, -2, 3, -3])
-        for i in range(1, self.reach + 1) if len(ends) else ():
+        for i in range(1, self.ahead.stop) if len(ends) else ():
             gap = i - back
             aim = (aside + np.rint(aside / np.maximum(back, 1) * gap).astype(np.int64))[:, None] + off
             at = self._at(ends[:, None], down, -way * i, aim)
@@ -269,15 +280,13 @@ class Maps:
             some, first = goes_on.any(axis=1), goes_on.argmax(axis=1)
             aside = np.where(some, np.take_along_axis(aim, first[:, None], axis=1)[:, 0], aside)
             back = np.where(some, i, back)
-        return -aside / np.maximum(back, 1), back >= KNOWN
+        return np.asarray(-aside / np.maximum(back, 1))
 
-    def _sought(
-        self, ends: Index, down: bool, way: int, slope: NDArray[np.float64], width: Callable[[int], int]
-    ) -> list[Index]:
-        """Unsolved pixels ahead of the ends of bands that go aside by a slope, within a width to either side."""
+    def _sought(self, ends: Index, down: bool, way: int, slope: NDArray[np.float64]) -> list[Index]:
+        """Unsolved pixels ahead of the ends of bands that go aside by a slope."""
         found = []
-        for i in range(1, self.reach + 1) if len(ends) else ():
-            aside = np.arange(-width(i), width(i) + 1)
+        for i in self.ahead if len(ends) else ():
+            aside = np.arange(-1 - i // 8, 2 + i // 8)
             expected = np.rint(slope * i).astype(np.int64)[:, None]
             found.append(self._unsolved(self._at(ends[:, None], down, way * i, expected + aside).reshape(-1)))
         return found
@@ -332,13 +341,3 @@ def _once(numbers: Index) -> Index:
     """Each of these numbers once, in order.  As they come in a few ordered rows, merging takes a tenth of the time."""
     ordered = np.sort(numbers, kind="stable")
     return ordered[np.append(True, ordered[1:] != ordered[:-1])] if len(ordered) else ordered
-
-
-def _fan(i: int) -> int:
-    """Pixels to either side in which a band is sought i pixels ahead whose direction is not known."""
-    return max(min(i, 4), 1 + i // 4)
-
-
-def _corridor(i: int) -> int:
-    """The same where it is known."""
-    return 1 + i // 8
