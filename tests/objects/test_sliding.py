@@ -492,10 +492,10 @@ class TestSeen:
         expected = data["motion_pulse_a_p"].values[None, :] > data["mu"].values[:, None] * G
         np.testing.assert_array_equal(data["outcome"].values == SLIDING, expected)
         figure = figures.figure("map", data)
-        mesh = figure.axes[0].collections[0]
-        colours = np.asarray(mesh.get_array()).reshape(5, 5, 3)
+        colours = np.asarray(figure.axes[0].images[0].get_array())
         turned = expected.T if figure.axes[0].get_ylabel().startswith("$a_p$") else expected
-        np.testing.assert_allclose(colours[turned], np.tile(to_rgb(OUTCOME_COLOURS["sliding"]), (turned.sum(), 1)))
+        sliding = 255.0 * np.array(to_rgb(OUTCOME_COLOURS["sliding"]))
+        np.testing.assert_allclose(colours[turned], np.tile(sliding, (turned.sum(), 1)), atol=0.5)
         assert "sliding" in [text.get_text() for text in figure.legends[0].get_texts()]
         curve = figures.figure("map", rockcli.run(STUDY | {"save": {"histories": False}}))
         assert [label.get_text() for label in curve.axes[0].get_yticklabels()] == ["sliding"]
