@@ -216,7 +216,7 @@ _ROWS: tuple[Scheme, ...] = (
                 "angular velocity after / before an impact, in [0, 1]; default housner",
                 (SHARE, SCALED),
                 (),
-                "housner",
+                HOUSNER,
             ),
             Key(
                 "r_energy",

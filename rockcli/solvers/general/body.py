@@ -87,10 +87,6 @@ class Body:
             return 0.5 * edge.slope * y * y
         return edge.r0 * (y - math.sin(y)) + 2.0 * edge.slope * math.sin(0.5 * y) ** 2
 
-    @staticmethod
-    def _potential(edge: Edge, q: float) -> float:
-        return edge.r0 * q + edge.rs * (1.0 - math.cos(q)) + edge.rc * math.sin(q)
-
     def beyond(self, edge: Edge, q: float, v: float) -> float:
         """Distance from the separatrix in units of rotation (T8): > 0 falls, < 0 returns to the base."""
         root = math.sqrt(2.0 * max(self.barrier(edge, q), 0.0))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.body.block import Block
+from rockcli.scene.laws.damping import HOUSNER
 from rockcli.study.document.check import said_at
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, Value, parse
 from rockcli.study.document.tree import Keys, Map, Source, Where, meant, nearest, place, value_at
@@ -22,7 +23,7 @@ LARGEST = 1e60
 """Motions and their times are smaller than this, so that products of a few of them are numbers still."""
 
 
-_WORDS: dict[Keys, str] = {("damping", "eta"): "housner", ("block", "direction"): WEAKEST}
+_WORDS: dict[Keys, str] = {("damping", "eta"): HOUSNER, ("block", "direction"): WEAKEST}
 """Words that keys of numbers take too."""
 
 

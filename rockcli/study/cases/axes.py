@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
+from rockcli.scene.laws.damping import HOUSNER
 from rockcli.study.building.body import HEIGHT, UNEVEN
 from rockcli.study.building.matching import WILDCARDS
 from rockcli.study.building.numbers import in_words
@@ -221,7 +222,7 @@ class _Reader:
 
     def number(self, value: Any, *more: str | int) -> float | None:
         """One value as a number; None if it is none."""
-        if isinstance(value, str) and takes_number(self.path) and value not in ("housner", WEAKEST):
+        if isinstance(value, str) and takes_number(self.path) and value not in (HOUSNER, WEAKEST):
             value = self.evaluated(value, *more)
         if isinstance(value, bool) or not isinstance(value, int | float):
             return None

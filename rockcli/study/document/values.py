@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
+from rockcli.scene.laws.damping import HOUSNER
 from rockcli.scene.variables import SCALARS
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.tree import nearest
@@ -63,7 +64,7 @@ def _edges(value: Any) -> Any:
 
 
 def _eta(value: Any) -> Any:
-    return value if value == "housner" else number_or_expression(value)
+    return value if value == HOUSNER else number_or_expression(value)
 
 
 def _direction(value: Any) -> Any:
@@ -183,7 +184,7 @@ Series = Annotated[
     ),
     WithJsonSchema({"anyOf": [NUMBER_SCHEMA, {"type": "array", "items": NUMBER_SCHEMA, "minItems": 1}]}),
 ]
-Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": "housner"}, NUMBER_SCHEMA]})]
+Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": HOUSNER}, NUMBER_SCHEMA]})]
 Direction = Annotated[Any, BeforeValidator(_direction), WithJsonSchema({"anyOf": [{"const": WEAKEST}, NUMBER_SCHEMA]})]
 Label = Annotated[str, BeforeValidator(_label)]
 Text = Annotated[str, Field(max_length=10_000)]
