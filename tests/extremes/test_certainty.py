@@ -99,6 +99,23 @@ def test_what_a_coarse_run_leaves_in_doubt_a_finer_one_decides(side):
         assert abs(found["theta_peak_over_alpha"][0] - top / alpha) < found["error_estimate"][0] < 1e-5
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_motion_within_the_nudge_of_the_threshold_is_decided(side):
+    """Runs a billionth apart part at 1e-10 of the amplitude that just overturns; more accurate ones do not."""
+
+    def under(a_p, **how):
+        return make_batch(unit_block(0.2), pulse("ricker", a_p, 3.0), eta=0.9, **how)
+
+    stands, falls = 1.5 * G * 0.2, 6.0 * G * 0.2
+    for _ in range(60):
+        half = 0.5 * (stands + falls)
+        fell = solve(under(half, accuracy="reference", scalars=("outcome",))).scalars["outcome"][0] != ROCKING
+        stands, falls = (stands, half) if fell else (half, falls)
+    found = solve(under(falls * (1.0 + side * 1e-10), accuracy="standard", scalars=ESTIMATED)).scalars
+    assert found["outcome"][0] == (ROCKING if side < 0.0 else OVERTURNED_AFTER_IMPACT)
+    assert found["overturn_share"][0] == (0.0 if side < 0.0 else 1.0)
+
+
 def test_a_body_that_bounces_on_unequal_edges_stands():
     """Let go on still ground its energy only falls: below the barrier of the weak edge it stands, however it bounces."""
     body = make_block(h=1.0, b=np.array([[0.1, 0.5]]), r_g=0.6)
