@@ -67,6 +67,13 @@ def csmip_v2(values: list[float] = VALUES) -> str:
     return one
 
 
+def csmip_v2_newer() -> str:
+    text = csmip_v2().replace("STATION NO. 00001", "Station Id. T1").replace(" POINTS OF ACCEL", " points of accel")
+    return text.replace("SEC.  (UNITS: CM/SEC/SEC)", "sec, in cm/sec2. (8f10.3)").replace(
+        "(UNITS: CM/SEC)", "in cm/sec."
+    )
+
+
 def csmip_v1(values: list[float] = VALUES) -> str:
     in_g = [value / 1000.0 for value in values]
     return (
@@ -148,6 +155,7 @@ def cwb(values: list[float] = VALUES) -> str:
 MADE = {
     "COSMOS": (cosmos(), None, 0.01, "m/s2", "340"),
     "CSMIP": (csmip_v2(), "90", 0.01, "m/s2", "90"),
+    "CSMIP newer": (csmip_v2_newer(), "90", 0.01, "m/s2", "90"),
     "CSMIP volume 1": (csmip_v1(), None, 0.005, "g", "360"),
     "SMC": (smc(), None, 0.005, "m/s2", "360"),
     "GEONET": (geonet(), "S16W", 0.02, "m/s2", "S16W"),

@@ -7,7 +7,11 @@ import re
 from rockcli.errors import RecordError
 from rockcli.motion.agencies.channel import Channel, Format, counted, decimal, number_in, step, unit_of, whole
 
-_V2 = re.compile(r"^\s*(\d+) POINTS OF ACCEL\w* DATA EQUALLY SPACED AT\s+([\d.]+) SEC\.?\s*\(UNITS:\s*([^)]+)\)", re.I)
+_V2 = re.compile(
+    r"^\s*(\d+) POINTS OF ACCEL\w* DATA EQUALLY SPACED AT\s+([\d.]+) SEC[.,]*\s*(?:\(UNITS:|IN\s)([^()]+)", re.I
+)
+"""`... SEC.  (UNITS: CM/SEC/SEC)` in the older files, `... sec, in cm/sec2. (8f10.6)` in the newer."""
+
 _V1 = re.compile(r"^\s*(\d+)\s+Accelerogram points at\s+([\d.]+)\s*pts/sec in units of\s+(\S+)", re.I)
 _UNEVEN = re.compile(r"^\s*\d+\s+(?:POINTS OF|ACCELEROGRAM POINTS)", re.I)
 _PEAK = re.compile(r"PEAK ACCELERATION\s*=\s*(\S+)|\bMax\s*=\s*(\S+)\s+g\b", re.I)
@@ -48,7 +52,7 @@ def _channel(header: list[str], values: object, dt: float, units: str) -> Channe
     peaks = [number_in(m[1] or m[2]) for line in header if (m := _PEAK.search(line))]
     places = [m for line in header if (m := _CHANNEL.match(line))]
     component = places[0][2] if places else ""
-    station = next((m[1] for line in header if (m := re.match(r"STATION NO\.\s*(\S+)", line, re.I))), "")
+    station = next((m[1] for line in header if (m := re.match(r"STATION (?:NO|ID)\.\s*(\S+)", line, re.I))), "")
     title = [" ".join(line.split()) for line in header[2:4]]
     return Channel(values, dt, units, component, station, abs(peaks[-1]) if peaks else float("nan"), {"title": title})  # type: ignore[arg-type]
 
