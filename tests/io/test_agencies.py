@@ -14,6 +14,7 @@ import pytest
 
 from rockcli.errors import RecordError
 from rockcli.motion.agencies import plugins
+from rockcli.motion.agencies.csmip import CSMIP
 from rockcli.motion.agencies.formats import FORMATS, channels_of, format_of
 from rockcli.motion.direction import in_direction
 from rockcli.motion.reading import read_record
@@ -191,6 +192,7 @@ STARTS = [
     (cwb, "#SampleRate", "#StartTime(GMT+08): 2018/02/06-23:50:29.{}\n#SampleRate"),
     (cosmos, "CE-T1\n\n", "CE-T1\nRcrd start time: 2018/02/06 15:50:29.{} UTC (Q=5)\n"),
     (cosmos, "CE-T1\n\n", "CE-T1\nRcrd start time:02/06/2018, 15:50:29.{} UTC (Q=2)\n"),
+    (csmip_v1, "test\n\n\n", "test\n\n00001-T1              Start time:  2/06/18, 15:50:29.{} UTC (GPS)\n"),
 ]
 
 
@@ -209,6 +211,21 @@ def test_a_start_that_the_file_states_is_read_and_compared(
     assert unsaid.begins is None
     with pytest.raises(RecordError, match=r"second.txt begins 0.5 s after first.txt"):
         in_direction(first, second, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("said", "start"),
+    [
+        ("Start time:  8/29/18, 02:33:  .0 UTC (GPS)", "2018-08-29T02:33:00+00:00"),
+        ("Start time:  8/29/18, 02:33: 6.5 UTC (GPS)", "2018-08-29T02:33:06.500000+00:00"),
+        ("Start time:  8/29/18, 02:33 UTC", None),
+        ("Start time:  8/28/18, 19:33:06.5 PDT", None),
+        ("TRIGGER TIME: 06/28/92, 15:05:37.4 UTC", None),
+    ],
+)
+def test_a_start_of_csmip_is_one_of_the_first_sample_to_the_second(said: str, start: str | None) -> None:
+    (channel,) = channels_of(csmip_v1().replace("test\n\n", f"test\n\n{said}").encode(), CSMIP, "record")
+    assert channel.header.get("start") == start
 
 
 def test_every_format_is_made_by_hand_and_declared() -> None:

@@ -21,6 +21,10 @@ Array = NDArray[np.float64]
 
 _NUMERIC = re.compile(r"[\s0-9.eEdD+\-]*[0-9][\s0-9.eEdD+\-]*")
 
+_START = re.compile(r"start time:\s*(\d+/\d+/\d+),?\s+(\d+:[ \d]\d:[ \d.]*\d)\s+UTC", re.I)
+_DATES, _TIMES = ("%Y/%m/%d", "%m/%d/%Y", "%m/%d/%y"), ("%H:%M:%S.%f", "%H:%M:%S")
+"""As CESMD and as CGS write them, seconds also with blanks for zeros."""
+
 
 @dataclass(frozen=True, eq=False)
 class Channel:
@@ -64,6 +68,12 @@ def begun(text: str, *forms: str) -> dict[str, str]:
             aware = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
             return {"start": aware.astimezone(UTC).isoformat()}
     return {}
+
+
+def start_time(header: list[str]) -> dict[str, str]:
+    """What the line `Start time:  8/24/14, 10:20:33.0 UTC` of a COSMOS or CSMIP file says, as `begun` does."""
+    said = next((f"{m[1]} {m[2].replace(' ', '0')}" for line in header if (m := _START.search(line))), "")
+    return begun(said, *(f"{date} {time}" for date in _DATES for time in _TIMES))
 
 
 def counted(lines: list[str], first: int, count: int, name: str, times: int = 1) -> tuple[Array, int]:

@@ -8,11 +8,11 @@ from rockcli.errors import RecordError
 from rockcli.motion.agencies.channel import (
     Channel,
     Format,
-    begun,
     counted,
     decimal,
     number_in,
     sought,
+    start_time,
     step,
     unit_of,
     whole,
@@ -22,11 +22,6 @@ PEAK, INTERVAL = 63, 61
 """Places, from 0, in the header of reals: largest acceleration, and time step [ms]."""
 
 UNKNOWN = -999.0
-
-
-_START = re.compile(r"start time:\s*(\d+/\d+/\d+),?\s+(\d+:\d+:\d+\.?\d*)\s+UTC", re.I)
-_STARTS = ("%Y/%m/%d %H:%M:%S.%f", "%m/%d/%Y %H:%M:%S.%f", "%Y/%m/%d %H:%M:%S", "%m/%d/%Y %H:%M:%S")
-"""As CESMD and as CGS write it."""
 
 
 def recognises(lines: list[str]) -> bool:
@@ -73,8 +68,7 @@ def _channel(lines: list[str], at: int, name: str) -> tuple[Channel, int]:
     component = direction or (channel[1] if channel else "")
     code = next((m[1] for one in text if (m := re.search(r"Code:\s*(\S+)", one))), "")
     header = {"title": [" ".join(one.split()) for one in text[:2]], "processed": "uncorrected" not in first.lower()}
-    header |= next((begun(f"{m[1]} {m[2]}", *_STARTS) for one in text if (m := _START.search(one))), {})
-    return Channel(values, dt, units, component, code, peak, header), end + 1
+    return Channel(values, dt, units, component, code, peak, header | start_time(text)), end + 1
 
 
 def _skip(lines: list[str], at: int, kind: str, name: str) -> int:

@@ -5,7 +5,17 @@ from __future__ import annotations
 import re
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, counted, decimal, number_in, step, unit_of, whole
+from rockcli.motion.agencies.channel import (
+    Channel,
+    Format,
+    counted,
+    decimal,
+    number_in,
+    start_time,
+    step,
+    unit_of,
+    whole,
+)
 
 _V2 = re.compile(
     r"^\s*(\d+) POINTS OF ACCEL\w* DATA EQUALLY SPACED AT\s+([\d.]+) SEC[.,]*\s*(?:\(UNITS:|IN\s)([^()]+)", re.I
@@ -53,8 +63,8 @@ def _channel(header: list[str], values: object, dt: float, units: str) -> Channe
     places = [m for line in header if (m := _CHANNEL.match(line))]
     component = places[0][2] if places else ""
     station = next((m[1] for line in header if (m := re.match(r"STATION (?:NO|ID)\.\s*(\S+)", line, re.I))), "")
-    title = [" ".join(line.split()) for line in header[2:4]]
-    return Channel(values, dt, units, component, station, abs(peaks[-1]) if peaks else float("nan"), {"title": title})  # type: ignore[arg-type]
+    said = {"title": [" ".join(line.split()) for line in header[2:4]], **start_time(header)}
+    return Channel(values, dt, units, component, station, abs(peaks[-1]) if peaks else float("nan"), said)  # type: ignore[arg-type]
 
 
 CSMIP = Format("CSMIP", recognises, parse)
