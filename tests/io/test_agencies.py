@@ -16,6 +16,7 @@ from rockcli.errors import RecordError
 from rockcli.motion.agencies import plugins
 from rockcli.motion.agencies.csmip import CSMIP
 from rockcli.motion.agencies.formats import FORMATS, channels_of, format_of
+from rockcli.motion.agencies.smc import SMC
 from rockcli.motion.direction import in_direction
 from rockcli.motion.reading import read_record
 from rockcli.motion.units import FACTORS
@@ -86,8 +87,14 @@ def csmip_v1(values: list[float] = VALUES) -> str:
     )
 
 
-def smc(values: list[float] = VALUES, kind: str = "2 CORRECTED ACCELEROGRAM") -> str:
-    integers, reals = [-32768] * 48, [1.7e38] * 50
+UNKNOWN = -32768
+
+
+def smc(
+    values: list[float] = VALUES, kind: str = "2 CORRECTED ACCELEROGRAM", start: tuple[int, ...] = (UNKNOWN,) * 6
+) -> str:
+    integers, reals = [UNKNOWN] * 48, [1.7e38] * 50
+    integers[1:7] = start
     integers[15], integers[16] = 1, len(values)
     reals[1], reals[28], reals[29], reals[30], reals[31] = 200.0, 0.04, 60.5, 0.02, -123.5
     text = [kind, "*", "T1", "     2000  01  01    0000 A test", "*", "station = A place   component=    360",
@@ -211,6 +218,22 @@ def test_a_start_that_the_file_states_is_read_and_compared(
     assert unsaid.begins is None
     with pytest.raises(RecordError, match=r"second.txt begins 0.5 s after first.txt"):
         in_direction(first, second, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("start", "said"),
+    [
+        ((2018, 37, 15, 50, 29, 50), "2018-02-06T15:50:29.050000+00:00"),
+        ((2018, 37, 15, 50, 56, 0), "2018-02-06T15:50:56+00:00"),
+        ((2018, 37, 15, 50, 0, 0), None),
+        ((2018, 37, 15, 50, 0, UNKNOWN), None),
+        ((2018, 37, 15, 50, 29, UNKNOWN), None),
+        ((0, 37, 15, 50, 29, 50), None),
+    ],
+)
+def test_a_start_of_smc_is_one_to_the_millisecond(start: tuple[int, ...], said: str | None) -> None:
+    (channel,) = channels_of(smc(start=start).encode(), SMC, "record")
+    assert channel.header.get("start") == said
 
 
 @pytest.mark.parametrize(

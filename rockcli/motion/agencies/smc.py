@@ -5,13 +5,25 @@ from __future__ import annotations
 import re
 
 from rockcli.errors import RecordError
-from rockcli.motion.agencies.channel import Channel, Format, alone, counted, decimal, number_in, sought, step, whole
+from rockcli.motion.agencies.channel import (
+    Channel,
+    Format,
+    alone,
+    begun,
+    counted,
+    decimal,
+    number_in,
+    sought,
+    step,
+    whole,
+)
 
 TEXTS, INTEGERS, REALS = 11, 6, 10
 """Lines of the three parts of the header."""
 
-COUNT, RATE, MAXIMUM, MINIMUM = 16, 1, 29, 31
-"""Places, from 0: number of values among the integers; samples a second, extremes among the reals."""
+UNDEFINED, START, COUNT, RATE, MAXIMUM, MINIMUM = 0, slice(1, 7), 16, 1, 29, 31
+"""Places, from 0: what stands for no value, year to milliseconds of the first sample (UTC), and number of values, among
+the integers; samples a second, extremes among the reals."""
 
 _KINDS = {"0": "UNKNOWN", "1": "UNCORRECTED ACCELEROGRAM", "2": "CORRECTED ACCELEROGRAM", "3": "VELOCITY",
           "4": "DISPLACEMENT", "5": "RESPONSE SPECTR"}  # fmt: skip
@@ -47,9 +59,16 @@ def parse(lines: list[str], name: str) -> list[Channel]:
     place = re.search(r"component\s*=\s*(\S+)", text[5], re.I)
     station = sought(r"(?:station\s*=)?\s*(.*?)\s*(?:component\s*=|$)", text[5].strip("* "), "a station", name, 6)[1]
     header = {"title": [" ".join(text[3].split())]} if text[3].strip("* ") else {}
-    return [
-        Channel(values, dt, "cm/s2", place[1] if place else "", station, peak if peak < 1e30 else float("nan"), header)
-    ]
+    component, stated = place[1] if place else "", peak if peak < 1e30 else float("nan")
+    return [Channel(values, dt, "cm/s2", component, station, stated, header | _start(integers))]
+
+
+def _start(integers: list[str]) -> dict[str, str]:
+    """When the first sample was taken; older files give the minute of the earthquake in its place."""
+    said = integers[START]
+    if integers[UNDEFINED] in said or said[4:] == ["0", "0"]:
+        return {}
+    return begun(f"{' '.join(said[:5])}.{said[5]:0>3}", "%Y %j %H %M %S.%f")
 
 
 SMC = Format("SMC", recognises, parse)
