@@ -16,6 +16,7 @@ from rockcli.errors import RecordError
 from rockcli.motion.agencies import plugins
 from rockcli.motion.agencies.csmip import CSMIP
 from rockcli.motion.agencies.formats import FORMATS, channels_of, format_of
+from rockcli.motion.agencies.geonet import GEONET
 from rockcli.motion.agencies.smc import SMC
 from rockcli.motion.direction import in_direction
 from rockcli.motion.reading import read_record
@@ -107,7 +108,12 @@ def smc(
     return "\n".join(text) + "\n" + numbers + "| made by hand\n" + body
 
 
-def geonet(values: list[float] = VALUES, corrected: bool = True) -> str:
+def geonet(values: list[float] = VALUES, corrected: bool = True, start: str = "", prepended: int = 0) -> str:
+    integers = [1] * 40
+    integers[31] = prepended
+    for place, said in zip((8, 9, 18, 19, 38, 39), (start or "0 0 0 0 0 0").split(), strict=True):
+        integers[place] = int(said)
+    header = rows([float(one) for one in integers], 8, 10, 0) + rows([1.0] * 60, 8, 10, 1)
     one = ""
     for place in ("S16W", "Up"):
         text = [
@@ -121,7 +127,7 @@ def geonet(values: list[float] = VALUES, corrected: bool = True) -> str:
         ]  # fmt: skip
         series = [10.0 * value for value in values]
         body = "".join(rows(series, 8, 10, 1) for _ in range(3 if corrected else 1))
-        one += "\n".join(text) + "\n" + rows([1.0] * 100, 8, 10, 1) + body
+        one += "\n".join(text) + "\n" + header + body
     return one
 
 
@@ -218,6 +224,22 @@ def test_a_start_that_the_file_states_is_read_and_compared(
     assert unsaid.begins is None
     with pytest.raises(RecordError, match=r"second.txt begins 0.5 s after first.txt"):
         in_direction(first, second, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("start", "prepended", "said"),
+    [
+        ("2018 2 6 15 50 29050", 0, "2018-02-06T15:50:29.050000+00:00"),
+        ("2018 2 6 15 50 29050", 250, "2018-02-06T15:50:24.050000+00:00"),  # 5 s before the recorded ones
+        ("2018 2 6 15 50 0", 250, None),
+        ("2018 2 0 15 50 29050", 0, None),
+        ("2018 2 6 15 50 99999", 0, None),
+        ("", 250, None),
+    ],
+)
+def test_a_start_of_geonet_is_that_of_the_first_value(start: str, prepended: int, said: str | None) -> None:
+    channels = channels_of(geonet(start=start, prepended=prepended).encode(), GEONET, "record")
+    assert [channel.header.get("start") for channel in channels] == [said, said]
 
 
 @pytest.mark.parametrize(

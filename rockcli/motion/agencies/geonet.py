@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
+from datetime import UTC, datetime, timedelta
 
 from rockcli.motion.agencies.channel import Channel, Format, counted, decimal, number_in, sought, step, whole
 
 TEXTS, HEADER = 16, 26
 """Lines of text, and of the whole header."""
+
+PREPENDED, BUFFER_START = 31, (8, 9, 18, 19, 38, 39)
+"""Places, from 0, among the 40 integers of the header: samples put before the recorded ones, and year, month, day,
+hour, minute and milliseconds of the first recorded one (UTC)."""
 
 
 def recognises(lines: list[str]) -> bool:
@@ -50,12 +56,24 @@ def _channel(lines: list[str], at: int, name: str) -> Channel:
     part = lines[: _behind(lines, at)]
     values, _ = counted(part, at + HEADER, count, name, times=3 if corrected else 1)
     place = re.match(r"Component\s+(\S+)", text[12])
+    title = {"title": [" ".join(text[i].split()) for i in (6, 7)]}
     peak = re.search(r"peak\s+([+-]?[\d.]+)\s*mm/s/s", text[13], re.I)
     site = re.match(r"Site\s+(\S+)", text[1])
     return Channel(
         values * unit, dt, "mm/s2", place[1] if place else "", site[1] if site else "",
-        abs(number_in(peak[1])) if peak else float("nan"), {"title": [" ".join(text[i].split()) for i in (6, 7)]},
+        abs(number_in(peak[1])) if peak else float("nan"), title | _start(part[at + TEXTS : at + TEXTS + 4], dt),
     )  # fmt: skip
+
+
+def _start(lines: list[str], dt: float) -> dict[str, str]:
+    """When the first sample was taken; {} for times to the minute only, or none."""
+    with suppress(ValueError, IndexError, OverflowError):
+        integers = [int(word) for line in lines for word in line.split()]
+        year, month, day, hour, minute, milliseconds = (integers[place] for place in BUFFER_START)
+        if len(integers) == 40 and 0 < milliseconds < 60000:
+            recorded = datetime(year, month, day, hour, minute, tzinfo=UTC) + timedelta(milliseconds=milliseconds)
+            return {"start": (recorded - timedelta(seconds=integers[PREPENDED] * dt)).isoformat()}
+    return {}
 
 
 GEONET = Format("GEONET", recognises, parse)
