@@ -304,3 +304,19 @@ def test_wrong_targets(written: tuple[Path, str], tmp_path: Path) -> None:
         result = rock.invoke(app, ["report", *arguments])
         assert result.exit_code != 0
     netcdf.read(written[0])
+
+
+def test_what_an_audit_found_stands_in_the_result() -> None:
+    study = {
+        "case": {
+            "block": {"R": 2.0, "tan_alpha": 0.2},
+            "motion": {"pulse": {"shape": "sine", "a_p_over_g_tan_alpha": 1.5, "omega_p": "4*pi"}},
+        },
+        "vary": {"block.R": [1.0, 2.0]},
+    }
+    audited, plain = (page(rockcli.run(study | {"name": "audited", "audit": audit})) for audit in (True, False))
+    result = audited[audited.index("<h2>Result") : audited.index("The body")]
+    assert re.search(
+        r"Audit: all 2 cases again, standard -&gt; reference: 0 other outcomes, .*; peaks differ by", result
+    )
+    assert "Audit" not in plain

@@ -59,7 +59,9 @@ def page(
         plots.append("motion")
     first = [kind for kind in _FIRST if kind in plots and not why_not(kind, dataset)]
     parts = [
-        section("Result", _facts(dataset) + _outcomes(dataset) + _suite(dataset) + _thresholds(dataset)),
+        section(
+            "Result", _facts(dataset) + _outcomes(dataset) + _audit(dataset) + _suite(dataset) + _thresholds(dataset)
+        ),
         *(_plot(dataset, kind) for kind in first),
         *(_plot(dataset, kind) for kind in plots if kind not in _FIRST),
         *(section(title, table(head, rows, note)) for title, head, rows, note in tables if rows),
@@ -104,6 +106,12 @@ def _outcomes(dataset: xarray.Dataset) -> str:
     many = "case" if total == 1 else "cases"
     key = f'<div class="bar">{"".join(bar)}</div><ul class="key">{"".join(words)}</ul>\n'
     return f'<p class="quiet">{total} {many}</p>{key}'
+
+
+def _audit(dataset: xarray.Dataset) -> str:
+    """What an audit found, as `rock run` says it."""
+    said = "; ".join(json.loads(dataset.attrs.get("audit", "{}")).get("says", ()))
+    return f'<p class="quiet">{_text(_plain(dataset, f"audit: {said}"))}</p>\n' if said else ""
 
 
 def _thresholds(dataset: xarray.Dataset) -> str:
