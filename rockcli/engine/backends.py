@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from itertools import product
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from rockcli.scene.auto import AUTO, highest
 from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT, Backend, automatic
 from rockcli.scene.batch import Batch
 from rockcli.study.document.tree import Source
-from rockcli.study.study import Study
+from rockcli.study.study import BASES, Study
 
 DECIDING = ("model", "geometry", "damping", "solver", "case")
 """Axes along which the backend may change: the first key of their paths."""
@@ -29,23 +30,26 @@ def check_kernels() -> None:
 
 
 def check_backend(study: Study) -> None:
-    """`StudyError` if no backend, or not the one asked for, can solve any case of a study.
+    """`StudyError` if no backend, or not the one asked for, can solve any case of a study, or one of its bases.
 
-    Its line is that of the first key that decides on it and that the sentence names.
+    Its line is that of the base or else of the first key that decides on it and that the sentence names.
     Where an axis decides on it, single cases are refused when they are solved.
     """
     if any(axis.path.split(".")[0] in DECIDING for axis in study.axes):
         return
-    try:
-        _, batch = next(iter(study.batches(np.array([0]))))
-    except RockError:
-        return  # a bad case never loses the others
-    try:
-        choose(batch)
-    except SolverError as refused:
-        named = (where for key, where in study.places.items() if key.rsplit(".", 1)[-1] in refused.message)
-        message = f"case: {refused} (rock show backends: what each solves)"
-        raise Source(study.file).placed(next(named, None), message) from None
+    for point in product(*(range(axis.size) if axis.path in BASES else (0,) for axis in study.axes)):
+        index = np.ravel_multi_index((0, *point), (1, *study.shape))
+        try:
+            _, batch = next(iter(study.batches(np.array([index]))))
+        except RockError:
+            continue  # a bad case never loses the others
+        try:
+            choose(batch)
+        except SolverError as refused:
+            at = [f"vary.{axis.path}[{i}]" for axis, i in zip(study.axes, point, strict=True) if axis.path in BASES]
+            named = [*at, *(key for key in study.places if key.rsplit(".", 1)[-1] in refused.message)]
+            message = f"{', '.join(at) or 'case'}: {refused} (rock show backends: what each solves)"
+            raise Source(study.file).placed(study.places[named[0]] if named else None, message) from None
 
 
 def choose(batch: Batch) -> Backend:

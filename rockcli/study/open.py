@@ -53,7 +53,7 @@ from rockcli.study.plausibility import surely_meant
 from rockcli.study.plots import looks_of, said_of
 from rockcli.study.rules_spectrum import read_rules_spectrum
 from rockcli.study.schema import NO_PLOTS, CasePart, OverPart, StudyPart
-from rockcli.study.study import SAMPLE, Axis, Expect, Index, Over, Study, Uncertain
+from rockcli.study.study import BASES, SAMPLE, Axis, Expect, Index, Over, Study, Uncertain
 from rockcli.study.unused import overridden_axes, replaced_records, rules_without_friction, unused_symbols
 
 HISTORIES_UP_TO = 100
@@ -154,7 +154,7 @@ def open_study(
         uncertain=uncertain,
         refine=refine,
         audit=part.audit,
-        places=_places(tree),
+        places=_places(tree, axes),
     )
 
 
@@ -209,10 +209,12 @@ def _ineffective(
     )
 
 
-def _places(tree: Map) -> dict[str, Where]:
-    """Where a study says what decides on the backend."""
+def _places(tree: Map, axes: tuple[Axis, ...]) -> dict[str, Where]:
+    """Where a study says what decides on the backend, and each value of an axis over the base."""
     paths = {key: ("case", *key.split(".")) for key in DECIDES}
-    return {key: place(tree, keys) for key, keys in paths.items() if value_at(tree, keys) is not None}
+    said = {key: place(tree, keys) for key, keys in paths.items() if value_at(tree, keys) is not None}
+    of_base = ((axis.path, i) for axis in axes if axis.path in BASES for i in range(axis.size))
+    return said | {f"vary.{path}[{i}]": place(tree, ("vary", path, i)) for path, i in of_base}
 
 
 def _kind(value: Any) -> str:

@@ -42,6 +42,10 @@ class Given:
     unit: str = "1"
 
 
+BASES = ("base", "base.law", "base.fibres")
+"""Paths of axes over bases of which a backend may solve one and not another."""
+
+
 @dataclass(frozen=True)
 class Axis:
     """One dimension of the dataset.
@@ -277,7 +281,8 @@ class Study:
         inputs: name of every file read, as in the study -> SHA-256 of its bytes.
         processing: record name -> what was done to it, sentences in order, with the effect on PGA and PGV.
         warnings: sentences about the study as a whole.
-        places: where the file says what decides on the backend, by key (`solver.method`), of those that it says.
+        places: where the file says what decides on the backend, by key (`solver.method`, `vary.base[1]`), of those that
+            it says.
     """
 
     name: str

@@ -188,6 +188,22 @@ def test_the_line_of_what_the_backend_does_not_solve(tmp_path: Path, case: str, 
 
 
 @pytest.mark.usefixtures("unsolvable")
+@pytest.mark.parametrize("rigid", [0, 1])
+def test_every_base_of_an_axis_is_judged(tmp_path: Path, rigid: int) -> None:
+    file = tmp_path / "a.yaml"
+    bases = ["    - {law: winkler, kw: 1e9, fibres: 20}\n"]
+    bases.insert(rigid, "    - {law: rigid}\n")
+    file.write_text(
+        "name: a\ncase:\n  block: {R: 2, tan_alpha: 0.2, mass: 1000}\n  model: 4\n  geometry: corotational\n"
+        "  damping: hht\n  initial: {theta: 0.1}\n  solver: {backend: frame}\n"
+        f"vary:\n  initial.theta_dot: [0, 0.1]\n  base:\n{''.join(bases)}"
+    )
+    with pytest.raises(StudyError, match=rf"vary\.base\[{rigid}\]: damping hht needs a yielding base") as refused:
+        check_study(open_study(file), tmp_path)
+    assert (refused.value.line, refused.value.exit_code) == (12 + rigid, 2)
+
+
+@pytest.mark.usefixtures("unsolvable")
 def test_the_option_that_asks_for_what_the_backend_does_not_solve(tmp_path: Path) -> None:
     told = [("case.solver.backend", "calculix")]
     with pytest.raises(StudyError, match=r"^--set case\.solver\.backend=calculix: case: backend 'cal"):
