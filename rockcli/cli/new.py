@@ -71,11 +71,14 @@ def new(
 
 def _write_examples(folder: Path) -> None:
     """Studies and records of examples and tutorials, below a new folder; all of them or none."""
+    import os
+    import re
     import shutil
     from tempfile import TemporaryDirectory
 
     import rockcli
     from rockcli.errors import OutputError, StudyError
+    from rockcli.process_groups import is_running
     from rockcli.storage.places import check_folder, reason
 
     def copied(source: str, target: str) -> None:
@@ -92,7 +95,10 @@ def _write_examples(folder: Path) -> None:
     source = package / "shipped"
     if not source.is_dir():  # run from the sources
         source = package.parent
-    with TemporaryDirectory(prefix=".rock-", dir=folder.parent) as place:
+    for left in folder.parent.glob(".rock-new.*"):  # by one that was killed
+        if (begun := re.fullmatch(r"\.rock-new\.(\d+)\.\w+", left.name)) and not is_running(int(begun[1])):
+            shutil.rmtree(left, ignore_errors=True)
+    with TemporaryDirectory(prefix=f".rock-new.{os.getpid()}.", dir=folder.parent) as place:
         for name in SHIPPED:
             left_out = shutil.ignore_patterns("__pycache__", "results")
             shutil.copytree(source / name, Path(place, "new", name), ignore=left_out, copy_function=copied)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -62,6 +65,20 @@ def test_examples_are_those_of_the_sources_and_run(rock, tmp_path, capsys):
     assert rock("run", tmp_path / "examples" / "studies" / "examples", "--no-plots", "--workers", 1) == 0
     assert rock("new", "examples") == 2
     assert "is there already" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a process cannot be asked for without ending it")
+def test_what_a_killed_one_left_goes(rock, tmp_path):
+    killed = "import os, shutil; shutil.copytree = lambda *_, **__: os.kill(os.getpid(), 9)\n"
+    killed += "from rockcli.cli.main import app; app(['new', 'examples'])"
+    assert subprocess.run([sys.executable, "-c", killed], cwd=tmp_path, check=False).returncode == -9
+    (left,) = tmp_path.iterdir()
+    stay = [f".rock-new.{os.getppid()}.abc", ".rock-new.mine", ".rock-abcdefgh"]
+    for name in stay:
+        (tmp_path / name).mkdir()
+    assert rock("new", "examples") == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*stay, "examples"])
+    assert not left.exists()
 
 
 def test_a_statue_measured_by_hand_needs_no_records_of_its_own(rock, tmp_path):
