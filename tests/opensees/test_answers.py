@@ -15,6 +15,7 @@ from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
 from rockcli.solvers.event import solver as event
 from rockcli.solvers.flexible import solve as solve_flexible
+from rockcli.solvers.frame.solver import solve as solve_frame
 from rockcli.solvers.opensees.solver import solve
 
 pytestmark = needs_opensees
@@ -178,10 +179,13 @@ def test_a_winkler_base_as_a_law_and_as_fibres():
 def test_hht_on_fibres_loses_energy_at_impacts():
     hht = Damping("hht", np.ones((1, 2)), alpha_d=array(0.7))
     batch = replace(rigid(model="4", theta_0=0.1, histories=True), excitation=still(2.2), damping=hht)
-    response = solve(replace(batch, base=Base("winkler", array(1e10), 21)))
+    batch = replace(batch, base=Base("winkler", array(1e10), 21))
+    response = solve(batch)
     theta = response.histories["theta"][0]
     assert theta[0] == 0.1
-    assert -0.097 < theta.min() < -0.08  # first swing back: some of the energy is gone, and not through eta
+    # first swing back: some of the energy is gone, and not through eta
+    back = solve_frame(replace(batch, numerics=Numerics(backend="frame"))).histories["theta"][0].min()
+    assert -0.099 < theta.min() == pytest.approx(back, abs=2e-5)
     assert "HHT, alpha_d 0.7" in response.used["method"]
 
 

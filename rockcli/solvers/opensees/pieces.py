@@ -155,9 +155,10 @@ FIBRES = """\
 # Fibres that carry no tension, from corner to corner: the two at the corners are half as stiff.
 ops.uniaxialMaterial("ENT", 1, kw)
 ops.section("Fiber", 1)
-for i in range(fibres):
-    half = 0.5 if i in (0, fibres - 1) else 1.0
-    ops.fiber(b * (2.0 * i / (fibres - 1) - 1.0), 0.0, half * 2.0 * b / (fibres - 1), 1)
+places = [b * (2.0 * i / (fibres - 1) - 1.0) for i in range(fibres)]
+widths = [(0.5 if i in (0, fibres - 1) else 1.0) * 2.0 * b / (fibres - 1) for i in range(fibres)]
+for place, width in zip(places, widths):
+    ops.fiber(place, 0.0, width, 1)
 SECTION = 1001
 ops.element("zeroLengthSection", SECTION, GROUND, BASE, 1, "-orient", 0, 1, 0, -1, 0, 0)
 
@@ -238,7 +239,7 @@ ops.rayleigh(0.0, 0.0, 0.0, 2.0 * zeta / omega_1)
 
 INITIAL = """\
 # ---------------------------------------------------------------- initial state: turned rigidly about the base
-sin, cos = math.sin(theta_0), math.cos(theta_0)
+{rise}sin, cos = math.sin(theta_0), math.cos(theta_0)
 for i, height in enumerate(heights):
     moved = [{moved}, -theta_0]
     moving = [{moving}, -theta_dot_0]
@@ -247,10 +248,19 @@ for i, height in enumerate(heights):
         ops.setNodeVel(BASE + i, dof, moving[dof - 1], "-commit")
 """
 
+RISE = """\
+low, high = -m * g / (2.0 * kw * b) - b * abs(theta_0), b * abs(theta_0)  # the base, too deep and clear of the fibres
+for _ in range(200):
+    rise = 0.5 * (low + high)  # where the fibres carry the weight
+    carried = sum(kw * width * max(0.0, -rise - place * theta_0) for place, width in zip(places, widths))
+    low, high = (rise, high) if carried > m * g else (low, rise)
+rise -= ops.nodeDisp(BASE, 2)
+"""
+
 INITIAL_TURNED = ("height * sin, -height * (1.0 - cos)", "height * cos * theta_dot_0, -height * sin * theta_dot_0")
 INITIAL_LINEAR = ("height * theta_0, 0.0", "height * theta_dot_0, 0.0")
 INITIAL_LIFTED = (
-    "height * sin, b * abs(sin) - height * (1.0 - cos)",
+    "height * sin, rise - height * (1.0 - cos)",
     "height * cos * theta_dot_0, (math.copysign(b * cos, theta_0) - height * sin) * theta_dot_0",
 )
 

@@ -135,7 +135,8 @@ def _analysis(batch: Batch, case: CaseOfOpenSees) -> list[str]:
     if moving:
         how = pieces.INITIAL_LIFTED if case.law == "fibres" else pieces.INITIAL_TURNED
         moved, rates = pieces.INITIAL_LINEAR if batch.numerics.method == "linear" else how
-        parts = [pieces.INITIAL.format(moved=moved, moving=rates), "\n"]
+        rise = pieces.RISE if case.law == "fibres" else ""
+        parts = [pieces.INITIAL.format(rise=rise, moved=moved, moving=rates), "\n"]
     parts.append(pieces.ANALYSIS.format(integrator=pieces.HHT if "alpha_d" in known else pieces.NEWMARK))
     parts.append("\n\n" + (loop.TOP_FLEXIBLE if batch.model == "flexible" else loop.TOP_RIGID))
     return [*parts, "\n\n", loop.LOOP, "\n", loop.WRITE]
