@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from columns import PULSES, flexible, needs_opensees, peak, rigid
-from scenes import G, array, block, make_batch, pulse, record, still
+from scenes import G, array, block, make_batch, make_block, pulse, record, still
 
 from rockcli.errors import SolverError
 from rockcli.scene.body.column import Base, Column
 from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
+from rockcli.scene.response import NO_UPLIFT
 from rockcli.solvers.event import solver as event
 from rockcli.solvers.flexible import solve as solve_flexible
 from rockcli.solvers.frame.solver import solve as solve_frame
@@ -238,3 +239,17 @@ def test_a_base_of_fibres_uplifts_where_it_hops():
     hopping = replace(batch, geometry="corotational", base=Base("winkler", array(kw), 5), numerics=Numerics(dt=2e-4))
     leaves = np.arccos(-(1.0 - fall) / fall) / omega
     assert solve(hopping).scalars["t_uplift"][0] == pytest.approx(leaves, abs=4e-4)
+
+
+@pytest.mark.parametrize(("fibres", "share"), [(None, 0.05), (21, 0.05), (21, 0.2)])
+def test_a_column_let_go_in_full_contact_does_not_uplift(fibres, share):
+    # on a base that opens at .3 alpha: the edges stay down, as in the modal solver
+    alpha = np.arctan(0.1)
+    kw = array(2500.0 * 40.0 * G / (2.0 * 1.0**2) / (0.3 * alpha))
+    batch = make_batch(make_block(h=10.0, b=1.0), still(0.5), eta=1.0, model="flexible", theta_0=share * alpha)
+    batch = replace(batch, column=Column(array(3e10), array(2500.0), array(0.01), 2, "consistent"))
+    on_law, batch = (replace(batch, base=Base("winkler", kw, how)) for how in (None, fibres))
+    found = solve(replace(batch, numerics=Numerics(dt=1e-3))).scalars
+    assert found["outcome"][0] == solve_flexible(on_law).scalars["outcome"][0] == NO_UPLIFT
+    assert np.isnan(found["t_uplift"][0])
+    assert found["theta_peak_over_alpha"][0] == 0.0

@@ -32,7 +32,7 @@ def rigid_part():
     return math.atan2(x, y), turning / about
 """
 
-LOOP = """\
+ADVANCE = """\
 smallest = DT
 divided = 0  # steps that had to be divided
 iterations = 0  # of Newton, those of divided steps too
@@ -56,7 +56,15 @@ def advance(dt):
 theta, theta_dot, t = theta_0, theta_dot_0, 0.0
 armed = abs(theta) > theta_armed  # whether coming back to theta = 0 is an impact
 last_armed = 0.0
-t_uplift = 0.0 if theta != 0.0 or theta_dot != 0.0 else None
+"""
+
+UPLIFTED = {
+    False: "t_uplift = 0.0 if theta != 0.0 or theta_dot != 0.0 else None\n",
+    True: "t_uplift = 0.0 if opened() else None  # such a base turns in full contact too\n",
+}
+"""Whether the body begins uplifted, by whether its base yields."""
+
+LOOP = """\
 peak = {"theta": theta, "t": 0.0, "theta_dot": abs(theta_dot), "u_top": abs(top()[0])}
 impacts = []  # t, theta_dot before, theta_dot after
 rows = [(t, theta, theta_dot, *top(), base_moment())]

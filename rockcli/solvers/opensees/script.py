@@ -139,4 +139,5 @@ def _analysis(batch: Batch, case: CaseOfOpenSees) -> list[str]:
         parts = [pieces.INITIAL.format(rise=rise, moved=moved, moving=rates), "\n"]
     parts.append(pieces.ANALYSIS.format(integrator=pieces.HHT if "alpha_d" in known else pieces.NEWMARK))
     parts.append("\n\n" + (loop.TOP_FLEXIBLE if batch.model == "flexible" else loop.TOP_RIGID))
-    return [*parts, "\n\n", loop.LOOP, "\n", loop.WRITE]
+    yields = case.law in ("winkler", "fibres")
+    return [*parts, "\n\n", loop.ADVANCE, loop.UPLIFTED[yields], loop.LOOP, "\n", loop.WRITE]
