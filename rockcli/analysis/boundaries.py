@@ -1,7 +1,8 @@
 """Boundaries between outcomes of a refined map, as curves.
 
 A curve runs half-way between neighbouring pixels of which one is on either side; it is open where it leaves the map or
-meets a pixel of which nothing is known, and closed, its last point its first, round an island.
+meets a pixel of neither side, and closed, its last point its first, round an island. Across a band one pixel wide, with
+pixels of neither side beside it, it is one point.
 """
 
 from __future__ import annotations
@@ -91,7 +92,10 @@ def curves_of(outcome: NDArray[np.int8], kind: int) -> list[tuple[Array, Array]]
 
 
 def _segments(known: Mask, inside: Mask) -> Index:
-    """Pairs of crossings, (k, 2): of pixels p and p + 1 the crossing is p, of p and p + m it is n m + p."""
+    """Pairs of crossings, (k, 2): of pixels p and p + 1 the crossing is p, of p and p + m it is n m + p.
+
+    One that no other is beside is a pair with itself.
+    """
     n, m = inside.shape
     across = (inside[:, 1:] != inside[:, :-1]) & known[:, 1:] & known[:, :-1]
     down = (inside[1:] != inside[:-1]) & known[1:] & known[:-1]
@@ -112,7 +116,10 @@ def _segments(known: Mask, inside: Mask) -> Index:
         np.column_stack([top, left])[apart], np.column_stack([bottom, right])[apart],
         np.column_stack([top, right])[other], np.column_stack([bottom, left])[other],
     ]  # fmt: skip
-    return np.concatenate(pairs).astype(np.int64)
+    found = np.concatenate(pairs).astype(np.int64)
+    every = [k * n * m + np.ravel_multi_index(np.nonzero(met), (n, m)) for k, met in enumerate((across, down))]
+    alone = np.setdiff1d(np.concatenate(every), found)
+    return np.concatenate([found, np.column_stack([alone, alone])])
 
 
 def _chained(segments: Index, across: int, m: int) -> list[tuple[Array, Array]]:

@@ -13,7 +13,7 @@ from rockcli.analysis.boundaries import KINDS, curves_of
 from rockcli.plotting import figures
 from rockcli.plotting.kinds.boundaries import smoothed
 from rockcli.scene.batch import Batch
-from rockcli.scene.response import Response
+from rockcli.scene.response import FAILED, Response
 
 N = 201
 UPLIFT, OVERTURNING, AFTER_IMPACT = range(len(KINDS))
@@ -77,15 +77,25 @@ def test_neighbours_on_a_curve_are_neighbours_on_the_map(dataset):
     assert np.hypot(np.diff(x), np.diff(y)).max() <= 1.01 / (N - 1)
 
 
-def test_every_change_is_on_one_curve():
+def test_a_change_along_a_band_one_pixel_wide_is_a_point():
+    outcome = np.ones((6, 5), dtype=np.int8)
+    outcome[:3, 2], outcome[3:, 2] = 2, 3
+    ((rows, cols),) = curves_of(outcome, AFTER_IMPACT)
+    assert (rows.tolist(), cols.tolist()) == ([2.5], [2.0])
+
+
+@pytest.mark.parametrize("known", [1.0, 0.8, 0.5])
+def test_every_change_is_on_one_curve(known: float):
     """Of any map: as many points as there are neighbours of which one overturns, each once, saddles too."""
-    outcome = np.random.default_rng(5).integers(0, 2, (30, 40)).astype(np.int8) * 2 + 1
+    random = np.random.default_rng(5)
+    outcome = random.integers(0, 2, (30, 40)).astype(np.int8) * 2 + 1
+    outcome[random.random(outcome.shape) > known] = FAILED
     curves = curves_of(outcome, OVERTURNING)
     met = [tuple(point) for rows, cols in curves for point in zip(rows.tolist(), cols.tolist(), strict=True)]
     closed = sum((rows[0], cols[0]) == (rows[-1], cols[-1]) and len(rows) > 1 for rows, cols in curves)
-    changes = int((np.diff(outcome, axis=0) != 0).sum() + (np.diff(outcome, axis=1) != 0).sum())
+    changes = sum(int((np.abs(np.diff(outcome, axis=axis)) == 2).sum()) for axis in (0, 1))
     assert len(met) - closed == len(set(met)) == changes
-    assert closed > 5
+    assert closed > (5 if known == 1.0 else 0)
 
 
 def test_what_is_not_known_ends_a_curve():
@@ -111,6 +121,14 @@ def test_a_figure_of_lines(dataset, tmp_path: Path):
     assert len(drawn.axes[0].lines) == len(set(dataset["boundary_curve"].values))
     figures.save(drawn, tmp_path / "lines.svg", "svg")
     assert "after impact" not in figures.why_not("boundaries", dataset)
+
+
+def test_a_curve_of_one_point_is_drawn_as_a_dot(dataset):
+    where = np.arange(dataset.sizes["boundary_point"]) < 1
+    drawn = figures.figure("boundaries", dataset.isel(boundary_point=where))
+    (dot,) = drawn.axes[0].lines
+    assert np.isfinite(dot.get_xydata()).all()
+    assert dot.get_linestyle() == "None"
 
 
 def off_the_disc(x, y, radius: float):

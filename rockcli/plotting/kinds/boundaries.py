@@ -65,7 +65,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         if which < MOST_CURVES:
             line = np.column_stack([place[begin:end] for place in places])
             small = end - begin < _ISLAND and bool((line[0] == line[-1]).all())
-            line = line[:-1].mean(axis=0, keepdims=True) if small else smoothed(line)
+            line = line[: max(1, len(line) - 1)].mean(axis=0, keepdims=True) if small else smoothed(line)
             style = _DOT if small else {"linestyle": _STYLES[meanings[kinds[begin]]], "linewidth": 0.9}
             x, y = (np.interp(i, np.arange(len(v)), v) for i, v in zip(line.T, values, strict=True))
             axes.plot(x, y, color=_colour(which, others), **style)
