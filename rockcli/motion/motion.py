@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -14,8 +15,8 @@ __all__ = ["Given", "Motion"]
 NO_START = datetime(1970, 1, 1, tzinfo=UTC)
 """What ObsPy says of files without a time of their first sample."""
 
-VERTICAL = frozenset({"UP", "U", "UD", "V", "VER", "VERT", "VERTICAL", "DN", "DWN", "DOWN", "Z"})
-"""What files call a vertical component."""
+VERTICAL = re.compile(r"UP?|UD[12]?|V(?:ER(?:T(?:ICAL)?)?)?|DW?N|DOWN|Z|[A-Z]{2}Z", re.I)
+"""What files call a vertical component; of KiK-net UD1 and UD2, of the seismological formats HNZ and the like."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ class Motion:
     @property
     def is_vertical(self) -> bool:
         """Whether the file calls it a vertical component."""
-        return self.component.upper() in VERTICAL
+        return VERTICAL.fullmatch(self.component) is not None
 
     @property
     def begins(self) -> tuple[str, float] | None:

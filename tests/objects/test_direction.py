@@ -15,6 +15,7 @@ from rockcli.analysis.direction import with_worst_direction
 from rockcli.errors import RecordError, StudyError
 from rockcli.motion.at2 import at2_text
 from rockcli.motion.direction import cosine_and_sine
+from rockcli.motion.motion import Motion
 from rockcli.scene.body.block import housner_eta
 from rockcli.storage.contents import Contents, axis_field, variable_field
 from rockcli.study.open import open_study
@@ -123,6 +124,17 @@ def test_a_vertical_component_that_is_taken_as_horizontal_is_told(tmp_path):
         assert [one.split(":")[0] for one in told if "calls it a vertical component, UP" in one] == ["UP.AT2"] * said
     suite = {"case": {"block": BLOCK, "motion": {"record": up}}, "vary": {"motion.record.file": [across, up]}}
     assert any("UP.AT2: its file calls it" in one for one in rockcli.check(suite)["warnings"])
+
+
+@pytest.mark.parametrize(
+    ("component", "is_vertical"),
+    [
+        *((name, True) for name in ["UP", "u", "UD", "UD1", "UD2", "V", "Vert", "vertical", "DN", "DWN", "Z", "HNZ"]),
+        *((name, False) for name in ["", "N", "UX", "HNE", "HN1", "EW2", "090", "S16W", "V1", "FN", "NZ"]),
+    ],
+)
+def test_names_of_vertical_components(component, is_vertical):
+    assert Motion(np.ones(2), 0.01, in_g=True, component=component).is_vertical is is_vertical
 
 
 @pytest.mark.parametrize(("window", "apart"), [(None, 1), ([1.0, 2.5], 0), ([0.5, 2.5], 1)])
