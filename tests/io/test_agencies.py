@@ -273,6 +273,21 @@ def test_a_start_of_csmip_is_one_of_the_first_sample_to_the_second(said: str, st
     assert channel.header.get("start") == start
 
 
+@pytest.mark.parametrize(
+    ("said", "component", "is_vertical"),
+    [
+        ("Sta Chan  2:  Up     (Rcrdr", "Up", True),
+        ("Sta Chan:    2 :  270 deg (Rcrdr", "270", False),
+        ("Sta Chan   ?:Other   (Rcrdr", "1", False),  # by the line behind the values
+    ],
+)
+def test_a_component_of_cosmos(tmp_path: Path, said: str, component: str, is_vertical: bool) -> None:
+    path = tmp_path / "record.v2"
+    path.write_text(cosmos().replace("Sta Chan  1: 340 deg (Rcrdr", said))
+    motion = read_record(path)
+    assert (motion.component, motion.is_vertical) == (component, is_vertical)
+
+
 def test_every_format_is_made_by_hand_and_declared() -> None:
     """ObsPy finds the readers by the entry points of the installed package."""
     assert {one.name for one in FORMATS} == {name.split()[0] for name in MADE}

@@ -23,6 +23,9 @@ PEAK, INTERVAL = 63, 61
 
 UNKNOWN = -999.0
 
+_DIRECTION = re.compile(r"Sta Cha(?:n|nnel)?\b[\s:]*\d+[\s:]*(?:(\d+)\s*deg|(up|down|vert)\b)", re.I)
+"""`Sta Chan  1: 340 deg (Rcrdr Chan  1)` or `Sta Chan  2:  Up     (Rcrdr Chan  2)`."""
+
 
 def recognises(lines: list[str]) -> bool:
     """`Corrected acceleration (Format v01.20 with 13 text lines)`."""
@@ -64,7 +67,7 @@ def _channel(lines: list[str], at: int, name: str) -> tuple[Channel, int]:
     dt = step(1e-3 * reals[INTERVAL], name, at + 1)
     peak = abs(reals[PEAK]) if reals[PEAK] != UNKNOWN else float("nan")
     channel = re.search(r"End.of.data for Chan(?:nel)?\s*(\S+)", lines[end], re.I) if end < len(lines) else None
-    direction = next((m[1] for one in text if (m := re.search(r"Chan?\s*:?\s*\d+:\s*(\d+)\s*deg", one, re.I))), "")
+    direction = next((m[1] or m[2] for one in text if (m := _DIRECTION.search(one))), "")
     component = direction or (channel[1] if channel else "")
     code = next((m[1] for one in text if (m := re.search(r"Code:\s*(\S+)", one))), "")
     header = {"title": [" ".join(one.split()) for one in text[:2]], "processed": "uncorrected" not in first.lower()}
