@@ -34,6 +34,9 @@ ROUGH = 1.3
 """Change from one number to the next over that down a column above which columns read line by line are doubted: of
 150 records it is at most .8, of three components side by side 1.9 and more."""
 
+FEW = 20
+"""Values up to which one that is as large as their number is an acceleration."""
+
 SEMICOLON = "separate columns by commas or blanks and decimals by a point; a semicolon stands here"
 
 _COMMENT = re.compile(r"\s*[#%]")
@@ -138,9 +141,23 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     if dt is None:
         raise OptionError("dt", "the file does not state the time step; give it with `dt:` in seconds", name)
     if columns == 1:
+        _refuse_count(numbers, plain, name)
         return Text(numbers.values, float(dt), unit, ())
     row_major = f"values read line by line, {columns} on each"
     return Text(numbers.values, float(dt), unit, (row_major,), warnings=_side_by_side(numbers.values, columns))
+
+
+def _refuse_count(numbers: Numbers, lines: list[str], name: str) -> None:
+    """Say that the first or second of a column is no acceleration: how many follow, alone or beside the time step."""
+    values, n = numbers.values, len(numbers.values)
+    if n <= FEW:
+        return
+    after, before = (0.0 < value < 1.0 for value in (values[1], values[0]))  # a time step
+    for at, follow, possible in ((0, n - 1, True), (0, n - 2, after), (1, n - 2, before)):
+        if possible and values[at] == follow and numbers.tokens[at] == str(follow):
+            line = [number for number, line in enumerate(lines, 1) if line.strip()][at]
+            said = f"{follow} is how many values follow: leave out what is none, or begin it with #"
+            raise RecordError(said, name, line)
 
 
 def _side_by_side(values: NDArray[np.float64], columns: int) -> tuple[str, ...]:

@@ -230,6 +230,17 @@ def test_rows_of_values_are_read_line_by_line(write) -> None:
     assert "5 on each" in motion.processing[0]
 
 
+@pytest.mark.parametrize(("head", "line"), [("# a record\n40\n", 2), ("40\n.01\n", 1), (".01\n\n40\n", 3)])
+def test_a_number_of_values_is_no_acceleration(write, head: str, line: int) -> None:
+    column = "".join(f"{i % 7 - 3.5}\n" for i in range(40))
+    path = write(head + column)
+    with pytest.raises(RecordError, match="40 is how many values follow") as caught:
+        read_record(path, units="gal", dt=0.01)
+    assert caught.value.line == line
+    for values in (head.replace("40", "40.0") + column, head + column + "1\n"):
+        assert read_record(write(values), units="gal", dt=0.01).values.max() == pytest.approx(0.4)
+
+
 @pytest.mark.parametrize("columns", [3, 6])
 def test_motions_side_by_side_are_doubted(write, columns: int) -> None:
     t = 0.01 * np.arange(600)
