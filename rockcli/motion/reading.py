@@ -293,9 +293,8 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     _refuse_part_of_a_record(traces, path)
     trace = _chosen_trace(traces, component, path)
     stats = trace.stats
-    if format_name == "KNET" and stats.npts != (count := round(stats.knet.duration * stats.sampling_rate)):
-        said = f"the header announces {count} values and {stats.npts} follow: the file is damaged; get it anew"
-        raise RecordError(said, path)
+    if format_name == "KNET":
+        _refuse_knet(stats, path)
     calib = float(stats.calib)
     values = np.ma.filled(np.ma.asarray(trace.data, dtype=float), np.nan) * calib
     processing = () if calib == 1.0 else (f"values as stored multiplied by the file's calibration factor {calib:.8g}",)
@@ -310,6 +309,15 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     if format_name in SINGLE:  # .01 is then .00999999978
         dt = float(str(np.float32(dt)))
     return Found(values, dt, units, format_name, str(stats.channel), header, processing)
+
+
+def _refuse_knet(stats: Any, path: Path) -> None:
+    """Refuse a file of which ObsPy takes numbers without a header, or with more or fewer values than announced."""
+    if "knet" not in stats:
+        raise RecordError("its header does not end with a line 'Memo.': the file is damaged; get it anew", path)
+    if stats.npts != (count := round(stats.knet.duration * stats.sampling_rate)):
+        said = f"the header announces {count} values and {stats.npts} follow: the file is damaged; get it anew"
+        raise RecordError(said, path)
 
 
 def _refuse_part_of_a_record(traces: list[Any], path: Path) -> None:

@@ -284,6 +284,10 @@ def test_a_knet_file_that_was_cut_is_refused(write, cut: str, left: int) -> None
     refused(path, f"the header announces 8 values and {left} follow")
 
 
+def test_a_header_of_knet_without_its_end(write) -> None:
+    refused(write(KNET.replace("Memo.\n", ""), "AKT013.EW"), "does not end with a line 'Memo.'")
+
+
 def test_seismological_formats_need_units_and_a_component(tmp_path: Path) -> None:
     from obspy import Stream, Trace
 
