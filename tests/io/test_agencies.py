@@ -182,11 +182,11 @@ MADE = {
 
 
 @pytest.mark.parametrize("name", MADE)
-@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
-def test_a_file_made_by_hand_is_read(tmp_path: Path, name: str, line_end: str) -> None:
+@pytest.mark.parametrize(("line_end", "mark"), [("\n", ""), ("\r\n", "\ufeff")])
+def test_a_file_made_by_hand_is_read(tmp_path: Path, name: str, line_end: str, mark: str) -> None:
     text, component, dt, units, found = MADE[name]
     path = tmp_path / "record.txt"
-    path.write_bytes(text.replace("\n", line_end).encode())
+    path.write_bytes((mark + text.replace("\n", line_end)).encode())
     motion = read_record(path, component=component)
     factor = {"g": 1e-3, "m/s2": 1e-2}[units] * (2.0 if "recorded" in name else 1.0)
     np.testing.assert_allclose(motion.values, np.array(VALUES) * factor, rtol=1e-4, atol=1e-9)

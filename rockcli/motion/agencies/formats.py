@@ -26,8 +26,9 @@ def format_of(data: bytes) -> Format | None:
 
 
 def lines_of(data: bytes) -> list[str]:
-    """The lines of a text file, whatever its line ends."""
-    return data.decode("latin-1").replace("\r\r\n", "\n").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    """The lines of a text file, whatever its line ends, without the mark that editors put before it."""
+    text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
+    return text.replace("\r\r\n", "\n").replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 def channels_of(data: bytes, one: Format, name: str) -> list[Channel]:
