@@ -386,9 +386,10 @@ def test_a_header_that_states_another_peak_is_mentioned(tmp_path: Path) -> None:
         read_record(path, units="g")
 
 
-def test_several_components_have_to_be_chosen_from(tmp_path: Path) -> None:
+@pytest.mark.parametrize("end", ["/&  ----------  END OF DATA", "----------  END OF DATA", ""])
+def test_several_components_have_to_be_chosen_from(tmp_path: Path, end: str) -> None:
     path = tmp_path / "record.V2"
-    path.write_text(csmip_v2())
+    path.write_text(csmip_v2().replace("/&  ----------  END OF DATA", end))
     with pytest.raises(RecordError, match="choose one with `component`; the file holds 0: 90, 1: UP"):
         read_record(path)
     assert read_record(path, component="up").component == "UP"

@@ -17,6 +17,9 @@ from rockcli.motion.agencies.channel import (
     whole,
 )
 
+_KINDS = ("CORRECTED ACCELEROGRAM", "UNCORRECTED ACCELEROGRAM DATA")
+"""How the first lines of a component begin; in most files `/&  ---- END OF DATA ...` stands before the next one."""
+
 _V2 = re.compile(
     r"^\s*(\d+) POINTS OF ACCEL\w* DATA EQUALLY SPACED AT\s+([\d.]+) SEC[.,]*\s*(?:\(UNITS:|IN\s)([^()]+)", re.I
 )
@@ -30,7 +33,7 @@ _CHANNEL = re.compile(r"^CHAN\s*(\d+):\s*(\S+)(?:\s+DEG)?", re.I)
 
 def recognises(lines: list[str]) -> bool:
     """`CORRECTED ACCELEROGRAM ... CHAN 1: 90 DEG` with `UNCORRECTED ACCELEROGRAM DATA` below, or the latter first."""
-    kinds = [line.upper().startswith(("CORRECTED ACCELEROGRAM", "UNCORRECTED ACCELEROGRAM DATA")) for line in lines[:2]]
+    kinds = [line.upper().startswith(_KINDS) for line in lines[:2]]
     return bool(kinds) and kinds[0] and ("DATA" in lines[0].upper() or (len(kinds) > 1 and kinds[1]))
 
 
@@ -49,9 +52,9 @@ def parse(lines: list[str], name: str) -> list[Channel]:
         interval = step(said if is_V2 or said == 0.0 else 1.0 / said, name, at + 1)
         values, at = counted(lines, at + 1, whole(match[1], "the number of points", name, at + 1), name)
         found.append(_channel(header, values, interval, unit_of(match[3], name, at + 1)))
-        while at < len(lines) and not lines[at].startswith("/&"):
+        while at < len(lines) and not lines[at].upper().startswith(("/&", *_KINDS)):
             at += 1
-        at = begin = at + 1
+        at = begin = at + (at < len(lines) and lines[at].startswith("/&"))
     if not found:
         uneven = next((i for i, line in enumerate(lines) if _UNEVEN.match(line)), 0)
         raise RecordError("no acceleration at equal time steps in it", name, uneven + 1)
