@@ -287,7 +287,7 @@ class BasePart(Part):
 
     law: Literal["rigid", "winkler"] = key("moment of the base", "rigid")
     kw: Number | None = key("Winkler stiffness [N/m³]")
-    fibres: int | None = key("number of fibres", ge=1)
+    fibres: int | None = key("number of fibres, two or more", ge=2)
 
 
 class SpectrumPart(Part):

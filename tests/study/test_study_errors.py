@@ -109,6 +109,12 @@ WRONG = [
     ("damping: restitution", "solver: {accuracy: high}", 7, ["draft, standard, reference"]),
     ("damping: restitution", "geometry: corotated", 7, ["negative_stiffness"]),
     ("damping: restitution", "base: {kw: 1e9}", 7, ["case.base.kw", "belongs to base law winkler"]),
+    (
+        "damping: restitution",
+        "base: {law: winkler, kw: 1e9, fibres: 1}",
+        7,
+        ["case.base.fibres is 1; expected at least 2"],
+    ),
     ("damping: restitution", "g: -9.81", 7, ["case.g", "greater than 0"]),
     ("damping: restitution", "g: 0.5*g", 7, ["needs itself"]),
     ("{gamma: 5}", "{gamma: delta}", 2, ["let.gamma", "`delta` is not known"]),

@@ -28,13 +28,11 @@ def kind_of_base(batch: Batch) -> float:
 
 
 def fibres(b: float, kw: float, n: int, *, place: str = "corners") -> Array:
-    """Places x [m] and stiffnesses [N/m] of n fibres under a base from -b to b, (n, 2), of total stiffness 2 b kw.
+    """Places x [m] and stiffnesses [N/m] of n >= 2 fibres under a base from -b to b, (n, 2), of total stiffness 2 b kw.
 
-    `corners`: evenly from corner to corner, the two at the corners half as stiff (one fibre: in the middle).
+    `corners`: evenly from corner to corner, the two at the corners half as stiff.
     `middles`: in the middles of n equal parts; the pivot is then at b (1 - 1/n).
     """
-    if n == 1:
-        return np.array([[0.0, 2.0 * b * kw]])
     if place == "middles":
         x = b * ((2.0 * np.arange(n) + 1.0) / n - 1.0)
         return np.column_stack([x, np.full(n, 2.0 * b * kw / n)])

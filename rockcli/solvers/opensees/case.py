@@ -207,8 +207,6 @@ def _base_lines(batch: Batch, case: int, law: str, theta_y: float, weight: float
         lines.append(("kw", kw, "stiffness of the base [N/m3], per unit depth"))
     if law == "fibres":
         assert batch.base is not None
-        if (batch.base.fibres or FIBRES) < 2:
-            raise SolverError("a base of fibres needs at least 2 of them")
         lines.append(("fibres", batch.base.fibres or FIBRES, "fibres of the base"))
     what = "rotation at which an edge of the base opens [rad]" if lines else "rotation at which the base opens [rad]"
     armed = max(REARM * alpha, theta_y)
