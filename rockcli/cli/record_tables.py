@@ -73,15 +73,15 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
     import numpy as np
 
     from rockcli.errors import RecordError
-    from rockcli.motion.direction import of_other_places, refuse_other_start
+    from rockcli.motion.direction import not_a_pair, refuse_other_start
     from rockcli.motion.rotated import rotated_measures, rotated_spectrum
     from rockcli.motion.spectrum import DAMPING
 
     for motion in (one, two):  # as pairs of a folder of three components, or where one is missing, would be
         if motion.is_vertical:
             raise RecordError(f"is a vertical component, {motion.component}: --rotd takes horizontal ones", motion.name)
-    if elsewhere := of_other_places(one, two):
-        raise RecordError(elsewhere, one.name)
+    if why := not_a_pair(one, two):
+        raise RecordError(why, one.name)
     if abs(one.dt - two.dt) > 1e-9 * one.dt or len(one.values) != len(two.values):
         said = f"{len(one.values)} values of {one.dt:g} s, {two.name} has {len(two.values)} of {two.dt:g} s"
         raise RecordError(f"has {said}: two components in one direction need the same times", one.name)

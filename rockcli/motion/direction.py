@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from dataclasses import replace
 
 from rockcli.errors import RecordError
@@ -11,6 +12,13 @@ from rockcli.motion.motion import Motion
 
 TINY = 1e-12
 """Angles closer than this to a whole number of quarter turns are one [rad]: 90*deg is component two, to the bit."""
+
+
+AZIMUTH = re.compile(r"0|[4-9]\d|\d{3}")
+"""Names of components that are degrees from north, and not numbers of channels."""
+
+ASKEW = 10
+"""Degrees by which two components may miss a right angle: those of Lucerne, 260 and 345, are taken as a pair."""
 
 
 def cosine_and_sine(angle: float) -> tuple[float, float]:
@@ -65,20 +73,25 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
         processing=(*steps, direction),
         warnings=(
             *(f"{motion.name}: {sentence}" for motion in (one, two) for sentence in told_of_horizontal(motion)),
-            *((f"{one.name} {elsewhere}",) if (elsewhere := of_other_places(one, two)) else ()),
+            *((f"{one.name} {why}",) if (why := not_a_pair(one, two)) else ()),
         ),
         component="",
         header={key: one.header[key] for key in ("start", "first_time") if key in one.header},
     )
 
 
-def of_other_places(one: Motion, two: Motion) -> str:
-    """That two components are of two events or stations, as both files say; "" if they do not."""
+def not_a_pair(one: Motion, two: Motion) -> str:
+    """That two components are of two events or stations, or not perpendicular, as both files say; "" if not."""
     for key in ("event", "station"):
         first, second = (str(motion.header.get(key) or "") for motion in (one, two))
         if first and second and first.casefold() != second.casefold():
             return f"is of {key} {first}, {two.name} of {second}: two components are of one motion"
-    return ""
+    first, second = one.component, two.component
+    if AZIMUTH.fullmatch(first) and AZIMUTH.fullmatch(second):
+        askew = abs((int(first) - int(second)) % 180 - 90) > ASKEW
+    else:
+        askew = bool(first and one.header.get("station")) and first.casefold() == second.casefold()
+    return f"is component {first}, {two.name} is {second}: two components are perpendicular" if askew else ""
 
 
 def refuse_other_start(one: Motion, two: Motion) -> None:

@@ -9,9 +9,11 @@ import obspy
 import pytest
 from reference import body_of, integrate
 from scenes import SHARED
+from typer.testing import CliRunner
 
 import rockcli
 from rockcli.analysis.direction import with_worst_direction
+from rockcli.cli.main import app
 from rockcli.errors import RecordError, StudyError
 from rockcli.motion.at2 import at2_text
 from rockcli.motion.direction import cosine_and_sine
@@ -107,6 +109,29 @@ def test_components_of_two_stations_are_told(tmp_path):
         motion = {"record": {"file": files, "angle": 0.5}}
         told = rockcli.check({"case": {"block": BLOCK, "motion": motion}})["warnings"]
         assert any("a.AT2 is of station Izmit, b.AT2 of Duzce" in one for one in told) is said
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "said"),
+    [
+        ("090", "180", False), ("009", "279", False), ("0", "270", False), ("260", "345", False), ("N", "W", False),
+        ("EW", "NS", False), ("12", "13", False),  # numbers of channels
+        ("090", "090", True), ("090", "140", True), ("N", "n", True), ("360", "0", True), ("000", "180", True),
+    ],
+)  # fmt: skip
+def test_components_that_are_not_perpendicular_are_told(tmp_path, one, two, said):
+    files = []
+    for place, component in enumerate((one, two)):
+        files.append(tmp_path / f"{place}.AT2")
+        titles = ["RECORD", f"Kocaeli, 8/17/1999, Izmit, {component}"]
+        files[-1].write_text(at2_text(np.ones(9), 0.01, titles, tmp_path))
+    motion = {"record": {"file": [str(file) for file in files], "angle": 0.5}}
+    told = rockcli.check({"case": {"block": BLOCK, "motion": motion}})["warnings"]
+    assert [one for one in told if "perpendicular" in one] == [
+        f"0.AT2 is component {one}, 1.AT2 is {two}: two components are perpendicular"
+    ] * said
+    paired = CliRunner().invoke(app, ["records", "info", *map(str, files), "--rotd"])
+    assert isinstance(paired.exception, RecordError) is said
 
 
 def test_a_vertical_component_that_is_taken_as_horizontal_is_told(tmp_path):
