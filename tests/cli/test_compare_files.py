@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,7 +38,7 @@ def first() -> Contents:
     return dataset([0.5, 2.0, 3.6, 9.0])
 
 
-def changed(contents: Contents, name: str, at: tuple[int, ...], value: float) -> Contents:
+def changed(contents: Contents, name: str, at: tuple[Any, ...], value: Any) -> Contents:
     values = contents.values(name).copy()
     values[at] = value
     item = contents.fields[name]
@@ -86,6 +87,14 @@ def test_points_of_one_only_are_counted_and_axes_may_be_in_another_order(first: 
     found = difference(first, Contents(second.axes[::-1], flipped, second.attrs), rtol=1e-12)
     assert found.same
     assert (found.points, found.only_a, found.only_b) == (4, 4, 2)
+
+
+@pytest.mark.parametrize("off", [-1e-12, 1e-12])
+def test_points_off_by_rounding_are_the_same_points(first: Contents, off: float) -> None:
+    axis = first.axes[0]
+    found = difference(first, changed(first, axis, (...,), first.values(axis) * (1.0 + off)), rtol=0.0, atol=0.0)
+    assert found.same
+    assert (found.points, found.only_a, found.only_b) == (8, 0, 0)
 
 
 BODIES = {"low": (2.0, 0.5), "high": (3.0, 0.5)}
