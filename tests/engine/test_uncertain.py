@@ -187,6 +187,18 @@ def test_limits_hold_the_truth_as_often_as_they_say():
     assert float(none.high[0]) == pytest.approx(stats.binomtest(0, 50).proportion_ci(0.95).high)
 
 
+@pytest.mark.parametrize(("records", "samples"), [(8, 1), (40, 1), (8, 25), (40, 5)])
+def test_limits_are_those_of_as_many_members_as_have_the_error(records, samples):
+    """Korn and Graubard 1998: p (1 - p)/se^2 members, times (t of all members over t of the records)^2."""
+    hit = np.arange(records) % 4 == 0
+    told = probability(np.repeat(hit, samples)[None].astype(float), np.repeat(np.arange(records), samples))
+    n, p, se = records * samples, hit.mean(), hit.std(ddof=1) / np.sqrt(records)
+    assert told.se[0] == pytest.approx(se)
+    members = p * (1.0 - p) / se**2 * (stats.t.ppf(0.975, n - 1) / stats.t.ppf(0.975, records - 1)) ** 2
+    assert told.low[0] == pytest.approx(stats.beta.ppf(0.025, p * members, members * (1.0 - p) + 1.0))
+    assert told.high[0] == pytest.approx(stats.beta.ppf(0.975, p * members + 1.0, members * (1.0 - p)))
+
+
 @pytest.mark.parametrize(("records", "p"), [(3, 0.2), (3, 0.5), (5, 0.5), (20, 0.2)])
 def test_limits_hold_the_truth_over_few_records_too(records, p):
     """Of records whose own probabilities scatter by a beta distribution, of which samples are drawn."""
