@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 from scenes import G
-from scipy import stats
+from scipy import integrate, stats
 
 import rockcli
 from rockcli.analysis.fragility.curves import Seen, curves
@@ -633,6 +633,24 @@ def test_records_are_what_is_independent_wherever_their_axis_stands(tmp_path):
     for name in ("fragility_median_ci_low", "fragility_median_ci_high", "fragility_percentile_ci_low"):
         for one, other in (found[:2], found[2:], (alone, found[0])):  # turned by pi a symmetric body does the same
             np.testing.assert_allclose(one[name].values, other[name].values, rtol=1e-6)
+
+
+def test_fragility_against_arias_intensity_begins_at_uplift(tmp_path):
+    """Arias intensity grows with the square of the amplitude: that of the record scaled to a PGA of g tan(alpha)."""
+    files, arias = [], []
+    t = np.arange(0.0, 6.0, 0.01)
+    for f in (0.5, 0.7, 0.9, 1.2):
+        a = np.sin(2.0 * np.pi * f * t) * np.exp(-(((t - 3.0) / 1.5) ** 2))
+        a /= np.abs(a).max()
+        files.append(str(tmp_path / f"{f}.csv"))
+        np.savetxt(files[-1], a)
+        arias.append(np.pi / (2.0 * G) * integrate.simpson(np.interp(np.arange(0.0, 5.9901, 1e-4), t, a) ** 2, dx=1e-4))
+    case = {"block": {"R": 5.0, "alpha": ALPHA}, "motion": {"record": {"file": files[0], "units": "m/s2", "dt": 0.01}}}
+    vary = {"motion.record.file": files, "motion.record.pga": {"from": 1.0, "to": 20.0, "n": 12}}
+    found = rockcli.run({"name": "s", "case": case, "vary": vary, "over": {"axis": "record", "intensity": "arias"}})
+    begins = min(arias) * (G * np.tan(ALPHA)) ** 2
+    assert float(found["fragility_begins_at"]) == pytest.approx(begins, rel=1e-6)
+    assert (found["fragility_percentile"] > begins).all()
 
 
 def test_fragility_of_a_search_against_cav(tmp_path):

@@ -345,14 +345,15 @@ def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: A
     """
     shape = of_bodies(x).shape[:-2]
     name = over.told_against
-    grows = bare(name) in ("pga", "pgv", "cav") or period_of(name) is not None
+    grows = bare(name) in ("pga", "pgv", "arias", "cav") or period_of(name) is not None
     if name == over.along:
         grows = axis_path(contents.fields[name].attrs, name).rsplit(".", 1)[-1] in AMPLITUDES
     pga = values_of("pga", contents, study)
     if over.begins_at != "uplift" or not grows or pga is None:  # what grows with the amplitude is known at uplift
         return np.zeros(shape), np.zeros(shape)
     slides = any(limit.quantity != PEAK for limit in over.limits)
-    at_uplift = of_bodies(x * moves_at(study, slides=slides).reshape(contents.shape) / pga)
+    scale = moves_at(study, slides=slides).reshape(contents.shape) / pga
+    at_uplift = of_bodies(x * (scale**2 if name == "arias" else scale))
     known = ~np.isnan(of_bodies(x)) & (of_bodies(pga) > 0.0)
     unknown = (np.isnan(at_uplift) & known).any(axis=(-2, -1))
     lowest = np.where(known, at_uplift, np.inf).min(axis=(-2, -1))
