@@ -167,14 +167,15 @@ def _bodies(batch: Batch, scheme: Fema356) -> list[_Body]:
     block, weight = batch.block, scheme.W_over_Mg
     edge = block.of_weak_edge
     alpha, inertia = edge(block.alpha), edge(block.inertia)
+    height, top = edge(block.heights), edge(block.tops)
     p = edge(batch.p) * np.sqrt(weight)
     needed = weight * (batch.g * edge(block.tan_alpha))
     return [
         _Body(
             alpha=float(alpha[i]),
             p=float(p[i]),
-            height=float(block.h[i]),
-            top=float(block.top[i]),
+            height=float(height[i]),
+            top=float(top[i]),
             beta=damping_ratio(float(inertia[i]), float(alpha[i]))[1],
             needed=float(needed[i]),
         )

@@ -378,6 +378,24 @@ def test_a_tilted_support(rise: float, a_p: float) -> None:
     assert float(ours.theta_peak_right) == pytest.approx(right, rel=1e-8)
     assert float(ours.theta_peak_left) == pytest.approx(left, rel=1e-8)
     assert np.isnan(float(ours.mu_required)) == (rise != 0.0)
+    u_top = max((1.6 - rise) * np.sin(right), 1.6 * np.sin(left))  # of the highest point, straight above the contact
+    assert float(ours.u_top_peak) == pytest.approx(u_top, rel=1e-8)
+    assert np.nanmax(np.abs(ours.u_top)) == pytest.approx(u_top, rel=1e-3)
+    case["solver"] = {"backend": "scipy"}
+    assert float(rockcli.run({"name": "tilted", "case": case}).u_top_peak) == pytest.approx(u_top, rel=1e-6)
+
+
+def test_displacements_on_a_tilted_support_are_from_the_contact_it_turns_about() -> None:
+    """The right contact, 0.1 m above the left one, is the weak one of a rectangle of 0.4 by 2 m pushed to that side."""
+    block = {"outline": rectangle(0.0, 0.0, 0.4, 2.0), "contacts": [[0.0, 0.0], [0.36, 0.1]]}
+    alpha = np.arctan2(0.16, 0.9)
+    curves = rockcli.run({"case": {"block": block}, "curves": ["displacements"]})
+    assert float(curves.u_pivot_corner[-1]) == pytest.approx(1.9 * np.sin(alpha), rel=1e-12)
+    assert float(curves.v_pivot_corner[-1]) == pytest.approx(1.9 * (np.cos(alpha) - 1.0), rel=1e-12)
+    damping = {"scheme": "fema356", "spectrum": {"shape": "flat_S_v", "S_v": 0.15}}
+    found = rockcli.run({"case": {"block": block, "damping": damping}})
+    assert float(found.fema_delta) == pytest.approx(0.9 * float(found.theta_peak_over_alpha) * alpha, rel=1e-9)
+    assert float(found.fema_u_top / found.fema_delta) == pytest.approx(1.9 / 0.9, rel=1e-12)
 
 
 def test_a_tilted_support_turned_by_hand() -> None:

@@ -30,7 +30,7 @@ class Block:
         tan_alpha: b/h of each edge exactly as given, (n, 2); alpha = atan(b/h), (n, 2) [rad].
         R: distance from each edge to the centre of mass, (n, 2) [m].
         inertia: I_O/(m R^2) about each edge, (n, 2).
-        top: height of the point whose displacement is reported, (n,) [m].
+        top: height of the point whose displacement is reported, as h, (n,) [m].
         mass: (n,) [kg], NaN where the study gives none.
         mu: coefficient of friction of the base, at rest, (n,), NaN where the study gives none.
         mu_kinetic: the same in motion, (n,), NaN: as at rest.
@@ -96,6 +96,11 @@ class Block:
     def heights(self) -> Array:
         """Height of the centre of mass above each edge, (n, 2) [m]."""
         return _heights(self.h, self.rise)
+
+    @property
+    def tops(self) -> Array:
+        """Height of the point whose displacement is reported above each edge, (n, 2) [m]."""
+        return _heights(self.top, self.rise)
 
     @cached_property
     def weak(self) -> NDArray[np.intp]:

@@ -154,7 +154,7 @@ def _displacements(model: Model, block: Block, theta: Array) -> dict[str, Array]
 
     which (2.11), (2.12) misprint (docs/curves.md).
     """
-    top, width = block.top[:, None], (block.b[:, LEFT] + block.b[:, RIGHT])[:, None]
+    top, width = block.of_weak_edge(block.tops)[:, None], (block.b[:, LEFT] + block.b[:, RIGHT])[:, None]
     u_pivot, v_pivot = top * np.sin(theta), -2.0 * top * np.sin(0.5 * theta) ** 2
     return {
         "u_model": u_pivot,

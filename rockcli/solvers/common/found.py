@@ -99,9 +99,19 @@ def from_beyond(t_overturn: Array) -> Array:
     return np.where(np.isnan(t_overturn), 0.0, t_overturn)
 
 
-def rigid_top(batch: Batch, peak: Array) -> Array:
-    """Largest displacement of the top of bodies that do not bend, their largest |theta| given, (n,) [m]."""
-    return np.asarray(batch.block.top * np.sin(np.minimum(peak, 0.5 * np.pi)))
+def rigid_top(batch: Batch, peak: Array, sides: Array | None = None) -> Array:
+    """Largest displacement of the top of bodies that do not bend, (n,) [m].
+
+    Args:
+        peak: their largest |theta|, (n,).
+        sides: those to the left and to the right, (n, 2), which count where the support is tilted.
+    """
+    block = batch.block
+    level = np.asarray(block.top * np.sin(np.minimum(peak, 0.5 * np.pi)))
+    if sides is None or not block.rise.any():
+        return level
+    either = (block.tops * np.sin(np.minimum(sides, 0.5 * np.pi))).max(axis=1)
+    return np.where(block.rise == 0.0, level, either)
 
 
 def barrier(batch: Batch) -> Array:

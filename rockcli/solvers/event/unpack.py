@@ -71,7 +71,7 @@ def scalars_of(
         peak=out[:, to.PEAK],
         side=out[:, to.PEAK_SIDE],
         rate=out[:, to.RATE_PEAK],
-        top=rigid_top(batch, out[:, to.PEAK]),
+        top=rigid_top(batch, out[:, to.PEAK], out[:, [to.PEAK_LEFT, to.PEAK_RIGHT]]),
         t_peak=out[:, to.T_PEAK],
         t_uplift=out[:, to.T_UPLIFT],
         t_overturn=out[:, to.T_OVERTURN],
@@ -220,7 +220,8 @@ def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Ar
     a_g, a_v = ground_history(batch, t, np.isfinite(theta))
 
     block, q = batch.block, np.abs(theta)
-    top = block.top[:, None]
+    tops = block.tops
+    top = np.where(theta > 0.0, tops[:, RIGHT, None], tops[:, LEFT, None])
     histories = {
         "theta": theta,
         "theta_dot": rate,

@@ -176,6 +176,7 @@ def _scalars(batch: Batch, trajectories: list[Trajectory]) -> dict[str, NDArray[
     peak, side, rate, t_peak, t_uplift, t_overturn, t_end = (
         np.array([getattr(trajectory, name) for trajectory in trajectories]) for name in names
     )
+    sides = np.array([d.peaks for d in trajectories]).reshape(-1, 2)
     found = Found(
         moved=np.isfinite(t_uplift),
         fell=~failed & (verdict == FALLS),
@@ -185,14 +186,13 @@ def _scalars(batch: Batch, trajectories: list[Trajectory]) -> dict[str, NDArray[
         peak=peak,
         side=side,
         rate=rate,
-        top=rigid_top(batch, peak),
+        top=rigid_top(batch, peak, sides),
         t_peak=t_peak,
         t_uplift=t_uplift,
         t_overturn=from_beyond(t_overturn),
         t_end=t_end,
         struck_later=np.array([d.struck_later for d in trajectories]),
     )
-    sides = np.array([d.peaks for d in trajectories]).reshape(-1, 2)
     sides = np.where(found.fell[:, None] & (side[:, None] == (-1.0, 1.0)), np.inf, sides)
     sides = np.where(found.outcome[:, None] < 0, np.nan, sides)
     sided = np.where(batch.block.symmetric[:, None], np.nan, sides)
