@@ -25,6 +25,12 @@ Array = NDArray[np.float64]
 STAGES = (0.15, 0.3, 0.6, 1.0)
 """Shares of the data fitted one after the other: a late swing depends so much on eta that it misleads a first guess."""
 
+SHAKEN_STAGES = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95, 1.0)
+"""The same under a ground motion, of which the sum of squares has many minima, narrower as the data grow."""
+
+BESIDE = np.linspace(-0.05, 0.05, 21)
+"""Under a ground motion eta so far beside what earlier data say is tried before each stage, and the best taken up."""
+
 ETA, ALPHA, P, THETA, RATE = "eta", "alpha", "p", "theta_0", "theta_dot_0"
 
 _LEAST = 0.2
@@ -248,14 +254,21 @@ def identify_history(
     low, high = np.array([limits.get(name, (-np.inf, np.inf)) for name in free]).T
     step = 1e-5 * np.array([scales[name] for name in free])
     x = np.array([guess[name] for name in free])
-    for share in STAGES:
+    stages = STAGES if THETA in free else SHAKEN_STAGES
+    for share in stages:
         n = min(max(int(share * len(time)), len(free) + 2), len(time))
 
         def residuals(rows: Array, n: int = n) -> Array:
             values = [guess | dict(zip(free, row.tolist(), strict=True)) for row in rows]
             return _rotations(source, values, time[:n]) - theta[:n]
 
-        fit = least_squares_fit(residuals, np.clip(x, low, high), step, (low, high), final=share == STAGES[-1])
+        x = np.clip(x, low, high)
+        if stages is SHAKEN_STAGES and ETA in free:
+            starts = np.repeat(x[None], 1 + len(BESIDE), axis=0)
+            starts[1:, free.index(ETA)] += BESIDE
+            starts = np.clip(starts, low, high)
+            x = starts[np.argmin((residuals(starts) ** 2).sum(axis=1))]
+        fit = least_squares_fit(residuals, x, step, (low, high), final=share == stages[-1])
         x = fit.values
     left = residuals(x[None])[0]
     missed = float(np.sqrt(np.mean(left**2) / np.mean(theta**2)))
