@@ -144,7 +144,9 @@ class Chain:
         loud = np.flatnonzero(np.abs(both) > RINGS_TO * peak)
         last = max(int(np.ceil(end / h)), int(loud[-1]) // 2 + 1 if len(loud) else 0, 1)
         values = values[: last + 1]
-        tail = np.abs(values[-max(int(self.T.max() / h), 1) :]).max(initial=0.0)
+        # not followed to where it has died away: of what comes is known that it is no more than the last period
+        begin = 2 * last if last < k - 1 else 2 * (k - max(int(self.T.max() / h), 1))
+        tail = np.abs(both[max(begin, 0) :]).max(initial=0.0)
         over = peak or 1.0
         return Arrival(values, h, bent / over, max(last * h - end, 0.0), float(tail) / over)
 

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 import rockcli
 from rockcli.errors import StudyError
-from rockcli.motion.floors import BETWEEN, Chain
+from rockcli.motion.floors import BETWEEN, RINGS_TO, Chain
 from rockcli.motion.reading import read_record
 from rockcli.motion.spectrum import forcing
 from rockcli.scene.ground.excitation import Samples, acceleration
@@ -82,6 +82,19 @@ def test_between_samples_it_is_as_straight_as_it_says(ground):
     assert np.abs(exact - line).max() < BETWEEN * np.abs(arrival.values).max()
     assert arrival.between < BETWEEN
     assert arrival.left < 0.01
+
+
+@pytest.mark.parametrize("zeta", [0.05, 0.3, 0.8, 1.0])
+def test_what_is_left_is_what_comes_after_the_end(zeta):
+    """A floor of high damping dies away within its period: that is no ringing at its end."""
+    floor = Chain(np.array([1.5]), np.array([zeta]))
+    motion = forcing(make_pulses("sine", a_p=np.array([4.0]), omega_p=np.array([10.0]), cycles=np.ones(1)))
+    arrival = floor.arrival(motion, 0.005)
+    end = (len(arrival.values) - 1) * arrival.dt
+    after = floor.run(motion, end + np.arange(0.0, 3.0, 0.005))
+    peak = np.abs(arrival.values).max()
+    assert arrival.left == pytest.approx(np.abs(after).max() / peak, rel=0.05)
+    assert arrival.left <= RINGS_TO * (1.0 + 1e-6)
 
 
 def test_a_body_on_a_floor_is_that_of_one_integration_of_both():
