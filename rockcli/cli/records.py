@@ -182,6 +182,7 @@ def convert(
     """Write a record as AT2 (values in g) or as two columns, time and acceleration (in the units read)."""
     from rockcli.errors import RecordError
     from rockcli.motion.at2 import at2_text
+    from rockcli.motion.motion import start_of
     from rockcli.motion.writing import two_columns
     from rockcli.storage.atomic import write_text
     from rockcli.storage.places import check_file
@@ -196,7 +197,7 @@ def convert(
     motion = _read(source, _component(component), units, dt)
     if kind == ".txt":
         title = f"converted from {motion.name} ({motion.format})"
-        text = two_columns(motion.values, motion.dt, motion.units, title)
+        text = two_columns(motion.values, motion.dt, motion.units, [title, *filter(None, [start_of(motion)])])
     else:
         values = motion.values if motion.in_g else motion.values / g
         text = at2_text(values, motion.dt, _titles(motion, g), target)
@@ -229,12 +230,15 @@ def _component(text: str | None) -> str | int | None:
 
 
 def _titles(motion: Motion, g: float) -> list[str]:
-    """Two lines of header that say where the values come from."""
+    """Two lines of header that say where the values come from, and when they begin."""
+    from rockcli.motion.motion import start_of
+
     unit = "" if motion.in_g else f", 1 g = {g:g} m/s2"
     event, date, station = (str(motion.header.get(key) or "") for key in ("event", "date", "station"))
     known = (event or "event not stated", date, station or "station not stated", motion.component)
     identity = ", ".join(part for part in known if part) if motion.component else "-"
-    return [_printable(f"Converted from {motion.name} ({motion.format}{unit})"), _printable(identity)]
+    converted = ", ".join(filter(None, [f"Converted from {motion.name} ({motion.format}{unit})", start_of(motion)]))
+    return [_printable(converted), _printable(identity)]
 
 
 def _printable(text: str) -> str:

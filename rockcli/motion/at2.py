@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rockcli.errors import RecordError
 from rockcli.motion.file import record_bytes
+from rockcli.motion.motion import start_in
 from rockcli.motion.numbers import Numbers, read_text
 from rockcli.motion.options import OptionError
 from rockcli.motion.units import same_unit, unit_named
@@ -100,12 +101,13 @@ def read_at2(filename: Any, **kwargs: Any) -> Stream:
     """An AT2 file as a Stream of one Trace (ObsPy's `readFormat`); the data stay in g, float64.
 
     `stats.at2` holds title, units, quantity, event, date, station, component and warnings; station and
-    channel are also set in `stats`, the start time is ObsPy's zero.  Of ObsPy's options, `headonly` is heeded.
+    channel are also set in `stats`, the start time where a title states it, else ObsPy's zero.  Of ObsPy's options,
+    `headonly` is heeded.
 
     Raises:
         RecordError: see `parse_at2`; also if the file is in other units than g.
     """
-    from obspy import Stream, Trace
+    from obspy import Stream, Trace, UTCDateTime
     from obspy.core import AttribDict
 
     name = str(getattr(filename, "name", "record")) if hasattr(filename, "read") else str(filename)
@@ -116,6 +118,8 @@ def read_at2(filename: Any, **kwargs: Any) -> Stream:
     trace.stats.delta = record.dt
     if kwargs.get("headonly"):
         trace.stats.npts = len(record.values)
+    if (start := start_in(" ".join(record.titles)).get("start")) is not None:
+        trace.stats.starttime = UTCDateTime(start)
     trace.stats.station = record.station
     trace.stats.channel = record.component
     trace.stats.at2 = AttribDict(

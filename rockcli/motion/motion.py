@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -10,10 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Given", "Motion"]
+__all__ = ["Given", "Motion", "start_in", "start_of"]
 
 NO_START = datetime(1970, 1, 1, tzinfo=UTC)
 """What ObsPy says of files without a time of their first sample."""
+
+_START = re.compile(
+    r".*\bstart: *(?:(\d{4}-\d\d-\d\dT[\d:.]+(?:Z|[+-]\d\d:\d\d))|([+-]?\d+\.?\d*(?:E[+-]?\d+)?) s)(?![^\s,;)])", re.I
+)
+"""When a first sample was taken, as `start_of` writes it."""
 
 VERTICAL = re.compile(r"UP?|UD[12]?|V(?:ER(?:T(?:ICAL)?)?)?|DW?N|DOWN|Z|[A-Z]{2}Z", re.I)
 """What files call a vertical component; of KiK-net UD1 and UD2, of the seismological formats HNZ and the like."""
@@ -94,6 +100,27 @@ class Motion:
     def acceleration(self, g: float) -> NDArray[np.float64]:
         """The values in m/s², (k,), values in g multiplied by this g [m/s²]."""
         return self.values * g if self.in_g else self.values
+
+
+def start_of(motion: Motion) -> str:
+    """When the first sample was taken, for a comment: `start: 2010-02-27T06:34:14.000000Z`, of a column of times
+    `start: 12.5 s`; "" where that is unknown, and for a column that begins at 0."""
+    clock, first = motion.begins or ("", 0.0)
+    if clock == "UTC":
+        moment = NO_START + timedelta(seconds=first)
+        return f"start: {moment.replace(tzinfo=None).isoformat(timespec='microseconds')}Z"
+    return f"start: {first!r} s" if first else ""
+
+
+def start_in(text: str) -> dict[str, Any]:
+    """What words as those of `start_of` say, as a header has it; {} for others, as of a time without its zone."""
+    if (match := _START.match(text)) is None:
+        return {}
+    if match[2] is not None:
+        return {"first_time": float(match[2])}
+    with suppress(ValueError):
+        return {"start": datetime.fromisoformat(match[1].upper()).isoformat()}
+    return {}
 
 
 @dataclass(frozen=True, eq=False)

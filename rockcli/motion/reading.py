@@ -19,7 +19,7 @@ from rockcli.motion.agencies.channel import Channel
 from rockcli.motion.agencies.formats import FORMATS, channels_of, format_of
 from rockcli.motion.at2 import looks_like_at2, parse_at2
 from rockcli.motion.file import record_bytes
-from rockcli.motion.motion import Given, Motion
+from rockcli.motion.motion import Given, Motion, start_in
 from rockcli.motion.options import OptionError
 from rockcli.motion.text import SEMICOLON, first_line_of_words, first_semicolon, is_numeric_text, parse_text
 from rockcli.motion.units import FACTORS, same_unit, unit_named
@@ -118,10 +118,7 @@ def read_record(
     elif is_numeric_text(data):
         _only_component("", component, path)
         text = parse_text(data, str(path), unit, dt)
-        header = {} if text.first_time is None else {"first_time": text.first_time}
-        found = Found(
-            text.values, text.dt, text.units, "text", header=header, processing=text.processing, warnings=text.warnings
-        )
+        found = Found(text.values, text.dt, text.units, "text", "", text.header, text.processing, text.warnings)
     else:
         found = _through_obspy(path, component, unit)
     if dt is not None and abs(dt - found.dt) > 1e-6 * found.dt:
@@ -256,6 +253,7 @@ def _at2(data: bytes, path: Path, component: str | int | None, unit: str | None)
         "event": record.event,
         "date": record.date,
         "station": record.station,
+        **start_in(" ".join(record.titles)),
     }
     return Found(record.values, record.dt, record.units, "AT2", record.component, header, warnings=record.warnings)
 

@@ -3,18 +3,20 @@
 One column, or more than two: acceleration, line by line, with stated `dt`.  Two columns: time and
 acceleration, which a first line may name, as spreadsheets and loggers do: `time [s],acceleration [cm/s2]`; only then
 may the time begin anywhere.  Lines that begin with # or % are comments; one that says `# units: g` states the units, as
-that of the second name does.
+that of the second name does.  `# start: 2010-02-27T06:34:14.000000Z` states when the first sample was taken.
 """
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
+from rockcli.motion.motion import start_in
 from rockcli.motion.numbers import Numbers, read_numbers
 from rockcli.motion.options import OptionError
 from rockcli.motion.units import same_unit, unit_named
@@ -55,13 +57,13 @@ _BLANK_OF_SAC = re.compile(rb"-12345(?:\.0*)?(?![\d.])")
 
 @dataclass(frozen=True, eq=False)
 class Text:
-    """Values (k,) in `units`, dt [s], what was made of the file, its first time [s], where it has times, and doubts."""
+    """Values (k,) in `units`, dt [s], what was made of the file, when it begins, as `Motion.header`, and doubts."""
 
     values: NDArray[np.float64]
     dt: float
     units: str
     processing: tuple[str, ...]
-    first_time: float | None = None
+    header: dict[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 
@@ -106,6 +108,7 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     """
     lines = _lines(data)
     unit = _stated_unit(lines, units, name)
+    begins = next((said for line in lines if _COMMENT.match(line) and (said := start_in(line))), {})
     plain = _without_commas(lines, name)
     numbers = read_numbers(plain, 1, name)
     if numbers.text_after:
@@ -134,7 +137,7 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     if columns == 2 and is_time:
         step, start = _time_step(first, dt, name)
         shifted = () if start == 0.0 else (f"time counted from the first sample, {start:g} s in the file",)
-        return Text(numbers.values[1::2], step, unit, shifted, start)
+        return Text(numbers.values[1::2], step, unit, shifted, begins or {"first_time": start})
     if columns == 2 and all(_ONE_COMMA.fullmatch(line) for line in lines if line.strip() and not _COMMENT.match(line)):
         raise RecordError("a comma separates columns, and the first is no time: write decimals with a point", name)
     _refuse_table(columns, is_time, name)
@@ -142,9 +145,9 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
         raise OptionError("dt", "the file does not state the time step; give it with `dt:` in seconds", name)
     if columns == 1:
         _refuse_count(numbers, plain, name)
-        return Text(numbers.values, float(dt), unit, ())
+        return Text(numbers.values, float(dt), unit, (), begins)
     row_major = f"values read line by line, {columns} on each"
-    return Text(numbers.values, float(dt), unit, (row_major,), warnings=_side_by_side(numbers.values, columns))
+    return Text(numbers.values, float(dt), unit, (row_major,), begins, _side_by_side(numbers.values, columns))
 
 
 def _refuse_count(numbers: Numbers, lines: list[str], name: str) -> None:

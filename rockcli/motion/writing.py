@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 __all__ = ["two_columns"]
 
 
-def two_columns(values: NDArray[np.float64], dt: float, units: str, title: str) -> str:
+def two_columns(values: NDArray[np.float64], dt: float, units: str, titles: list[str]) -> str:
     """Time [s] and acceleration [units], every digit kept; the head states the units."""
-    head = f"# {title}\n# time [s], acceleration\n# units: {units}\n"
+    head = "".join(f"# {line}\n" for line in [*titles, "time [s], acceleration", f"units: {units}"])
     rows = (f"{float(f'{i * dt:.12g}')!r} {float(value)!r}\n" for i, value in enumerate(values))
     return head + "".join(rows)

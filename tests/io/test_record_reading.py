@@ -254,7 +254,7 @@ def test_motions_side_by_side_are_doubted(write, columns: int) -> None:
 def test_units_in_a_comment_are_a_statement(tmp_path: Path) -> None:
     path = tmp_path / "own.txt"
     values = np.random.default_rng(0).standard_normal(500)
-    path.write_text(two_columns(values, 0.0125, "m/s2", "title"), newline="")
+    path.write_text(two_columns(values, 0.0125, "m/s2", ["title"]), newline="")
     motion = read_record(path)
     assert motion.values.tolist() == values.tolist()
     assert (motion.dt, motion.units) == (0.0125, "m/s2")

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from rockcli.cli.records import app
 from rockcli.errors import RecordError, StudyError
+from rockcli.motion.at2 import read_at2
 from rockcli.motion.reading import read_record
 
 ROCK = Path(__file__).parents[2] / "records" / "synthetic_rock_m65.AT2"
@@ -73,6 +74,33 @@ def test_convert_there_and_back(tmp_path: Path) -> None:
     assert again.values.tolist() == motion.values.tolist()
     run("convert", ROCK, tmp_path / "c.at2")
     assert read_record(tmp_path / "c.at2").component == "H1"
+
+
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [
+        ("# start: 2010-02-27T06:34:14.005+00:00\n0 1\n.01 2\n.02 0\n", "start: 2010-02-27T06:34:14.005000Z"),
+        ("# start: 2010-02-27T03:34:14-03:00\n0 1\n.01 2\n.02 0\n", "start: 2010-02-27T06:34:14.000000Z"),
+        ("time [s],a\n12.3,1\n12.31,2\n12.32,0\n", "start: 12.3 s"),
+        ("0 1\n.01 2\n.02 0\n", ""),
+        ("# start: 2010-02-27T06:34:14\n0 1\n.01 2\n.02 0\n", ""),  # of no zone
+        ("# start: 2010-02-30T06:34:14Z\n0 1\n.01 2\n.02 0\n", ""),
+    ],
+)
+def test_convert_keeps_when_the_first_sample_was_taken(tmp_path: Path, head: str, said: str) -> None:
+    source = tmp_path / "one.txt"
+    source.write_text(head, encoding="utf-8")
+    for target in ("a.AT2", "b.txt", "c.AT2"):
+        run("convert", source, tmp_path / target, "--units", "g")
+        text = (tmp_path / target).read_text()
+        assert said in text
+        assert ("start" in text) is bool(said)
+        again = read_record(tmp_path / target)
+        if said:
+            assert again.begins == read_record(tmp_path / "one.txt", units="g").begins
+        source = tmp_path / target
+    (trace,) = read_at2(tmp_path / "c.AT2")
+    assert str(trace.stats.starttime) == (said[7:] if said.endswith("Z") else "1970-01-01T00:00:00.000000Z")
 
 
 def test_convert_states_its_g(tmp_path: Path) -> None:
