@@ -3,7 +3,8 @@
 One column, or more than two: acceleration, line by line, with stated `dt`.  Two columns: time and
 acceleration, which a first line may name, as spreadsheets and loggers do: `time [s],acceleration [cm/s2]`; only then
 may the time begin anywhere.  Lines that begin with # or % are comments; one that says `# units: g` states the units, as
-that of the second name does.  `# start: 2010-02-27T06:34:14.000000Z` states when the first sample was taken.
+that of the second name does, `# dt: 0.01` the time step, and `# start: 2010-02-27T06:34:14.000000Z` when the first
+sample was taken.
 """
 
 from __future__ import annotations
@@ -42,7 +43,9 @@ FEW = 20
 SEMICOLON = "separate columns by commas or blanks and decimals by a point; a semicolon stands here"
 
 _COMMENT = re.compile(r"\s*[#%]")
-_UNITS = re.compile(r"\s*[#%]\s*units\s*:\s*(\S+)", re.I)
+_UNITS = re.compile(r"\s*[#%]\s*units\s*[:=]\s*(\S+)", re.I)
+_DT = re.compile(r"\s*[#%]\s*dt\s*[:=]\s*(.*?)\s*", re.I)
+_SECONDS = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(?:\s*(?:s|sec|seconds?)\b.*|\s*[,;(](?!\d).*)?", re.I)
 _HEAD = re.compile(
     r"\s*\"?\s*t(?:ime)?\s*(?:[\[(]\s*(?:s|sec|seconds)\s*[\])])?\s*\"?\s*[,\t]"
     r"\s*\"?\s*(?:a|acc|accel|acceleration|a_g)\.?\s*(?:[\[(]([^\])]*)[\])])?\s*\"?\s*",
@@ -108,6 +111,7 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     """
     lines = _lines(data)
     unit = _stated_unit(lines, units, name)
+    said_dt = _said_dt(lines, dt, name)
     begins = next((said for line in lines if _COMMENT.match(line) and (said := start_in(line))), {})
     plain = _without_commas(lines, name)
     numbers = read_numbers(plain, 1, name)
@@ -133,14 +137,19 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
             name,
         )
     if unit is None:
-        raise OptionError("units", _unstated(needs_dt=dt is None and not (columns == 2 and is_time)), name)
+        raise OptionError(
+            "units", _unstated(needs_dt=dt is None and said_dt is None and not (columns == 2 and is_time)), name
+        )
     if columns == 2 and is_time:
         step, start = _time_step(first, dt, name)
+        if said_dt is not None and abs(said_dt - step) > AGREE * step:
+            raise RecordError(f"a comment says dt is {said_dt:g} s, the time column {step:.6g} s; correct it", name)
         shifted = () if start == 0.0 else (f"time counted from the first sample, {start:g} s in the file",)
         return Text(numbers.values[1::2], step, unit, shifted, begins or {"first_time": start})
     if columns == 2 and all(_ONE_COMMA.fullmatch(line) for line in lines if line.strip() and not _COMMENT.match(line)):
         raise RecordError("a comma separates columns, and the first is no time: write decimals with a point", name)
     _refuse_table(columns, is_time, name)
+    dt = said_dt if dt is None else dt
     if dt is None:
         raise OptionError("dt", "the file does not state the time step; give it with `dt:` in seconds", name)
     if columns == 1:
@@ -191,6 +200,7 @@ def _unstated(*, needs_dt: bool) -> str:
 
 def _stated_unit(lines: list[str], given: str | None, name: str) -> str | None:
     """The units the file or its user states; None where nobody does."""
+    first: str | None = None
     for number, line in enumerate(lines, 1):
         match = _UNITS.match(line) or _HEAD.fullmatch(line)
         if match is None or match[1] is None:
@@ -201,8 +211,31 @@ def _stated_unit(lines: list[str], given: str | None, name: str) -> str | None:
         if given is not None and not same_unit(stated, given):
             message = f"the file says its units are {stated}, `units` says {given}; leave it out"
             raise OptionError("units", message, name, number)
-        return stated
-    return given
+        if first is not None and not same_unit(stated, first):
+            raise RecordError(f"the file says its units are {first}, and here {stated}; correct it", name, number)
+        first = first or stated
+    return first or given
+
+
+def _said_dt(lines: list[str], given: float | None, name: str) -> float | None:
+    """The time step that comments state [s]; None where none does."""
+    first: float | None = None
+    for number, line in enumerate(lines, 1):
+        if (match := _DT.fullmatch(line)) is None:
+            continue
+        seconds = _SECONDS.fullmatch(match[1])
+        if seconds is None or not float(seconds[1]) > 0.0:
+            raise RecordError(f"dt is {match[1]!r}; expected the time step in seconds, above zero", name, number)
+        said = float(seconds[1])
+        if first is not None and said != first:
+            raise RecordError(
+                f"the file says its time step is {first:g} s, and here {said:g} s; correct it", name, number
+            )
+        if given is not None and abs(given - said) > 1e-6 * said:
+            message = f"the file says its time step is {said:g} s, `dt` says {given:g} s; leave `dt` out"
+            raise OptionError("dt", message, name, number)
+        first = said
+    return first
 
 
 def _without_commas(lines: list[str], name: str) -> list[str]:

@@ -8,6 +8,7 @@ import gzip
 import hashlib
 import lzma
 import pickle
+import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -259,6 +260,38 @@ def test_units_in_a_comment_are_a_statement(tmp_path: Path) -> None:
     assert motion.values.tolist() == values.tolist()
     assert (motion.dt, motion.units) == (0.0125, "m/s2")
     refused(path, "`units` says g", units="g")
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "line", "words"),
+    [
+        ("# dt: 0.02\n1\n2\n", {"dt": 0.01}, 1, "the file says its time step is 0.02 s, `dt` says 0.01 s"),
+        ("1\n2\n% dt = .02 sec\n# DT: .01\n", {}, 4, "the file says its time step is 0.02 s, and here 0.01 s"),
+        (
+            "# dt: 0.02\n0 1\n.01 2\n.02 1\n",
+            {"units": "g"},
+            None,
+            "a comment says dt is 0.02 s, the time column 0.01 s",
+        ),
+        ("# dt: 20 ms\n1\n2\n", {}, 1, "dt is '20 ms'; expected the time step in seconds"),
+        ("# dt: 1,5\n1\n2\n", {}, 1, "dt is '1,5'; expected the time step in seconds"),
+        ("# dt: 0\n1\n2\n", {}, 1, "dt is '0'; expected the time step in seconds"),
+        ("# units: g\n1\n2\n# units = m/s2\n", {}, 4, "the file says its units are g, and here m/s2"),
+        ("1\n2\n# units = m/s2\n", {"units": "g"}, 3, "the file says its units are m/s2, `units` says g"),
+    ],
+)
+def test_what_comments_state_is_not_contradicted(
+    write, text: str, options: dict[str, object], line: int | None, words: str
+) -> None:
+    with pytest.raises(RecordError, match=re.escape(words)) as caught:
+        read_record(write(text, "a.txt"), **options)
+    assert caught.value.line == line
+
+
+def test_a_step_in_a_comment_is_a_statement(write) -> None:
+    assert read_record(write("# dt: 0.02 s (50 Hz)\n1\n2\n"), units="g").dt == 0.02
+    assert read_record(write("# dt: 0.02\n1\n2\n"), units="g", dt=0.02).dt == 0.02
+    assert read_record(write("# dt: 0.02\n0 1\n.02 2\n.04 1\n"), units="g").dt == 0.02
 
 
 def test_suspicious_values_are_remarked(write) -> None:
