@@ -35,6 +35,9 @@ __all__ = ["AT2", "at2_text", "is_at2", "looks_like_at2", "parse_at2", "read_at2
 HEADER_LINES = 60
 """NPTS and DT are sought on so many lines at most."""
 
+PAIRED = 0.1
+"""Numbers of which every other one grows by DT, to this part of it, are times and accelerations."""
+
 _DECIMAL = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?"
 _KEYED = re.compile(r"\bNPTS\b\s*[=:]?\s*(?P<npts>[^\s,]*).*?\bDT\b\s*[=:]?\s*(?P<dt>[^\s,]*)(?P<rest>.*)", re.I)
 _TRAILING = re.compile(rf"^\s*(?P<npts>\d+)\s*,?\s+(?P<dt>{_DECIMAL})\s*,?\s*NPTS\s*,?\s*DT\b(?P<rest>.*)", re.I)
@@ -44,6 +47,9 @@ _UNITS = re.compile(
 )
 _QUANTITY = re.compile(r"\b(ACCELERATION|VELOCITY|DISPLACEMENT)\b", re.I)
 _SERIES = re.compile(r"\b(?:ACCELERATION|VELOCITY|DISPLACEMENT) TIME (?:HISTORY|SERIES) IN UNITS? OF\b", re.I)
+_COUNTS = re.compile(r"\bNPTS\b\s*[=:]?\s*(\d+)(?:\s*,?\s+(\d+)(?=\s*,?\s*DT\b))?", re.I)
+_STEPS = re.compile(rf"\bDT\b\s*[=:]?\s*({_DECIMAL})(?:\s*,?\s+({_DECIMAL})\b(?!\s*POLE))?", re.I)
+"""A number of values and a time step, and a second one behind it."""
 _MILLI = re.compile(r"\s*,?\s*(?:MSEC|MS|MILLI\w*)\b", re.I)
 _RATE = re.compile(r"\s*,?\s*(?:HZ|SPS)\b", re.I)
 _DATE = re.compile(r"\b\d{1,2}/\d{1,2}/\d{2,4}\b")
@@ -145,16 +151,22 @@ def parse_at2(data: bytes, name: str, units: str | None = None) -> AT2:
 
     Raises:
         RecordError: with file, line and remedy: empty or binary, no line with NPTS and DT, no units, not an
-            acceleration, dt or NPTS not positive, fewer or more values than NPTS (zeros at the end are
-            tolerated with a warning), a number cut by the end of the file, a word among the values.
+            acceleration, dt or NPTS not positive, units, dt or NPTS stated twice and not the same, times among
+            the values, fewer or more values than NPTS (zeros at the end are tolerated with a warning), a number
+            cut by the end of the file, a word among the values.
     """
     text = _with_line_feeds(_checked_text_bytes(data, name))
     lines, match, body = _header(text, name)
     index = len(lines)
     npts, dt = _npts(match, name, index + 1), _dt(match, name, index + 1)
-    stated = _stated_unit(lines, name)
+    _refuse_second("NPTS", _COUNTS, match.string, npts, name, index + 1)
+    _refuse_second("DT", _STEPS, match.string, dt, name, index + 1)
+    stated = _stated_unit([*lines, match.string], match["rest"], name)
     numbers = read_text(text[body:], index + 2, name, expected=npts)
     values, warnings = _counted(numbers, npts, data, name)
+    if len(values) > 6 and (np.abs(np.diff(values[::2]) - dt) < PAIRED * dt).all():
+        said = "every other number is a time: write the accelerations alone, with their number as NPTS"
+        raise RecordError(said, name, index + 2)
     unit = _unit(stated, units, name, index + 1)
     titles = tuple(line.strip() for line in lines)
     event, date, station, component = _identity(titles)
@@ -249,8 +261,21 @@ def _dt(match: re.Match[str], name: str, line: int) -> float:
     return dt
 
 
-def _stated_unit(header: list[str], name: str) -> str | None:
-    """The unit the header states, after making sure that it states an acceleration."""
+def _refuse_second(what: str, pattern: re.Pattern[str], line: str, first: float, name: str, number: int) -> None:
+    """Make sure that a line does not state a number of values or a time step twice, and differently."""
+    for word in (word for found in pattern.findall(line) for word in found if word):
+        if float(re.sub("[dD]", "E", word)) != first:
+            raise RecordError(f"{what} is {first:g}, and {word} on the same line; leave one out", name, number)
+
+
+def _stated_unit(header: list[str], behind: str, name: str) -> str | None:
+    """The unit the header states, after making sure that it states an acceleration, and one unit.
+
+    Args:
+        header: the lines, with that of NPTS and DT.
+        behind: the end of the last one, where a unit may stand alone.
+    """
+    first: str | None = None
     for number, line in enumerate(header, 1):
         match = _UNITS.search(line)
         if match is None:
@@ -264,10 +289,20 @@ def _stated_unit(header: list[str], name: str) -> str | None:
                 name,
                 number,
             )
-        if unit is None:
+        if unit is None and first is None:
             raise RecordError(f"the values are in {word!r}, not a unit of acceleration known here", name, number)
-        return unit
-    return None
+        first = _one_unit(first, unit, name, number)
+    for word in re.split(r"[\s,()\[\]]+", behind):
+        first = _one_unit(first, unit_named(word), name, len(header))
+    return first
+
+
+def _one_unit(first: str | None, unit: str | None, name: str, number: int) -> str | None:
+    if first is not None and unit is not None and not same_unit(first, unit):
+        raise RecordError(
+            f"the header says that the values are in {first}, and in {unit} here; correct it", name, number
+        )
+    return first or unit
 
 
 def _unit(stated: str | None, given: str | None, name: str, line: int) -> str:
