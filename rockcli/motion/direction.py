@@ -29,11 +29,12 @@ def cosine_and_sine(angle: float) -> tuple[float, float]:
     return math.cos(angle), math.sin(angle)
 
 
-def told_of_horizontal(motion: Motion) -> tuple[str, ...]:
-    """What is remarkable about a record that is taken as horizontal, one sentence each."""
-    if not motion.is_vertical:
+def told_of(motion: Motion, *, horizontal: bool) -> tuple[str, ...]:
+    """What is remarkable about a record that is taken as horizontal, or as vertical, one sentence each."""
+    if not (motion.is_vertical if horizontal else motion.is_horizontal):
         return motion.warnings
-    return (*motion.warnings, f"its file calls it a vertical component, {motion.component}; it is taken as horizontal")
+    called, taken = ("vertical", "horizontal") if horizontal else ("horizontal", "vertical")
+    return (*motion.warnings, f"its file calls it a {called} component, {motion.component}; it is taken as {taken}")
 
 
 def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
@@ -72,20 +73,27 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
         sha256=hashlib.sha256(both.encode()).hexdigest(),
         processing=(*steps, direction),
         warnings=(
-            *(f"{motion.name}: {sentence}" for motion in (one, two) for sentence in told_of_horizontal(motion)),
+            *(f"{motion.name}: {sentence}" for motion in (one, two) for sentence in told_of(motion, horizontal=True)),
             *((f"{one.name} {why}",) if (why := not_a_pair(one, two)) else ()),
         ),
         component="",
-        header={key: one.header[key] for key in ("start", "first_time") if key in one.header},
+        header={key: one.header[key] for key in ("start", "first_time", "event", "station") if key in one.header},
     )
 
 
-def not_a_pair(one: Motion, two: Motion) -> str:
-    """That two components are of two events or stations, or not perpendicular, as both files say; "" if not."""
+def of_other_places(one: Motion, two: Motion) -> str:
+    """That two components are of two events or stations, as both files say; "" if not."""
     for key in ("event", "station"):
         first, second = (str(motion.header.get(key) or "") for motion in (one, two))
         if first and second and first.casefold() != second.casefold():
             return f"is of {key} {first}, {two.name} of {second}: two components are of one motion"
+    return ""
+
+
+def not_a_pair(one: Motion, two: Motion) -> str:
+    """That two components are of two events or stations, or not perpendicular, as both files say; "" if not."""
+    if elsewhere := of_other_places(one, two):
+        return elsewhere
     first, second = one.component, two.component
     if AZIMUTH.fullmatch(first) and AZIMUTH.fullmatch(second):
         askew = abs((int(first) - int(second)) % 180 - 90) > ASKEW

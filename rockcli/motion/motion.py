@@ -24,6 +24,12 @@ _START = re.compile(
 VERTICAL = re.compile(r"UP?|UD[12]?|V(?:ER(?:T(?:ICAL)?)?)?|DW?N|DOWN|Z|[A-Z]{2}Z", re.I)
 """What files call a vertical component; of KiK-net UD1 and UD2, of the seismological formats HNZ and the like."""
 
+HORIZONTAL = re.compile(
+    r"0|[4-9]\d|\d{3}|[NSEWLT]|NS[12]?|EW[12]?|SN|WE|N-S|E-W|[NS]\d\d?[EW]|[A-Z]{2}[NE12]|NORTH|SOUTH|EAST|WEST|H[12]|F[NP]",
+    re.I,
+)
+"""What files call a horizontal component: degrees from north, not numbers of channels, directions, HNE and the like."""
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -62,6 +68,11 @@ class Motion:
     def is_vertical(self) -> bool:
         """Whether the file calls it a vertical component."""
         return VERTICAL.fullmatch(self.component) is not None
+
+    @property
+    def is_horizontal(self) -> bool:
+        """Whether the file calls it a horizontal component."""
+        return not self.is_vertical and HORIZONTAL.fullmatch(self.component) is not None
 
     @property
     def begins(self) -> tuple[str, float] | None:

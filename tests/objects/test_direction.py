@@ -111,6 +111,22 @@ def test_components_of_two_stations_are_told(tmp_path):
         assert any("a.AT2 is of station Izmit, b.AT2 of Duzce" in one for one in told) is said
 
 
+@pytest.mark.parametrize("two", [False, True])
+@pytest.mark.parametrize(("event", "station", "said"), [
+    ("Kocaeli", "Izmit", None), ("Kocaeli", "Duzce", "station Duzce"), ("Duzce", "Izmit", "event Duzce"),
+])  # fmt: skip
+def test_a_vertical_motion_of_another_place_is_told(tmp_path, two, event, station, said):
+    parts = (("Kocaeli", "Izmit", "090"), ("Kocaeli", "Izmit", "180"), (event, station, "UP"))
+    for one, where, component in parts:
+        titles = ["RECORD", f"{one}, 8/17/1999, {where}, {component}"]
+        (tmp_path / f"{component}.AT2").write_text(at2_text(np.ones(9), 0.01, titles, tmp_path))
+    one, other, up = (str(tmp_path / f"{part[2]}.AT2") for part in parts)
+    across = {"file": [one, other], "angle": 0.5} if two else one
+    told = rockcli.check({"case": {"block": BLOCK, "motion": {"record": across, "vertical": up}}})["warnings"]
+    elsewhere = [each for each in told if "two components are of one motion" in each]
+    assert [f"the vertical UP.AT2 is of {said}, 090.AT2" in each for each in elsewhere] == [True] * (said is not None)
+
+
 @pytest.mark.parametrize(
     ("one", "two", "said"),
     [
@@ -144,6 +160,8 @@ def test_a_vertical_component_that_is_taken_as_horizontal_is_told(tmp_path):
         "two": ({"record": {"file": [across, up], "angle": 0.5}}, 1),
         "where it belongs": ({"record": across, "vertical": up}, 0),
     }
+    told = rockcli.check({"case": {"block": BLOCK, "motion": {"record": up, "vertical": across}}})["warnings"]
+    assert "090.AT2: its file calls it a horizontal component, 090; it is taken as vertical" in told
     for motion, said in motions.values():
         told = rockcli.check({"case": {"block": BLOCK, "motion": motion}})["warnings"]
         assert [one.split(":")[0] for one in told if "calls it a vertical component, UP" in one] == ["UP.AT2"] * said
@@ -160,6 +178,17 @@ def test_a_vertical_component_that_is_taken_as_horizontal_is_told(tmp_path):
 )
 def test_names_of_vertical_components(component, is_vertical):
     assert Motion(np.ones(2), 0.01, in_g=True, component=component).is_vertical is is_vertical
+
+
+@pytest.mark.parametrize(
+    ("component", "is_horizontal"),
+    [
+        *((name, True) for name in ["N", "e", "EW", "NS2", "090", "0", "45", "S16W", "HNE", "HN1", "East", "H2", "FN"]),
+        *((name, False) for name in ["", "12", "UP", "V", "DWN", "HNZ", "3", "BH100", "Channel 1"]),
+    ],
+)
+def test_names_of_horizontal_components(component, is_horizontal):
+    assert Motion(np.ones(2), 0.01, in_g=True, component=component).is_horizontal is is_horizontal
 
 
 @pytest.mark.parametrize(("window", "apart"), [(None, 1), ([1.0, 2.5], 0), ([0.5, 2.5], 1)])

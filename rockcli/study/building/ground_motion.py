@@ -80,21 +80,27 @@ def build_excitation(numbers: Numbers, records: Records, warnings: list[str]) ->
 
 
 def _apart(numbers: Numbers, records: Records) -> list[str]:
-    """That a vertical record begins earlier or later than the horizontal one, as their files or windows say."""
+    """That a vertical record is of another place than the horizontal one, or begins earlier or later, as their files
+    or windows say."""
+    from rockcli.motion.direction import of_other_places
+
     both = [(*MOTION, "record"), (*MOTION, "vertical", "record")]
     if any(numbers.said(keys) is None for keys in both):
         return []
     g = _g_of_records(numbers)
     across, up = (_prepared(numbers, keys, records, g, numbers.constant((*keys, "angle"))).motion for keys in both)
+    told = [f"the vertical {up.name} {elsewhere}"] if (elsewhere := of_other_places(up, across)) else []
     if later := up.begins_after(across):
         when = f"{abs(later):g} s {'after' if later > 0.0 else 'before'}"
-        return [f"{up.name} begins {when} {across.name}, as the files say; both are taken from their first samples on"]
+        said = f"{up.name} begins {when} {across.name}, as the files say; both are taken from their first samples on"
+        return [*told, said]
     first, above = (0.0 if numbers.said(keys).window is None else _step(numbers, (*keys, "window"))[0] for keys in both)
     if abs(above - first) <= 0.5 * up.dt or up.same_clock(across):
-        return []
+        return told
     return [
+        *told,
         f"the vertical {up.name} is taken from {above:g} s on and {across.name} from {first:g} s (`window`): motions "
-        "recorded side by side need the same window"
+        "recorded side by side need the same window",
     ]
 
 
@@ -169,9 +175,9 @@ def _told(motion: Motion, *, two: bool, across: bool) -> list[str]:
     Args:
         across: whether it is taken as horizontal.
     """
-    from rockcli.motion.direction import told_of_horizontal
+    from rockcli.motion.direction import told_of
 
-    said = told_of_horizontal(motion) if across and not two else motion.warnings
+    said = motion.warnings if two else told_of(motion, horizontal=across)
     return list(said) if two else [f"{motion.name}: {sentence}" for sentence in said]
 
 
