@@ -158,6 +158,19 @@ def test_a_column_that_stays_down_bends():
     assert ours["u_top_peak"][0] == pytest.approx(other["u_top_peak"][0], rel=0.02)
 
 
+@pytest.mark.parametrize("fibres", [None, 21])
+def test_a_column_let_go_begins_bent_by_its_turned_weight(fibres):
+    theta, base = 0.05, None if fibres is None else Base("winkler", array(1e9), fibres)
+    batch = make_batch(make_block(h=25.0, b=2.5), still(1.0), eta=1.0, theta_0=theta, histories=True, dt_out=0.01)
+    column = Column(array(30e9), array(2500.0), array(0.0), 10, "consistent")
+    batch = replace(batch, model="flexible", column=column, base=base, numerics=Numerics(dt=1e-3))
+    ours, frame = (answer(batch).histories["u_top_bending"][0] for answer in (solve, solve_frame))
+    sag = 2500.0 * 5.0 * G * np.sin(theta) * 50.0**4 / (8.0 * 30e9 * 5.0**3 / 12.0)  # of a cantilever
+    assert ours[0] == pytest.approx(sag, rel=0.01)  # and P-Delta
+    assert ours[0] == pytest.approx(frame[0], rel=1e-6)
+    assert (ours.min(), ours.max()) == pytest.approx((ours[0], frame.max()), rel=0.05)
+
+
 @pytest.mark.parametrize("mass", [np.nan, 4e6])
 def test_moment_of_the_base_of_a_column_is_per_unit_mass_or_of_the_mass_given(mass):
     batch = flexible(eta=1.0, zeta=0.01, duration=1.5, histories=True, dt_out=0.01)

@@ -115,7 +115,7 @@ def _model(batch: Batch, case: CaseOfOpenSees) -> list[str]:
 
 
 def _loads(batch: Batch, case: CaseOfOpenSees) -> list[str]:
-    parts = [] if case.law == "softening" else [pieces.GRAVITY, "\n"]
+    parts = [*([] if case.law == "softening" else [pieces.GRAVITY, "\n"]), *_initial(batch, case)]
     horizontal, vertical = case.motions
     if horizontal is not None and case.consistent:
         parts.append(pieces.NODAL_PULL)
@@ -128,16 +128,19 @@ def _loads(batch: Batch, case: CaseOfOpenSees) -> list[str]:
     return parts
 
 
-def _analysis(batch: Batch, case: CaseOfOpenSees) -> list[str]:
+def _initial(batch: Batch, case: CaseOfOpenSees) -> list[str]:
     known = case.values
-    moving = bool(known["theta_0"] or known["theta_dot_0"])
-    parts = []
-    if moving:
-        how = pieces.INITIAL_LIFTED if case.law == "fibres" else pieces.INITIAL_TURNED
-        moved, rates = pieces.INITIAL_LINEAR if batch.numerics.method == "linear" else how
-        rise = pieces.RISE if case.law == "fibres" else ""
-        parts = [pieces.INITIAL.format(rise=rise, moved=moved, moving=rates), "\n"]
-    parts.append(pieces.ANALYSIS.format(integrator=pieces.HHT if "alpha_d" in known else pieces.NEWMARK))
+    if not (known["theta_0"] or known["theta_dot_0"]):
+        return []
+    how = pieces.INITIAL_LIFTED if case.law == "fibres" else pieces.INITIAL_TURNED
+    moved, rates = pieces.INITIAL_LINEAR if batch.numerics.method == "linear" else how
+    rise = pieces.RISE if case.law == "fibres" else ""
+    held = pieces.HELD if batch.model == "flexible" else ""
+    return [pieces.INITIAL.format(rise=rise, moved=moved, moving=rates), held, "\n"]
+
+
+def _analysis(batch: Batch, case: CaseOfOpenSees) -> list[str]:
+    parts = [pieces.ANALYSIS.format(integrator=pieces.HHT if "alpha_d" in case.values else pieces.NEWMARK)]
     parts.append("\n\n" + (loop.TOP_FLEXIBLE if batch.model == "flexible" else loop.TOP_RIGID))
     yields = case.law in ("winkler", "fibres")
     return [*parts, "\n\n", loop.ADVANCE, loop.UPLIFTED[yields], loop.LOOP, "\n", loop.WRITE]
