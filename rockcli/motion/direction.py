@@ -77,7 +77,11 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
             *((f"{one.name} {why}",) if (why := not_a_pair(one, two)) else ()),
         ),
         component="",
-        header={key: one.header[key] for key in ("start", "first_time", "event", "station") if key in one.header},
+        header={
+            key: said
+            for key, said in one.header.items()
+            if key in ("start", "first_time") or two.header.get(key) == said
+        },
     )
 
 

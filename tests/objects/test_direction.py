@@ -111,6 +111,16 @@ def test_components_of_two_stations_are_told(tmp_path):
         assert any("a.AT2 is of station Izmit, b.AT2 of Duzce" in one for one in told) is said
 
 
+def test_what_both_components_state_is_in_the_dataset():
+    one, two = (
+        Motion(np.ones(9), 0.01, in_g=True, name=name, component=name, header={"magnitude": 6.1, "vs30": vs30})
+        for name, vs30 in (("E", 294.0), ("N", 300.0))
+    )
+    data = rockcli.run({"case": {"block": BLOCK, "motion": {"record": {"file": [one, two], "angle": 0.5}}}})
+    assert float(data["magnitude"]) == 6.1
+    assert "vs30" not in data.variables
+
+
 @pytest.mark.parametrize("two", [False, True])
 @pytest.mark.parametrize(("event", "station", "said"), [
     ("Kocaeli", "Izmit", None), ("Kocaeli", "Duzce", "station Duzce"), ("Duzce", "Izmit", "event Duzce"),
