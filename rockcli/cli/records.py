@@ -231,11 +231,12 @@ def _component(text: str | None) -> str | int | None:
 
 def _titles(motion: Motion, g: float) -> list[str]:
     """Two lines of header that say where the values come from, and when they begin."""
+    from rockcli.motion.at2 import UNKNOWN
     from rockcli.motion.motion import start_of
 
     unit = "" if motion.in_g else f", 1 g = {g:g} m/s2"
     event, date, station = (str(motion.header.get(key) or "") for key in ("event", "date", "station"))
-    known = (event or "event not stated", date, station or "station not stated", motion.component)
+    known = (event or UNKNOWN[0], date, station or UNKNOWN[1], motion.component)
     identity = ", ".join(part for part in known if part) if motion.component else "-"
     converted = ", ".join(filter(None, [f"Converted from {motion.name} ({motion.format}{unit})", start_of(motion)]))
     return [_printable(converted), _printable(identity)]

@@ -35,6 +35,9 @@ __all__ = ["AT2", "at2_text", "is_at2", "looks_like_at2", "parse_at2", "read_at2
 HEADER_LINES = 60
 """NPTS and DT are sought on so many lines at most."""
 
+UNKNOWN = ("event not stated", "station not stated")
+"""What stands in a title in place of an event and a station that are not known."""
+
 PAIRED = 0.1
 """Numbers of which every other one grows by DT, to this part of it, are times and accelerations."""
 
@@ -374,4 +377,5 @@ def _identity(titles: tuple[str, ...]) -> tuple[str, str, str, str]:
     before = ", ".join(parts[:-2])
     date = _DATE.search(before)
     event = before[: date.start()] if date else before
-    return event.strip(" ,"), date[0] if date else "", parts[-2], parts[-1]
+    event, station = ("" if each in UNKNOWN else each for each in (event.strip(" ,"), parts[-2]))
+    return event, date[0] if date else "", station, parts[-1]

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import obspy
 import pytest
 from typer.testing import CliRunner
 
@@ -74,6 +75,16 @@ def test_convert_there_and_back(tmp_path: Path) -> None:
     assert again.values.tolist() == motion.values.tolist()
     run("convert", ROCK, tmp_path / "c.at2")
     assert read_record(tmp_path / "c.at2").component == "H1"
+
+
+def test_convert_states_no_event_or_station_where_none_is_known(tmp_path: Path) -> None:
+    trace = obspy.Trace(np.array([1.0, -2.0, 3.0]), {"delta": 0.01, "station": "A", "channel": "HNE"})
+    for name, station in (("a", "A"), ("b", "")):
+        trace.stats.station = station
+        trace.write(str(tmp_path / name), format="MSEED")
+        run("convert", tmp_path / name, tmp_path / f"{name}.AT2", "--units", "g")
+        motion = read_record(tmp_path / f"{name}.AT2")
+        assert (motion.header["event"], motion.header["station"], motion.component) == ("", station, "HNE")
 
 
 @pytest.mark.parametrize(
