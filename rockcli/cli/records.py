@@ -106,6 +106,10 @@ def info(
         ]
     if brief and rows and not json:
         say(rows_table(rows, g))
+    if rotd or (brief and not json):  # which have no place for remarks
+        for motion in motions:
+            for remark in motion.warnings:
+                say(f"rock: {' '.join(filter(None, (motion.name, motion.component)))}: {remark}", err=True)
     if json:
         say(json_module.dumps(rows, indent=2))
     if spectrum is not None and motions:

@@ -170,6 +170,17 @@ Rjb (km), Rrup (km), Vs30 (m/sec), Lowest Useable Frequency (Hz), Horizontal-1 A
 """
 
 
+def test_remarks_are_told_beside_a_table(tmp_path: Path) -> None:
+    for name, component in (("a", "090"), ("b", "180")):
+        titles = ["RECORD", f"Event, 1/2/2003, Station, {component}"]
+        (tmp_path / f"{name}.AT2").write_text(at2_text(np.ones(99), 0.01, titles))
+    pair = [tmp_path / "a.AT2", tmp_path / "b.AT2"]
+    for arguments in ([tmp_path], [*pair, "--sa", 1], [*pair, "--rotd"], [*pair, "--rotd", "--json"]):
+        told = run("info", *arguments)[1].splitlines()
+        assert [line.split(" the mean value is 1 g")[0] for line in told] == ["rock: a.AT2 090:", "rock: b.AT2 180:"]
+    assert run("info", tmp_path, "--json")[1] == ""
+
+
 def test_what_the_database_says_of_a_record(tmp_path: Path) -> None:
     (tmp_path / NAME).write_text(SEARCH)
     known = {"magnitude": 7.28, "r_jb": 23.62, "r_rup": 23.62, "vs30": 353.63, "pulse_period": 7.504}
