@@ -10,6 +10,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from rockcli.errors import RecordError
+
 __all__ = ["COLUMNS", "NAME", "metadata_beside", "metadata_of"]
 
 NAME = "_SearchResults.csv"
@@ -36,13 +38,19 @@ def metadata_beside(path: Path) -> dict[str, float]:
     """What the table beside a record says of it, by the keys of COLUMNS; what is unknown is left out.
 
     A record is found by its file name, one that was renamed by the number in it (RSN811_...).
+
+    Raises:
+        RecordError: the table is damaged.
     """
     table = os.path.join(os.path.dirname(path), NAME)  # many times faster than a `Path`: it is sought for every record
     try:
         stamp = os.stat(table).st_mtime_ns
     except OSError:
         return {}
-    by_file, by_number = _read(Path(table), stamp)
+    try:
+        by_file, by_number = _read(Path(table), stamp)
+    except csv.Error as error:
+        raise RecordError(f"cannot be read as the table of the PEER database: {error}; correct it", table) from error
     number = re.match(r"RSN(\d+)_", path.name, re.I)
     return by_file.get(path.name.casefold()) or (by_number.get(int(number[1]), {}) if number else {})
 

@@ -197,6 +197,13 @@ def test_what_the_database_says_of_a_record(tmp_path: Path) -> None:
     assert row.split()[-4:] == ["7.28", "23.62", "353.6", "7.504"]
 
 
+def test_a_damaged_table_of_the_database_is_told(tmp_path: Path) -> None:
+    open_quote = SEARCH.replace('"Another"', '"Another').replace('"Place"', "Place")
+    (tmp_path / NAME).write_text(open_quote + "x" * 140_000)
+    with pytest.raises(RecordError, match="cannot be read as the table of the PEER database: field larger"):
+        metadata_beside(tmp_path / "RSN900_A_YER270.AT2")
+
+
 def test_what_is_known_of_records_is_in_the_dataset(tmp_path: Path) -> None:
     """Coordinates over the axis of the records, NaN where nothing is known of one; absent where nobody knows."""
     (tmp_path / NAME).write_text(SEARCH)
