@@ -144,6 +144,7 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
         step, start = _time_step(first, dt, name)
         if said_dt is not None and abs(said_dt - step) > AGREE * step:
             raise RecordError(f"a comment says dt is {said_dt:g} s, the time column {step:.6g} s; correct it", name)
+        step = said_dt if dt is None and said_dt is not None else step
         shifted = () if start == 0.0 else (f"time counted from the first sample, {start:g} s in the file",)
         return Text(numbers.values[1::2], step, unit, shifted, begins or {"first_time": start})
     if columns == 2 and all(_ONE_COMMA.fullmatch(line) for line in lines if line.strip() and not _COMMENT.match(line)):

@@ -262,6 +262,12 @@ def test_units_in_a_comment_are_a_statement(tmp_path: Path) -> None:
     refused(path, "`units` says g", units="g")
 
 
+@pytest.mark.parametrize("dt", [1.0 / 300.0, 1.0 / 60.0, 0.01])
+def test_a_step_of_no_few_digits_is_written_and_read_back(write, dt: float) -> None:
+    motion = read_record(write(two_columns(np.ones(6000), dt, "m/s2", [])))
+    assert (motion.dt, len(motion.values)) == (dt, 6000)
+
+
 @pytest.mark.parametrize(
     ("text", "options", "line", "words"),
     [
