@@ -31,7 +31,8 @@ _NUMBER = re.compile(r"Record Sequence Number", re.I)
 
 def metadata_of(path: Path, header: Mapping[str, Any]) -> dict[str, float]:
     """What a record's own header says, by the keys of COLUMNS, and the table beside it, which goes before."""
-    return {key: float(header[key]) for key in COLUMNS if key in header} | metadata_beside(path)
+    own = {key: value for key in COLUMNS if (value := _positive(header.get(key, ""))) is not None}
+    return own | metadata_beside(path)
 
 
 def metadata_beside(path: Path) -> dict[str, float]:
@@ -85,7 +86,7 @@ def _read(table: Path, stamp: int) -> tuple[dict[str, dict[str, float]], dict[in
     return by_file, by_number
 
 
-def _positive(cell: str) -> float | None:
+def _positive(cell: str | float) -> float | None:
     """A number the database knows; it writes -999 or - for one it does not."""
     try:
         value = float(cell)

@@ -204,6 +204,19 @@ def test_a_damaged_table_of_the_database_is_told(tmp_path: Path) -> None:
         metadata_beside(tmp_path / "RSN900_A_YER270.AT2")
 
 
+@pytest.mark.parametrize("unknown", ["-999", "-9999.0", ""])
+def test_what_a_header_does_not_know_is_no_number(tmp_path: Path, unknown: str) -> None:
+    text = "".join(f"{key}: {value}\n" for key, value in {
+        "EVENT_NAME": "A TEST", "EVENT_ID": "1", "MAGNITUDE_W": "6.1", "STATION_CODE": "T1", "VS30_M/S": unknown,
+        "SAMPLING_INTERVAL_S": "0.005", "NDATA": "3", "STREAM": "HNE", "UNITS": "cm/s^2", "PGA_CM/S^2": "3",
+        "DATA_TYPE": "ACCELERATION", "USER5": "",
+    }.items())  # fmt: skip
+    (tmp_path / "one.asc").write_text(text + "1\n-3\n2\n")
+    (row,) = json.loads(run("info", tmp_path / "one.asc", "--json")[0])
+    assert row["magnitude"] == 6.1
+    assert "vs30" not in row
+
+
 def test_what_is_known_of_records_is_in_the_dataset(tmp_path: Path) -> None:
     """Coordinates over the axis of the records, NaN where nothing is known of one; absent where nobody knows."""
     (tmp_path / NAME).write_text(SEARCH)
