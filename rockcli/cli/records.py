@@ -75,6 +75,7 @@ def info(
         raise RecordError(f"--rotd needs pairs of components; these are {len(chosen)} files")
     rows: list[dict[str, Any]] = []
     motions: list[Motion] = []
+    sources: list[Path] = []
     complaints: list[RecordError] = []
     brief = any(inside for _, inside in chosen) or bool(periods) or rotd
     for file, inside in chosen:
@@ -99,6 +100,7 @@ def info(
                 say(("\n" if rows else "") + _table(row))
             rows.append(row)
             motions.append(motion)
+            sources.append(file)
     if rotd and not complaints:
         pairs = list(zip(motions[::2], motions[1::2], strict=True))
         rows = [
@@ -107,13 +109,13 @@ def info(
     if brief and rows and not json:
         say(rows_table(rows, g))
     if rotd or (brief and not json):  # which have no place for remarks
-        for motion in motions:
+        for file, motion in zip(sources, motions, strict=True):
             for remark in motion.warnings:
-                say(f"rock: {' '.join(filter(None, (motion.name, motion.component)))}: {remark}", err=True)
+                say(f"rock: {' '.join(filter(None, (str(file), motion.component)))}: {remark}", err=True)
     if json:
         say(json_module.dumps(rows, indent=2))
     if spectrum is not None and motions:
-        _draw(spectrum, motions, g)
+        _draw(spectrum, sources, motions, g)
     if not rows and not complaints:
         raise RecordError("no record in it can be read", files[0])
     for complaint in complaints[:-1]:
@@ -158,7 +160,7 @@ def _components(file: Path, component: str | None, units: str | None, dt: float 
     return [_read(file, one, units, dt) for one in components_of(file)]
 
 
-def _draw(path: Path, motions: list[Motion], g: float) -> None:
+def _draw(path: Path, sources: list[Path], motions: list[Motion], g: float) -> None:
     import numpy as np
 
     from rockcli.cli.record_tables import LONGEST, POINTS, SHORTEST, spectrum_of
@@ -166,8 +168,11 @@ def _draw(path: Path, motions: list[Motion], g: float) -> None:
     from rockcli.storage.atomic import replacing
 
     periods = np.geomspace(SHORTEST, LONGEST, POINTS)
-    names = [" ".join(filter(None, (motion.name, motion.component))) for motion in motions]
-    spectra = {name: spectrum_of(motion, g, periods) / g for name, motion in zip(names, motions, strict=True)}
+    shared = len({file.parent for file in sources}) == 1
+    spectra = [
+        (f"{file.name if shared else file} {motion.component}".rstrip(), spectrum_of(motion, g, periods) / g)
+        for file, motion in zip(sources, motions, strict=True)
+    ]
     with replacing(path) as scratch:
         draw(scratch, periods, spectra, "Response spectra, 5 % damping")
     say(str(path), err=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -11,24 +12,26 @@ from numpy.typing import NDArray
 from rockcli.plotting.common.style import COLOURS, MOST_CURVES, RC, SINGLE, headline, new_figure, save
 
 
-def draw(path: Path, periods: NDArray[np.float64], spectra: dict[str, NDArray[np.float64]], title: str) -> None:
+def draw(
+    path: Path, periods: NDArray[np.float64], spectra: Sequence[tuple[str, NDArray[np.float64]]], title: str
+) -> None:
     """Write a figure.
 
     Args:
         path: its file, .png, .pdf or .svg.
         periods: (m,) [s].
-        spectra: pseudo-acceleration over g by name, (m,) each; more than can be told apart are grey, with their median.
+        spectra: names and pseudo-accelerations over g, (m,) each; more than can be told apart are grey, with a median.
         title: of the figure.
     """
     with mpl.rc_context(RC):
         figure = new_figure(SINGLE * 1.3, SINGLE * 1.1)
         axes = figure.subplots()
         many = len(spectra) > MOST_CURVES
-        for i, (name, values) in enumerate(spectra.items()):
+        for i, (name, values) in enumerate(spectra):
             style = {"color": "0.7", "linewidth": 0.6} if many else {"color": COLOURS[i % len(COLOURS)], "label": name}
             axes.plot(periods, values, **style)
         if many:
-            median = np.exp(np.median(np.log(list(spectra.values())), axis=0))
+            median = np.exp(np.median(np.log([values for _, values in spectra]), axis=0))
             axes.plot(periods, median, color=COLOURS[0], linewidth=1.8, label=f"median of {len(spectra)}")
         axes.set_xscale("log")
         axes.set_yscale("log")

@@ -170,6 +170,16 @@ Rjb (km), Rrup (km), Vs30 (m/sec), Lowest Useable Frequency (Hz), Horizontal-1 A
 """
 
 
+def test_records_of_one_name_in_two_folders_are_both_drawn(tmp_path: Path) -> None:
+    for folder, record in (("a", ONE), ("b", TWO)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "x.AT2").write_bytes(record.read_bytes())
+    run("info", tmp_path / "a", tmp_path / "b", "--spectrum", tmp_path / "s.svg")
+    drawn = (tmp_path / "s.svg").read_text()
+    assert "a/x.AT2" in drawn
+    assert "b/x.AT2" in drawn
+
+
 def test_remarks_are_told_beside_a_table(tmp_path: Path) -> None:
     for name, component in (("a", "090"), ("b", "180")):
         titles = ["RECORD", f"Event, 1/2/2003, Station, {component}"]
@@ -177,7 +187,8 @@ def test_remarks_are_told_beside_a_table(tmp_path: Path) -> None:
     pair = [tmp_path / "a.AT2", tmp_path / "b.AT2"]
     for arguments in ([tmp_path], [*pair, "--sa", 1], [*pair, "--rotd"], [*pair, "--rotd", "--json"]):
         told = run("info", *arguments)[1].splitlines()
-        assert [line.split(" the mean value is 1 g")[0] for line in told] == ["rock: a.AT2 090:", "rock: b.AT2 180:"]
+        expected = [f"rock: {pair[0]} 090:", f"rock: {pair[1]} 180:"]
+        assert [line.split(" the mean value is 1 g")[0] for line in told] == expected
     assert run("info", tmp_path, "--json")[1] == ""
 
 
