@@ -257,6 +257,7 @@ def _printable(text: str) -> str:
 
 def _facts(motion: Motion, g: float) -> dict[str, Any]:
     from rockcli.motion.measures import measures
+    from rockcli.motion.motion import start_of
 
     values = measures(motion.acceleration(g), motion.dt, g)
     known = {name: None if isnan(value) else value for name, value in values.items()}  # JSON has no NaN
@@ -264,6 +265,7 @@ def _facts(motion: Motion, g: float) -> dict[str, Any]:
         "format": motion.format,
         "component": motion.component,
         "title": "; ".join(motion.header.get("title", [])),
+        "start": start_of(motion).removeprefix("start: "),
         "npts": len(motion.values),
         "dt": motion.dt,
         "duration": motion.duration,
@@ -280,6 +282,7 @@ LINES = (
     ("format", "format", ""),
     ("component", "component", ""),
     ("title", "title", ""),
+    ("start", "first sample at", ""),
     ("npts", "values", ""),
     ("dt", "time step", "s"),
     ("duration", "duration", "s"),

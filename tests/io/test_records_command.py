@@ -107,7 +107,10 @@ def test_convert_keeps_when_the_first_sample_was_taken(tmp_path: Path, head: str
         assert said in text
         assert ("start" in text) is bool(said)
         again = read_record(tmp_path / target)
+        (row,) = json.loads(run("info", tmp_path / target, "--json"))
+        assert row["start"] == said.removeprefix("start: ")
         if said:
+            assert f"  first sample at  {row['start']}\n" in run("info", tmp_path / target)
             assert again.begins == read_record(tmp_path / "one.txt", units="g").begins
         source = tmp_path / target
     (trace,) = read_at2(tmp_path / "c.AT2")
