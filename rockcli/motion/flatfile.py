@@ -41,7 +41,7 @@ def metadata_beside(path: Path) -> dict[str, float]:
     A record is found by its file name, one that was renamed by the number in it (RSN811_...).
 
     Raises:
-        RecordError: the table is damaged.
+        RecordError: the table is damaged, or has a record twice with different values.
     """
     table = os.path.join(os.path.dirname(path), NAME)  # many times faster than a `Path`: it is sought for every record
     try:
@@ -64,7 +64,8 @@ def _read(table: Path, stamp: int) -> tuple[dict[str, dict[str, float]], dict[in
     files: list[int] = []
     numbered = None
     with table.open(newline="", encoding="latin-1") as lines:
-        for cells in ([cell.strip() for cell in row] for row in csv.reader(lines, skipinitialspace=True)):
+        rows = csv.reader(lines, skipinitialspace=True)
+        for cells in ([cell.strip() for cell in row] for row in rows):
             if not columns:
                 titles = [i for i, cell in enumerate(cells) if _NUMBER.fullmatch(cell)]
                 if titles and any(_FILES.fullmatch(cell) for cell in cells):
@@ -80,8 +81,10 @@ def _read(table: Path, stamp: int) -> tuple[dict[str, dict[str, float]], dict[in
             said = {key: value for key, i in columns.items() if (value := _positive(cells[i])) is not None}
             for i in files:
                 by_file[cells[i].replace("\\", "/").rsplit("/", 1)[-1].casefold()] = said
-            if numbered is not None and cells[numbered].isdigit():
-                by_number[int(cells[numbered])] = said
+            number = "" if numbered is None else cells[numbered]
+            if number.isdigit() and by_number.setdefault(int(number), said) != said:
+                twice = f"record {number} stands here again, with other values; leave one out"
+                raise RecordError(twice, table, rows.line_num)
     by_file.pop("", None)
     return by_file, by_number
 

@@ -215,6 +215,16 @@ def test_a_damaged_table_of_the_database_is_told(tmp_path: Path) -> None:
         metadata_beside(tmp_path / "RSN900_A_YER270.AT2")
 
 
+def test_a_record_that_stands_twice_in_the_table_of_the_database(tmp_path: Path) -> None:
+    row = next(line for line in SEARCH.splitlines() if " 900," in line)
+    (tmp_path / NAME).write_text(SEARCH.replace(row, f"{row}\n{row}"))
+    assert metadata_beside(tmp_path / "RSN900_A_YER270.AT2")["magnitude"] == 7.28
+    (tmp_path / NAME).write_text(again := SEARCH.replace(row, f"{row}\n{row.replace('7.28', '7.3')}"))
+    with pytest.raises(RecordError, match="record 900 stands here again, with other values") as caught:
+        metadata_beside(tmp_path / "RSN901_B_X.AT2")
+    assert "7.3," in again.splitlines()[caught.value.line - 1]
+
+
 @pytest.mark.parametrize("unknown", ["-999", "-9999.0", ""])
 def test_what_a_header_does_not_know_is_no_number(tmp_path: Path, unknown: str) -> None:
     text = "".join(f"{key}: {value}\n" for key, value in {
