@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scenes import G, overturns, pulse, record, rock, still, unit_block
+
+from rockcli.scene.response import ROCKING, UNRESOLVED
 
 slenderness = st.floats(0.02, 0.6)
 amplitude = st.floats(0.5, 6.0)
@@ -65,14 +67,15 @@ def test_zeros_before_and_after_a_record_change_nothing(alpha, A, seed, zeros):
     values = np.convolve(rng.normal(size=150), np.ones(5) / 5.0, mode="same")
     values[0] = values[-1] = 0.0
     values *= A * G * np.tan(alpha) / np.abs(values).max()
-    one = rock(unit_block(alpha), record(values, 0.05))
     padded = np.concatenate([np.zeros(zeros), values, np.zeros(zeros)])
-    other = rock(unit_block(alpha), record(padded, 0.05))
-    assert overturns(one) == overturns(other)
-    if one.scalars["outcome"][0] == 1:
-        assert other.scalars["theta_peak_over_alpha"][0] == pytest.approx(
-            one.scalars["theta_peak_over_alpha"][0], rel=1e-7, abs=1e-12
-        )
+    asked = {"scalars": ("outcome", "theta_peak_over_alpha", "error_estimate")}
+    one, other = (rock(unit_block(alpha), record(motion, 0.05), **asked).scalars for motion in (values, padded))
+    assume(UNRESOLVED not in (one["outcome"][0], other["outcome"][0]))
+    assert one["outcome"][0] == other["outcome"][0]
+    if one["outcome"][0] == ROCKING:
+        known = one["error_estimate"][0] + other["error_estimate"][0] + 1e-12
+        assume(known < 1e-3)  # some come to rest after hundreds of impacts, which makes much of rounding
+        assert abs(other["theta_peak_over_alpha"][0] - one["theta_peak_over_alpha"][0]) <= known
 
 
 @FEW
