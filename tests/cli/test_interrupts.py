@@ -98,6 +98,14 @@ def test_an_interrupt_is_answered(script: str, kernels: str, wait: float, by: in
     assert list((tmp_path / "results" / "long").iterdir()) == []
 
 
+def ended(script: str, *words: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """A script that interrupts itself, which it could not where the tests run in the background of a shell."""
+    return subprocess.run(
+        [sys.executable, "-c", script, *words], cwd=folder, capture_output=True, text=True, check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+
+
 IMPORTING = """\
 import os, signal, sys
 class Slow:
@@ -111,8 +119,8 @@ main()
 
 
 def test_an_interrupt_while_modules_are_imported_ends_the_command() -> None:
-    ended = subprocess.run([sys.executable, "-c", IMPORTING, "run"], capture_output=True, text=True, check=False)
-    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "rock: interrupted\n")
+    done = ended(IMPORTING, "run")
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "rock: interrupted\n")
 
 
 LATE = """\
@@ -124,8 +132,8 @@ main.main()
 
 
 def test_an_interrupt_while_the_end_is_told_has_no_traceback() -> None:
-    ended = subprocess.run([sys.executable, "-c", LATE, "show", "models"], capture_output=True, text=True, check=False)
-    assert (ended.returncode, ended.stderr) == (130, "rock: interrupted\n")
+    done = ended(LATE, "show", "models")
+    assert (done.returncode, done.stderr) == (130, "rock: interrupted\n")
 
 
 DRAWING = """\
@@ -139,10 +147,7 @@ main()
 
 def test_an_interrupt_while_a_trade_is_drawn_says_what_is_written(tmp_path: Path) -> None:
     (tmp_path / "x.yaml").write_text(STUDY[: STUDY.index("vary")])
-    ended = subprocess.run(
-        [sys.executable, "-c", DRAWING, "trade", "x.yaml", "--budget", "1s", "-q"],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert ended.returncode == 130
-    assert ended.stderr == "rock: interrupted; results/long-trade/long-trade.nc is written\n"
+    done = ended(DRAWING, "trade", "x.yaml", "--budget", "1s", "-q", folder=tmp_path)
+    assert done.returncode == 130
+    assert done.stderr == "rock: interrupted; results/long-trade/long-trade.nc is written\n"
     assert (tmp_path / "results" / "long-trade" / "long-trade.nc").exists()
