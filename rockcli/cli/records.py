@@ -161,6 +161,8 @@ def _components(file: Path, component: str | None, units: str | None, dt: float 
 
 
 def _draw(path: Path, sources: list[Path], motions: list[Motion], g: float) -> None:
+    import os
+
     import numpy as np
 
     from rockcli.cli.record_tables import LONGEST, POINTS, SHORTEST, spectrum_of
@@ -168,10 +170,11 @@ def _draw(path: Path, sources: list[Path], motions: list[Motion], g: float) -> N
     from rockcli.storage.atomic import replacing
 
     periods = np.geomspace(SHORTEST, LONGEST, POINTS)
-    shared = len({file.parent for file in sources}) == 1
+    places = [file.absolute() for file in sources]
+    shared = os.path.commonpath([place.parent for place in places])  # of all files: names tell the rest
     spectra = [
-        (f"{file.name if shared else file} {motion.component}".rstrip(), spectrum_of(motion, g, periods) / g)
-        for file, motion in zip(sources, motions, strict=True)
+        (f"{place.relative_to(shared)} {motion.component}".rstrip(), spectrum_of(motion, g, periods) / g)
+        for place, motion in zip(places, motions, strict=True)
     ]
     with replacing(path) as scratch:
         draw(scratch, periods, spectra, "Response spectra, 5 % damping")

@@ -8,14 +8,11 @@ import re
 from dataclasses import replace
 
 from rockcli.errors import RecordError
-from rockcli.motion.motion import Motion
+from rockcli.motion.motion import AZIMUTH, Motion
 
 TINY = 1e-12
 """Angles closer than this to a whole number of quarter turns are one [rad]: 90*deg is component two, to the bit."""
 
-
-AZIMUTH = re.compile(r"0|[4-9]\d|\d{3}")
-"""Names of components that are degrees from north, and not numbers of channels."""
 
 ASKEW = 10
 """Degrees by which two components may miss a right angle: those of Lucerne, 260 and 345, are taken as a pair."""
@@ -99,7 +96,7 @@ def not_a_pair(one: Motion, two: Motion) -> str:
     if elsewhere := of_other_places(one, two):
         return elsewhere
     first, second = one.component, two.component
-    if AZIMUTH.fullmatch(first) and AZIMUTH.fullmatch(second):
+    if re.fullmatch(AZIMUTH, first) and re.fullmatch(AZIMUTH, second):
         askew = abs((int(first) - int(second)) % 180 - 90) > ASKEW
     else:
         askew = bool(first and one.header.get("station")) and first.casefold() == second.casefold()

@@ -24,11 +24,14 @@ _START = re.compile(
 VERTICAL = re.compile(r"UP?|UD[12]?|V(?:ER(?:T(?:ICAL)?)?)?|DW?N|DOWN|Z|[A-Z]{2}Z", re.I)
 """What files call a vertical component; of KiK-net UD1 and UD2, of the seismological formats HNZ and the like."""
 
+AZIMUTH = r"0|[4-9]\d|\d{3}"
+"""Names of components that are degrees from north, and not numbers of channels."""
+
 HORIZONTAL = re.compile(
-    r"0|[4-9]\d|\d{3}|[NSEWLT]|NS[12]?|EW[12]?|SN|WE|N-S|E-W|[NS]\d\d?[EW]|[A-Z]{2}[NE12]|NORTH|SOUTH|EAST|WEST|H[12]|F[NP]",
+    AZIMUTH + r"|[NSEWLT]|NS[12]?|EW[12]?|SN|WE|N-S|E-W|[NS]\d\d?[EW]|[A-Z]{2}[NE12]|NORTH|SOUTH|EAST|WEST|H[12]|F[NP]",
     re.I,
 )
-"""What files call a horizontal component: degrees from north, not numbers of channels, directions, HNE and the like."""
+"""What files call a horizontal component: degrees from north, directions, HNE and the like."""
 
 
 @dataclass(frozen=True, eq=False)
