@@ -20,6 +20,9 @@ _SCANNED = 256
 
 _HALVINGS = 80
 
+_HALVINGS_OF_A_PIECE = 50
+"""Of the time between two of those that are looked at: to less than its last digit."""
+
 
 def rectangular_without_impact(Omega: Array) -> Array:
     """A above which a rectangular pulse of half a period 2 pi/Omega overturns: 1/(1 - exp(-pi/Omega))."""
@@ -54,9 +57,10 @@ def sine_one_impact(A: Array, Omega: Array, eta: float) -> Array:
     growing part after the impact (B2).  Positive: it overturns; NaN where no impact comes (from `sine_without_impact`
     on) or nothing lifts (A <= 1).  A, Omega broadcast.
     """
-    A, Omega = np.broadcast_arrays(np.asarray(A, dtype=float), np.asarray(Omega, dtype=float))
+    highest = sine_without_impact(Omega)
+    A, Omega, highest = np.broadcast_arrays(np.asarray(A, dtype=float), np.asarray(Omega, dtype=float), highest)
     answer = np.full(A.shape, np.nan)
-    impacts = (A > 1.0) & (sine_without_impact(Omega) > A)
+    impacts = (A > 1.0) & (highest > A)
     A, Omega = A[impacts], Omega[impacts]
     k = 1.0 / (1.0 + Omega**2)
     psi = np.arcsin(1.0 / A)
@@ -70,14 +74,17 @@ def sine_one_impact(A: Array, Omega: Array, eta: float) -> Array:
         return np.asarray(grows * np.exp(s) - decays * np.exp(-s) - A * Omega * k * np.cos(psi + Omega * s))
 
     with np.errstate(over="ignore", invalid="ignore"):  # long after a slow block has come down
-        low, high = np.zeros_like(A), np.full_like(A, np.nan)
+        down = np.zeros(A.shape, dtype=int)  # the first of the times at which it is down; 0: at none
+        growth, turn = np.exp(length / _SCANNED), np.exp(1j * Omega * length / _SCANNED)
+        grown, decayed, phasor = grows.copy(), decays.copy(), A * k * np.exp(1j * psi)
         for j in range(1, _SCANNED + 1):
-            s = length * (j / _SCANNED)
-            first = np.isnan(high) & (rotation(s) <= 0.0)
-            high = np.where(first, s, high)
-            low = np.where(np.isnan(high), s, low)
-        late = np.isnan(high)  # it comes down after the pulse, with the energy it has at its end
-        for _ in range(_HALVINGS):
+            grown *= growth
+            decayed /= growth
+            phasor *= turn
+            down[(down == 0) & (1.0 + grown + decayed <= phasor.imag)] = j
+        late = down == 0  # it comes down after the pulse, with the energy it has at its end
+        low, high = length * ((down - 1) / _SCANNED), np.where(late, np.nan, length * (down / _SCANNED))
+        for _ in range(_HALVINGS_OF_A_PIECE):
             s = 0.5 * (low + high)
             above = rotation(s) > 0.0
             low, high = np.where(above, s, low), np.where(above, high, s)
