@@ -41,7 +41,8 @@ def metadata_beside(path: Path) -> dict[str, float]:
     A record is found by its file name, one that was renamed by the number in it (RSN811_...).
 
     Raises:
-        RecordError: the table is damaged, or has a record twice with different values.
+        RecordError: the table is damaged, has none of the titles of the database's, or a record twice with different
+            values.
     """
     table = os.path.join(os.path.dirname(path), NAME)  # many times faster than a `Path`: it is sought for every record
     try:
@@ -85,6 +86,12 @@ def _read(table: Path, stamp: int) -> tuple[dict[str, dict[str, float]], dict[in
             if number.isdigit() and by_number.setdefault(int(number), said) != said:
                 twice = f"record {number} stands here again, with other values; leave one out"
                 raise RecordError(twice, table, rows.line_num)
+    if not columns and table.stat().st_size:
+        raise RecordError(
+            "is not the table of the PEER database as it comes: no line has the titles `Record Sequence Number` and "
+            "`... Acc. Filename` with commas between; put the original there, or rename it",
+            table,
+        )
     by_file.pop("", None)
     return by_file, by_number
 

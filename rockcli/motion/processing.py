@@ -144,7 +144,15 @@ def _filtered(motion: Motion, key: str, value: Any, g: float) -> Motion:
     trace.filter(key, **settings)
     band = " to ".join(f"{settings[name]:g}" for name in options.SIDE[key])
     phase = "zero phase" if settings["zerophase"] else "causal"
-    return _after(motion, trace.data, motion.dt, f"{key} {band} Hz, {settings['corners']} corners, {phase}", g)
+    after = _after(motion, trace.data, motion.dt, f"{key} {band} Hz, {settings['corners']} corners, {phase}", g)
+    lowest = settings[options.SIDE[key][0]]
+    if key == "lowpass" or lowest * motion.duration >= 1.0:
+        return after
+    warning = (
+        f"`{key}` from {lowest:g} Hz on, a period of {1.0 / lowest:.4g} s, of a record of {motion.duration:.4g} s: "
+        "what drifts over the record is not all removed"
+    )
+    return dataclasses.replace(after, warnings=(*after.warnings, warning))
 
 
 def _cutoffs(asked: dict[str, Any]) -> Iterator[float]:

@@ -62,6 +62,19 @@ def test_taper(sines: Motion, taper: Any) -> None:
     assert done.values[250:-250].tolist() == sines.values[250:-250].tolist()
 
 
+def test_a_drift_longer_than_the_period_of_a_highpass_is_left_and_told() -> None:
+    t = DT * np.arange(2001)
+    drifts = Motion(values=np.sin(np.pi * t / t[-1]), dt=DT, in_g=False)
+    for wanted in ({"highpass": 0.02 / t[-1]}, {"bandpass": [0.02 / t[-1], 20]}):
+        low = process(drifts, **wanted)
+        assert np.abs(low.values).max() > 0.5
+        (said,) = low.warnings
+        assert f"from {0.02 / t[-1]:g} Hz on, a period of {50 * t[-1]:g} s, of a record of {t[-1]:g} s" in said
+    high = process(drifts, highpass=2.0 / t[-1])
+    assert np.abs(high.values[200:-200]).max() < 0.05
+    assert high.warnings == ()
+
+
 def test_a_taper_of_less_than_a_sample_is_told_as_nothing_done() -> None:
     short = Motion(values=np.array([1.0, 2.0, -1.5, 0.5, 0.25] * 2 + [1.0]), dt=DT, in_g=False)
     done = process(short, taper=0.05)

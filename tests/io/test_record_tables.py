@@ -215,6 +215,17 @@ def test_a_damaged_table_of_the_database_is_told(tmp_path: Path) -> None:
         metadata_beside(tmp_path / "RSN900_A_YER270.AT2")
 
 
+@pytest.mark.parametrize(
+    "changed", [SEARCH.replace(",", ";"), SEARCH.replace("Record Sequence Number", "RSN"), "what is this\n"]
+)
+def test_a_table_without_the_titles_of_the_database_is_refused(tmp_path: Path, changed: str) -> None:
+    (tmp_path / NAME).write_text(changed)
+    with pytest.raises(RecordError, match="no line has the titles `Record Sequence Number`"):
+        metadata_beside(tmp_path / "RSN811_LOMAP_WAH000.AT2")
+    (tmp_path / NAME).write_text("")
+    assert metadata_beside(tmp_path / "RSN811_LOMAP_WAH000.AT2") == {}
+
+
 def test_a_record_that_stands_twice_in_the_table_of_the_database(tmp_path: Path) -> None:
     row = next(line for line in SEARCH.splitlines() if " 900," in line)
     (tmp_path / NAME).write_text(SEARCH.replace(row, f"{row}\n{row}"))
