@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -9,6 +10,11 @@ import pytest
 from rockcli.cli import main as command
 
 Rock = Callable[..., int]
+
+
+def pytest_collection_finish() -> None:
+    """Thousands of tests stay as long as the process does: garbage is not sought among them."""
+    gc.freeze()
 
 
 @pytest.fixture

@@ -115,16 +115,18 @@ def test_memory_does_not_grow_with_the_cases(tmp_path: Path, monkeypatch: pytest
     few, many = rows(10), rows(80)
     more = many.size - few.size
 
-    def growth(where: str, status: str) -> float:
-        """Of the better of two runs: what is loaded once, or by another thread, is not of the study."""
-        tries = [tmp_path / where / name for name in ("once", "again")]
-        return (min(most(many, t / "many", status) for t in tries) - most(few, tries[0] / "few", status)) / more
+    def growth(where: str, status: str, expected: float) -> float:
+        """Of a second run where the first takes more: what is loaded once, or by another thread, is not of the study."""
+        once, again = (tmp_path / where / name for name in ("once", "again" if status == SOLVED else "once"))
+        base = most(few, once / "few", status)
+        found = (most(many, once / "many", status) - base) / more
+        return found if found <= expected else min(found, (most(many, again / "many", status) - base) / more)
 
     most(few, tmp_path / "first", SOLVED)  # imports
-    assert growth("memory", SOLVED) > 8.5  # nine, but for what the smaller study asks for besides
+    assert growth("memory", SOLVED, 9.5) > 8.5  # nine, but for what the smaller study asks for besides
     monkeypatch.setattr(on_disk, "IN_MEMORY", 10_000)
-    assert growth("disk", SOLVED) < 1.0
-    assert growth("disk", UP_TO_DATE) < 1.0
+    assert growth("disk", SOLVED, 1.0) < 1.0
+    assert growth("disk", UP_TO_DATE, 1.0) < 1.0
 
 
 def test_the_estimate_stops_growing() -> None:

@@ -26,15 +26,12 @@ def fate(alpha, p, a_p, omega, eta, *, shape=np.sin, uplift, linear=False, span=
     return None
 
 
-def lowest(a, b, **scene):
-    """The amplitude [g] at which a block that stands under a and overturns under b begins to overturn, to 1e-6."""
-    overturns = lambda a_p: fate(a_p=a_p, uplift=uplift_of(a_p, scene), **scene) is not None  # noqa: E731
-    assert not overturns(a)
-    assert overturns(b)
-    while b - a > 1e-6:
-        middle = 0.5 * (a + b)
-        a, b = (a, middle) if overturns(middle) else (middle, b)
-    return b
+def begins(a_p, **scene):
+    """Whether a block begins to overturn within 2e-6 of an amplitude [g]: it stands below and overturns above."""
+    below, above = (
+        fate(a_p=each, uplift=uplift_of(each, scene), **scene) is not None for each in (a_p - 2e-6, a_p + 2e-6)
+    )
+    return not below and above
 
 
 def uplift_of(a_p, scene):
@@ -49,12 +46,12 @@ def block(b, h):
 
 def test_makris_and_roussos_fig_9():
     scene = {"omega": 2.0 * np.pi, "linear": True, **block(0.5, 1.5)}
-    assert lowest(0.4513, 0.4520, **scene) == pytest.approx(0.451540, abs=2e-6)  # the paper: .4514
+    assert begins(0.451540, **scene)  # the paper: .4514
 
 
 def test_makris_and_roussos_fig_11():
     scene = {"omega": 2.0 * np.pi, "shape": np.cos, **block(0.5, 1.5)}
-    assert lowest(0.6245, 0.6265, **scene) == pytest.approx(0.625844, abs=2e-6)  # the paper: .6255
+    assert begins(0.625844, **scene)  # the paper: .6255
 
 
 def test_makris_and_roussos_fig_2():
@@ -63,10 +60,12 @@ def test_makris_and_roussos_fig_2():
     Omega = 2.0 * np.pi / body["p"]
     A = brentq(lambda A: np.sqrt(A * A - 1.0) + A * np.exp(-(np.pi - np.arcsin(1.0 / A)) / Omega) - Omega, 1.0, 9.0)
     assert A * body["alpha"] == pytest.approx(0.5545859, abs=1e-7)  # the paper: .5545
-    assert lowest(0.5535, 0.5555, omega=2.0 * np.pi, linear=True, span=0.5, **body) == pytest.approx(0.554586, abs=2e-6)
+    assert begins(0.554586, omega=2.0 * np.pi, linear=True, span=0.5, **body)
 
 
-@pytest.mark.parametrize(("omega", "somewhere"), [(5.35, True), (5.45, False), (5.8, False)])
+@pytest.mark.parametrize(
+    ("omega", "somewhere"), [(5.35, True), (5.45, False), pytest.param(5.8, False, marks=pytest.mark.slow)]
+)
 def test_mode_1_of_the_block_of_20_degrees_ends_at_5_4(omega, somewhere):
     """Zhang and Makris (2001): at 5.8.  Amplitudes over g tan(alpha), 1/20 apart, where the band closes."""
     alpha = 0.349
