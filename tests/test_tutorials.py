@@ -15,6 +15,9 @@ from rockcli.cli.main import app
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted(path for path in (ROOT / "docs" / "tutorials").glob("*.md") if path.name != "README.md")
+LONG = ("balanced_rocks", "columns")
+"""What takes as long as the others together."""
+
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d+)?(e[-+]?\d+)?(?![\w.]*[a-z_]\w)")
 
 
@@ -34,7 +37,10 @@ def commands(page: Path) -> list[list[str]]:
     return [shlex.split(line)[1:] for line in blocks(page, "sh")]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, id=page.stem, marks=pytest.mark.slow if page.stem in LONG else ()) for page in PAGES],
+)
 def test_a_tutorial_runs_and_ends_in_its_table_and_figure(page, tmp_path, monkeypatch):
     if page.stem == "scan":
         pytest.importorskip("trimesh", reason="meshes are read by trimesh: pip install -e '.[meshes]'")

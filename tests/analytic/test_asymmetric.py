@@ -50,7 +50,7 @@ def test_against_an_independent_integration(b, seed):
         assert ours.scalars["theta_peak_over_alpha"][0] == pytest.approx(theirs.peak_over_alpha, abs=1e-9)
 
 
-@pytest.mark.parametrize("backend", ["event", "scipy"])
+@pytest.mark.parametrize("backend", ["event", pytest.param("scipy", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("seed", "b"), [(17, [0.4, 0.22]), (36, [0.2, 0.3]), (37, [0.4, 0.22])])
 def test_the_larger_ratio_may_be_on_the_side_that_turns_less(seed, b, backend):
     """Each side's peak against an independent integration; the ratio is the larger one, the rotation the larger one."""

@@ -126,7 +126,7 @@ def compared(n, seed, dts, scenes=batches):
 def check(n, seed, dts, fewest_decided, scenes=batches):
     ours, theirs = compared(n, seed, dts, scenes)
     fell, share = overturned(ours[:, 2].astype(int)), ours[:, 3]
-    decided = (theirs[:, -1, 3] == theirs[:, -2, 3]) & np.isin(share, (0.0, 1.0))
+    decided = (theirs[:, :, 3] == theirs[:, :1, 3]).all(axis=1) & np.isin(share, (0.0, 1.0))  # whatever its step
     assert decided.mean() >= fewest_decided
     differ = np.flatnonzero(decided & (fell != (theirs[:, -1, 3] == 1.0)))
     assert not len(differ), (differ, ours[differ], theirs[differ])
@@ -138,11 +138,11 @@ def check(n, seed, dts, fewest_decided, scenes=batches):
 
 
 @pytest.mark.slow
-def test_two_hundred_scenes():
+def test_a_hundred_and_twenty_scenes():
     dts = (4e-4, 2e-4, 1e-4)
-    stands, rotation, slide, ours = check(200, 1, dts, 0.9)
-    assert stands.sum() > 80
-    assert (ours[:, 2] == SLIDING).sum() > 20
+    stands, rotation, slide, ours = check(120, 1, dts, 0.9)
+    assert stands.sum() > 48
+    assert (ours[:, 2] == SLIDING).sum() > 12
     for error in (rotation, slide):
         middle = [np.quantile(error[:, j], 0.75) for j in range(3)]
         assert middle[2] < 0.7 * middle[1] < 0.49 * middle[0]

@@ -72,7 +72,7 @@ def corners(mu: float, a_p: float, t_end: float, stiffness: float, dt: float) ->
     [
         (0.2, 6.0, {0, 1}),  # slides flat
         (0.45, 10.0, {0, 2, 3}),  # rocks, slides while it rocks, rocks again
-        (0.5, 15.0, {0, 2, 3}),  # the same, farther
+        pytest.param(0.5, 15.0, {0, 2, 3}, marks=pytest.mark.slow),  # the same, farther
     ],
 )
 def test_sliding_and_slide_rock_as_opensees_has_them(mu, a_p, modes):

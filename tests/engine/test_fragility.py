@@ -232,13 +232,13 @@ def test_standard_errors_are_those_of_the_jackknife():
 @pytest.mark.slow
 @pytest.mark.parametrize(("n", "begins"), [(42, 1.0), (100, 0.0)])
 def test_the_limits_of_the_median_hold_it_in_95_of_100_suites(n, begins):
-    """Of 4000 synthetic suites of three states each, so that the share is known to 0.35 %."""
+    """Of 2000 synthetic suites of three states each, so that the share is known to 0.5 %."""
     medians, held = np.array([2.0, 3.0, 4.0]), np.zeros(3)
-    for seed in range(4000):
+    for seed in range(2000):
         category = suite(n=n, medians=medians, beta=0.5, begins=begins, seed=seed, own=1e-6)
         low, high = curves(seen(category), 3, begins_at=begins).median_limits()
         held += (low <= medians) & (medians <= high)
-    assert ((held >= 3760) & (held <= 3840)).all(), held / 4000
+    assert ((held >= 1880) & (held <= 1920)).all(), held / 2000
 
 
 def test_one_member_has_a_curve_and_no_limits():
@@ -496,7 +496,7 @@ def test_the_exponent_has_the_scatter_of_fits_without_one_member_after_another()
     np.testing.assert_allclose(of(np.arange(n)).jackknife[0, 3] ** 0.5, by_hand, rtol=0.05)
 
 
-@pytest.mark.parametrize(("n", "begins"), [(12, 1.0), (42, 0.0)])
+@pytest.mark.parametrize(("n", "begins"), [(12, 1.0), pytest.param(42, 0.0, marks=pytest.mark.slow)])
 def test_limits_hold_small_percentiles_as_often_as_they_say(n, begins):
     true = begins + (3.0 - begins) * np.exp(0.5 * stats.norm.ppf([0.01, 0.05]))
     suites, held = 250, np.zeros(2)

@@ -86,6 +86,7 @@ def test_long_periods_give_the_peak_ground_displacement():
     np.testing.assert_array_less(np.abs(S_d / measures.pgd(channel.values, DT) - 1.0), [1e-2, 1e-4])
 
 
+@pytest.mark.slow
 def test_below_half_a_step_the_error_is_below_one_per_cent():
     channel = record(np.concatenate([[0.0], RANDOM[:12]]), DT).horizontal
     T = np.array([DT / 2.5, DT / 5.0, DT / 11.0])

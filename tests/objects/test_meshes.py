@@ -126,7 +126,7 @@ def test_stable_poses_are_those_of_trimesh(seed):
     assert (np.abs(scan.poses @ downwards.T).max(axis=1) > 1.0 - 1e-6).all()
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(5))
 def test_the_barrier_is_the_highest_point_of_the_way(seed):
     """Every corner of the mesh at 40 000 tilts, from the rest that the body rolls down to."""
     mesh = rock(seed + 20)

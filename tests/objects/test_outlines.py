@@ -240,9 +240,8 @@ def test_what_is_no_body_is_refused(block, words):
         opened(block)
 
 
-@pytest.mark.parametrize("shift", [0.0, 1000.0])
-@pytest.mark.parametrize("lean", [0.0, 0.1])
-def test_parts_that_touch_but_for_rounding_do_not_overlap(shift, lean):
+@pytest.mark.parametrize(("lean", "shift"), [(0.0, 0.0), (0.1, 1000.0)])
+def test_parts_that_touch_but_for_rounding_do_not_overlap(lean, shift):
     """Blocks on one another at heights that are summed up, straight or leaning; a micrometre in common is refused."""
     rng = np.random.default_rng(8)
     for _ in range(40):

@@ -30,9 +30,9 @@ def test_what_is_asked_changes_no_answer(seed):
 
 
 @pytest.mark.slow
-def test_three_hundred_outlines():
-    found = [compare(seed) for seed in range(1000, 1300)]
-    assert found.count("chaos") < 10
-    assert found.count("rocks on") < 30
-    assert found.count("elsewhere") >= 5
-    assert min(found.count(word) for word in ("falls", "stands")) >= 50
+def test_a_hundred_and_fifty_outlines():
+    found = [compare(seed) for seed in range(1000, 1150)]
+    assert found.count("chaos") < 5
+    assert found.count("rocks on") < 15
+    assert found.count("elsewhere") >= 3
+    assert min(found.count(word) for word in ("falls", "stands")) >= 25

@@ -75,22 +75,22 @@ def test_a_hundred_outlines_in_lanes(path):
 
 
 @pytest.mark.parametrize("path", [False, True])
-@pytest.mark.parametrize("seed", [35, 110, 210, 1044])
+@pytest.mark.parametrize("seed", [35, 110, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (210, 1044))])
 def test_lanes_of_records_agree_with_an_independent_march(seed, path):
     compare_with_march(seed, record=True, path=path)
 
 
 @pytest.mark.slow
-def test_three_hundred_outlines_in_lanes_of_records():
+def test_a_hundred_and_fifty_outlines_in_lanes_of_records():
     found = []
-    for seed in range(2000, 2300):
+    for seed in range(2000, 2150):
         ours = in_lanes(random_case(seed, True), (*FOUND, *PATH, *CERTAINTY))
         chaos = 0.0 < ours["overturn_share"][0] < 1.0 or ours["error_estimate"][0] > 1e-7
         found.append("chaos" if chaos else "falls" if overturned(ours["outcome"][0]) else "stands")
         if not chaos:
             compare_with_march(seed, record=True, path=True)
-    assert found.count("chaos") < 10
-    assert min(found.count(word) for word in ("falls", "stands")) >= 50
+    assert found.count("chaos") < 5
+    assert min(found.count(word) for word in ("falls", "stands")) >= 25
 
 
 @pytest.mark.parametrize("seed", [1, 18, 39, 54, 57])
