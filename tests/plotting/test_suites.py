@@ -91,6 +91,25 @@ def test_of_many_bodies_those_that_overturn_most_easily_are_shown():
         assert ("those that overturn most easily" in figure.get_label()) is (kind != "risk")
 
 
+def test_bodies_without_a_curve_overturn_more_easily_than_those_that_never_do():
+    """All fall between two intensities, so that beta cannot be told; of eight, six of which stand, both are shown."""
+    stout = {f"stout {k}": {"block": {"R": 2.0, "tan_alpha": 0.8 + 0.1 * k}} for k in range(6)}
+    slender = {f"slender {k}": {"block": {"R": 2.0, "tan_alpha": 0.15 + 0.01 * k}} for k in range(2)}
+    vary = suite()["vary"] | {"motion.pulse.a_p": [0.1 * G, 0.2 * G, 0.6 * G], "case": stout | slender}
+    data = rockcli.run(suite(vary=vary))
+    falls = data["p_overturned"].sel(motion_pulse_a_p=0.6 * G).values
+    assert (falls[:6] == 0.0).all()
+    assert (falls[6:] == 1.0).all()
+    assert np.isnan(data["fragility_median"].values[:, -1]).all()
+    for kind in ("ida", "fragility"):
+        figure = rockcli.plot(data, kind)
+        titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
+        assert {"slender 0", "slender 1"} <= set(titles)
+        assert "those that overturn most easily" in figure.get_label()
+    rows = [text.get_text() for text in rockcli.plot(data, "ranking").axes[0].get_yticklabels()]
+    assert rows[:2] == ["slender 0", "slender 1"]
+
+
 def test_members_of_an_ida_are_fainter_the_more_there_are():
     amplitudes = {"motion.pulse.a_p": ["0.2*g", "0.4*g", "0.8*g"]}
     for n, alpha in ((20, 1.0), (300, 0.5)):

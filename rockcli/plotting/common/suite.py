@@ -44,6 +44,9 @@ def suite_axes(dataset: xarray.Dataset) -> tuple[str, ...]:
 NAMED = ("record", "sample")
 """Axes whose points have a word of their own."""
 
+_BEYOND = 1e300
+"""More than any intensity."""
+
 _BETWEEN = "-"
 """Between the names of axes that are laid end to end: no name of an axis has it."""
 
@@ -93,26 +96,33 @@ def panels(
     if least is not None:
         measure, chosen = least
         order = measure.transpose(*others).values.ravel()
-    elif not along and (order := _ease(dataset, others)) is not None:
+    elif not along and (order := _ease(dataset, suite, others)) is not None:
         chosen = "those that overturn most easily"
     shown, total = pick(dataset, most, others, order)
     note = selection_note(len(shown), total, what)
     return shown, f"{note}, {chosen}" if note and chosen else note
 
 
-def _ease(dataset: xarray.Dataset, others: tuple[str, ...]) -> Array | None:
-    """Medians of overturning of all bodies, flat: 0 of one that always does, inf of one without a curve.
+def _ease(dataset: xarray.Dataset, suite: Suite, others: tuple[str, ...]) -> Array | None:
+    """Medians of overturning of all bodies, flat: 0 of one that always does, inf of one that never does.
 
-    None where bodies are numbers on axes, which evenly spread ones show, or have no curve at all.
+    Of one without a curve that is the lowest intensity at which half of the members overturn, or more than all medians
+    where that is not known.  None where bodies are numbers on axes, which evenly spread ones show, or have no curve.
     """
     if "fragility_median" not in dataset or all(is_numeric(dataset, axis) for axis in others):
         return None
     medians, status = (
         dataset[f"fragility_{name}"].isel(limit_state=-1).transpose(*others) for name in ("median", "status")
     )
-    always = status.values.ravel() == str(status.attrs["flag_meanings"]).split().index("all_exceed")
-    ease = np.where(always, 0.0, np.nan_to_num(medians.values.ravel(), nan=np.inf))
-    return ease if np.isfinite(ease).any() else None
+    flags = str(status.attrs["flag_meanings"]).split()
+    always, never = (status.values == flags.index(flag) for flag in ("all_exceed", "none_exceeds"))
+    half: Array = np.full(medians.shape, _BEYOND)
+    if suite.along is not None and suite.told_against == suite.along:
+        levels = dataset[suite.along].where(dataset["p_overturned"] >= 0.5, _BEYOND)
+        half = levels.min(suite.along).transpose(*others).values
+    known = np.where(np.isfinite(medians.values), medians.values, half)
+    ease = np.where(always, 0.0, np.where(never, np.inf, known)).ravel()
+    return ease if (ease < _BEYOND).any() else None
 
 
 def members_word(dataset: xarray.Dataset, suite: Suite) -> str:

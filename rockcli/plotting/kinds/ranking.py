@@ -194,12 +194,15 @@ def _without_median(dataset: xarray.Dataset, medians: Array, status: Array) -> R
 
 
 def _worst_first(dataset: xarray.Dataset, panels: list[_Panel], reasons: Reasons) -> NDArray[np.intp]:
-    """Rows in the order of how easily they overturn; what is not known comes last."""
+    """Rows in the order of how easily they overturn; what is not known comes last.
+
+    Members of a body without a curve overturn: it comes before those of which none does.
+    """
     values = panels[0].values
     lowest = _ranked(dataset) not in (PEAK, SHARE)
     if lowest:
         values = np.where(np.isfinite(values), -values, -np.inf)
-        for which, instead in ((_FIRST, np.inf), (_LAST, -1e300)):
+        for which, instead in ((_FIRST, np.inf), ((_NO_CURVE,), -1e299), (_LAST, -1e300)):
             for reason in which:
                 values = np.where(reasons.get(reason, False), instead, values)
     keys = [np.nan_to_num(values, nan=-1.0, posinf=np.inf, neginf=-np.inf)]
