@@ -327,6 +327,16 @@ def test_risk_is_shown_of_bodies_that_overturn():
     assert texts.count("no curve of overturning") == 2
 
 
+def test_alternatives_beside_the_highest_rates_are_called_so():
+    curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
+    more = {"block.R": [2.0, 2.1, 2.2], "block.tan_alpha": [0.2, 5.0]}
+    data = rockcli.run(suite(hazard=[curve], vary=suite()["vary"] | more))
+    none = np.isnan(data["annual_rate"].sel(limit_state="overturned").squeeze("hazard"))
+    np.testing.assert_array_equal(none, 3 * [[False, True]])
+    label = rockcli.plot(data, "risk").get_label()
+    assert "2 of 6 bodies shown, those of the highest rates and their alternatives" in label
+
+
 @pytest.mark.slow
 def test_risk_is_shown_of_the_bodies_that_overturn_most_often():
     curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}

@@ -88,8 +88,8 @@ def panels(
     """Points of the axes left by the ensemble and the intensity, and what says which they are.
 
     `along`: of the intensity too.  Of more than `most` those where `least` is least, with the words for them; without
-    it, of bodies with names the ones that overturn most easily.  The words, which call them `what`, are "" where all
-    are shown.
+    it, of bodies with names the ones that overturn most easily; with the other points of the innermost axis where
+    there is room.  The words, which call them `what`, are "" where all are shown.
     """
     others = tuple(axis for axis in axes_of(dataset) if axis != suite.axis and (along or axis != suite.along))
     chosen, order = "", None
@@ -100,6 +100,11 @@ def panels(
         chosen = "those that overturn most easily"
     shown, total = pick(dataset, most, others, order)
     note = selection_note(len(shown), total, what)
+    if order is not None and len(shown) < total:
+        sizes = [int(dataset.sizes[axis]) for axis in others]
+        at = [np.ravel_multi_index([case.place[axis] for axis in others], sizes) for case in shown]
+        if order[at].max() > np.delete(order, at).min():  # whole rows of the innermost axis were taken
+            chosen += " and their alternatives"
     return shown, f"{note}, {chosen}" if note and chosen else note
 
 
