@@ -135,6 +135,33 @@ def test_figures(case: dict, curves: list[str], tmp_path: Path):
     assert "no static curves" in figures.why_not("curves", plain)
 
 
+def test_bodies_by_name_are_held_against_their_own_blocks():
+    """A column each, as bodies by number have; the frequency of a pulse changes no curve and has none."""
+    study = {
+        "case": {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": 1, "T_p": 1}}},
+        "vary": {
+            "block": {"slim": {"tan_alpha": 0.1}, "stout": {"tan_alpha": 0.5}},
+            "motion.pulse.T_p": [0.5, 1.0, 2.0],
+            "model": ["rigid", "1"],
+        },
+        "curves": ["pushover"],
+    }
+    dataset = rockcli.run(study)
+    figure = figures.figure("curves", dataset)
+    curves, errors = figure.axes[:2], figure.axes[2:]
+    assert [axes.get_title() for axes in curves] == ["slim", "stout"]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["block", "model 1"]
+    stored = dataset["curve_error_pushover"].isel(T_p=0).sel(model="1").values
+    for axes, error, tan_alpha, expected in zip(curves, errors, (0.1, 0.5), stored, strict=True):
+        theta = np.linspace(0.0, np.arctan(tan_alpha), 201)
+        block, model = np.tan(theta[-1] - theta), tan_alpha - np.tan(theta)
+        block_line, model_line = (line for line in axes.lines if len(line.get_xdata()) == 201)
+        np.testing.assert_allclose(block_line.get_ydata(), block / tan_alpha, atol=1e-12)
+        np.testing.assert_allclose(model_line.get_ydata(), model / tan_alpha, atol=1e-12)
+        np.testing.assert_allclose(error.lines[0].get_ydata(), 100.0 * (model - block) / tan_alpha, atol=1e-8)
+        assert np.abs(error.lines[0].get_ydata()).max() == pytest.approx(100.0 * expected)
+
+
 def test_labels_of_curves_that_coincide():
     assert words_of([("model 1", "negative_stiffness"), ("model 3", "negative_stiffness")]) == (
         "models 1, 3; negative stiffness"

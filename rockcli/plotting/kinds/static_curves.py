@@ -1,8 +1,9 @@
-"""Static curves: the block as a pale band, the models on it, their error below; a column for each slenderness."""
+"""Static curves: the block as a pale band, the models on it, their error below; a column for each body."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -121,11 +122,18 @@ def _panels(dataset: xarray.Dataset) -> list[Panel]:
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
-    """A column for each point of the numeric axes, or panels side by side; a curve for each of the others."""
+    """A column for each body, or panels side by side; a curve for each of its models.
+
+    Axes of numbers that change no more than a model have a column for each point too, others a curve; those that change
+    no curve, as of the motion, have neither.
+    """
     panels = _panels(dataset)
-    numeric = tuple(a for a in axes_of(dataset) if is_numeric(dataset, a))
-    columns, total = pick(dataset, MOST_COLUMNS, numeric)
-    found, as_block = _lines(dataset, panels, [case.position for case in columns])
+    block = _that_change(dataset, [name for panel in panels for name in (panel.block, panel.beside) if name])
+    model = _that_change(dataset, _of_models(dataset, panels))
+    bodies = tuple(a for a in axes_of(dataset) if a in block or (a in model and is_numeric(dataset, a)))
+    columns, total = pick(dataset, MOST_COLUMNS, bodies)
+    models = tuple(a for a in axes_of(dataset) if a in model and a not in bodies)
+    found, as_block = _lines(dataset, panels, [case.position for case in columns], models)
     lines = found[:MOST_LINES]
     beside = len(columns) > 1
     across = len(columns) if beside else min(PANELS_ACROSS, len(panels))
@@ -159,27 +167,42 @@ def draw(dataset: xarray.Dataset) -> Figure:
                 pair[1].set_xlabel(r"$\theta/\alpha$")
                 pair[1].tick_params(labelbottom=True)
     figure.align_ylabels()
-    notes = (selection_note(len(columns), total, "slendernesses"), selection_note(len(lines), len(found), "models"))
+    notes = (selection_note(len(columns), total, "columns"), selection_note(len(lines), len(found), "models"))
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
     _legend(figure, dataset, panels, lines, as_block, columns=1 if across == 1 else 3)
     return figure
 
 
+def _of_models(dataset: xarray.Dataset, panels: list[Panel]) -> list[str]:
+    """Variables that the curves of a model are drawn from."""
+    return [panel.model for panel in panels] + ["spring_moment"] * ("spring_moment" in dataset.variables)
+
+
+def _that_change(dataset: xarray.Dataset, names: list[str]) -> set[str]:
+    """Axes along which some of the variables are not the same, but for rounding."""
+    found = set()
+    for name, axis in product(names, axes_of(dataset)):
+        if axis in dataset[name].dims:
+            values = np.moveaxis(dataset[name].values, dataset[name].dims.index(axis), 0)
+            if not np.allclose(values, values[:1], rtol=1e-9, atol=1e-12, equal_nan=True):
+                found.add(axis)
+    return found
+
+
 def _lines(
-    dataset: xarray.Dataset, panels: list[Panel], columns: list[Position]
+    dataset: xarray.Dataset, panels: list[Panel], columns: list[Position], models: tuple[str, ...]
 ) -> tuple[list[_Line], list[tuple[str, ...]]]:
     """The models to draw, and the names of those whose curves are the block's in every panel."""
     every = axes_of(dataset)
-    labelled = tuple(a for a in every if not is_numeric(dataset, a))
     lines: list[_Line] = []
     as_block: list[tuple[str, ...]] = []
-    for case in pick(dataset, 10_000, labelled)[0]:
+    for case in pick(dataset, 10_000, models)[0]:
         names = tuple(
             str(dataset[a].values[i]) if not _bare(dataset, a, i) else f"model {dataset[a].values[i]}"
             for a, i in zip(every, case.position, strict=True)
-            if a in labelled and dataset.sizes[a] > 1
+            if a in models
         )
-        spots = [_at(dataset, column, case.position) for column in columns]
+        spots = [_at(column, case.position) for column in columns]
         if all(_as_block(dataset, panel, spot) for panel in panels for spot in spots):
             if (
                 "spring_moment" in dataset.variables
@@ -206,21 +229,15 @@ def _bare(dataset: xarray.Dataset, axis: str, position: int) -> bool:
     return axis == "model" and str(dataset[axis].values[position]).isdigit()
 
 
-def _at(dataset: xarray.Dataset, numeric: Position, labelled: Position) -> Position:
-    """A case by its place on the numeric axes and its place on the others."""
-    return tuple(
-        i if is_numeric(dataset, axis) else j
-        for axis, i, j in zip(axes_of(dataset), numeric, labelled, strict=True)
-    )  # fmt: skip
+def _at(column: Position, line: Position) -> Position:
+    """A case by its places on the axes of columns and on those of lines, each 0 on the others."""
+    return tuple(map(max, column, line))
 
 
 def _coincide(dataset: xarray.Dataset, panels: list[Panel], columns: list[Position], a: Position, b: Position) -> bool:
-    names = [panel.model for panel in panels] + ["spring_moment"] * ("spring_moment" in dataset.variables)
     return all(
-        np.array_equal(
-            values_at(dataset, name, _at(dataset, c, a)), values_at(dataset, name, _at(dataset, c, b)), equal_nan=True
-        )
-        for name in names
+        np.array_equal(values_at(dataset, name, _at(c, a)), values_at(dataset, name, _at(c, b)), equal_nan=True)
+        for name in _of_models(dataset, panels)
         for c in columns
     )
 
@@ -237,7 +254,7 @@ def _pair(
     """A panel of curves and, below it, of their errors; where not all panels have corners, `mixed`, these name them."""
     curve, error = pair
     ratio = np.asarray(dataset["theta_over_alpha"].values, dtype=float)
-    here = _at(dataset, column, lines[0].position) if lines else column
+    here = _at(column, lines[0].position) if lines else column
     scale = float(values_at(dataset, panel.scale, here)[panel.at]) if panel.scale else 1.0
     block = values_at(dataset, panel.block, here) / scale
     rises = panel.model == "restoring_moment"
@@ -248,7 +265,7 @@ def _pair(
         if mixed:
             curve.legend([*free, *pivot_side], ["free corner", "pivot-side corner"], loc="best", fontsize=7.0)
     for number, line in enumerate(lines):
-        spot = _at(dataset, column, line.position)
+        spot = _at(column, line.position)
         own = values_at(dataset, panel.model, spot) / scale
         colour, dashes = COLOURS[number], _DASHES[(number + 1) % len(_DASHES)]
         curve.plot(*_from_rest(ratio, own, rises), color=colour, linewidth=1.0, dashes=dashes or (None, None), zorder=3)
@@ -256,7 +273,8 @@ def _pair(
             spring = values_at(dataset, "spring_moment", spot) / scale
             if np.isfinite(spring).all() and not np.array_equal(spring, own):
                 curve.plot(*_from_rest(ratio, spring, True), **_SPRING)
-        error.plot(ratio, 100.0 * (own - block), color=colour, linewidth=1.0, dashes=dashes or (None, None))
+        apart = np.round(100.0 * (own - block), 9)  # no axis of 1e-17 for rounding
+        error.plot(ratio, apart, color=colour, linewidth=1.0, dashes=dashes or (None, None))
     level = 1.0 if panel.model in ("overturning_moment", "energy_ratio") else 0.0
     curve.axhline(level, color=QUIET, linewidth=0.4, zorder=0)
     error.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
