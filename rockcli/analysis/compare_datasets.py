@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 from rockcli.analysis.places import coordinate, place, units_of
 from rockcli.errors import StudyError
 from rockcli.scene.axis_path import axis_path
-from rockcli.scene.response import OUTCOMES
+from rockcli.scene.response import OUTCOMES, overturned
 from rockcli.scene.thresholds import FOUND, IN_RANGE, STATES, Thresholds
 from rockcli.scene.units import SI, Units, unit_words
-from rockcli.scene.variables import PEAK
+from rockcli.scene.variables import PEAK, SLIDE
 from rockcli.storage.contents import Contents
 from rockcli.study.study import MATCH
 
 OUTCOME = "outcome"
 
 FLOOR = 1e-9
-"""Peaks smaller than this differ by no more than it: theta/alpha below which nobody cares."""
+"""Peaks smaller than this differ by no more than it: theta/alpha, or m of a slide, below which nobody cares."""
 
 _COORDINATES = 5
 """Coordinates of an axis that a message names."""
@@ -34,13 +34,14 @@ class Difference:
 
     Attributes:
         points: points that both have; only_a, only_b: points of one only.
-        outcomes: points with another outcome; peaks: points with the same outcome and a peak beyond the tolerance.
+        outcomes: points with another outcome; peaks: points with the same outcome and a peak, of the rotation or of
+            the slide of a body that stands, beyond the tolerance.
         largest: largest relative difference of two finite peaks, NaN if none can be compared.
         median: median of those relative differences.
         worst: (place, words) of the worst points, outcomes first, then peaks by size.
         paired: axes of the first -> axes of the second that were taken for them, as their labels are the same.
-        quantity: what is compared as peaks: theta_peak_over_alpha, or the threshold of two searches
-            (`<axis>_overturning`), whose states take the place of outcomes.
+        quantity: what is compared as peaks: theta_peak_over_alpha, "" where that is not saved, or the threshold of two
+            searches (`<axis>_overturning`), whose states take the place of outcomes.
         changes: {`rocking -> overturned_after_impact`: points}, the most frequent first.
     """
 
@@ -73,7 +74,7 @@ def difference(
     Args:
         a, b: datasets with the same axes, in any order; where its labels are the same, an axis of labels may have
             another name, as the same settings have by name below one key and in a table below another.
-        rtol, atol: allowed differences of theta_peak_over_alpha, or of the thresholds.
+        rtol, atol: allowed differences of theta_peak_over_alpha and slide_peak, or of the thresholds.
         most: worst points named.
 
     Raises:
@@ -94,17 +95,18 @@ def difference(
     other = np.zeros(shape, dtype=bool)
     beyond = np.zeros(shape, dtype=bool)
     relative = np.full(shape, np.nan)
+    slides = None
     if flags is not None:
         words_of, flags_a, flags_b = flags
         other = flags_a != flags_b
     if quantity:
-        with np.errstate(invalid="ignore", divide="ignore"):
-            scale = np.maximum(np.abs(peak_a), np.abs(peak_b))
-            apart = np.abs(peak_b - peak_a)
-            near = apart <= atol + rtol * scale + np.maximum(slack_a, slack_b)
-            agree = near | (peak_a == peak_b) | (np.isnan(peak_a) & np.isnan(peak_b))
-            relative = np.where(scale > atol, apart / scale, 0.0)
-        beyond = ~agree & ~other
+        beyond, relative = _apart(peak_a, peak_b, rtol, atol, np.maximum(slack_a, slack_b))
+    if flags is not None and SLIDE in a.fields and SLIDE in b.fields:
+        stands = ~overturned(flags_a)
+        slides = _picked(a, SLIDE, at_a), _picked(b, SLIDE, at_b, a.axes)
+        slid, how_far = _apart(*slides, rtol, atol)
+        beyond, relative = beyond | (slid & stands), np.fmax(relative, np.where(stands, how_far, np.nan))
+    beyond &= ~other
     rank = np.where(other, np.inf, np.where(beyond, np.where(np.isfinite(relative), relative, 1e300), -1.0)).ravel()
     order = np.argsort(-rank, kind="stable")[:most]
     worst: list[tuple[str, str]] = []
@@ -121,6 +123,8 @@ def difference(
             words.append(f"{words_of[int(flags_a[at])]} -> {words_of[int(flags_b[at])]}")
         if quantity:
             words.append(_from_to(a, quantity, float(peak_a[at]), float(peak_b[at]), shown))
+        if slides is not None and slid[at]:
+            words.append(f"slide {slides[0][at]:.9g} -> {slides[1][at]:.9g} m")
         rows = [rows[i] for rows, i in zip(at_a, at, strict=True)]
         worst.append((place(a, a.axes, rows, shown), ", ".join(words)))
     finite = relative[np.isfinite(relative)]
@@ -137,6 +141,17 @@ def difference(
         quantity=quantity,
         changes=changes,
     )
+
+
+def _apart(
+    x: NDArray[Any], y: NDArray[Any], rtol: float, atol: float, slack: NDArray[Any] | float = 0.0
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Where values do not agree, and their relative differences."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        scale = np.maximum(np.abs(x), np.abs(y))
+        apart = np.abs(y - x)
+        agree = (apart <= atol + rtol * scale + slack) | (x == y) | (np.isnan(x) & np.isnan(y))
+        return ~agree, np.where(scale > atol, apart / scale, 0.0)
 
 
 _Flags = tuple[Mapping[int, str], NDArray[Any], NDArray[Any]]
@@ -220,7 +235,7 @@ def _renamed(contents: Contents, names: dict[str, str]) -> Contents:
     fields = {
         names.get(name, name): replace(item, dims=tuple(names.get(dim, dim) for dim in item.dims))
         for name, item in contents.fields.items()
-        if name in (*contents.axes, OUTCOME, PEAK) or FOUND in name
+        if name in (*contents.axes, OUTCOME, PEAK, SLIDE) or FOUND in name
     }
     return Contents(axes, fields, contents.attrs)
 

@@ -25,8 +25,8 @@ def compare(
 ) -> None:
     """Compare the outcomes and peaks of two datasets at the points both have, of searches the thresholds found.
 
-    Of two folders every dataset with that of the same name.  Exit 1 on another outcome or a peak beyond --rtol; the
-    worst points are named.
+    Peaks are of the rotation and, of bodies that stand, of the slide.  Of two folders every dataset with that of the
+    same name.  Exit 1 on another outcome or a peak beyond --rtol; the worst points are named.
     """
     from rockcli.errors import StudyError
 

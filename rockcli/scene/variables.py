@@ -40,6 +40,9 @@ DIMENSIONS: dict[str, str] = {
 PEAK = "theta_peak_over_alpha"
 """The peak that figures, suites and comparisons speak of."""
 
+SLIDE = "slide_peak"
+"""That of bodies that slide."""
+
 MOTION = "ground_motion"
 """Which motion of the ground a case has."""
 

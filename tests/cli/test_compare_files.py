@@ -72,6 +72,20 @@ def test_another_outcome_comes_first(first: Contents) -> None:
     assert flag != -1
 
 
+def test_slides_of_bodies_that_stand_are_compared() -> None:
+    """v²/(2 mu g), pushed at v = 1 m/s; a body that overturns has no slide that could be held against another."""
+    cases = [{"block": {"h": 1.0, "b": 0.25, "mu": mu}, "initial": {"slide_rate": 1.0}} for mu in (0.2, 0.1)]
+    one, other = (solve(open_study({"name": "pushed", "case": case})) for case in cases)
+    assert difference(one, one, rtol=0.0, atol=0.0).same
+    found = difference(one, other, rtol=1e-6)
+    assert not found.same
+    assert (found.outcomes, found.peaks) == (0, 1)
+    assert found.largest == pytest.approx(0.5)
+    before, after = found.worst[0][1].partition("slide ")[2].removesuffix(" m").split(" -> ")
+    assert (float(before), float(after)) == pytest.approx((1.0 / (0.4 * 9.81), 1.0 / (0.2 * 9.81)))
+    assert not difference(changed(one, "outcome", (), 3), changed(other, "outcome", (), 3), rtol=1e-6).peaks
+
+
 def test_an_answer_lost_is_a_difference(first: Contents) -> None:
     other = changed(first, "theta_peak_over_alpha", (2, 0), np.nan)
     assert difference(first, other, rtol=1.0).peaks == 1

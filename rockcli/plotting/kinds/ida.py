@@ -40,7 +40,7 @@ from rockcli.plotting.common.style import (
 )
 from rockcli.plotting.common.suite import Suite, members_word, panels, suite_of, without_intensity
 from rockcli.plotting.kinds.map import is_log, scale_axes
-from rockcli.scene.variables import PEAK
+from rockcli.scene.variables import PEAK, SLIDE
 
 if TYPE_CHECKING:
     import xarray
@@ -53,8 +53,6 @@ FRACTILES: tuple[tuple[str, str, tuple[float, ...]], ...] = (
     ("p84", "84th percentile", (1.5, 1.2)),
 )
 """End of the variable's name, word, dashes."""
-
-SLIDE = "slide_peak"
 
 MEMBER, BOLD = "#8494A3", COLOURS[0]
 

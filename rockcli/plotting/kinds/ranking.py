@@ -27,10 +27,9 @@ from rockcli.plotting.common.style import (
 from rockcli.plotting.common.suite import Suite, end_to_end, members_word, suite_axes, suite_of
 from rockcli.plotting.kinds.curve import STRIP, quantity, without_value
 from rockcli.plotting.kinds.fragility import intensity_label
-from rockcli.plotting.kinds.ida import SLIDE
 from rockcli.plotting.kinds.spectrum import found_label
 from rockcli.plotting.kinds.suite_curve import MEDIAN, SHARE
-from rockcli.scene.variables import PEAK
+from rockcli.scene.variables import PEAK, SLIDE
 
 if TYPE_CHECKING:
     import xarray
