@@ -15,7 +15,9 @@ import rockcli
 from rockcli.plotting import figures
 from rockcli.plotting.common.case_settings import case_settings
 from rockcli.plotting.kinds import map as outcomes
+from rockcli.plotting.page.facts import facts_of
 from rockcli.scene.laws.overturning import sine_without_impact
+from rockcli.scene.response import NO_UPLIFT
 
 CASE: dict[str, Any] = {
     "block": {"R": 1, "alpha": 0.3},
@@ -181,3 +183,29 @@ def test_the_settings_of_the_case_are_read_from_the_dataset() -> None:
     assert settings["damping.eta"] == "0.9"
     assert settings["model"] == "linearized"
     assert "name" not in settings
+
+
+def test_bodies_lift_by_the_gravity_of_their_own_case() -> None:
+    """Accelerations are in g of 9.81 m/s² where g is varied; the outcomes of the map say where the line is."""
+    pulse = {"shape": "sine", "a_p": 1.0, "T_p": 1.0}
+    case: dict[str, Any] = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    amplitudes = {"motion.pulse.a_p": {"from": 0.1, "to": 2.6, "n": 26}}
+    vary = {"g": {"from": 1.65, "to": 9.85, "n": 9}} | amplitudes
+    data = rockcli.run({"case": case, "vary": vary, "save": {"histories": False}})
+    (line,) = (line for line in rockcli.plot(data, "map").axes[0].lines if line.get_gid() == "uplift")
+    level = np.interp(data["g"].values, line.get_xdata(), line.get_ydata()) * 9.81
+    still = data["outcome"].transpose("g", "motion_pulse_a_p").values == NO_UPLIFT
+    amplitude = data["motion_pulse_a_p"].values
+    assert (np.max(np.where(still, amplitude, 0.0), axis=1) <= level).all()
+    assert (np.min(np.where(still, np.inf, amplitude), axis=1) > level).all()
+    facts = {fact.what: fact.value for fact in facts_of(data)}
+    assert facts["lifts from"] == f"{0.2 * 1.65 / 9.81:.3g} to {0.2 * 9.85 / 9.81:.3g} g"
+    few = {"g": [1.62, 9.81], "motion.pulse.T_p": [0.5, 1.0, 2.0]}
+    suite = {"case": case, "vary": few | amplitudes, "over": "T_p", "save": {"histories": False}}
+    for axes, g in zip(rockcli.plot(rockcli.run(suite), "ida").axes, (1.62, 9.81), strict=True):
+        levels = [float(line.get_ydata()[0]) for line in axes.lines if np.ptp(line.get_ydata()) == 0.0]
+        assert levels == pytest.approx([0.2 * g / 9.81])
+    pulse["a_p"] = 0.4
+    figure = rockcli.plot(rockcli.run({"case": case, "vary": {"g": [1.62]}}), "histories")
+    marks = [text.xy[1] for axes in figure.axes for text in axes.texts if "tan" in text.get_text()]
+    assert marks == pytest.approx([0.2 * 1.62 / 9.81])

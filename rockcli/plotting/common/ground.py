@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, values_at
-from rockcli.plotting.common.labels import unit_g
-from rockcli.plotting.common.response import edges
+from rockcli.plotting.common.labels import lifts_from, unit_g
 from rockcli.plotting.common.style import COLOURS, QUIET
 from rockcli.scene.variables import MOTION
 
@@ -105,12 +104,12 @@ def height_of(panel: list[Motion]) -> float:
 
 
 def uplift_at(dataset: xarray.Dataset, positions: list[Position]) -> float:
-    """tan(alpha) of the weaker side, one for all cases, at which a rigid body lifts [g]; NaN where they differ."""
+    """g tan(alpha) of the weaker side, one for all cases, at which a rigid body lifts [g]; NaN where they differ."""
     if "alpha" not in dataset.variables:
         return np.nan
-    alphas = [min(edges(dataset, "alpha", position)) for position in positions]
-    same = np.ptp(alphas) <= _SAME if alphas else False
-    return float(np.tan(alphas[0])) if same else np.nan
+    known = dataset.assign(lifts_from=lifts_from(dataset) / unit_g(dataset))
+    levels = [number_at(known, "lifts_from", position) for position in positions]
+    return levels[0] if levels and np.ptp(levels) <= _SAME else np.nan
 
 
 def draw_ground(

@@ -136,6 +136,14 @@ def unit_g(dataset: xarray.Dataset) -> float:
     return g_of(resolved_case(dataset), varied)
 
 
+def lifts_from(dataset: xarray.Dataset) -> xarray.DataArray:
+    """g tan(alpha) of the weaker edge, from which rigid bodies lift [m/s²], over the axes that change alpha or g."""
+    axes = [axis for axis in str(dataset.attrs.get("axes", "")).split() if path_of(dataset, axis) == "g"]
+    g = dataset[axes[0]] if axes else unit_g(dataset)
+    alpha = dataset["alpha"]
+    return alpha.copy(data=np.tan(alpha.values)) * g
+
+
 def units_of(dataset: xarray.Dataset) -> Units:
     """How the numbers of a dataset are shown: accelerations in g of its case."""
     return Units(unit_g(dataset))

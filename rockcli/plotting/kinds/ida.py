@@ -17,10 +17,10 @@ from rockcli.plotting.common.labels import (
     axis_values,
     coordinate_label,
     has_floors,
+    lifts_from,
     path_of,
     shown_unit,
     title_of,
-    unit_g,
     variable_label,
 )
 from rockcli.plotting.common.style import (
@@ -170,11 +170,9 @@ def fractiles_of(members: int) -> tuple[tuple[str, str, tuple[float, ...]], ...]
 def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
     """Draw the acceleration at which a rigid body lifts, where that is one number; whether it is."""
     peak_of_ground = part[along].attrs.get("units") == "m s-2" and not path_of(part, along).endswith(".sa")
-    if not peak_of_ground or "alpha" not in part.variables or part["alpha"].ndim:
+    if not peak_of_ground or "alpha" not in part.variables or has_floors(part) or lifts_from(part).ndim:
         return False
-    if has_floors(part):
-        return False
-    axes.axhline(float(np.tan(part["alpha"])) * unit_g(part) / shown_unit(part, along)[0], zorder=0, **LIFTS)
+    axes.axhline(float(lifts_from(part)) / shown_unit(part, along)[0], zorder=0, **LIFTS)
     return True
 
 

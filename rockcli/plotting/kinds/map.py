@@ -19,10 +19,10 @@ from rockcli.plotting.common.labels import (
     axis_values,
     deforms,
     has_floors,
+    lifts_from,
     path_of,
     shown_unit,
     title_of,
-    unit_g,
     variable_label,
 )
 from rockcli.plotting.common.style import (
@@ -172,9 +172,8 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
         return False
     if role.endswith("_over_g_tan_alpha"):
         level = np.ones(dataset.sizes[x])
-    elif "alpha" in dataset.variables and {str(dim) for dim in dataset["alpha"].dims} <= {x}:
-        level = np.broadcast_to(np.tan(dataset["alpha"].values), dataset.sizes[x]).copy()
-        level *= unit_g(dataset) / shown_unit(dataset, y)[0]
+    elif "alpha" in dataset.variables and {*(lifts := lifts_from(dataset)).dims} <= {x}:
+        level = np.broadcast_to(lifts.values / shown_unit(dataset, y)[0], dataset.sizes[x])
     else:
         return False
     low, high = axes.get_ylim()

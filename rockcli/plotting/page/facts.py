@@ -14,8 +14,10 @@ from rockcli.plotting.common.labels import (
     coordinate_words,
     deforms,
     has_floors,
+    lifts_from,
     path_of,
     shown_unit,
+    unit_g,
     whose,
 )
 from rockcli.scene.ground.amplitudes import AMPLITUDES
@@ -171,13 +173,10 @@ def name_of(dataset: xarray.Dataset, axis: str) -> str:
 
 def _uplift(dataset: xarray.Dataset) -> list[Fact]:
     """The ground acceleration at which rigid bodies lift about their weaker edge."""
-    names = [name for name in ("alpha_left", "alpha_right", "alpha") if name in dataset.variables]
-    if not names or "outcome" not in dataset.variables or deforms(dataset):
+    if "alpha" not in dataset.variables or "outcome" not in dataset.variables or deforms(dataset):
         return []
-    weaker = dataset[names[0]]
-    for name in names[1:]:
-        weaker = weaker.where(weaker < dataset[name], dataset[name])
-    values: Array = np.tan(weaker.values[np.isfinite(weaker.values)])
+    levels = lifts_from(dataset).values / unit_g(dataset)
+    values: Array = levels[np.isfinite(levels)]
     if not values.size:
         return []
     low, high = float(values.min()), float(values.max())
