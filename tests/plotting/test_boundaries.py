@@ -72,7 +72,7 @@ def test_the_line_of_uplift_crosses_the_whole_map() -> None:
     axes = figures.figure("map", mapped()).axes[0]
     (line,) = (line for line in axes.lines if line.get_gid() == outcomes.UPLIFT)
     assert (line.get_xdata()[0], line.get_xdata()[-1]) == axes.get_xlim()
-    assert set(np.asarray(line.get_ydata())) == {1.0}
+    np.testing.assert_allclose(line.get_ydata(), 0.3 / np.tan(0.3))  # linearized, of alpha = .3
 
 
 @pytest.mark.parametrize("settings", [False, True])
@@ -209,3 +209,24 @@ def test_bodies_lift_by_the_gravity_of_their_own_case() -> None:
     figure = rockcli.plot(rockcli.run({"case": case, "vary": {"g": [1.62]}}), "histories")
     marks = [text.xy[1] for axes in figure.axes for text in axes.texts if "tan" in text.get_text()]
     assert marks == pytest.approx([0.2 * 1.62 / 9.81])
+
+
+@pytest.mark.parametrize("key", ["a_p", "a_p_over_g_tan_alpha"])
+def test_linearized_blocks_lift_at_g_alpha(key: str) -> None:
+    """A block of alpha = 0.8 rocks from .8 g on, and g tan(alpha) is 1.03 g; the outcomes say where the line is."""
+    pulse = {"shape": "half_sine", key: 1.0, "T_p": 2.0}
+    amplitudes = np.linspace(0.53, 1.43, 19) * (9.81 if key == "a_p" else 1.0 / np.tan(0.8))
+    vary = {f"motion.pulse.{key}": amplitudes.tolist(), "motion.pulse.T_p": {"from": 0.5, "to": 2.0, "n": 7}}
+    case = {"block": {"R": 2.0, "alpha": 0.8}, "motion": {"pulse": pulse}, "model": "linearized"}
+    data = rockcli.run({"case": case, "vary": vary, "save": {"histories": False}})
+    figure = rockcli.plot(data, "map")
+    (line,) = (line for line in figure.axes[0].lines if line.get_gid() == "uplift")
+    still = (data["outcome"] == NO_UPLIFT).all("T_p").values
+    shown = 9.81 if key == "a_p" else 1.0
+    levels = np.asarray(line.get_ydata())
+    assert np.ptp(levels) == 0.0
+    assert amplitudes[still].max() / shown <= levels[0] < amplitudes[~still].min() / shown
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert r"uplift, $g\,\alpha$" in words
+    (fact,) = (fact for fact in facts_of(data) if fact.what == "lifts from")
+    assert (fact.value, fact.sentence) == ("0.8 g", "ground acceleration, g alpha")

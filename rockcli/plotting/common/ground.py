@@ -113,7 +113,14 @@ def uplift_at(dataset: xarray.Dataset, positions: list[Position]) -> float:
 
 
 def draw_ground(
-    axes: Axes, time: Array, panel: list[Motion], *, coloured: bool, named: bool = False, uplift: float = np.nan
+    axes: Axes,
+    time: Array,
+    panel: list[Motion],
+    *,
+    coloured: bool,
+    named: bool = False,
+    uplift: float = np.nan,
+    word: str = "",
 ) -> None:
     """A panel of the motions given: one trace, pulses over one another, or records below one another.
 
@@ -123,7 +130,7 @@ def draw_ground(
         panel: motions.
         coloured: a motion of one case only has its colour, where there are others.
         named: write what distinguishes a motion above its panel.
-        uplift: g tan(alpha) [g], marked where the motions reach it or nearly do; NaN = not.
+        uplift: g tan(alpha) [g], marked where the motions reach it or nearly do; NaN = not. word: what it is.
     """
     stacked = _stacked(panel)
     level = 0.0
@@ -144,7 +151,7 @@ def draw_ground(
         levels.append(level)
         peaks.append(f"{peak:.2g}")
     if not scaled and not stacked and max(_reach(m, s) for m in panel for s in (-1.0, 1.0)) > _NEARLY * uplift:
-        for level, words in ((uplift, r"$\pm g\,\tan\alpha$"), (-uplift, "")):
+        for level, words in ((uplift, rf"$\pm {word}$"), (-uplift, "")):
             axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=1)
             axes.annotate(
                 words,

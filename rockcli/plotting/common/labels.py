@@ -123,11 +123,20 @@ def has_floors(dataset: xarray.Dataset) -> bool:
 
 def deforms(dataset: xarray.Dataset) -> bool:
     """Whether all bodies are deformable columns, which lift below g tan(alpha) where they are pushed suddenly."""
+    return {*np.ravel(_models(dataset)).tolist()} <= {"flexible", "continuum"}
+
+
+def _models(dataset: xarray.Dataset) -> Any:
+    """Names of the models: a coordinate over their axis, or one name."""
     axes = [axis for axis in str(dataset.attrs.get("axes", "")).split() if path_of(dataset, axis) == "model"]
     model = resolved_case(dataset).get("model")
     base = model.get("name") if isinstance(model, dict) else model
-    models = np.unique(dataset[axes[0]].values.astype(str)).tolist() if axes else [base]
-    return {*models} <= {"flexible", "continuum"}
+    return dataset[axes[0]].astype(str) if axes else str(base)
+
+
+def lifts_word(dataset: xarray.Dataset) -> str:
+    """What `lifts_from` is, in mathematics: that of linearized blocks where all are."""
+    return r"g\,\alpha" if {*np.ravel(_models(dataset)).tolist()} == {"linearized"} else r"g\,\tan\alpha"
 
 
 def unit_g(dataset: xarray.Dataset) -> float:
@@ -137,11 +146,16 @@ def unit_g(dataset: xarray.Dataset) -> float:
 
 
 def lifts_from(dataset: xarray.Dataset) -> xarray.DataArray:
-    """g tan(alpha) of the weaker edge, from which rigid bodies lift [m/s²], over the axes that change alpha or g."""
+    """g tan(alpha) of the weaker edge, of linearized blocks g alpha, from which rigid bodies lift [m/s²].
+
+    Over the axes that change it.
+    """
     axes = [axis for axis in str(dataset.attrs.get("axes", "")).split() if path_of(dataset, axis) == "g"]
     g = dataset[axes[0]] if axes else unit_g(dataset)
     alpha = dataset["alpha"]
-    return alpha.copy(data=np.tan(alpha.values)) * g
+    tangent = alpha.copy(data=np.tan(alpha.values))
+    level: xarray.DataArray = (tangent + (_models(dataset) == "linearized") * (alpha - tangent)) * g
+    return level
 
 
 def units_of(dataset: xarray.Dataset) -> Units:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rockcli.plotting.common.cases import Array, Shown, number_at, outcome_at, pick, selection_note, values_at
 from rockcli.plotting.common.ground import draw_ground, height_of, motions, panels_of, uplift_at
-from rockcli.plotting.common.labels import title_of, unit_in_brackets, variable_label
+from rockcli.plotting.common.labels import lifts_word, title_of, unit_in_brackets, variable_label
 from rockcli.plotting.common.response import (
     SHOWN_UP_TO,
     Position,
@@ -64,7 +64,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     shown, total = pick(dataset, MOST_CURVES)
     positions = [case.position for case in shown]
     found = motions(dataset, positions)
-    uplift = uplift_at(dataset, positions)
+    uplift, word = uplift_at(dataset, positions), lifts_word(dataset)
     grounds = panels_of(found)
     panels = _panels(dataset, positions)
     heights = [(0.55 if len(grounds) < 2 else 0.42) * height_of(panel) for panel in grounds]
@@ -75,7 +75,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     seen = window(dataset, positions)
     for axes, panel in zip(grid, grounds, strict=False):
         coloured = len(shown) > 1 and len(found) > 1
-        draw_ground(axes, time, panel, coloured=coloured, named=len(grounds) > 1, uplift=uplift)
+        draw_ground(axes, time, panel, coloured=coloured, named=len(grounds) > 1, uplift=uplift, word=word)
     _alike([grid[number] for number in range(len(grounds))])
     for axes, (_, fill) in zip(grid[len(grounds) :], panels, strict=True):
         fill(axes, dataset, shown, seen)

@@ -20,6 +20,7 @@ from rockcli.plotting.common.labels import (
     deforms,
     has_floors,
     lifts_from,
+    lifts_word,
     path_of,
     shown_unit,
     title_of,
@@ -123,7 +124,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
         bar.set_label("rocking: " + variable_label("theta_peak_over_alpha"))
         bar.outline.set_linewidth(0.4)
     slides = bool(_tilts_and_slides(dataset).any())
-    _legend(figure, present, bounded, shaded=peaks is not None, slides=slides, lifts=lifts)
+    _legend(
+        figure, present, bounded, shaded=peaks is not None, slides=slides, lifts=lifts_word(dataset) if lifts else ""
+    )
     headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
     return figure
 
@@ -170,10 +173,12 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
     role = path_of(dataset, y).rsplit(".", 1)[-1]
     if role not in _ACCELERATIONS or has_floors(dataset) or deforms(dataset):
         return False
-    if role.endswith("_over_g_tan_alpha"):
+    over = role.endswith("_over_g_tan_alpha")
+    if over and "tan" in lifts_word(dataset):
         level = np.ones(dataset.sizes[x])
     elif "alpha" in dataset.variables and {*(lifts := lifts_from(dataset)).dims} <= {x}:
-        level = np.broadcast_to(lifts.values / shown_unit(dataset, y)[0], dataset.sizes[x])
+        unit = lifts / dataset["alpha"] * np.tan(dataset["alpha"]) if over else shown_unit(dataset, y)[0]
+        level = np.broadcast_to(np.asarray(lifts / unit), dataset.sizes[x])
     else:
         return False
     low, high = axes.get_ylim()
@@ -230,7 +235,7 @@ def _even(edges: Array) -> bool:
     return bool(np.ptp(steps) < 1e-3 * np.abs(steps).min())
 
 
-def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool, lifts: bool) -> None:
+def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool, lifts: str) -> None:
     flags = [flag for flag in OUTCOMES if flag in present and not (shaded and flag == ROCKING)]
     flags.sort(key=lambda flag: flag < NO_UPLIFT)
     patches = [
@@ -243,7 +248,7 @@ def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: boo
         )
     handles: list[Artist] = [*patches, *boundary_handles(bounded)]
     if lifts:
-        handles.append(Line2D([], [], label=r"uplift, $g\,\tan\alpha$", **LIFTS))
+        handles.append(Line2D([], [], label=f"uplift, ${lifts}$", **LIFTS))
     legend_below(figure, handles, 2 if bounded else 4, handlelength=2.2 if bounded else 1.2)
 
 
