@@ -53,7 +53,7 @@ def animate(
         path: the dataset, with histories.
         out: the animation, .gif or .mp4; None: `DEFAULT` beside the dataset.
         case: number of the case, from 1, in the order of the axes, the last of them fastest.
-        at: axis -> value; the first case that agrees is shown.
+        at: axis, by its name, its path or the end of that -> value; the first case that agrees is shown.
         speed: seconds of the response in a second of animation.
         fps: pictures a second.
         magnify: factor on the bending of a flexible column.
@@ -93,18 +93,20 @@ def _chosen(
     """Position of the case to show, its name, and a sentence if nobody chose among several."""
     from rockcli.plotting.common.cases import axes_of
     from rockcli.plotting.common.labels import coordinate_label
-    from rockcli.plotting.common.selection import place_on
+    from rockcli.plotting.common.selection import axis_called, place_on
 
     axes = axes_of(dataset)
     sizes = tuple(int(dataset.sizes[axis]) for axis in axes)
     total = int(np.prod(sizes))
-    for axis in at:
-        if axis not in axes:
-            raise StudyError(f"--at {axis}: {_axes_in_words(axes)}", file=path)
+    places: dict[str, int] = {}
     try:
-        places = {axis: place_on(dataset, axis, value) for axis, value in at.items()}
+        for said, value in at.items():
+            axis = axis_called(dataset, said)
+            if axis in places:
+                raise StudyError(f"select {said}: {axis} is chosen twice")
+            places[axis] = place_on(dataset, axis, value)
     except StudyError as error:
-        raise StudyError(f"--at {error.message}", file=path) from None
+        raise StudyError(f"--at {error.message.removeprefix('select ')}", file=path) from None
     if case is not None:
         if at:
             raise StudyError("--case and --at both choose the case: give one of them")
@@ -128,7 +130,3 @@ def _choices(dataset: xarray.Dataset, axis: str) -> list[str]:
 
     words = coordinate_words(dataset, axis)[:8]
     return [word.replace(" ", "") for word in words] if dataset[axis].dtype.kind == "f" else words
-
-
-def _axes_in_words(axes: tuple[str, ...]) -> str:
-    return f"the axes are {', '.join(axes)}" if axes else "there is one case only"

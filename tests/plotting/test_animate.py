@@ -188,6 +188,12 @@ def test_what_chooses_a_case_is_told_as_it_is_taken(tmp_path: Path):
     rockcli.run({"name": "two", "case": case, "vary": vary}).to_netcdf(path, engine="netcdf4")
     told = CliRunner().invoke(app, ["animate", str(path), "--fps", "2"])
     assert "--at chooses: motion_pulse_a_p (0.3g, 0.4g)" in told.stderr
+    # as figures and tables take it: the name of the axis, its path, or the end of that
+    for said in ("motion_pulse_a_p", "motion.pulse.a_p", "a_p"):
+        film = animate(path, tmp_path / "film.gif", at={said: "0.4g"}, fps=2, end=1.0)
+        assert film.case.endswith("= 0.4 g"), said
+    with pytest.raises(StudyError, match="--at a_p: motion_pulse_a_p is chosen twice"):
+        animate(path, at={"motion.pulse.a_p": "0.3g", "a_p": "0.4g"})
     chosen = CliRunner().invoke(app, ["animate", str(path), "--fps", "2", "--at", "motion_pulse_a_p=0.4g"])
     assert chosen.exit_code == 0
     assert "chooses" not in chosen.stderr

@@ -48,7 +48,7 @@ def selected(
     """
     words = []
     for said, values in chosen.items():
-        axis = _axis(dataset, said, beside)
+        axis = axis_called(dataset, said, beside)
         many = np.asarray(values).tolist() if hasattr(values, "__array__") else values
         every = many if isinstance(many, list | tuple) else [many]
         places = list(dict.fromkeys(place_on(dataset, axis, value) for value in every))
@@ -58,7 +58,12 @@ def selected(
     return dataset, ", ".join(words)
 
 
-def _axis(dataset: xarray.Dataset, said: str, beside: Sequence[str]) -> str:
+def axis_called(dataset: xarray.Dataset, said: str, beside: Sequence[str] = ()) -> str:
+    """The axis of a name, a path in the study, or the end of one.
+
+    Raises:
+        StudyError: there is none, or several are called so.
+    """
     axes = axes_of(dataset)
     found = [axis for axis in axes if said in (axis, path_of(dataset, axis))]
     found = found or [axis for axis in axes if path_of(dataset, axis).endswith(f".{said}")]
