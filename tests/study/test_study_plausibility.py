@@ -221,6 +221,19 @@ def test_a_column_that_no_model_reads_is_told():
     assert warnings_of(motion, vary={"model": ["rigid", "flexible"]}) == ()
 
 
+@pytest.mark.parametrize(
+    ("vary", "key"),
+    [
+        ({"column.E": [1e10, 3e10]}, "column"),
+        ({"geometry": ["corotational", "negative_stiffness"]}, "geometry"),
+        ({"case": {"stiff": {"column": {"E": 3e10, "rho": 2500}}, "as it is": {}}}, "column"),
+    ],
+)
+def test_what_only_an_axis_says_and_no_model_reads_is_told(vary, key):
+    (said,) = warnings_of({"motion": {"pulse": SINE}}, vary=vary)
+    assert said.startswith(f"{key} is ignored")
+
+
 def test_a_negative_eta_is_told_with_the_body_it_is_of(tmp_path):
     free = "initial: {theta: 0.1}"
     (tmp_path / "t.csv").write_text("name,block.h,block.b\ntall,2,1.0\nflat,1,1.5\n")

@@ -47,6 +47,7 @@ class Found:
     """What the cases of a study show: finest output spacing needed, what was done to records.
 
     `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
+    `said`: keys of cases that few models read.
     `friction`: some case has a mu; `asymmetric`: some body has two different edges; `rolling`: some body rolls over
     more.  `meant`: keys whose numbers are not implausible.  `doubts`: sentences, with the first case each is about.
     """
@@ -57,6 +58,7 @@ class Found:
     still: bool = True
     models: dict[tuple[str, str | None], None] = field(default_factory=dict)
     schemes: set[str] = field(default_factory=set)
+    said: set[str] = field(default_factory=set)
     friction: bool = False
     asymmetric: bool = False
     rolling: bool = False
@@ -70,6 +72,7 @@ class Found:
         """Take note of a batch and of the numbers it was built from."""
         self.models[batch.model, batch.geometry] = None
         self.schemes.add(batch.damping.scheme)
+        self.said |= {key for key in ("geometry", "column") if getattr(numbers.case, key) is not None}
         self.friction |= bool(np.isfinite(batch.block.mu).any())
         self.asymmetric |= not batch.block.symmetric.all()
         self.rolling |= bool(batch.block.rolls.any())
@@ -132,8 +135,8 @@ class Found:
         """Sentences about what is hardly meant in a study of `size` cases, or not described by its models."""
         curves: Any = value_at(study, ("curves",))
         nothing_moves = self.still and not curves and "fema356" not in self.schemes
-        for_nothing = value_at(study, ("case", "geometry")) is not None and not self._knows_geometry
-        no_column = value_at(study, ("case", "column")) is not None and not self._reads_column
+        for_nothing = "geometry" in self.said and not self._knows_geometry
+        no_column = "column" in self.said and not self._reads_column
         unread = [NO_GEOMETRY] * for_nothing + [NO_COLUMN] * no_column
         doubts = [f"{said} (at {first})" if first else said for said, first in self.doubts.items()]
         said = [*self.uplift.sentences(), *self.falling.sentences(size)]
