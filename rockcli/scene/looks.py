@@ -14,6 +14,8 @@ WIDTHS: dict[str, float] = {"single": 90.0, "double": 180.0}
 NARROWEST, WIDEST = 60.0, 500.0
 """Widths that figures can have [mm]."""
 
+WIDTHS_IN_WORDS = f"{' or '.join(WIDTHS)}, or {NARROWEST:g} to {WIDEST:g} mm"
+
 
 @dataclass(frozen=True)
 class Look:
@@ -47,6 +49,5 @@ def width_of(said: str | float | None) -> float | None:
     except ValueError:
         width = float("nan")
     if not NARROWEST <= width <= WIDEST:
-        words = " or ".join(WIDTHS)
-        raise StudyError(f"width {said}: expected {words}, or {NARROWEST:g} to {WIDEST:g} mm")
+        raise StudyError(f"width {said}: expected {WIDTHS_IN_WORDS}")
     return width

@@ -13,7 +13,10 @@ from pydantic import (
     Discriminator,
     Field,
     Tag,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
     WithJsonSchema,
+    WrapValidator,
     create_model,
 )
 
@@ -26,7 +29,7 @@ from rockcli.scene.ground.pulses import SHAPES
 from rockcli.scene.ground.spectra import SPECTRA
 from rockcli.scene.laws.damping import DEFAULT_SCHEME, SCHEMES, Key
 from rockcli.scene.laws.models import DEFORMABLE, MODEL_NAMES
-from rockcli.scene.looks import NARROWEST, WIDEST, WIDTHS
+from rockcli.scene.looks import NARROWEST, WIDEST, WIDTHS, WIDTHS_IN_WORDS
 from rockcli.scene.numerics import ACCURACIES, STANDARD
 from rockcli.scene.rules import RULE_NAMES as RULES
 from rockcli.scene.uncertain.samples import LATIN_HYPERCUBE, SAMPLINGS
@@ -521,14 +524,22 @@ Ends = Annotated[tuple[float, float], BeforeValidator(_ends), AfterValidator(_as
 """The part of an axis of a figure that is shown."""
 
 
+def _width(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+    try:
+        return handler(value)
+    except ValidationError:
+        raise ValueError(f"expected {WIDTHS_IN_WORDS}, not {describe(value)}") from None
+
+
 class PlotPart(Part):
     """A plot, and how it is wanted."""
 
     kind: Literal[PLOTS] = key("kind of plot", ...)  # type: ignore[valid-type]
     select: dict[str, Any] = key("{axis: value or list of values} of the cases shown; an absent axis = every point", {})
-    width: Literal[tuple(WIDTHS)] | Annotated[float, Field(ge=NARROWEST, le=WIDEST)] | None = key(  # type: ignore[valid-type]
-        "single (90 mm), double (180 mm) or a number of mm; default: as its content needs"
-    )
+    width: Annotated[
+        Literal[tuple(WIDTHS)] | Annotated[float, Field(ge=NARROWEST, le=WIDEST)] | None,  # type: ignore[valid-type]
+        WrapValidator(_width),
+    ] = key("single (90 mm), double (180 mm) or a number of mm; default: as its content needs")
     title: Text | Literal[False] | None = key("title instead of the study's; false: none")
     labels: dict[Rows, str] = key("words for x and y, or for y1, y2, ..., the rows of panels from the top", {})
     limits: dict[Rows, Ends] = key("[low, high] of the same, in the units of the labels", {})

@@ -215,7 +215,8 @@ def test_a_study_says_how_its_plots_are_wanted(tmp_path: Path) -> None:
     ("plots", "words"),
     [
         ("[{kind: histogram}]", "plots[0].kind is 'histogram'"),
-        ("[{kind: map, width: 2}]", "plots[0].width"),
+        ("[{kind: map, width: 2}]", "plots[0].width: expected single or double, or 60 to 500 mm, not 2"),
+        ("[{kind: map, width: wide}]", "plots[0].width: expected single or double, or 60 to 500 mm, not 'wide'"),
         ("[{kind: map, labels: {z: depth}}]", "plots[0].labels.z: unknown key 'z'; known: x, y, and y1, y2, ..."),
         ("[{kind: map, limits: {z: [0, 1]}}]", "plots[0].limits.z: unknown key 'z'; known: x, y, and y1, y2, ..."),
         ("[{kind: map, limits: {x: [1]}}]", "plots[0].limits.x: two numbers, [low, high], are expected"),
