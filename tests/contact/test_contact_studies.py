@@ -123,3 +123,11 @@ def test_the_largest_slide_under_a_duration_is_that_of_the_report():
     until = float(np.abs(whole.slide[whole.time <= 0.6]).max())  # its foot holds then, and slips again at 0.85 s
     assert float(whole.slide_peak) > 3.0 * until
     assert float(short.slide_peak) == pytest.approx(until, rel=1e-3)
+
+
+@pytest.mark.parametrize("curves", [[], ["pushover"]])
+def test_a_push_along_the_ground_is_something_that_moves(curves):
+    case = {"block": {"height": 1.0, "width": 0.5, "mu": 0.2}, "initial": {"slide_rate": 1.0}}
+    dataset = rockcli.run({"name": "push", "case": case, "curves": curves})
+    assert float(dataset["slide_peak"]) == pytest.approx(1.0 / (2.0 * 0.2 * 9.81), rel=1e-9)
+    assert "nothing moves" not in dataset.attrs["warnings"]

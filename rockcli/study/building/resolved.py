@@ -76,7 +76,8 @@ class Found:
         self.friction |= bool(np.isfinite(batch.block.mu).any())
         self.asymmetric |= not batch.block.symmetric.all()
         self.rolling |= bool(batch.block.rolls.any())
-        self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any())
+        pushed = batch.slide_rate_0 is not None and batch.slide_rate_0.any()
+        self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any() or pushed)
         self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
         doubt_size(numbers, batch)
         self.doubts |= {said: numbers.named(i) for said, i in numbers.doubts.items() if said not in self.doubts}
