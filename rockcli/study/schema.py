@@ -437,8 +437,8 @@ class OverPart(Part):
     )
     mean: bool = key("the mean beside the fractiles; inf where any overturned", False)
     intensity: Intensities | None = key(
-        "of the fragility: pga, pgv, sa(T), pgv_over_pga, of the ground ground_pga, ground_pgv, ground_sa(T), an axis, "
-        "or a list of two of them; default: along"
+        "of the fragility: pga, pgv, sa(T), pgv_over_pga, arias, cav, of the ground ground_pga, ground_pgv, "
+        "ground_sa(T), an axis, or a list of two of them; default: along"
     )
     fit: Literal["ordinal", "lognormal", "none"] = key(
         "one beta for all limit states, each alone, or no curve", "ordinal"
