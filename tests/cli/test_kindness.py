@@ -212,4 +212,5 @@ def test_the_same_complaint_about_several_studies_is_told_once(rock, tmp_path, c
     assert rock("check", ".", "--set", "case.blok.R=2") == 2
     first, *others = capsys.readouterr().err.splitlines()
     assert first.startswith("rock: --set case.blok.R=2: 'case.blok.R' is not a path")
+    assert first.endswith("did you mean 'case.block.R'?")  # as --set takes it, not as an axis does
     assert others == ["  in one.yaml, other.yaml, third.yaml"]

@@ -260,7 +260,7 @@ class TestOverrides:
         ("path", "value", "words"),
         [
             ("block.R", "2", "did you mean 'case.block.R'"),
-            ("case.block.r", "2", "did you mean 'block.R'"),
+            ("case.block.r", "2", "did you mean 'case.block.R'"),
             ("case.block.R", "[1", "not YAML"),
             ("case.block.R", "big", "`big` is not known"),
             ("nothing", "2", "not a key of a study"),

@@ -10,7 +10,7 @@ from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, RECORD_SCALINGS
 from rockcli.scene.laws.damping import SCHEMES
 from rockcli.scene.variables import VARIABLES
 from rockcli.study.document.check import fields_at, is_list_of_parts, is_number
-from rockcli.study.document.tree import nearest
+from rockcli.study.document.tree import meant, nearest
 from rockcli.study.schema import PulsePart, RecordPart, StudyPart
 
 Path = tuple[str, ...]
@@ -116,11 +116,13 @@ def is_path(text: str) -> bool:
 
 
 def _hint(text: str) -> str:
-    last = text.rsplit(".", 1)[-1]
-    if last == "record":
-        return "did you mean 'motion.record.file'?"
+    """The path that is meant, from the top of a study where the text is."""
+    bare = text.removeprefix("case.")
+    last = bare.rsplit(".", 1)[-1]
     same = [path for path in _all_paths() if path.rsplit(".", 1)[-1] == last]
-    return f"did you mean {same[0]!r}?" if same else nearest(text, _all_paths())
+    close = "motion.record.file" if last == "record" else same[0] if same else meant(bare, _all_paths())
+    top = text.removesuffix(bare)
+    return nearest(text, _all_paths()) if close is None else f"did you mean {top + close!r}?"
 
 
 @cache
