@@ -540,7 +540,7 @@ def test_limits_of_beta_of_known_capacities_are_those_of_a_normal_sample():
     assert abs(high[0] - most) < 0.03 * (most - least)
 
 
-@pytest.mark.parametrize("n", [5, 6, 8, 12])
+@pytest.mark.parametrize("n", [3, 5, 6, 8, 12])
 def test_the_median_bounds_the_limits_of_percentiles(n):
     half = variables.PERCENTILES.index(50.0)
     seldom = 0
@@ -551,8 +551,11 @@ def test_the_median_bounds_the_limits_of_percentiles(n):
             continue
         (least,), (most,) = found.median_limits()
         assert (low[half], high[half]) == (least, most)
+        # what more motions exceed is no lower: neither are its limits
         assert (high[:half] <= most).all()
+        assert (low[:half] <= least).all()
         assert (low[half:] >= least).all()
+        assert (high[half:] >= most).all()
         seldom += high[0] == most
     assert seldom < 15
 

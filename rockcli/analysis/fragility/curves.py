@@ -154,7 +154,7 @@ class Curves:
         ln(x_p - x_0) = q + (z - z_0) beta, where q, the percentile whose estimate is not correlated with that of beta,
         is taken as normal and beta as chi of as many degrees of freedom as give its variance: limits by the noncentral
         t, as of capacities that are all known (Owen 1968).  Variances are those of the jackknife.  The median keeps its
-        own limits, which bound those of smaller percentiles from above and those of larger ones from below.
+        own limits; neither of smaller percentiles is above them, neither of larger ones below.
         """
         from scipy.special import ndtri
         from scipy.stats import nct
@@ -176,9 +176,9 @@ class Curves:
         (least, most), known = self.median_limits(), np.isfinite(low).all(axis=1)
         half = PERCENTILES.index(50.0)
         low[known, half], high[known, half] = least[known], most[known]
-        low[:, half:], high[:, :half] = (
-            np.maximum(low[:, half:], low[:, half, None]), np.minimum(high[:, :half], high[:, half, None])
-        )  # fmt: skip
+        for limits in (low, high):  # in order, also where those of the median are wider than the others
+            limits[:, :half] = np.minimum(limits[:, :half], limits[:, half, None])
+            limits[:, half:] = np.maximum(limits[:, half:], limits[:, half, None])
         return low, high
 
     def _above(self, ln: Array) -> Array:
