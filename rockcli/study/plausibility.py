@@ -20,6 +20,7 @@ from rockcli.study.building.scaling import INHERITED, scaling_key
 from rockcli.study.document.expressions import UNITS, ExpressionError, parse
 from rockcli.study.document.paths import is_path, resolve
 from rockcli.study.document.tree import Keys, Map, dotted
+from rockcli.study.document.values import WEAKEST
 
 Array = NDArray[np.float64]
 
@@ -34,12 +35,13 @@ NAMED = 3
 
 STILL = "nothing moves: there is no motion and no initial state"
 
-_ANGLES: tuple[Keys, ...] = (
-    (*MOTION, "record", "angle"),
-    (*MOTION, "pulse", "nu"),
-    (*MOTION, "vertical", "pulse", "nu"),
-)
-"""Directions and phases [rad]."""
+_ANGLES: dict[Keys, float] = {
+    ("case", "block", "direction"): 2.0,
+    (*MOTION, "record", "angle"): 1.0,
+    (*MOTION, "pulse", "nu"): 1.0,
+    (*MOTION, "vertical", "pulse", "nu"): 1.0,
+}
+"""Directions and phases [rad], and turns they may go round: a direction about 334 degrees may be uncertain."""
 
 _RELATIVE = ("a_p_over_g_tan_alpha", "pga_over_g_tan_alpha", "scale", "pgv")
 """Amplitudes that no wrong unit of acceleration can make too large."""
@@ -98,15 +100,15 @@ def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys]
     with np.errstate(all="ignore"):
         said = [_too_strong(numbers, batch, MOTION, horizontal, meant)]
         said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), vertical, meant))
-        said += [_in_degrees(numbers, keys) for keys in _ANGLES]
+        said += [_in_degrees(numbers, keys, turns) for keys, turns in _ANGLES.items()]
     return [sentence for sentence in said if sentence]
 
 
-def _in_degrees(numbers: Numbers, keys: Keys) -> str:
-    """Where a direction or a phase goes round more than once."""
-    value = numbers.value(keys)
+def _in_degrees(numbers: Numbers, keys: Keys, turns: float) -> str:
+    """Where a direction or a phase goes round more often than it may."""
+    value = None if numbers.said(keys) == WEAKEST else numbers.value(keys)
     largest = 0.0 if value is None else float(np.abs(value).max())
-    if largest <= 2.0 * np.pi * (1.0 + 1e-9):
+    if largest <= turns * 2.0 * np.pi * (1.0 + 1e-9):
         return ""
     return f"{dotted(keys[1:])} is {largest:.4g} rad: if degrees are meant, write {largest:.4g}*deg"
 

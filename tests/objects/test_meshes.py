@@ -426,3 +426,20 @@ def test_a_profile_is_what_its_words_say():
     flat = np.isclose(profile.outline[:, 1], -profile.h, atol=1e-9)
     assert flat.sum() == 2
     np.testing.assert_array_equal(np.sign(profile.outline[flat, 0]), [-1.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("direction", "doubted"), [(45, True), ("45*deg", False), ("2*pi", False), ("weakest", False), (None, False)]
+)
+def test_a_direction_in_degrees_is_doubted(folder, direction, doubted):
+    block = {"mesh": "box.obj", "density": 2000} | ({} if direction is None else {"direction": direction})
+    said = " ".join(open_study(study_file(folder, block)).warnings)
+    assert ("block.direction is 45 rad: if degrees are meant, write 45*deg" in said) == doubted
+
+
+def test_directions_of_an_axis_in_degrees_are_doubted(folder):
+    block = {"mesh": "box.obj", "density": 2000}
+    file = study_file(folder, block, vary={"block.direction": [0, 30, 60]})
+    assert "block.direction is 60 rad: if degrees are meant, write 60*deg" in " ".join(open_study(file).warnings)
+    about_north = {"block.direction": {"normal": ["355*deg", "10*deg"]}}
+    assert "degrees" not in " ".join(open_study(study_file(folder, block, uncertain=about_north)).warnings)
