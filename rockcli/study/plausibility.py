@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Samples
 from rockcli.scene.laws.models import MODELS
+from rockcli.study.building.floors import THROUGH
 from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import INHERITED, scaling_key
@@ -33,6 +34,8 @@ TALL, SMALL = 60.0, 0.01
 NAMED = 3
 """Motions too weak to uplift that are named one by one."""
 
+COLUMN_ZETA: Keys = ("case", "column", "zeta")
+
 STILL = "nothing moves: there is no motion and no initial state"
 
 _ANGLES: dict[Keys, float] = {
@@ -43,10 +46,10 @@ _ANGLES: dict[Keys, float] = {
 }
 """Directions and phases [rad], and turns they may go round: a direction about 334 degrees may be uncertain."""
 
-_RELATIVE = ("a_p_over_g_tan_alpha", "pga_over_g_tan_alpha", "scale", "pgv")
-"""Amplitudes that no wrong unit of acceleration can make too large."""
+_RELATIVE = ("a_p_over_g_tan_alpha", "pga_over_g_tan_alpha", "scale")
+"""Amplitudes that no wrong unit can make too large."""
 
-_ABSOLUTE = ("a_p", "pga", "sa")
+_ABSOLUTE = ("a_p", "pga", "pgv", "sa")
 
 
 def surely_meant(study: Map, searched: str | None) -> frozenset[Keys]:
@@ -101,6 +104,8 @@ def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys]
         said = [_too_strong(numbers, batch, MOTION, horizontal, meant)]
         said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), vertical, meant))
         said += [_in_degrees(numbers, keys, turns) for keys, turns in _ANGLES.items()]
+        floors = range(len(numbers.said(THROUGH) or ()))
+        said += [_in_percent(numbers, keys) for keys in (COLUMN_ZETA, *((*THROUGH, j, "zeta") for j in floors))]
     return [sentence for sentence in said if sentence]
 
 
@@ -111,6 +116,15 @@ def _in_degrees(numbers: Numbers, keys: Keys, turns: float) -> str:
     if largest <= turns * 2.0 * np.pi * (1.0 + 1e-9):
         return ""
     return f"{dotted(keys[1:])} is {largest:.4g} rad: if degrees are meant, write {largest:.4g}*deg"
+
+
+def _in_percent(numbers: Numbers, keys: Keys) -> str:
+    """Where a damping ratio is beyond that of a structure that swings at all."""
+    value = numbers.value(keys)
+    largest = 0.0 if value is None else float(np.max(value))
+    if largest <= 1.0:
+        return ""
+    return f"{dotted(keys[1:])} is {largest:.4g}, more than critical: if per cent are meant, write {largest:.4g}/100"
 
 
 def doubt_size(numbers: Numbers, batch: Batch) -> None:
@@ -148,7 +162,8 @@ def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | N
             f"{STRONG:g} g: say its own scale or pga if that is not meant"
         )
     which = "" if keys == MOTION else "vertical "
-    return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right (a_p and pga are in m/s²)?"
+    units = "a_p and pga are in m/s², pgv in m/s"
+    return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right ({units})?"
 
 
 def _pga(channel: Channel) -> Array:

@@ -30,6 +30,24 @@ class TestDoubts:
         relative = {"shape": "sine", "a_p_over_g_tan_alpha": 20, "T_p": 1}
         assert warnings_of({"motion": {"pulse": relative}}) == ()
 
+    def test_a_pgv_in_other_units(self):
+        record = {"values": 0.3 * np.sin(np.arange(500.0)), "dt": 0.01, "units": "g", "name": "r"}
+        (said,) = (one for one in warnings_of({"motion": {"record": {**record, "pgv": 30}}}) if "units right" in one)
+        assert "pgv in m/s)" in said
+        for meant in ("30*m/s", 0.3):
+            assert not any("units" in one for one in warnings_of({"motion": {"record": {**record, "pgv": meant}}}))
+
+    @pytest.mark.parametrize(("zeta", "doubted"), [(0.05, False), (1.0, False), (5, True)])
+    def test_a_damping_ratio_in_per_cent(self, zeta, doubted):
+        floors = {"pulse": SINE, "through": [{"T": 0.5, "zeta": 0.02}, {"T": 0.3, "zeta": zeta}]}
+        said = " ".join(warnings_of({"motion": floors}))
+        assert (
+            "motion.through[1].zeta is 5, more than critical: if per cent are meant, write 5/100" in said
+        ) == doubted
+        column = {"model": "flexible", "column": {"E": 1e9, "rho": 2000, "zeta": zeta}, "motion": {"pulse": SINE}}
+        said = " ".join(warnings_of(column | {"block": {"h": 4, "b": 0.5}}))
+        assert ("column.zeta is 5, more than critical" in said) == doubted
+
     def test_a_vertical_record_made_strong_by_the_factor_of_others_is_told_once(self):
         """The records are weak beside the vertical one: its units are right."""
         arrays = [{"values": 0.01 * k * np.sin(np.arange(500.0)), "dt": 0.01, "units": "g"} for k in (1, 2, 3)]
