@@ -130,6 +130,18 @@ def test_the_headline_is_in_words_with_units() -> None:
     assert {fact.what: fact.value for fact in facts_of(bare)}["the top moves"] == facts["the top moves"]
 
 
+def test_one_of_several_is_said_of_in_the_singular() -> None:
+    """Blocks of tan(alpha) = 0.05, 0.2 and 2 under a long pulse of 0.5 g, and a suite of it alone."""
+    pulse = {"shape": "half_sine", "a_p": "0.5*g", "omega_p": 12.0}
+    vary = {"motion.pulse.omega_p": [12.0], "block.tan_alpha": [0.05, 0.2, 2.0]}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    data = rockcli.run({"name": "three", "case": case, "vary": vary, "over": "omega_p", "save": {"histories": False}})
+    assert sentence_of(data) == "Of 3 cases 1 overturns, 1 rocks and comes back and 1 stays at rest."
+    says = json.loads(data.attrs["ensemble"])["says"]
+    assert any(words.startswith("share of 1 point of motion_pulse_omega_p that overturns") for words in says)
+    assert rockcli.plot(data, "curve").get_label().count("1 value of") == 1
+
+
 def test_the_headline_has_the_alpha_of_the_side_that_the_peak_is_of() -> None:
     """A push to the stronger side."""
     pulse = {"shape": "half_sine", "a_p": "-0.4*g", "omega_p": 6.0}

@@ -291,7 +291,7 @@ def _shares(contents: Contents, study: Study, over: Over, units: Units) -> Itera
     known = np.flatnonzero(np.isfinite(share))
     if not known.size:
         return
-    said = f"share of {len(contents.values(over.axis))} {_members(over)} that overturns"
+    said = f"share of {_members(over, len(contents.values(over.axis)))} that overturns"
     if not item.dims:
         yield f"{said}: {share[0]:.3g}"
         return
@@ -390,7 +390,7 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
             yield (
                 f"{where}{limit_words(label)}: median {over.told_against} {median / divisor:.3g}{unit_words(unit)}"
                 f"{_limits(low / divisor, high / divisor)}, beta {beta:.3g}{added}, "
-                f"{', '.join(tails)}{unit_words(unit)} ({n} {_members(over)})"
+                f"{', '.join(tails)}{unit_words(unit)} ({_members(over, n)})"
             )
             if over.second:
                 c, c_low, c_high = (
@@ -501,7 +501,7 @@ def _of_demand(contents: Contents, over: Over) -> Iterator[str]:
     few = contents.values("n_answered").ravel() < LEAST
     if few.any():
         where = "" if few.all() else f" at {int(few.sum())} of {few.size} points"
-        why = f"fewer than {LEAST} {_members(over)} with an answer"
+        why = f"fewer than {_members(over, LEAST)} with an answer"
         yield f"correlations with measures of the motion are left out{where}: {why}"
 
 
@@ -509,7 +509,7 @@ def _of_thresholds(contents: Contents, study: Study, over: Over, units: Units) -
     assert study.search is not None
     sought, n = study.search, len(contents.values(over.axis))
     axes = {name: coordinates(contents, name, units) for name in contents.axes if name != over.axis}
-    what = f"lowest overturning {sought.name.removesuffix(FOUND)} of {n} {_members(over)}"
+    what = f"lowest overturning {sought.name.removesuffix(FOUND)} of {_members(over, n)}"
     for end, words in (("p16", "16th percentile"), ("p50", "median"), ("p84", "84th percentile")):
         found = found_by(contents, sought.name, f"_{end}")
         yield f"{what}, {words}: {threshold_words(found, axes, sought.axis.unit, units)}"
@@ -522,8 +522,10 @@ def limit_words(label: Any) -> str:
     return in_full(exceeded_when(str(label)))
 
 
-def _members(over: Over) -> str:
-    return {"record": "records", "sample": "samples"}.get(over.axis, f"points of {over.axis}")
+def _members(over: Over, n: int) -> str:
+    """`42 records`, `1 sample`, `9 points of T_p`."""
+    many = "" if n == 1 else "s"
+    return f"{n} {over.axis}{many}" if over.axis in ("record", "sample") else f"{n} point{many} of {over.axis}"
 
 
 def _span(values: NDArray[np.float64]) -> str:

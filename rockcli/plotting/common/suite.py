@@ -135,8 +135,14 @@ def members_word(dataset: xarray.Dataset, suite: Suite) -> str:
     n = int(dataset.sizes[suite.axis])
     if dataset.attrs.get("members"):
         return str(dataset.attrs["members"])
-    return _members(suite.axis, n) if suite.axis in NAMED else f"{n} values of {axis_symbol(dataset, suite.axis)}"
+    return _members(suite.axis, n) if suite.axis in NAMED else f"{n} {_values(n)} of {axis_symbol(dataset, suite.axis)}"
 
 
 def _members(axis: str, n: int) -> str:
-    return f"{n} {axis}s" if axis in NAMED else f"{n} values of {axis.replace('_', ' ')}"
+    if axis in NAMED:
+        return f"{n} {axis}" if n == 1 else f"{n} {axis}s"
+    return f"{n} {_values(n)} of {axis.replace('_', ' ')}"
+
+
+def _values(n: int) -> str:
+    return "value" if n == 1 else "values"

@@ -73,8 +73,14 @@ def sentence_of(dataset: xarray.Dataset) -> str:
             "sliding": "The body slides along the ground without lifting.",
             "failed": "The case has no answer; see the notes.",
         }.get(names[0], "The body overturns." if overturned else "The outcome cannot be told: see the notes.")
-    parts = ((overturned, "overturn"), (rocks, "rock and come back"), (slides, "slide"), (still, "stay at rest"))
-    words = [f"{n} {what}" for n, what in (*parts, (unknown, "have no certain answer")) if n]
+    parts = (
+        (overturned, "overturns", "overturn"),
+        (rocks, "rocks and comes back", "rock and come back"),
+        (slides, "slides", "slide"),
+        (still, "stays at rest", "stay at rest"),
+        (unknown, "has no certain answer", "have no certain answer"),
+    )
+    words = [f"{n} {one if n == 1 else many}" for n, one, many in parts if n]
     return (
         f"Of {len(names)} cases "
         + (" and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0])
