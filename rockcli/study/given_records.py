@@ -67,10 +67,11 @@ def _name(value: Any, found: Records, name: str | None = None) -> str:
         calib = float(value.stats.get("calib", 1.0))
         values = np.ma.filled(np.ma.asarray(value.data, dtype=float), np.nan) * calib
         component, start = str(value.stats.get("channel", "")), str(value.stats.get("starttime", ""))
-        one, default = Given(values, float(value.stats.delta), component, start), str(value.id)
+        known = str(value.id).strip(".")  # of a trace without a station nothing is left
+        one, default = Given(values, float(value.stats.delta), component, start), str(value.id) if known else "trace"
     else:
         one, default = Given(_numbers(value)), "array"
-    name = name or default or "trace"
+    name = name or default
     content = _digest(one)
     plain, number = name, 1
     while name in found and _digest(found[name]) != content:

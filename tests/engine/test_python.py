@@ -84,6 +84,12 @@ def test_traces_make_an_axis_and_processing_applies():
     np.testing.assert_allclose(*dataset["theta_peak"].values, rtol=1e-9)  # scaled to the same
 
 
+def test_a_trace_without_a_station_has_a_name():
+    bare = [obspy.Trace(scale * VALUES, {"delta": DT}) for scale in (1.0, 0.5)]
+    dataset = rockcli.run(of({"values": bare[0], "units": "g"}, vary={"motion.record.file": bare}))
+    assert dataset["record"].values.tolist() == ["trace", "trace (2)"]
+
+
 def test_settings_may_hold_arrays():
     settings = {
         "up": {"values": VALUES, "dt": DT, "units": "g", "name": "first"},
