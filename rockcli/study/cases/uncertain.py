@@ -102,7 +102,7 @@ def _path(source: Source, study: Map, text: str) -> Path:
     except StudyError as error:
         raise source.placed(where, f"uncertain: {error.message}") from None
     if not varies_in_batch(path):
-        what = "a number of the block, the motion, the initial state, damping, column or base, or a symbol of `let`"
+        what = "a number of the block, motion, initial state, damping, column or base, `g`, or a symbol of `let`"
         raise source.placed(where, f"uncertain: {text!r} cannot be uncertain; only {what} can: vary it instead")
     return path
 
