@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,10 +25,10 @@ Array = NDArray[np.float64]
 STAGES = (0.15, 0.3, 0.6, 1.0)
 """Shares of the data fitted one after the other: a late swing depends so much on eta that it misleads a first guess."""
 
-SHAKEN_STAGES = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95, 1.0)
+SHAKEN_STAGES = tuple(np.linspace(0.1, 1.0, 19).tolist())
 """The same under a ground motion, of which the sum of squares has many minima, narrower as the data grow."""
 
-BESIDE = np.linspace(-0.05, 0.05, 21)
+BESIDE = np.geomspace(3e-5, 0.05, 20) * np.array([[-1.0], [1.0]])
 """Under a ground motion eta so far beside what earlier data say is tried before each stage, and the best taken up."""
 
 ETA, ALPHA, P, THETA, RATE = "eta", "alpha", "p", "theta_0", "theta_dot_0"
@@ -264,8 +264,8 @@ def identify_history(
 
         x = np.clip(x, low, high)
         if stages is SHAKEN_STAGES and ETA in free:
-            starts = np.repeat(x[None], 1 + len(BESIDE), axis=0)
-            starts[1:, free.index(ETA)] += BESIDE
+            starts = np.repeat(x[None], 1 + BESIDE.size, axis=0)
+            starts[1:, free.index(ETA)] += BESIDE.ravel()
             starts = np.clip(starts, low, high)
             x = starts[np.argmin((residuals(starts) ** 2).sum(axis=1))]
         fit = least_squares_fit(residuals, x, step, (low, high), final=share == stages[-1])
@@ -315,10 +315,12 @@ def _rotations(source: Path | dict[str, Any], values: list[dict[str, float]], ti
     """Rotations [rad] of cases with these values at times (n,), 0 after they have come to rest: (cases, n)."""
     spacing = float(np.min(np.diff(time)))
     uniform = np.allclose(time, spacing * np.arange(len(time)), rtol=0.0, atol=1e-6 * spacing)
-    settings = ", ".join(f"case_{number}: {_setting(row)}" for number, row in enumerate(values))
+    cases = [_numbers(row) for row in values]
+    settings = ", ".join(f"case_{number}: {_mapping(case)}" for number, case in enumerate(cases))
     study = open_study(
         source,
         overrides=[
+            *((f"case.{part}", _mapping(of_part)) for part, of_part in _parts(cases[0]).items()),
             ("case.motion.duration", repr(float(time[-1]) + spacing)),
             ("vary", f"{{case: {{{settings}}}}}"),
             ("save", f"{{histories: true, dt_out: {spacing if uniform else spacing / 8.0!r}, scalars: [outcome]}}"),
@@ -334,10 +336,26 @@ def _rotations(source: Path | dict[str, Any], values: list[dict[str, float]], ti
     return out
 
 
-def _setting(values: dict[str, float]) -> str:
-    R = values["g"] / (values["inertia"] * values[P] ** 2)
-    return (
-        f"{{block: {{R: {R!r}, alpha: {values[ALPHA]!r}, inertia: {values['inertia']!r}}}, "
-        f"damping: {{scheme: restitution, eta: {values[ETA]!r}}}, "
-        f"initial: {{theta: {values[THETA]!r}, theta_dot: {values[RATE]!r}}}}}"
-    )
+def _numbers(values: dict[str, float]) -> dict[str, float]:
+    """The numbers of a case by their paths: cases that differ in nothing else are solved together."""
+    return {
+        "block.R": values["g"] / (values["inertia"] * values[P] ** 2),
+        "block.alpha": values[ALPHA],
+        "block.inertia": values["inertia"],
+        "damping.eta": values[ETA],
+        "initial.theta": values[THETA],
+        "initial.theta_dot": values[RATE],
+    }
+
+
+def _parts(case: dict[str, float]) -> dict[str, dict[str, float | str]]:
+    """The parts of a case that has these numbers, whatever the study says there."""
+    parts: dict[str, dict[str, float | str]] = {"damping": {"scheme": "restitution"}}
+    for path, value in case.items():
+        part, key = path.split(".")
+        parts.setdefault(part, {})[key] = value
+    return parts
+
+
+def _mapping(values: Mapping[str, float | str]) -> str:
+    return "{" + ", ".join(f"{key}: {value!r}" for key, value in values.items()) + "}"
