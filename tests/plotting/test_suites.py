@@ -141,6 +141,12 @@ def test_an_ida_of_bodies_that_only_slide_is_of_the_slide():
     assert "uplift" not in str([text.get_text() for text in axes.figure.legends[0].get_texts()])
 
 
+def test_an_ida_says_in_the_panel_of_a_body_that_it_only_slides():
+    blocks = {"rough": {"height": 2.0, "width": 0.4}, "smooth": {"height": 2.0, "width": 1.0, "mu": 0.1}}
+    figure = figures.figure("ida", rockcli.run(suite(vary=SUITE["vary"] | {"block": blocks})))
+    assert [[text.get_text() for text in axes.texts] for axes in figure.axes] == [[], ["only slides"]]
+
+
 def test_a_curve_of_a_suite_is_its_share_and_its_median():
     """Not some bodies under some motions: what the suite comes to, body by body."""
     block = {"wide": {"h": 1.0, "b": "0.3*k"}, "slender": {"h": 1.5, "b": "0.2*k"}}
