@@ -331,8 +331,9 @@ def _motion(batch: Batch) -> list[Row]:
     block, pair = batch.block, (batch.model, batch.geometry)
     alpha, tan_alpha = block.of_weak_edge(block.alpha)[:1], block.of_weak_edge(block.tan_alpha)[:1]
     uplift = float((MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha)[0])
-    whose = "uplift of a rigid body at [g]" if batch.model in (FLEXIBLE, CONTINUUM) else "uplift at [g]"
-    rows = [Row("uplift_g", whose, uplift)]
+    whose = " of a rigid body" if batch.model in (FLEXIBLE, CONTINUUM) else ""
+    without = " without vertical motion" if batch.excitation.vertical is not None else ""
+    rows = [Row("uplift_g", f"uplift{whose}{without} at [g]", uplift)]
     rows += _channel(batch, batch.excitation.horizontal, uplift, "")
     if batch.excitation.vertical is not None:
         rows += _channel(batch, batch.excitation.vertical, None, "vertical ")

@@ -17,7 +17,7 @@ from rockcli.plotting.common.case_settings import case_settings
 from rockcli.plotting.kinds import map as outcomes
 from rockcli.plotting.page.facts import facts_of
 from rockcli.scene.laws.overturning import sine_without_impact
-from rockcli.scene.response import NO_UPLIFT
+from rockcli.scene.response import NO_UPLIFT, ROCKING
 
 CASE: dict[str, Any] = {
     "block": {"R": 1, "alpha": 0.3},
@@ -209,6 +209,35 @@ def test_bodies_lift_by_the_gravity_of_their_own_case() -> None:
     figure = rockcli.plot(rockcli.run({"case": case, "vary": {"g": [1.62]}}), "histories")
     marks = [text.xy[1] for axes in figure.axes for text in axes.texts if "tan" in text.get_text()]
     assert marks == pytest.approx([0.2 * 1.62 / 9.81])
+
+
+VERTICAL = {"pulse": {"shape": "sine", "a_p": 0.5 * 9.81, "T_p": 0.3}}
+
+
+@pytest.mark.parametrize(
+    ("motion", "vary", "said"),
+    [
+        ({"vertical": VERTICAL}, {}, "g tan(alpha) without vertical motion"),
+        ({}, {"case": {"level": {}, "shaken": {"motion.vertical": VERTICAL}}}, "g tan(alpha) without vertical motion"),
+        ({}, {"block.mu": [0.1, 1.0]}, "g tan(alpha) without slip"),
+        ({"vertical": VERTICAL}, {"block.mu": [0.1, 1.0]}, "g tan(alpha) without vertical motion and slip"),
+        ({}, {"model": ["rigid"]}, "g tan(alpha)"),
+    ],
+)
+def test_what_changes_where_a_body_lifts_is_told_beside_g_tan_alpha(motion: Any, vary: Any, said: str) -> None:
+    """A body of tan(alpha) = 0.2 under 0.15 g lifts where the ground falls at 0.5 g, and with mu = 0.1 not at all."""
+    pulse = {"shape": "sine", "a_p": 1.0, "T_p": 1.0}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse, **motion}}
+    plane = {"motion.pulse.T_p": {"from": 0.5, "to": 2, "n": 6}, "motion.pulse.a_p": {"from": 1, "to": 4, "n": 7}}
+    data = rockcli.run({"case": case, "vary": vary | plane, "save": {"histories": False}})
+    (fact,) = (fact for fact in facts_of(data) if fact.what == "lifts from")
+    assert fact.sentence == f"ground acceleration, {said}"
+    legend = [text.get_text() for text in rockcli.plot(data, "map").legends[0].get_texts()]
+    (words,) = (text for text in legend if text.startswith("uplift"))
+    assert ("vertical motion" in words, "slip" in words) == ("vertical motion" in said, "slip" in said)
+    assert (r"g\,\tan\alpha" in words, r"g\,\alpha" in words) == ("tan(alpha)" in said, "g alpha" in said)
+    if motion:
+        assert (data["outcome"].sel(motion_pulse_a_p=1.5) == ROCKING).any()
 
 
 @pytest.mark.parametrize("key", ["a_p", "a_p_over_g_tan_alpha"])

@@ -10,6 +10,7 @@ import numpy as np
 
 from rockcli.plotting.common.case_settings import resolved_case
 from rockcli.scene.axis_path import axis_path
+from rockcli.scene.response import SLIDING
 from rockcli.scene.units import Units, g_of
 from rockcli.scene.variables import VARIABLES
 
@@ -45,6 +46,9 @@ _SYMBOLS: dict[str, str] = {
 
 _PERIOD = re.compile(r"([0-9.]+)(?:\*s)?")
 """A number of seconds, as studies write it."""
+
+_VERTICAL = re.compile(r"\bvertical\b[\w.\"']*[ \t]*:")
+"""The key of vertical motion, or a path below it, as studies write them."""
 
 _POWERS = r"(-?\d+(?:\.\d+)?)e\+?(-?\d+)"
 
@@ -137,6 +141,21 @@ def _models(dataset: xarray.Dataset) -> Any:
 def lifts_word(dataset: xarray.Dataset) -> str:
     """What `lifts_from` is, in mathematics: that of linearized blocks where all are."""
     return r"g\,\alpha" if {*np.ravel(_models(dataset)).tolist()} == {"linearized"} else r"g\,\tan\alpha"
+
+
+def lifts_without(dataset: xarray.Dataset) -> str:
+    """` without vertical motion and slip`: what changes where a body lifts and is not in `lifts_from`; or nothing."""
+    slides = "outcome" in dataset.variables and bool((dataset["outcome"] == SLIDING).any())
+    left = ["vertical motion"] * _has_vertical(dataset) + ["slip"] * slides
+    return f" without {' and '.join(left)}" if left else ""
+
+
+def _has_vertical(dataset: xarray.Dataset) -> bool:
+    """Whether the base case, an axis or a setting, as the study writes them, has vertical motion."""
+    motion = resolved_case(dataset).get("motion") or {}
+    axes = str(dataset.attrs.get("axes", "")).split()
+    written = _VERTICAL.search(str(dataset.attrs.get("study", ""))) is not None
+    return bool(motion.get("vertical")) or written or any(".vertical." in path_of(dataset, axis) for axis in axes)
 
 
 def unit_g(dataset: xarray.Dataset) -> float:

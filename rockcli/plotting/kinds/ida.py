@@ -18,6 +18,7 @@ from rockcli.plotting.common.labels import (
     coordinate_label,
     has_floors,
     lifts_from,
+    lifts_without,
     lifts_word,
     path_of,
     shown_unit,
@@ -135,7 +136,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         if look["dashes"]:
             words[-1].set_dashes(look["dashes"])
     if lifts:
-        words.append(Line2D([], [], label=f"uplift, ${lifts_word(dataset)}$", **LIFTS))
+        words.append(Line2D([], [], label=f"uplift{lifts_without(dataset)}, ${lifts_word(dataset)}$", **LIFTS))
     legend_below(figure, words)
     said = "overturned cases leave to the right" if peak == PEAK else "nothing rocks: displacements along the ground"
     note = "; ".join(filter(None, [some, said]))

@@ -20,6 +20,7 @@ from rockcli.plotting.common.labels import (
     deforms,
     has_floors,
     lifts_from,
+    lifts_without,
     lifts_word,
     path_of,
     shown_unit,
@@ -124,9 +125,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
         bar.set_label("rocking: " + variable_label("theta_peak_over_alpha"))
         bar.outline.set_linewidth(0.4)
     slides = bool(_tilts_and_slides(dataset).any())
-    _legend(
-        figure, present, bounded, shaded=peaks is not None, slides=slides, lifts=lifts_word(dataset) if lifts else ""
-    )
+    uplift = f"uplift{lifts_without(dataset)}, ${lifts_word(dataset)}$" if lifts else ""
+    _legend(figure, present, bounded, shaded=peaks is not None, slides=slides, uplift=uplift)
     headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
     return figure
 
@@ -235,7 +235,7 @@ def _even(edges: Array) -> bool:
     return bool(np.ptp(steps) < 1e-3 * np.abs(steps).min())
 
 
-def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool, lifts: str) -> None:
+def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool, uplift: str) -> None:
     flags = [flag for flag in OUTCOMES if flag in present and not (shaded and flag == ROCKING)]
     flags.sort(key=lambda flag: flag < NO_UPLIFT)
     patches = [
@@ -247,8 +247,8 @@ def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: boo
             Patch(facecolor="white", edgecolor="#666666", linewidth=0.4, hatch=_SLIDING, label="also slides")
         )
     handles: list[Artist] = [*patches, *boundary_handles(bounded)]
-    if lifts:
-        handles.append(Line2D([], [], label=f"uplift, ${lifts}$", **LIFTS))
+    if uplift:
+        handles.append(Line2D([], [], label=uplift, **LIFTS))
     legend_below(figure, handles, 2 if bounded else 4, handlelength=2.2 if bounded else 1.2)
 
 

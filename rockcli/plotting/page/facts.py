@@ -15,6 +15,7 @@ from rockcli.plotting.common.labels import (
     deforms,
     has_floors,
     lifts_from,
+    lifts_without,
     lifts_word,
     path_of,
     shown_unit,
@@ -190,7 +191,8 @@ def _uplift(dataset: xarray.Dataset) -> list[Fact]:
     one = high - low <= 1e-6 * high
     word = "g tan(alpha)" if "tan" in lifts_word(dataset) else "g alpha"
     said = "of what arrives at its base" if has_floors(dataset) else "ground acceleration"
-    return [Fact(f"{low:.3g} g" if one else f"{low:.3g} to {high:.3g} g", "lifts from", f"{said}, {word}")]
+    value = f"{low:.3g} g" if one else f"{low:.3g} to {high:.3g} g"
+    return [Fact(value, "lifts from", f"{said}, {word}{lifts_without(dataset)}")]
 
 
 def _overturning(dataset: xarray.Dataset) -> list[Fact]:
