@@ -221,6 +221,7 @@ VERTICAL = {"pulse": {"shape": "sine", "a_p": 0.5 * 9.81, "T_p": 0.3}}
         ({}, {"case": {"level": {}, "shaken": {"motion.vertical": VERTICAL}}}, "g tan(alpha) without vertical motion"),
         ({}, {"block.mu": [0.1, 1.0]}, "g tan(alpha) without slip"),
         ({"vertical": VERTICAL}, {"block.mu": [0.1, 1.0]}, "g tan(alpha) without vertical motion and slip"),
+        ({}, {"model": ["rigid", "linearized"]}, "g tan(alpha) or g alpha"),
         ({}, {"model": ["rigid"]}, "g tan(alpha)"),
     ],
 )

@@ -138,9 +138,15 @@ def _models(dataset: xarray.Dataset) -> Any:
     return dataset[axes[0]].astype(str) if axes else str(base)
 
 
+def lifts_words(dataset: xarray.Dataset) -> list[str]:
+    """What `lifts_from` is, in mathematics: that of rigid bodies, that of linearized blocks, or both."""
+    models = {*np.ravel(_models(dataset)).tolist()}
+    return [r"g\,\tan\alpha"] * bool(models - {"linearized"}) + [r"g\,\alpha"] * ("linearized" in models)
+
+
 def lifts_word(dataset: xarray.Dataset) -> str:
-    """What `lifts_from` is, in mathematics: that of linearized blocks where all are."""
-    return r"g\,\alpha" if {*np.ravel(_models(dataset)).tolist()} == {"linearized"} else r"g\,\tan\alpha"
+    """The same in one line, for between dollars."""
+    return "$ or $".join(lifts_words(dataset))
 
 
 def lifts_without(dataset: xarray.Dataset) -> str:

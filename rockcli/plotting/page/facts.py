@@ -16,7 +16,7 @@ from rockcli.plotting.common.labels import (
     has_floors,
     lifts_from,
     lifts_without,
-    lifts_word,
+    lifts_words,
     path_of,
     shown_unit,
     unit_g,
@@ -189,7 +189,7 @@ def _uplift(dataset: xarray.Dataset) -> list[Fact]:
         return []
     low, high = float(values.min()), float(values.max())
     one = high - low <= 1e-6 * high
-    word = "g tan(alpha)" if "tan" in lifts_word(dataset) else "g alpha"
+    word = " or ".join({r"g\,\tan\alpha": "g tan(alpha)", r"g\,\alpha": "g alpha"}[w] for w in lifts_words(dataset))
     said = "of what arrives at its base" if has_floors(dataset) else "ground acceleration"
     value = f"{low:.3g} g" if one else f"{low:.3g} to {high:.3g} g"
     return [Fact(value, "lifts from", f"{said}, {word}{lifts_without(dataset)}")]
