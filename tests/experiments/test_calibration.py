@@ -284,6 +284,30 @@ def test_runs_of_a_session_are_predicted_by_its_error(rock, experiments, capsys)
     assert "has no column `session`" in capsys.readouterr().err
 
 
+def test_groups_of_another_column_are_not_left_out_and_this_is_said(rock, experiments, capsys):
+    """Each run has the same group under another name in a column `event`, which the calibration does not know."""
+    head, *lines = (experiments / "a.csv").read_text().split()
+    for name in {line.split(",")[0] for line in lines}:
+        Path(name).write_bytes((experiments / name).read_bytes())
+    Path("events.csv").write_text("\n".join([f"{head},event", *(f"{line},of {line[-2:]}" for line in lines)]) + "\n")
+    study = experiments / "study.yaml"
+    assert rock("calibrate", study, "events.csv", "--out", "a.json") == 0
+    said = "--no-baselines", "--json"
+    assert rock("score", study, "events.csv", "--calibration", "a.json", "--folds", "event", *said) == 2
+    assert "a.json: groups its runs by `group` and not by `event`" in capsys.readouterr().err
+    assert rock("calibrate", study, "events.csv", "--out", "b.json", "--folds", "event") == 0
+    capsys.readouterr()
+    briers = []
+    for file, folds in (("a.json", "group"), ("b.json", "event")):
+        assert rock("score", study, "events.csv", "--calibration", file, "--folds", folds, *said) == 0
+        (scores,) = json.loads(capsys.readouterr().out)["specimens"]
+        briers.append(scores["predictions"]["unknown-width"]["brier"])
+    assert briers[0] == briers[1]
+    assert rock("score", study, "events.csv", "--calibration", "b.json", *said) == 0
+    (scores,) = json.loads(capsys.readouterr().out)["specimens"]
+    assert any(note.startswith("b.json groups its runs by `event` and not by `group`") for note in scores["notes"])
+
+
 def test_what_is_no_calibration_of_these_bodies_is_refused(rock, experiments, capsys):
     study, table = experiments / "study.yaml", experiments / "a.csv"
     assert rock("calibrate", study, table, "--out", "a.json") == 0

@@ -24,7 +24,7 @@ from rockcli.analysis.experiments.calibration import (
     summary,
 )
 from rockcli.analysis.experiments.scores import Bools, Index, divide_groups, numbered
-from rockcli.engine.experiments.runs import SESSION, Runs
+from rockcli.engine.experiments.runs import GROUP, SESSION, Runs
 from rockcli.engine.experiments.score import STUDY, Options, Prediction, predicted_by
 from rockcli.engine.experiments.simulated import Simulated, simulate
 from rockcli.engine.sweep.sweep import Progress
@@ -55,6 +55,7 @@ class Calibration:
         labels: group of each run.
         table: name of the file of the runs.
         session: in which the body was set up for each run; () where the table does not say.
+        grouped_by: column of the table that holds the groups.
     """
 
     simulated: Simulated
@@ -62,6 +63,7 @@ class Calibration:
     labels: tuple[str, ...]
     table: str
     session: tuple[str, ...] = ()
+    grouped_by: str = GROUP
 
     def as_plain(self) -> dict[str, Any]:
         """All of it, and what it says of the body, as plain values for JSON."""
@@ -92,6 +94,7 @@ class Calibration:
             "units": known.units,
             "outcome": [int(fell) for fell in self.outcome],
             "group": list(self.labels),
+            "grouped_by": self.grouped_by,
             "session": list(self.session),
             "share": _packed(known.share),
         }
@@ -136,7 +139,7 @@ def calibrate(
             f"has {len(set(runs.specimen))} specimens: choose one, as each has its own errors", file=runs.file
         )
     known = simulate(source, runs, AMPLITUDES.tolist(), team=team, progress=progress)
-    return Calibration(known, runs.outcome, runs.labels, runs.file.name, runs.session)
+    return Calibration(known, runs.outcome, runs.labels, runs.file.name, runs.session, runs.grouped_by)
 
 
 def write(calibration: Calibration, path: Path) -> None:
@@ -173,12 +176,12 @@ def read(path: Path) -> Calibration:
             identity=str(plain["identity"]),
         )
         outcome, labels = np.array(plain["outcome"], dtype=bool), tuple(str(label) for label in plain["group"])
-        session = tuple(str(label) for label in plain["session"])
+        session, grouped_by = tuple(str(label) for label in plain["session"]), str(plain["grouped_by"])
         if len(labels) != len(outcome) or len(outcome) < LEAST or len(session) not in (0, len(outcome)):
             raise ValueError("runs")
     except (KeyError, TypeError, ValueError, AttributeError, zlib.error):
         raise StudyError("is a damaged calibration: `rock calibrate` makes it anew", file=path) from None
-    return Calibration(known, outcome, labels, str(plain.get("table", "")), session)
+    return Calibration(known, outcome, labels, str(plain.get("table", "")), session, grouped_by)
 
 
 def check_same(calibration: Calibration, simulated: Simulated, file: Path) -> None:
@@ -306,6 +309,16 @@ def by_study(
     known = read(calibration)
     if known.session and not runs.session:
         raise StudyError(f"has no column `{SESSION}`, as the runs of the calibration have", file=runs.file)
+    told: tuple[str, ...] = ()
+    if known.grouped_by != runs.grouped_by:
+        apart = f"groups its runs by `{known.grouped_by}` and not by `{runs.grouped_by}`"
+        if leave_out:  # of other names none would be found, and runs be predicted by their own outcomes
+            raise StudyError(
+                f"{apart}, so none can be left out: `rock calibrate --folds {runs.grouped_by}` makes it anew",
+                file=calibration,
+            )
+        told = (f"{calibration.name} {apart}: whether runs are in both, which would be a fit, is not known",)
     found = simulate(source, runs, known.simulated.amplitudes.tolist(), team=team, progress=progress)
     check_same(known, found, calibration)
-    return (found.study, *predicted(known, found, runs.labels, how, leave_out=leave_out, session=runs.session))
+    prediction, notes = predicted(known, found, runs.labels, how, leave_out=leave_out, session=runs.session)
+    return found.study, prediction, (*told, *notes)

@@ -51,6 +51,7 @@ class Runs:
         measures: pga and pgv where the table has them, (n,) each, in any unit.
         predictions: column -> probabilities, (n,); NaN where the cell is empty.
         unread: columns that are no predictions.
+        grouped_by: column of `labels`.
     """
 
     file: Path
@@ -64,6 +65,7 @@ class Runs:
     predictions: dict[str, Array]
     unread: tuple[str, ...] = ()
     session: tuple[str, ...] = ()
+    grouped_by: str = GROUP
 
     @property
     def size(self) -> int:
@@ -178,6 +180,7 @@ def read_runs(path: Path, *, group: str = GROUP, predictions: Sequence[str] | No
         measures={name: numbers(name, above=0.0) for name in MEASURES if name in head},
         predictions=read,
         unread=tuple(unread),
+        grouped_by=next((name for name in (group, RECORD) if name in head), "line"),
     )
 
 
