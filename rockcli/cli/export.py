@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rockcli.cli.say import say
+from rockcli.cli.say import say, warn
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,6 +40,7 @@ def export(
     from rockcli.cli.sources import overrides
     from rockcli.errors import SolverError, StudyError
     from rockcli.storage.places import check_folder
+    from rockcli.study.building.batch import friction_said
     from rockcli.study.open import open_study
 
     if to == "openquake":
@@ -57,6 +58,7 @@ def export(
     folder = out / study.name / "opensees"
     check_folder(folder)
     written = 0
+    said: dict[str, None] = {}
     for number, batch, i in _cases(study, case):
         label = _label(study, number)
         try:
@@ -67,6 +69,9 @@ def export(
         _write(folder, script)
         say(str(folder / f"{script.name}.py"))
         written += 1
+        said |= dict.fromkeys(friction_said(batch.block, batch.slide_rate_0, batch.model, "opensees"))
+    for words in said:
+        warn(study.name, words)
     if not written:
         raise StudyError("no case of it can be written for OpenSees", file=study.file)
 

@@ -113,3 +113,23 @@ def test_every_script_is_python_whose_names_are_known():
             input=text, capture_output=True, text=True,
         )  # fmt: skip
         assert checked.returncode == 0, checked.stdout
+
+
+@pytest.mark.parametrize(
+    ("block", "initial", "said"),
+    [
+        ("", "", ""),
+        (", mu: 0.1", "", "warning: block.mu is ignored by backend opensees"),
+        (
+            ", mu: 0.3",
+            "  initial: {slide_rate: 0.2}\n",
+            "block.mu and initial.slide_rate are ignored by backend opensees",
+        ),
+    ],
+)
+def test_friction_is_not_in_the_scripts_and_this_is_said(study, tmp_path, block, initial, said):
+    body = "tan_alpha: 0.2"
+    study.write_text(STUDY.replace(f"{body}}}\n", f"{body}{block}}}\n{initial}"))
+    result = invoke("export", study, "--set", "vary=null", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert said in result.stderr if said else result.stderr == ""

@@ -67,7 +67,8 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         )
     warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
     by = _taken(model, geometry, damping.scheme, numerics.backend)
-    warnings += _friction_said(block, model, by)
+    slide_rate_0 = _slide_rate(numbers, block)
+    warnings += friction_said(block, slide_rate_0, model, by)
     warnings += unused_solver_keys(numbers.case.solver, model, geometry, damping.scheme)
     _check_rolling(numbers, model, damping)
     column, base = _column(numbers, model), _base(numbers, model)
@@ -94,7 +95,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         column=column,
         base=base,
         tolerance=_tolerance(numbers, numerics, damping) if model == AUTO else None,
-        slide_rate_0=_slide_rate(numbers, block),
+        slide_rate_0=slide_rate_0,
     )
 
 
@@ -244,13 +245,15 @@ SLIDES_FIRST = "a body of mu <= tan alpha slides before it rocks (`rock check` s
 """A warning, which tells also why a suite of such bodies has no fragility curve."""
 
 
-def _friction_said(block: Block, model: str, backend: str) -> list[str]:
+def friction_said(block: Block, slide_rate_0: Array | None, model: str, backend: str) -> list[str]:
     """A sentence where friction decides that a body slides first, or where nothing looks at it."""
     if not np.isfinite(block.mu).any():
         return []
     if model in DEFORMABLE or backend != EVENT:
         who = f"model {model}" if backend == EVENT else f"backend {backend}"
-        return [f"block.mu is ignored by {who}, which solves no sliding"]
+        pushed = slide_rate_0 is not None and slide_rate_0.any()
+        what = "block.mu and initial.slide_rate are" if pushed else "block.mu is"
+        return [f"{what} ignored by {who}, which solves no sliding"]
     if slides_first(block.mu[:, None], block.tan_alpha).any():
         return [SLIDES_FIRST]
     return []
