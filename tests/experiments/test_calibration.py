@@ -284,6 +284,17 @@ def test_runs_of_a_session_are_predicted_by_its_error(rock, experiments, capsys)
     assert "has no column `session`" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("groups", [1, 2])
+def test_a_fold_that_leaves_no_runs_to_calibrate_on_is_told(groups):
+    labels = tuple(f"g{i % groups}" for i in range(16))
+    known = calibration(np.arange(16) % 3 == 0, np.ones((16, 1)), labels)
+    found, notes = predicted(known, known.simulated, labels, Options(count=0, repeats=1), leave_out=True)
+    assert bool(notes) == (groups == 1)
+    if notes:
+        assert notes[0].startswith("nothing is fitted")
+        np.testing.assert_allclose(found.p, 0.5, atol=1e-12)  # of capacity 1, as much above as below
+
+
 def test_groups_of_another_column_are_not_left_out_and_this_is_said(rock, experiments, capsys):
     """Each run has the same group under another name in a column `event`, which the calibration does not know."""
     head, *lines = (experiments / "a.csv").read_text().split()

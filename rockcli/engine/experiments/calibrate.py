@@ -272,14 +272,18 @@ def predicted(
         return Prediction(STUDY, p, low, high), (told,) if shared else ()
     group, each = numbered(labels), np.array(labels)
     out = np.zeros((3, options.repeats, len(labels)))
+    alone = False
     for repeat in range(options.repeats):
         fold = divide_groups(group, options.count, options.seed + repeat)
         for number in np.unique(fold):
             asked = fold == number
-            body, found = fit.known(~np.isin(own, each[asked]))
+            others = ~np.isin(own, each[asked])
+            alone |= not others.any()
+            body, found = fit.known(others)
             out[:, repeat, asked] = predict(log_capacity[asked] @ body, found, where[asked])
     p, low, high = out.mean(axis=1)
-    return Prediction(STUDY, p, low, high, out[0]), ()
+    told = "nothing is fitted to predict some runs: the calibration has no runs of other groups"
+    return Prediction(STUDY, p, low, high, out[0]), (told,) if alone else ()
 
 
 def by_study(
