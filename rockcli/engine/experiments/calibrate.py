@@ -38,7 +38,8 @@ Array = NDArray[np.float64]
 LEAST = 10
 """Runs that a calibration needs."""
 
-FORMAT = 1
+FORMAT = 2
+"""Of the file; 1 did not name the column of the groups."""
 
 _UNKNOWN = 255
 _STEPS = 200
@@ -163,7 +164,7 @@ def read(path: Path) -> Calibration:
         line = getattr(error, "lineno", None)
         raise StudyError("is no JSON: expected a calibration of `rock calibrate`", file=path, line=line) from None
     if not isinstance(plain, dict) or plain.get("calibration") != FORMAT:
-        raise StudyError(f"is no calibration of `rock calibrate` (format {FORMAT})", file=path)
+        raise StudyError("is no calibration as `rock calibrate` writes it now: make it anew", file=path)
     try:
         amplitudes = np.array(plain["amplitudes"], dtype=float)
         shape = (len(plain["outcome"]), int(plain["bodies"]), len(amplitudes))
