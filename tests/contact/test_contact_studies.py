@@ -111,6 +111,19 @@ def test_an_asymmetric_body_mirrored_is_its_mirror_image():
     np.testing.assert_array_equal(other.theta, -one.theta)
 
 
+def test_a_mirrored_push_moves_the_top_as_far():
+    """The largest displacement of the top is a maximum on one side and a minimum on the other."""
+    case = {"block": {"h": 1.5816, "b": 0.32, "mu": 0.3, "top": 2.9}}
+    one, other = (
+        rockcli.run({"case": {**case, "initial": {"theta": side * 0.05, "slide_rate": side * 0.02}}})
+        for side in (1, -1)
+    )
+    assert float(one.slide_peak) > 0.0
+    for name in ("slide_residual", "theta_peak"):
+        assert float(other[name]) == -float(one[name])
+    assert float(other.u_top_peak) == pytest.approx(float(one.u_top_peak), rel=1e-13)
+
+
 def test_the_largest_slide_under_a_duration_is_that_of_the_report():
     """A foot that slips on after the report slides farther than what is reported; its histories end with the report."""
     case = {
