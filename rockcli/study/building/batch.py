@@ -67,10 +67,10 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         )
     warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
     by = _taken(model, geometry, damping.scheme, numerics.backend)
+    _check_rolling(numbers, model, damping)
     slide_rate_0 = _slide_rate(numbers, block)
     warnings += friction_said(block, slide_rate_0, model, by)
     warnings += unused_solver_keys(numbers.case.solver, model, geometry, damping.scheme)
-    _check_rolling(numbers, model, damping)
     column, base = _column(numbers, model), _base(numbers, model)
     warnings += _unread_of_column(numbers, model)
     if base is not None and base.fibres is not None and not BACKENDS[by].fibres:
