@@ -28,7 +28,7 @@ STAGES = (0.15, 0.3, 0.6, 1.0)
 SHAKEN_STAGES = tuple(np.linspace(0.1, 1.0, 19).tolist())
 """The same under a ground motion, of which the sum of squares has many minima, narrower as the data grow."""
 
-BESIDE = np.geomspace(3e-5, 0.05, 20) * np.array([[-1.0], [1.0]])
+BESIDE = np.outer([-1.0, 1.0], np.geomspace(3e-5, 0.05, 20)).ravel()
 """Under a ground motion eta so far beside what earlier data say is tried before each stage, and the best taken up."""
 
 ETA, ALPHA, P, THETA, RATE = "eta", "alpha", "p", "theta_0", "theta_dot_0"
@@ -264,8 +264,8 @@ def identify_history(
 
         x = np.clip(x, low, high)
         if stages is SHAKEN_STAGES and ETA in free:
-            starts = np.repeat(x[None], 1 + BESIDE.size, axis=0)
-            starts[1:, free.index(ETA)] += BESIDE.ravel()
+            starts = np.repeat(x[None], 1 + len(BESIDE), axis=0)
+            starts[1:, free.index(ETA)] += BESIDE
             starts = np.clip(starts, low, high)
             x = starts[np.argmin((residuals(starts) ** 2).sum(axis=1))]
         fit = least_squares_fit(residuals, x, step, (low, high), final=share == stages[-1])

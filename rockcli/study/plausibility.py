@@ -34,8 +34,6 @@ TALL, SMALL = 60.0, 0.01
 NAMED = 3
 """Motions too weak to uplift that are named one by one."""
 
-COLUMN_ZETA: Keys = ("case", "column", "zeta")
-
 STILL = "nothing moves: there is no motion and no initial state"
 
 _ANGLES: dict[Keys, float] = {
@@ -104,8 +102,8 @@ def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys]
         said = [_too_strong(numbers, batch, MOTION, horizontal, meant)]
         said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), vertical, meant))
         said += [_in_degrees(numbers, keys, turns) for keys, turns in _ANGLES.items()]
-        floors = range(len(numbers.said(THROUGH) or ()))
-        said += [_in_percent(numbers, keys) for keys in (COLUMN_ZETA, *((*THROUGH, j, "zeta") for j in floors))]
+        said.append(_in_percent(numbers, ("case", "column", "zeta")))
+        said += [_in_percent(numbers, (*THROUGH, j, "zeta")) for j in range(len(numbers.said(THROUGH) or ()))]
     return [sentence for sentence in said if sentence]
 
 

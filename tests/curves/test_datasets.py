@@ -162,6 +162,12 @@ def test_bodies_by_name_are_held_against_their_own_blocks():
         assert np.abs(error.lines[0].get_ydata()).max() == pytest.approx(100.0 * expected)
 
 
+def test_models_whose_curves_coincide_are_named():
+    study = {"case": {"block": {"R": 1.0, "tan_alpha": 0.2}}, "vary": {"model": [1, 2, 3, 4]}, "curves": ["pushover"]}
+    figure = figures.figure("curves", rockcli.run(study))
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["block", "models 1, 2, 3, 4"]
+
+
 def test_labels_of_curves_that_coincide():
     assert words_of([("model 1", "negative_stiffness"), ("model 3", "negative_stiffness")]) == (
         "models 1, 3; negative stiffness"

@@ -145,6 +145,8 @@ def test_an_ida_says_in_the_panel_of_a_body_that_it_only_slides():
     blocks = {"rough": {"height": 2.0, "width": 0.4}, "smooth": {"height": 2.0, "width": 1.0, "mu": 0.1}}
     figure = figures.figure("ida", rockcli.run(suite(vary=SUITE["vary"] | {"block": blocks})))
     assert [[text.get_text() for text in axes.texts] for axes in figure.axes] == [[], ["only slides"]]
+    upright = [[line for line in axes.lines if set(line.get_xdata()) == {1.0}] for axes in figure.axes]
+    assert [len(lines) for lines in upright] == [1, 0]
 
 
 def test_a_curve_of_a_suite_is_its_share_and_its_median():

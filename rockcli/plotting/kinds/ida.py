@@ -108,10 +108,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
             _run(axes, curve, intensity[order], right, color=BOLD, linewidth=1.6, dashes=dashes, zorder=3)
         if _told(part) != peak:  # its curves are a line at zero
             axes.text(0.5, 0.5, "only slides", transform=axes.transAxes, ha="center", color="#555555")
-        else:
-            lifts |= peak == PEAK and _uplift(axes, part, suite.along)
-        if peak == PEAK and right > 1.05:
-            axes.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
+        elif peak == PEAK:
+            lifts |= _uplift(axes, part, suite.along)
+            if right > 1.05:
+                axes.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):

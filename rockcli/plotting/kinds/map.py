@@ -177,8 +177,9 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
     if over and "tan" in lifts_word(dataset):
         level = np.ones(dataset.sizes[x])
     elif "alpha" in dataset.variables and {*(lifts := lifts_from(dataset)).dims} <= {x}:
-        unit = lifts / dataset["alpha"] * np.tan(dataset["alpha"]) if over else shown_unit(dataset, y)[0]
-        level = np.broadcast_to(np.asarray(lifts / unit), dataset.sizes[x])
+        alpha = dataset["alpha"]
+        shown = alpha / np.tan(alpha) if over else lifts / shown_unit(dataset, y)[0]
+        level = np.broadcast_to(np.asarray(shown), dataset.sizes[x])
     else:
         return False
     low, high = axes.get_ylim()

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, number_at, pick, selection_note, values_at
-from rockcli.plotting.common.labels import title_of
+from rockcli.plotting.common.labels import path_of, title_of
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_COLUMNS = 4
+
+_OF_MODELS = ("model", "geometry", "case")
+"""Paths of axes that name models."""
 
 _SPRING: dict[str, Any] = {"color": QUIET, "linewidth": 0.9, "dashes": (1, 1.5), "zorder": 1}
 """The springs of all models have the same moment: that at which the block begins to turn."""
@@ -124,15 +127,16 @@ def _panels(dataset: xarray.Dataset) -> list[Panel]:
 def draw(dataset: xarray.Dataset) -> Figure:
     """A column for each body, or panels side by side; a curve for each of its models.
 
-    Axes of numbers that change no more than a model have a column for each point too, others a curve; those that change
-    no curve, as of the motion, have neither.
+    Axes of numbers that change no more than a model have a column for each point too, others a curve; others that
+    change no curve, as of the motion, have neither.
     """
     panels = _panels(dataset)
     block = _that_change(dataset, [name for panel in panels for name in (panel.block, panel.beside) if name])
     model = _that_change(dataset, _of_models(dataset, panels))
     bodies = tuple(a for a in axes_of(dataset) if a in block or (a in model and is_numeric(dataset, a)))
     columns, total = pick(dataset, MOST_COLUMNS, bodies)
-    models = tuple(a for a in axes_of(dataset) if a in model and a not in bodies)
+    named = {a for a in axes_of(dataset) if path_of(dataset, a) in _OF_MODELS}  # also of models that coincide
+    models = tuple(a for a in axes_of(dataset) if a in model | named and a not in bodies)
     found, as_block = _lines(dataset, panels, [case.position for case in columns], models)
     lines = found[:MOST_LINES]
     beside = len(columns) > 1
