@@ -31,6 +31,9 @@ STRONG = 3.0
 TALL, SMALL = 60.0, 0.01
 """Heights of a body above and below which its units are doubted [m]: no column that stands alone is so tall."""
 
+LARGE_INERTIA = 10.0
+"""I_O/(m R^2) above which it is doubted: with all mass at the corners of a rectangle it is 2."""
+
 NAMED = 3
 """Motions too weak to uplift that are named one by one."""
 
@@ -126,7 +129,11 @@ def _in_percent(numbers: Numbers, keys: Keys) -> str:
 
 
 def doubt_size(numbers: Numbers, batch: Batch) -> None:
-    """Note in `numbers.doubts` a body of a size that few have."""
+    """Note in `numbers.doubts` a body of a size, or with a moment of inertia, that few have."""
+    ratios = batch.block.inertia.max(axis=-1)
+    if (ratio := float(ratios.max())) > LARGE_INERTIA:
+        said = f"I_O/(m R²) of a body is {ratio:.4g} (4/3 of a solid rectangle): is r_g in metres, inertia over m R²?"
+        numbers.doubts[said] = int(ratios.argmax())
     heights = 2.0 * batch.block.h
     if (high := float(heights.max())) > TALL:
         numbers.doubts[f"a body is {high:.4g} m high: are its sizes in metres?"] = int(heights.argmax())

@@ -88,6 +88,13 @@ class TestDoubts:
         (said,) = warnings_of({"motion": {"pulse": SINE}, "block": {"height": 2, "width": 0.5}}, vary={"case": rows})
         assert said == "a body is 180 m high: are its sizes in metres? (at case = second)"
 
+    @pytest.mark.parametrize("given", [{"r_g": 57}, {"inertia": 800}])
+    def test_too_large_a_moment_of_inertia(self, given):
+        block = {"h": 1.0, "b": 0.2}
+        (said,) = warnings_of({"motion": {"pulse": SINE}, "block": block | given})
+        assert said.startswith("I_O/(m R²) of a body is ") and said.endswith("is r_g in metres, inertia over m R²?")
+        assert warnings_of({"motion": {"pulse": SINE}, "block": block | {"r_g": 2.5}}) == ()
+
     def test_too_weak(self):
         (said,) = warnings_of({"motion": {"pulse": {**SINE, "a_p": "0.041*g"}}})
         assert said == "the sine pulse: PGA 0.041 g = 0.205 g tan alpha: too weak to uplift"
