@@ -70,6 +70,10 @@ def export(
         say(str(folder / f"{script.name}.py"))
         written += 1
         said |= dict.fromkeys(friction_said(batch.block, batch.slide_rate_0, batch.model, "opensees"))
+    if written and study.search is not None:
+        axis = study.search.axis
+        begins = f"the scripts have {axis.path} = {axis.values[0]:g}, where its search begins"
+        said[f"{begins}: for others --set 'vary.{axis.path}=[VALUE, ...]'"] = None
     for words in said:
         warn(study.name, words)
     if not written:

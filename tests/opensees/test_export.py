@@ -133,3 +133,15 @@ def test_friction_is_not_in_the_scripts_and_this_is_said(study, tmp_path, block,
     result = invoke("export", study, "--set", "vary=null", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.output
     assert said in result.stderr if said else result.stderr == ""
+
+
+def test_the_amplitude_of_a_search_is_said(study, tmp_path):
+    study.write_text(
+        STUDY[: STUDY.index("vary")] + "vary: {motion.pulse.a_p: {from: 3, to: 9, n: 5, find: overturning}}\n"
+    )
+    result = invoke("export", study, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert "warning: the scripts have motion.pulse.a_p = 3, where its search begins" in result.stderr
+    result = invoke("export", study, "--set", "vary.motion.pulse.a_p=[5]", "--out", tmp_path / "out")
+    assert result.stderr == ""
+    assert "a_p = 5 m/s2" in (tmp_path / "out" / "carry-on" / "opensees" / "case_1.py").read_text()

@@ -92,7 +92,8 @@ class TestDoubts:
     def test_too_large_a_moment_of_inertia(self, given):
         block = {"h": 1.0, "b": 0.2}
         (said,) = warnings_of({"motion": {"pulse": SINE}, "block": block | given})
-        assert said.startswith("I_O/(m R²) of a body is ") and said.endswith("is r_g in metres, inertia over m R²?")
+        assert said.startswith("I_O/(m R²) of a body is ")
+        assert said.endswith("is r_g in metres, inertia over m R²?")
         assert warnings_of({"motion": {"pulse": SINE}, "block": block | {"r_g": 2.5}}) == ()
 
     def test_too_weak(self):
