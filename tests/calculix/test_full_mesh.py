@@ -58,13 +58,12 @@ def test_kept_runs_are_read_not_run_again(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("zeta", "value"), [(0.0, 0.691), (0.01, 0.6832)])
-def test_peak_of_fig_60(zeta, value):
-    """4 x 40 elements; the flexible column gives .692 undamped and .6832 with zeta .01."""
-    response = solve(fig60(duration=6.5, across=4, along=40, zeta=zeta, accuracy="draft"))
+def test_peak_of_fig_60_damped():
+    """4 x 40 elements; the flexible column gives .6832 with zeta .01.  Undamped: `studies/seed/mesh/fig60.yaml`."""
+    response = solve(fig60(duration=6.5, across=4, along=40, zeta=0.01, accuracy="draft"))
     assert response.scalars["outcome"][0] == ROCKING, response.reasons
     assert response.scalars["n_impacts"][0] == 1
-    assert response.scalars["theta_peak_over_alpha"][0] == pytest.approx(value, rel=0.02)
+    assert response.scalars["theta_peak_over_alpha"][0] == pytest.approx(0.6832, rel=0.02)
 
 
 @pytest.mark.slow
