@@ -80,7 +80,7 @@ def _xlsx(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
     yield add
     packed = io.BytesIO()
     book.save(packed)  # an archive that cannot be written complains once more when it is collected
-    path.write_bytes(packed.getbuffer())
+    path.write_bytes(packed.getvalue())
 
 
 def _cells(column: Column) -> list[Any]:
