@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,9 @@ def write(table: Table, path: Path) -> None:
     writer = _FORMATS.get(path.suffix.lower())
     if writer is None:
         raise StudyError(f"expected a name that ends in {', '.join(_FORMATS)}", file=path)
+    if (library := _NEEDS.get(path.suffix.lower())) and find_spec(library) is None:
+        words = f"needs {library}, which is not installed: pip install 'rockcli[tables]', or write .csv"
+        raise StudyError(words, file=path)
     if writer is _xlsx and table.size > _XLSX_ROWS:
         raise StudyError(f"{table.size} rows: an Excel sheet has {_XLSX_ROWS}; write .csv or .parquet", file=path)
     blocks = table.blocks(BLOCK)
@@ -56,11 +60,9 @@ def _csv(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
 @contextmanager
 def _xlsx(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
     """A sheet; infinity, which Excel has no number for, is the word `inf`."""
-    try:
-        from openpyxl import Workbook
-        from openpyxl.cell import WriteOnlyCell
-    except ImportError:
-        raise _missing(path, "openpyxl") from None
+    from openpyxl import Workbook
+    from openpyxl.cell import WriteOnlyCell
+
     book = Workbook(write_only=True)
     sheet = book.create_sheet("table")
     sheet.freeze_panes = "A2"
@@ -97,11 +99,8 @@ def _cells(column: Column) -> list[Any]:
 @contextmanager
 def _parquet(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
     """Words as plain strings, so that every block has the same schema."""
-    try:
-        import pyarrow
-        from pyarrow.parquet import ParquetWriter
-    except ImportError:
-        raise _missing(path, "pyarrow") from None
+    import pyarrow
+    from pyarrow.parquet import ParquetWriter
 
     def arrow(block: Block) -> Any:
         text = pyarrow.string()
@@ -112,10 +111,5 @@ def _parquet(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
         yield lambda block: writer.write_table(arrow(block))
 
 
-def _missing(path: Path, library: str) -> StudyError:
-    return StudyError(
-        f"needs {library}, which is not installed: pip install 'rockcli[tables]', or write .csv", file=path
-    )
-
-
 _FORMATS: dict[str, Writer] = {".csv": _csv, ".xlsx": _xlsx, ".parquet": _parquet}
+_NEEDS = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
