@@ -69,6 +69,21 @@ def test_ida_shows_every_member_and_the_fractiles(stripes):
     assert "leave to the right" in figure.get_suptitle()
 
 
+def test_the_band_of_a_curve_is_as_wide_as_the_limits_of_its_median():
+    """By Student's t: few members would have too narrow a band by the normal law."""
+    data = rockcli.run(suite(over={"axis": "motion.pulse.omega_p", "limits": []}))
+    begins, median, high = (
+        float(data[f"fragility_{name}"].squeeze()) for name in ("begins_at", "median", "median_ci_high")
+    )
+    (axes,) = figures.figure("fragility", data).axes
+    edge = axes.collections[0].get_paths()[0].vertices
+    there, back = edge[1 : len(edge) // 2], edge[len(edge) // 2 + 1 : -1][::-1]
+    ends = [np.interp(median / G, *each.T) for each in (there, back)]
+    width = np.log((high - begins) / (median - begins)) / float(data["fragility_beta_total"].squeeze())
+    assert width > 0.1
+    np.testing.assert_allclose(ends, ndtr([-width, width]), atol=1e-3)
+
+
 def test_alternatives_of_a_body_are_shown_together():
     more = {"block.R": [1.0, 2.0, 3.0], "block.tan_alpha": [0.1, 0.2, 0.3]}
     figure = figures.figure("fragility", rockcli.run(suite(vary=suite()["vary"] | more)))

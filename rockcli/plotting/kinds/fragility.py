@@ -169,7 +169,7 @@ def _state(label: str, *, alone: bool = True) -> str:
 
 
 def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> None:
-    from scipy.special import ndtr, ndtri  # late: other figures need none of it
+    from scipy.special import ndtr  # late: other figures need none of it
 
     positive = _intensity(part, suite)
     divisor, unit = shown_unit(part, "fragility_median")
@@ -208,13 +208,15 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
             axes.plot([], [], linestyle="", color=colour, label=alone, **style)
         if first:
             z = np.log((x - begin) / above) / total
-            # to first order in both estimates (delta method)
-            steep = z * beta / total
-            half = ndtri(0.975) * np.sqrt(se**2 + 2.0 * steep * rho * se * se_beta + (steep * se_beta) ** 2) / total
+            ends = [float(part[f"fragility_median_ci_{end}"].values[i]) / divisor for end in ("low", "high")]
             if banded:
-                axes.fill_between(x, ndtr(z - half), ndtr(z + half), color=colour, alpha=0.15, linewidth=0.0)
+                # to first order in both estimates (delta method), as many standard errors as the limits of the median
+                steep, reach = z * beta / total, np.log((ends[1] - begin) / above) / se if se > 0.0 else np.nan
+                half = reach * np.sqrt(se**2 + 2.0 * steep * rho * se * se_beta + (steep * se_beta) ** 2) / total
+                # of curves that grow: where a band widens faster, its limits farther along bound it too
+                low, high = np.maximum.accumulate(z - half), np.minimum.accumulate((z + half)[::-1])[::-1]
+                axes.fill_between(x, ndtr(low), ndtr(high), color=colour, alpha=0.15, linewidth=0.0)
             else:
-                ends = [float(part[f"fragility_median_ci_{end}"].values[i]) / divisor for end in ("low", "high")]
                 axes.hlines(0.5 + _STEP * (len(drawn) - 1.5), ends[0], ends[1], color=colour, linewidth=2.0, zorder=4)
             drawn.append(i)
             axes.plot(x, ndtr(z), color=colour, linestyle=LINES[i % len(LINES)], zorder=3, label=words)
