@@ -392,7 +392,7 @@ def test_both_edges_of_a_rectangle_have_one_line_of_words(stripes):
     assert [text.get_text().startswith(r"$\alpha_{") for text in axes.texts] == [False]
 
 
-def plane(intensity):
+def plane(intensity, **more):
     """Three records, each filtered three times, by PGA: fragility over two intensities."""
     records = [f"synthetic_{name}.AT2" for name in ("pulse_m70", "rock_m65", "soil_m70")]
     return rockcli.run(
@@ -400,6 +400,7 @@ def plane(intensity):
             "name": "plane",
             "case": {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"record": {"file": records[0], "pga": 1.0}}},
             "vary": {
+                **more,
                 "motion.record.file": records,
                 "motion.record.highpass": [0.1, 0.4, 0.8],
                 "motion.record.pga": {"from": 0.1 * G, "to": 2.0 * G, "n": 9, "spacing": "log"},
@@ -449,6 +450,14 @@ def test_figures_name_the_second_of_two_intensities(second, symbol, unit):
     assert f"; at {symbol} = {at:.3g} {unit}; bands" in figure.get_label()
     (axes,) = figures.figure("intensities", dataset).axes
     assert axes.get_xlabel() == f"{symbol} [{unit}]"
+
+
+@pytest.mark.parametrize("kind", ["fragility", "ranking"])
+def test_figures_of_several_bodies_name_the_second_intensity_too(kind):
+    dataset = plane(["pga", "pgv_over_pga"], case={"small": {"block.R": 1.0}, "stout": {"block.tan_alpha": 0.35}})
+    for values, words in (([0.07, 0.07], "0.07 s"), ([0.08, 0.07], "0.07 to 0.08 s"), ([0.07, np.nan], "0.07 s")):
+        told = dataset.assign(fragility_second=dataset["fragility_second"].copy(data=np.array(values)))
+        assert f"highpass; at PGV/PGA = {words}; " in figures.figure(kind, told).get_label()
 
 
 @pytest.mark.parametrize(

@@ -92,24 +92,27 @@ def draw(dataset: xarray.Dataset) -> Figure:
     beyond = (last / low) ** _BEYOND if log else 1.0 + _BEYOND
     first.set_xlim(low, last * beyond)
     legend_below(figure, first.get_legend_handles_labels()[0], 1 if single else 3)
-    second = _second_words(dataset) if single else ""
     limits = "bands" if dataset.sizes["limit_state"] <= _BANDS else "bars"
     points = "points: shares; " if _stripes(dataset, suite) is not None else ""
-    words = f"{members_word(dataset, suite)}; {second}{points}{limits}: 95 % limits"
+    words = f"{points}{limits}: 95 % limits"
     words += " of the medians" if limits == "bars" else ""
-    headline(figure, title_of(dataset), "; ".join(filter(None, [words, note])))
+    notes = [members_word(dataset, suite), second_words(dataset), words, note]
+    headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     fit_panels(figure, first, max(0.62 * width / columns, SHORTEST), rows)
     return figure
 
 
-def _second_words(dataset: xarray.Dataset) -> str:
-    """At which value of a second intensity the curves are drawn."""
+def second_words(dataset: xarray.Dataset) -> str:
+    """At which value of a second intensity the curves are drawn, from the least to the largest of the bodies."""
     if "fragility_second" not in dataset:
         return ""
     divisor, unit = shown_unit(dataset, "fragility_second")
-    at = float(dataset["fragility_second"].values.ravel()[0]) / divisor
-    words = f"at {second_symbol(dataset)} = {at:.3g} {unit_in_brackets(unit).strip(' []')}"
-    return f"{words.rstrip()}; "
+    at = dataset["fragility_second"].values.ravel() / divisor
+    at = at[np.isfinite(at)]
+    if not len(at):
+        return ""
+    words = " to ".join(dict.fromkeys(f"{end:.3g}" for end in (at.min(), at.max())))
+    return f"at {second_symbol(dataset)} = {words} {unit_in_brackets(unit).strip(' []')}".rstrip()
 
 
 def intensity_label(dataset: xarray.Dataset, suite: Suite) -> str:

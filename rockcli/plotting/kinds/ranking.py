@@ -26,7 +26,7 @@ from rockcli.plotting.common.style import (
 )
 from rockcli.plotting.common.suite import Suite, end_to_end, members_word, suite_axes, suite_of
 from rockcli.plotting.kinds.curve import STRIP, quantity, without_value
-from rockcli.plotting.kinds.fragility import intensity_label
+from rockcli.plotting.kinds.fragility import intensity_label, second_words
 from rockcli.plotting.kinds.spectrum import found_label
 from rockcli.plotting.kinds.suite_curve import MEDIAN, SHARE
 from rockcli.scene.variables import PEAK, SLIDE
@@ -270,6 +270,7 @@ def _notes(dataset: xarray.Dataset, rows: int, shown: list[Shown], total: int, p
     fallen = len(panels) > 1 and suite is not None and bool(np.isposinf(panels[1].values).any())
     return [
         members,
+        second_words(dataset) if _ranked(dataset) == CAPACITY else "",
         f"{some}, those that overturn most easily" if some else "",
         selection_note(len(shown), total, "alternatives"),
         bars,
