@@ -110,6 +110,8 @@ def _cell(value: float | str, divisor: float, name: str) -> str:
         return _curve(str(value))
     if isinstance(value, str):
         return f"peak theta/alpha > {value}" if name == LIMIT and ">" not in value and value != OVERTURNED else value
+    if isinstance(value, int) and divisor == 1.0:  # counts, whole
+        return str(value)
     return f"{value / divisor:.4g}" if value == value else "–"
 
 

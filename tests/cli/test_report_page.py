@@ -286,6 +286,13 @@ def test_tables_of_the_suite_and_the_rules(tmp_path: Path) -> None:
     assert "<td>west</td><td>1885</td><td>100</td>" in words
 
 
+def test_counts_of_a_table_are_whole(tmp_path: Path) -> None:
+    case = {"block": {"h": 1.5, "b": 0.3}, "initial": {"theta": 0.1}}
+    study = {"case": case, "uncertain": {"initial.theta": {"uniform": [0.05, 0.25]}}, "samples": 10_001}
+    words = rockcli.report(rockcli.run(study), tmp_path / "a.html").read_text(encoding="utf-8")
+    assert "<td>10001</td>" in words
+
+
 @pytest.mark.slow
 def test_a_figure_that_leaves_out_bodies_says_how_they_are_drawn() -> None:
     bodies = {"block.h": [1.8, 1.9, 2.0, 2.1], "block.b": [0.4, 0.45]}
