@@ -61,7 +61,13 @@ def _write(dataset: xarray.Dataset, contents: Contents, target: Path) -> None:
     write_text(target, page(dataset, judged, tables=[*_suite_tables(dataset), *_rules_table(contents)]))
 
 
-_LIMITS = ("fragility_median", "fragility_median_ci_low", "fragility_median_ci_high", "fragility_beta_total")
+_LIMITS = (
+    "fragility_second",
+    "fragility_median",
+    "fragility_median_ci_low",
+    "fragility_median_ci_high",
+    "fragility_beta_total",
+)
 _RATES = ("annual_rate", "annual_rate_ci_low", "annual_rate_ci_high")
 _SLIDES = ("slide_peak_p50", "slide_peak_p84")
 
@@ -122,6 +128,7 @@ def _curve(status: str) -> str:
 
 _SAID = {
     "fragility_status": "curve",
+    "fragility_second": "at a second intensity of",
     "motion_record": "",
     "motion_pulse": "",
     "fragility_": "",

@@ -286,6 +286,22 @@ def test_tables_of_the_suite_and_the_rules(tmp_path: Path) -> None:
     assert "<td>west</td><td>1885</td><td>100</td>" in words
 
 
+def test_the_page_says_of_which_second_intensity_its_medians_are(tmp_path: Path) -> None:
+    record = {"file": "synthetic_rock_m65.AT2", "pga": 1.0}
+    axes = {
+        "motion.record.file": "synthetic_*.AT2",
+        "motion.record.highpass": [0.1, 0.4, 0.8],
+        "motion.record.pga": {"from": 1.0, "to": 20.0, "n": 9, "spacing": "log"},
+    }
+    case = {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"record": record}}
+    over = {"axis": ["record", "highpass"], "intensity": ["pga", "pgv_over_pga"], "limits": []}
+    data = rockcli.run({"case": case, "vary": axes, "over": over, "save": {"histories": False}})
+    words = rockcli.report(data, tmp_path / "a.html").read_text(encoding="utf-8")
+    assert "at a second intensity of [s]" in words
+    assert f"<td>{float(data.fragility_second):.4g}</td>" in words
+    assert "one half of the suite overturns, at the second intensity of the table" in words
+
+
 def test_counts_of_a_table_are_whole(tmp_path: Path) -> None:
     case = {"block": {"h": 1.5, "b": 0.3}, "initial": {"theta": 0.1}}
     study = {"case": case, "uncertain": {"initial.theta": {"uniform": [0.05, 0.25]}}, "samples": 10_001}

@@ -278,6 +278,7 @@ def _probability(dataset: xarray.Dataset) -> list[Fact]:
             if medians.size:
                 span = f"{medians.min():.3g}" + (f" to {medians.max():.3g}" if medians.size > 1 else "")
                 said = "intensity at which one half of the suite overturns" + (", by body" if medians.size > 1 else "")
+                said += ", at the second intensity of the table" if "fragility_second" in dataset.variables else ""
                 said += _without_curve(every)
                 return [Fact(_with_unit(span, unit), "median of overturning", said)]
         return []
