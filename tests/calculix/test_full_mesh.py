@@ -42,6 +42,15 @@ def test_a_body_at_rest_stays_at_rest():
     assert np.abs(response.histories["u_top"][0]).max() < 0.02 * 50.0
 
 
+def test_a_body_that_turns_with_its_soft_base_has_not_lifted():
+    motion = pulse("sine", 0.15 * 0.16 * 9.81, 2.0 * np.pi / 1.2, duration=1.2)
+    response = solve(mesh_batch(motion, h=5.0, tan_alpha=0.16, E=1e9, kw=5e7, zeta=0.02, along=8, dt=0.03))
+    assert np.abs(response.histories["theta"]).max() > 5e-3 * np.arctan(0.16)
+    assert response.scalars["outcome"][0] == NO_UPLIFT, response.reasons
+    assert response.scalars["theta_dot_peak"][0] == 0.0
+    assert response.scalars["n_impacts"][0] == 0
+
+
 def test_kept_runs_are_read_not_run_again(tmp_path, monkeypatch):
     monkeypatch.setenv(folder.KEEP, str(tmp_path / "kept"))
     batch = mesh_batch(pulse("sine", 0.02, 2.0 * np.pi, duration=0.1), dt=0.01)

@@ -23,6 +23,7 @@ class Motion:
         u_bend: u_top less that of a rigid body at theta [m].
         N, T: normal (up) and tangential force of the base on the body [N].
         M: moment of the base on the body about the middle of the base, opposing theta [N m].
+        lift: of the higher corner over the ground that bears nothing; below it the edge is not open [m].
     """
 
     t: Array
@@ -33,6 +34,7 @@ class Motion:
     N: Array
     T: Array
     M: Array
+    lift: Array
 
 
 def motion_of(deck: Deck, t: Array, u: Array) -> Motion:
@@ -56,6 +58,7 @@ def motion_of(deck: Deck, t: Array, u: Array) -> Motion:
         N=up.sum(axis=1),
         T=along.sum(axis=1),
         M=(up * mesh.x_base).sum(axis=1),
+        lift=np.maximum(base[:, np.argmin(mesh.x_base), 1], base[:, np.argmax(mesh.x_base), 1]),
     )
 
 
@@ -82,17 +85,19 @@ class Landings:
         return np.column_stack([self.t, self.before, self.after])
 
 
-def landings(t: Array, theta: Array, threshold: float) -> Landings:
-    """Passages of theta (k,) through zero, one per excursion beyond +-threshold [rad].
+def landings(t: Array, theta: Array, lift: Array, threshold: float) -> Landings:
+    """Passages of theta (k,) through zero, one per excursion beyond +-threshold [rad] with an edge open, `lift` > 0.
 
-    The base may vibrate within the threshold as it likes: an excursion ends at the first zero crossing after
-    it was left.  The rates are mean slopes over an eighth of the way in time to the neighbouring extremes.
+    The base may vibrate within the threshold as it likes, and a soft one turn with the body: an excursion ends at the
+    first zero crossing after it was left.  The rates are mean slopes over an eighth of the way in time to the
+    neighbouring extremes.
     """
-    out = np.abs(theta) > threshold
+    beyond = np.minimum(np.abs(theta) - threshold, lift)
+    out = beyond > 0.0
     if not out.any():
         return Landings(np.empty(0), np.empty(0), np.empty(0), np.nan)
     first = int(np.argmax(out))
-    opened = float(t[first]) if first == 0 else _between(t, np.abs(theta) - threshold, first - 1)
+    opened = float(t[first]) if first == 0 else _between(t, beyond, first - 1)
     found: list[int] = []
     armed = False
     for i in range(len(t) - 1):

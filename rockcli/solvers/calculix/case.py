@@ -44,7 +44,7 @@ class Refused(ValueError):  # noqa: N818 - a verdict, as in solvers/flexible
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A case: its deck, the body behind it, and the rotation beyond which it rocks [rad]."""
+    """A case: its deck, the body behind it, and the rotation beyond which it rocks, if an edge is open [rad]."""
 
     deck: Deck
     body: Body

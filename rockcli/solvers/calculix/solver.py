@@ -59,7 +59,7 @@ def solve(batch: Batch) -> Response:
         counted["n_steps"][i], counted["n_rhs"][i] = result.increments, result.iterations
         if not result.complaint:
             motion = motion_of(prepared.deck, result.t, result.u)
-            solved[i] = _Solved(prepared, motion, landings(motion.t, motion.theta, prepared.threshold))
+            solved[i] = _Solved(prepared, motion, landings(motion.t, motion.theta, motion.lift, prepared.threshold))
         wall_time[i] = time.perf_counter() - began
     scalars = counted | _scalars(batch, solved, reasons) | {"wall_time": wall_time}
     used = _used(batch)
@@ -102,7 +102,7 @@ def _scalars(batch: Batch, solved: list[_Solved | None], reasons: list[str]) -> 
         n_impacts=n_impacts,
         peak=np.where(moved, read["peak"], 0.0),
         side=side,
-        rate=read["rate"],
+        rate=np.where(moved, read["rate"], 0.0),
         top=read["top"],
         t_peak=read["t_peak"],
         t_uplift=read["t_uplift"],
