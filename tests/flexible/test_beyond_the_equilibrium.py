@@ -33,6 +33,19 @@ def test_a_column_beyond_its_equilibrium_when_the_report_ends_falls(base: dict[s
     assert outcomes(case, ["0.8*alpha", "1.1*alpha", "2.2*alpha"]) == [1, 2, 2]
 
 
+@pytest.mark.parametrize("solver", [{"backend": "event"}, {"backend": "frame", "accuracy": "draft"}])
+def test_a_soft_column_falls_from_below_alpha(solver: dict[str, object]) -> None:
+    """At three times the modulus at which it buckles the equilibrium is at .73 alpha."""
+    soft = COLUMN | {"column": {"E": 1.65e7, "rho": 2500.0, "zeta": 0.02, "elements": 2}, "solver": solver}
+    times = []
+    for motion in (None, {"duration": 0.2}):
+        found = solved(soft | {"motion": motion}, ["0.6*alpha", "0.85*alpha", "0.95*alpha"])
+        assert list(np.asarray(found.values("outcome"), dtype=int)) == [1, 2, 2]
+        times.append(found.values("t_overturn"))
+    np.testing.assert_array_equal(times[0], times[1])
+    assert times[0][1] == 0.0
+
+
 @pytest.mark.parametrize("damping", ["restitution", "dashpot"])
 @pytest.mark.parametrize("geometry", ["negative_stiffness", "corotational"])
 def test_a_frame_beyond_its_equilibrium_falls(damping: str, geometry: str) -> None:

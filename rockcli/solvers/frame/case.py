@@ -113,12 +113,13 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     par[at.REACH] = structure.n * structure.length
     par[at.DT], par[at.T_MOTION], par[at.T_STOP], par[at.OWN_DURATION] = dt, end, stop, own
     par[at.T_LAST] = stop + SEARCH / p
-    law = MODELS.get((batch.model, batch.geometry))
-    par[at.Q_STAR] = alpha if law is None else law.law(block.alpha[case], block.tan_alpha[case]).q_star[LEFT]
     par[at.DT_OUT] = batch.save.dt_out if batch.save.histories else 0.0
     par[at.FAST] = FAST * p * alpha
     fibres = fibres_of(batch, case)
-    par[at.BARRIER] = SURE * barrier(par, structure, fibres, kernel)
+    height, summit = barrier(par, structure, fibres, kernel)
+    law = MODELS.get((batch.model, batch.geometry))
+    par[at.Q_STAR] = summit if law is None else law.law(block.alpha[case], block.tan_alpha[case]).q_star[LEFT]
+    par[at.BARRIER] = SURE * height
     spring = par.copy()
     spring[at.BASE] = at.WINKLER if elastic_base else kind
     par[at.SHUT] = kernel.elements.spring_energy(spring, q_y)
@@ -133,8 +134,11 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     return CaseOfFrame(par, structure, fibres, a_g, a_v, u, v)
 
 
-def barrier(par: Array, structure: Structure, fibres: Array, kernel: Kernels) -> float:
-    """Energy from the upright equilibrium to the unstable one [J]: the highest on the path of held base rotations."""
+def barrier(par: Array, structure: Structure, fibres: Array, kernel: Kernels) -> tuple[float, float]:
+    """Energy from the upright equilibrium to the unstable one [J], the highest on the path of held base rotations.
+
+    The rotation of the base there [rad] comes with it.
+    """
     N = 3 * (structure.n + 1)
     work, bands, B = np.zeros((at.N_ROWS, N)), np.zeros((at.N_BANDS, N, at.BAND)), np.zeros((3, 6))
     s = structure.heights
@@ -150,15 +154,15 @@ def barrier(par: Array, structure: Structure, fibres: Array, kernel: Kernels) ->
         return float(kernel.elements.stored_energy(par, u, structure.n, structure.weights, fibres, B))
 
     low, high, parts = 0.0, 0.5 * np.pi, 64
-    highest = 0.0
+    highest, summit = 0.0, 0.0
     for _ in range(4):  # the path has one summit: look closer around the highest point
         q = np.linspace(low, high, parts + 1)
         heights = np.array([energy(x) for x in q]) - energy(0.0)
         if np.isnan(heights).all():
-            return 0.0
+            return 0.0, 0.0
         top = int(np.nanargmax(heights))
-        highest, low, high = float(heights[top]), q[max(top - 1, 0)], q[min(top + 1, parts)]
-    return highest
+        highest, summit, low, high = float(heights[top]), float(q[top]), q[max(top - 1, 0)], q[min(top + 1, parts)]
+    return highest, summit
 
 
 def lift(par: Array, fibres: Array, theta: float) -> float:
