@@ -13,7 +13,7 @@ from rockcli.errors import SolverError
 from rockcli.scene.body.column import Base, Column
 from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
-from rockcli.scene.response import NO_UPLIFT
+from rockcli.scene.response import NO_UPLIFT, UNRESOLVED
 from rockcli.solvers.event import solver as event
 from rockcli.solvers.flexible import solve as solve_flexible
 from rockcli.solvers.frame.solver import solve as solve_frame
@@ -105,6 +105,23 @@ def test_a_fall_after_the_report_is_to_the_side_it_comes_to(duration):
     from_there = replace(batch, theta_dot_0=np.full(1, -0.02))
     ours, exact = solve(from_there).scalars, event.solve(from_there).scalars
     assert ours["t_overturn"][0] == exact["t_overturn"][0] == 0.0
+
+
+@pytest.mark.parametrize(("coefficient", "rate"), [(0.02, -0.2), (0.02, -0.3), (0.1, -0.35), (0.1, -0.4)])
+def test_a_dashpot_goes_on_after_the_report(coefficient, rate):
+    damping = Damping("dashpot", np.ones((1, 2)), array(coefficient))
+    batch = replace(rigid(theta_0=0.1, theta_dot_0=rate), excitation=still(0.02), damping=damping)
+    ours, exact = solve(batch).scalars, event.solve(batch).scalars
+    for name in ("outcome", "theta_peak", "n_impacts"):
+        assert ours[name][0] == pytest.approx(exact[name][0])
+
+
+def test_what_hht_takes_at_an_impact_to_come_is_not_known():
+    hht = Damping("hht", np.ones((1, 2)), alpha_d=array(0.7))
+    batch = replace(rigid(model="4", theta_0=0.1, theta_dot_0=-0.35), excitation=still(0.02), damping=hht)
+    response = solve(replace(batch, base=Base("winkler", array(1e10), 21)))
+    assert response.scalars["outcome"][0] == UNRESOLVED
+    assert "give a longer duration" in response.reasons[0]
 
 
 def test_a_sampled_motion_is_linear_between_samples():

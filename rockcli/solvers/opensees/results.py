@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 
 from rockcli.kernels import formulas
 from rockcli.kernels.constants import FALLS, FAST, NO_ANSWER, RETURNS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.laws.damping import dashpot_rate
 from rockcli.scene.laws.models import MODELS
 from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
@@ -68,7 +71,7 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
     scalars: dict[str, NDArray[Any]] = {name: np.full(n, np.nan) for name in SCALARS if name != "reason"}
     reasons = [outcome if isinstance(outcome, str) else "" for outcome in outcomes]
     for which in np.flatnonzero(found.outcome == UNRESOLVED):
-        reasons[which] = "in the end its energy is about what overturning needs: whether it overturns is not decided"
+        reasons[which] = "in the end its energy does not decide whether it overturns: give a longer duration"
     note_unstored(batch, found.n_impacts, reasons)
     return scalars | counted | found.scalars(batch), reasons
 
@@ -78,8 +81,8 @@ def unstable(batch: Batch, i: int) -> float:
     return float(_law(batch, i)[0])
 
 
-def _law(batch: Batch, i: int) -> tuple[float, Any]:
-    """q_star and the potential U(q)/(I_O p^2) of the rigid law of case i."""
+def _law(batch: Batch, i: int) -> tuple[float, Callable[[float], float], Callable[[float], float]]:
+    """q_star, the potential U(q)/(I_O p^2) and its derivative of the rigid law of case i."""
     pair = ("3", "corotational") if batch.model == "flexible" else (batch.model, batch.geometry)
     at = slice(i, i + 1)
     law = MODELS[pair].law(batch.block.alpha[at, LEFT], batch.block.tan_alpha[at, LEFT])
@@ -88,18 +91,31 @@ def _law(batch: Batch, i: int) -> tuple[float, Any]:
     def potential(q: float) -> float:
         return float(formulas.potential(r0, rc, q, 2.0 * rs * float(np.sin(0.5 * q)) ** 2, float(np.sin(q))))
 
-    return float(law.q_star[0]), potential
+    def force(q: float) -> float:
+        return r0 + rs * float(np.sin(q)) + rc * float(np.cos(q))
+
+    return float(law.q_star[0]), potential, force
+
+
+def _damper(batch: Batch, i: int) -> float:
+    """c/(I_O p) of the dashpot of case i, 0 without one."""
+    damping, block, at = batch.damping, batch.block, slice(i, i + 1)
+    if damping.coefficient is None:
+        return 0.0
+    body = block.alpha[i, :1], block.R[i, :1], block.inertia[i, :1]
+    return float(dashpot_rate(damping.coefficient[at], *body, batch.g[at])[0]) / float(batch.p[i, LEFT])
 
 
 def fate(batch: Batch, i: int, answer: Answer) -> tuple[int, float, bool]:
     """Does the body, left alone from where the script ended, ever fall?  FALLS, RETURNS or UNDECIDED; side; landings.
 
     Past pi/2 it has fallen, at rest it has not.  Otherwise the rigid law decides by its energy, impact by impact: the
-    side, -1 or 1, is the one it is on by then, and it may have landed on the way there.
+    side, -1 or 1, is the one it is on by then, and it may have landed on the way there.  A dashpot takes energy on the
+    way.
     """
     if answer.summary["ended"] == "overturned":
         return FALLS, float(np.sign(answer.summary["theta"])), False
-    q_star, potential = _law(batch, i)
+    q_star, potential, force = _law(batch, i)
     if answer.summary["ended"] == "rest" or q_star == np.inf:
         return RETURNS, 0.0, False
     theta, rate = answer.summary["rigid_part"]
@@ -107,19 +123,51 @@ def fate(batch: Batch, i: int, answer: Answer) -> tuple[int, float, bool]:
     q, v = abs(theta), s * rate / float(batch.p[i, LEFT])
     barrier = potential(q_star)
     margin = MARGIN[batch.model == "flexible" or batch.base is not None]
-    landed = False
+    damper, landed = _damper(batch, i), False
     for _ in range(1000):
         energy = (0.5 * v * v + potential(q)) / barrier
         if abs(energy - 1.0) < margin:
             return UNDECIDED, s, landed
         if energy < 1.0 and q < q_star:
             return RETURNS, s, landed
-        if v >= 0.0 or energy < 1.0:  # moving outward with more than the barrier, or beyond it with less
-            return FALLS, s, landed
+        if energy < 1.0 or (v >= 0.0 and (q >= q_star or damper == 0.0)):
+            return FALLS, s, landed  # beyond the barrier with less, or moving outward with more
+        if damper > 0.0:
+            q, v = _where_it_lands_or_turns(force, damper, q_star, q, v)
+            if q > 0.0:
+                continue
+            energy = 0.5 * v * v / barrier
+        elif batch.damping.scheme == "hht":  # what it takes at the impact is not known beforehand
+            return UNDECIDED, s, landed
         s, landed = -s, True
         v = float(batch.damping.eta[i, RIGHT if s > 0.0 else LEFT]) * float(np.sqrt(2.0 * energy * barrier))
         q = 0.0
     return UNDECIDED, s, landed
+
+
+def _where_it_lands_or_turns(
+    force: Callable[[float], float], damper: float, q_star: float, q: float, v: float
+) -> tuple[float, float]:
+    """State of a body with a dashpot, over p t, when it lands (q = 0), turns (v = 0), or passes q_star outward."""
+
+    def lands(_: float, y: Array) -> float:
+        return float(y[0])
+
+    def turns(_: float, y: Array) -> float:
+        return float(y[1])
+
+    def passes(_: float, y: Array) -> float:
+        return float(y[0]) - q_star
+
+    for event, direction in ((lands, -1.0), (turns, 0.0), (passes, 1.0)):
+        event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
+    found = solve_ivp(
+        lambda _, y: (y[1], -force(y[0]) - damper * y[1]), (0.0, 1e4), (q, v), events=(lands, turns, passes),
+        method="DOP853", rtol=1e-10, atol=1e-13,
+    )  # fmt: skip
+    end = [float(x) for x in found.y[:, -1]]
+    exact = ((0.0, end[1]), (end[0], 0.0), (q_star, end[1]))
+    return next((state for state, t in zip(exact, found.t_events, strict=True) if len(t)), (end[0], end[1]))
 
 
 def _last_outward(table: Array, q: float) -> float:
