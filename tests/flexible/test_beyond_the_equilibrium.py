@@ -46,6 +46,20 @@ def test_a_soft_column_falls_from_below_alpha(solver: dict[str, object]) -> None
     assert times[0][1] == 0.0
 
 
+def test_a_body_on_soft_fibres_falls_from_below_alpha() -> None:
+    """On fibres of 3e7 N/m³ the equilibrium of a body of R = 10 m is at about .86 alpha."""
+    case = {
+        "block": {"R": 10.0, "tan_alpha": 0.2},
+        "model": 4,
+        "geometry": "corotational",
+        "damping": {"scheme": "hht"},
+        "base": {"law": "winkler", "kw": 3e7, "fibres": 21},
+        "solver": {"backend": "frame", "dt": 2e-3},
+    }
+    for motion in (None, {"duration": 0.2}):
+        assert outcomes(case | {"motion": motion}, ["0.8*alpha", "0.95*alpha"]) == [1, 2]
+
+
 @pytest.mark.parametrize("damping", ["restitution", "dashpot"])
 @pytest.mark.parametrize("geometry", ["negative_stiffness", "corotational"])
 def test_a_frame_beyond_its_equilibrium_falls(damping: str, geometry: str) -> None:
