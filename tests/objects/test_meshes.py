@@ -173,6 +173,32 @@ def test_the_formats_seams_and_positions_of_a_file_do_not_matter():
         np.testing.assert_allclose(other.barriers, one.barriers, rtol=1e-3)
 
 
+@pytest.mark.parametrize("digits", [17, 6])
+def test_a_polygon_may_have_corners_on_its_straight_sides(digits):
+    """A box whose edges have corners on them, in any position; its faces are polygons from any of their corners on."""
+    rng = np.random.default_rng(8)
+    for _ in range(12):
+        sizes = rng.uniform(0.4, 2.0, 3)
+        corners = [np.array([i >> 2 & 1, i >> 1 & 1, i & 1]) * sizes for i in range(8)]
+        on = {}
+        for a, b in ((a, a | bit) for a in range(8) for bit in (1, 2, 4) if not a & bit):
+            shares = np.sort(rng.choice([0.1, 0.25, 0.5, 0.75, 0.9], rng.integers(0, 3), replace=False))
+            on[a, b] = list(range(len(corners), len(corners) + len(shares)))
+            on[b, a] = on[a, b][::-1]
+            corners += [corners[a] + share * (corners[b] - corners[a]) for share in shares]
+        turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        lines = ["v " + " ".join(f"{x:.{digits}g}" for x in turn @ corner + 3.0) for corner in corners]
+        for face in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)):
+            polygon = [i for a, b in zip(face, face[1:] + face[:1], strict=True) for i in (a, *on[a, b])]
+            polygon = np.roll(polygon, rng.integers(len(polygon))) + 1
+            lines.append("f " + " ".join(map(str, polygon)))
+        scan = measured("\n".join(lines).encode(), "obj", None)
+        exact = 1e-4 if digits == 6 else 1e-12
+        assert scan.volume == pytest.approx(sizes.prod(), rel=exact)
+        r2 = [(sizes @ sizes - size**2) / 12 for size in sizes]
+        np.testing.assert_allclose(np.linalg.eigvalsh(scan.r2), np.sort(r2), rtol=exact)
+
+
 def test_a_box_rocks_like_the_block(folder):
     motion = {"pulse": {"shape": "ricker", "a_p": "2.2*g*tan_alpha", "T_p": 0.7}}
     study = {

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rockcli.scene.body.lower_outline import LEVEL, lower_hull
 from rockcli.scene.body.outline import OutlineError, Solid
 from rockcli.scene.body.scan import QUARTER, Profile, Scan
+from rockcli.scene.body.slivers import without_slivers
 from rockcli.study.building.body_outline import BLOCK, SAID_BY_OUTLINE
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import UNITS
@@ -198,7 +199,10 @@ def measured(data: bytes, kind: str, units: str | None) -> Scan:
 
 
 def _loaded(data: bytes, kind: str) -> Any:
-    """A mesh of trimesh; corners at one place are one corner, whatever their texture, and triangles of no area none."""
+    """A mesh of trimesh; corners at one place are one corner, whatever their texture, and triangles of no area none.
+
+    A polygon with a corner on a straight side comes as triangles some of which have no area, without which it leaks.
+    """
     try:
         import trimesh
     except ImportError:
@@ -210,7 +214,16 @@ def _loaded(data: bytes, kind: str) -> Any:
         raise MeshError(f"cannot be read as {kind.upper()} ({type(error).__name__}: {str(error)[:200]})") from None
     if triangles.ndim != 2 or len(triangles) < 4 or not np.isfinite(corners).all():
         raise MeshError(f"holds no body: {len(triangles)} triangles")
-    mesh = trimesh.Trimesh(corners, triangles, process=True)
+    read = trimesh.Trimesh(corners, triangles, process=True)
+    mesh = _cleaned(read.copy())
+    if not mesh.is_watertight:
+        corners = np.asarray(read.vertices)
+        other = _cleaned(trimesh.Trimesh(corners, without_slivers(corners, np.asarray(read.faces)), process=False))
+        mesh = other if other.is_watertight else mesh
+    return mesh
+
+
+def _cleaned(mesh: Any) -> Any:
     mesh.update_faces(mesh.nondegenerate_faces() & mesh.unique_faces())
     mesh.remove_unreferenced_vertices()
     return mesh
