@@ -36,6 +36,7 @@ class Asked(KeyboardInterrupt):
 
 _advice: list[str] = []
 _told = threading.Lock()
+_said = threading.Event()
 
 
 def advise(sentence: str) -> None:
@@ -44,11 +45,14 @@ def advise(sentence: str) -> None:
 
 
 def tell() -> None:
-    """Say that the command was interrupted; once."""
-    if _told.acquire(blocking=False):
-        words = ["interrupted", *_advice]
-        sys.stderr.write("\r\x1b[2K" * sys.stderr.isatty() + f"rock: {'; '.join(words)}\n")
-        sys.stderr.flush()
+    """Say that the command was interrupted; once, and while another thread says it, wait for that."""
+    if not _told.acquire(blocking=False):
+        _said.wait(PATIENCE)
+        return
+    words = ["interrupted", *_advice]
+    sys.stderr.write("\r\x1b[2K" * sys.stderr.isatty() + f"rock: {'; '.join(words)}\n")
+    sys.stderr.flush()
+    _said.set()
 
 
 @contextmanager
@@ -60,6 +64,7 @@ def answered() -> Iterator[None]:
     finalizer, as the compiler has many, is dropped there: it is then raised again, until it is told.
     """
     _advice.clear()
+    _said.clear()
     if _told.locked():
         _told.release()
     ours = threading.current_thread() is threading.main_thread()
@@ -77,6 +82,8 @@ def answered() -> Iterator[None]:
         return error
 
     def handler(number: int, frame: FrameType | None) -> None:
+        if _told.locked() or (raised and raised[0]() is not None):  # `heard` may be locked by this very thread then
+            return
         raise asked()  # and no name for it here, by which its own traceback would keep it alive
 
     def lost() -> bool:

@@ -136,6 +136,41 @@ def test_an_interrupt_while_the_end_is_told_has_no_traceback() -> None:
     assert (done.returncode, done.stderr) == (130, "rock: interrupted\n")
 
 
+TWICE = """\
+import os, signal, sys, time
+from rockcli.cli import main
+lines = 0
+def trace(frame, event, arg):
+    global lines
+    if frame.f_code.co_name == "answered":  # it is over: the handlers are those of before
+        sys.settrace(None)
+    elif frame.f_code.co_filename.endswith(("interrupt.py", "threading.py")):
+        lines += event == "line"
+        if event == "line" and lines == at:
+            os.kill(os.getpid(), signal.SIGTERM)
+        return trace
+def ask():
+    sys.settrace(trace)
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(30.0)
+main._run = ask
+for at in range(1, 31):
+    if os.fork():
+        os.write(1, b"%d " % os.waitstatus_to_exitcode(os.wait()[1]))
+    else:
+        signal.alarm(5)
+        main.main()
+"""
+
+
+def test_an_interrupt_while_one_is_answered_ends_the_command() -> None:
+    """Whatever line of answering the first it comes at; it waited for ever for what the first was at."""
+    done = ended(TWICE)
+    assert set(done.stdout.split()) == {"130"}, done.stdout
+    assert set(done.stderr.splitlines()) == {"rock: interrupted"}
+    assert done.stderr.count("\n") == 30
+
+
 DRAWING = """\
 import os, signal
 from rockcli.cli import trade
