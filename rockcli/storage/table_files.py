@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import errno
 import io
+import os
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
 
 import numpy as np
 
 from rockcli.errors import StudyError
 from rockcli.storage.atomic import replacing
+from rockcli.storage.places import reason
 from rockcli.storage.table import BLOCK, Column, Table, frame
 
 Block = list[Column]
@@ -66,7 +70,6 @@ def _xlsx(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
     book = Workbook(write_only=True)
     sheet = book.create_sheet("table")
     sheet.freeze_panes = "A2"
-    sheet.append([column.head for column in first])
 
     def plain(value: Any) -> Any:
         if not (isinstance(value, str) and value.startswith(("=", "#"))):
@@ -79,10 +82,31 @@ def _xlsx(path: Path, first: Block) -> Iterator[Callable[[Block], None]]:
         for row in zip(*(_cells(column) for column in block), strict=True):
             sheet.append([plain(value) for value in row])
 
-    yield add
     packed = io.BytesIO()
-    book.save(packed)  # an archive that cannot be written complains once more when it is collected
+    with _temporary_refused(sheet):
+        sheet.append([column.head for column in first])
+        yield add
+        book.save(packed)  # an archive that cannot be written complains once more when it is collected
     path.write_bytes(packed.getvalue())
+
+
+@contextmanager
+def _temporary_refused(sheet: Any) -> Iterator[None]:
+    """Say what is wrong where the system refuses the temporary file of a sheet: lxml, if there, names the error alone.
+
+    Raises:
+        OSError: in words.
+    """
+    try:
+        yield
+    except Exception as error:
+        number = getattr(errno, str(error).removeprefix("IO_"), None)  # as IO_ENOSPC
+        if not isinstance(number, int):
+            raise
+        with suppress(Exception):
+            sheet.close()  # which complains once more, else when it is collected
+        why = f"{reason(OSError(number, os.strerror(number)))} in {gettempdir()}, where its sheet is put together"
+        raise OSError(why) from None
 
 
 def _cells(column: Column) -> list[Any]:

@@ -230,6 +230,18 @@ def test_no_space_for_a_plot(rock: Rock, file: Path, tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / "results" / "x").iterdir()] == ["x.nc"]
 
 
+@pytest.mark.parametrize("ending", ["csv", "xlsx", "parquet"])
+def test_no_space_for_a_table(rock: Rock, file: Path, tmp_path: Path, ending: str) -> None:
+    """Of a workbook also for the temporary file that openpyxl writes."""
+    file.write_text(STUDY + "vary: {block.R: {from: 1, to: 2, n: 40}}\nsave: {histories: false}\n")
+    assert rock("run", file, "--no-plots", "--quiet") == 0
+    found = limited(tmp_path, 300, "table", "results/x/x.nc", "--out", f"t.{ending}")
+    assert found.returncode == 4
+    assert found.stderr.startswith(f"rock: t.{ending}: cannot be written: no space: files may not be as large as this")
+    assert found.stderr.count("\n") == 1
+    assert not list(tmp_path.glob(f"*.{ending}"))
+
+
 def test_a_stream_that_takes_nothing(file: Path, tmp_path: Path) -> None:
     with Path("/dev/full").open("w") as full:
         found = subprocess.run(
