@@ -88,12 +88,21 @@ def _folders(a: Path, b: Path, rtol: float, most: int, *, as_json: bool) -> bool
         same = not differ and not refused
         say(_json({"same": same, "datasets": datasets, "only_a": only_a, "only_b": only_b, "refused": refused}))
     else:
-        for name in differ:
-            say(f"{name}: {_in_words(*found[name], rtol)}")
-        for words, apart in (("first", only_a), ("second", only_b)):
-            if apart:
-                more = f", and {len(apart) - _NAMED} more" if len(apart) > _NAMED else ""
-                say(f"only in the {words}, not compared: {', '.join(apart[:_NAMED])}{more}")
+        programs: set[str] = set()
+        for name, (difference, apart) in found.items():
+            if not difference.same:
+                say(f"{name}: {_in_words(difference, apart, rtol)}")
+                continue
+            program = apart.pop("program", "")
+            programs |= {program} if program else set()
+            if apart or difference.only_a or difference.only_b:
+                say("\n".join([f"{name}: the same at {_points(difference)}", *_beside(difference, apart)]))
+        for program in sorted(programs):
+            say(f"of those that are the same: program {program}")
+        for words, alone in (("first", only_a), ("second", only_b)):
+            if alone:
+                more = f", and {len(alone) - _NAMED} more" if len(alone) > _NAMED else ""
+                say(f"only in the {words}, not compared: {', '.join(alone[:_NAMED])}{more}")
         counts = f"{len(found) - len(differ)} the same, {len(differ)} differ{'s' if len(differ) == 1 else ''}"
         say(f"{counted(len(found), 'dataset')} in both: {counts}")
     if refused:
@@ -102,16 +111,9 @@ def _folders(a: Path, b: Path, rtol: float, most: int, *, as_json: bool) -> bool
 
 
 def _in_words(found: Difference, apart: dict[str, str], rtol: float) -> str:
-    from rockcli.cli.progress import counted
     from rockcli.scene.thresholds import FOUND
 
-    lines = [f"{counted(found.points, 'point')} in both"]
-    if found.only_a or found.only_b:
-        lines[0] += f"; {found.only_a} only in the first, {found.only_b} only in the second: not compared"
-    lines += [
-        f"  the axis {b} of the second is taken for {a}: its labels are the same" for a, b in found.paired.items()
-    ]
-    lines += [f"  {what:<9} {words}" for what, words in apart.items()]
+    lines = [_points(found), *_beside(found, apart)]
     search = found.quantity.endswith(FOUND)
     flags, values = ("states", found.quantity) if search else ("outcomes", "peaks")
     lines.append(f"  {flags:<9} {found.outcomes} differ")
@@ -124,6 +126,22 @@ def _in_words(found: Difference, apart: dict[str, str], rtol: float) -> str:
     if hidden:
         lines.append(f"    and {hidden} more")
     return "\n".join(lines)
+
+
+def _points(found: Difference) -> str:
+    """How many points were compared, and how many could not be."""
+    from rockcli.cli.progress import counted
+
+    words = f"{counted(found.points, 'point')} in both"
+    if found.only_a or found.only_b:
+        words += f"; {found.only_a} only in the first, {found.only_b} only in the second: not compared"
+    return words
+
+
+def _beside(found: Difference, apart: dict[str, str]) -> list[str]:
+    """Lines: which axes were taken for one another, where the studies and the programs differ."""
+    pairs = [f"  the axis {b} of the second is taken for {a}: its labels are the same" for a, b in found.paired.items()]
+    return [*pairs, *(f"  {what:<9} {words}" for what, words in apart.items())]
 
 
 def _spaced(words: str) -> str:

@@ -290,6 +290,23 @@ def test_two_folders_are_compared_by_name(first: Contents, tmp_path: Path) -> No
         assert isinstance(CliRunner().invoke(app, asked).exception, StudyError)
 
 
+def test_folders_say_of_equal_datasets_what_was_not_compared(first: Contents, tmp_path: Path) -> None:
+    """A dataset that has one point of the other's is not simply the same."""
+    for folder, contents in (("old", first), ("new", dataset([0.5, 2.5]))):
+        (tmp_path / folder).mkdir()
+        old = {"source": "rockcli 0.1.0"} if folder == "old" else {}
+        netcdf.write(Contents(contents.axes, contents.fields, contents.attrs | old), tmp_path / folder / "one.nc")
+    result = CliRunner().invoke(app, ["compare", str(tmp_path / "old"), str(tmp_path / "new")])
+    assert result.exit_code == 0
+    program = f"rockcli 0.1.0 -> {first.attrs['source']}"
+    assert result.stdout.splitlines() == [
+        "one.nc: the same at 2 points in both; 6 only in the first, 2 only in the second: not compared",
+        "  study     differs in vary.motion.pulse.a_p_over_g_tan_alpha ([0.5, 2.0, 3.6, 9.0] -> [0.5, 2.5])",
+        f"of those that are the same: program {program}",
+        "1 dataset in both: 1 the same, 0 differ",
+    ]
+
+
 def test_what_is_not_there_is_named(tmp_path: Path) -> None:
     (tmp_path / "results").mkdir()
     for there in (tmp_path / "results", tmp_path / "a.nc"):
