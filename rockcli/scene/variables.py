@@ -367,7 +367,12 @@ _ROWS: tuple[Variable, ...] = (
         "energy a captured base lost at impacts of a flexible body, over that of the unstable equilibrium",
     ),
     Variable(
-        "slide_peak", r"$|u|_{\mathrm{max}}$", CASE, "m", "largest |displacement along the ground|; NaN without mu"
+        "slide_peak",
+        r"$|u|_{\mathrm{max}}$",
+        CASE,
+        "m",
+        "largest |displacement along the ground|, of a body that overturns up to its last outward passage of the "
+        "equilibrium; NaN without mu",
     ),
     Variable(
         "slide_residual",

@@ -7,6 +7,7 @@ import copy
 import numpy as np
 import pytest
 from contact_cases import body, motion, run
+from scipy.integrate import solve_ivp
 
 import rockcli
 from rockcli.errors import StudyError
@@ -144,3 +145,50 @@ def test_a_push_along_the_ground_is_something_that_moves(curves):
     dataset = rockcli.run({"name": "push", "case": case, "curves": curves})
     assert float(dataset["slide_peak"]) == pytest.approx(1.0 / (2.0 * 0.2 * 9.81), rel=1e-9)
     assert "nothing moves" not in dataset.attrs["warnings"]
+
+
+def test_slide_and_normal_force_of_a_body_that_falls_are_those_until_it_passes_its_equilibrium():
+    """On its way to the ground the base slides on and is nearly weightless; by (K5, K6), integrated apart."""
+    R, alpha, mu, a, g, k = 1.3, np.arctan(0.2), 0.21, 0.5 * 9.81, 9.81, 3.0
+
+    def normal(q, rate):
+        beta = alpha - q
+        return (g - R * np.cos(beta) * rate**2) / (1.0 + k * np.sin(beta) * (np.sin(beta) - mu * np.cos(beta)))
+
+    def flow(t, y):
+        q, rate, speed, _ = y
+        N, beta = normal(q, rate), alpha - q
+        slip = speed - R * np.cos(beta) * rate  # it slips the way it tilts
+        return [rate, k / R * N * (mu * np.cos(beta) - np.sin(beta)), a - mu * N, slip]
+
+    def passes(t, y):
+        return y[0] - alpha
+
+    passes.terminal = True
+    truth = solve_ivp(flow, (0.0, 5.0), [0.0] * 4, events=passes, rtol=1e-11, atol=1e-13)
+    push = {"pulse": {"shape": "rectangular", "a_p": -a, "T_p": 3.0 * truth.t[-1]}}
+    found = rockcli.run({"case": {"block": {"R": R, "alpha": float(alpha), "mu": mu}, "motion": push}})
+    assert int(found.outcome) == 2
+    assert float(found.t_overturn) == pytest.approx(truth.t[-1], rel=1e-9)
+    assert float(found.slide_peak) == pytest.approx(truth.y[3, -1], rel=1e-9)
+    least = normal(*truth.y[:2]).min()
+    assert float(found.N_min_over_mg) == pytest.approx(least / g, rel=1e-9)
+    assert np.abs(found.slide).max() > 1.5 * found.slide_peak
+
+
+def test_the_slide_of_a_body_that_falls_grows_from_nothing_as_friction_gives_way():
+    """Just above `mu_required` it is 0, and just below next to nothing, alone and in lanes."""
+    case = {
+        "block": {"height": 4.0, "width": 0.4, "mu": 0.2},
+        "motion": {"record": {"file": "synthetic_pulse_m70.AT2", "pga": "0.6*g"}},
+    }
+    vary = {"block.mu": [0.15, 0.2, 0.25]}
+    alone, lanes = (rockcli.run({"case": case, "vary": vary, "save": {"histories": save}}) for save in (True, False))
+    for found in (alone, lanes):
+        assert (found.outcome == 3).all()
+        assert float(found.slide_peak[0]) > 1e-3 > 1e-4 > float(found.slide_peak[1]) > 0.0 == float(found.slide_peak[2])
+        assert np.ptp(found.N_min_over_mg.values) < 1e-3
+    np.testing.assert_allclose(lanes.slide_peak, alone.slide_peak, rtol=1e-6)
+    np.testing.assert_allclose(lanes.N_min_over_mg, alone.N_min_over_mg, rtol=1e-6)
+    before = alone.slide[0].where(alone.time < alone.t_overturn[0])
+    assert float(alone.slide_peak[0]) == pytest.approx(float(np.abs(before).max()), rel=0.05)

@@ -97,7 +97,7 @@ def begin(par, start, out):
         out[i] = 0.0
     for i in (to.T_PEAK, to.T_UPLIFT, to.T_OVERTURN, to.T_REST, to.T_SLIP, to.T_SLIDE_ROCK, to.T_FLIGHT):
         out[i] = math.nan
-    out[to.N_MIN] = out[to.NEARLY_FLAT] = math.inf
+    out[to.N_MIN] = out[to.N_STANDING] = out[to.NEARLY_FLAT] = math.inf
     s, q, v, pick = 1.0, abs(par[at.THETA_0]), 0.0, ON_BASE
     if par[at.THETA_0] != 0.0 or par[at.THETA_DOT_0] != 0.0:
         lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]

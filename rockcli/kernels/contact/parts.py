@@ -24,6 +24,8 @@ def add_part(par, slide, part, out):
         out[to.T_UPLIFT] = part[of_lanes.T_UPLIFT]
     if not math.isnan(part[of_lanes.T_OVERTURN]):  # of passages of the equilibrium the last counts
         out[to.T_OVERTURN] = part[of_lanes.T_OVERTURN]
+        out[to.SLIDE_STANDING] = max(abs(out[to.SLIDE_PEAK]), abs(slide))
+        out[to.N_STANDING] = min(out[to.N_MIN], part[of_lanes.N_STANDING])
     out[to.N_MIN] = min(out[to.N_MIN], part[of_lanes.N_MIN])
     out[to.RATE_PEAK] = max(out[to.RATE_PEAK], part[of_lanes.RATE_PEAK])
     left, right = part[of_lanes.PEAK_LEFT], part[of_lanes.PEAK_RIGHT]

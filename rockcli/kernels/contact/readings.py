@@ -201,7 +201,7 @@ def note_rocking(par, mode, foot, step, looks, w, out):
 @jit_lean
 def note_on_edge(par, how, mode, foot, step, t, counted, looks, w, out):
     """Passage of the equilibrium and extremes of a step on one edge, `counted` if the report has not ended."""
-    note_passage(par[edge_under(foot.s) + at.ALPHA], step, t, w, out)
+    note_passage(par, how, mode, foot, step, t, looks, w, out)
     if counted:
         note_rotation(foot, step, t, looks, how.tol, w, out)
         if how.extremes:
@@ -218,36 +218,54 @@ def note_carried(scales, hit, t, out):
 
 
 @jit_lean
-def note_passage(alpha, step, t, w, out):
-    """When the body last passes its unstable equilibrium outwards."""
-    if step.reach * SAME >= alpha:  # else it stays below
-        passed = last_passage(w[row.Q], step.order, alpha, step.x, LOOKS)
-        if passed != NO_ROOT:
-            out[to.T_OVERTURN] = t + passed
+def note_passage(par, how, mode, foot, step, t, looks, w, out):
+    """When the body last passes its unstable equilibrium outwards, and its slide and normal force until then."""
+    alpha = par[edge_under(foot.s) + at.ALPHA]
+    if step.reach * SAME < alpha:  # it stays below
+        return
+    passed = last_passage(w[row.Q], step.order, alpha, step.x, LOOKS)
+    if passed == NO_ROOT:
+        return
+    out[to.T_OVERTURN] = t + passed
+    place = foot.place + (integral(w[row.SLIP], step.slip_order, passed) if mode == SLIDE_ROCK else 0.0)
+    out[to.SLIDE_STANDING] = max(abs(out[to.SLIDE_PEAK]), abs(foot.place), abs(place))
+    if how.extremes:
+        found = w[row.FOUND]
+        extremes(w[row.NORMAL], step.order - 2, passed, looks, found)
+        out[to.N_STANDING] = min(out[to.N_MIN], found[2] / par[at.G])
+
+
+@jit_lean
+def flown_path(par, air, n, up, lower, w):
+    """Series of the displacement in flight of what is `up` above the centre of mass, on the side `lower`, in PATH."""
+    path, slip, b = w[row.PATH], w[row.SLIP], lower * par[edge_under(lower) + at.B]
+    flows.turning(up, b, air, n, path)
+    path[0] += air.x - b
+    for k in range(1, n + 1):
+        path[k] += slip[k - 1] / k
 
 
 @jit_lean
 def note_flying(par, air, n, x, t, counted, w, out):
     """Extremes of a step in flight: rotation, its rate, the slide of the lower edge, the top."""
-    path, slip, found, theta, turn = w[row.PATH], w[row.SLIP], w[row.FOUND], air.theta, air.turn
+    path, found, theta, turn = w[row.PATH], w[row.FOUND], air.theta, air.turn
     out[to.N_MIN] = min(out[to.N_MIN], 0.0)
     end = abs(theta + turn * x)
     tilted = 1.0 if theta + turn * x > 0.0 else -1.0
     limit = par[edge_under(tilted) + at.ALPHA]
     if end >= limit and tilted * theta < limit:
-        out[to.T_OVERTURN] = t + (limit - tilted * theta) / abs(turn)
+        passed = (limit - tilted * theta) / abs(turn)
+        out[to.T_OVERTURN], out[to.N_STANDING] = t + passed, out[to.N_MIN]
+        flown_path(par, air, n, -par[at.H], tilted, w)
+        extremes(path, n, passed, LOOKS, found)
+        out[to.SLIDE_STANDING] = max(abs(out[to.SLIDE_PEAK]), abs(found[0]), abs(found[2]))
     if not counted:
         return
     note_angle(end, tilted, t + x, 0.0, out)
     out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(turn))
     lower = 1.0 if theta + 0.5 * turn * x >= 0.0 else -1.0
-    b = lower * par[edge_under(lower) + at.B]
     for part in range(2):
-        up = -par[at.H] if part == 0 else par[at.TOP] - par[at.H]
-        flows.turning(up, b, air, n, path)
-        path[0] += air.x - b
-        for k in range(1, n + 1):
-            path[k] += slip[k - 1] / k
+        flown_path(par, air, n, -par[at.H] if part == 0 else par[at.TOP] - par[at.H], lower, w)
         extremes(path, n, x, LOOKS, found)
         if part == 0:
             note_slide(found[0], out)

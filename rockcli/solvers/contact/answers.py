@@ -56,7 +56,7 @@ def answer(
     )
     scalars = found.scalars(batch)
     scalars |= _by_side(batch, out, scalars["theta_peak"])
-    slid = np.abs(out[:, to.SLIDE_PEAK])
+    slid, least = _standing(out, fell)
     outcome = scalars["outcome"]
     scalars["outcome"] = np.where((outcome == NO_UPLIFT) & (slid > 0.0), SLIDING, outcome).astype(np.int8)
     known = found.unless_failed
@@ -66,7 +66,7 @@ def answer(
     scalars |= {
         "mu_required": known(needed),
         "mu_impact": known(np.where(only, 0.0, rocking["mu_impact"])),
-        "N_min_over_mg": known(out[:, to.N_MIN]),
+        "N_min_over_mg": known(least),
         "energy_residual": known(np.where(only, np.nan, out[:, to.BALANCE] / (batch.g * barrier(batch)))),
         "slide_peak": known(slid),
         "slide_residual": known(np.where(fell, np.nan, out[:, to.SLIDE_END])),
@@ -83,6 +83,18 @@ def answer(
     unknown = ~exact & (scalars["outcome"] >= NO_UPLIFT) & ((out[:, to.N_FLIGHTS] > 0) | found.moved)
     withdraw(scalars, unknown)
     return scalars, _reasons(batch, out, scalars, only, unknown)
+
+
+def _standing(out: Array, fell: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Largest |slide| [m] and smallest normal force over m g of the report, (n,); of a body that falls until it passes.
+
+    As of pure rocking (`event.unpack.standing_extremes`): on its way to the ground the base slides about a metre.
+    """
+    passed = fell & (out[:, to.T_OVERTURN] <= out[:, to.T_END])
+    never = passed & (out[:, to.T_OVERTURN] == 0.0)
+    slid = np.where(passed, out[:, to.SLIDE_STANDING], np.abs(out[:, to.SLIDE_PEAK]))
+    least = np.where(passed, out[:, to.N_STANDING], out[:, to.N_MIN])
+    return np.asarray(slid), np.where(never, np.nan, least)
 
 
 def _by_side(batch: Batch, out: Array, peak: Array) -> dict[str, Array]:

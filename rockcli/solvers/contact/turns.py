@@ -159,7 +159,7 @@ def _nothing_yet() -> Array:
     out = np.zeros(to.N_OUT)
     for name in ("T_PEAK", "T_UPLIFT", "T_OVERTURN", "T_REST", "T_SLIP", "T_SLIDE_ROCK", "T_FLIGHT"):
         out[getattr(to, name)] = np.nan
-    out[[to.N_MIN, to.NEARLY_FLAT]] = np.inf
+    out[[to.N_MIN, to.N_STANDING, to.NEARLY_FLAT]] = np.inf
     return out
 
 
