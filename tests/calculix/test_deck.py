@@ -99,7 +99,12 @@ def test_an_initial_rotation_is_held_and_let_go():
 
 @pytest.mark.parametrize(
     ("how", "sentence"),
-    [({"E": 1e8}, "buckles under its own weight"), ({"E": -1.0}, "must be positive"), ({"kw": -2.0}, "positive kw")],
+    [
+        ({"E": 1e8}, "buckles under its own weight"),
+        ({"E": -1.0}, "must be positive"),
+        ({"kw": -2.0}, "positive kw"),
+        ({"kw": 1e7}, "too soft to keep the column upright"),
+    ],
 )
 def test_what_is_no_mesh_is_refused(how, sentence):
     with pytest.raises(Refused, match=sentence):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mesh_cases import mesh_batch
@@ -172,7 +174,7 @@ def test_a_body_that_turns_with_a_soft_base_has_not_rocked_until_an_edge_opens()
     assert np.isnan(landings(t, motion.theta, motion.lift - b, 1e-3).opened)
 
 
-BODY = Body(alpha=0.1, p=1.0, period=0.2, motion_end=1.0)
+BODY = Body(alpha=0.1, p=1.0, period=0.2, motion_end=1.0, theta_star=0.1, barrier=1.0 - np.cos(0.1))
 
 
 @pytest.mark.parametrize(
@@ -189,6 +191,15 @@ BODY = Body(alpha=0.1, p=1.0, period=0.2, motion_end=1.0)
 def test_verdict_after_the_motion(theta, rate, verdict):
     t = np.linspace(0.0, 2.0, 401)
     assert judge(BODY, t, theta + rate * (t - 2.0)) == verdict
+
+
+def test_a_body_on_a_soft_base_returns_from_less():
+    """Its equilibrium is at .07 rad, with .9 of the barrier of a rigid block."""
+    soft = replace(BODY, theta_star=0.07, barrier=0.9 * BODY.barrier)
+    t = np.linspace(0.0, 2.0, 401)
+    for theta, verdict in ((0.05, RETURNS), (0.065, UNDECIDED), (0.075, UNDECIDED)):
+        assert judge(BODY, t, np.full(401, theta)) == RETURNS
+        assert judge(soft, t, np.full(401, theta)) == verdict
 
 
 def test_no_verdict_while_the_motion_lasts():

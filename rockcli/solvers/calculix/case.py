@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import RECTANGLE_INERTIA
-from rockcli.scene.constants import REARM
+from rockcli.scene.constants import ELEMENTS, REARM
 from rockcli.scene.ground.excitation import Pulses, Samples
 from rockcli.solvers.calculix.deck import Deck
 from rockcli.solvers.calculix.mesh import make_mesh
@@ -74,7 +74,8 @@ def prepare(batch: Batch, i: int) -> Prepared:
     """Prepare case i.
 
     Raises:
-        Refused: asymmetric or not a rectangle, values that cannot be, set in motion at the start, too long a step.
+        Refused: asymmetric or not a rectangle, values that cannot be, a base too soft to stand on, set in motion at the
+            start, too long a step.
     """
     column, block, base = batch.column, batch.block, batch.base
     if column is None:
@@ -123,8 +124,23 @@ def prepare(batch: Batch, i: int) -> Prepared:
         a_g=a_g,
         a_v=a_v,
     )
-    body = Body(alpha=alpha, p=p, period=period, motion_end=lasts.motion)
+    theta_star, barrier = _unstable_equilibrium(batch, i)
+    body = Body(alpha, p, period, lasts.motion, theta_star, barrier)
     return Prepared(deck, body, REARM * alpha)
+
+
+def _unstable_equilibrium(batch: Batch, i: int) -> tuple[float, float]:
+    """Rotation [rad] and energy over m g R of the unstable equilibrium, the lower of those of a beam and the block."""
+    from rockcli.solvers.flexible.column import RefusedError
+    from rockcli.solvers.flexible.column import prepare as prepare_column
+
+    assert batch.column is not None
+    alpha, R = float(batch.block.alpha[i, 0]), float(batch.block.R[i, 0])
+    try:
+        beam = prepare_column(replace(batch, column=replace(batch.column, elements=ELEMENTS)), i)
+    except RefusedError as error:
+        raise Refused(str(error)) from None
+    return min(beam.theta_star, alpha), min(beam.barrier * beam.length**2 / (beam.g * R), 1.0 - float(np.cos(alpha)))
 
 
 def _dissipation(batch: Batch, i: int) -> float:

@@ -94,10 +94,11 @@ def _scalars(batch: Batch, solved: list[_Solved | None], reasons: list[str]) -> 
         for name, value in zip(names, values, strict=True):
             read[name][i] = value
     moved = np.isfinite(read["t_uplift"])
+    turned = read["peak"] > np.array([np.nan if case is None else case.prepared.threshold for case in solved])
     found = Found(
         moved=moved,
         fell=verdict == FALLS,
-        undecided=(verdict == UNDECIDED) & moved,
+        undecided=(verdict == UNDECIDED) & turned,
         failed=verdict == NO_ANSWER,
         n_impacts=n_impacts,
         peak=np.where(moved, read["peak"], 0.0),

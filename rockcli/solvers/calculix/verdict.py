@@ -21,12 +21,18 @@ MARGIN = 0.05
 
 @dataclass(frozen=True)
 class Body:
-    """The rigid body behind the mesh: alpha [rad], p [rad/s], first clamped period [s], end of the motion [s]."""
+    """The rigid body behind the mesh: alpha [rad], p [rad/s], first clamped period [s], end of the motion [s].
+
+    theta_star, barrier: rotation [rad] and energy over m g R from which it may not come back, those of a beam that
+    bends under its own lean on the base there is, at most those of the rigid block.
+    """
 
     alpha: float
     p: float
     period: float
     motion_end: float
+    theta_star: float
+    barrier: float
 
 
 def fallen(body: Body, t: Array, theta: Array) -> bool:
@@ -46,7 +52,7 @@ def judge(body: Body, t: Array, theta: Array) -> int:
 
     After the end of the motion a body that cannot climb to its unstable equilibrium stands.  Its energy is that
     of the rigid block at the rotation and mean rate of the base over windows of the first clamped period,
-    (1/2) (theta'/p)^2 + cos(alpha - |theta|) - cos(alpha) against 1 - cos(alpha).
+    (1/2) (theta'/p)^2 + cos(alpha - |theta|) - cos(alpha), no less than that of a body that bends or sinks in.
     """
     if np.any(np.abs(theta) >= 0.5 * np.pi) or fallen(body, t, theta):
         return FALLS
@@ -60,7 +66,7 @@ def judge(body: Body, t: Array, theta: Array) -> int:
     barrier = 1.0 - np.cos(body.alpha)
     q, bent = abs(middle), -2.0 * np.cos(body.alpha) * np.sin(0.5 * middle) ** 2
     energy = 0.5 * (slope / body.p) ** 2 + potential(0.0, np.sin(body.alpha), q, bent, np.sin(q))
-    if energy < (1.0 - MARGIN) * barrier and abs(middle) < body.alpha:
+    if energy < (1.0 - MARGIN) * body.barrier and abs(middle) < body.theta_star:
         return RETURNS
     if energy > (1.0 + MARGIN) * barrier and abs(middle) > body.alpha and slope * middle > 0.0:
         return FALLS
