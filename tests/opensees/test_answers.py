@@ -116,6 +116,21 @@ def test_a_dashpot_goes_on_after_the_report(coefficient, rate):
         assert ours[name][0] == pytest.approx(exact[name][0])
 
 
+def test_a_body_on_a_soft_base_falls_from_below_alpha():
+    """The equilibrium of a column of R = 3 m on 4.5e6 N/m3 is at about half of alpha."""
+    body = block(3.0, 0.2)
+    soft = replace(
+        make_batch(body, still(0.05), model="flexible", accuracy="draft"),
+        base=Base("winkler", array(4.5e6)),
+        column=Column(array(1e9), array(2500.0), array(0.02), 4),
+        damping=Damping("none", np.ones((1, 2))),
+    )
+    for part, outcome in ((0.3, 1), (0.62, 2)):
+        batch = replace(soft, theta_0=part * body.alpha[:, 0])
+        ours, exact = solve(batch).scalars, solve_flexible(batch).scalars
+        assert ours["outcome"][0] == exact["outcome"][0] == outcome
+
+
 def test_what_hht_takes_at_an_impact_to_come_is_not_known():
     hht = Damping("hht", np.ones((1, 2)), alpha_d=array(0.7))
     batch = replace(rigid(model="4", theta_0=0.1, theta_dot_0=-0.35), excitation=still(0.02), damping=hht)

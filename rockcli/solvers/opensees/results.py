@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from rockcli.kernels import formulas
 from rockcli.kernels.constants import FALLS, FAST, NO_ANSWER, RETURNS, UNDECIDED
@@ -42,11 +44,12 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
         if isinstance(outcome, str):
             continue
         answer = outcome[1]
-        verdict[i], side[i], struck_later[i] = fate(batch, i, answer)
+        law = _law(batch, i, outcome[0].number("m"))
+        verdict[i], side[i], struck_later[i] = fate(batch, i, answer, law)
         for name in names:
             said[name][i] = answer.summary.get(name)  # null where there is none
         if verdict[i] == FALLS:
-            said["t_overturn"][i] = np.nan if struck_later[i] else _last_outward(answer.table, unstable(batch, i))
+            said["t_overturn"][i] = np.nan if struck_later[i] else _last_outward(answer.table, law.q_star)
         fast = FAST * float(batch.p[i, LEFT]) * float(batch.block.alpha[i, LEFT])
         counted["n_impacts"][i] = np.count_nonzero(np.abs(answer.impacts[:, 1]) > fast)
         counted["n_steps"][i], counted["n_rhs"][i] = answer.summary["steps"], answer.summary["iterations"]
@@ -76,17 +79,28 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
     return scalars | counted | found.scalars(batch), reasons
 
 
-def unstable(batch: Batch, i: int) -> float:
-    """Rotation at which the restoring moment vanishes [rad]; of the flexible column that of its law for E = inf."""
-    return float(_law(batch, i)[0])
+@dataclass(frozen=True)
+class Law:
+    """The law that tells the outcome, of a rigid body: rotation at which the restoring moment vanishes [rad]; its
+    potential U(q)/(I_O p^2), and the derivative of that."""
+
+    q_star: float
+    potential: Callable[[float], float]
+    force: Callable[[float], float]
 
 
-def _law(batch: Batch, i: int) -> tuple[float, Callable[[float], float], Callable[[float], float]]:
-    """q_star, the potential U(q)/(I_O p^2) and its derivative of the rigid law of case i."""
+def _law(batch: Batch, i: int, mass: float) -> Law:
+    """The law of case i: of the flexible column that for E = inf, on a Winkler base with its moment (F6).
+
+    `mass` [kg]: of the metre of depth that is solved, of which kw is.
+    """
     pair = ("3", "corotational") if batch.model == "flexible" else (batch.model, batch.geometry)
     at = slice(i, i + 1)
     law = MODELS[pair].law(batch.block.alpha[at, LEFT], batch.block.tan_alpha[at, LEFT])
     r0, rs, rc = (float(x[0]) for x in (law.r0, law.rs, law.rc))
+    if batch.base is not None and batch.base.law == "winkler":
+        opens = mass * float(batch.g[i]) / (2.0 * float(batch.base.kw[i]) * float(batch.block.b[i, LEFT]) ** 2)
+        return _on_winkler_base(r0, rs, opens)
 
     def potential(q: float) -> float:
         return float(formulas.potential(r0, rc, q, 2.0 * rs * float(np.sin(0.5 * q)) ** 2, float(np.sin(q))))
@@ -94,7 +108,25 @@ def _law(batch: Batch, i: int) -> tuple[float, Callable[[float], float], Callabl
     def force(q: float) -> float:
         return r0 + rs * float(np.sin(q)) + rc * float(np.cos(q))
 
-    return float(law.q_star[0]), potential, force
+    return Law(float(law.q_star[0]), potential, force)
+
+
+def _on_winkler_base(r0: float, rs: float, opens: float) -> Law:
+    """The corotational law r0 + rs sin q with the moment of a base that `opens` at a rotation [rad] in place of r0."""
+
+    def potential(q: float) -> float:
+        stored = q - 4.0 / 3.0 * np.sqrt(opens * q) + 0.5 * opens if q > opens else q * q / (6.0 * opens)
+        return float(r0 * stored + 2.0 * rs * np.sin(0.5 * q) ** 2)
+
+    def force(q: float) -> float:
+        held = 1.0 - 2.0 / 3.0 * np.sqrt(opens / q) if q > opens else q / (3.0 * opens)
+        return float(r0 * held + rs * np.sin(q))
+
+    q = np.linspace(0.0, 0.5 * np.pi, 2001)[1:]
+    back = np.flatnonzero([force(x) > 0.0 for x in q])
+    if not len(back) or back[-1] + 1 == len(q):
+        return Law(0.0 if not len(back) else np.inf, potential, force)
+    return Law(float(brentq(force, q[back[-1]], q[back[-1] + 1])), potential, force)
 
 
 def _damper(batch: Batch, i: int) -> float:
@@ -106,7 +138,7 @@ def _damper(batch: Batch, i: int) -> float:
     return float(dashpot_rate(damping.coefficient[at], *body, batch.g[at])[0]) / float(batch.p[i, LEFT])
 
 
-def fate(batch: Batch, i: int, answer: Answer) -> tuple[int, float, bool]:
+def fate(batch: Batch, i: int, answer: Answer, law: Law) -> tuple[int, float, bool]:
     """Does the body, left alone from where the script ended, ever fall?  FALLS, RETURNS or UNDECIDED; side; landings.
 
     Past pi/2 it has fallen, at rest it has not.  Otherwise the rigid law decides by its energy, impact by impact: the
@@ -115,13 +147,15 @@ def fate(batch: Batch, i: int, answer: Answer) -> tuple[int, float, bool]:
     """
     if answer.summary["ended"] == "overturned":
         return FALLS, float(np.sign(answer.summary["theta"])), False
-    q_star, potential, force = _law(batch, i)
+    q_star, potential = law.q_star, law.potential
     if answer.summary["ended"] == "rest" or q_star == np.inf:
         return RETURNS, 0.0, False
     theta, rate = answer.summary["rigid_part"]
     s = np.sign(theta) or np.sign(rate) or 1.0
     q, v = abs(theta), s * rate / float(batch.p[i, LEFT])
     barrier = potential(q_star)
+    if not barrier > 0.0:  # it stands upright on no such base
+        return UNDECIDED, float(s), False
     margin = MARGIN[batch.model == "flexible" or batch.base is not None]
     damper, landed = _damper(batch, i), False
     for _ in range(1000):
@@ -133,7 +167,7 @@ def fate(batch: Batch, i: int, answer: Answer) -> tuple[int, float, bool]:
         if energy < 1.0 or (v >= 0.0 and (q >= q_star or damper == 0.0)):
             return FALLS, s, landed  # beyond the barrier with less, or moving outward with more
         if damper > 0.0:
-            q, v = _where_it_lands_or_turns(force, damper, q_star, q, v)
+            q, v = _where_it_lands_or_turns(law.force, damper, q_star, q, v)
             if q > 0.0:
                 continue
             energy = 0.5 * v * v / barrier
