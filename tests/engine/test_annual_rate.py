@@ -250,6 +250,17 @@ def test_of_many_bodies_the_worst_are_told():
     assert sum("and 2 more bodies" in one and "--sort" in one for one in says) == 2
 
 
+def test_a_survival_just_below_one_is_not_told_as_one():
+    weak = [{"label": "weak", "intensity": ["0.02*g", "2*g"], "rate": [1e-5, 1e-9]}]
+    data = rockcli.run(study(hazard=weak))
+    (said,) = [one for one in json.loads(data.attrs["ensemble"])["says"] if "survives with" in one]
+    told = float(re.search(r"survives with ([0-9.]+)", said)[1])
+    falls = 1.0 - float(data["survival"].sel(limit_state="overturned").squeeze())
+    assert 1e-6 < falls < 4e-4
+    assert told < 1.0
+    assert told == pytest.approx(1.0 - falls, abs=0.5 * falls)
+
+
 def test_a_clause_may_name_a_hazard_curve(tmp_path):
     clause = {"quantity": "survival", "at": {"limit_state": "overturned", "hazard": "one"}, "min": 0.0, "max": 1.0}
     del clause["max"]

@@ -446,9 +446,11 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
             if over.age is not None and np.isfinite(rate[last]):
                 survives, ratio = (float(contents.values(name)[last]) for name in ("survival", "likelihood_ratio"))
                 known = f"is consistent with {label}" if survives >= CONSISTENT else f"contradicts {label} at 5 %"
+                digits = max(3, int(-np.floor(np.log10(max(1.0 - survives, 1e-12)))))  # .9997 is not 1
                 yield (
                     f"{where}{over.age:g} years under {label}: overturns with probability {1.0 - survives:.3g}, "
-                    f"survives with {survives:.3g}; a body that stood so long {known} (likelihood ratio {ratio:.3g})"
+                    f"survives with {survives:.{digits}g}; a body that stood so long {known} "
+                    f"(likelihood ratio {ratio:.3g})"
                 )
     if many > len(listed):
         yield (
