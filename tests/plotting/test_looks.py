@@ -265,10 +265,14 @@ def test_several_datasets_in_one_figure(sizes: xarray.Dataset, tmp_path: Path) -
         known = np.isfinite(own.t_impact.values)
         np.testing.assert_array_equal(both.t_impact.values[i][: known.sum()], own.t_impact.values[known])
     assert figure("phase", both).axes
-    with pytest.raises(StudyError, match=r"its axes \(block_R\) are not those of the first \(none\)"):
+    with pytest.raises(
+        StudyError, match=r"its axes \(block_R\) are not those of the first \(none\); draw it by itself"
+    ):
         rockcli.plot([finer, sizes])
     other = rockcli.run({**STUDY, "vary": {"block.R": [1.0, 2.0, 5.0]}})
-    with pytest.raises(StudyError, match="its values of block_R are not those of the first"):
+    with pytest.raises(
+        StudyError, match="of block_R are not those of the first; --select block_R=VALUE leaves those of both"
+    ):
         rockcli.plot([sizes, other])
     assert rockcli.plot([sizes, other], "histories", select={"R": 2})
 

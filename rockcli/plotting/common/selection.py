@@ -214,9 +214,10 @@ def _check_alike(first: xarray.Dataset, other: xarray.Dataset, name: str) -> Non
     axes = axes_of(first)
     if axes_of(other) != axes:
         one, two = (", ".join(found) or "none" for found in (axes, axes_of(other)))
-        raise StudyError(f"{name}: its axes ({two}) are not those of the first ({one}); --select leaves some of them")
+        raise StudyError(f"{name}: its axes ({two}) are not those of the first ({one}); draw it by itself")
     for axis in axes:
         a, b = first[axis].values, other[axis].values
         same = len(a) == len(b) and (np.allclose(a, b, rtol=1e-9) if is_numeric(first, axis) else (a == b).all())
         if not same:
-            raise StudyError(f"{name}: its values of {axis} are not those of the first; --select leaves some of them")
+            mend = f"--select {axis}=VALUE leaves those of both"
+            raise StudyError(f"{name}: its values of {axis} are not those of the first; {mend}")
