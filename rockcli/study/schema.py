@@ -117,7 +117,10 @@ class BlockPart(Part):
     tan_alpha: Number | None = key("tangent of the slenderness angle, b/h [1]")
     slenderness: Number | None = key("slenderness h/b [1]")
     inertia: Number | None = key("I_O/(m R^2) about the edge [1]; default 4/3, a rectangle")
-    r_g: Number | None = key("radius of gyration about the centre of mass [m]")
+    r_g: Number | None = key(
+        "radius of gyration about the centre of mass [m]; default that of a rectangle of 2h by the base, also with two "
+        "edges"
+    )
     top: Number | None = key(
         "height of the point whose displacement is reported [m]; default 2h, or the highest point of an outline"
     )
