@@ -261,6 +261,15 @@ def test_a_survival_just_below_one_is_not_told_as_one():
     assert told == pytest.approx(1.0 - falls, abs=0.5 * falls)
 
 
+def test_no_body_falls_more_often_than_the_ground_moves():
+    """The upper limit of a rate, of five motions that scatter, would be beyond that of all motions together."""
+    flat = [{"label": "flat", "intensity": ["0.15*g", "2*g"], "rate": [2e-4, 1e-4]}]
+    data = rockcli.run(study(hazard=flat)).isel(hazard=0)
+    assert (data["annual_rate"] < data["annual_rate_ci_high"]).all()
+    assert (data["annual_rate_ci_high"] <= 2e-4).all()
+    assert (data["annual_rate_ci_high"] == 2e-4).any()
+
+
 def test_a_clause_may_name_a_hazard_curve(tmp_path):
     clause = {"quantity": "survival", "at": {"limit_state": "overturned", "hazard": "one"}, "min": 0.0, "max": 1.0}
     del clause["max"]

@@ -98,7 +98,10 @@ def _rate(e: Mapping[str, float], begins: float, hazard: HazardCurve, added: flo
 def _limits(
     e: Mapping[str, float], begins: float, hazard: HazardCurve, added: float, rate: float
 ) -> tuple[float, float]:
-    """95 % limits of a rate by the delta method on its logarithm, with the covariance of median and beta."""
+    """95 % limits of a rate by the delta method on its logarithm, with the covariance of median and beta.
+
+    At most the rate of the first point of the hazard curve, that of all motions which are counted.
+    """
     if not rate > 0.0:
         return np.nan, np.nan
 
@@ -114,7 +117,7 @@ def _limits(
     spread = float(np.sqrt(max(a * a + b * b + 2.0 * e["correlation"] * a * b, 0.0)))
     # the quantile of the limits of the median, which knows how many members there are
     reach = float(np.log((e["median_ci_high"] - begins) / (e["median"] - begins)) / e["se_ln_median"])
-    return rate * float(np.exp(-reach * spread)), rate * float(np.exp(reach * spread))
+    return rate * float(np.exp(-reach * spread)), min(rate * float(np.exp(reach * spread)), float(hazard.rate[0]))
 
 
 def _of_curves(curves: tuple[HazardCurve, ...], unit: str) -> dict[str, Field]:
