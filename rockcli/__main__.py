@@ -1,5 +1,6 @@
 """The command `rock`, also as `python -m rockcli`."""
 
+import signal
 import sys
 
 
@@ -10,7 +11,11 @@ def main() -> None:
     except KeyboardInterrupt:
         sys.stderr.write("rock: interrupted\n")
         sys.exit(130)
-    command()
+    try:
+        command()
+    finally:
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # while Python ends it would be a traceback, and no answer
 
 
 if __name__ == "__main__":

@@ -104,10 +104,10 @@ def answered() -> Iterator[None]:
         yield
     finally:
         signal.set_wakeup_fd(other)
-        for number, old in before.items():
-            signal.signal(number, old)
         sys.unraisablehook = hook
         wake.close()  # the thread reads the end of it and is done
+        for number, old in before.items():
+            signal.signal(number, old)
 
 
 def _watch(woken: socket.socket, heard: threading.Event, lost: Callable[[], bool]) -> None:

@@ -136,6 +136,23 @@ def test_an_interrupt_while_the_end_is_told_has_no_traceback() -> None:
     assert (done.returncode, done.stderr) == (130, "rock: interrupted\n")
 
 
+ENDING = """\
+import atexit, os, signal
+atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))
+from rockcli.__main__ import main
+from rockcli.cli import main as command
+if interrupted:
+    command._run = lambda: os.kill(os.getpid(), signal.SIGINT)
+main()
+"""
+
+
+@pytest.mark.parametrize(("interrupted", "told"), [(False, ""), (True, "rock: interrupted\n")])
+def test_an_interrupt_while_python_ends_has_no_traceback(interrupted: bool, told: str) -> None:
+    done = ended(f"interrupted = {interrupted}\n{ENDING}", "show", "models")
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, told)
+
+
 TWICE = """\
 import os, signal, sys, time
 from rockcli.cli import main
