@@ -130,8 +130,9 @@ def _in_percent(numbers: Numbers, keys: Keys) -> str:
 
 def doubt_size(numbers: Numbers, batch: Batch) -> None:
     """Note in `numbers.doubts` a body of a size, or with a moment of inertia, that few have."""
+    given = any(getattr(numbers.case.block, key) is not None for key in ("r_g", "inertia"))
     ratios = batch.block.inertia.max(axis=-1)
-    if (ratio := float(ratios.max())) > LARGE_INERTIA:
+    if given and (ratio := float(ratios.max())) > LARGE_INERTIA:
         said = f"I_O/(m R²) of a body is {ratio:.4g} (4/3 of a solid rectangle): is r_g in metres, inertia over m R²?"
         numbers.doubts[said] = int(ratios.argmax())
     heights = 2.0 * batch.block.h

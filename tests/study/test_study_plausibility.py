@@ -96,6 +96,10 @@ class TestDoubts:
         assert said.endswith("is r_g in metres, inertia over m R²?")
         assert warnings_of({"motion": {"pulse": SINE}, "block": block | {"r_g": 2.5}}) == ()
 
+    def test_a_wide_body_on_a_narrow_foot_is_one(self):
+        beam = [[-0.1, 0], [0.1, 0], [0.1, 1], [6, 1], [6, 1.2], [-6, 1.2], [-6, 1], [-0.1, 1]]
+        assert warnings_of({"motion": {"pulse": SINE}, "block": {"outline": beam}, "damping": "none"}) == ()
+
     def test_too_weak(self):
         (said,) = warnings_of({"motion": {"pulse": {**SINE, "a_p": "0.041*g"}}})
         assert said == "the sine pulse: PGA 0.041 g = 0.205 g tan alpha: too weak to uplift"
