@@ -50,6 +50,22 @@ def test_as_followed_to_the_rest(seed):
     assert left_out >= 0.5 * came_back > 1
 
 
+@pytest.mark.parametrize(
+    ("b", "h", "mu", "eta", "T", "a_p", "what"),
+    [
+        ((0.36948156, 0.54574708), 2.33480673, 0.38434076, 0.96151355, 1.18442415, 1.88192497, "N_MIN"),
+        ((0.74245831, 1.05868842), 1.97575147, 0.45180530, None, 1.45434623, 4.80671062, "TOP_PEAK"),
+    ],
+    ids=["presses_less", "top_goes_farther"],
+)
+def test_swings_that_show_more_are_followed(b, h, mu, eta, T, a_p, what):
+    """On the other edge a lower swing presses less; about the place where the base has slid to the top goes farther."""
+    par = body(b, h, mu=mu, eta=eta, t_motion=T, top=0.05 * h)
+    sine = motion(f"sine {a_p!r} {2.0 * math.pi / T!r} {T!r}")
+    followed, found = (run(par, sine, watched=watched)[what] for watched in (True, False))
+    assert found == pytest.approx(followed, rel=1e-9)
+
+
 @pytest.mark.parametrize(("shape", "seed"), [("sine", 2), ("ricker", 19)])
 def test_impacts_count_by_the_edge_turned_about_before(shape, seed):
     """Of bodies with two different edges, all above 1e-6 p alpha of that edge, and no other."""

@@ -43,6 +43,27 @@ def calms_down(par, foot, out):
 
 
 @jit_lean
+def shows_more(par, foot, out):
+    """Whether free swings may yet take the top of such a body farther, or press it less on the ground, than so far.
+
+    With E its energy over m the body turns back at cos(alpha - q) = cos(alpha) + E/(g R) = c_turn.  On the way, with
+    c = cos(alpha - q) and v the rate at q = 0, N/m = g - R [p^2 (1 - 3 c^2) + c (v^2 + 2 p^2 cos(alpha))].
+    """
+    energy = energy_on_edge(par, foot)
+    for s in (-1.0, 1.0):
+        e = edge_under(s)
+        R, cos_a = par[e + at.RADIUS], math.cos(par[e + at.ALPHA])
+        turn = par[e + at.ALPHA] - math.acos(min(cos_a + energy / (par[at.G] * R), 1.0))
+        if abs(foot.place + s * par[at.TOP] * math.sin(turn)) > out[to.TOP_PEAK]:
+            return True
+        p2, rate2 = frequency(par, e) ** 2, 2.0 * energy / (par[at.RG2] + R * R)
+        c = min(max(cos_a, (rate2 / p2 + 2.0 * cos_a) / 6.0), 1.0)  # where N is least
+        if par[at.G] - R * (p2 * (1.0 - 3.0 * c * c) + c * (rate2 + 2.0 * p2 * cos_a)) < out[to.N_MIN] * par[at.G]:
+            return True
+    return False
+
+
+@jit_lean
 def swung(par, scales, t, foot, rest_speed, impacts, out):
     """A body that only calms down, just after a landing at t, some swings on: (t, foot, energy lost in landings).
 

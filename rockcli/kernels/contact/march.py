@@ -26,7 +26,7 @@ from rockcli.kernels.constants import (
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.contact import workspace as row
-from rockcli.kernels.contact.calming import calms_down, swung
+from rockcli.kernels.contact.calming import calms_down, shows_more, swung
 from rockcli.kernels.contact.codes import (
     DIVERGES,
     FLIGHT,
@@ -170,7 +170,7 @@ def came_down(
         foot = Foot(foot.s, foot.sigma, 0.0, 0.0, foot.u, foot.place)
     if not foot.v > 0.0:
         return ON_BASE, t, foot, i_hist, balance
-    if skips and t_was >= par[at.T_MOTION] and calms_down(par, foot, out):
+    if skips and t_was >= par[at.T_MOTION] and calms_down(par, foot, out) and not shows_more(par, foot, out):
         t, foot, change = swung(par, scales, t, foot, how.rest_speed, impacts, out)
         balance += change
     wait, slid = settles(par, foot, w, ahead.degree, t - t_was, ahead.t_next - t, how.rest_speed)
