@@ -364,6 +364,23 @@ def test_in_a_study(tmp_path):
     assert found.contact_mode.attrs["flag_meanings"].split() == ["rest", "slide", "rock", "slide_rock", "flight"]
 
 
+@pytest.mark.parametrize("model", ["rigid", "linearized"])
+@pytest.mark.parametrize("histories", [True, False])
+def test_a_body_that_overturns_has_no_slide_in_the_end(model, histories):
+    """Whether its base slips on the way or not."""
+    case = {
+        "block": {"h": 2.0, "b": 0.4, "mu": 5.0},
+        "motion": {"pulse": {"shape": "sine", "a_p_over_g_tan_alpha": 2.5, "T_p": 2.0}},
+        "model": model,
+    }
+    vary = {"block.mu": [0.25, 5.0], "motion.pulse.a_p_over_g_tan_alpha": [1.02, 2.5]}
+    found = rockcli.run({"name": "a", "case": case, "vary": vary, "save": {"histories": histories}, "plots": []})
+    fell = found.outcome.values == OVERTURNED_WITHOUT_IMPACT
+    assert fell.tolist() == [[False, True], [False, True]]
+    assert (np.isnan(found.slide_residual.values) == fell).all()
+    assert (found.slide_peak.values >= 0.0).all()
+
+
 class TestFrictionOfTanAlpha:
     """mu = tan(alpha) to rounding: the body slides with the normal force at its edge."""
 

@@ -69,6 +69,7 @@ def with_contact(batch: Batch, response: Response, level: Accuracy, opened: Open
     unknown = ~given | (np.asarray(scalars["outcome"]) < NO_UPLIFT)
     for name in SCALARS_SLIDING:
         scalars[name] = np.where(unknown | name.startswith("t_"), np.nan, 0.0)
+    scalars["slide_residual"] = np.where(overturned(np.asarray(scalars["outcome"])), np.nan, scalars["slide_residual"])
     if not given.any():
         return replace(response, scalars=scalars)
     histories = dict(response.histories)
