@@ -12,7 +12,7 @@ from scipy.integrate import quad
 import rockcli
 from rockcli.engine.preview import preview
 from rockcli.errors import StudyError
-from rockcli.scene.response import ROCKING, UNRESOLVED
+from rockcli.scene.response import NO_UPLIFT, ROCKING, SLIDING, UNRESOLVED
 from rockcli.solvers.event.solver import solve
 from rockcli.solvers.rolling.solver import solve as solve_rolling
 from rockcli.study.open import open_study
@@ -183,6 +183,25 @@ def test_friction_that_does_not_hold_leaves_it_unresolved():
     assert response.scalars["outcome"][0] == UNRESOLVED
     assert "would slide" in response.reasons[0]
     assert "not solved for a body that rolls over several vertices (block.stands: toes" in response.reasons[0]
+
+
+@pytest.mark.parametrize("damping", ["restitution", "none"])
+def test_a_body_that_slides_flat_ends_on_its_stand(damping):
+    """Beside one on its two edges alone: no rotation to either side, none left."""
+    outline = [[-0.3, 0.1], [-0.2, 0.0], [0.2, 0.0], [0.3, 0.1], [0.3, 2.0], [-0.3, 2.0]]
+    motion = {"pulse": {"shape": "sine", "a_p": 3.0, "T_p": 0.5}}
+    study = {
+        "name": "a",
+        "case": {"block": {"outline": outline, "mu": 0.1}, "motion": motion, "damping": damping},
+        "vary": {"block.stands": ["outline", "toes"], "motion.pulse.a_p": [0.3, 3.0]},
+        "plots": [],
+    }
+    dataset = rockcli.run(study)
+    assert dataset.outcome.values.tolist() == [[NO_UPLIFT, SLIDING]] * 2
+    assert (dataset.residual_tilt.values == 0.0).all()
+    for side in (dataset.theta_peak_left, dataset.theta_peak_right):  # of two like edges there is but one number
+        assert (side.values[0] == 0.0).all()
+        assert np.isnan(side.values[1]).all()
 
 
 def test_a_suite_says_of_which_body_answers_are_missing_and_why():

@@ -94,6 +94,13 @@ class Found:
         }
 
 
+def residual_tilt(batch: Batch, found: Found) -> Array:
+    """Rotation in which bodies on two edges come to rest, (n,) [rad]: 0; NaN of one that falls or rocks for ever."""
+    left, right = batch.damping.eta.T  # numpy is slow over an axis of two
+    rocks_on = found.moved & (left == 1.0) & (right == 1.0) & batch.damping.only_eta
+    return np.where((found.outcome < NO_UPLIFT) | found.fell | rocks_on, np.nan, 0.0)
+
+
 def from_beyond(t_overturn: Array) -> Array:
     """Times of last outward passages of the equilibrium, (n,) [s]: what falls without one (NaN) began beyond it."""
     return np.where(np.isnan(t_overturn), 0.0, t_overturn)

@@ -14,7 +14,7 @@ from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.laws.contact import slides_only
 from rockcli.scene.response import NO_UPLIFT, SLIDING, UNRESOLVED
 from rockcli.solvers.common.certainty import withdraw
-from rockcli.solvers.common.found import ON_SEPARATRIX, Found, barrier, broke_off, counts, note_unstored
+from rockcli.solvers.common.found import ON_SEPARATRIX, Found, barrier, broke_off, counts, note_unstored, residual_tilt
 from rockcli.solvers.contact.run import Raw
 
 Array = NDArray[np.float64]
@@ -70,6 +70,7 @@ def answer(
         "energy_residual": known(np.where(only, np.nan, out[:, to.BALANCE] / (batch.g * barrier(batch)))),
         "slide_peak": known(slid),
         "slide_residual": known(np.where(fell, np.nan, out[:, to.SLIDE_END])),
+        "residual_tilt": residual_tilt(batch, found),
         "t_slip": known(out[:, to.T_SLIP]),
         "t_flight": known(out[:, to.T_FLIGHT]),
         "n_slips": known(out[:, to.N_SLIPS]),
@@ -99,7 +100,8 @@ def _standing(out: Array, fell: NDArray[np.bool_]) -> tuple[Array, Array]:
 
 def _by_side(batch: Batch, out: Array, peak: Array) -> dict[str, Array]:
     """Largest |theta| to the left and to the right, NaN for symmetric bodies, and the larger |theta|/alpha."""
-    symmetric, alpha, infinite = batch.block.symmetric, batch.block.alpha, np.isinf(peak)
+    symmetric = batch.block.symmetric & ~batch.block.rolls
+    alpha, infinite = batch.block.alpha, np.isinf(peak)
     sides = [
         np.where(np.isnan(peak), np.nan, np.where(infinite & (np.sign(peak) == sign), np.inf, out[:, column]))
         for sign, column in ((-1.0, to.PEAK_LEFT), (1.0, to.PEAK_RIGHT))

@@ -24,6 +24,7 @@ from rockcli.solvers.common.found import (
     broke_off,
     counts,
     note_unstored,
+    residual_tilt,
     rigid_top,
 )
 from rockcli.solvers.common.ground import ground_history
@@ -103,18 +104,12 @@ def scalars_of(
         "mu_impact": of_level(found.unless_failed(_impact_friction(batch, *onto))) if friction else nothing,
         "N_min_over_mg": of_level(seen(N_min)),
         "energy_residual": seen(over(out[:, to.ENERGY], barrier(batch))) if "energy_residual" in asked else nothing,
-        "residual_tilt": np.where((scalars["outcome"] < NO_UPLIFT) | found.fell | _lossless(batch), np.nan, 0.0),
+        "residual_tilt": residual_tilt(batch, found),
         "n_steps": counts(out[:, to.N_STEPS]),
         "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion
     }
     scalars |= {name: found.unless_failed(out[:, column]) for name, column in COLUMNS.items() if name not in scalars}
     return scalars, sentences_of(batch, scalars, out, slides)
-
-
-def _lossless(batch: Batch) -> NDArray[np.bool_]:
-    """Bodies that nothing brings to rest, (n,)."""
-    left, right = batch.damping.eta.T  # numpy is slow over an axis of two
-    return np.asarray((left == 1.0) & (right == 1.0) & batch.damping.only_eta)
 
 
 def _by_side(batch: Batch, out: Array, peak: Array) -> tuple[Array, Array, Array]:
