@@ -156,6 +156,7 @@ def test_a_column_that_buckles_is_refused_with_a_sentence():
     assert scalar(response, "outcome") == -2
     assert "buckles under its own weight" in response.reasons[0]
     assert "1.8775e+08 Pa" in response.reasons[0]
+    assert [int(scalar(response, name)) for name in ("n_impacts", "n_steps", "n_rhs")] == [-1, -1, -1]
     assert scalar(rock_column(sine(), E=1.9e8), "outcome") >= 0
 
 

@@ -33,12 +33,13 @@ def scalars_of(
     out = run.out
     refused = np.array([c is None for c in columns])
     moved = np.isfinite(out[:, at.T_UPLIFT])
+    counted = counts(np.where(refused, -1.0, out[:, [at.N_LANDINGS, at.N_STEPS, at.N_RHS]].T))
     found = Found(
         moved=moved,
         fell=out[:, at.VERDICT] == FALLS,
         undecided=out[:, at.VERDICT] == UNDECIDED,
         failed=refused | (out[:, at.STATUS] != DONE),
-        n_impacts=counts(np.nan_to_num(out[:, at.N_LANDINGS])),
+        n_impacts=counted[0],
         peak=np.where(moved, out[:, at.PEAK], 0.0),
         side=out[:, at.PEAK_SIDE],
         rate=np.where(moved, out[:, at.RATE_PEAK], 0.0),
@@ -58,8 +59,8 @@ def scalars_of(
         "N_min_over_mg": nothing,
         "energy_residual": np.where(found.failed | ~undamped, np.nan, -out[:, at.ENERGY] / barrier),
         "landing_loss": found.unless_failed(out[:, at.LANDING_LOSS] / barrier),
-        "n_steps": counts(np.nan_to_num(out[:, at.N_STEPS])),
-        "n_rhs": counts(np.nan_to_num(out[:, at.N_RHS])),
+        "n_steps": counted[1],
+        "n_rhs": counted[2],
     }
     reasons = list(refusals)
     for i in np.flatnonzero((found.outcome < 0) & ~refused):
