@@ -107,6 +107,14 @@ def test_a_fall_after_the_report_is_to_the_side_it_comes_to(duration):
     assert ours["t_overturn"][0] == exact["t_overturn"][0] == 0.0
 
 
+def test_a_body_let_go_just_beyond_its_equilibrium_falls():
+    """At 1.016 times its equilibrium its energy is that of the barrier but for 3e-4, and it can only go down."""
+    batch = rigid(scheme="none", theta_0=0.206)
+    batch = replace(batch, excitation=still(0.02))
+    ours, exact = solve(batch), event.solve(batch)
+    assert ours.scalars["outcome"][0] == exact.scalars["outcome"][0] == 2, ours.reasons
+
+
 @pytest.mark.parametrize(("coefficient", "rate"), [(0.02, -0.2), (0.02, -0.3), (0.1, -0.35), (0.1, -0.4)])
 def test_a_dashpot_goes_on_after_the_report(coefficient, rate):
     damping = Damping("dashpot", np.ones((1, 2)), array(coefficient))

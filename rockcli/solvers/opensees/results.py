@@ -159,6 +159,8 @@ def fate(batch: Batch, i: int, answer: Answer, law: Law) -> tuple[int, float, bo
     margin = MARGIN[batch.model == "flexible" or batch.base is not None]
     damper, landed = _damper(batch, i), False
     for _ in range(1000):
+        if v >= 0.0 and q > (1.0 + margin) * q_star:  # its weight turns it on
+            return FALLS, s, landed
         energy = (0.5 * v * v + potential(q)) / barrier
         if abs(energy - 1.0) < margin:
             return UNDECIDED, s, landed
