@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from rockcli.errors import SolverError
 from rockcli.kernels.column import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import RECTANGLE_INERTIA
@@ -45,6 +46,19 @@ class Prepared:
 def critical_modulus(rho: float, g: float, h: float, b: float) -> float:
     """Smallest E of a column 2h x 2b that does not buckle under itself [Pa] (Greenhill)."""
     return rho * 2.0 * b * g * (2.0 * h) ** 3 / (GREENHILL * (2.0 * b) ** 3 / 12.0)
+
+
+def check_upright(batch: Batch, i: int) -> None:
+    """Refuse a column that cannot stand: upright it is in equilibrium, too.
+
+    Raises:
+        SolverError: column i of the batch buckles under its own weight.
+    """
+    assert batch.column is not None
+    E, rho, g = float(batch.column.E[i]), float(batch.column.rho[i]), float(batch.g[i])
+    least = critical_modulus(rho, g, float(batch.block.h[i]), float(batch.block.b[i, 0]))
+    if least >= E:
+        raise SolverError(f"the column buckles under itself: E = {E:.6g} Pa, at least {least:.5g} Pa is needed")
 
 
 def key_of(batch: Batch, i: int) -> tuple[float, ...]:

@@ -19,7 +19,7 @@ from rockcli.scene.laws.damping import dashpot_rate
 from rockcli.scene.laws.models import MODELS
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.stepping import check_step
-from rockcli.solvers.flexible.column import critical_modulus
+from rockcli.solvers.flexible.column import check_upright
 from rockcli.solvers.frame.base import fibres_of, kind_of_base
 from rockcli.solvers.frame.structure import Structure, structure_of
 
@@ -90,10 +90,8 @@ def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -
     if coarser == 1.0:
         check_step(batch, case, dt, stop)
     damping = batch.damping
-    if batch.column is not None and batch.model == "flexible":  # one that buckles has an upright equilibrium, too
-        E, rho = float(batch.column.E[case]), float(batch.column.rho[case])
-        if (least := critical_modulus(rho, g, float(block.h[case]), b)) >= E:
-            raise SolverError(f"the column buckles under itself: E = {E:.6g} Pa, at least {least:.5g} Pa is needed")
+    if batch.model == "flexible":
+        check_upright(batch, case)
 
     par = np.zeros(at.N_PAR)
     par[at.LENGTH], par[at.AXIAL], par[at.BENDING] = structure.length, structure.axial, structure.bending

@@ -16,7 +16,6 @@ from rockcli.scene.constants import (
     DENSITY,
     ELEMENTS,
     FIBRES,
-    GREENHILL,
     REARM,
     RIGID,
     YIELD_ROTATION,
@@ -25,6 +24,7 @@ from rockcli.scene.ground.excitation import Channel, Samples, acceleration
 from rockcli.scene.laws.damping import dashpot_rate
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.stepping import check_step
+from rockcli.solvers.flexible.column import check_upright
 
 Array = NDArray[np.float64]
 
@@ -132,9 +132,7 @@ def case_of(batch: Batch, case: int, *, coarser: float = 1.0) -> CaseOfOpenSees:
         raise SolverError(f"yield_rotation {theta_y:.3g} is not small against alpha = {alpha:.3g}")
     if column is not None and batch.model == "flexible":
         E, stiff = float(column.E[case]), "Young's modulus [Pa]"
-        least = m * g * (2.0 * h) ** 2 / (GREENHILL * (2.0 * b) ** 3 / 12.0)
-        if least >= E:
-            raise SolverError(f"the column buckles under itself: E = {E:.6g} Pa, at least {least:.5g} Pa is needed")
+        check_upright(batch, case)
     else:
         E = m / (2.0 * b * h) * g * h * h / (b * RIGID)
         stiff = f"Young's modulus of the column [Pa]: m g b bends it by about {RIGID:.0e} rad"
