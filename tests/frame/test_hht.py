@@ -31,9 +31,14 @@ def test_a_stiff_base_loses_the_same_at_every_impact():
     np.testing.assert_allclose(eta, 0.952, atol=0.005)
 
 
-@pytest.mark.parametrize("alpha_d", [2.0 / 3.0, 0.8, 0.9])
+@pytest.mark.parametrize("alpha_d", [2.0 / 3.0, 0.8])
 def test_there_alpha_d_hardly_matters(alpha_d):
     assert kept(kw=1e15, fibres=21, alpha_d=alpha_d)[:4].mean() == pytest.approx(0.952, abs=0.006)
+
+
+def test_with_hardly_any_damping_only_the_first_impact_does_not_hang_on_rounding():
+    first = [kept(kw=kw, fibres=21, alpha_d=0.9)[0] for kw in (1e15, 1e15 * (1.0 + 1e-9))]
+    np.testing.assert_allclose(first, 0.957, atol=0.002)
 
 
 def test_more_fibres_lose_less_at_the_first_impact():
