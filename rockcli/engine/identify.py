@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,13 @@ BESIDE = np.outer([-1.0, 1.0], np.geomspace(3e-5, 0.05, 20)).ravel()
 """Under a ground motion eta so far beside what earlier data say is tried before each stage, and the best taken up."""
 
 ETA, ALPHA, P, THETA, RATE = "eta", "alpha", "p", "theta_0", "theta_dot_0"
+
+FAR = np.linspace(-0.7, 0.7, 281)
+"""The same, in another attempt, where a stage leaves what is no noise."""
+
+TOGETHER, VISIBLE = 4.0, 1e-3
+"""Correlation of n residuals next to each other, over that which chance leaves, 1/sqrt(n), above which they are not
+noise alone, unless they are below this part of the data: what the output times of the solver leave is smooth too."""
 
 _LEAST = 0.2
 """Smallest alpha and p that are tried, relative to the first guess; the inverse is the largest p."""
@@ -253,26 +261,63 @@ def identify_history(
     limits = {ETA: (0.0, 1.0), ALPHA: (_LEAST * guess[ALPHA], 1.5), P: (_LEAST * guess[P], guess[P] / _LEAST)}
     low, high = np.array([limits.get(name, (-np.inf, np.inf)) for name in free]).T
     step = 1e-5 * np.array([scales[name] for name in free])
-    x = np.array([guess[name] for name in free])
     stages = STAGES if THETA in free else SHAKEN_STAGES
-    for share in stages:
-        n = min(max(int(share * len(time)), len(free) + 2), len(time))
+    shaken = stages is SHAKEN_STAGES and ETA in free
 
-        def residuals(rows: Array, n: int = n) -> Array:
-            values = [guess | dict(zip(free, row.tolist(), strict=True)) for row in rows]
-            return _rotations(source, values, time[:n]) - theta[:n]
+    def residuals(n: int, rows: Array) -> Array:
+        values = [guess | dict(zip(free, row.tolist(), strict=True)) for row in rows]
+        return _rotations(source, values, time[:n]) - theta[:n]
 
-        x = np.clip(x, low, high)
-        if stages is SHAKEN_STAGES and ETA in free:
-            starts = np.repeat(x[None], 1 + len(BESIDE), axis=0)
-            starts[1:, free.index(ETA)] += BESIDE
-            starts = np.clip(starts, low, high)
-            x = starts[np.argmin((residuals(starts) ** 2).sum(axis=1))]
-        fit = least_squares_fit(residuals, x, step, (low, high), final=share == stages[-1])
-        x = fit.values
-    left = residuals(x[None])[0]
+    def through_stages(beyond: Sequence[Array]) -> tuple[Fit, Array]:
+        """The last fit and what it leaves, (n,); `beyond`: where else eta is sought where a stage leaves no noise."""
+        x = np.array([guess[name] for name in free])
+        for share in stages:
+            n = min(max(int(share * len(time)), len(free) + 2), len(time))
+            at, fits = partial(residuals, n), []
+            for beside in (BESIDE, *beyond) if shaken else (np.empty(0),):
+                start = _best_beside(at, x, free.index(ETA), beside, (low, high)) if shaken else np.clip(x, low, high)
+                fit = least_squares_fit(at, start, step, (low, high), final=share == stages[-1])
+                fits.append((fit, at(fit.values[None])[0]))
+                if not _correlation(fits[-1][1], theta[:n]):
+                    break
+            fit, left = min(fits, key=lambda each: float(each[1] @ each[1]))
+            x = fit.values
+        return fit, left
+
+    fit, left = through_stages(())
+    if shaken and _correlation(left, theta):
+        other, others = through_stages((FAR,))
+        fit, left = (other, others) if others @ others < left @ left else (fit, left)
     missed = float(np.sqrt(np.mean(left**2) / np.mean(theta**2)))
-    return Identified(tuple(free), fit, len(time), theta + left, _notes(free, fit, missed))
+    notes = _notes(free, fit, missed) + _note_of_neighbours(_correlation(left, theta))
+    return Identified(tuple(free), fit, len(time), theta + left, notes)
+
+
+def _best_beside(at: Callable[[Array], Array], x: Array, eta: int, beside: Array, bounds: tuple[Array, Array]) -> Array:
+    """x or, if it fits better, x with its number `eta` so far beside: the residuals `at` are (m, k) -> (m, n)."""
+    starts = np.repeat(x[None], 1 + len(beside), axis=0)
+    starts[1:, eta] += beside
+    starts = np.clip(starts, *bounds)
+    return np.asarray(starts[np.argmin((at(starts) ** 2).sum(axis=1))])
+
+
+def _correlation(left: Array, theta: Array) -> float:
+    """Of residuals next to each other, (n,); 0 where they may be independent noise or are too small beside theta."""
+    if left @ left <= VISIBLE**2 * (theta @ theta):
+        return 0.0
+    found = float(left[:-1] @ left[1:] / (left @ left))
+    return found if found > TOGETHER / np.sqrt(len(left)) else 0.0
+
+
+def _note_of_neighbours(correlation: float) -> tuple[str, ...]:
+    """What residuals that are no independent noise say against a fit."""
+    if not correlation:
+        return ()
+    return (
+        f"residuals next to each other correlate by {correlation:.2f}: the intervals, which take them for independent "
+        "noise, are too narrow; if they are larger than the noise of the instrument, the body is not the model, or the "
+        "fit went astray: try another first guess",
+    )
 
 
 def check_fit_place(path: Path) -> None:

@@ -84,9 +84,9 @@ def test_eta_of_a_driven_body(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 15])
+@pytest.mark.parametrize("seed", [1, 15, 19])
 def test_eta_of_a_body_shaken_for_long_is_found_from_a_wrong_guess(tmp_path: Path, seed: int) -> None:
-    """The sum of squares has many minima in eta under a ground motion: 553 times the noise was left at one of them."""
+    """The sum of squares has many minima in eta under a ground motion: 553 times the noise was left at one of them, the whole motion with the last."""
     import rockcli
 
     a = np.convolve(np.random.default_rng(seed).normal(size=400), np.hanning(11), "same")
@@ -112,6 +112,15 @@ def test_eta_of_a_body_shaken_for_long_is_found_from_a_wrong_guess(tmp_path: Pat
     found = identified(str(data), "--study", str(tmp_path / "table.yaml"))
     assert found["parameters"]["eta"]["value"] == pytest.approx(ETA_0, abs=2e-4)
     assert found["scatter"] == pytest.approx(noise, rel=0.1)
+
+
+@pytest.mark.parametrize(("alpha", "doubted"), [(ALPHA_0, False), (1.15 * ALPHA_0, True)])
+def test_residuals_that_are_no_noise_are_told(tmp_path: Path, alpha: float, doubted: bool) -> None:
+    t = np.arange(0.0, 1.5, 0.02)
+    noise = 0.005 * ALPHA_0 * np.random.default_rng(5).normal(size=len(t))
+    file = write(tmp_path / "free.txt", t, free_rocking(0.6 * ALPHA_0, t) + noise)
+    found = identified(str(file), "--alpha", str(alpha), "--p", str(P_0))
+    assert any("correlate" in note for note in found["notes"]) is doubted
 
 
 def amplitudes(n: int) -> np.ndarray:
