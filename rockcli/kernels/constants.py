@@ -20,6 +20,9 @@ NUDGE = 1e-12
 """A body that is lifted and dropped again and again at one instant rests for this part of what is left of the piece,
 ten times as long each time that this comes to nothing."""
 
+DUE = 1e-12
+"""An output time i dt_out that is later than an instant by no more than this fraction of it is that instant."""
+
 NO_EVENT, LANDS, TOPPLES, TOUCHES = range(4)
 """What ends a step of a body that does not slip: its length; theta is 0 again, or a facet lies flat; pi/2 is reached;
 the next facet touches, after the last one the side of the body."""

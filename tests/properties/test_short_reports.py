@@ -76,3 +76,27 @@ def test_the_peak_is_that_of_the_report(body, scheme):
         found = rockcli.run({"name": "short", "case": made, "save": {"histories": True, "dt_out": 1e-4}})
         if int(found.outcome) < 2:
             assert abs(float(found.theta_peak)) == pytest.approx(float(abs(found.theta).max()), rel=1e-5)
+
+
+TILTED = {"block": {"R": 2.0, "tan_alpha": 0.2}, "initial": {"theta": 0.08}}
+TOLD_BY = {
+    "rigid": {},
+    "scipy": {"solver": {"backend": "scipy"}},
+    "friction": {"block": BODIES["friction"]},
+    "slips": {"block": BODIES["friction"] | {"mu": 0.15}},
+    "rolls": {"block": BODIES["rolls"]},
+    "rests": {"initial": {"theta": 1e-4}, "damping": {"scheme": "restitution", "eta": 0.2}},
+}
+
+
+@pytest.mark.parametrize("case", TOLD_BY.values(), ids=TOLD_BY)
+def test_histories_reach_the_end_where_the_output_times_pass_it_by_rounding(case):
+    dt_out, duration = 0.005, 4.35
+    assert 870 * dt_out > duration
+    motion = {"duration": duration, "pulse": {"shape": "sine", "a_p": 0.5, "omega_p": 1, "cycles": 2}}
+    save = {"histories": True, "dt_out": dt_out}
+    told = rockcli.run({"name": "end", "case": TILTED | {"motion": motion} | case, "save": save})
+    longer = rockcli.run({"name": "end", "case": TILTED | {"motion": motion | {"duration": 6.0}} | case, "save": save})
+    assert told.sizes["time"] == 871
+    for name in ("theta", "theta_dot", "a_g", "M_base"):
+        np.testing.assert_allclose(told[name][-1], longer[name][870], rtol=1e-8, atol=1e-8)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import FAST, MEANINGFUL, NO_ROOT, SAME
+from rockcli.kernels.constants import DUE, FAST, MEANINGFUL, NO_ROOT, SAME
 from rockcli.kernels.contact import flows
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
@@ -312,8 +312,8 @@ def write_step(par, mode, foot, air, step, t, t_new, n, w, dt_out, i, histories)
     theta_out, rate_out, slide_out = histories[0], histories[1], histories[2]
     slide_rate_out, mode_out, lift_out = histories[3], histories[4], histories[5]
     c, slip, m, ns = w[row.Q], w[row.SLIP], step.order, step.slip_order
-    while i < len(theta_out) and i * dt_out <= t_new:
-        y = i * dt_out - t
+    while i < len(theta_out) and i * dt_out <= t_new * (1.0 + DUE):
+        y = min(i * dt_out, t_new) - t
         mode_out[i] = mode
         theta_out[i] = rate_out[i] = slide_rate_out[i] = lift_out[i] = 0.0
         slide_out[i] = foot.place
@@ -338,9 +338,9 @@ def write_step(par, mode, foot, air, step, t, t_new, n, w, dt_out, i, histories)
 @jit_lean
 def write_bounces(foot, t, until, dt_out, i, histories):
     """The same during bounces that end in rest, or in sliding, at `until`: upright, at the present slip velocity."""
-    while i < len(histories[0]) and i * dt_out <= until:
+    while i < len(histories[0]) and i * dt_out <= until * (1.0 + DUE):
         histories[0][i] = histories[1][i] = histories[5][i] = 0.0
-        histories[2][i] = foot.place + foot.u * (i * dt_out - t)
+        histories[2][i] = foot.place + foot.u * (min(i * dt_out, until) - t)
         histories[3][i], histories[4][i] = foot.u, (ROCK if foot.u == 0.0 else SLIDE_ROCK)
         i += 1
     return i
@@ -349,7 +349,7 @@ def write_bounces(foot, t, until, dt_out, i, histories):
 @jit_lean
 def write_rest(foot, until, dt_out, i, histories):
     """The same of a body that rests until the report ends."""
-    while i < len(histories[0]) and i * dt_out <= until:
+    while i < len(histories[0]) and i * dt_out <= until * (1.0 + DUE):
         for j in range(6):
             histories[j][i] = 0.0
         histories[2][i] = foot.place

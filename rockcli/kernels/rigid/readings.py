@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.constants import MEANINGFUL
+from rockcli.kernels.constants import DUE, MEANINGFUL
 from rockcli.kernels.jit import jit_lean, jit_part
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import driving, restoring
@@ -118,7 +118,7 @@ def note_impact(t, rate, eta, impacts, out):
 @jit_part
 def write_rest(history, i, dt_out, until, theta):
     """Write a body that stands at theta to its histories from i dt_out on until a time; return the next i."""
-    while i < len(history[0]) and i * dt_out <= until:
+    while i < len(history[0]) and i * dt_out <= until * (1.0 + DUE):
         history[0][i] = theta
         history[1][i] = 0.0
         i += 1
@@ -128,8 +128,8 @@ def write_rest(history, i, dt_out, until, theta):
 @jit_part
 def write_step(history, i, dt_out, t, until, tilt, s, c, n):
     """Write a step from t on, theta = tilt + s q, to the histories from i dt_out on until a time; return the next i."""
-    while i < len(history[0]) and i * dt_out <= until:
-        y = i * dt_out - t
+    while i < len(history[0]) and i * dt_out <= until * (1.0 + DUE):
+        y = min(i * dt_out, until) - t
         history[0][i] = tilt + s * max(value(c, n, y), 0.0)
         history[1][i] = s * slope(c, n, y)
         i += 1

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import DUE
 from rockcli.scene.batch import Batch
 from rockcli.scene.constants import FREE_ROCKING
 
@@ -53,4 +54,4 @@ def durations_of(batch: Batch) -> Durations:
 
 def output_times(dt_out: float, stop: float) -> int:
     """How many times i dt_out there are up to `stop` [s], the first 0."""
-    return int(np.floor(stop / dt_out * (1.0 + 1e-12))) + 1
+    return int(np.floor(stop / dt_out * (1.0 + DUE))) + 1

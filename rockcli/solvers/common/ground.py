@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.kernels.constants import DUE
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import PIECE_WIDTH, Channel, Pulses, Samples, Suite, acceleration, unscaled
@@ -47,7 +48,7 @@ def ground_of_cases(batch: Batch, cases: Iterable[int], t: Array) -> Iterator[tu
     channels = (batch.excitation.horizontal, batch.excitation.vertical)
     recorded = [unscaled(channel, t) if isinstance(channel, Samples) else None for channel in channels]
     for case in cases:
-        over = t > batch.excitation.duration[case]
+        over = t > batch.excitation.duration[case] * (1.0 + DUE)
         a_g, a_v = (
             np.where(over, 0.0, shape * channel.factor[case])
             if isinstance(channel, Samples) and shape is not None

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import FAST, RETURNS
+from rockcli.kernels.constants import DUE, FAST, RETURNS
 from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.response import MAX_IMPACTS_STORED
 from rockcli.solvers.general import roots
@@ -83,9 +83,9 @@ class Trajectory:
     def _due(self, t: float) -> int:
         """Number of output times up to t."""
         n = math.floor(t / self.dt_out) if len(self.theta) else -1
-        while n + 1 < len(self.theta) and (n + 1) * self.dt_out <= t:
+        while n + 1 < len(self.theta) and (n + 1) * self.dt_out <= t * (1.0 + DUE):
             n += 1
-        while n >= 0 and n * self.dt_out > t:
+        while n >= 0 and n * self.dt_out > t * (1.0 + DUE):
             n -= 1
         return min(n + 1, len(self.theta))
 
