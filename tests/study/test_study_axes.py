@@ -298,6 +298,8 @@ class TestNames:
             (["damping.eta"], ["damping_eta"]),
             (["solver.dt", "let.dt"], ["solver_dt", "let_dt"]),
             (["let.time", "let.impact"], ["let_time", "let_impact"]),
+            (["let.outline_point"], ["let_outline_point"]),
+            (["let.boundary_point", "let.hazard_point"], ["let_boundary_point", "let_hazard_point"]),
         ],
     )
     def test_dimensions(self, paths, names):

@@ -8,15 +8,15 @@ from functools import cache
 from rockcli.errors import StudyError
 from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, RECORD_SCALINGS
 from rockcli.scene.laws.damping import SCHEMES
-from rockcli.scene.variables import VARIABLES
+from rockcli.scene.variables import BOUNDARY_POINT, HAZARD_POINT, IMPACT, OUTLINE, ROTATION, TIME, VARIABLES
 from rockcli.study.document.check import fields_at, is_list_of_parts, is_number
 from rockcli.study.document.tree import meant, nearest
 from rockcli.study.schema import PulsePart, RecordPart, StudyPart
 
 Path = tuple[str, ...]
 
-RESERVED = frozenset({*VARIABLES, "time", "impact", "rotation", "reasons"})
-"""Names in a dataset that no dimension may have."""
+RESERVED = frozenset({*VARIABLES, TIME, IMPACT, ROTATION, HAZARD_POINT, OUTLINE, BOUNDARY_POINT, "reasons"})
+"""Names of variables and dimensions in a dataset that no axis may have."""
 
 _BLOCK = (
     "R",
