@@ -299,6 +299,7 @@ class TestNames:
             (["solver.dt", "let.dt"], ["solver_dt", "let_dt"]),
             (["let.time", "let.impact"], ["let_time", "let_impact"]),
             (["let.outline_point"], ["let_outline_point"]),
+            (["let.given_mu", "let.sampled_width"], ["let_given_mu", "let_sampled_width"]),
             (["let.boundary_point", "let.hazard_point"], ["let_boundary_point", "let_hazard_point"]),
         ],
     )

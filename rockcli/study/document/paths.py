@@ -18,6 +18,9 @@ Path = tuple[str, ...]
 RESERVED = frozenset({*VARIABLES, TIME, IMPACT, ROTATION, HAZARD_POINT, OUTLINE, BOUNDARY_POINT, "reasons"})
 """Names of variables and dimensions in a dataset that no axis may have."""
 
+_OF_INPUTS = ("given_", "note_", "sampled_")
+"""Beginnings of names of the columns of tables and of uncertain inputs, which no axis may have either."""
+
 _BLOCK = (
     "R",
     "h",
@@ -140,7 +143,8 @@ def dimension_names(paths: list[str]) -> list[str]:
     """Names of the dimensions of axes with these paths, as the user wrote them."""
     plain = [path.removeprefix("case.") for path in paths]
     lasts = ["record" if path in ("motion.record", "motion.record.file") else path.rsplit(".", 1)[-1] for path in plain]
-    names = [last if last not in RESERVED and lasts.count(last) == 1 else "" for last in lasts]
+    free = [last not in RESERVED and not last.startswith(_OF_INPUTS) and lasts.count(last) == 1 for last in lasts]
+    names = [last if is_free else "" for last, is_free in zip(lasts, free, strict=True)]
     whole = [path.replace(".", "_") for path in plain]
     # an own symbol of `let` may be called what another axis's whole path makes
     return [name if name and name not in whole else path for name, path in zip(names, whole, strict=True)]
