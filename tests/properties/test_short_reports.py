@@ -100,3 +100,12 @@ def test_histories_reach_the_end_where_the_output_times_pass_it_by_rounding(case
     assert told.sizes["time"] == 871
     for name in ("theta", "theta_dot", "a_g", "M_base"):
         np.testing.assert_allclose(told[name][-1], longer[name][870], rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize("duration", [0.3, 0.6, 1.0])
+def test_histories_of_the_backend_frame_reach_the_end_between_its_steps(duration):
+    motion = {"duration": duration, "pulse": {"shape": "sine", "a_p": 1, "T_p": 0.5}}
+    case = TILTED | {"initial": {"theta": 0.05}, "motion": motion, "model": 3, "solver": {"backend": "frame"}}
+    told = rockcli.run({"name": "end", "case": case, "save": {"histories": True, "dt_out": 0.05}})
+    assert told.time[-1] == pytest.approx(duration, rel=1e-12)
+    assert np.isfinite(told.theta).all()

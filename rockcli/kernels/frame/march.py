@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.ahead import CUBE, MATRIX, VECTOR
-from rockcli.kernels.constants import FALLS, RETURNS
+from rockcli.kernels.constants import DUE, FALLS, RETURNS
 from rockcli.kernels.frame import layout as at
 from rockcli.kernels.frame.banded import clear, copy
 from rockcli.kernels.frame.elements import damping, stored_energy
@@ -181,7 +181,7 @@ def run(par, n, mass, pull, weights, fibres, a_g, a_v, u, v, a, work, bands, B, 
                 units *= 10
             continue
         i, position, units = i + 1, 0, UNITS
-        if now >= par[at.T_STOP] - 0.5 * h and math.isnan(out[at.T_END]):
+        if now >= par[at.T_STOP] * (1.0 - DUE) and math.isnan(out[at.T_END]):
             out[at.T_END] = par[at.T_STOP]
         looked = now >= par[at.T_MOTION] and i % LOOK == 0
         if looked and ended(par, n, mass, weights, fibres, now, bottom, u, v, work, B, out):

@@ -92,10 +92,11 @@ def note_end_of_step(par, fibres, a_v, t, h, q_old, u, v, rows, history, written
     if q_old < par[at.Q_STAR] <= q:
         out[at.T_OVERTURN] = now
     reported = now <= par[at.T_STOP] + 0.5 * h
-    if reported:
+    if reported or t < par[at.T_STOP]:
         copy(rows[1], rows[0])
         note(par, u, v, 1.0 + a_v / par[at.G], fibres, rows[1])
         written = record(par, t, h, rows[0], rows[1], history, written)
+    if reported:
         out[at.RATE_PEAK] = max(out[at.RATE_PEAK], abs(v[2]))
     if reported or par[at.OWN_DURATION] == 0.0:
         if q > out[at.PEAK]:
