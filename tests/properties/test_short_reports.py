@@ -109,3 +109,17 @@ def test_histories_of_the_backend_frame_reach_the_end_between_its_steps(duration
     told = rockcli.run({"name": "end", "case": case, "save": {"histories": True, "dt_out": 0.05}})
     assert told.time[-1] == pytest.approx(duration, rel=1e-12)
     assert np.isfinite(told.theta).all()
+
+
+FOLLOWED_ON = {
+    "slides": {"block": BODIES["friction"] | {"mu": 0.1}, "initial": {"slide_rate": 1.0}},
+    "damped": {"damping": {"scheme": "dashpot", "coefficient": 0.05}, "initial": {"theta": 0.19, "theta_dot": -0.3}},
+}
+
+
+@pytest.mark.parametrize("case", FOLLOWED_ON.values(), ids=FOLLOWED_ON)
+def test_histories_end_with_the_report_though_the_outcome_is_sought_beyond(case):
+    study = {"name": "late", "case": TILTED | {"motion": {"duration": 1.0}} | case, "save": {"histories": True}}
+    told = rockcli.run(study | {"vary": {"motion.duration": [0.02, 0.3, 4.0]}})
+    ends = told.time.where(np.isfinite(told.theta)).max("time")
+    assert ends[:2].values == pytest.approx([0.02, 0.3], rel=1e-12)

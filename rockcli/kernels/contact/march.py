@@ -140,7 +140,8 @@ def taken_along(par, how, mode, foot, air, step, t, t_new, counted, ahead, w, dt
     if how.balance:
         worked = work(par, mode, foot, step, n, ahead.degree, ahead.level, w)
     note_step(par, how, mode, foot, air, step, t, counted, ahead, w, out)
-    i_hist = write_step(par, mode, foot, air, step, t, t_new, n, w, dt_out, i_hist, histories)
+    until = min(t_new, par[at.T_STOP])
+    i_hist = write_step(par, mode, foot, air, step, t, until, n, w, dt_out, i_hist, histories)
     if mode == FLIGHT:
         return foot, flown(air, n, step.x, w), worked, i_hist
     foot = moved(mode, foot, step, step.event == STOPS, step.event == LANDS, w)
@@ -177,7 +178,7 @@ def came_down(
     if wait < 0.0:
         return ON_EDGE, t, foot, i_hist, balance
     balance -= energy_on_edge(par, foot) - 0.5 * slid * slid
-    i_hist = write_bounces(foot, t, t + wait, dt_out, i_hist, histories)
+    i_hist = write_bounces(foot, t, min(t + wait, par[at.T_STOP]), dt_out, i_hist, histories)
     foot = Foot(foot.s, foot.sigma, 0.0, 0.0, slid, foot.place + 0.5 * (foot.u + slid) * wait)
     if counted:
         note_slide(foot.place, out)

@@ -307,13 +307,13 @@ def slide_in_flight(par, air_x, theta):
 
 
 @jit_lean
-def write_step(par, mode, foot, air, step, t, t_new, n, w, dt_out, i, histories):
-    """Write the histories at the output times up to t_new, from number i on; returns the number of the next."""
+def write_step(par, mode, foot, air, step, t, until, n, w, dt_out, i, histories):
+    """Write the histories at the output times up to a time, from number i on; returns the number of the next."""
     theta_out, rate_out, slide_out = histories[0], histories[1], histories[2]
     slide_rate_out, mode_out, lift_out = histories[3], histories[4], histories[5]
     c, slip, m, ns = w[row.Q], w[row.SLIP], step.order, step.slip_order
-    while i < len(theta_out) and i * dt_out <= t_new * (1.0 + DUE):
-        y = min(i * dt_out, t_new) - t
+    while i < len(theta_out) and i * dt_out <= until * (1.0 + DUE):
+        y = min(i * dt_out, until) - t
         mode_out[i] = mode
         theta_out[i] = rate_out[i] = slide_rate_out[i] = lift_out[i] = 0.0
         slide_out[i] = foot.place

@@ -123,7 +123,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
             t, s_up, stalled, push = stand(
                 left, right, left.threshold, a, a_v, deg, t, t_next, stalled, push, detail == ALL, guard, out
             )  # fmt: skip
-            i_hist = write_rest(history, i_hist, dt_out, t, 0.0)
+            i_hist = write_rest(history, i_hist, dt_out, min(t, t_stop), 0.0)
             if s_up != 0.0:
                 mode, launch, s, q, v = ROCK, True, s_up, 0.0, 0.0
                 if not lifted:
@@ -146,7 +146,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         work += note_way(edge, other, how, s, n, x, reach, t, parts, reported, deg, spaces, out)
         t_was, t = t, (t_next if (event == NO_EVENT and x == t_next - t) else t + x)
         q, v = (0.0 if event == LANDS else value(c, n, x)), slope(c, n, x)
-        i_hist = write_step(history, i_hist, dt_out, t_was, t, 0.0, s, c, n)
+        i_hist = write_step(history, i_hist, dt_out, t_was, min(t, t_stop), 0.0, s, c, n)
         stalled = stalled + 1 if t == t_was else 0
         if t > t_was:
             push, lifted = NUDGE, True
@@ -166,7 +166,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
             rest_at = rest_time(other, edge, s, v, a, a_v, deg, x, t, t_next, how.rest_speed)
             if rest_at >= 0.0:
                 lost += energy(other, 0.0, v, linear)
-                i_hist = write_rest(history, i_hist, dt_out, rest_at, 0.0)
+                i_hist = write_rest(history, i_hist, dt_out, min(rest_at, t_stop), 0.0)
                 mode, t, q, v = REST, rest_at, 0.0, 0.0
             elif v == 0.0:
                 mode = REST
