@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 from dataclasses import replace
 from pathlib import Path
 
@@ -78,6 +80,35 @@ def test_a_study_is_scored_beside_columns_and_baselines(rock, experiments, capsy
     assert test["p_value"] == min(1.0, 2.0 * 0.5 ** test["first_only"])
     assert found["predictions"]["logistic: pgv"]["kind"] == "baseline"
     assert [row["p"] for row in found["probabilities"]] == [float(row[2]) for row in rows]
+
+
+@pytest.mark.parametrize("command", [("score", "--json"), ("calibrate", "--out", "found.json")], ids=lambda one: one[0])
+@pytest.mark.parametrize("workers", [1, 2])
+def test_what_the_machine_refuses_is_no_prediction(rock, experiments, workers, command, monkeypatch, capsys):
+    """A run for which there is no memory, or whose process the system kills, was counted as one without an answer."""
+    from rockcli.engine.experiments import simulated
+    from rockcli.engine.sweep import executors
+
+    here = os.getpid()
+
+    class Greedy:
+        def load(self):
+            return self
+
+        def __call__(self, batch):
+            if os.getpid() != here:
+                os.kill(os.getpid(), signal.SIGKILL)
+            raise MemoryError("Unable to allocate 3.00 GiB")
+
+    monkeypatch.setattr(executors, "_worth", lambda *_: True)
+    monkeypatch.setattr(simulated, "choose", lambda batch: Greedy())
+    word, *options = command
+    assert rock(word, "study.yaml", "runs.csv", *options, "--workers", workers) == 4
+    told = capsys.readouterr()
+    assert "the machine refused: " in told.err
+    assert ("SIGKILL" if workers > 1 else "3.00 GiB") in told.err
+    assert told.out == ""
+    assert not Path("found.json").exists()
 
 
 def test_a_study_says_how_it_is_scored(rock, experiments, tmp_path, capsys, monkeypatch):

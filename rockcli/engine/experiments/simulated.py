@@ -19,12 +19,13 @@ from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.executors import answers
 from rockcli.engine.sweep.sweep import Progress
 from rockcli.engine.sweep.work import Team
-from rockcli.errors import StudyError
+from rockcli.errors import MachineError, StudyError
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.amplitudes import RECORD_SCALINGS
 from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.response import overturned
 from rockcli.study.building.records import MissingRecordError, Records
+from rockcli.study.cases.buildable import Unsolved
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Source, value_at
@@ -221,7 +222,9 @@ class Shaking:
             return np.stack([self._run(self.motions[i]) for i in cases.tolist()])
 
     def lost(self, cases: Index, why: str) -> Array:
-        """No answer."""
+        """No answer; `MachineError` where that is the machine's fault, which says nothing about a body."""
+        if isinstance(why, Unsolved):
+            raise MachineError(f"the runs are not all solved, because the machine refused: {why}")
         return np.full((len(cases), self.size), np.nan)
 
     def _run(self, motion: Samples) -> Array:
@@ -254,6 +257,7 @@ def simulate(
     Raises:
         StudyError, RecordError: as `bodies_of`.
         SolverError: no solver knows the model.
+        MachineError: the machine refused what a run needs.
     """
     study = bodies_of(source, runs, amplitudes)
     channels = channels_of(source, runs)
