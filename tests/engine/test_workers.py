@@ -239,13 +239,15 @@ def test_what_breaks_while_it_is_built_is_a_failed_case(by, chunk: int) -> None:
 
 SLOW = """\
 import os, sys, time
-from rockcli.engine.sweep import executors
+from swept import made_up
+from rockcli.engine.sweep import executors, sweep
 from rockcli.solvers.event import solver as event
 def solve(batch):
     open(f"at-work-{os.getpid()}", "w").close()
-    time.sleep(60)
+    time.sleep(float(os.environ["SECONDS"]))
+    return made_up(batch)
 event.solve = solve
-executors._worth = lambda *_: True
+sweep.CHUNK, executors._worth = 1, lambda *_: True
 from rockcli.cli.main import main
 main()
 """
@@ -258,14 +260,20 @@ def running(pid: int) -> bool:
         return False
 
 
-@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGINT])
-def test_workers_end_with_their_parent(sign: signal.Signals, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("sign", "seconds"), [(signal.SIGKILL, 60.0), (signal.SIGKILL, 0.1), (signal.SIGINT, 60.0)])
+def test_workers_end_with_their_parent(sign: signal.Signals, seconds: float, tmp_path: Path) -> None:
+    """Also those that are done, or wait, before they look whether it is still there."""
     write_study(tmp_path)
     (tmp_path / "temporary").mkdir()
     process = subprocess.Popen(
         [sys.executable, "-c", SLOW, "run", "swept.yaml", "--no-plots", "--workers", "2"],
         cwd=tmp_path,
-        env=os.environ | {"TMPDIR": str(tmp_path / "temporary")},
+        env=os.environ
+        | {
+            "TMPDIR": str(tmp_path / "temporary"),
+            "SECONDS": str(seconds),
+            "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]),
+        },
         stderr=subprocess.PIPE,
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),

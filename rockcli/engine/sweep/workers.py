@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from time import perf_counter
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -225,7 +225,7 @@ def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent:
         try:
             cases = cases_of(pipe.recv())
         except (EOFError, OSError):
-            os._exit(0)
+            _leave(place)
         began = perf_counter()
         try:
             said: tuple[str, Any, float] = ("solved", work(cases), perf_counter() - began)
@@ -234,7 +234,7 @@ def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent:
         try:
             _send(pipe, said)
         except OSError:  # the parent is gone
-            os._exit(0)
+            _leave(place)
 
 
 def _send(pipe: Connection, said: tuple[str, Any, float]) -> None:
@@ -255,9 +255,14 @@ def _portable(error: Exception) -> Exception:
 
 
 def _end_with(parent: int, place: str | None) -> None:
-    """End this process and all it has started when the parent is gone, which can no longer remove `place` then."""
+    """End this process when the parent is gone."""
     while os.getppid() == parent:
         time.sleep(LOOK_EVERY)
+    _leave(place)
+
+
+def _leave(place: str | None) -> NoReturn:
+    """End this process and all it has started, and remove `place`, which the parent, as it is gone, no longer can."""
     if place is not None:
         shutil.rmtree(place, ignore_errors=True)
     if GROUPS:
