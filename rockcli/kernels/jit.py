@@ -95,14 +95,22 @@ def entry(*takes: Any, gives: Any = None) -> Callable[[F], F]:
 
 
 def _forgive(cache: Any) -> None:
-    """Let a kernel that cannot be kept, as the disk is full by now, be used all the same."""
-    save = cache.save_overload
+    """Let a kernel be used that cannot be kept, as the disk is full by now, or that was kept and is damaged."""
+    load, save = cache.load_overload, cache.save_overload
+
+    def load_if_whole(signature: Any, context: Any) -> Any:
+        try:
+            return load(signature, context)
+        except Exception:  # whatever bytes that mean nothing make of the reader
+            with contextlib.suppress(OSError):
+                cache.flush()
+            return None
 
     def save_if_possible(signature: Any, kernel: Any) -> None:
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(Exception):  # a list of kernels that is damaged and cannot be replaced, too
             save(signature, kernel)
 
-    cache.save_overload = save_if_possible
+    cache.load_overload, cache.save_overload = load_if_whole, save_if_possible
 
 
 def room(n: int) -> Any:

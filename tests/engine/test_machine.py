@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -249,7 +250,8 @@ def compiled(folder: Path, cache: Path, **more: Any) -> str:
     return subprocess.run(
         [sys.executable, "-c", KERNEL],
         cwd=folder,
-        env=os.environ | {"ROCK_CACHE_DIR": str(cache), "PYTHONPATH": str(folder)},
+        env=os.environ
+        | {"ROCK_CACHE_DIR": str(cache), "PYTHONPATH": os.pathsep.join([str(folder), str(Path(__file__).parents[2])])},
         capture_output=True,
         text=True,
         check=True,
@@ -273,6 +275,28 @@ def test_a_disk_that_is_full_when_kernels_are_to_be_kept(tmp_path: Path) -> None
         resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # enough to try, not enough for a kernel
 
     assert compiled(tmp_path, tmp_path / "cache", preexec_fn=little_room) == "42.0 0"
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a kernel, and the cache in which it is kept."""
+    folder = tmp_path_factory.mktemp("kept")
+    compiled(folder, folder / "cache")
+    return folder
+
+
+@pytest.mark.parametrize("left", [0, 40])
+@pytest.mark.parametrize("what", ["*.nbi", "*.nbc"])
+def test_kernels_in_the_cache_that_are_damaged_are_compiled_anew(
+    what: str, left: int, kept: Path, tmp_path: Path
+) -> None:
+    """As files that a power failure cut short; all cases were failed, with the words of numba's reader."""
+    shutil.copytree(kept / "cache", tmp_path / "cache")
+    (damaged,) = (tmp_path / "cache").rglob(what)
+    size = damaged.stat().st_size
+    os.truncate(damaged, left)
+    assert compiled(kept, tmp_path / "cache") == "42.0 1"
+    assert damaged.stat().st_size == size
 
 
 @pytest.fixture
