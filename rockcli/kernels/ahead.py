@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
+import hashlib
 import platform
 from collections.abc import Callable
 from functools import cache
@@ -18,6 +19,9 @@ from typing import Any, NamedTuple, get_type_hints
 from rockcli.kernels import places
 
 PACKAGE = __name__.rpartition(".")[0]
+
+_DIGEST = hashlib.sha256().digest_size
+"""Size of the digest behind the code in the file of an object [bytes]."""
 
 
 class Array(NamedTuple):
@@ -142,16 +146,31 @@ class Entry:
         return ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *types)(address)
 
 
+def sealed(code: bytes, symbol: str) -> bytes:
+    """What a file holds of an object: the code, and behind it a digest, by which one that was damaged is known."""
+    return code + hashlib.sha256(symbol.encode() + code).digest()
+
+
+def _unsealed(path: Path, symbol: str) -> bytes:
+    """The code in the file of an object; `OSError` if it is damaged: LLVM's linker would end the process."""
+    held = path.read_bytes()
+    code = held[:-_DIGEST]
+    if held != sealed(code, symbol):
+        raise OSError(f"the compiled kernel {path} is damaged: remove its folder, and they are compiled anew")
+    return code
+
+
 def engine_of(path: Path, symbol: str) -> tuple[Any, int]:
-    """What holds an object in memory, and the address of a function in it."""
+    """What holds an object in memory, and the address of a function in it; `OSError` if its file is damaged."""
     from llvmlite import binding
 
+    code = _unsealed(path, symbol)
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
     if binding.address_of_symbol("sin") is None:  # mostly the interpreter has brought it
         binding.load_library_permanently(ctypes.util.find_library("m"))
     machine = binding.Target.from_default_triple().create_target_machine()
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
-    engine.add_object_file(str(path))
+    engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()
     return engine, engine.get_function_address(symbol)

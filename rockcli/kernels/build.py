@@ -89,7 +89,8 @@ def build_group(group: str, base: Path, levels: list[str]) -> None:
             for level in levels:
                 folder = base / ahead.folder_of(level)
                 folder.mkdir(exist_ok=True)
-                (folder / f"{name}.o").write_bytes(object_of(text, symbol, ahead.symbol_of(name), level))
+                code = object_of(text, symbol, ahead.symbol_of(name), level)
+                (folder / f"{name}.o").write_bytes(ahead.sealed(code, ahead.symbol_of(name)))
 
 
 def numba_type(kind: Any) -> Any:

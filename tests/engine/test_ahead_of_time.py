@@ -187,6 +187,22 @@ def test_an_entry_takes_arrays_in_order_only() -> None:
         ahead.flatten(ahead.CHARACTERS, a[0], [])
 
 
+@pytest.mark.parametrize("what", ["empty", "short", "without its digest", "a bit", "another's"])
+def test_a_damaged_object_is_named_before_the_linker_has_it(what: str, tmp_path: Path) -> None:
+    """The linker ends the process of what was cut short, and calls what was changed."""
+    code = bytes(range(256)) * 8
+    held = {
+        "empty": b"",
+        "short": ahead.sealed(code, "rockcli_x")[:1000],
+        "without its digest": code,
+        "a bit": ahead.sealed(code, "rockcli_x").replace(b"\x00", b"\x01", 1),
+        "another's": ahead.sealed(code, "rockcli_y"),
+    }[what]
+    (tmp_path / "x.o").write_bytes(held)
+    with pytest.raises(OSError, match=r"the compiled kernel .*x\.o is damaged: remove its folder"):
+        ahead.engine_of(tmp_path / "x.o", "rockcli_x")
+
+
 def rock(*words: str, **more: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "rockcli.cli.main", "cache", *words]
     return subprocess.run(command, env=environment(**more), capture_output=True, text=True, check=False)
