@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import weakref
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from rockcli.engine.sweep import chunks, parts, sweep
 from rockcli.engine.sweep.chunk_result import ChunkResult, blank, cases_of, spans_of
 from rockcli.engine.sweep.parts import FOLDER, Parts
 from rockcli.engine.sweep.settings_used import joined
+from rockcli.engine.sweep.work import Team
 from rockcli.errors import OutputError, StudyError
 from rockcli.storage import netcdf
 from rockcli.storage.part import read_part, write_part
@@ -290,6 +292,31 @@ def test_a_share_of_a_study_that_nobody_could_hold(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "rockcli", "run", "large.yaml", "--part", "1/100000", "--quiet", "--workers", "1"]
     subprocess.run(command, cwd=tmp_path, check=True)
     assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss < 1 << 20
+
+
+class _Full:
+    """Has every case, each in a part of its own, and counts how many of them are held at once."""
+
+    damaged = 0
+    most = 0
+
+    def kept(self):  # type: ignore[no-untyped-def]
+        held: weakref.WeakSet[ChunkResult] = weakref.WeakSet()
+        for case in range(CASES):
+            answer = ChunkResult(np.array([case]), {})
+            held.add(answer)
+            self.most = max(self.most, len(held))
+            yield answer
+            del answer
+
+    def keep(self, answer: ChunkResult) -> None:
+        raise AssertionError
+
+
+def test_a_share_holds_no_parts_but_the_one_it_looks_at() -> None:
+    keeper = _Full()
+    assert sweep.solve_share(study(), sweep.Sweep(Team(), keeper, (1, 2))) == CASES
+    assert keeper.most <= 2
 
 
 class _Deaf:

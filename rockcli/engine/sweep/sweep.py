@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -168,7 +168,7 @@ def solve_share(study: Study, sweep: Sweep) -> int:
         keep_freed()
         turned = _by_record(study)
         kept: Spans = []
-        for answer in (*sweep.known, *(sweep.keeper.kept() if sweep.keeper else ())):
+        for answer in chain(sweep.known, sweep.keeper.kept() if sweep.keeper else ()):
             spans = [(first, stop) for first, stop in spans_of(places_in_turn(answer.cases, turned)).tolist()]
             kept = sorted([*kept, *without(spans, kept)])
         _note_damaged(sweep)
