@@ -72,6 +72,21 @@ def test_a_search_goes_on(chunks: int, solved: list[float], tmp_path: Path, monk
     np.testing.assert_allclose(whole.values(FOUND), 0.1 * np.array([1.0, 1.5, 2.0, 2.5]) / 3.0, rtol=2e-6)
 
 
+def test_damaged_trials_are_solved_again_and_told(
+    solved: list[float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = solve(searched())
+    with monkeypatch.context() as once:
+        once.setattr(netcdf, "write", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            run_study(searched(), tmp_path, plots=False)
+    part = min((tmp_path / "swept").rglob("*.npz"))
+    part.write_bytes(part.read_bytes()[:200])
+    report = run_study(searched(), tmp_path, plots=False)
+    assert "some results kept by earlier runs were damaged and were solved again" in report.warnings
+    assert_same(whole, netcdf.read(tmp_path / "swept" / "swept.nc"))
+
+
 def spoilt(monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
     """Break trials of one case, above the first points of the scan."""
     from rockcli.solvers.event import solver as event

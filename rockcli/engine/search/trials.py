@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli.engine.sweep.chunk_result import ChunkResult
 from rockcli.engine.sweep.results import of_failed
-from rockcli.engine.sweep.sweep import Solving, Sweep, check_solved, note_unsolved
+from rockcli.engine.sweep.sweep import Solving, Sweep, check_solved, note_damaged, note_unsolved
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED
 from rockcli.study.study import Index, Study
@@ -64,6 +64,7 @@ class Tried:
         self._first = 0
         self._refused: dict[str, int] = {}
         kept = list(sweep.keeper.kept()) if sweep.keeper else []
+        note_damaged(sweep)
         numbers = np.concatenate([answer.cases for answer in kept]) if kept else np.empty(0, dtype=np.int64)
         order = np.argsort(numbers, kind="stable")
         self._numbers = numbers[order]

@@ -171,7 +171,7 @@ def solve_share(study: Study, sweep: Sweep) -> int:
         for answer in chain(sweep.known, sweep.keeper.kept() if sweep.keeper else ()):
             spans = [(first, stop) for first, stop in spans_of(places_in_turn(answer.cases, turned)).tolist()]
             kept = sorted([*kept, *without(spans, kept)])
-        _note_damaged(sweep)
+        note_damaged(sweep)
         chunks = Chunks(study.size, without(_of_share(study.size, *sweep.share), kept), turned)
         tally = Tally(counted(kept))
         _work_off_at_pace(study, sweep, tally, chunks)
@@ -204,11 +204,12 @@ def take_known(sweep: Sweep, results: Results) -> NDArray[np.bool_]:
         results.put(fresh)
         sweep.resumed += len(fresh.cases)
         let_go(todo)
-    _note_damaged(sweep)
+    note_damaged(sweep)
     return todo
 
 
-def _note_damaged(sweep: Sweep) -> None:
+def note_damaged(sweep: Sweep) -> None:
+    """Say that parts were met that cannot be read."""
     if sweep.keeper and sweep.keeper.damaged:
         sweep.team.note("some results kept by earlier runs were damaged and were solved again")
 
