@@ -38,6 +38,9 @@ from rockcli.errors import RockError, StudyError
 
 BROKE = 4
 
+SHARED = "shared object"
+"""Words of the system's loader that has no memory or no file for a library: no bug of this program."""
+
 SELDOM = 200_000
 """New objects after which those in circles are looked for.  By default that is after every 700: the objects of modules,
 none of which is freed, would be looked through 150 times before the first case, a tenth of a short command's time."""
@@ -184,6 +187,10 @@ def _run() -> None:
             say(f"rock: {damaged}: is damaged, or was changed by another program ({_words(error)})", err=True)
             _trace(error)
             sys.exit(StudyError.exit_code)
+        if isinstance(error, ImportError) and SHARED in str(error):
+            say(f"rock: a library cannot be loaded: {error}", err=True)
+            _trace(error)
+            sys.exit(BROKE)
         if not _trace(error):
             say(f"rock: this is a bug in rock: {_words(error)}", err=True)
             say("rock: set ROCK_DEBUG=1 for the traceback", err=True)

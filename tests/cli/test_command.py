@@ -149,6 +149,19 @@ def test_a_bug_is_exit_code_4(
     assert "Traceback" in capsys.readouterr().err
 
 
+def test_a_library_that_the_system_does_not_load_is_no_bug(
+    rock: Rock, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = "libx.so: failed to map segment from shared object"
+
+    def refused(*_: object, **__: object) -> None:
+        raise ImportError(said)
+
+    monkeypatch.setattr("rockcli.engine.run.run_study", refused)
+    assert rock("run", study(tmp_path)) == 4
+    assert capsys.readouterr().err.strip() == f"rock: a library cannot be loaded: {said}"
+
+
 def test_an_interrupt_is_exit_code_130(rock: Rock, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(batch: object) -> None:
         raise KeyboardInterrupt
