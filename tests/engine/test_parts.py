@@ -190,6 +190,20 @@ def test_a_full_disk_keeps_what_was_finished(
     assert run_study(study(), tmp_path, plots=False).resumed == 15
 
 
+@pytest.mark.parametrize("ends", [KeyboardInterrupt, None])
+def test_a_folder_that_cannot_be_made_is_told_as_a_part_that_cannot_be_written(
+    ends: type[BaseException] | None, tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on a disk without room for one; the system's error took the place of the interrupt, and lacked the advice."""
+    (tmp_path / "swept").mkdir()
+    (tmp_path / "swept" / FOLDER).write_text("")
+    if ends is not None:
+        monkeypatch.setattr(parts, "EVERY", 60.0)
+        stop_after(monkeypatch, 2, ends)
+    with pytest.raises(ends or OutputError, match=None if ends else "could not be kept and will be solved again"):
+        run_study(study(), tmp_path, plots=False)
+
+
 def test_a_part_holds_everything(tmp_path: Path) -> None:
     cases = np.array([0, 1, 2, 7, 9, 10], dtype=np.int64)
     answer = ChunkResult(cases, blank(("outcome", "theta_peak", "n_steps", "reason"), 6))

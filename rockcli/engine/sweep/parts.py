@@ -90,7 +90,6 @@ class Parts:
             arrays, words = _packed(self._waiting)
             spans = np.concatenate([arrays[f"{i}.spans"].ravel() for i in range(len(self._waiting))])
             name = f"{spans[0]:012d}-{hashlib.sha256(spans.tobytes()).hexdigest()[:16]}"
-            self.folder.mkdir(parents=True, exist_ok=True)
             try:
                 write_part(self.folder / f"{name}.npz", arrays, words | {"identity": self.identity, "format": _FORMAT})
             except BaseException:
