@@ -46,11 +46,11 @@ def metadata_beside(path: Path) -> dict[str, float]:
     """
     table = os.path.join(os.path.dirname(path), NAME)  # many times faster than a `Path`: it is sought for every record
     try:
-        stamp = os.stat(table).st_mtime_ns
+        here = os.stat(table)
     except OSError:
         return {}
     try:
-        by_file, by_number = _read(Path(table), stamp)
+        by_file, by_number = _read(Path(table), here.st_ino, here.st_size, here.st_mtime_ns, here.st_ctime_ns)
     except csv.Error as error:
         raise RecordError(f"cannot be read as the table of the PEER database: {error}; correct it", table) from error
     number = re.match(r"RSN(\d+)_", path.name, re.I)
@@ -58,7 +58,7 @@ def metadata_beside(path: Path) -> dict[str, float]:
 
 
 @lru_cache(maxsize=64)
-def _read(table: Path, stamp: int) -> tuple[dict[str, dict[str, float]], dict[int, dict[str, float]]]:
+def _read(table: Path, *unchanged: int) -> tuple[dict[str, dict[str, float]], dict[int, dict[str, float]]]:
     by_file: dict[str, dict[str, float]] = {}
     by_number: dict[int, dict[str, float]] = {}
     columns: dict[str, int] = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -206,6 +207,15 @@ def test_what_the_database_says_of_a_record(tmp_path: Path) -> None:
     head, row = said.splitlines()
     assert [one.strip() for one in head.split("  ")[-4:]] == ["M", "R_rup [km]", "Vs30 [m/s]", "T_pulse [s]"]
     assert row.split()[-4:] == ["7.28", "23.62", "353.6", "7.504"]
+
+
+def test_a_table_of_the_database_that_is_exchanged_for_one_as_old_is_read_again(tmp_path: Path) -> None:
+    """As copies with `cp -p` and `rsync -t` are, in one process that goes on."""
+    for magnitude in (7.28, 7.31):
+        (tmp_path / "new").write_text(SEARCH.replace("7.28", f"{magnitude}"))
+        os.utime(tmp_path / "new", (1e9, 1e9))
+        (tmp_path / "new").replace(tmp_path / NAME)
+        assert metadata_beside(tmp_path / "RSN900_A_YER270.AT2")["magnitude"] == magnitude
 
 
 def test_a_damaged_table_of_the_database_is_told(tmp_path: Path) -> None:
