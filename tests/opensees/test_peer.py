@@ -113,6 +113,23 @@ time.sleep(600)
     assert not any(alive(pid) for pid in pids)
 
 
+def test_time_in_which_all_stands_still_does_not_count(tmp_path_factory, monkeypatch):
+    """As that of a job that is suspended, or of a machine that sleeps: the clock then jumps between two looks."""
+
+    class Jumping:
+        looks = 0
+
+        def monotonic(self):
+            self.looks += 1
+            return time.monotonic() + 3600.0 * (self.looks > 2)
+
+    monkeypatch.setattr(programs, "time", Jumping())
+    command = [sys.executable, "-c", "import time; time.sleep(0.8)"]
+    place = tmp_path_factory.mktemp("place")
+    ending = programs.watch(command, place, log=place / "log", limit=60.0)
+    assert (ending.code, ending.late) == (0, False)
+
+
 def test_an_interruption_leaves_nothing(monkeypatch):
     seen = []
 

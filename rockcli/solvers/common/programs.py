@@ -27,6 +27,9 @@ ALONE = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 LOOK_EVERY = 0.25
 """Time between two looks at a running process [s]."""
 
+LONGEST = 1.0
+"""Time between two looks that counts at most [s]: if it is more, this process was stopped, and the other too."""
+
 GRACE = 2.0
 """Time a process is given to end when asked to, before it is killed [s]."""
 
@@ -84,12 +87,12 @@ def watch(
     Args:
         command: the program and its words; folder: where it works.
         log: file for what it complains of, and, if `printed`, for what it prints.
-        limit: wall time after which it is ended [s].
+        limit: wall time after which it is ended [s], without that in which all stands still, as a suspended job does.
         environment: beside `ALONE` and that of this process.
         enough: looked at several times per second; True ends the run.  What it raises ends the run and is passed on.
     """
     shell = ["/bin/sh", "-c", WITH_ITS_PARENT, "rock"] if GROUPS else []
-    end = time.monotonic() + limit
+    left, looked = limit, time.monotonic()
     with log.open("wb") as said:
         process = subprocess.Popen(
             [*shell, *command],
@@ -101,10 +104,12 @@ def watch(
             start_new_session=True,
         )
         try:
-            while not _ended(process, min(LOOK_EVERY, max(end - time.monotonic(), 0.0))):
+            while not _ended(process, min(LOOK_EVERY, max(left, 0.0))):
                 if enough():
                     return Ending(None)
-                if time.monotonic() >= end:
+                now = time.monotonic()
+                left, looked = left - min(now - looked, LONGEST), now
+                if left <= 0.0:
                     return Ending(None, late=True)
         finally:
             _end_group(process)
