@@ -12,6 +12,11 @@ from contextlib import contextmanager
 GROUPS = hasattr(os, "killpg") and hasattr(os, "setpgid")
 """Whether a process can be ended with all it has started."""
 
+OWN_FAULT = {
+    getattr(signal, name, None) for name in ("SIGSEGV", "SIGBUS", "SIGFPE", "SIGILL", "SIGABRT", "SIGSYS", "SIGTRAP")
+}
+"""Signals that a process brings upon itself; others come from outside, as SIGKILL where memory has run out."""
+
 
 def lead_group() -> None:
     """Put this process into a group of its own: what is typed into the terminal is not for it."""

@@ -64,6 +64,7 @@ def test_what_goes_wrong_is_a_sentence(text, sentence):
     ("text", "words"),
     [
         ("import os, signal\nos.kill(os.getpid(), signal.SIGKILL)", "killed by the system"),
+        ("import os, signal\nos.kill(os.getpid(), signal.SIGTERM)", "ended from outside by signal SIGTERM"),
         ("raise OSError(28, 'No space left on device')", "No space left on device"),
         ("raise MemoryError('Unable to allocate 9 GiB')", "MemoryError"),
     ],

@@ -31,7 +31,7 @@ from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.work import Team, Work, in_halves
 from rockcli.errors import MACHINE
 from rockcli.forks import FORKS, OURS, begin_as_child
-from rockcli.process_groups import GROUPS, held_back, signal_group
+from rockcli.process_groups import GROUPS, OWN_FAULT, held_back, signal_group
 from rockcli.study.cases.buildable import Unsolved
 from rockcli.study.study import Index
 
@@ -52,11 +52,6 @@ MAX_RETRIES = 2
 
 MAX_CRASHES = 64
 """Dead workers after which what kills one more is not looked into."""
-
-OWN_FAULT = {
-    getattr(signal, name, None) for name in ("SIGSEGV", "SIGBUS", "SIGFPE", "SIGILL", "SIGABRT", "SIGSYS", "SIGTRAP")
-}
-"""Signals that a process brings upon itself; others come from outside, as SIGKILL where memory has run out."""
 
 LOOK_EVERY = 0.5
 """Time between two looks whether the parent is alive [s]."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rockcli.errors import MachineError
-from rockcli.process_groups import GROUPS, signal_group
+from rockcli.process_groups import GROUPS, OWN_FAULT, signal_group
 
 _NO_SPACE, _NO_MEMORY = (os.strerror(code) for code in (errno.ENOSPC, errno.ENOMEM))
 REFUSALS = (_NO_SPACE, _NO_MEMORY, "MemoryError", "bad_alloc", "error allocating memory")
@@ -139,12 +139,15 @@ def _end_group(process: subprocess.Popen[bytes]) -> None:
 
 
 def check_machine(program: str, code: int | None, words: str) -> None:
-    """`MachineError` if a process that ended with a code and some last words got no memory or no space.
+    """`MachineError` if a process that ended with a code and some last words got no memory or no space, or was ended.
 
-    Nobody here has sent SIGKILL to a process that has ended by then: the system does where memory has run out.
+    Nobody here has sent a signal to a process that has ended by then: the system sends SIGKILL where memory has run
+    out, a queue SIGTERM to all processes of a job whose time is up.
     """
-    if code is not None and Ending(code).signal == "SIGKILL":
+    if (name := Ending(code).signal) == "SIGKILL":
         raise MachineError(f"{program} was killed by the system, as it does where memory has run out")
+    if name and signal.Signals[name] not in OWN_FAULT:
+        raise MachineError(f"{program} was ended from outside by signal {name}")
     for refusal in REFUSALS:
         if code and refusal in words:
             raise MachineError(f"{program} ended with {refusal!r}")
