@@ -82,7 +82,7 @@ def _why(scratch: Path, error: RuntimeError | OSError) -> str:
             os.fsync(file.fileno())
     except OSError as refused:
         return reason(refused)
-    return reason(error) if isinstance(error, OSError) else f"no space left, or the folder is gone ({error})"
+    return reason(error) if isinstance(error, OSError) else f"no space or memory left, or the folder is gone ({error})"
 
 
 def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:

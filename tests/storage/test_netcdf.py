@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray
 
-from rockcli.errors import StudyError
+from rockcli.errors import OutputError, StudyError
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import replacing, sweep_leftovers
 from rockcli.storage.contents import (
@@ -141,6 +141,18 @@ def test_a_failed_write_leaves_what_was_there(path: Path, monkeypatch: pytest.Mo
         netcdf.write(contents(), path)
     assert path.read_bytes() == before
     assert [file.name for file in path.parent.iterdir()] == [path.name]
+
+
+def test_what_the_library_does_not_tell_may_be_memory(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It has the same words where it gets none, while the disk takes what it is asked to."""
+
+    def refused(*_: object) -> None:
+        raise RuntimeError("NetCDF: HDF error")
+
+    contents = netcdf.read(path)
+    monkeypatch.setattr(netcdf, "_write", refused)
+    with pytest.raises(OutputError, match=r"no space or memory left, .* \(NetCDF: HDF error\)"):
+        netcdf.write(contents, path)
 
 
 def test_scratch_files_of_killed_runs_are_swept(tmp_path: Path) -> None:
