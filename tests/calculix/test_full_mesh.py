@@ -92,6 +92,17 @@ def test_overturning_ends_the_run():
     assert np.isfinite(response.scalars["t_overturn"][0])
 
 
+@pytest.mark.parametrize("start", [0.95, 1.1])
+def test_a_body_that_falls_from_beyond_its_equilibrium_passes_it_at_once(start):
+    """Eight times the modulus at which it buckles: its equilibrium is at .904 alpha."""
+    alpha = np.arctan(0.1)
+    how = {"h": 5.0, "E": 3e8, "zeta": 0.05, "along": 8, "accuracy": "draft"}
+    response = solve(mesh_batch(still(2.0), theta_0=start * alpha, **how))
+    assert response.scalars["outcome"][0] == OVERTURNED_WITHOUT_IMPACT, response.reasons
+    assert response.scalars["t_overturn"][0] == 0.0
+    assert np.isnan(response.scalars["N_min_over_mg"][0])
+
+
 def test_a_kept_run_that_is_damaged_is_run_again(tmp_path, monkeypatch):
     home = tmp_path / "kept"
     monkeypatch.setenv(folder.KEEP, str(home))

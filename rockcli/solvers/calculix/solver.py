@@ -19,7 +19,7 @@ from rockcli.solvers.calculix.case import Prepared, Refused, prepare
 from rockcli.solvers.calculix.folder import solve_deck
 from rockcli.solvers.calculix.run import program
 from rockcli.solvers.calculix.verdict import fallen, judge
-from rockcli.solvers.common.found import Found, impacts_of, note_unstored
+from rockcli.solvers.common.found import Found, impacts_of, last_outward, note_unstored
 
 Array = NDArray[np.float64]
 
@@ -84,12 +84,14 @@ def _scalars(batch: Batch, solved: list[_Solved | None], reasons: list[str]) -> 
         motion, deck = case.motion, case.prepared.deck
         verdict[i], n_impacts[i] = judge(case.prepared.body, motion.t, motion.theta), len(case.landings.t)
         at = int(np.argmax(np.abs(motion.theta)))
-        t_overturn = _last_passage(motion, case.prepared.body.alpha)
-        standing = motion.t <= (t_overturn if verdict[i] == FALLS and np.isfinite(t_overturn) else np.inf)
+        t_overturn = last_outward(motion.t, motion.theta, case.prepared.body.theta_star)
+        fell = verdict[i] == FALLS
+        standing = motion.t <= (t_overturn if fell and np.isfinite(t_overturn) else np.inf)
+        N_min = np.nan if fell and t_overturn == 0.0 else motion.N[standing].min() / (deck.mass * deck.g)
         side[i] = np.sign(motion.theta[at])
         values = (
             abs(motion.theta[at]), np.max(np.abs(_rate(motion))), np.max(np.abs(motion.u_top)), motion.t[at],
-            case.landings.opened, t_overturn, motion.t[-1], motion.N[standing].min() / (deck.mass * deck.g),
+            case.landings.opened, t_overturn, motion.t[-1], N_min,
         )  # fmt: skip
         for name, value in zip(names, values, strict=True):
             read[name][i] = value
@@ -125,16 +127,6 @@ def _scalars(batch: Batch, solved: list[_Solved | None], reasons: list[str]) -> 
 def _rate(motion: Motion) -> Array:
     """Rate of rotation at the increments, (k,) [rad/s]."""
     return np.asarray(np.gradient(motion.theta, motion.t) if len(motion.t) > 1 else np.zeros(len(motion.t)))
-
-
-def _last_passage(motion: Motion, alpha: float) -> float:
-    """Last time |theta| passes alpha outward [s]."""
-    beyond = np.abs(motion.theta) - alpha
-    up = np.flatnonzero((beyond[:-1] < 0.0) & (beyond[1:] >= 0.0))
-    if not len(up):
-        return float("nan")
-    i = int(up[-1])
-    return float(motion.t[i] - beyond[i] * (motion.t[i + 1] - motion.t[i]) / (beyond[i + 1] - beyond[i]))
 
 
 def _histories(batch: Batch, solved: list[_Solved | None]) -> tuple[dict[str, Array], Array]:

@@ -106,6 +106,21 @@ def from_beyond(t_overturn: Array) -> Array:
     return np.where(np.isnan(t_overturn), 0.0, t_overturn)
 
 
+def last_outward(t: Array, theta: Array, q: float) -> float:
+    """Time of the last outward passage of |theta| = q, linear between times t (k,) of rotations theta (k,) [s].
+
+    0 where it has been beyond from the start, NaN where the passage is yet to come in the end.
+    """
+    beyond = np.abs(theta) - q
+    if beyond[-1] < 0.0:
+        return np.nan
+    at = np.flatnonzero((beyond[:-1] < 0.0) & (beyond[1:] >= 0.0))
+    if not len(at):
+        return 0.0
+    j = int(at[-1])
+    return float(t[j] - beyond[j] * (t[j + 1] - t[j]) / (beyond[j + 1] - beyond[j]))
+
+
 def rigid_top(batch: Batch, peak: Array, sides: Array | None = None) -> Array:
     """Largest displacement of the top of bodies that do not bend, (n,) [m].
 

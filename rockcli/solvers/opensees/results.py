@@ -13,7 +13,7 @@ from rockcli.scene.body.block import LEFT
 from rockcli.scene.response import UNRESOLVED
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.duration import output_times
-from rockcli.solvers.common.found import Found, impacts_of, note_unstored, rigid_top
+from rockcli.solvers.common.found import Found, impacts_of, last_outward, note_unstored, rigid_top
 from rockcli.solvers.opensees.case import CaseOfOpenSees
 from rockcli.solvers.opensees.run import Answer
 from rockcli.solvers.opensees.verdict import fate, outcome_law
@@ -40,7 +40,8 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
         for name in names:
             said[name][i] = answer.summary.get(name)  # null where there is none
         if verdict[i] == FALLS:
-            said["t_overturn"][i] = np.nan if struck_later[i] else _last_outward(answer.table, law.q_star)
+            t, theta = answer.table[:, 0], answer.table[:, 1]
+            said["t_overturn"][i] = np.nan if struck_later[i] else last_outward(t, theta, law.q_star)
         fast = FAST * float(batch.p[i, LEFT]) * float(batch.block.alpha[i, LEFT])
         counted["n_impacts"][i] = np.count_nonzero(np.abs(answer.impacts[:, 1]) > fast)
         counted["n_steps"][i], counted["n_rhs"][i] = answer.summary["steps"], answer.summary["iterations"]
@@ -68,21 +69,6 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
         reasons[which] = "in the end its energy does not decide whether it overturns: give a longer duration"
     note_unstored(batch, found.n_impacts, reasons)
     return scalars | counted | found.scalars(batch), reasons
-
-
-def _last_outward(table: Array, q: float) -> float:
-    """Time of the last outward passage of |theta| = q, linear between rows [s].
-
-    0 where it has been beyond from the start, NaN where the passage is yet to come as the table ends.
-    """
-    t, theta = table[:, 0], np.abs(table[:, 1])
-    if theta[-1] < q:
-        return np.nan
-    at = np.flatnonzero((theta[:-1] < q) & (theta[1:] >= q))
-    if not len(at):
-        return 0.0
-    j = int(at[-1])
-    return float(t[j] + (t[j + 1] - t[j]) * (q - theta[j]) / (theta[j + 1] - theta[j]))
 
 
 def histories_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, Array], dict[str, Array], Array]:
