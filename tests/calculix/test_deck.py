@@ -68,6 +68,16 @@ def test_amplitudes_have_opposite_signs_of_the_ground():
     assert deck.a_g.max() == pytest.approx(4.905, rel=1e-4)
 
 
+def test_numbers_keep_their_exponents():
+    """CalculiX reads 20 characters of a number: the middle of this mesh, and the motion, would be off by 1e16 and 1e5."""
+    motion = record(np.full(3, 1.23456789012345e-05), 0.5, duration=1.0)
+    batch = mesh_batch(motion, across=6, along=1, h=39.75, tan_alpha=0.1, theta_0=-1.23456789012345e-05)
+    deck = prepare(batch, 0).deck
+    assert deck.mesh.x_base[3] == -4.440892098500626e-16
+    fields = [field.strip() for line in deck.text().splitlines() for field in line.split(",")]
+    assert max(len(field) for field in fields if field.startswith("-")) <= 20
+
+
 def test_jumps_have_a_time_on_each_side():
     batch = mesh_batch(pulse("rectangular", 2.0, np.pi, duration=3.0))  # T_p = 2 s: on for 1 s
     t = breakpoints(batch, 0, 3.0, 0.01)

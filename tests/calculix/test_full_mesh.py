@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from mesh_cases import fig60, mesh_batch, needs_ccx
-from scenes import pulse, still
+from scenes import pulse, record, still
 
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, ROCKING
 from rockcli.solvers.calculix import folder, solve
@@ -40,6 +40,14 @@ def test_a_body_at_rest_stays_at_rest():
     theta = response.histories["theta"][0]
     assert np.abs(theta).max() < 1e-5
     assert np.abs(response.histories["u_top"][0]).max() < 0.02 * 50.0
+
+
+def test_a_motion_next_to_none_lifts_nothing():
+    """Of -1.23456789012345e-05 CalculiX reads 20 characters, which are -1.2."""
+    next_to_none = record(np.full(101, 1.23456789012345e-05), 0.01, duration=1.0)
+    response = solve(mesh_batch(next_to_none, h=5.0, E=3e9, zeta=0.05, along=8, accuracy="draft"))
+    assert response.scalars["outcome"][0] == NO_UPLIFT, response.reasons
+    assert response.scalars["u_top_peak"][0] < 1e-6
 
 
 def test_a_body_that_turns_with_its_soft_base_has_not_lifted():

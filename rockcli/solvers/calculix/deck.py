@@ -22,6 +22,11 @@ SMALLEST = 1e-7
 """Smallest increment CalculiX may cut down to, over the largest."""
 
 
+def number(x: float) -> str:
+    """A number as CalculiX reads it: it takes 20 characters, and of a longer one the last digits of the exponent go."""
+    return f"{x:.13g}"
+
+
 @dataclass(frozen=True, eq=False)
 class Deck:
     """One case.
@@ -76,7 +81,7 @@ class Deck:
         mesh = self.mesh
         yield "*NODE, NSET=BODY"
         for i, (x, y, z) in enumerate(mesh.nodes, start=1):
-            yield f"{i}, {x:.15g}, {y:.15g}, {z:.15g}"
+            yield f"{i}, {number(x)}, {number(y)}, {number(z)}"
         yield "*ELEMENT, TYPE=C3D8I, ELSET=SOLID"
         for e, nodes in enumerate(mesh.bricks + 1, start=1):
             yield ", ".join(str(n) for n in (e, *nodes))
@@ -86,11 +91,11 @@ class Deck:
         yield from (f"{n + 1}," for n in (*mesh.base, *mesh.top))
         yield "*MATERIAL, NAME=BODY"
         yield "*ELASTIC"
-        yield f"{self.E:.15g}, {self.nu:.15g}"
+        yield f"{number(self.E)}, {number(self.nu)}"
         yield "*DENSITY"
-        yield f"{self.rho:.15g}"
+        yield f"{number(self.rho)}"
         if self.beta > 0.0:
-            yield f"*DAMPING, ALPHA=0., BETA={self.beta:.15g}"
+            yield f"*DAMPING, ALPHA=0., BETA={number(self.beta)}"
         yield "*SOLID SECTION, ELSET=SOLID, MATERIAL=BODY"
         # plane stress: both layers move alike in the plane, the back is free to move out of it
         yield "*EQUATION"
@@ -109,11 +114,11 @@ class Deck:
             for side in (-1.0, 1.0):
                 node, element = node + 1, element + 1
                 yield "*NODE, NSET=GROUND"
-                yield f"{node}, {x:.15g}, {y:.15g}, {z:.15g}"
+                yield f"{node}, {number(x)}, {number(y)}, {number(z)}"
                 yield f"*ELEMENT, TYPE=GAPUNI, ELSET=STRUT{element}"
                 yield f"{element}, {node}, {n + 1}"
                 yield f"*GAP, ELSET=STRUT{element}"
-                yield f"0., {side * sin:.15g}, {cos:.15g}, 0., , {stiffness:.15g}, {tail:.15g}"
+                yield f"0., {number(side * sin)}, {number(cos)}, 0., , {number(stiffness)}, {number(tail)}"
         yield "*BOUNDARY"
         yield "GROUND, 1, 3"
         yield "FRONT, 3, 3"
@@ -142,7 +147,7 @@ class Deck:
             yield "*BOUNDARY"
             yield f"{self._handle()[0]}, 1, 1, 0."
         yield "*DLOAD"
-        yield f"SOLID, GRAV, {self.g:.15g}, 0., -1., 0."
+        yield f"SOLID, GRAV, {number(self.g)}, 0., -1., 0."
         # the first of all steps has to ask for energy if a dynamic one is to follow
         yield f"*EL PRINT, ELSET=SOLID, FREQUENCY={_NEVER}, TOTALS=ONLY"
         yield "ELSE"
@@ -154,18 +159,18 @@ class Deck:
             yield "0.01, 1., 1e-8, .05"
             yield "*BOUNDARY"
             width = self.mesh.share.sum()
-            yield f"{self._handle()[0]}, 1, 1, {width * np.sin(self.theta_0):.15g}"
+            yield f"{self._handle()[0]}, 1, 1, {number(width * np.sin(self.theta_0))}"
             # the handle then carries next to nothing, and letting it go does not shake the base
             lean = np.arctan2(width, self.mesh.nodes[:, 1].max()) - abs(self.theta_0)
             yield "*DLOAD"
-            yield f"SOLID, GRAV, {self.g * np.tan(lean):.15g}, {np.sign(self.theta_0):.15g}, 0., 0."
+            yield f"SOLID, GRAV, {number(self.g * np.tan(lean))}, {number(np.sign(self.theta_0))}, 0., 0."
             yield from self._output()
             yield "*END STEP"
 
     def _dynamics(self) -> Iterable[str]:
         yield f"*STEP, NLGEOM, INC={_NEVER}"
-        yield f"*DYNAMIC, ALPHA={self.dissipation:.15g}"
-        yield f"{0.1 * self.dt:.15g}, {self.t_stop:.15g}, {SMALLEST * self.dt:.15g}, {self.dt:.15g}"
+        yield f"*DYNAMIC, ALPHA={number(self.dissipation)}"
+        yield f"{number(0.1 * self.dt)}, {number(self.t_stop)}, {number(SMALLEST * self.dt)}, {number(self.dt)}"
         if self.theta_0 != 0.0:
             yield "*BOUNDARY, OP=NEW"
             yield "GROUND, 1, 3"
@@ -181,7 +186,7 @@ class Deck:
         for name, values in (("ACROSS", -self.a_g), ("DOWN", self.g + self.a_v)):
             yield f"*AMPLITUDE, NAME={name}"
             for t, value in zip(self.t, values, strict=True):
-                yield f"{t:.12g}, {value:.15g}"
+                yield f"{number(t)}, {number(value)}"
 
 
 _NEVER = 100_000_000
