@@ -90,7 +90,7 @@ def _text(found: Calibration) -> str:
             likely = sorted(told["probability"].items(), key=lambda pair: -pair[1])[:5]
             labels.append(f"  {path}: " + ", ".join(f"{label} {share:.2f}" for label, share in likely))
     head = ["after the runs", "mean", "sd", "2.5 %", "median", "97.5 %"]
-    bodies = f"  {plain['bodies']} bodies, as if {plain['bodies_effective']:.3g} were equally likely"
+    bodies = f"  {counted(plain['bodies'], 'body')}, as if {plain['bodies_effective']:.3g} were equally likely"
     return "\n".join([title, table(head, rows, right=5, indent=2), bodies, *walk, *labels])
 
 
