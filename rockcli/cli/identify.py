@@ -39,6 +39,7 @@ def identify(
 
     Intervals hold with a confidence of 95 %.  Free rocking starts with the first row; its state there is fitted too.
     """
+    from rockcli.cli.progress import Progress
     from rockcli.engine.identify import (
         ALPHA,
         ETA,
@@ -78,7 +79,11 @@ def identify(
             guess |= {THETA: float(measured.theta[0]), RATE: 0.0}
             guess[ETA] = eta_of_amplitudes(amplitudes_of(measured), guess[ALPHA])
             names += [THETA, RATE]
-        found = identify_history(measured, source, guess, names)
+        line = Progress(file.name, shown=True, what="stages")
+        try:
+            found = identify_history(measured, source, guess, names, line)
+        finally:
+            line.close()
     if out is not None:
         write_fit(measured, found, out)
     say(_as_json(found) if as_json else _in_words(found, measured, file))

@@ -239,7 +239,11 @@ def guess_of(source: Path | dict[str, Any]) -> dict[str, float]:
 
 
 def identify_history(
-    measured: Measured, source: Path | dict[str, Any], guess: dict[str, float], free: Sequence[str]
+    measured: Measured,
+    source: Path | dict[str, Any],
+    guess: dict[str, float],
+    free: Sequence[str],
+    progress: Callable[[int, int], None] | None = None,
 ) -> Identified:
     """Fit the solver's rotation to a measured one, over growing shares of the data.
 
@@ -248,6 +252,7 @@ def identify_history(
         source: the study whose motion, if any, drives the body.
         guess: of `guess_of`, changed as the caller sees fit; parameters not in `free` stay.
         free: parameters to find.
+        progress: told of every stage that begins how many were before it, and of how many; anew in another attempt.
 
     Raises:
         StudyError: the study is wrong, or there are not more rows than unknowns.
@@ -271,7 +276,9 @@ def identify_history(
     def through_stages(beyond: Sequence[Array]) -> tuple[Fit, Array]:
         """The last fit and what it leaves, (n,); `beyond`: where else eta is sought where a stage leaves no noise."""
         x = np.array([guess[name] for name in free])
-        for share in stages:
+        for done, share in enumerate(stages):
+            if progress is not None:
+                progress(done, len(stages))
             n = min(max(int(share * len(time)), len(free) + 2), len(time))
             at, fits = partial(residuals, n), []
             for beside in (BESIDE, *beyond) if shaken else (np.empty(0),):

@@ -123,6 +123,18 @@ def test_residuals_that_are_no_noise_are_told(tmp_path: Path, alpha: float, doub
     assert any("correlate" in note for note in found["notes"]) is doubted
 
 
+def test_every_stage_is_told() -> None:
+    t = np.arange(0.0, 0.6, 0.02)
+    source = {"name": "free", "case": {"block": {"R": R, "alpha": ALPHA_0}, "initial": {"theta": 0.6 * ALPHA_0}}}
+    told: list[tuple[int, int]] = []
+    names = [ETA, identify.THETA, identify.RATE]
+    measured = Measured(free_rocking(0.6 * ALPHA_0, t), t)
+    identify.identify_history(
+        measured, source, identify.guess_of(source), names, lambda done, of: told.append((done, of))
+    )
+    assert told == [(0, 4), (1, 4), (2, 4), (3, 4)]
+
+
 def amplitudes(n: int) -> np.ndarray:
     top = np.cos(0.0) - np.cos(ALPHA_0)
     start = np.cos(ALPHA_0 - 0.7 * ALPHA_0) - np.cos(ALPHA_0)
