@@ -32,10 +32,10 @@ SHAKEN_STAGES = tuple(np.linspace(0.1, 1.0, 19).tolist())
 BESIDE = np.outer([-1.0, 1.0], np.geomspace(3e-5, 0.05, 20)).ravel()
 """Under a ground motion eta so far beside what earlier data say is tried before each stage, and the best taken up."""
 
-ETA, ALPHA, P, THETA, RATE = "eta", "alpha", "p", "theta_0", "theta_dot_0"
-
 FAR = np.linspace(-0.7, 0.7, 281)
-"""The same, in another attempt, where a stage leaves what is no noise."""
+"""Also tried, in a second attempt, after a stage whose residuals are no noise."""
+
+ETA, ALPHA, P, THETA, RATE = "eta", "alpha", "p", "theta_0", "theta_dot_0"
 
 TOGETHER, VISIBLE = 4.0, 1e-3
 """Correlation of n residuals next to each other, over that which chance leaves, 1/sqrt(n), above which they are not
