@@ -39,7 +39,12 @@ Gravity = Annotated[float, typer.Option("--g", metavar="G", help="What 1 g is [m
 
 @app.command()
 def info(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE|FOLDER", help="Records.", show_default=False)],
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FILE|FOLDER", help="Records; a name alone is searched for as a study does.", show_default=False
+        ),
+    ],
     component: Component = None,
     units: Units = None,
     dt: TimeStep = None,
@@ -82,6 +87,7 @@ def info(
         try:
             if file.is_dir():
                 raise RecordError("there is no file in this folder; folders in it are not searched", file)
+            file = _found(file)
             found = _components(file, component, units, dt, every=brief and not rotd)
         except RecordError as error:
             if inside and not rotd:  # others may stand in a folder of records
@@ -183,7 +189,9 @@ def _draw(path: Path, sources: list[Path], motions: list[Motion], g: float) -> N
 
 @app.command()
 def convert(
-    source: Annotated[Path, typer.Argument(metavar="IN", help="The record.", show_default=False)],
+    source: Annotated[
+        Path, typer.Argument(metavar="IN", help="The record, or its name as in a study.", show_default=False)
+    ],
     target: Annotated[Path, typer.Argument(metavar="OUT", help="OUT.AT2 or OUT.txt.", show_default=False)],
     component: Component = None,
     units: Units = None,
@@ -206,7 +214,7 @@ def convert(
     check_file(target)
     if target.exists() and not force:
         raise RecordError("the file is already there; choose another name, or replace it with --force", target)
-    motion = _read(source, _component(component), units, dt)
+    motion = _read(_found(source), _component(component), units, dt)
     if kind == ".txt":
         title = f"converted from {motion.name} ({motion.format})"
         text = two_columns(motion.values, motion.dt, motion.units, [title, *filter(None, [start_of(motion)])])
@@ -217,6 +225,22 @@ def convert(
     for remark in motion.warnings:
         say(f"{source}: {remark}", err=True)
     say(f"{target}: {len(motion.values)} values, dt {motion.dt:g} s")
+
+
+def _found(path: Path) -> Path:
+    """The path where something is there or it has a folder; else the record that a study here finds by that name.
+
+    Raises:
+        MissingRecordError: there is none; says where it was searched for.
+    """
+    import os
+
+    from rockcli.study.building.records import Records
+    from rockcli.study.document.tree import Source
+
+    if os.path.lexists(path) or path.parent != Path():
+        return path
+    return Records(Source(None)).find(str(path), None)
 
 
 def _read(file: Path, component: str | int | None, units: str | None, dt: float | None) -> Motion:

@@ -163,6 +163,23 @@ def test_info_reports_every_file_and_fails_at_the_end(tmp_path: Path) -> None:
         assert "SYNTHETIC" in result.stdout
 
 
+def test_a_name_alone_is_searched_for_as_a_study_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "suite").mkdir()
+    (tmp_path / "suite" / "one.AT2").write_bytes(ROCK.read_bytes())
+    monkeypatch.setenv("ROCK_RECORDS", str(tmp_path / "suite"))
+    monkeypatch.chdir(tmp_path)
+    for name in (ROCK.name, "one.AT2"):
+        (row,) = json.loads(run("info", "--json", name))
+        assert Path(row["file"]).name == name
+        assert row["npts"] == 4000
+    run("convert", "one.AT2", "two.AT2")
+    np.testing.assert_array_equal(read_record(tmp_path / "two.AT2").values, read_record(ROCK).values)
+    with pytest.raises(RecordError, match=r"one.AT3' was not found\n.*suite\n  Close names: one.AT2"):
+        run("info", "one.AT3")
+    with pytest.raises(RecordError, match=r"other.one.AT2: there is no such file"):
+        run("info", Path("other") / "one.AT2")
+
+
 def test_what_is_missing_is_asked_for_as_options(tmp_path: Path) -> None:
     source = tmp_path / "one.txt"
     source.write_text("1\n2\n", encoding="utf-8")
