@@ -262,6 +262,19 @@ def test_numbers_for_programs_and_words_for_people():
     assert "Spearman" in report["suite"][2]
 
 
+def test_sobol_indices_are_told_with_their_standard_errors():
+    opened = open_study(study(samples=256, sampling="saltelli"))
+    solved = solve(opened)
+    told = next(line for line in report_on(opened, solved, status=SOLVED).as_dict()["suite"] if "Sobol indices" in line)
+    assert "(± standard error)" in told
+    for i, path in enumerate(solved.values("input")):
+        numbers = [
+            f"{solved.values(f'sobol_{order}')[i]:.2f} ± {solved.values(f'sobol_{order}_se')[i]:.2g}"
+            for order in ("first", "total")
+        ]
+        assert f"{path} {' / '.join(numbers)}" in told
+
+
 @pytest.mark.parametrize(
     ("scheme", "key", "low", "high"), [("dashpot", "coefficient", 0.01, 0.2), ("fema356", "W_over_Mg", 0.9, 1.1)]
 )

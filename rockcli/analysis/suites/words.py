@@ -336,19 +336,27 @@ def _of_samples(contents: Contents, study: Study, over: Over, units: Units) -> I
             if kind not in contents.fields or not np.isfinite(found := contents.values(kind)[at]).any():
                 continue
             order = np.argsort(-np.abs(np.nan_to_num(found)))
-            total = contents.values(kind.replace("first", "total"))[at] if kind.startswith("sobol") else found
-            shown = (
-                f"{names[i]} {found[i]:.2f}" + (f" / {total[i]:.2f}" if kind.startswith("sobol") else "") for i in order
-            )
+            shown = (f"{names[i]} {_index(contents, kind, (*at, i))}" for i in order)
             yield f"{where}{words}: {', '.join(shown)}"
     if int(np.prod(shape, dtype=int)) > len(listed):
         yield f"and {int(np.prod(shape)) - len(listed)} more points: rock table FILE.nc --of inputs, --of suite"
 
 
+def _index(contents: Contents, kind: str, at: tuple[int, ...]) -> str:
+    """A rank correlation; Sobol indices of first order and total, each with its standard error."""
+    if not kind.startswith("sobol"):
+        return f"{contents.values(kind)[at]:.2f}"
+    of = kind.removeprefix("sobol_first")
+    found = (
+        (contents.values(f"sobol_{order}{error}{of}")[at] for error in ("", "_se")) for order in ("first", "total")
+    )
+    return " / ".join(f"{value:.2f} ± {se:.2g}" for value, se in found)
+
+
 MATTERS: dict[str, str] = {
     "input_spearman": "which input matters, rank correlation with the peak (Spearman)",
-    "sobol_first": "which input decides whether it overturns, Sobol indices, first order / total",
-    "sobol_first_peak": "which input decides the peak, Sobol indices, first order / total",
+    "sobol_first": "which input decides whether it overturns, Sobol indices, first order / total (± standard error)",
+    "sobol_first_peak": "which input decides the peak, Sobol indices, first order / total (± standard error)",
 }
 
 
