@@ -11,7 +11,7 @@ from scenes import pulse, record, still
 
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_WITHOUT_IMPACT, ROCKING
 from rockcli.solvers.calculix import folder, solve
-from rockcli.solvers.calculix.run import run
+from rockcli.solvers.calculix.run import run, version
 
 pytestmark = needs_ccx
 
@@ -127,6 +127,18 @@ def test_a_kept_run_that_is_damaged_is_run_again(tmp_path, monkeypatch):
         again = solve(batch)
         np.testing.assert_array_equal(first.histories["theta"], again.histories["theta"])
         assert (place / "rocking.dat").read_bytes() == whole
+
+
+def test_a_run_is_kept_for_the_version_that_made_it(tmp_path, monkeypatch):
+    home = tmp_path / "kept"
+    monkeypatch.setenv(folder.KEEP, str(home))
+    batch = mesh_batch(pulse("sine", 0.02, 2.0 * np.pi, duration=0.1), dt=0.01)
+    assert solve(batch).used["version"] == f"CalculiX {version()}" != "CalculiX unknown"
+    solve(batch)
+    assert len(list(home.iterdir())) == 1
+    monkeypatch.setattr(folder, "version", lambda: "another")
+    solve(batch)
+    assert len(list(home.iterdir())) == 2
 
 
 @pytest.mark.slow

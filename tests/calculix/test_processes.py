@@ -41,7 +41,9 @@ def pretend(tmp_path, monkeypatch, temp):
     monkeypatch.setenv("PATH", f"{programs}{os.pathsep}{os.environ['PATH']}")
 
     def write(script: str) -> None:
-        (programs / "ccx").write_text(f"#!/bin/sh\n{script}\n")
+        (programs / "ccx").write_text(
+            f'#!/bin/sh\n[ "$1" = -v ] && echo "This is Version 0.{len(script)}" && exit\n{script}\n'
+        )
         (programs / "ccx").chmod(0o755)
 
     return write

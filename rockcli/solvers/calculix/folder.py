@@ -19,7 +19,7 @@ from rockcli.errors import SolverError
 from rockcli.solvers.calculix.body import rotation
 from rockcli.solvers.calculix.deck import Deck
 from rockcli.solvers.calculix.results import Displacements, Garbage, progress
-from rockcli.solvers.calculix.run import JOB, run
+from rockcli.solvers.calculix.run import JOB, run, version
 
 Array = NDArray[np.float64]
 
@@ -65,7 +65,7 @@ def solve_deck(deck: Deck, enough: Callable[[Array, Array], bool]) -> Result:
             return _solved(Path(name), deck, text, enough)
     home = Path(kept)
     home.mkdir(parents=True, exist_ok=True)
-    key = hashlib.sha256(text.encode()).hexdigest()[:20]
+    key = hashlib.sha256(f"{version()}\n{text}".encode()).hexdigest()[:20]
     if (home / key / FINISHED).exists():
         try:
             return _kept(home / key, deck)

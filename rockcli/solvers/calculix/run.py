@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+import subprocess
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 from rockcli.errors import SolverError
@@ -19,6 +22,9 @@ HOW_TO_INSTALL = (
 JOB = "rocking"
 """Name of the files in the working folder."""
 
+ANSWER = 10.0
+"""Time in which CalculiX says which version it is [s]."""
+
 
 def program() -> str:
     """Path of CalculiX.
@@ -30,6 +36,25 @@ def program() -> str:
     if found is None:
         raise SolverError(HOW_TO_INSTALL)
     return found
+
+
+def version() -> str:
+    """What CalculiX says of itself, as "2.20"; "unknown" if it says nothing.
+
+    Raises:
+        SolverError: it is not installed.
+    """
+    return _version_of(program())
+
+
+@cache
+def _version_of(path: str) -> str:
+    try:
+        said = subprocess.run([path, "-v"], capture_output=True, text=True, errors="replace", timeout=ANSWER).stdout
+    except (OSError, subprocess.TimeoutExpired):
+        return "unknown"
+    found = re.search(r"Version\s+(\S+)", said)
+    return found[1] if found else "unknown"
 
 
 def run(folder: Path, *, limit: float, enough: Callable[[], bool]) -> tuple[str, bool]:

@@ -17,7 +17,7 @@ from rockcli.scene.variables import COUNTS
 from rockcli.solvers.calculix.body import Landings, Motion, landings, motion_of
 from rockcli.solvers.calculix.case import Prepared, Refused, prepare
 from rockcli.solvers.calculix.folder import solve_deck
-from rockcli.solvers.calculix.run import program
+from rockcli.solvers.calculix.run import program, version
 from rockcli.solvers.calculix.verdict import fallen, judge
 from rockcli.solvers.common.found import Found, impacts_of, last_outward, note_unstored
 
@@ -162,4 +162,5 @@ def _used(batch: Batch) -> dict[str, str]:
         "method": "C3D8I, geometrically nonlinear, no-tension struts at the base, Hilber-Hughes-Taylor",
         "mesh": f"{across} x {along or 'square elements'}",
         "dt": repr(batch.numerics.dt) if batch.numerics.dt is not None else batch.numerics.accuracy,
+        "version": f"CalculiX {version()}",
     }
