@@ -45,7 +45,8 @@ def report_text(report: RunReport, *, every: bool = False) -> str:
         lines.append(_row("peak", f"|theta|/alpha = {report.peak:.6g}{where}" + _survivors(report)))
     if report.slide is not None:
         where = f" at {report.slide_at}" if report.slide_at else ""
-        lines.append(_row("slide", f"|displacement| = {report.slide:.6g} m{where}"))
+        stops = f" (largest of those that stop; {counted(report.slides_on, 'case')} never)" if report.slides_on else ""
+        lines.append(_row("slide", f"|displacement| = {report.slide:.6g} m{where}{stops}"))
     lines += [_row("overturns", f"lowest overturning {axis}: {words}") for axis, words in report.overturns.items()]
     for number, (sentence, count) in enumerate(list(report.reasons.items())[:_MOST_REASONS]):
         often = f" ({counted(count, 'case')})" if report.cases > 1 else ""

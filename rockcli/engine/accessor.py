@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rockcli.analysis.places import units_of
-from rockcli.engine.summary import largest, outcomes_of
+from rockcli.engine.summary import infinite, largest, outcomes_of
 from rockcli.scene.response import outcome_words
 from rockcli.scene.variables import PEAK
 from rockcli.storage.read import as_accessor, from_xarray
@@ -83,6 +83,8 @@ class Rock:
             value, where = largest(contents, name, units)
             if value is not None and (value > 0.0 or name == PEAK):
                 lines.append((words, unit.format(value) + (f" at {where}" if where and value > 0.0 else "")))
+        if endless := infinite(contents, "slide_peak"):
+            lines.append(("slides on", f"{endless} for ever, as no friction stops it"))
         whole = set(str(contents.attrs["axes"]).split()) == set(contents.axes)
         if whole:  # what a suite comes to is not that of a part of it
             lines += [("suite", words) for words in json.loads(contents.attrs.get("ensemble", "{}")).get("shown", ())]

@@ -35,7 +35,8 @@ class RunReport:
         cases: number of cases; outcomes: cases by outcome, without those that have none.
         failed: cases that failed although no clause expected it.
         peak: largest finite theta_peak_over_alpha (None without one); peak_at: its place on the axes.
-        slide: largest slide_peak [m] (None where nothing slides); slide_at: its place on the axes.
+        slide: largest finite slide_peak [m] (None where nothing slides); slide_at: its place on the axes.
+        slides_on: cases that no friction stops, whose slide_peak is infinite.
         verdicts: of the `expect` clauses, in order.
         reasons: sentence -> number of cases, most first; sentences that differ in numbers only count as the first.
         suite: what the ensemble statistics come to, in sentences; audit: what an audit found.
@@ -64,6 +65,7 @@ class RunReport:
     peak_at: str = ""
     slide: float | None = None
     slide_at: str = ""
+    slides_on: int = 0
     verdicts: tuple[Verdict, ...] = ()
     reasons: dict[str, int] = field(default_factory=dict)
     overturns: dict[str, str] = field(default_factory=dict)
@@ -133,6 +135,7 @@ def report_on(study: Study, contents: Contents, *, si: bool = False, **more: Any
         peak_at=peak_at,
         slide=slide or None,
         slide_at=slide_at if slide else "",
+        slides_on=infinite(contents, "slide_peak"),
         **_refined(contents),
         verdicts=tuple(judge(contents, study.expect, units)),
         reasons=_reasons(contents),
@@ -206,6 +209,14 @@ def largest(contents: Contents, name: str, units: Units) -> tuple[float | None, 
             inside = np.unravel_index(int(np.argmax(finite)), finite.shape)
             most, where = float(finite[inside]), tuple(s.start + int(i) for s, i in zip(at, inside, strict=True))
     return (None, "") if most < 0.0 else (most, place(contents, contents.axes, where, units))
+
+
+def infinite(contents: Contents, name: str) -> int:
+    """How many values of a scalar are infinite."""
+    if name not in contents.fields:
+        return 0
+    values = contents.values(name)
+    return sum(int(np.sum(np.isinf(values[at]))) for at in in_blocks(values))
 
 
 def _overturns(contents: Contents, units: Units) -> dict[str, str]:

@@ -372,14 +372,15 @@ _ROWS: tuple[Variable, ...] = (
         CASE,
         "m",
         "largest |displacement along the ground|, of a body that overturns up to its last outward passage of the "
-        "equilibrium; NaN without mu",
+        "equilibrium; NaN without mu, inf where no friction stops it",
     ),
     Variable(
         "slide_residual",
         r"$u_{\mathrm{res}}$",
         CASE,
         "m",
-        "displacement along the ground in the end; NaN without mu, and of a body that overturns",
+        "displacement along the ground in the end; NaN without mu, and of a body that overturns, inf or -inf where no "
+        "friction stops it",
     ),
     Variable(
         "residual_tilt",

@@ -7,10 +7,12 @@ import copy
 import numpy as np
 import pytest
 from contact_cases import body, motion, run
+from contact_tables import FRICTIONLESS
 from scipy.integrate import solve_ivp
 
 import rockcli
 from rockcli.errors import StudyError
+from rockcli.scene.response import ROCKING
 
 BODY = {"height": 1.216 * 2, "width": 0.8438 * 2, "mu": 0.5}
 CASE = {
@@ -73,6 +75,48 @@ def test_friction_of_two_numbers():
     assert axis.slide_rate.attrs["units"] == "m s-1"
 
 
+@pytest.mark.parametrize("row", FRICTIONLESS)
+def test_a_body_let_go_on_ice_falls_straight_down(row):
+    b, h, theta_0, t, before, after, second = row
+    case = {"block": {"b": b, "h": h, "mu": 0}, "motion": None, "initial": {"theta": theta_0}}
+    ds = rockcli.run({"name": "ice", "case": case, "save": {"histories": True, "dt_out": 2e-4}})
+    first = [float(ds[name].values.ravel()[0]) for name in ("t_impact", "theta_dot_before", "theta_dot_after")]
+    assert first == pytest.approx([t, before, after], abs=1e-8)
+    assert -float(abs(ds.theta.where(ds.theta < 0)).max()) == pytest.approx(second, abs=1e-6)
+    assert int(ds.outcome) == ROCKING
+
+
+@pytest.mark.parametrize(("duration", "peak"), [(None, np.inf), (3.0, 4.0 * 0.35 * (3.0 - 0.175))])
+def test_without_friction_the_ground_moves_away_below(duration, peak):
+    pulse = {"shape": "rectangular", "a_p": 4.0, "T_p": 0.7}  # half of it is the pulse
+    case = {"block": {"b": 0.2, "h": 1.0, "mu": 0}, "motion": {"pulse": pulse, "duration": duration}}
+    ds = rockcli.run({"name": "ice", "case": case, "save": {"histories": True, "dt_out": 0.01}})
+    assert float(ds.slide_peak) == pytest.approx(peak, rel=1e-12)
+    assert float(ds.slide_residual) == -np.inf
+    assert "slides on for ever" in str(ds.reasons.values[int(ds.reason)])
+    t = ds.time.values[ds.time <= 3.0]
+    away = np.where(t < 0.35, 2.0 * t * t, 1.4 * (t - 0.175))
+    np.testing.assert_allclose(ds.slide.values.ravel()[: len(t)], -away, atol=1e-12)
+
+
+def test_without_friction_a_ground_that_stops_leaves_the_body_where_it_is():
+    """The displacement of the ground after one cycle of a sine is a_p T_p²/(2 pi)."""
+    case = {"block": {"b": 0.2, "h": 1.0, "mu": 0}, "motion": {"pulse": {"shape": "sine", "a_p": 4.0, "T_p": 0.7}}}
+    ds = rockcli.run({"name": "ice", "case": case})
+    for found in (ds.slide_peak, -ds.slide_residual):
+        assert float(found) == pytest.approx(4.0 * 0.7**2 / (2.0 * np.pi), rel=1e-12)
+
+
+@pytest.mark.parametrize("mu", [0.03, 1e-3, 1e-6])
+def test_a_slide_is_followed_to_its_end(mu):
+    case = {"block": {"b": 0.2, "h": 1.0, "mu": mu}, "g": 9.81}
+    case["motion"] = {"pulse": {"shape": "rectangular", "a_p": 4.0, "T_p": 0.7}}
+    ds = rockcli.run({"name": "slippery", "case": case})
+    u, place = (4.0 - mu * 9.81) * 0.35, (4.0 - mu * 9.81) * 0.35**2 / 2.0
+    assert float(ds.slide_peak) == pytest.approx(place + u * u / (2.0 * mu * 9.81), rel=1e-12)
+    assert float(ds.slide_residual) == -float(ds.slide_peak)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -81,7 +125,7 @@ def test_friction_of_two_numbers():
         ({"block__mu": {"static": 0.3, "dynamic": 0.2}}, "unknown key 'dynamic'"),
         ({"block__mu": {"static": "a lot"}}, "case.block.mu.static"),
         ({"block__mu": [0.3, 0.2]}, "a number or an expression is expected, not a list"),
-        ({"block__mu": 0}, "must be greater than 0"),
+        ({"block__mu": -0.1}, "case.block.mu = -0.1: must not be negative"),
         ({"block__e_n": 1.2}, "case.block.e_n = 1.2: must be between 0 and 1"),
         ({"block__e_n": 0.2, "block__mu": None}, "only where mu is given"),
         ({"initial__slide_rate": 0.2, "block__mu": None}, "needs a mu"),

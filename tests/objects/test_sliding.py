@@ -458,6 +458,26 @@ class TestSeen:
         assert "`rock check` says which do" in rockcli.run(study).attrs["warnings"]
         assert "  peak      |theta|/alpha = 0\n" in f"{rockcli.run(study).rock}\n"
 
+    def test_one_that_no_friction_stops_is_told_beside_the_largest_that_stop(self, tmp_path):
+        from rockcli.cli.words import report_text
+        from rockcli.engine.run import run_study
+        from rockcli.plotting.page.facts import facts_of
+        from rockcli.study.open import open_study
+
+        case = STUDY["case"] | {"motion": {"pulse": {"shape": "half_sine", "a_p": 6.0, "omega_p": 7.0}}}
+        study = STUDY | {"case": case, "vary": {"block.mu": [0, 0.05, 0.2]}}
+        report = run_study(open_study(study), tmp_path, plots=False)
+        found = rockcli.run(study)
+        most = float(found["slide_peak"].sel(mu=0.05))
+        assert np.isinf(found["slide_peak"].values).tolist() == [True, False, False]
+        assert (report.slide, report.slides_on) == (most, 1)
+        told = f"|displacement| = {most:.6g} m at mu=0.05 (largest of those that stop; 1 case never)"
+        assert told in report_text(report)
+        assert "slides on 1 for ever" in f"{found.rock}"
+        (fact,) = (fact for fact in facts_of(found) if fact.what == "largest slide")
+        assert fact.value == f"{most:.3g} m"
+        assert fact.sentence.endswith("in 1 of 3 cases no friction stops it")
+
     def test_it_stands_in_a_search_and_in_a_suite(self):
         vary = {"block.mu": [0.2, 0.9], "motion.pulse.a_p": {"from": 6.0, "to": 30.0, "n": 9, "find": "overturning"}}
         data = rockcli.run({"name": "s", "case": STUDY["case"], "vary": vary})

@@ -63,7 +63,7 @@ from rockcli.kernels.contact.readings import (
     write_rest,
     write_step,
 )
-from rockcli.kernels.contact.rest import scales_of, settles
+from rockcli.kernels.contact.rest import creeps, scales_of, settles
 from rockcli.kernels.contact.sliding import skimmed
 from rockcli.kernels.contact.state import Air, Foot, Settings, edge_under
 from rockcli.kernels.contact.steps import ground_ahead, next_step
@@ -110,6 +110,18 @@ def begin(par, start, out):
     out[to.RATE_PEAK] = abs(v)
     out[to.TOP_PEAK] = par[at.TOP] * math.sin(min(q, 0.5 * math.pi))
     return Foot(s, 0.0, q, v, par[at.SLIDE_RATE_0], 0.0), pick
+
+
+@jit_lean
+def followed_until(par, scales, t, mode, foot):
+    """Time up to which a case is followed from t: the report, then PATIENCE; a slide after the motion to its end."""
+    t_stop = par[at.T_STOP]
+    if t < t_stop:
+        return t_stop
+    last = t_stop + PATIENCE / scales.p_min
+    if mode == SLIDE and t >= par[at.T_MOTION] and par[at.MU_K] > 0.0:
+        last = max(last, t + 2.0 * abs(foot.u) / (par[at.MU_K] * par[at.G]))
+    return last
 
 
 @jit_lean
@@ -195,6 +207,10 @@ def finish(par, how, t, mode, foot, air, balance, dt_out, i_hist, histories, out
     left, place = (energy_on_edge(par, foot) if mode != REST else 0.0), foot.place
     if mode == FLIGHT:
         left, place = energy_in_flight(par, air), slide_in_flight(par, air.x, air.theta)
+    if mode == SLIDE and par[at.MU_K] == 0.0 and not creeps(par, foot):  # nothing stops it
+        place = math.copysign(math.inf, foot.u)
+        if not lasts:
+            out[to.SLIDE_PEAK], out[to.TOP_PEAK] = place, math.inf
     out[to.BALANCE], out[to.SLIDE_END] = (balance - left if how.balance else math.nan), place
     if mode == REST:
         write_rest(foot, out[to.T_END], dt_out, i_hist, histories)
@@ -254,7 +270,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histori
         out[to.N_STEPS] += 1
         if t < par[at.T_MOTION]:
             ih, iv = piece_at(horizontal, h_data, ih, t), piece_at(vertical, v_data, iv, t)
-        t_end = t_stop if t < t_stop else t_stop + PATIENCE / scales.p_min
+        t_end = followed_until(par, scales, t, mode, foot)
         ahead = ground_ahead(
             par, how, scales, mode, t, t_end, stalled, ih, iv, horizontal, h_data, vertical, v_data, w
         )  # fmt: skip

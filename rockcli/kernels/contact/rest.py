@@ -45,6 +45,13 @@ def slowest(par):
 
 
 @jit_lean
+def creeps(par, foot):
+    """Whether a slip velocity is no more than rounding."""
+    e = edge_under(foot.s)
+    return abs(foot.u) <= 10.0 * STANDSTILL * frequency(par, e) * par[e + at.ALPHA] * par[e + at.RADIUS]
+
+
+@jit_lean
 def settles(par, foot, w, n, x, left, rest_speed):
     """How long a body goes on bouncing that has just come down on an edge: (time, slip velocity then).
 
@@ -58,9 +65,7 @@ def settles(par, foot, w, n, x, left, rest_speed):
         return -1.0, u
     a_g, weight = value(a, n, x), value(W, n, x)
     if v <= STANDSTILL * p * alpha:
-        if abs(u) <= 10.0 * STANDSTILL * p * alpha * par[e + at.RADIUS]:
-            return 0.0, 0.0
-        return 0.0, u
+        return 0.0, (0.0 if creeps(par, foot) else u)
     if weight <= 0.0:
         return -1.0, u
     if u == 0.0:

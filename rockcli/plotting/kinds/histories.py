@@ -227,7 +227,8 @@ def _summary(dataset: xarray.Dataset, case: Shown) -> str:
     fate = outcome_at(dataset, case.position)
     if fate == "sliding":
         peak, end = (number_at(dataset, name, case.position) for name in ("slide_peak", "slide_residual"))
-        return f"slides at most {peak:.3g} m, {abs(end):.3g} m in the end"
+        most = f"slides at most {peak:.3g} m, " if np.isfinite(peak) else ""
+        return most + (f"{abs(end):.3g} m in the end" if np.isfinite(end) else "slides on for ever")
     if fate != "rocking":
         return fate.replace("_", " ")
     peak = number_at(dataset, "theta_peak_over_alpha", case.position)

@@ -129,14 +129,18 @@ def _slide(dataset: xarray.Dataset) -> list[Fact]:
     """How far a body slides along the ground, where one does."""
     if "slide_peak" not in dataset.variables:
         return []
-    slides = np.nan_to_num(dataset["slide_peak"].transpose(*axes_of(dataset)).values)
+    slides = dataset["slide_peak"].transpose(*axes_of(dataset)).values
+    endless = int(np.isinf(slides).sum())
+    slides = np.where(np.isfinite(slides), slides, 0.0)
+    never = f"in {endless} of {slides.size} cases no friction stops it"
     if not slides.max(initial=0.0) > 0.0:
-        return []
+        return [Fact("without end", "slides on", never)] if endless else []
     at = tuple(int(i) for i in np.unravel_index(int(np.argmax(slides)), slides.shape))
     said = "along the ground at most"
     if slides.size > 1:
         where = _where(dataset, at)
         said += f", in {int((slides > 0.0).sum())} of {slides.size} cases" + (f"; most at {where}" if where else "")
+    said += f"; {never}" if endless else ""
     return [Fact(_length(float(slides[at])), "largest slide", said)]
 
 

@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 SLIDES = "slides and does not rock: mu is not above tan(alpha)"
 
+SLIDES_ON = "slides on for ever: the ground leaves it with a velocity that no friction stops"
+
 
 def frequency(batch: Batch) -> Array:
     """p of the slower edge, (n,) [rad/s]."""
@@ -117,6 +119,7 @@ def _reasons(
     reasons = [""] * batch.size
     outcome = scalars["outcome"]
     counted = (out[:, to.N_JAMS] > 0) | (out[:, to.TWO_WAYS] > 0) | (out[:, to.NEARLY_FLAT] < ILL_POSED)
+    counted |= np.isinf(out[:, to.SLIDE_END])
     noted = (out[:, to.STATUS] != DONE) | unknown | (outcome == UNRESOLVED) | only | counted
     for i in np.flatnonzero(noted):  # of most there is nothing to say
         row, said = out[i], []
@@ -128,6 +131,8 @@ def _reasons(
             said.append(ON_SEPARATRIX)
         elif only[i] and outcome[i] == SLIDING and row[to.N_FLIGHTS] == 0:
             said.append(SLIDES)
+        if np.isinf(row[to.SLIDE_END]):
+            said.append(SLIDES_ON)
         if row[to.NEARLY_FLAT] < ILL_POSED and row[to.STATUS] == DONE and not unknown[i]:
             said.append(
                 "comes down from flight flat within 0.002 alpha: rigid bodies have no limit there, on which edge "

@@ -130,14 +130,14 @@ def _contact(numbers: Numbers, block: BlockPart) -> dict[str, Any]:
     found: dict[str, Any] = {}
     keys: Keys = (*BLOCK, "mu")
     if isinstance(block.mu, FrictionPart):
-        static, kinetic = (numbers.positive((*keys, name)) for name in ("static", "kinetic"))
+        static, kinetic = (numbers.not_negative((*keys, name)) for name in ("static", "kinetic"))
         assert static is not None
         found["mu"] = numbers.array(static)
         if kinetic is not None:
             numbers.require((*keys, "kinetic"), np.less_equal(kinetic, static), "must not be above static")
             found["mu_kinetic"] = numbers.array(kinetic)
     elif block.mu is not None:
-        mu = numbers.positive(keys)
+        mu = numbers.not_negative(keys)
         assert mu is not None
         found["mu"] = numbers.array(mu)
     e_n = numbers.value((*BLOCK, "e_n"))

@@ -166,6 +166,13 @@ class Numbers:
             self.require(keys, np.greater(value, 0.0), "must be greater than 0")
         return value
 
+    def not_negative(self, keys: Keys) -> Value | None:
+        """The number at `keys`, which must not be below zero; None where the study gives none."""
+        value = self.value(keys)
+        if value is not None:
+            self.require(keys, np.greater_equal(value, 0.0), "must not be negative")
+        return value
+
     def fail(self, keys: Keys, message: str, i: int | None = None) -> NoReturn:
         """Raise StudyError about the value at `keys` in case i."""
         found = value_at(self.tree, keys)
