@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 from rockcli.errors import SolverError
-from rockcli.solvers.common.programs import Ending, check_machine, watch
+from rockcli.solvers.common.programs import Ending, asked, check_machine, watch
 
 PROGRAM = "ccx"
 
@@ -49,10 +48,7 @@ def version() -> str:
 
 @cache
 def _version_of(path: str) -> str:
-    try:
-        said = subprocess.run([path, "-v"], capture_output=True, text=True, errors="replace", timeout=ANSWER).stdout
-    except (OSError, subprocess.TimeoutExpired):
-        return "unknown"
+    _, said = asked([path, "-v"], ANSWER)
     found = re.search(r"Version\s+(\S+)", said)
     return found[1] if found else "unknown"
 

@@ -9,6 +9,7 @@ import errno
 import os
 import signal
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -115,6 +116,14 @@ def watch(
             _end_group(process)
     code = process.returncode
     return Ending(code if code >= 0 else 128 - code)
+
+
+def asked(command: Sequence[str], limit: float) -> tuple[Ending, str]:
+    """Ask a program for a few words, as its version: how it ended, and all it printed."""
+    with tempfile.TemporaryDirectory(prefix="rock-asks-", ignore_cleanup_errors=True) as place:
+        said = Path(place, "said.txt")
+        ending = watch(command, Path(place), log=said, limit=limit)
+        return ending, said.read_text(encoding="utf-8", errors="replace").strip()
 
 
 def _ended(process: subprocess.Popen[bytes], timeout: float) -> bool:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
-from rockcli.solvers.common.programs import check_machine, watch
+from rockcli.solvers.common.programs import asked, check_machine, watch
 from rockcli.solvers.opensees.script import Script
 
 Array = NDArray[np.float64]
@@ -102,10 +102,7 @@ def require_opensees() -> None:
 @cache
 def _version_in(python: str) -> str:
     """Version of OpenSeesPy in another Python, which is asked once."""
-    with tempfile.TemporaryDirectory(prefix="rock-opensees-", ignore_cleanup_errors=True) as place:
-        said = Path(place, "said.txt")
-        ending = watch([python, "-c", ASK], Path(place), log=said, limit=ASK_SECONDS)
-        answer = said.read_text(encoding="utf-8", errors="replace").strip()
+    ending, answer = asked([python, "-c", ASK], ASK_SECONDS)
     if ending.code or ending.late or not answer:
         words = f" ({answer.splitlines()[-1][:_WORDS]})" if answer else ""
         raise SolverError(
