@@ -2,7 +2,7 @@
 
     python benchmarks/startup.py
 
-`rock --help` against a bare typer program with one command, and one pulse case without plots.
+`rock --help` against a bare typer program with one command, and one pulse case without plots and with its two figures.
 Writes results/startup.csv.
 """
 
@@ -49,19 +49,12 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         bare = Path(folder) / "bare.py"
         bare.write_text(BARE)
+        case = [rock, "run", str(STUDY), "--fresh", "--quiet", "--out", folder]
         commands = {
             "bare typer program --help": [sys.executable, str(bare), "--help"],
             "rock --help": [rock, "--help"],
-            "one pulse case, --no-plots": [
-                rock,
-                "run",
-                str(STUDY),
-                "--no-plots",
-                "--fresh",
-                "--quiet",
-                "--out",
-                folder,
-            ],
+            "one pulse case, --no-plots": [*case, "--no-plots"],
+            "one pulse case, two figures": case,
         }
         times: dict[str, list[float]] = {name: [] for name in commands}
         for _ in range(RUNS + 1):

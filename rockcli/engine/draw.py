@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 from rockcli.errors import StudyError
 from rockcli.scene.looks import Look, width_of
 from rockcli.storage.atomic import replacing
+from rockcli.storage.lazy import open_lazily
 from rockcli.storage.places import check_file
 from rockcli.storage.read import open_dataset, with_axes_left
 
@@ -85,9 +86,12 @@ def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tu
         raise StudyError(f"unknown format {plot_format!r}; there are {', '.join(FORMATS)}")
     if asked is not None and not asked:
         return (), ()
+    from rockcli.plotting.lean import import_lean
+
+    import_lean()
     from rockcli.plotting.figures import default_kinds
 
-    dataset = open_dataset(path)
+    dataset = open_lazily(path)
     if asked is None:
         asked = [(kind, Look()) for kind in default_kinds(dataset)]
     targets = [path.parent / f"{name}.{plot_format}" for name in _names(kind for kind, _ in asked)]
@@ -174,6 +178,9 @@ def draw_as_told(
     Raises:
         StudyError: a file cannot be read, or cannot be drawn so.
     """
+    from rockcli.plotting.lean import import_lean
+
+    import_lean()
     if out is not None:
         datasets = [open_dataset(file) for file in files]
         names = [str(each.attrs.get("study_name") or file.stem) for each, file in zip(datasets, files, strict=True)]
@@ -187,7 +194,7 @@ def draw_as_told(
 
     drawn: list[Drawn] = []
     for file in files:
-        dataset = open_dataset(file)
+        dataset = open_lazily(file)
         selected(dataset, changed.get("select", {}))
         made, complaints = draw(file, asked_of(dataset, kinds, **changed), plot_format)
         if not made and not kinds:  # nothing suggests itself: whatever there is

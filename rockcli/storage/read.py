@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rockcli.errors import StudyError
 from rockcli.scene.variables import PEAK
 from rockcli.storage.checksum import NAME, checksum, note_opened
-from rockcli.storage.contents import Contents
+from rockcli.storage.contents import Contents, Field
 from rockcli.storage.netcdf import no_dataset
 
 if TYPE_CHECKING:
@@ -105,8 +105,6 @@ def from_xarray(dataset: xarray.Dataset) -> Contents:
     Raises:
         StudyError: it is none of this program, or its cases have dimensions that are no axes.
     """
-    from rockcli.storage.contents import Field
-
     dataset = _laid_out(dataset)
     axes = tuple(axis for axis in str(dataset.attrs["axes"]).split() if axis in dataset.dims)
     fields = {
@@ -118,10 +116,15 @@ def from_xarray(dataset: xarray.Dataset) -> Contents:
 
 def to_xarray(contents: Contents) -> xarray.Dataset:
     """The Dataset that opening the written file would give."""
+    attrs = contents.attrs | {NAME: checksum(contents), "axes": " ".join(contents.axes)}
+    return assembled(contents.fields, attrs)
+
+
+def assembled(fields: Mapping[str, Field], attrs: Mapping[str, Any]) -> xarray.Dataset:
+    """A Dataset of variables and coordinates by name."""
     import xarray
 
-    items = {name: (item.dims, item.values, dict(item.attrs)) for name, item in contents.fields.items()}
-    coords = {name: items[name] for name, item in contents.fields.items() if item.coordinate}
+    items = {name: (item.dims, item.values, dict(item.attrs)) for name, item in fields.items()}
+    coords = {name: items[name] for name, item in fields.items() if item.coordinate}
     data = {name: value for name, value in items.items() if name not in coords}
-    attrs = contents.attrs | {NAME: checksum(contents), "axes": " ".join(contents.axes)}
     return xarray.Dataset(data, coords, attrs)

@@ -37,9 +37,18 @@ def test_the_command_that_is_asked_for_is_built_alone(
     assert asked == (built or {str(command.name) for command in main.app.registered_commands})
 
 
-def test_a_plain_study_loads_no_statistics_of_suites_and_no_processes(tmp_path: Path) -> None:
+NEEDLESS = {
+    "rockcli.analysis.suites.statistics", "rockcli.engine.sweep.workers", "multiprocessing", "xarray", "pandas",
+    "mpl_toolkits.mplot3d",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("more", [["--no-plots"], []])
+def test_a_plain_study_loads_no_xarray_no_statistics_of_suites_and_no_processes(
+    tmp_path: Path, more: list[str]
+) -> None:
     study = Path(__file__).resolve().parents[2] / "studies" / "examples" / "first_rock.yaml"
-    words = ["run", str(study), "--no-plots", "--quiet", "--out", str(tmp_path)]
+    words = ["run", str(study), "--quiet", "--out", str(tmp_path), *more]
     program = f"""
 import sys
 from rockcli.cli.main import main
@@ -48,7 +57,9 @@ try:
     main()
 except SystemExit:
     pass
-print({{"rockcli.analysis.suites.statistics", "rockcli.engine.sweep.workers", "multiprocessing", "pandas"}} & sys.modules.keys())
+print({NEEDLESS!r} & sys.modules.keys())
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["set()"]
+    assert not done.stderr
+    assert (tmp_path / "first-rock" / "phase.png").exists() == (not more)

@@ -49,8 +49,12 @@ def is_numeric(dataset: xarray.Dataset, axis: str) -> bool:
 
 def values_at(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> Array:
     """Values of a variable or coordinate for one case: a number, or (time,) or (impact,)."""
-    item = dataset[name]
-    chosen = {axis: i for axis, i in zip(axes_of(dataset), position, strict=True) if axis in item.dims}
+    return values_of(dataset[name], axes_of(dataset), position)
+
+
+def values_of(item: xarray.DataArray, axes: tuple[str, ...], position: tuple[int, ...]) -> Array:
+    """Values of an array for one case: a number, or (time,) or (impact,)."""
+    chosen = {axis: i for axis, i in zip(axes, position, strict=True) if axis in item.dims}
     return np.asarray(item.isel(chosen).values, dtype=float)
 
 

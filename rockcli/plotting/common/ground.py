@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.lines import Line2D
 
-from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, values_at
+from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, values_at, values_of
 from rockcli.plotting.common.labels import lifts_from, unit_g
 from rockcli.plotting.common.style import COLOURS, QUIET
 from rockcli.scene.variables import MOTION
@@ -107,8 +107,8 @@ def uplift_at(dataset: xarray.Dataset, positions: list[Position]) -> float:
     """g tan(alpha) of the weaker side, one for all cases, at which a rigid body lifts [g]; NaN where they differ."""
     if "alpha" not in dataset.variables:
         return np.nan
-    known = dataset.assign(lifts_from=lifts_from(dataset) / unit_g(dataset))
-    levels = [number_at(known, "lifts_from", position) for position in positions]
+    lifts, axes = lifts_from(dataset), axes_of(dataset)
+    levels = [float(values_of(lifts, axes, position)) / unit_g(dataset) for position in positions]
     return levels[0] if levels and np.ptp(levels) <= _SAME else np.nan
 
 

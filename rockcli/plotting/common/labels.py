@@ -151,7 +151,7 @@ def lifts_word(dataset: xarray.Dataset) -> str:
 
 def lifts_without(dataset: xarray.Dataset) -> str:
     """` without vertical motion and slip`: what changes where a body lifts and is not in `lifts_from`; or nothing."""
-    slides = "outcome" in dataset.variables and bool((dataset["outcome"] == SLIDING).any())
+    slides = "outcome" in dataset.variables and bool((dataset["outcome"].values == SLIDING).any())
     left = ["vertical motion"] * _has_vertical(dataset) + ["slip"] * slides
     return f" without {' and '.join(left)}" if left else ""
 
@@ -177,9 +177,11 @@ def lifts_from(dataset: xarray.Dataset) -> xarray.DataArray:
     """
     axes = [axis for axis in str(dataset.attrs.get("axes", "")).split() if path_of(dataset, axis) == "g"]
     g = dataset[axes[0]] if axes else unit_g(dataset)
-    alpha = dataset["alpha"]
+    alpha, models = dataset["alpha"], _models(dataset)
     tangent = alpha.copy(data=np.tan(alpha.values))
-    level: xarray.DataArray = (tangent + (_models(dataset) == "linearized") * (alpha - tangent)) * g
+    if isinstance(models, str) and not axes:
+        return alpha.copy(data=(alpha if models == "linearized" else tangent).values * g)
+    level: xarray.DataArray = (tangent + (models == "linearized") * (alpha - tangent)) * g
     return level
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -124,7 +125,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         bar = figure.colorbar(ScalarMappable(norm, _ROCKING), ax=used, shrink=0.9, aspect=28, pad=0.02, extend=beyond)
         bar.set_label("rocking: " + variable_label("theta_peak_over_alpha"))
         bar.outline.set_linewidth(0.4)
-    slides = bool(_tilts_and_slides(dataset).any())
+    slides = bool(_tilts_and_slides(dataset, dataset["outcome"].dims).any())
     uplift = f"uplift{lifts_without(dataset)}, ${lifts_word(dataset)}$" if lifts else ""
     _legend(figure, present, bounded, shaded=peaks is not None, slides=slides, uplift=uplift)
     headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
@@ -156,7 +157,7 @@ def _panel(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str], norm: No
         axes.imshow(colours, extent=extent, origin="lower", aspect="auto", interpolation="nearest")
     else:
         axes.pcolormesh(edges[0], edges[1], colours, shading="flat", rasterized=True)
-    both = _tilts_and_slides(dataset.transpose(y, x, ...))
+    both = _tilts_and_slides(dataset, (y, x))
     if both.any():
         axes.contourf(values[0], values[1], both, levels=[0.5, 1.5], colors="none", hatches=[_SLIDING])
     scale_axes(axes, *logs)
@@ -177,9 +178,9 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
     if over and "tan" in lifts_word(dataset):
         level = np.ones(dataset.sizes[x])
     elif "alpha" in dataset.variables and {*(lifts := lifts_from(dataset)).dims} <= {x}:
-        alpha = dataset["alpha"]
-        shown = alpha / np.tan(alpha) if over else lifts / shown_unit(dataset, y)[0]
-        level = np.broadcast_to(np.asarray(shown), dataset.sizes[x])
+        alpha = dataset["alpha"].values
+        shown = alpha / np.tan(alpha) if over else lifts.values / shown_unit(dataset, y)[0]
+        level = np.broadcast_to(shown, dataset.sizes[x])
     else:
         return False
     low, high = axes.get_ylim()
@@ -193,12 +194,13 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
     return True
 
 
-def _tilts_and_slides(dataset: xarray.Dataset) -> NDArray[np.bool_]:
-    """Where a body slides that rocks or overturns, over the axes of the outcome."""
-    flags = dataset["outcome"].values
+def _tilts_and_slides(dataset: xarray.Dataset, axes: tuple[Hashable, ...]) -> NDArray[np.bool_]:
+    """Where a body slides that rocks or overturns, over the axes of the outcome in this order."""
+    flags = dataset["outcome"].transpose(*axes).values
     if "slide_peak" not in dataset:
         return np.zeros(flags.shape, dtype=bool)
-    return np.asarray((dataset["slide_peak"].values > 0.0) & (flags >= ROCKING) & (flags != SLIDING))
+    slides = dataset["slide_peak"].transpose(*axes).values > 0.0
+    return np.asarray(slides & (flags >= ROCKING) & (flags != SLIDING))
 
 
 def is_log(values: Array) -> bool:
