@@ -60,12 +60,25 @@ class LazyArray(NDArrayOperatorsMixin):
         values = self.values.transpose([self.dims.index(dim) for dim in order])
         return LazyArray(self.name, Field(tuple(order), values, self.attrs))
 
-    def copy(self, data: NDArray[Any]) -> LazyArray:
-        """Other values over the same dimensions."""
-        return LazyArray(self.name, Field(self.dims, data, self.attrs))
+    def copy(self, deep: bool = True, data: NDArray[Any] | None = None) -> LazyArray:
+        """The same, or other values over the same dimensions."""
+        own = self.values.copy() if deep else self.values
+        return LazyArray(self.name, Field(self.dims, own if data is None else data, self.attrs))
+
+    def __bool__(self) -> bool:
+        return bool(self.values)
+
+    def __int__(self) -> int:
+        return int(self.values)
 
     def __float__(self) -> float:
         return float(self.values)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, at: Any) -> Any:
+        return self.as_xarray[at]
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.values, dtype=dtype, copy=copy)
@@ -128,6 +141,9 @@ class LazyDataset:
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.data_vars)
+
+    def __len__(self) -> int:
+        return len(self.data_vars)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):

@@ -106,6 +106,11 @@ def test_what_is_not_answered_is_asked_of_xarray(files: dict[str, Path]) -> None
     np.testing.assert_array_equal((slides * mu).values, expected)
     np.testing.assert_array_equal((mu * slides).transpose("mu", ...).values, expected)
     assert float(slides.max()) == float(whole["slide_peak"].max())
+    one = slides.isel(mu=0, motion_pulse_a_p=0)
+    assert (bool(one), int(one), float(one)) == (True, 0, float(whole["slide_peak"][0, 0]))
+    assert not one.copy(data=np.array(0.0))
+    assert (len(slides), len(lazy)) == (len(whole["slide_peak"]), len(whole))
+    assert [float(each.sum()) for each in slides] == [float(each.sum()) for each in whole["slide_peak"]]
     with pytest.raises(AttributeError, match="nothing_of_the_kind"):
         _ = lazy.nothing_of_the_kind
 
