@@ -19,6 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
+from matplotlib.transforms import blended_transform_factory
 
 from rockcli.scene.looks import WIDTHS, Look
 
@@ -193,11 +194,9 @@ def headline(figure: Figure, title: str, note: str = "", over: Axes | None = Non
     words = "\n".join(wrapped(title, columns))
     if note:
         words += "\n" + "\n".join(wrapped(note, columns + 6))
-    figure.suptitle(words, fontsize=9.5, linespacing=1.3)
-    if over is not None:
-        lay_out(figure)
-        box = over.get_position()
-        figure.suptitle(words, fontsize=9.5, linespacing=1.3, x=0.5 * (box.x0 + box.x1))
+    shown = figure.suptitle(words, fontsize=9.5, linespacing=1.3)
+    if over is not None:  # wherever they will be
+        shown.set_transform(blended_transform_factory(over.transAxes, figure.transSubfigure))
 
 
 def untold(figure: Figure) -> str:
