@@ -155,7 +155,8 @@ def _part(item: Field, chosen: Mapping[str, Any]) -> Field:
     """A field at places of those of its dimensions that are named; a single place takes the dimension away."""
     values, dims = item.values, item.dims
     for dim in set(dims) & chosen.keys():
-        values = np.take(values, chosen[dim], axis=dims.index(dim))
-        if np.ndim(chosen[dim]) == 0:
+        before = values.ndim
+        values = np.asarray(values[(slice(None),) * dims.index(dim) + (chosen[dim],)])
+        if values.ndim < before:
             dims = tuple(each for each in dims if each != dim)
-    return Field(dims, np.asarray(values), item.attrs, item.coordinate)
+    return Field(dims, values, item.attrs, item.coordinate)

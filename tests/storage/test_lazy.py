@@ -85,7 +85,8 @@ def test_all_of_a_file_is_there(files: dict[str, Path], study: str) -> None:
 
 def test_parts_are_those_of_xarray(files: dict[str, Path]) -> None:
     lazy, whole = open_lazily(files["slides"]), open_dataset(files["slides"])
-    for at in ({"mu": 1}, {"mu": [0, 2]}, {"mu": 1, "motion_pulse_a_p": np.array([2, 0])}, {"mu": -1}):
+    several = np.array([2, 0])
+    for at in ({"mu": 1}, {"mu": [0, 2]}, {"mu": 1, "motion_pulse_a_p": several}, {"mu": -1}, {"mu": slice(1, 3)}):
         part, expected = lazy.isel(at), whole.isel(at)
         assert part.sizes == dict(expected.sizes)
         np.testing.assert_array_equal(part["slide_peak"].values, expected["slide_peak"].values)
