@@ -6,6 +6,7 @@ AT2, plain text and the formats of agencies (`agencies`) are read here; for all 
 from __future__ import annotations
 
 import hashlib
+import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,6 +58,9 @@ COMPRESSED = {
     b"PK\x03\x04": "a ZIP archive, or a spreadsheet (save it as CSV)",
 }
 """How files begin that hold records inside."""
+
+UNSTATED = ("COUNTS", "COUNT", "UNKNOWN", "INTEGER", "FLOAT", "")
+"""What stands in SLIST and TSPAIR files in place of a unit, in capitals."""
 
 SINGLE = ("SAC", "SACXY", "AH")
 """Formats of ObsPy that hold the time step in single precision."""
@@ -289,6 +293,7 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     format_name = _obspy_format(path)
     traces = _obspy_traces(path, format_name)
     _refuse_part_of_a_record(traces, path)
+    _refuse_short_series(traces, path)
     trace = _chosen_trace(traces, component, path)
     stats = trace.stats
     if format_name == "KNET":
@@ -302,7 +307,7 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
         "start": str(stats.starttime),
         **{key: str(value) for key, value in stats.get(format_name.lower(), {}).items()},
     }
-    units = _obspy_units(format_name, unit, path)
+    units = _obspy_units(format_name, unit, stats, path)
     dt = float(stats.delta)
     if format_name in SINGLE:  # .01 is then .00999999978
         dt = float(str(np.float32(dt)))
@@ -320,18 +325,33 @@ def _refuse_knet(stats: Any, path: Path) -> None:
 
 def _refuse_part_of_a_record(traces: list[Any], path: Path) -> None:
     """MiniSEED is made of records of one length or a few, powers of two; ObsPy passes over one that is not whole."""
-    of_mseed = [trace.stats.mseed for trace in traces if "mseed" in trace.stats]
+    of_mseed = [trace.stats.mseed for trace in traces if "filesize" in trace.stats.get("mseed", {})]
     if of_mseed and of_mseed[0].filesize % (length := min(one.record_length for one in of_mseed)):
         raise RecordError(f"the file ends inside a record of {length} bytes: it has been cut; get it anew", path)
 
 
-def _obspy_units(format_name: str, unit: str | None, path: Path) -> str:
-    """K-NET and KiK-net state theirs (ObsPy's factor gives m/s²); the seismological formats do not."""
+def _refuse_short_series(traces: list[Any], path: Path) -> None:
+    """SLIST and TSPAIR files announce how many values follow; ObsPy takes what there is."""
+    if not any("ascii" in trace.stats for trace in traces):
+        return
+    lines = record_bytes(path).replace(b"\r", b"\n")
+    announced = re.findall(rb"^TIMESERIES\s+[^\s,]+[\s,]+(\d+)", lines, re.M)
+    for trace, count in zip(traces, map(int, announced), strict=True):
+        if (follow := len(trace.data)) != count:
+            said = f"its header announces {count} values of {trace.id} and {follow} follow"
+            raise RecordError(f"{said}: the file is damaged; get it anew", path)
+
+
+def _obspy_units(format_name: str, unit: str | None, stats: Any, path: Path) -> str:
+    """K-NET and KiK-net state theirs (ObsPy's factor gives m/s²), SLIST and TSPAIR may; the others do not."""
     if format_name == "KNET":
         if unit not in (None, "gal", "cm/s2"):
             message = f"the file states its own units, gal per count, `units` says {unit}; leave it out"
             raise OptionError("units", message, path)
         return "m/s2"
+    stated = str(stats.ascii.unit) if "ascii" in stats else ""
+    if stated.upper() not in UNSTATED:
+        return _agreed(stated, unit, path)
     if unit is None:
         raise OptionError(
             "units",
@@ -339,6 +359,15 @@ def _obspy_units(format_name: str, unit: str | None, path: Path) -> str:
             "(of the values times the file's calibration factor)",
             path,
         )
+    return unit
+
+
+def _agreed(stated: str, given: str | None, path: Path) -> str:
+    """The unit of acceleration that a file states, which its user may not contradict."""
+    if (unit := unit_named(stated)) is None:
+        raise RecordError(f"the values are in {stated!r}, not a unit of acceleration known here", path)
+    if given is not None and not same_unit(given, unit):
+        raise OptionError("units", f"the file says its units are {unit}, `units` says {given}; leave it out", path)
     return unit
 
 

@@ -374,6 +374,36 @@ def test_miniseed_that_was_cut_is_refused(tmp_path: Path) -> None:
     refused(path, "the file ends inside a record of 4096 bytes", units="m/s2")
 
 
+SERIES = "TIMESERIES XX_ABC__HN{}_D, {} samples, 100 sps, 2020-01-02T03:04:05.500000, {}, FLOAT, {}\n"
+"""The head of a SLIST or TSPAIR file, as data centres write it: `_D` is a quality."""
+
+
+def test_time_series_in_text_say_their_units(write) -> None:
+    values = [1.5, -2.5, 3.0]
+    as_list = SERIES.format("E", 3, "SLIST", "{}") + "1.5 -2.5\n3.0\n"
+    as_pairs = SERIES.format("E", 3, "TSPAIR", "{}") + "".join(
+        f"2020-01-02T03:04:05.{50 + i}0000 {value}\n" for i, value in enumerate(values)
+    )
+    for text, name in ((as_list, "a.slist"), (as_pairs, "a.tspair")):
+        stated = write(text.format("M/S**2"), name)
+        for motion in (read_record(stated), read_record(stated, units="m/s2")):
+            assert (motion.values.tolist(), motion.dt, motion.units) == (values, 0.01, "m/s2")
+            assert motion.begins == ("UTC", 1577934245.5)
+        refused(stated, "the file says its units are m/s2, `units` says g", units="g")
+        velocity = write(text.format("M/S"), name)
+        refused(velocity, "the values are in 'M/S', not a unit of acceleration", units="m/s2")
+        counts = write(text.format("Counts"), name)
+        refused(counts, "does not state the units")
+        assert read_record(counts, units="g").values.tolist() == values
+
+
+def test_time_series_in_text_that_were_cut_are_refused(write) -> None:
+    both = "".join(SERIES.format(place, 3, "SLIST", "M/S**2") + "1.5 -2.5\n3.0\n" for place in "EN")
+    assert read_record(write(both, "two.slist"), component="HNN").values.tolist() == [1.5, -2.5, 3.0]
+    cut = write(both.removesuffix("3.0\n"), "two.slist")
+    refused(cut, "announces 3 values of XX.ABC..HNN and 2 follow", component="HNE")
+
+
 SETTINGS = {
     "RSN729_SUPER.B_B-IVW360_5col_no_header.acc": {"units": "g", "dt": 0.005},
     "BM68elc_5col_no_header.acc": {"units": "g", "dt": 0.01},
