@@ -62,6 +62,12 @@ COMPRESSED = {
 UNSTATED = ("COUNTS", "COUNT", "UNKNOWN", "INTEGER", "FLOAT", "")
 """What stands in SLIST and TSPAIR files in place of a unit, in capitals."""
 
+OTHER_QUANTITIES = {6: "displacement", 7: "velocity"}
+"""What IDEP of a SAC header says beside acceleration (8), unknown (5) and volts (50), as SAC calls what it makes."""
+
+OTHER_KINDS = (2, 3, 4, 51)
+"""What IFTYPE of a SAC header says of two kinds of spectra, of pairs x and y, and of values over a plane."""
+
 SINGLE = ("SAC", "SACXY", "AH")
 """Formats of ObsPy that hold the time step in single precision."""
 
@@ -298,6 +304,7 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     stats = trace.stats
     if format_name == "KNET":
         _refuse_knet(stats, path)
+    _refuse_other_sac(stats.get("sac", {}), path)
     calib = float(stats.calib)
     values = np.ma.filled(np.ma.asarray(trace.data, dtype=float), np.nan) * calib
     processing = () if calib == 1.0 else (f"values as stored multiplied by the file's calibration factor {calib:.8g}",)
@@ -321,6 +328,17 @@ def _refuse_knet(stats: Any, path: Path) -> None:
     if stats.npts != (count := round(stats.knet.duration * stats.sampling_rate)):
         said = f"the header announces {count} values and {stats.npts} follow: the file is damaged; get it anew"
         raise RecordError(said, path)
+
+
+def _refuse_other_sac(header: Any, path: Path) -> None:
+    """Refuse a SAC file whose header says that it is no acceleration at equal time steps."""
+    if (quantity := OTHER_QUANTITIES.get(header.get("idep"))) is not None:
+        said = f"its header (IDEP) says that this is a {quantity}; a motion needs the acceleration"
+    elif header.get("leven") == 0 or header.get("iftype") in OTHER_KINDS:
+        said = "its header (LEVEN, IFTYPE) says that this is no series at equal time steps"
+    else:
+        return
+    raise RecordError(f"{said}: correct the header if it is wrong", path)
 
 
 def _refuse_part_of_a_record(traces: list[Any], path: Path) -> None:

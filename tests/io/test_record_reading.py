@@ -404,6 +404,35 @@ def test_time_series_in_text_that_were_cut_are_refused(write) -> None:
     refused(cut, "announces 3 values of XX.ABC..HNN and 2 follow", component="HNE")
 
 
+@pytest.mark.parametrize("as_text", [False, True])
+@pytest.mark.parametrize(
+    ("header", "words"),
+    [
+        ({}, ""),
+        ({"idep": "iunkn"}, ""),
+        ({"idep": "ivolts"}, ""),
+        ({"idep": "iacc"}, ""),
+        ({"idep": "ivel"}, "says that this is a velocity"),
+        ({"idep": "idisp"}, "says that this is a displacement"),
+        ({"iftype": "irlim"}, "no series at equal time steps"),
+        ({"iftype": "ixy"}, "no series at equal time steps"),
+        ({"leven": False}, "no series at equal time steps"),
+    ],
+)
+def test_sac_of_another_quantity_is_refused(
+    tmp_path: Path, header: dict[str, object], words: str, as_text: bool
+) -> None:
+    from obspy.io.sac import SACTrace
+
+    path = tmp_path / "one.sac"
+    values = np.array([1.0, -2.0, 3.0], dtype=np.float32)
+    SACTrace(**({"delta": 0.01, "data": values, "nzyear": 2020} | header)).write(str(path), ascii=as_text)
+    if words:
+        refused(path, words, units="m/s2")
+    else:
+        assert read_record(path, units="m/s2").values.tolist() == values.tolist()
+
+
 SETTINGS = {
     "RSN729_SUPER.B_B-IVW360_5col_no_header.acc": {"units": "g", "dt": 0.005},
     "BM68elc_5col_no_header.acc": {"units": "g", "dt": 0.01},
