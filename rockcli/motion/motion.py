@@ -16,6 +16,9 @@ __all__ = ["Given", "Motion", "start_in", "start_of"]
 NO_START = datetime(1970, 1, 1, tzinfo=UTC)
 """What ObsPy says of files without a time of their first sample."""
 
+NO_DATE = 86400.0
+"""Seconds around it that are no time of day, but the first time of a file without a date, as of SAC."""
+
 _START = re.compile(
     r".*\bstart: *(?:(\d{4}-\d\d-\d\dT[\d:.]+(?:Z|[+-]\d\d:\d\d))|([+-]?\d+\.?\d*(?:E[+-]?\d+)?) s)(?![^\s,;)])", re.I
 )
@@ -82,8 +85,12 @@ class Motion:
         """By which clock and when the first sample was taken [s]; None where the file does not say."""
         if (said := self.header.get("first_time")) is not None:
             return "column of times", said
-        start = datetime.fromisoformat(self.header["start"]) if "start" in self.header else NO_START
-        return None if start == NO_START else ("UTC", start.timestamp())
+        if "start" not in self.header:
+            return None
+        seconds = datetime.fromisoformat(self.header["start"]).timestamp()
+        if abs(seconds) < NO_DATE:
+            return ("column of times", seconds) if seconds else None
+        return "UTC", seconds
 
     def begins_after(self, other: Motion) -> float:
         """How much later it begins than another motion [s]; 0 to within half a time step, or where one does not say."""

@@ -433,6 +433,18 @@ def test_sac_of_another_quantity_is_refused(
         assert read_record(path, units="m/s2").values.tolist() == values.tolist()
 
 
+def test_the_first_time_of_a_sac_file_without_a_date_is_no_time_of_day(tmp_path: Path) -> None:
+    from obspy.io.sac import SACTrace
+
+    path = tmp_path / "one.sac"
+    values = np.array([1.0, -2.0, 3.0], dtype=np.float32)
+    for first, begins in ((0.0, None), (12.5, ("column of times", 12.5)), (-1.5, ("column of times", -1.5))):
+        SACTrace(delta=0.01, b=first, data=values).write(str(path))
+        assert read_record(path, units="g").begins == begins
+    SACTrace(delta=0.01, b=12.5, nzyear=2020, nzjday=3, data=values).write(str(path))
+    assert read_record(path, units="g").begins == ("UTC", 1578009612.5)
+
+
 SETTINGS = {
     "RSN729_SUPER.B_B-IVW360_5col_no_header.acc": {"units": "g", "dt": 0.005},
     "BM68elc_5col_no_header.acc": {"units": "g", "dt": 0.01},
