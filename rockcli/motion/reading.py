@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections import Counter
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -104,8 +105,8 @@ def read_record(
         path: of the file: AT2, a format of `agencies.formats`, text in one column (acceleration), two (time,
             acceleration) or as many as one likes (acceleration, line by line), or any format ObsPy reads;
             compressed files are not.
-        component: which one, if the file holds several: its name as the file gives it, or its place from 0.
-            If the file holds one, it must be that one.
+        component: which one, if the file holds several: its name as the file gives it (`UP (2)`: the second that is
+            called `UP`), or its place from 0. If the file holds one, it must be that one.
         units: of the values: `g`, `m/s2`, `cm/s2`, `gal`, `mm/s2`; needed where the format does not state
             them, and must not contradict the file where it does.
         dt: time step [s]; the same holds.
@@ -173,8 +174,8 @@ def motion_of(
     return _motion(Found(given.values, step, str(unit), "array", given.component, header), path, digest)
 
 
-def components_of(path: str | Path) -> list[str | int | None]:
-    """What chooses each component of a file: its name, or its place where names are not told apart; [None] for one.
+def components_of(path: str | Path) -> list[str | None]:
+    """What chooses each component of a file: its name, those of one name with a number; [None] for one.
 
     Raises:
         RecordError: it cannot be read.
@@ -189,9 +190,7 @@ def components_of(path: str | Path) -> list[str | int | None]:
         return [None]
     else:
         names = [str(trace.id) for trace in _obspy_traces(path, _obspy_format(path))]
-    if len(names) == 1:
-        return [None]
-    return list(names) if len(set(names)) == len(names) and all(names) else list(range(len(names)))
+    return [None] if len(names) == 1 else [*_told_apart(names)]
 
 
 def _known_unit(units: str | None, path: Path) -> str | None:
@@ -271,7 +270,7 @@ def _at2(data: bytes, path: Path, component: str | int | None, unit: str | None)
 def _of_agency(channels: list[Channel], name: str, path: Path, component: str | int | None, unit: str | None) -> Found:
     """A component of a file that states everything itself."""
     names = [channel.component for channel in channels]
-    one = channels[_chosen(names, names, component, path)]
+    one = channels[_chosen(names, _told_apart(names), component, path)]
     if unit is not None and not same_unit(unit, one.units):
         raise OptionError("units", f"the file says its units are {one.units}, `units` says {unit}; leave it out", path)
     peak = float(np.abs(one.values).max(initial=0.0))
@@ -449,7 +448,18 @@ def _obspy_traces(path: Path, format_name: str) -> list[Any]:
 
 
 def _chosen_trace(traces: list[Any], component: str | int | None, path: Path) -> Any:
-    return traces[_chosen([str(t.stats.channel) for t in traces], [t.id for t in traces], component, path)]
+    ids = _told_apart([str(trace.id) for trace in traces])
+    return traces[_chosen([str(trace.stats.channel) for trace in traces], ids, component, path)]
+
+
+def _told_apart(names: list[str]) -> list[str]:
+    """The names, each of several that are alike with a number: `UP (1)`, `90`, `UP (2)`."""
+    alike, before = Counter(names), Counter[str]()
+    told = []
+    for name in names:
+        before[name] += 1
+        told.append(name if alike[name] == 1 and name else f"{name} ({before[name]})".strip())
+    return told
 
 
 def _chosen(names: list[str], ids: list[str], component: str | int | None, path: Path) -> int:

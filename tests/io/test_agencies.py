@@ -19,7 +19,7 @@ from rockcli.motion.agencies.formats import FORMATS, channels_of, format_of
 from rockcli.motion.agencies.geonet import GEONET
 from rockcli.motion.agencies.smc import SMC
 from rockcli.motion.direction import in_direction
-from rockcli.motion.reading import read_record
+from rockcli.motion.reading import components_of, read_record
 from rockcli.motion.units import FACTORS
 
 ROOT = Path(__file__).parents[2]
@@ -393,6 +393,23 @@ def test_several_components_have_to_be_chosen_from(tmp_path: Path, end: str) -> 
     with pytest.raises(RecordError, match="choose one with `component`; the file holds 0: 90, 1: UP"):
         read_record(path)
     assert read_record(path, component="up").component == "UP"
+
+
+def test_components_of_one_name_are_told_apart(tmp_path: Path) -> None:
+    def one(degrees: str, peak: float) -> str:
+        return cosmos([0.0, peak, 1.0]).replace("340 deg", f"{degrees:>3} deg")
+
+    def peaks(path: Path) -> list[float]:
+        return [float(read_record(path, component=each).values.max()) for each in components_of(path)]
+
+    path = tmp_path / "building.v2"
+    path.write_text("".join(one(degrees, 10.0 + i) for i, degrees in enumerate(("90", "0", "360", "90"))))
+    assert components_of(path) == ["90 (1)", "0", "360", "90 (2)"]
+    assert peaks(path) == pytest.approx([0.10, 0.11, 0.12, 0.13])
+    with pytest.raises(RecordError, match=r"the file holds 0: 90 \(1\), 1: 0, 2: 360, 3: 90 \(2\)"):
+        read_record(path, component=90)
+    path.write_text("".join(one(degrees, 10.0 + i) for i, degrees in enumerate(("0", "90", "0"))))
+    assert peaks(path) == pytest.approx([0.10, 0.11, 0.12])
 
 
 def test_real_files_have_the_peak_their_header_states(shared_records: Path) -> None:
