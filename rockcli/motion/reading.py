@@ -175,7 +175,7 @@ def motion_of(
 
 
 def components_of(path: str | Path) -> list[str | None]:
-    """What chooses each component of a file: its name, those of one name with a number; [None] for one.
+    """What chooses each component with numbers: its name, those of one name with a number; [None] for one alone.
 
     Raises:
         RecordError: it cannot be read.
@@ -185,12 +185,14 @@ def components_of(path: str | Path) -> list[str | None]:
     if looks_like_at2(data):
         return [None]
     if (one := format_of(data)) is not None:
-        names = [channel.component for channel in channels_of(data, one, str(path))]
-    elif is_numeric_text(data):
+        names = _told_apart([channel.component for channel in channels_of(data, one, str(path))])
+        return [None] if len(names) == 1 else [*names]
+    if is_numeric_text(data):
         return [None]
-    else:
-        names = [str(trace.id) for trace in _obspy_traces(path, _obspy_format(path))]
-    return [None] if len(names) == 1 else [*_told_apart(names)]
+    traces = _obspy_traces(path, _obspy_format(path))
+    names = _told_apart([str(trace.id) for trace in traces])
+    numbers = [name for name, trace in zip(names, traces, strict=True) if not _is_text(trace)]
+    return [None] if len(names) == 1 else [*(numbers or names)]  # one with text alone is refused as it is read
 
 
 def _known_unit(units: str | None, path: Path) -> str | None:
@@ -301,6 +303,8 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     _refuse_short_series(traces, path)
     trace = _chosen_trace(traces, component, path)
     stats = trace.stats
+    if _is_text(trace):
+        raise RecordError(f"{trace.id} holds text, as the log of an instrument, and no numbers", path)
     if format_name == "KNET":
         _refuse_knet(stats, path)
     _refuse_other_sac(stats.get("sac", {}), path)
@@ -318,6 +322,11 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     if format_name in SINGLE:  # .01 is then .00999999978
         dt = float(str(np.float32(dt)))
     return Found(values, dt, units, format_name, str(stats.channel), header, processing)
+
+
+def _is_text(trace: Any) -> bool:
+    """Whether a trace holds no numbers, as the log of a recorder in MiniSEED."""
+    return trace.data.dtype.kind not in "iufb"
 
 
 def _refuse_knet(stats: Any, path: Path) -> None:

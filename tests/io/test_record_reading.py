@@ -20,7 +20,7 @@ from rockcli.errors import RecordError
 from rockcli.motion.agencies.formats import format_of
 from rockcli.motion.at2 import read_at2
 from rockcli.motion.numbers import read_numbers
-from rockcli.motion.reading import read_record
+from rockcli.motion.reading import components_of, read_record
 from rockcli.motion.writing import two_columns
 
 AT2 = (
@@ -443,6 +443,21 @@ def test_the_first_time_of_a_sac_file_without_a_date_is_no_time_of_day(tmp_path:
         assert read_record(path, units="g").begins == begins
     SACTrace(delta=0.01, b=12.5, nzyear=2020, nzjday=3, data=values).write(str(path))
     assert read_record(path, units="g").begins == ("UTC", 1578009612.5)
+
+
+def test_text_in_miniseed_is_no_record(tmp_path: Path) -> None:
+    from obspy import Trace
+
+    path = tmp_path / "log.mseed"
+    log = Trace(np.frombuffer(b"gps locked", dtype="S1"), {"channel": "LOG", "station": "ABC", "network": "XX"})
+    log.write(str(path), format="MSEED", encoding="ASCII", reclen=512)
+    refused(path, "XX.ABC..LOG holds text", units="gal")
+    text = path.read_bytes()
+    log.stats.channel, log.data = "HNE", np.array([1.0, -2.0, 3.0])
+    log.write(str(path), format="MSEED", reclen=512)
+    path.write_bytes(text + path.read_bytes())
+    assert components_of(path) == ["XX.ABC..HNE"]
+    assert read_record(path, component="HNE", units="m/s2").values.tolist() == [1.0, -2.0, 3.0]
 
 
 SETTINGS = {
