@@ -321,7 +321,19 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     dt = float(stats.delta)
     if format_name in SINGLE:  # .01 is then .00999999978
         dt = float(str(np.float32(dt)))
-    return Found(values, dt, units, format_name, str(stats.channel), header, processing)
+    warnings = _one_of_pieces(traces, trace)
+    return Found(values, dt, units, format_name, str(stats.channel), header, processing, warnings)
+
+
+def _one_of_pieces(traces: list[Any], trace: Any) -> tuple[str, ...]:
+    """A sentence where a file holds a component in pieces, of which this is one."""
+    pieces = sum(each.id == trace.id for each in traces)
+    if pieces == 1 or not trace.stats.channel:
+        return ()
+    return (
+        f"the file holds {trace.id} in {pieces} pieces, with gaps or overlaps between them: this is the one from "
+        f"{trace.stats.starttime} on, {len(trace.data)} values",
+    )
 
 
 def _is_text(trace: Any) -> bool:

@@ -460,6 +460,21 @@ def test_text_in_miniseed_is_no_record(tmp_path: Path) -> None:
     assert read_record(path, component="HNE", units="m/s2").values.tolist() == [1.0, -2.0, 3.0]
 
 
+def test_a_piece_of_a_record_with_a_gap_is_told(tmp_path: Path) -> None:
+    from obspy import Stream, Trace, UTCDateTime
+
+    path = tmp_path / "gap.mseed"
+    whole = Trace(np.arange(600.0), {"channel": "HNE", "station": "ABC", "network": "XX", "delta": 0.01})
+    Stream([whole.slice(endtime=UTCDateTime(2)), whole.slice(starttime=UTCDateTime(3))]).write(str(path), "MSEED")
+    refused(path, "0: XX.ABC..HNE (1), 1: XX.ABC..HNE (2)", component="HNE", units="gal")
+    for asked in ("XX.ABC..HNE (2)", 1):
+        motion = read_record(path, component=asked, units="m/s2")
+        assert motion.values.tolist() == list(range(300, 600))
+        assert "in 2 pieces, with gaps" in motion.warnings[0]
+    whole.write(str(path), "MSEED")
+    assert not any("pieces" in sentence for sentence in read_record(path, units="m/s2").warnings)
+
+
 SETTINGS = {
     "RSN729_SUPER.B_B-IVW360_5col_no_header.acc": {"units": "g", "dt": 0.005},
     "BM68elc_5col_no_header.acc": {"units": "g", "dt": 0.01},
