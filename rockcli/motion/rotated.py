@@ -16,7 +16,10 @@ ANGLES = 180
 """Directions, one a degree."""
 
 POINTS_PER_PERIOD = 100
-"""Points of a history per period at least: the peak between two of them is at most 0.05 % higher."""
+"""Points of a history per period at least: a free oscillation is at most 0.05 % higher between two of them."""
+
+POINTS_PER_STEP = 4
+"""Points of a history per time step at least: of a long period it is the ground's acceleration that bends it."""
 
 _AT_ONCE = 20_000
 """Points turned at a time."""
@@ -54,7 +57,7 @@ def rotated_spectrum(one: Array, two: Array, dt: float, periods: Array, zeta: fl
     motions = [(Stretch(0.0, dt, np.column_stack([a[:-1], np.diff(a) / dt])),) for a in (one, two)]
     found = np.zeros((2, len(periods)))
     for i, period in enumerate(periods):
-        parts = max(int(np.ceil(POINTS_PER_PERIOD * dt / period)), 1)
+        parts = max(int(np.ceil(POINTS_PER_PERIOD * dt / period)), POINTS_PER_STEP)
         h = float(dt / parts)
         t = np.multiply(h, np.arange(int(np.ceil(((len(one) - 1) * dt + period) / h)) + 1), dtype=np.float64)
         x, y = (history(motion, float(period), zeta, t)[0] for motion in motions)
