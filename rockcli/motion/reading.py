@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -311,11 +312,12 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     calib = float(stats.calib)
     values = np.ma.filled(np.ma.asarray(trace.data, dtype=float), np.nan) * calib
     processing = () if calib == 1.0 else (f"values as stored multiplied by the file's calibration factor {calib:.8g}",)
+    of_format = stats.get(format_name.lower(), {}).items()
     header = {
+        **{key: str(value) for key, value in of_format if not isinstance(value, Mapping)},  # as `station` of AH is
         "network": stats.network,
         "station": stats.station,
         "start": str(stats.starttime),
-        **{key: str(value) for key, value in stats.get(format_name.lower(), {}).items()},
     }
     units = _obspy_units(format_name, unit, stats, path)
     dt = float(stats.delta)

@@ -475,6 +475,18 @@ def test_a_piece_of_a_record_with_a_gap_is_told(tmp_path: Path) -> None:
     assert not any("pieces" in sentence for sentence in read_record(path, units="m/s2").warnings)
 
 
+def test_a_station_is_its_code_in_every_format(tmp_path: Path) -> None:
+    from obspy import Trace
+
+    for format_name in ("AH", "SAC", "MSEED", "SLIST"):
+        path = tmp_path / "one.record"
+        values = np.array([1.0, -2.0, 3.0], dtype=np.float32)
+        Trace(values, {"channel": "HNE", "station": "ABC", "delta": 0.01}).write(str(path), format=format_name)
+        header = read_record(path, units="g").header
+        assert header["station"] == "ABC"
+        assert "AttribDict" not in str(header)
+
+
 SETTINGS = {
     "RSN729_SUPER.B_B-IVW360_5col_no_header.acc": {"units": "g", "dt": 0.005},
     "BM68elc_5col_no_header.acc": {"units": "g", "dt": 0.01},
