@@ -272,8 +272,9 @@ def _titles(motion: Motion, g: float) -> list[str]:
 
     unit = "" if motion.in_g else f", 1 g = {g:g} m/s2"
     event, date, station = (str(motion.header.get(key) or "") for key in ("event", "date", "station"))
-    known = (event or UNKNOWN[0], date, station or UNKNOWN[1], motion.component)
-    identity = ", ".join(part for part in known if part) if motion.component else "-"
+    place, component = (said.replace(",", "") for said in (station, motion.component))  # commas separate the four
+    known = (event or UNKNOWN[0], date, place or UNKNOWN[1], component)
+    identity = ", ".join(part for part in known if part) if component else "-"
     converted = ", ".join(filter(None, [f"Converted from {motion.name} ({motion.format}{unit})", start_of(motion)]))
     return [_printable(converted), _printable(identity)]
 

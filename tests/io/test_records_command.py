@@ -87,6 +87,17 @@ def test_convert_states_no_event_or_station_where_none_is_known(tmp_path: Path) 
         assert (motion.header["event"], motion.header["station"], motion.component) == ("", station, "HNE")
 
 
+def test_a_station_with_commas_stays_one_in_at2(tmp_path: Path) -> None:
+    path = tmp_path / "one.asc"
+    path.write_text(
+        "Event Date & Time : 2009-04-06\nStation Code / Name : 2987 / L Aquila, Valle, Italy\nOrientation : NS\n"
+        "Time Increment (s) : 0.01\nNumber of Data : 3\ntime series in m/s/s\n1 -2 3\n"
+    )
+    run("convert", path, tmp_path / "a.AT2")
+    motion = read_record(tmp_path / "a.AT2")
+    assert (motion.header["station"], motion.component) == ("2987 / L Aquila Valle Italy", "NS")
+
+
 @pytest.mark.parametrize(
     ("head", "said"),
     [
