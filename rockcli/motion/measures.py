@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 MEAN_PERIOD_SPACING = 0.05
 """Largest spacing of the frequencies of the mean period [Hz] (Rathje, Faraj, Russell and Bray 2004)."""
 
+IN_BAND = 1e-12
+"""Relative error of such a frequency: one that is 20 Hz up to it is in the band."""
+
 
 def pga(a: Array) -> float:
     """Peak ground acceleration [m/s²] (or in the units of `a`)."""
@@ -99,10 +102,10 @@ def mean_period(a: Array, dt: float) -> float:
 
     The frequencies are at most 0.05 Hz apart, whatever the length of the record.
     """
-    n = max(len(a), int(np.ceil(1.0 / (MEAN_PERIOD_SPACING * dt) * (1.0 - 1e-12))))
+    n = max(len(a), int(np.ceil(1.0 / (MEAN_PERIOD_SPACING * dt) * (1.0 - IN_BAND))))
     f = np.fft.rfftfreq(n, dt)
     power = np.abs(np.fft.rfft(a, n)) ** 2
-    band = (f >= 0.25) & (f <= 20.0)
+    band = (f >= 0.25 * (1.0 - IN_BAND)) & (f <= 20.0 * (1.0 + IN_BAND))
     total = power[band].sum()
     return float((power[band] / f[band]).sum() / total) if total > 0.0 else float("nan")
 

@@ -77,6 +77,13 @@ def test_mean_period_of_a_sine() -> None:
     assert mean_period(np.sin(2.0 * np.pi * 2.0 * t), 0.01) == pytest.approx(0.5, rel=1e-10)
 
 
+def test_mean_period_counts_twenty_hertz_at_every_length() -> None:
+    """Half of the power at 20 Hz, half at 10 Hz: whole cycles of both, of which 4440 samples make 20.000000000000004 Hz."""
+    for n in (4400, 4440, 4480):
+        t = 0.005 * np.arange(n)
+        assert mean_period(np.sin(40.0 * np.pi * t) + np.sin(20.0 * np.pi * t), 0.005) == pytest.approx(0.075, rel=1e-9)
+
+
 def test_mean_period_does_not_know_where_a_short_record_ends() -> None:
     a, dt = np.array([0.0, 3.0, 1.0, -2.0, 0.0]), 0.1
     longer = [mean_period(np.concatenate([a, np.zeros(more)]), dt) for more in (0, 20, 100, 195)]
