@@ -81,19 +81,23 @@ def cav(a: Array, dt: float) -> float:
     return float(0.5 * dt * part.sum())
 
 
-def significant_duration(a: Array, dt: float) -> float:
-    """Time in which the Arias intensity grows from 5 to 95 % of its final value [s]; 0 for no motion."""
+def significant_duration(a: Array, dt: float | Array) -> float:
+    """Time in which the Arias intensity grows from 5 to 95 % of its final value [s]; 0 for no motion.
+
+    `dt` may be the length of every step, (k-1,), as of a motion that is cut between two samples.
+    """
     husid = np.concatenate(([0.0], np.cumsum(_squares(a, dt))))
     if husid[-1] == 0.0:
         return 0.0
     wanted = np.array([0.05, 0.95]) * husid[-1]
     i = np.clip(np.searchsorted(husid, wanted, side="right") - 1, 0, len(a) - 2)
-    more, left, slope = wanted - husid[i], a[i], (a[i + 1] - a[i]) / dt
+    begins, steps = (np.append(0.0, np.cumsum(dt))[i], dt[i]) if isinstance(dt, np.ndarray) else (dt * i, dt)
+    more, left, slope = wanted - husid[i], a[i], (a[i + 1] - a[i]) / steps
     # a^3 grows by 3 slope times the integral of a^2; written so that a slope of 0 divides nothing by 0
     right = np.cbrt(left**3 + 3.0 * slope * more)
     squares = right * right + right * left + left * left
     inside = np.where(more > 0.0, 3.0 * more / np.where(squares > 0.0, squares, 1.0), 0.0)
-    times = dt * i + np.minimum(inside, dt)
+    times = begins + np.minimum(inside, steps)
     return float(times[1] - times[0])
 
 
@@ -123,7 +127,7 @@ def measures(a: Array, dt: float, g: float = 9.81) -> dict[str, float]:
     }
 
 
-def _squares(a: Array, dt: float) -> Array:
+def _squares(a: Array, dt: float | Array) -> Array:
     """Integral of a^2 over each interval, (k-1,)."""
     left, right = a[:-1], a[1:]
     return np.asarray(dt / 3.0 * (left * left + left * right + right * right))

@@ -260,6 +260,7 @@ def test_integrals_of_a_motion_end_with_the_duration():
     data, until = rockcli.run(base), np.array([0.05, 7.0, 7.063, 39.9])
     np.testing.assert_allclose(data["arias"].sel(scale=2.0), 4.0 * np.pi / (2.0 * G) * until, rtol=1e-12)
     np.testing.assert_allclose(data["cav"].sel(scale=2.0), 2.0 * until, rtol=1e-12)
+    np.testing.assert_allclose(data["d5_95"], 0.9 * until, rtol=1e-12)
 
 
 def test_measures_of_the_motion():

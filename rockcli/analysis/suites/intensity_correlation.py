@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.motion.measures import arias, cav, measures
+from rockcli.motion.measures import arias, cav, measures, significant_duration
 from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.uncertain.statistics import pearson, spearman
 from rockcli.scene.variables import MEASURE, MEASURES
@@ -83,7 +83,7 @@ def _of_records(study: Study) -> tuple[dict[str, Array], Array]:
 
 
 def _until(a: Array, dt: float, until: float) -> dict[str, float]:
-    """Measures of a motion up to a time, in g of 1 m/s²: integrals to that time, others of the samples before it."""
+    """Measures of a motion up to a time, in g of 1 m/s²; the mean period is that of the samples before it."""
     last = min(int(np.floor(until / dt + 1e-9)), len(a) - 1)
     found = measures(a[: last + 1], dt, 1.0)
     rest = until - last * dt
@@ -91,6 +91,7 @@ def _until(a: Array, dt: float, until: float) -> dict[str, float]:
         ends = np.array([a[last], a[last] + (a[last + 1] - a[last]) * rest / dt])
         found["arias"] += arias(ends, rest, 1.0)
         found["cav"] += cav(ends, rest)
+        found["d5_95"] = significant_duration(np.append(a[: last + 1], ends[1]), np.append(np.full(last, dt), rest))
     return found
 
 
