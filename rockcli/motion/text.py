@@ -47,11 +47,14 @@ _UNITS = re.compile(r"\s*[#%]\s*units\s*[:=]\s*(\S+)", re.I)
 _DT = re.compile(r"\s*[#%]\s*dt\s*[:=]\s*(.*?)\s*", re.I)
 _SECONDS = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(?:\s*(?:s|sec|seconds?)\b.*|\s*[,;(](?!\d).*)?", re.I)
 _HEAD = re.compile(
-    r"\s*\"?\s*t(?:ime)?\s*(?:[\[(]\s*(?:s|sec|seconds)\s*[\])])?\s*\"?\s*[,\t]"
-    r"\s*\"?\s*(?:a|acc|accel|acceleration|a_g)\.?\s*(?:[\[(]([^\])]*)[\])])?\s*\"?\s*",
+    r"\s*+\"?\s*+t(?:ime)?(?:\s*+[\[(]\s*+(?:s|sec|seconds)\s*+[\])])?(?:\s*+\")?[^\S\t]*+(?:,|\t\s*+,?+)"
+    r"\s*+\"?\s*+(?:a|acc|accel|acceleration|a_g)\.?\s*+(?:[\[(]([^\])]*+)[\])])?\s*+\"?\s*+",
     re.I,
 )
-"""The names of time, in seconds if it says a unit, and of acceleration, with its unit."""
+"""The names of time, in seconds if it says a unit, and of acceleration, with its unit.
+
+Blanks are not tried again (`*+`): of `time` and a hundred tabs there are millions of ways to share them out.
+"""
 _CHARACTERS = re.compile(r"[0-9.eEdD+\-,;\s]*", re.ASCII)
 _NUMBERED = re.compile(r"\s*[+-]?\d[0-9.eEdD+\-,;\s]*", re.ASCII)
 _ONE_COMMA = re.compile(r"\s*[+-]?\d+,\d+\s*")
