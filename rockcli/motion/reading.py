@@ -9,6 +9,7 @@ import hashlib
 import re
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -317,8 +318,9 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
         **{key: str(value) for key, value in of_format if not isinstance(value, Mapping)},  # as `station` of AH is
         "network": stats.network,
         "station": stats.station,
-        "start": str(stats.starttime),
     }
+    with suppress(OverflowError, ValueError):  # of no date, as a damaged header has it
+        header["start"] = str(stats.starttime)
     units = _obspy_units(format_name, unit, stats, path)
     dt = float(stats.delta)
     if format_name in SINGLE:  # .01 is then .00999999978

@@ -443,6 +443,9 @@ def test_the_first_time_of_a_sac_file_without_a_date_is_no_time_of_day(tmp_path:
         assert read_record(path, units="g").begins == begins
     SACTrace(delta=0.01, b=12.5, nzyear=2020, nzjday=3, data=values).write(str(path))
     assert read_record(path, units="g").begins == ("UTC", 1578009612.5)
+    whole = path.read_bytes()
+    path.write_bytes(whole.replace(np.float32(12.5).tobytes(), np.float32(-4e28).tobytes()))
+    assert read_record(path, units="g").begins is None
 
 
 def test_text_in_miniseed_is_no_record(tmp_path: Path) -> None:
