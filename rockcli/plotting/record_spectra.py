@@ -31,7 +31,8 @@ def draw(
             style = {"color": "0.7", "linewidth": 0.6} if many else {"color": COLOURS[i % len(COLOURS)], "label": name}
             axes.plot(periods, values, **style)
         if many:
-            median = np.exp(np.median(np.log([values for _, values in spectra]), axis=0))
+            with np.errstate(divide="ignore"):  # of a record that is zero throughout
+                median = np.exp(np.median(np.log([values for _, values in spectra]), axis=0))
             axes.plot(periods, median, color=COLOURS[0], linewidth=1.8, label=f"median of {len(spectra)}")
         axes.set_xscale("log")
         axes.set_yscale("log")

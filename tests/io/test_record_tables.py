@@ -168,6 +168,13 @@ def test_spectra_are_drawn(tmp_path: Path, suffix: str) -> None:
         run("info", ONE, "--sa", "0")
 
 
+def test_a_record_of_zeros_has_a_spectrum_too(tmp_path: Path) -> None:
+    silent = tmp_path / "silent.txt"
+    silent.write_text("# units: g\n# dt: 0.01\n" + 5 * "0\n")
+    run("info", *[ONE] * 12, silent, "--sa", "1", "--spectrum", tmp_path / "s.svg")
+    assert "median of 13" in (tmp_path / "s.svg").read_text()
+
+
 SEARCH = """\
 PEER Ground Motion Database - test,,,
  -- Summary of Metadata of Selected Records --
