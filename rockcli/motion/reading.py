@@ -301,7 +301,7 @@ def _through_obspy(path: Path, component: str | int | None, unit: str | None) ->
     """The record through ObsPy, its traces multiplied by their calibration factors."""
     format_name = _obspy_format(path)
     traces = _obspy_traces(path, format_name)
-    _refuse_part_of_a_record(traces, path)
+    _refuse_part_of_a_record(traces, format_name, path)
     _refuse_short_series(traces, path)
     trace = _chosen_trace(traces, component, path)
     stats = trace.stats
@@ -365,11 +365,20 @@ def _refuse_other_sac(header: Any, path: Path) -> None:
     raise RecordError(f"{said}: correct the header if it is wrong", path)
 
 
-def _refuse_part_of_a_record(traces: list[Any], path: Path) -> None:
-    """MiniSEED is made of records of one length or a few, powers of two; ObsPy passes over one that is not whole."""
+def _refuse_part_of_a_record(traces: list[Any], format_name: str, path: Path) -> None:
+    """MiniSEED is made of records of one length or a few, powers of two; ObsPy passes over one that is not whole.
+
+    So is WIN of seconds, each of which begins with its length.
+    """
     of_mseed = [trace.stats.mseed for trace in traces if "filesize" in trace.stats.get("mseed", {})]
     if of_mseed and of_mseed[0].filesize % (length := min(one.record_length for one in of_mseed)):
         raise RecordError(f"the file ends inside a record of {length} bytes: it has been cut; get it anew", path)
+    if format_name == "WIN":
+        data, at = record_bytes(path), 0
+        while at < len(data):
+            at += max(int.from_bytes(data[at : at + 4], "big"), 4)
+        if at != len(data):
+            raise RecordError("the file ends inside a second: it has been cut; get it anew", path)
 
 
 def _refuse_short_series(traces: list[Any], path: Path) -> None:

@@ -500,6 +500,22 @@ def test_blanks_in_a_first_line_take_no_time(write) -> None:
     assert time.perf_counter() - begin < 2.0
 
 
+def test_win_that_was_cut_is_refused(tmp_path: Path) -> None:
+    """Two seconds of one channel at 4 Hz: a first value of four bytes, three differences of one byte each."""
+    seconds = []
+    for second, first in ((5, 100), (6, 120)):
+        block = bytes([0x20, 0x03, 0x02, 0x01, 0x02, second, 0xA1, 0x00, 0x10, 4])
+        block += first.to_bytes(4, "big") + bytes([5, 256 - 2, 10])
+        seconds.append((len(block) + 4).to_bytes(4, "big") + block)
+    path = tmp_path / "one.win"
+    path.write_bytes(b"".join(seconds))
+    motion = read_record(path, units="gal")
+    np.testing.assert_allclose(motion.values, [1.0, 1.05, 1.03, 1.13, 1.2, 1.25, 1.23, 1.33], rtol=1e-15)
+    assert (motion.format, motion.dt) == ("WIN", 0.25)
+    path.write_bytes(b"".join(seconds)[:-2])
+    refused(path, "ends inside a second", units="gal")
+
+
 SETTINGS = {
     "RSN729_SUPER.B_B-IVW360_5col_no_header.acc": {"units": "g", "dt": 0.005},
     "BM68elc_5col_no_header.acc": {"units": "g", "dt": 0.01},
