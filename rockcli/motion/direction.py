@@ -14,6 +14,15 @@ TINY = 1e-12
 """Angles closer than this to a whole number of quarter turns are one [rad]: 90*deg is component two, to the bit."""
 
 
+_QUADRANT = re.compile(r"([NS])(\d\d?)([EW])", re.I)
+_ALONG = re.compile(
+    r"(N|S|NS[12]?|SN|N-S|NORTH|SOUTH|[A-Z][HLNG]N)|(?:E|W|EW[12]?|WE|E-W|EAST|WEST|[A-Z][HLNG]E)", re.I
+)
+"""Names of components along north and along east: `S16W`, `NS`, `HNE`."""
+
+_OF_KIK = re.compile(r"(?:NS|EW)([12])")
+"""Horizontal components of KiK-net: 1 in the borehole, 2 at the surface."""
+
 ASKEW = 10
 """Degrees by which two components may miss a right angle: those of Lucerne, 260 and 345, are taken as a pair."""
 
@@ -96,11 +105,28 @@ def not_a_pair(one: Motion, two: Motion) -> str:
     if elsewhere := of_other_places(one, two):
         return elsewhere
     first, second = one.component, two.component
-    if re.fullmatch(AZIMUTH, first) and re.fullmatch(AZIMUTH, second):
-        askew = abs((int(first) - int(second)) % 180 - 90) > ASKEW
+    degrees = _azimuth(first), _azimuth(second)
+    if degrees[0] is not None and degrees[1] is not None:
+        askew = abs(abs(degrees[0] - degrees[1]) - 90) > ASKEW
     else:
-        askew = bool(first and one.header.get("station")) and first.casefold() == second.casefold()
-    return f"is component {first}, {two.name} is {second}: two components are perpendicular" if askew else ""
+        askew = first != "" and first.casefold() == second.casefold()
+    if askew and (one.header.get("station") or re.fullmatch(AZIMUTH, first)):
+        return f"is component {first}, {two.name} is {second}: two components are perpendicular"
+    depths = [match[1] for name in (first, second) if (match := _OF_KIK.fullmatch(name))]
+    if len(set(depths)) == 2:
+        return f"is component {first}, {two.name} is {second}: one is of the borehole, the other of the surface"
+    return ""
+
+
+def _azimuth(component: str) -> int | None:
+    """Degrees from north, below 180, of a component that its file calls by them or by a direction; None of others."""
+    if re.fullmatch(AZIMUTH, component):
+        return int(component) % 180
+    if match := _QUADRANT.fullmatch(component):
+        angle = int(match[2])
+        return (angle if (match[1].upper() == "N") == (match[3].upper() == "E") else -angle) % 180
+    match = _ALONG.fullmatch(component)
+    return None if match is None else 0 if match[1] else 90
 
 
 def refuse_other_start(one: Motion, two: Motion) -> None:

@@ -142,6 +142,8 @@ def test_a_vertical_motion_of_another_place_is_told(tmp_path, two, event, statio
     [
         ("090", "180", False), ("009", "279", False), ("0", "270", False), ("260", "345", False), ("N", "W", False),
         ("EW", "NS", False), ("12", "13", False),  # numbers of channels
+        ("S16W", "S74E", False), ("N05E", "W", False), ("HNE", "HNN", False), ("NS2", "EW2", False), ("L", "T", False),
+        ("S16W", "N16E", True), ("N16W", "S74E", True), ("E", "W", True), ("HNE", "HLE", True), ("EW1", "EW2", True),
         ("090", "090", True), ("090", "140", True), ("N", "n", True), ("360", "0", True), ("000", "180", True),
     ],
 )  # fmt: skip
@@ -158,6 +160,17 @@ def test_components_that_are_not_perpendicular_are_told(tmp_path, one, two, said
     ] * said
     paired = CliRunner().invoke(app, ["records", "info", *map(str, files), "--rotd"])
     assert isinstance(paired.exception, RecordError) is said
+
+
+def test_components_of_a_borehole_and_the_surface_are_no_pair(tmp_path):
+    files = []
+    for component in ("NS1", "EW2"):
+        files.append(str(tmp_path / f"{component}.AT2"))
+        titles = ["RECORD", f"Kocaeli, 8/17/1999, Izmit, {component}"]
+        Path(files[-1]).write_text(at2_text(np.ones(9), 0.01, titles, tmp_path))
+    motion = {"record": {"file": files, "angle": 0.5}}
+    told = rockcli.check({"case": {"block": BLOCK, "motion": motion}})["warnings"]
+    assert "NS1.AT2 is component NS1, EW2.AT2 is EW2: one is of the borehole, the other of the surface" in told
 
 
 def test_a_vertical_component_that_is_taken_as_horizontal_is_told(tmp_path):
