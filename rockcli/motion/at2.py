@@ -35,6 +35,9 @@ __all__ = ["AT2", "at2_text", "is_at2", "looks_like_at2", "parse_at2", "read_at2
 HEADER_LINES = 60
 """NPTS and DT are sought on so many lines at most."""
 
+MARK = b"\xef\xbb\xbf"
+"""What editors put before a text in UTF-8."""
+
 UNKNOWN = ("event not stated", "station not stated")
 """What stands in a title in place of an event and a station that are not known."""
 
@@ -98,7 +101,7 @@ def is_at2(filename: Any) -> bool:
 
 def looks_like_at2(data: bytes) -> bool:
     """Whether the beginning of a file is an AT2 header."""
-    head = data[:8192]
+    head = data[:8192].removeprefix(MARK)
     if b"\0" in head:
         return False
     lines = _lines(head)[:HEADER_LINES]
@@ -219,7 +222,7 @@ def _checked_text_bytes(data: bytes, name: str) -> bytes:
         raise RecordError("the file is empty; get it anew", name)
     if b"\0" in data:
         raise RecordError("the file holds binary data, not the text of an AT2 file", name)
-    return data
+    return data.removeprefix(MARK)
 
 
 def _header(text: bytes, name: str) -> tuple[list[str], re.Match[str], int]:

@@ -58,6 +58,14 @@ def test_every_line_end(end: str) -> None:
     assert parse(GOOD.rstrip("\n").replace("\n", end) + "   ").tolist() == EXPECTED
 
 
+def test_a_mark_of_an_editor_is_no_part_of_the_first_line(write) -> None:
+    marked = parse_at2(b"\xef\xbb\xbf" + GOOD.encode(), "record.AT2")
+    assert marked.titles == parse_at2(GOOD.encode(), "record.AT2").titles
+    (trace,) = read_at2(write("\ufeff7 0.0050 NPTS, DT, UNITS: G\n" + VALUES))
+    assert trace.data.tolist() == EXPECTED
+    assert is_at2(write("\ufeff7 0.0050 NPTS, DT, UNITS: G\n" + VALUES))
+
+
 @pytest.mark.parametrize("per_line", [1, 2, 5, 6, 7, 8])
 def test_any_number_of_values_per_line(per_line: int) -> None:
     words = VALUES.split()
