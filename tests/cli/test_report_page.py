@@ -199,6 +199,16 @@ def test_the_headline_has_the_rate_and_the_probability_within_the_age() -> None:
     )
 
 
+def test_the_headline_says_what_motions_beyond_a_hazard_curve_may_add() -> None:
+    curve = {"label": "site", "intensity": [0.05, 0.2, 0.8], "rate": [2e-2, 1e-3, 1e-5]}  # in g, as one may forget
+    data = rockcli.run(SUITE | {"hazard": [curve]})
+    (said,) = (fact for fact in facts_of(data) if fact.what == "rate of overturning")
+    assert said.value == "0 a year"
+    assert said.sentence == (
+        "under the hazard site: by no motion of it; motions beyond its last point may add up to 1e-05"
+    )
+
+
 def test_the_headline_says_which_bodies_its_median_and_rate_leave_out() -> None:
     """A tiny body overturns at every level above uplift, and has no curve: the others must not speak for it."""
     curve = {"label": "site", "intensity": ["0.05*g", "0.5*g", "3*g"], "rate": [1e-2, 1e-4, 1e-7]}

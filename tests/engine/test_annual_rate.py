@@ -299,6 +299,17 @@ def test_tails_outside_the_curve_are_a_warning():
     assert (data["annual_rate_above"].sel(limit_state="overturned") > 0.0).all()
 
 
+def test_a_curve_that_ends_below_the_fragility_is_no_rate_of_zero_alone(tmp_path):
+    """Intensities in g taken for m/s2: no motion of the curve moves a body, and those beyond its end may."""
+    low = {"label": "low", "intensity": [0.05, 0.2, 0.8], "rate": [2e-2, 1e-3, 1e-5]}
+    report = run_study(open_study(study(hazard=low, age=50)), tmp_path, plots=False)
+    assert (rockcli.open_dataset(str(report.file))["annual_rate"] == 0.0).all()
+    told = " ".join([*report.suite, *report.warnings])
+    assert "nan" not in told
+    assert "inf" not in told
+    assert "can add up to 1e-05 a year to a rate of 0 (annual_rate_above): are its units right?" in told
+
+
 def test_a_curve_that_begins_too_late_is_a_warning():
     late = {"label": "late", "intensity": ["0.15*g", "0.3*g"], "rate": [1e-2, 1e-3]}
     said = " ".join(json.loads(rockcli.run(study(hazard=late)).attrs["warnings"]))

@@ -154,15 +154,16 @@ def central(contents: Contents, at: tuple[int, ...]) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def largest_tail(contents: Contents) -> Iterator[tuple[str, str, float]]:
-    """Hazard curves whose tails matter: (curve, `above` or `below`, its largest share of a rate)."""
+def largest_tail(contents: Contents) -> Iterator[tuple[str, str, float, float]]:
+    """Hazard curves whose tails matter: (curve, `above` or `below`, what it adds, that rate), most beside the rate."""
     if "annual_rate" not in contents.fields:
         return
     rate = contents.values("annual_rate")
     for i, label in enumerate(contents.values(HAZARD)):
         for end in ("above", "below"):
+            told, more = rate[..., i].ravel(), contents.values(f"annual_rate_{end}")[..., i].ravel()
             with np.errstate(all="ignore"):
-                share = contents.values(f"annual_rate_{end}")[..., i] / rate[..., i]
-            share = share[~np.isnan(share)]
-            if share.size and share.max() > TAIL:
-                yield str(label), end, float(share.max())
+                share = more / told
+            if not np.isnan(share).all() and np.nanmax(share) > TAIL:
+                most = int(np.nanargmax(share))
+                yield str(label), end, float(more[most]), float(told[most])

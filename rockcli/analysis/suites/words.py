@@ -445,7 +445,7 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
                 continue
             last = (*at, -1, i)
             said = f"{where}annual rate under {label}: {', '.join(told)}"
-            if np.isfinite(rate[last]):
+            if rate[last] > 0.0:
                 low, high = (float(contents.values(f"annual_rate_ci_{end}")[last]) for end in ("low", "high"))
                 ends = [f"{x / divisor:.3g}" for x in central(contents, last)]
                 limits = "" if np.isnan(low) else f"95 % {low:.3g} to {high:.3g}; "
@@ -480,16 +480,22 @@ def _tails(contents: Contents, over: Over) -> Iterator[str]:
     for curve in over.hazard:
         for note in curve.notes:
             yield f"{hazard_words(curve.label)}: {note}"
-    for label, end, share in largest_tail(contents):
-        if end == "above":
+    for label, end, more, rate in largest_tail(contents):
+        if end == "above" and more > 10.0 * rate:
+            doubt = ": are its units right?" if rate < 1e-3 * more else ""
+            yield (
+                f"{hazard_words(label)} ends below the intensities that exceed a limit state: motions beyond its end "
+                f"can add up to {more:.2g} a year to a rate of {rate:.2g} (annual_rate_above){doubt}"
+            )
+        elif end == "above":
             yield (
                 f"{hazard_words(label)} ends where bodies may remain stable: motions beyond its end, counted as if at "
-                f"it, can add up to {100.0 * share:.2g} % to a rate (annual_rate_above)"
+                f"it, can add up to {100.0 * more / rate:.2g} % to a rate (annual_rate_above)"
             )
         else:
             yield (
                 f"{hazard_words(label)} begins where a limit state is exceeded already: were its first power law to go "
-                f"on, motions below its first point would add {100.0 * share:.2g} % to a rate (annual_rate_below)"
+                f"on, motions below its first point would add {100.0 * more / rate:.2g} % to a rate (annual_rate_below)"
             )
 
 

@@ -311,14 +311,21 @@ def _rate(dataset: xarray.Dataset) -> list[Fact]:
         return []
     curves = [str(label) for label in dataset[HAZARD].values]
     under = f"under the hazard {' and '.join(curves)}" + (", by body" if of_falls["annual_rate"].ndim > 1 else "")
-    years = f"{float(f'{1.0 / most:.2g}'):g}" if most > 0.0 else "infinitely many"
-    once = f"once in {years} years" + (" or less often" if least < most else "")
+    often = f"once in {float(f'{1.0 / most:.2g}'):g} years" if most > 0.0 else "by no motion of it"
+    once = often + (" or less often" if least < most else "") + _beyond_the_curve(of_falls)
     within = ""
     age = json.loads(dataset.attrs.get("ensemble", "{}")).get("age")
     if age and (shares := _span(100.0 * of_falls["probability_in_age"].values)[0]):
         within = f"; within {age:g} years with a probability of {shares} %"
     left_out = _without_curve(of_falls["annual_rate"].values[..., 0])
     return [Fact(f"{rates} a year", "rate of overturning", f"{under}: {once}{within}{left_out}")]
+
+
+def _beyond_the_curve(of_falls: xarray.Dataset) -> str:
+    """What motions beyond the last point of a hazard curve may add, where that is more than a rate itself."""
+    rate, more = (np.ravel(of_falls[name].values) for name in ("annual_rate", "annual_rate_above"))
+    larger = more > rate
+    return f"; motions beyond its last point may add up to {more[larger].max():.2g}" if larger.any() else ""
 
 
 def _span(values: Array) -> tuple[str, float, float]:
