@@ -209,6 +209,20 @@ def test_the_headline_says_what_motions_beyond_a_hazard_curve_may_add() -> None:
     )
 
 
+def test_a_median_beyond_the_suite_is_told_as_extrapolated(tmp_path: Path) -> None:
+    path = "motion.pulse.a_p"
+    weak = SUITE | {"vary": {**SUITE["vary"], path: {"from": "0.1*g", "to": "0.33*g", "n": 8}}}  # type: ignore[dict-item]
+    data = rockcli.run(weak)
+    median, highest = float(data.fragility_median[-1]), float(data.fragility_highest)
+    assert median > highest
+    (said,) = (fact for fact in facts_of(data) if fact.what == "median of overturning")
+    assert said.sentence.endswith("; beyond the intensities of the suite, extrapolated")
+    (words,) = (one for one in json.loads(data.attrs["ensemble"])["says"] if one.startswith("overturning: "))
+    assert re.search(r"median motion_pulse_a_p \S+ m/s² \(95 % .*?, extrapolated\), beta", words), words
+    (whole,) = (fact for fact in facts_of(rockcli.run(SUITE)) if fact.what == "median of overturning")
+    assert "extrapolated" not in whole.sentence
+
+
 def test_the_headline_says_which_bodies_its_median_and_rate_leave_out() -> None:
     """A tiny body overturns at every level above uplift, and has no curve: the others must not speak for it."""
     curve = {"label": "site", "intensity": ["0.05*g", "0.5*g", "3*g"], "rate": [1e-2, 1e-4, 1e-7]}

@@ -94,6 +94,16 @@ def test_of_a_suite_the_medians_and_at_one_intensity_the_shares():
     assert at_one.axes[0].get_xlabel() == "share that overturns"
 
 
+def test_medians_beyond_the_suite_are_told_as_extrapolated():
+    dataset = of_a_suite(**{"motion.pulse.a_p": [0.1 * G, 0.2 * G, 0.25 * G]}, over={"along": "a_p"})
+    assert (dataset["fragility_median"][:, -1] > 0.25 * G).sum() == 1
+    assert (
+        "1 median beyond the intensities of the suite, extrapolated" in figures.figure("ranking", dataset).get_label()
+    )
+    whole = of_a_suite(**{"motion.pulse.a_p": [k * 0.1 * G for k in range(1, 7)]}, over={"along": "a_p"})
+    assert "extrapolated" not in figures.figure("ranking", whole).get_label()
+
+
 def test_more_than_a_page_are_the_worst_and_the_note_says_so():
     widths = {f"w{k}": {"height": 2.0, "width": 0.2 + 0.01 * k} for k in range(70)}
     dataset = rockcli.run(study(vary={"block": widths}))

@@ -371,7 +371,12 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
     many = int(np.prod(status.shape[:-1], dtype=int))
     listed = _worst(contents.values("fragility_median")[..., -1])
     first = "uplift or slip" if any(limit.quantity != PEAK for limit in over.limits) else "uplift"
+    lowest, highest = (contents.values(f"fragility_{end}") for end in ("lowest", "highest"))
     for at in listed:
+
+        def beyond(x: float, at: tuple[int, ...] = at) -> str:
+            return "" if lowest[at] <= x <= highest[at] else ", extrapolated"
+
         where = f"{place(contents, bodies, at, units)}: " if bodies else ""
         if begins[at] > 0.0:
             last = float(contents.values("fragility_begins_at_last")[at])
@@ -391,13 +396,14 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
             tails = []
             for k in (1, 0):  # 5 %, 1 %
                 x, least, most = (
-                    float(contents.values(f"fragility_percentile{end}")[(*at, i, k)]) / divisor
+                    float(contents.values(f"fragility_percentile{end}")[(*at, i, k)])
                     for end in ("", "_ci_low", "_ci_high")
                 )
-                tails.append(f"{PERCENTILES[k]:g} % at {x:.3g}{_limits(least, most, '')}")
+                limits = _limits(least / divisor, most / divisor, "", beyond(x))
+                tails.append(f"{PERCENTILES[k]:g} % at {x / divisor:.3g}{limits}")
             yield (
                 f"{where}{limit_words(label)}: median {over.told_against} {median / divisor:.3g}{unit_words(unit)}"
-                f"{_limits(low / divisor, high / divisor)}, beta {beta:.3g}{added}, "
+                f"{_limits(low / divisor, high / divisor, more=beyond(median))}, beta {beta:.3g}{added}, "
                 f"{', '.join(tails)}{unit_words(unit)} ({_members(over, n)})"
             )
             if over.second:
@@ -419,9 +425,10 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
         )
 
 
-def _limits(low: float, high: float, level: str = "95 % ") -> str:
-    """Confidence limits in brackets; "" where there are none, as of one member."""
-    return "" if np.isnan(low) else f" ({level}{low:.3g} to {high:.3g})"
+def _limits(low: float, high: float, level: str = "95 % ", more: str = "") -> str:
+    """Confidence limits in brackets, and more that is to be said; "" where there is nothing, as of one member."""
+    limits = "" if np.isnan(low) else f"{level}{low:.3g} to {high:.3g}"
+    return f" ({f'{limits}{more}'.removeprefix(', ')})" if limits or more else ""
 
 
 def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:

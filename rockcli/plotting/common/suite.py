@@ -130,6 +130,14 @@ def _ease(dataset: xarray.Dataset, suite: Suite, others: tuple[str, ...]) -> Arr
     return ease if (ease < _BEYOND).any() else None
 
 
+def medians_beyond(dataset: xarray.Dataset) -> xarray.DataArray:
+    """Whether the median of each curve lies beyond the intensities of the suite, so that it is extrapolated."""
+    median = dataset["fragility_median"]
+    if "fragility_lowest" not in dataset.variables:  # as of earlier versions
+        return median > np.inf
+    return (median < dataset["fragility_lowest"]) | (median > dataset["fragility_highest"])
+
+
 def members_word(dataset: xarray.Dataset, suite: Suite) -> str:
     """`42 records`."""
     n = int(dataset.sizes[suite.axis])

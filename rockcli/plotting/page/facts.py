@@ -22,6 +22,7 @@ from rockcli.plotting.common.labels import (
     unit_g,
     whose,
 )
+from rockcli.plotting.common.suite import medians_beyond
 from rockcli.scene.ground.amplitudes import AMPLITUDES
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.thresholds import BELOW, FOUND, IN_RANGE, NONE, Thresholds
@@ -283,7 +284,7 @@ def _probability(dataset: xarray.Dataset) -> list[Fact]:
                 span = f"{medians.min():.3g}" + (f" to {medians.max():.3g}" if medians.size > 1 else "")
                 said = "intensity at which one half of the suite overturns" + (", by body" if medians.size > 1 else "")
                 said += ", at the second intensity of the table" if "fragility_second" in dataset.variables else ""
-                said += _without_curve(every)
+                said += _extrapolated(part) + _without_curve(every)
                 return [Fact(_with_unit(span, unit), "median of overturning", said)]
         return []
     if "p_overturned" in dataset.variables and dataset["p_overturned"].size <= _FEW_SHARES:
@@ -293,6 +294,13 @@ def _probability(dataset: xarray.Dataset) -> list[Fact]:
             span = f"{shares.min():.3g}" + (f" to {shares.max():.3g}" if np.ptp(shares) > 0.0 else "")
             return [Fact(f"{span} %", "probability of overturning", "share of the suite that overturns")]
     return []
+
+
+def _extrapolated(of_falls: xarray.Dataset) -> str:
+    """How many medians lie beyond the intensities of the suite; "" where none does."""
+    beyond, every = int(medians_beyond(of_falls).sum()), of_falls["fragility_median"].size
+    some = f"{beyond} of {every} lie " if every > 1 else ""
+    return f"; {some}beyond the intensities of the suite, extrapolated" if beyond else ""
 
 
 def _without_curve(of_bodies: Array) -> str:
