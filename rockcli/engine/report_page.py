@@ -9,6 +9,7 @@ from rockcli.analysis.expect import Verdict, judge
 from rockcli.analysis.fragility.curves import FITTED, STATUS, WHY_NOT
 from rockcli.analysis.places import units_of
 from rockcli.analysis.rules import misled
+from rockcli.analysis.suites.words import why_no_curve
 from rockcli.errors import StudyError
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.limit_states import OVERTURNED
@@ -95,7 +96,8 @@ def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
         none = [status for status in WHY_NOT if STATUS[status] in set(every.get(CURVE, ()))]
         wanted = tuple(name for name in wanted if name in bare and (none or name != CURVE))
         shown = every[[*about, *(bare[name] for name in wanted)]].head(_ROWS_SHOWN)
-        words = units_of(from_xarray(dataset))
+        contents = from_xarray(dataset)
+        words = units_of(contents)
         heads, columns = [], []
         for head in shown.columns:
             name, _, unit = str(head).partition(" [")
@@ -103,7 +105,7 @@ def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
             values = shown[head].tolist()
             heads.append(_said(name) + (f" [{unit}]" if unit else ""))
             columns.append([_cell(v, divisor, name) for v in values])
-        notes = [f"{_curve(STATUS[status])}: {WHY_NOT[status]}" for status in none]
+        notes = [f"{_curve(STATUS[status])}: {why_no_curve(contents, status)}" for status in none]
         if len(every) > _ROWS_SHOWN:
             notes.append(f"the first {_ROWS_SHOWN} of {len(every)} rows; all: rock table --of {of}")
         found.append((title, heads, [*map(list, zip(*columns, strict=True))], "; ".join(notes)))

@@ -234,6 +234,15 @@ def test_the_headline_says_which_bodies_its_median_and_rate_leave_out() -> None:
         assert told[what].endswith("; 1 of 3 bodies have no curve and are not in it")
 
 
+def test_tables_say_that_a_body_without_a_curve_may_only_slide(tmp_path: Path) -> None:
+    """On mu < tan(alpha) no motion is strong enough: the range is not too low."""
+    bodies = {"rocks": {"R": 2.0, "tan_alpha": 0.2, "mu": 0.8}, "slides": {"R": 2.0, "tan_alpha": 0.2, "mu": 0.15}}
+    data = rockcli.run(SUITE | {"vary": {"block": bodies, **SUITE["vary"]}})  # type: ignore[dict-item]
+    rockcli.report(data, tmp_path / "page.html")
+    told = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "none (none exceeds): no case exceeds it, so the range is too low, or bodies slide and do not rock" in told
+
+
 def test_the_headline_has_the_largest_slide() -> None:
     """By hand: a block at rest on friction mu, thrown at speed v, slides v^2 / (2 mu g)."""
     case = {"block": {"R": 2.0, "tan_alpha": 0.5, "mu": 0.1}, "initial": {"slide_rate": 1.0}}

@@ -68,7 +68,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
         *_below(contents, study),
         *_between(contents, study),
         *_islands(contents, study.over),
-        *_refused(contents, study, study.over),
+        *_refused(contents, study.over),
         *_missed(contents, study.over),
         *_extrapolated(contents, study.over),
         *_tails(contents, study.over),
@@ -200,7 +200,7 @@ def _islands(contents: Contents, over: Over) -> Iterator[str]:
         )
 
 
-def _refused(contents: Contents, study: Study, over: Over) -> Iterator[str]:
+def _refused(contents: Contents, over: Over) -> Iterator[str]:
     if "fragility_status" not in contents.fields:
         if over.told_against:
             names = " or ".join(filter(None, (over.told_against, over.second)))
@@ -208,23 +208,27 @@ def _refused(contents: Contents, study: Study, over: Over) -> Iterator[str]:
         return
     item = contents.fields["fragility_status"]
     points = item.values[..., 0].size
-    if study.search is not None:
-        slid = SLIDES_FIRST in json.loads(str(contents.attrs.get("warnings", "[]")))  # a search saves no outcomes
-    else:
-        slid = "outcome" in contents.fields and bool((contents.values("outcome") == SLIDING).any())
-    slides = ", or bodies slide and do not rock" if slid else ""
     told: dict[str, list[str]] = {}  # where and why -> the limit states of which it is so
     for i, label in enumerate(contents.values(LIMIT)):
         of_limit = item.values[..., i]
-        for status, why in WHY_NOT.items():
+        for status in WHY_NOT:
             bad = np.argwhere(of_limit == status)
             if len(bad):
-                why += slides if status == NONE_EXCEEDS else ""
+                why = why_no_curve(contents, status)
                 where = place(contents, item.dims[:-1], bad[0], units_of(contents))
                 at = f" at {len(bad)} of {points} points (first: {where})" if points > 1 else ""
                 told.setdefault(f"{at}: {why}", []).append(limit_words(label))
     for words, (*others, last) in told.items():
         yield f"no fragility curve for {', '.join(others)}{' or ' if others else ''}{last}{words}"
+
+
+def why_no_curve(contents: Contents, status: int) -> str:
+    """Why there is no curve; that no case exceeds a limit state may be due to bodies that only slide."""
+    if "outcome" in contents.fields:
+        slid = bool((contents.values("outcome") == SLIDING).any())
+    else:  # a search saves no outcomes
+        slid = SLIDES_FIRST in json.loads(str(contents.attrs.get("warnings", "[]")))
+    return WHY_NOT[status] + (", or bodies slide and do not rock" if slid and status == NONE_EXCEEDS else "")
 
 
 def _missed(contents: Contents, over: Over) -> Iterator[str]:
