@@ -34,6 +34,9 @@ TALL, SMALL = 60.0, 0.01
 LARGE_INERTIA = 10.0
 """I_O/(m R^2) above which it is doubted: with all mass at the corners of a rectangle it is 2."""
 
+ROUGH = 5.0
+"""Friction above which it is doubted."""
+
 NAMED = 3
 """Motions too weak to uplift that are named one by one."""
 
@@ -140,6 +143,14 @@ def doubt_size(numbers: Numbers, batch: Batch) -> None:
         numbers.doubts[f"a body is {high:.4g} m high: are its sizes in metres?"] = int(heights.argmax())
     elif (low := float(heights.min())) < SMALL:
         numbers.doubts[f"a body is {1e3 * low:.3g} mm high: are its sizes in metres?"] = int(heights.argmin())
+
+
+def doubt_friction(numbers: Numbers, batch: Batch) -> None:
+    """Note in `numbers.doubts` a friction that no pair of surfaces has."""
+    mu = batch.block.mu
+    if (mu > ROUGH).any():
+        most = int(np.nanargmax(mu))
+        numbers.doubts[f"a mu is {mu[most]:.4g}: if per cent are meant, write {mu[most]:.4g}/100"] = most
 
 
 def _suspects(batch: Batch) -> Iterator[Batch]:

@@ -24,6 +24,38 @@ class TestDoubts:
         assert warnings_of(curves=["pushover"]) == ()
         assert warnings_of(vary={"initial.theta": [0, 0.1]}) == ()
 
+    @pytest.mark.parametrize(("mu", "doubted"), [(0.6, False), (1.5, False), (60, True)])
+    def test_a_friction_in_per_cent(self, mu, doubted):
+        said = warnings_of({"block": {**BLOCK, "mu": mu}, "motion": {"pulse": SINE}})
+        assert any("a mu is 60: if per cent are meant, write 60/100" in one for one in said) is doubted
+
+    @pytest.mark.parametrize(
+        ("limit", "words"),
+        [
+            (0.5, ""),
+            (5, "theta/alpha > 5 is exceeded by hardly a body that does not overturn"),
+            ({"slide_peak": 0.05}, ""),
+            ({"slide_residual": 50}, "a slide of 50 m: limits of the slide are in metres"),
+        ],
+    )
+    def test_limits_in_degrees_or_millimetres(self, limit, words):
+        vary = {"motion.pulse.T_p": [0.5, 1.0], "motion.pulse.a_p": [3.0, 4.0]}
+        case = {"block": {**BLOCK, "mu": 0.6}, "motion": {"pulse": SINE}}
+        said = warnings_of(case, vary=vary, over={"axis": "T_p", "limits": [limit]}, save={"histories": False})
+        told = [one for one in said if "limits" in one]
+        assert (len(told), words in "".join(told)) == (bool(words), True)
+
+    def test_limits_of_the_slide_of_a_body_without_friction(self):
+        """It cannot slide: what is told of it is overturning, which a reader of a list may take for both."""
+        blocks = {"known": {**BLOCK, "mu": 0.6}, "unknown": BLOCK}
+        vary = {"block": blocks, "motion.pulse.T_p": [0.5, 1.0], "motion.pulse.a_p": [3.0, 4.0]}
+        wanted = {"over": {"axis": "T_p", "limits": [{"slide_peak": 0.05}]}, "save": {"histories": False}}
+        (said,) = warnings_of({"motion": {"pulse": SINE}}, vary=vary, **wanted)
+        assert said.startswith("limits of the slide tell of overturning alone where a body has no mu")
+        assert "block = unknown" in said
+        vary["block"] = {"known": blocks["known"]}
+        assert warnings_of({"motion": {"pulse": SINE}}, vary=vary, **wanted) == ()
+
     def test_too_strong(self):
         (said,) = warnings_of({"motion": {"pulse": {**SINE, "a_p": 400}}})
         assert "the PGA of the sine pulse is 40.77 g" in said

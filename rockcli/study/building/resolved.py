@@ -17,7 +17,7 @@ from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key
 from rockcli.study.document.tree import Keys, Map, value_at
 from rockcli.study.falling_ground import FallingGround
-from rockcli.study.plausibility import STILL, Uplift, doubt_size, plausibility_warnings
+from rockcli.study.plausibility import STILL, Uplift, doubt_friction, doubt_size, plausibility_warnings
 
 Array = NDArray[np.float64]
 
@@ -48,8 +48,9 @@ class Found:
 
     `still`: no case has a motion or an initial state.  `models`: (model, geometry) of the cases; `schemes` of damping.
     `said`: keys of cases that few models read.
-    `friction`: some case has a mu; `asymmetric`: some body has two different edges; `rolling`: some body rolls over
-    more.  `meant`: keys whose numbers are not implausible.  `doubts`: sentences, with the first case each is about.
+    `friction`: some case has a mu; `unheld`: the first body that has none.
+    `asymmetric`: some body has two different edges; `rolling`: some body rolls over more.
+    `meant`: keys whose numbers are not implausible.  `doubts`: sentences, with the first case each is about.
     """
 
     dt_out: float = DT_OUT
@@ -60,6 +61,7 @@ class Found:
     schemes: set[str] = field(default_factory=set)
     said: set[str] = field(default_factory=set)
     friction: bool = False
+    unheld: str | None = None
     asymmetric: bool = False
     rolling: bool = False
     meant: frozenset[Keys] = frozenset()
@@ -73,13 +75,17 @@ class Found:
         self.models[batch.model, batch.geometry] = None
         self.schemes.add(batch.damping.scheme)
         self.said |= {key for key in ("geometry", "column") if getattr(numbers.case, key) is not None}
-        self.friction |= bool(np.isfinite(batch.block.mu).any())
+        held = np.isfinite(batch.block.mu)
+        self.friction |= bool(held.any())
+        if self.unheld is None and not held.all():
+            self.unheld = numbers.named(int(np.argmin(held)))
         self.asymmetric |= not batch.block.symmetric.all()
         self.rolling |= bool(batch.block.rolls.any())
         pushed = batch.slide_rate_0 is not None and batch.slide_rate_0.any()
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any() or pushed)
         self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
         doubt_size(numbers, batch)
+        doubt_friction(numbers, batch)
         self.doubts |= {said: numbers.named(i) for said, i in numbers.doubts.items() if said not in self.doubts}
         self.uplift.look(batch)
         self.falling.look(batch)

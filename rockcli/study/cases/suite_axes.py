@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,6 +18,9 @@ from rockcli.study.study import Axis, Limit, Over, Searched
 
 QUANTITIES = (PEAK, "slide_peak", "slide_residual")
 """Scalars that limit states may be told of."""
+
+LONG_SLIDE, LARGE_TILT = 2.0, 2.0
+"""Limits of the slide [m] and of theta/alpha above which their units are doubted."""
 
 NEEDED = ("outcome", PEAK)
 """Scalars of which the statistics need one."""
@@ -70,6 +73,26 @@ def read_over(
         _beta_added(source, study, said.beta_added),
         second=second,
     )
+
+
+def doubted_limits(said: OverPart | None, unheld: str | None) -> Iterator[str]:
+    """What a careful reader would doubt about the limits of a suite; `unheld`: the first body without a mu."""
+    limits = [] if said is None else said.limits
+    slides = [value for one in limits if isinstance(one, SlideLimitPart) for _, value in one if value is not None]
+    if slides and unheld is not None:
+        yield (
+            "limits of the slide tell of overturning alone where a body has no mu: it cannot slide"
+            + (f" (first: {unheld})" if unheld else "")
+        )
+    far = [value for value in slides if isinstance(value, int | float) and value > LONG_SLIDE]
+    if far:
+        yield f"over.limits: a slide of {far[0]:g} m: limits of the slide are in metres"
+    beyond = [value for value in limits if isinstance(value, int | float) and value > LARGE_TILT]
+    if beyond:
+        yield (
+            f"over.limits: theta/alpha > {beyond[0]:g} is exceeded by hardly a body that does not overturn: limits of "
+            "the rotation are shares of alpha, not angles"
+        )
 
 
 def of_search(source: Source, study: Map, over: Over, search: Searched, axes: Sequence[Axis]) -> Over:
