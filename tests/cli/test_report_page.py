@@ -243,6 +243,18 @@ def test_tables_say_that_a_body_without_a_curve_may_only_slide(tmp_path: Path) -
     assert "none (none exceeds): no case exceeds it, so the range is too low, or bodies slide and do not rock" in told
 
 
+def test_the_files_of_a_study_are_called_files(tmp_path: Path) -> None:
+    (tmp_path / "bodies.csv").write_text("body,block.R\none,1.0\ntwo,2.0\n", encoding="utf-8")
+    (tmp_path / "s.yaml").write_text(
+        "{name: s, case: {block: {R: 1, alpha: 0.2}, initial: {theta: 0.05}}, vary: {case: bodies.csv}}",
+        encoding="utf-8",
+    )
+    rockcli.report(rockcli.run(tmp_path / "s.yaml"), tmp_path / "page.html")
+    told = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "<th>file bodies.csv</th>" in told
+    assert "<th>record bodies.csv</th>" not in told
+
+
 def test_the_headline_has_the_largest_slide() -> None:
     """By hand: a block at rest on friction mu, thrown at speed v, slides v^2 / (2 mu g)."""
     case = {"block": {"R": 2.0, "tan_alpha": 0.5, "mu": 0.1}, "initial": {"slide_rate": 1.0}}

@@ -77,7 +77,10 @@ def words(figure: Figure) -> list[Text]:
 @pytest.mark.parametrize("width", WIDTHS[:2])  # what has room there has it at 180 mm
 @pytest.mark.parametrize("kind", KINDS)
 def test_words_stay_on_the_page_and_off_one_another(drawn, kind, width):
-    figure = drawn(kind, width)
+    check_words(drawn(kind, width))
+
+
+def check_words(figure: Figure) -> None:
     boxes = [(text.get_text(), text.get_window_extent()) for text in words(figure)]
     page = figure.bbox
     for said, box in boxes:
@@ -89,6 +92,32 @@ def test_words_stay_on_the_page_and_off_one_another(drawn, kind, width):
         across = min(a.x1, b.x1) - max(a.x0, b.x0)
         down = min(a.y1, b.y1) - max(a.y0, b.y0)
         assert across < 2.0 or down < 2.0, (one, other)
+
+
+@pytest.mark.parametrize("width", [90, 120, 180])
+@pytest.mark.parametrize("n", [2, 3, 6])
+def test_words_of_several_bodies_stay_off_one_another(n, width):
+    """Stout and slender ones, some with two different edges and so two lines of alpha and R."""
+    outlines = {f"body {k}": [[0, 0], [0.3, 0], [0.3 + 0.1 * k, 1], [0, 1 + 0.1 * k]] for k in range(n)}
+    vary = {"block": {name: {"outline": points} for name, points in outlines.items()}}
+    case = {"block": {"h": 1.0, "b": 0.2}, "initial": {"theta": 0.01}}
+    data = rockcli.run({"name": "several", "case": case, "vary": vary, "save": {"histories": False}})
+    figure = rockcli.plot(data, "body", width=width)
+    for _ in range(3):  # layouts of equal axes settle in a few turns
+        figure.draw_without_rendering()
+    check_words(figure)
+
+
+def test_barriers_name_the_body_where_the_study_has_others(tmp_path):
+    pytest.importorskip("trimesh", reason="meshes are read by trimesh: pip install -e '.[meshes]'")
+    mesh = gallery.ROOT / "studies" / "tutorials" / "boulder.obj"
+    bodies = {"plinth": {"height": 1.0, "width": 0.8}, "boulder": {"mesh": str(mesh), "density": 2700}}
+    case = {"block": {"height": 1.0, "width": 0.8}, "initial": {"theta": 0.01}}
+    data = rockcli.run({"name": "two", "case": case, "vary": {"block": bodies}, "save": {"histories": False}})
+    for width in WIDTHS:
+        figure = rockcli.plot(data, "barriers", width=width)
+        figure.draw_without_rendering()
+        assert "boulder" in figure.axes[0].get_title()
 
 
 def looks(handle: object) -> tuple[tuple[object, ...], float]:

@@ -22,6 +22,7 @@ from rockcli.plotting.common.style import (
     headline,
     legend_of,
     new_figure,
+    panel_title,
     width_or,
 )
 
@@ -80,6 +81,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     below.set_title(f"barrier [{words}] by direction, from $x$ towards $y$", fontsize=8.5, pad=6.0)
     if len(shown) > 1:
         legend_of(figure, below, 2)
+    if varying:  # several meshes, or one among other bodies
+        panel_title(first, group_label(dataset, [bodies[0]], varying), width * (0.4 if width >= PAIR else 1.0))
     headline(figure, title_of(dataset), selection_note(len(shown), len(bodies), "meshes"))
     return figure
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.patches import Arc, PathPatch
+from matplotlib.ticker import MaxNLocator
 
 from rockcli.plotting.common.cases import axes_of, group_label, selection_note, spread
 from rockcli.plotting.common.labels import title_of
@@ -37,6 +38,12 @@ if TYPE_CHECKING:
 _ROW, _AROUND = 2.9, (0.85, 0.9)
 """Most that a row of panels is high, and what words take of a panel's width and height [in]."""
 
+_ONE_LINE = 2.2
+"""Width of a panel from which alpha and R stand on one line [in]."""
+
+_MORE_LINES = 0.35
+"""What alpha and R on lines of their own take [in]."""
+
 _OF_BODY = ("outline_x", "outline_z", "R", "alpha", "R_left", "R_right", "alpha_left", "alpha_right")
 
 
@@ -60,9 +67,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     width = width_or(SINGLE * 1.25 if columns == 1 else DOUBLE)
     figure = new_figure(width, 0.7 + rows * (3.4 if columns == 1 else _ROW))
     beside = columns == 1 and width >= PAIR  # where there is room beside the body
+    narrow = width / columns < _ONE_LINE
     grid = figure.subplots(rows, columns, squeeze=False)
     for axes, position in zip(grid.flat, shown, strict=False):
-        _draw(axes, dataset, position, beside=beside)
+        _draw(axes, dataset, position, beside=beside, narrow=narrow)
         if len(bodies) > 1:
             panel_title(axes, group_label(dataset, [position], _named(dataset)), width / columns)
     drawn = list(grid.flat)[: len(shown)]
@@ -70,7 +78,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
         axes.set_axis_off()
     if columns > 1:  # no higher than the bodies are at this width
         slimmest = max(float(np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())) for axes in drawn)
-        figure.set_figheight(0.7 + rows * min(_ROW, _AROUND[1] + slimmest * (width / columns - _AROUND[0])))
+        high = min(_ROW, _AROUND[1] + slimmest * (width / columns - _AROUND[0])) + _MORE_LINES * narrow
+        figure.set_figheight(0.7 + rows * high)
     headline(figure, title_of(dataset), selection_note(len(shown), len(bodies), "bodies"))
     return figure
 
@@ -96,7 +105,7 @@ def _rectangles(dataset: xarray.Dataset) -> list[tuple[int, ...]]:
     return [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
 
 
-def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, beside: bool) -> None:
+def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, beside: bool, narrow: bool) -> None:
     body = body_of(dataset, position)
     points = outline(body, 0.0)
     h = 0.5 * body.height
@@ -120,6 +129,8 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, bes
         lines.append((f"{words}\N{DEGREE SIGN}, $R$ = {R[edge]:.4g} m", colour))
     if np.allclose([alpha[LEFT], R[LEFT]], [alpha[RIGHT], R[RIGHT]], rtol=1e-9, atol=0.0):  # one line for both
         lines = [(lines[0][0].replace(r"_{\mathrm{left}}", ""), "black")]
+    if narrow:
+        lines = [(part, colour) for words, colour in lines for part in words.split(", ")]
     axes.plot(0.0, h, "o", color="black", markersize=4.0, zorder=5)
     axes.plot([0.0, 0.0], [0.0, h], color=QUIET, linewidth=0.6, linestyle=(0, (1, 2)), zorder=3)
     where, begins = ((1.0, 0.5), (8.0, 6.0)) if beside else ((0.5, 0.0), (0.0, -32.0))
@@ -140,6 +151,7 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, bes
     axes.set_ylim(min(low[1], 0.0) - 0.03 * size, high[1] + 0.05 * size)
     if not beside:
         with_room_beside(axes)
+    axes.xaxis.set_major_locator(MaxNLocator(3 if narrow else 4))
     axes.set_aspect("equal")
-    axes.set_xlabel("$x$ from the centre of mass [m]", labelpad=1.0)
+    axes.set_xlabel("$x$ [m]" if narrow else "$x$ from the centre of mass [m]", labelpad=1.0)
     axes.set_ylabel("$z$ [m]")

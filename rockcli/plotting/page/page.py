@@ -223,8 +223,8 @@ def _provenance(dataset: xarray.Dataset) -> str:
     for settings in json.loads(attrs.get("solver_settings", "[]")):
         words = ", ".join(f"{key}: {value}" for key, value in settings.items())
         rows.append(("settings", words))
-    for record, digest in json.loads(attrs.get("inputs", "{}")).items():
-        rows.append((f"record {record}", f"SHA-256 {digest}"))
+    for file, digest in json.loads(attrs.get("inputs", "{}")).items():  # records, tables, outlines, meshes
+        rows.append((f"file {file}", f"SHA-256 {digest}"))
     for record, steps in json.loads(attrs.get("processing", "{}")).items():
         rows += [(f"processing of {record}", str(step)) for step in steps]
     versions = json.loads(attrs.get("versions", "{}"))
