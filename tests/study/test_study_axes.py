@@ -103,6 +103,20 @@ class TestForms:
         study = study_of({"case": "t.csv"}, tmp_path)
         assert all_cases(study, lambda b: [b.model] * b.size) == ["rigid", "linearized"]
 
+    def test_a_cell_may_be_a_list_in_quotation_marks(self, tmp_path):
+        """Statues of which the axis of mass is off the middle of the base, beside others."""
+        (tmp_path / "t.csv").write_text(
+            'name,h,b,width\nkouros,0.98,"[0.17, 24*cm]",null\nkore,0.9,null,0.4\n', encoding="utf-8"
+        )
+        study = study_of({"block": "t.csv"}, tmp_path, case={"block": {"h": 1.0, "b": 0.2}, "initial": {"theta": 0.01}})
+        sides = all_cases(study, lambda b: (b.block.tan_alpha * b.block.h[:, None]).tolist())
+        assert np.ravel(sides) == pytest.approx([0.17, 0.24, 0.2, 0.2])
+        (given,) = (one for one in study.axes[0].given if one.name == "given_b")
+        assert given.values.tolist() == ["[0.17, 24*cm]", ""]
+        (tmp_path / "t.csv").write_text('name,h,b\nkouros,0.98,"[0.17, 0.2, 0.3]"\n', encoding="utf-8")
+        with pytest.raises(StudyError, match=r"t\.csv:2: case\.block\.b: a number, or the two distances"):
+            study_of({"block": "t.csv"}, tmp_path)
+
     def test_columns_of_a_table_that_hold_nothing_are_none(self, tmp_path):
         (tmp_path / "t.csv").write_text("name,block.R,,\na,1,,\nb,2,,\n,,,\n")
         study = study_of({"case": "t.csv"}, tmp_path)

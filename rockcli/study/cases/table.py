@@ -94,8 +94,15 @@ def read_table(name: str, source: Source, where: Where) -> Table:
         )
     _check_cells(path, header, rows[1:])
     body = [row for _, row in rows[1:]]
-    values = [[scalar(cell) for cell in row[1:]] for row in body]
+    values = [[_value(cell) for cell in row[1:]] for row in body]
     return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, [i for i, _ in rows[1:]], notes)
+
+
+def _value(cell: str) -> Any:
+    """A cell: a scalar, or in square brackets a list of them, as the two sides of a base (`[0.2, 0.35]`)."""
+    if cell.startswith("[") and cell.endswith("]"):
+        return [scalar(part.strip()) for part in cell[1:-1].split(",")]
+    return scalar(cell)
 
 
 def _without_blank_columns(rows: list[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
@@ -136,6 +143,13 @@ def _is_no_finite_number(cell: str) -> bool:
         return False
 
 
+def _as_written(value: Any) -> str:
+    """A value as its cell has it; "" for none."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(str, value))}]"
+    return "" if value is None else str(value)
+
+
 def given_by(table: Table, settings: Sequence[tuple[Setting, ...]]) -> tuple[Given, ...]:
     """The columns of a table as datasets carry them: those of settings, one of each point, and those of notes."""
     paths = [path for path, _, _ in settings[0]] if settings else []
@@ -148,7 +162,7 @@ def given_by(table: Table, settings: Sequence[tuple[Setting, ...]]) -> tuple[Giv
         if all(value is None for value in values):
             continue
         numbers = all(value is None or type(value) in (int, float) for value in values)
-        said = np.array(values, dtype=float) if numbers else np.array(["" if v is None else str(v) for v in values])
+        said = np.array(values, dtype=float) if numbers else np.array([_as_written(v) for v in values])
         found.append(Given(f"given_{name}", ".".join(inside), said, UNITS.get(path[-1], "1") if numbers else "1"))
     for k, (head, cells) in enumerate(table.notes, start=1):
         name = "note_" + (re.sub(r"\W+", "_", head).strip("_") or str(k))
