@@ -178,6 +178,20 @@ def test_uncertainty_that_is_added_counts(data):
     assert f" ({total:.4g} with beta_added), 5 % at" in more.attrs["ensemble"]
 
 
+def test_what_beta_added_leaves_to_small_percentiles_is_told():
+    """Near the intensity at which a curve begins it moves them by a fraction of what it does from zero."""
+    over = {"axis": "motion.pulse.omega_p", "along": "a_p"}
+    low, said = {}, {}
+    for begins in ("uplift", 0):
+        for added in (0.0, 0.4):
+            data = rockcli.run(study(over={**over, "begins_at": begins, "beta_added": added}))
+            low[begins, added] = np.log(float(data["fragility_percentile"][-1, 0]))
+            said[begins, added] = "small percentiles hardly feel it" in data.attrs["warnings"]
+    moved = {begins: low[begins, 0.0] - low[begins, 0.4] for begins in ("uplift", 0)}
+    assert 0.0 < moved["uplift"] < 0.2 * moved[0]
+    assert said == {("uplift", 0.0): False, ("uplift", 0.4): True, (0, 0.0): False, (0, 0.4): False}
+
+
 def test_a_direction_is_drawn_anew():
     over = Over(("sample",), None, (), mean=False, inputs=("block.direction",), hazard=(BENT,), age=1.0)
     assert not list(words._drawn_anew(over))

@@ -63,6 +63,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
     return [
         *of_what_arrives(contents, (study.over.intensity, study.over.second)),
         *_drawn_anew(study.over),
+        *_begins_surely(contents, study.over),
         *_left_out(contents, study, study.over),
         *_divided(contents),
         *_below(contents, study),
@@ -101,6 +102,15 @@ def _drawn_anew(over: Over) -> Iterator[str]:
             axes = others[0] if len(others) == 1 else f"[{', '.join(others)}]"
             said += f"; `over: {axes}` tells the survival of every sample, and their mean is that of the body"
         yield said
+
+
+def _begins_surely(contents: Contents, over: Over) -> Iterator[str]:
+    """What is added to beta does not move where curves begin, near which their small percentiles lie."""
+    if over.beta_added and "fragility_begins_at" in contents.fields and contents.values("fragility_begins_at").any():
+        yield (
+            "beta_added widens what curves are above where they begin, which it takes as known: small percentiles "
+            "hardly feel it; where uplift is uncertain too, `begins_at: 0` widens the whole"
+        )
 
 
 def _left_out(contents: Contents, study: Study, over: Over) -> Iterator[str]:
