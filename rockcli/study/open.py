@@ -142,7 +142,7 @@ def open_study(
             *_ineffective(tree, part, base, variations, overrides),
             *((RULES_OF_TWO_EDGES,) if found.rolling and part.rules else ()),
             *found.plausibility_warnings(tree, int(np.prod(cases.shape, dtype=np.int64))),
-            *doubted_limits(part.over, found.unheld),
+            *doubted_limits(part.over, over, found.unheld),
             *((RECORDS,) if refine and found.uses else ()),
             *((NOT_SCORED,) if part.score is not None else ()),
         ),

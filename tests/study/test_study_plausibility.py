@@ -45,6 +45,19 @@ class TestDoubts:
         told = [one for one in said if "limits" in one]
         assert (len(told), words in "".join(told)) == (bool(words), True)
 
+    def test_limits_that_are_not_told(self):
+        """At one strength of the motion, and of a search, overturning alone is."""
+        case, over = {"motion": {"pulse": SINE}}, {"axis": "T_p", "limits": [0.3]}
+        wanted = {"over": over, "save": {"histories": False}}
+        periods = {"motion.pulse.T_p": [0.5, 1.0]}
+        (said,) = warnings_of(case, vary=periods, **wanted)
+        assert said.startswith("over.limits is not told where no intensity is varied")
+        assert warnings_of(case, vary=periods, over="T_p", save={"histories": False}) == ()
+        assert warnings_of(case, vary={**periods, "motion.pulse.a_p": [4.0]}, **wanted) == ()
+        sought = {"from": 2.0, "to": 9.0, "n": 8, "find": "overturning"}
+        (said,) = warnings_of(case, vary={**periods, "motion.pulse.a_p": sought}, over=over)
+        assert said.startswith("over.limits is not told of a search")
+
     def test_limits_of_the_slide_of_a_body_without_friction(self):
         """It cannot slide: what is told of it is overturning, which a reader of a list may take for both."""
         blocks = {"known": {**BLOCK, "mu": 0.6}, "unknown": BLOCK}

@@ -75,9 +75,17 @@ def read_over(
     )
 
 
-def doubted_limits(said: OverPart | None, unheld: str | None) -> Iterator[str]:
+def doubted_limits(said: OverPart | None, over: Over | None, unheld: str | None) -> Iterator[str]:
     """What a careful reader would doubt about the limits of a suite; `unheld`: the first body without a mu."""
     limits = [] if said is None else said.limits
+    if said is not None and "limits" in said.model_fields_set and over is not None and limits:
+        if not over.limits:
+            yield "over.limits is not told of a search, which looks for overturning alone"
+        elif not over.told_against:
+            yield (
+                "over.limits is not told where no intensity is varied; with an axis of one, as motion.record.pga: "
+                "[0.4*g], `rock table FILE.nc --of stripes` has the share that exceeds each"
+            )
     slides = [value for one in limits if isinstance(one, SlideLimitPart) for _, value in one if value is not None]
     if slides and unheld is not None:
         yield (
