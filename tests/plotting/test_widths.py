@@ -108,6 +108,16 @@ def test_words_of_several_bodies_stay_off_one_another(n, width):
     check_words(figure)
 
 
+@pytest.mark.parametrize("width", [None, 60, 90, 120, 150])
+def test_words_beside_a_slender_body_stay_on_the_page(width):
+    outline = [[0, 0], [0.41, 0.012], [0.53, 0.74], [0.4, 1.75], [0, 1.8], [-0.24, 0.8]]
+    block = {"outline": outline, "contacts": [[0, 0], [0.41, 0.012]]}
+    data = rockcli.run({"name": "one", "case": {"block": block, "initial": {"theta": 0.01}}})
+    figure = rockcli.plot(data, "body", width=width)
+    figure.draw_without_rendering()
+    check_words(figure)
+
+
 def test_barriers_name_the_body_where_the_study_has_others(tmp_path):
     pytest.importorskip("trimesh", reason="meshes are read by trimesh: pip install -e '.[meshes]'")
     mesh = gallery.ROOT / "studies" / "tutorials" / "boulder.obj"

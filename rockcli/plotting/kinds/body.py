@@ -151,7 +151,8 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, bes
     axes.set_ylim(min(low[1], 0.0) - 0.03 * size, high[1] + 0.05 * size)
     if not beside:
         with_room_beside(axes)
-    axes.xaxis.set_major_locator(MaxNLocator(3 if narrow else 4))
-    axes.set_aspect("equal")
+    if narrow:
+        axes.xaxis.set_major_locator(MaxNLocator(3))
+    axes.set_aspect("equal", anchor="W" if beside else "C")
     axes.set_xlabel("$x$ [m]" if narrow else "$x$ from the centre of mass [m]", labelpad=1.0)
     axes.set_ylabel("$z$ [m]")
