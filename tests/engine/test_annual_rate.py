@@ -275,6 +275,28 @@ def test_a_survival_just_below_one_is_not_told_as_one():
     assert told == pytest.approx(1.0 - falls, abs=0.5 * falls)
 
 
+def test_survival_has_limits_and_says_where_they_leave_a_contradiction_open(data):
+    """exp(-rate age) at the limits of the rate; 5 % lies beside, below or above them as the age grows."""
+    low, rate, high = (
+        float(data[f"annual_rate{end}"].sel(limit_state="overturned", hazard="one"))
+        for end in ("_ci_low", "", "_ci_high")
+    )
+    least = -np.log(0.05)  # rate times age at which 5 % survive
+    for age, known in (
+        (0.5 * least / high, "is consistent with one (likelihood"),
+        (least / np.sqrt(rate * high), "is consistent with one, though not at the lower limit (likelihood"),
+        (least / np.sqrt(rate * low), "contradicts one at 5 %, though not at the upper limit (likelihood"),
+        (2.0 * least / low, "contradicts one at 5 % (likelihood"),
+    ):
+        says = json.loads(rockcli.run(study(age=float(age))).attrs["ensemble"])["says"]
+        (said,) = (one for one in says if "years under one" in one)
+        assert known in said
+        ends = re.search(r"survives with \S+ \(95 % (\S+) to (\S+)\);", said)
+        assert [float(end) for end in ends.groups()] == pytest.approx(
+            [np.exp(-high * age), np.exp(-low * age)], rel=5e-3
+        )
+
+
 def test_no_body_falls_more_often_than_the_ground_moves():
     """The upper limit of a rate, of five motions that scatter, would be beyond that of all motions together."""
     flat = [{"label": "flat", "intensity": ["0.15*g", "2*g"], "rate": [2e-4, 1e-4]}]

@@ -475,10 +475,14 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
             if over.age is not None and np.isfinite(rate[last]):
                 survives, ratio = (float(contents.values(name)[last]) for name in ("survival", "likelihood_ratio"))
                 known = f"is consistent with {label}" if survives >= CONSISTENT else f"contradicts {label} at 5 %"
-                digits = max(3, int(-np.floor(np.log10(max(1.0 - survives, 1e-12)))))  # .9997 is not 1
+                rates = (float(contents.values(f"annual_rate_ci_{end}")[last]) for end in ("high", "low"))
+                least, most = (float(np.exp(-end * over.age)) for end in rates)
+                if least < CONSISTENT <= most:
+                    known += f", though not at the {'lower' if survives >= CONSISTENT else 'upper'} limit"
+                limits = "" if np.isnan(least) else f" (95 % {_near_one(least)} to {_near_one(most)})"
                 yield (
                     f"{where}{over.age:g} years under {label}: overturns with probability {1.0 - survives:.3g}, "
-                    f"survives with {survives:.{digits}g}; a body that stood so long {known} "
+                    f"survives with {_near_one(survives)}{limits}; a body that stood so long {known} "
                     f"(likelihood ratio {ratio:.3g})"
                 )
     if many > len(listed):
@@ -486,6 +490,12 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
             f"and {many - len(listed)} more bodies, that overturn less often or have no rate: "
             "rock table FILE.nc --of risk --select limit_state=overturned --sort -annual_rate"
         )
+
+
+def _near_one(probability: float) -> str:
+    """A probability with the digits that tell it from 1: .9997 is not 1."""
+    digits = max(3, int(-np.floor(np.log10(max(1.0 - probability, 1e-12)))))
+    return f"{probability:.{digits}g}"
 
 
 def _worst(measure: NDArray[np.float64]) -> list[tuple[int, ...]]:
