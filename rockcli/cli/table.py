@@ -64,6 +64,7 @@ def table(
     """
     from rockcli.errors import StudyError
     from rockcli.scene.units import SI
+    from rockcli.storage.contents import OF_TABLES
     from rockcli.storage.places import check_file
     from rockcli.storage.table import CASES, opened, table_of, units_of
     from rockcli.storage.table_files import write
@@ -80,8 +81,12 @@ def table(
         except StudyError as error:
             raise StudyError(error.message, file=file) from None
         if out is None:
-            brief = named is None and of == CASES
-            _print(found, rows, always=(*found.dims, (sort or "").removeprefix("-")) if brief else found.names)
+            by = (sort or "").removeprefix("-")
+            if named is None and of == CASES:
+                always: Sequence[str] = (*found.dims, by)
+            else:  # what was said of the bodies is in files, and where it is asked for
+                always = [name for name in found.names if named or name == by or not name.startswith(OF_TABLES)]
+            _print(found, rows, always=always)
         else:
             check_file(out)
             write(found, out)

@@ -272,6 +272,8 @@ def table_of(
 
     first = [dim for dim in dims if dim in items]
     rest = [name for name in belong if name not in first]
+    if of not in (CASES, BOUNDARIES):  # what was said of the bodies, beside what becomes of them
+        rest = [*(name for name, item in items.items() if _said(name, item, dims)), *rest]
     if of == "risk":  # why a body has no rate: one that never overturns and one that always does have none alike
         rest.append(CURVE)
     if "outcome" in rest:  # after the coordinates, before what was computed
@@ -339,6 +341,11 @@ def _belongs(
         "inputs": {INPUT},
     }[of]
     return derived and marks <= set(item.dims)
+
+
+def _said(name: str, item: Item, dims: tuple[str, ...]) -> bool:
+    """Whether a variable is a column of the table that an axis was read from, and has one value in a row."""
+    return name.startswith(OF_TABLES) and bool(item.dims) and set(item.dims) <= set(dims)
 
 
 def _there(items: Mapping[str, Item], axes: tuple[str, ...], ensemble: Mapping[str, Any] | None) -> list[str]:

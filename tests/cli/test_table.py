@@ -246,3 +246,27 @@ def test_the_dataset_has_the_columns_of_a_table(rock, tmp_path):
     head, shelf, *_ = (tmp_path / "t.csv").read_text().splitlines()
     assert head.startswith("case,given_height [m],given_mu,given_file,note_room,note_Raum_2,note_room_3,R [m],")
     assert shelf.split(",")[:6] == ["shelf", "1.8", "", "synthetic_rock_m65.AT2", "101", "x"]
+
+
+def test_tables_of_a_suite_have_what_was_said_of_the_bodies(rock, tmp_path, capsys):
+    (tmp_path / "list.csv").write_text(
+        "name,block.R,block.alpha,# room\nslender,1.0,0.1,101\nstout,2.0,0.2,7\n", encoding="utf-8"
+    )
+    (tmp_path / "s.yaml").write_text(
+        "{name: s, case: {block: {R: 1, alpha: 0.2}, motion: {pulse: {shape: sine, a_p: 1, T_p: 1}}}, over: T_p,"
+        " vary: {case: list.csv, motion.pulse.T_p: [0.5, 1, 2], motion.pulse.a_p: [0.5, 2, 4, 8]},"
+        " save: {histories: false}, plots: none}",
+        encoding="utf-8",
+    )
+    assert rock("run", str(tmp_path / "s.yaml"), "--out", str(tmp_path / "out")) == 0
+    file = str(tmp_path / "out" / "s" / "s.nc")
+    for of in ("suite", "fragility", "stripes", "demand"):
+        assert rock("table", file, "--of", of, "--out", str(tmp_path / "t.csv")) == 0
+        rows = list(csv.DictReader((tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()))
+        said = {(row["case"], row["note_room"], row["given_alpha [rad]"]) for row in rows}
+        assert said == {("slender", "101", "0.1"), ("stout", "7", "0.2")}
+    capsys.readouterr()
+    assert rock("table", file, "--of", "fragility") == 0
+    assert "note_room" not in capsys.readouterr().out.splitlines()[0]
+    assert rock("table", file, "--of", "fragility", "--columns", "note_room,fragility_median") == 0
+    assert "note_room" in capsys.readouterr().out.splitlines()[0]
