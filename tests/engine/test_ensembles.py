@@ -12,6 +12,7 @@ from scipy import integrate, stats
 
 import rockcli
 from rockcli.analysis.fragility.curves import Seen, curves
+from rockcli.analysis.suites import words
 from rockcli.analysis.suites.statistics import with_ensembles
 from rockcli.engine.run import solve
 from rockcli.engine.summary import report_on
@@ -19,6 +20,7 @@ from rockcli.errors import StudyError
 from rockcli.motion.measures import measures
 from rockcli.scene.uncertain.statistics import fractile
 from rockcli.storage.contents import Contents, variable_field
+from rockcli.storage.read import from_xarray
 from rockcli.study.open import open_study
 
 ALPHA = 0.1
@@ -446,6 +448,20 @@ def sliding_study(**changes):
             "motion.pulse.a_p": {"from": "0.3*g", "to": "1.6*g", "n": 12}}  # fmt: skip
     scalars = ["outcome", "theta_peak_over_alpha", "slide_peak", "slide_residual"]
     return plain | {"case": case, "vary": vary, "save": {"histories": False, "scalars": scalars}} | changes
+
+
+def test_a_slide_that_is_told_as_rarer_than_its_overturning_is_named():
+    """Two fits to nearly the same shares may differ either way, and a reader may not take the part for more."""
+    vary = {"block.R": [0.5, 1.0, 1.5], **sliding_study()["vary"]}
+    data = rockcli.run(sliding_study(over={"axis": "motion.pulse.omega_p", "limits": [{"slide_peak": 0.5}]}, vary=vary))
+    assert not any("which it includes" in one for one in json.loads(data.attrs["warnings"]))
+    assert not list(words._rarer_than_its_part(from_xarray(data)))
+    data["fragility_median"][:, 0] = data["fragility_median"][:, 1] * [0.97, 1.02, 1.03]
+    (said,) = words._rarer_than_its_part(from_xarray(data))
+    assert said.startswith(
+        "the median of slide_peak > 0.5 m or overturned of 2 of 3 bodies is above that of overturning"
+    )
+    assert "by 3 % at most" in said
 
 
 @pytest.mark.parametrize("mu", [0.2, 0.45])

@@ -71,6 +71,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
         *_islands(contents, study.over),
         *_refused(contents, study.over),
         *_missed(contents, study.over),
+        *_rarer_than_its_part(contents),
         *_extrapolated(contents, study.over),
         *_tails(contents, study.over),
     ]
@@ -261,6 +262,24 @@ def _missed(contents: Contents, over: Over) -> Iterator[str]:
             f"(probability {max(float(item.values[(*worst, i)]), 1e-6):.1g} at most)"
             + (": use the shares (rock table FILE.nc --of stripes)" if over.along is not None else "")
             + (", or try fit: lognormal" if over.fit == "ordinal" and len(contents.values(LIMIT)) > 1 else "")
+        )
+
+
+def _rarer_than_its_part(contents: Contents) -> Iterator[str]:
+    """Limits of the slide, which overturning exceeds too, whose curve lies beyond that of overturning."""
+    if "fragility_median" not in contents.fields:
+        return
+    medians = contents.values("fragility_median")
+    for i, label in enumerate(contents.values(LIMIT)):
+        beyond = medians[..., i] > medians[..., -1] * (1.0 + MATCH)
+        if exceeded_when(str(label)) == str(label) or not beyond.any():
+            continue
+        bodies = f" of {int(beyond.sum())} of {beyond.size} bodies" if beyond.ndim else ""
+        most = 100.0 * float(np.nanmax(np.where(beyond, medians[..., i] / medians[..., -1], np.nan)) - 1.0)
+        yield (
+            f"the median of {limit_words(label)}{bodies} is above that of overturning, which it includes, by "
+            f"{most:.2g} %{' at most' if bodies else ''}: two fits to nearly the same shares, of which the lower holds "
+            "for both"
         )
 
 
