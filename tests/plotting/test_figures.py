@@ -180,6 +180,8 @@ def test_the_map_stands_amplitudes_upright_and_knows_spacing() -> None:
     assert plane(histories(3)) is None
     assert is_log(np.geomspace(0.1, 10, 30))
     assert not is_log(np.linspace(0.1, 10, 30))
+    assert is_log(np.array([3e9, 3e10, 3e11, 3e15]))  # uneven, but nothing to be seen of on a linear axis
+    assert not is_log(np.array([0.1, 0.2, 1.0, 2.0]))
     figure = figures.figure("map", spectrum())
     assert figure.axes[0].get_xscale() == "log"
     assert figure.axes[0].get_yscale() == "linear"

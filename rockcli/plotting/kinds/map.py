@@ -70,6 +70,9 @@ UPLIFT = "uplift"
 
 _ACCELERATIONS = ("a_p", "a_p_over_g_tan_alpha", "pga", "pga_over_g_tan_alpha")
 
+_DECADES = 1e3
+"""Largest over smallest value from which those spaced by factors, however uneven, stand on a logarithmic axis."""
+
 
 def plane(dataset: xarray.Dataset) -> tuple[str, str] | None:
     """The two axes of the map, (x, y): the longest numeric ones, at equal length those of the motion.
@@ -204,11 +207,13 @@ def _tilts_and_slides(dataset: xarray.Dataset, axes: tuple[Hashable, ...]) -> ND
 
 
 def is_log(values: Array) -> bool:
-    """Whether positive values are spaced by a factor rather than a difference."""
+    """Whether positive values are spaced by a factor rather than a difference: the same one, or over three decades."""
     if len(values) < 3 or values.min() <= 0.0:
         return False
     steps, factors = np.diff(values), np.diff(np.log(values))
-    return bool(np.std(factors) * abs(np.mean(steps)) < np.std(steps) * abs(np.mean(factors)) and np.ptp(factors) < 0.3)
+    wide = values.max() > _DECADES * values.min()
+    by_factors = np.std(factors) * abs(np.mean(steps)) < np.std(steps) * abs(np.mean(factors))
+    return bool(by_factors and (wide or np.ptp(factors) < 0.3))
 
 
 def scale_axes(axes: Axes, x_log: bool, y_log: bool = False) -> None:
