@@ -155,6 +155,31 @@ def test_the_headline_has_the_alpha_of_the_side_that_the_peak_is_of() -> None:
     assert reaches in facts["margin"].sentence
 
 
+def test_the_headline_of_a_body_that_rolls_has_the_rotation_at_which_it_falls() -> None:
+    """By hand: over its last corner, at x = 0.4 m and 0.15 m above the base; alpha of the base is passed long before."""
+    side = [[0.1, 0.0], [0.22, 0.02], [0.33, 0.07], [0.4, 0.15], [0.4, 0.6]]
+    pulse = {"shape": "ricker", "a_p": "1.5*g", "T_p": 0.5}
+    block = {"outline": side + [[-x, z] for x, z in reversed(side)]}
+    data = rockcli.run({"name": "one", "case": {"block": block, "motion": {"pulse": pulse}}})
+    assert 1.0 < float(data.theta_peak_over_alpha) < np.inf
+    falls = np.arctan(0.4 / (float(data.R * np.cos(data.alpha)) - 0.15))
+    share = 100.0 * abs(float(data.theta_peak)) / falls
+    (said,) = (fact for fact in facts_of(data) if fact.what == "margin")
+    assert said.value == f"{100.0 - share:.3g} %"
+    assert f"reaches {share:.3g} % of the angle ({np.degrees(falls):.3g}\N{DEGREE SIGN})" in said.sentence
+    still = rockcli.run({"name": "one", "case": {"block": block, "motion": {"pulse": pulse | {"a_p": "0.1*g"}}}})
+    assert str(float(still.u_top_peak)) == "0.0"  # not -0.0
+
+
+def test_the_headline_tells_the_alpha_of_a_column_as_that_of_a_rigid_body() -> None:
+    """A column that bends falls from less."""
+    column = {"model": "flexible", "column": {"E": 1e9, "rho": 2500, "elements": 3}, "base": {"law": "rigid"}}
+    case = {"block": {"height": 20, "width": 2}, "initial": {"theta": 0.02}, **column}
+    data = rockcli.run({"name": "one", "case": case, "save": {"histories": False}})
+    (said,) = (fact for fact in facts_of(data) if fact.what == "margin")
+    assert said.sentence.endswith("at which its weight, were it rigid, no longer brings it back")
+
+
 def test_the_headline_calls_no_rotation_the_largest_that_is_not() -> None:
     """Of bodies with different alpha the nearest to it need not turn farthest."""
     pulse = {"shape": "half_sine", "a_p": "0.45*g", "omega_p": 6.0}

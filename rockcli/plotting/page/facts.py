@@ -22,7 +22,10 @@ from rockcli.plotting.common.labels import (
     unit_g,
     whose,
 )
+from rockcli.plotting.common.shape import body_of
 from rockcli.plotting.common.suite import medians_beyond
+from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.body.lower_outline import facets_of
 from rockcli.scene.ground.amplitudes import AMPLITUDES
 from rockcli.scene.response import OUTCOMES
 from rockcli.scene.thresholds import BELOW, FOUND, IN_RANGE, NONE, Thresholds
@@ -118,10 +121,14 @@ def _peak(dataset: xarray.Dataset) -> list[Fact]:
         said = "sideways at most, of a rigid rectangle"
     if np.isfinite(top):
         found.append(Fact(_length(top), "the top moves", said + (", in that case" if several else "")))
-    alpha = _alpha_of_peak(dataset, at)
+    alpha = _falls_beyond(dataset, at)
+    if np.isnan(alpha):
+        alpha = _alpha_of_peak(dataset, at)
+    else:  # of one that rolls it is no alpha
+        ratio = theta / alpha
     said = f"the body reaches {100.0 * ratio:.3g} % of the angle"
     said += f" ({np.degrees(alpha):.3g}\N{DEGREE SIGN})" if np.isfinite(alpha) else ""
-    said += " at which its weight no longer brings it back"
+    said += " at which its weight" + (", were it rigid," if deforms(dataset) else "") + " no longer brings it back"
     margin = f"{100.0 * (1.0 - ratio):.3g} %" if ratio < 1.0 else "none"
     return [*found, Fact(margin, "margin" if not several else "margin of that case", said)]
 
@@ -162,6 +169,15 @@ def _alpha_of_peak(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:
     if not np.isfinite([*peaks, *alphas]).all():
         return _alpha(dataset, at)
     return alphas[int(np.argmax(np.divide(peaks, alphas)))]
+
+
+def _falls_beyond(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:
+    """The rotation beyond which a body that rolls falls to the side of its peak; NaN of those on two edges."""
+    if "outline_x" not in dataset.variables or (vertices := body_of(dataset, at).vertices) is None:
+        return np.nan
+    fall = np.abs(facets_of(vertices[None]).fall[0])
+    theta = number_at(dataset, "theta_peak", at)
+    return float(fall.min() if np.isnan(theta) else fall[RIGHT if theta > 0.0 else LEFT])
 
 
 def _alpha(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:

@@ -87,7 +87,8 @@ def _top_peak(batch: Batch, left: Array, right: Array) -> Array:
     """Largest displacement of the top by that to either side, (n,) [m]; NaN where nobody asks."""
     if "u_top_peak" not in batch.save.scalars:
         return np.full(batch.size, np.nan)
-    return np.maximum(top_of(batch, right[:, None])[0][:, 0], -top_of(batch, -left[:, None])[0][:, 0])
+    either = np.maximum(top_of(batch, right[:, None])[0][:, 0], -top_of(batch, -left[:, None])[0][:, 0])
+    return either + 0.0  # -0 of a body that does not move
 
 
 def _residual_tilt(batch: Batch, facets: Facets, out: Array) -> Array:
