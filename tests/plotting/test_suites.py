@@ -484,3 +484,20 @@ def test_an_axis_of_sa_is_of_a_period_where_all_cases_have_it(more, label):
 
 def test_one_intensity_has_no_plane(stripes):
     assert "two intensities" in figures.why_not("intensities", stripes)
+
+
+@pytest.mark.parametrize("kind", ["ida", "fragility", "ranking"])
+def test_cases_without_an_answer_are_told(kind):
+    """A many-sided body that would slide is not followed: shares and curves are of the other cases."""
+    turns = np.pi * (2.0 * np.arange(12) + 1.0) / 12
+    ngon = np.column_stack([np.sin(turns), -np.cos(turns)]).tolist()
+    bodies = {"stout": {"height": 1, "width": 0.8, "mu": 0.9}, "round": {"outline": ngon, "mu": 0.3}}
+    pulse = {"shape": "half_sine", "a_p": 1.0, "omega_p": 3.0}
+    case = {"block": {"height": 1, "width": 0.8}, "motion": {"pulse": pulse}}
+    dataset = rockcli.run(suite(case=case, vary={"block": bodies, **SUITE["vary"]}))
+    missing = int((dataset["outcome"] == -1).sum())
+    assert missing
+    words = f"{missing} of {dataset['outcome'].size} cases without an answer left out"
+    assert words in figures.figure(kind, dataset).get_label()
+    whole = dataset.sel(block=["stout", "stout"])
+    assert "without an answer" not in figures.figure(kind, whole).get_label()

@@ -138,6 +138,17 @@ def medians_beyond(dataset: xarray.Dataset) -> xarray.DataArray:
     return (median < dataset["fragility_lowest"]) | (median > dataset["fragility_highest"])
 
 
+def left_out_words(dataset: xarray.Dataset, suite: Suite, shown: list[Shown]) -> str:
+    """How many cases of those shown have no answer, and so no part in shares and curves; "" where all have one."""
+    if "n_answered" not in dataset.variables or "outcome" not in dataset.variables:  # a search counts them as brackets
+        return ""
+    answered = dataset["n_answered"]
+    parts = [answered.isel({a: i for a, i in case.place.items() if a in answered.dims}) for case in shown]
+    every = int(dataset.sizes[suite.axis]) * sum(part.size for part in parts)
+    missing = every - sum(int(part.sum()) for part in parts)
+    return f"{missing} of {every} cases without an answer left out" if missing else ""
+
+
 def members_word(dataset: xarray.Dataset, suite: Suite) -> str:
     """`42 records`."""
     n = int(dataset.sizes[suite.axis])

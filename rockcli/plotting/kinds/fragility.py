@@ -23,7 +23,7 @@ from rockcli.plotting.common.style import (
     panel_title,
     width_or,
 )
-from rockcli.plotting.common.suite import Suite, members_word, panels, suite_of
+from rockcli.plotting.common.suite import Suite, left_out_words, members_word, panels, suite_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.limit_states import OVERTURNED
 from rockcli.scene.variables import VARIABLES
@@ -96,7 +96,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     points = "points: shares; " if _stripes(dataset, suite) is not None else ""
     words = f"{points}{limits}: 95 % limits"
     words += " of the medians" if limits == "bars" else ""
-    notes = [members_word(dataset, suite), second_words(dataset), words, note]
+    missing = left_out_words(dataset, suite, shown)
+    notes = [members_word(dataset, suite), missing, second_words(dataset), words, note]
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     fit_panels(figure, first, max(0.62 * width / columns, SHORTEST), rows)
     return figure

@@ -40,7 +40,7 @@ from rockcli.plotting.common.style import (
     panel_title,
     width_or,
 )
-from rockcli.plotting.common.suite import Suite, members_word, panels, suite_of, without_intensity
+from rockcli.plotting.common.suite import Suite, left_out_words, members_word, panels, suite_of, without_intensity
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.variables import PEAK, SLIDE
 
@@ -139,7 +139,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         words.append(Line2D([], [], label=f"uplift{lifts_without(dataset)}, ${lifts_word(dataset)}$", **LIFTS))
     legend_below(figure, words)
     said = "overturned cases leave to the right" if peak == PEAK else "nothing rocks: displacements along the ground"
-    note = "; ".join(filter(None, [some, said]))
+    note = "; ".join(filter(None, [left_out_words(dataset, suite, shown), some, said]))
     headline(figure, title_of(dataset), note)
     fit_panels(figure, grid.flat[0], max(0.62 * width / columns, SHORTEST), rows)
     return figure

@@ -29,7 +29,7 @@ from rockcli.plotting.common.style import (
     panel_title,
     width_or,
 )
-from rockcli.plotting.common.suite import members_word, panels, suite_of
+from rockcli.plotting.common.suite import left_out_words, members_word, panels, suite_of
 from rockcli.plotting.kinds.fragility import first_motion, intensity_label, second_symbol
 from rockcli.plotting.kinds.map import scale_axes
 from rockcli.scene.response import OUTCOMES
@@ -81,7 +81,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     scale_axes(first, True, True)
     legend_below(figure, first.get_legend_handles_labels()[0], 3)
     words = f"{members_word(dataset, suite)}; lines: probability of overturning by the fitted curve"
-    headline(figure, title_of(dataset), "; ".join(filter(None, [words, note])))
+    headline(figure, title_of(dataset), "; ".join(filter(None, [left_out_words(dataset, suite, shown), words, note])))
     fit_panels(figure, first, max(0.7 * width / columns, 1.2 * SHORTEST), rows)
     return figure
 

@@ -24,7 +24,15 @@ from rockcli.plotting.common.style import (
     new_figure,
     width_or,
 )
-from rockcli.plotting.common.suite import Suite, end_to_end, medians_beyond, members_word, suite_axes, suite_of
+from rockcli.plotting.common.suite import (
+    Suite,
+    end_to_end,
+    left_out_words,
+    medians_beyond,
+    members_word,
+    suite_axes,
+    suite_of,
+)
 from rockcli.plotting.kinds.curve import STRIP, quantity, without_value
 from rockcli.plotting.kinds.fragility import intensity_label, second_words
 from rockcli.plotting.kinds.spectrum import found_label
@@ -264,8 +272,9 @@ def _notes(dataset: xarray.Dataset, rows: int, shown: list[Shown], total: int, p
     some = selection_note(rows, n, "rows")
     suite = _suite(dataset)
     members = members_word(end_to_end(dataset), suite) if suite is not None else ""
-    far, bars = 0, ""
-    if _ranked(dataset) == CAPACITY:
+    far, bars, missing = 0, "", ""
+    if suite is not None and _ranked(dataset) == CAPACITY:
+        missing = left_out_words(end_to_end(dataset), suite, shown)
         beyond = medians_beyond(dataset.isel(limit_state=-1))
         far = sum(int(beyond.isel({a: i for a, i in case.place.items() if a in beyond.dims}).sum()) for case in shown)
     if panels[0].barred:
@@ -273,6 +282,7 @@ def _notes(dataset: xarray.Dataset, rows: int, shown: list[Shown], total: int, p
     fallen = len(panels) > 1 and suite is not None and bool(np.isposinf(panels[1].values).any())
     return [
         members,
+        missing,
         second_words(dataset) if _ranked(dataset) == CAPACITY else "",
         f"{some}, those that overturn most easily" if some else "",
         selection_note(len(shown), total, "alternatives"),

@@ -19,7 +19,7 @@ from rockcli.plotting.common.style import (
     new_figure,
     width_or,
 )
-from rockcli.plotting.common.suite import members_word, suite_of
+from rockcli.plotting.common.suite import left_out_words, members_word, suite_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.variables import PEAK
 
@@ -65,7 +65,13 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid[-1].set_xlabel(axis_label(dataset, axis))
     members = members_word(dataset, suite) if suite.axis in dataset.sizes else ""  # "": over several axes
     fallen = MEDIAN in rows and bool(np.isposinf(dataset[MEDIAN].values).any())
-    notes = [members, selection_note(len(shown), total, "curves"), "no median where half or more overturn" * fallen]
+    missing = left_out_words(dataset, suite, shown) if suite.axis in dataset.sizes else ""
+    notes = [
+        members,
+        missing,
+        selection_note(len(shown), total, "curves"),
+        "no median where half or more overturn" * fallen,
+    ]
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     if len(shown) > 1:
         legend_of(figure, grid[0], 3)
