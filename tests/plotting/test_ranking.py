@@ -104,6 +104,19 @@ def test_medians_beyond_the_suite_are_told_as_extrapolated():
     assert "extrapolated" not in figures.figure("ranking", whole).get_label()
 
 
+def test_alternatives_that_are_alike_are_all_seen():
+    """Twice, or three times, the same motion: no mark lies on another, and all are nearer to their row than to the next."""
+    vary = study()["vary"]
+    for names in (("a", "b"), ("a", "b", "c")):
+        dataset = rockcli.run(study(vary={"motion.pulse.T_p": dict.fromkeys(names, 0.5)} | vary))
+        axes = figures.figure("ranking", dataset).axes[0]
+        marks = [line.get_xydata() for line in axes.lines if line.get_linestyle() == "None"]
+        assert len(marks) == len(names)
+        heights = np.array([mark[:, 1] for mark in marks])
+        assert (np.diff(heights, axis=0) >= 0.1).all()
+        assert (np.abs(heights - np.arange(len(SIZES))) < 0.4).all()
+
+
 def test_more_than_a_page_are_the_worst_and_the_note_says_so():
     widths = {f"w{k}": {"height": 2.0, "width": 0.2 + 0.01 * k} for k in range(70)}
     dataset = rockcli.run(study(vary={"block": widths}))

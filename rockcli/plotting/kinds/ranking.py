@@ -52,6 +52,9 @@ _MOST_ROWS = 60
 _ROW, _COLUMN = 0.155, 0.17
 """Height of a row, width of a column of the strip [in]."""
 
+_APART, _ACROSS = 0.2, 0.6
+"""Between the marks of neighbouring alternatives in a row, and at most between the first and the last [rows]."""
+
 _SEEN = 1e-3
 """Slide from which it has a panel [m]."""
 
@@ -222,8 +225,9 @@ def _worst_first(dataset: xarray.Dataset, panels: list[_Panel], reasons: Reasons
 
 
 def _draw_panel(axes: Axes, panel: _Panel, order: NDArray[np.intp], shown: list[Shown]) -> None:
-    y = np.arange(len(order))
+    apart = min(_APART, _ACROSS / max(len(shown) - 1, 1))
     for number, case in enumerate(shown):
+        y = np.arange(len(order)) + apart * (number - 0.5 * (len(shown) - 1))  # so that alike ones are all seen
         x, colour = panel.values[order, number], COLOURS[number]
         x = np.where(np.isfinite(x), x, np.nan)
         if panel.barred:
