@@ -368,4 +368,4 @@ def _resolved(
         for key in ("samples", "seed", "sampling"):
             del dumped[key]
     dumped["save"] = {key: value for key, value in saved.items() if value != []}
-    return {key: value for key, value in dumped.items() if value not in ("", [], {}, None, False)}
+    return {key: value for key, value in dumped.items() if key == "case" or value not in ("", [], {}, None, False)}

@@ -242,6 +242,12 @@ class TestWordsAndNothing:
         assert spelt.cases.checked((0,))[0]["case"]["motion"]["record"]["pga"] == 3
 
 
+def test_a_case_that_is_all_in_its_settings():
+    settings = {"case": {"a": {"block": BASE["block"], "initial.theta": 0.1}}}
+    assert cases_of({}, settings) == [{"block": BASE["block"], "initial": {"theta": 0.1}}]
+    assert yaml.safe_load(open_study({"name": "x", "case": {}, "vary": settings}).resolved_yaml)["case"] == {}
+
+
 class TestOwnSymbols:
     def test_they_stand_for_nothing_but_themselves(self):
         study = {"name": "x", "let": {"q": 0.01, "pga": 2}, "case": {**BASE, "initial": {"theta": "q*pga"}}}
