@@ -104,6 +104,7 @@ def editor_schema() -> Schema:
         schema["properties"][key]["type"] = ["string", "number"]
     schema["properties"]["name"]["pattern"] = r"^[A-Za-z0-9_-]{1,100}$"
     _axes(schema)
+    _need(schema)
     _complete(schema)
     return {"$schema": DIALECT, "$id": IDENTIFIER, "title": "Study of rocking bodies", **schema}
 
@@ -287,11 +288,16 @@ def _has_rules(part: Schema) -> bool:
 def _paths(schema: Schema, part: str, before: str) -> Iterator[tuple[str, Schema]]:
     for key, node in schema["$defs"][part]["properties"].items():
         yield before + key, node
-        for inner in dict.fromkeys(re.findall(r'"#/\$defs/(\w+Part)"', json.dumps(_outside_lists(node)))):
+        for inner in _parts(node):
             if key == "vertical" and inner == "RecordPart":  # its own keys may stand for those of a record
                 yield from ((f"{before}{key}.{k}", n) for k, n in schema["$defs"][inner]["properties"].items())
             else:
                 yield from _paths(schema, inner, f"{before}{key}.")
+
+
+def _parts(node: Schema) -> list[str]:
+    """The parts that a value may be as a whole, which paths lead into."""
+    return list(dict.fromkeys(re.findall(r'"#/\$defs/(\w+Part)"', json.dumps(_outside_lists(node)))))
 
 
 def _outside_lists(node: Any) -> Any:
@@ -299,6 +305,35 @@ def _outside_lists(node: Any) -> Any:
     if isinstance(node, dict):
         return {word: _outside_lists(item) for word, item in node.items() if word != "items"}
     return [_outside_lists(item) for item in node] if isinstance(node, list) else node
+
+
+def _places(schema: Schema, part: str, *at: str, alone: bool = True) -> Iterator[tuple[str, tuple[str, ...], bool]]:
+    """Every part of a case, where it stands, and whether no other may stand there."""
+    yield part, at, alone
+    for key, node in schema["$defs"][part]["properties"].items():
+        inner = _parts(node)
+        for each in inner:
+            yield from _places(schema, each, *at, key, alone=len(inner) == 1)
+
+
+def _need(schema: Schema) -> None:
+    """Keys that a mapping of the case cannot do without stand in it, or an axis gives them."""
+    parts = schema["$defs"]
+    places = list(_places(schema, "CasePart"))
+    for part, at, alone in places:
+        this: Schema = {"type": "object"}
+        if not alone:
+            this |= {"propertyNames": {"enum": sorted(parts[part]["properties"])}, "minProperties": 1}
+        for key in parts[part].get("required", ()):
+            above = "|".join(["case", *(re.escape(".".join(at[:n])) for n in range(1, len(at) + 1))])
+            given = rf"^({above}|{re.escape('.'.join((*at, key)))}(\..*)?)$"
+            axes = {word: {"propertyNames": {"not": {"pattern": given}}} for word in ("vary", "uncertain")}
+            rule: Schema = {"if": this, "then": {"required": [key]}}
+            for word in reversed(("case", *at)):
+                rule = {"properties": {word: rule}}
+            _add(schema, [{"if": {"properties": axes}, "then": rule}])
+    for part, _, _ in places:
+        parts[part].pop("required", None)
 
 
 def _complete(schema: Schema) -> None:

@@ -101,6 +101,37 @@ def test_kinds_of_wrong_study(kind, tmp_path):
     assert (complaint(wrong) is None) == (kind in LEFT_TO_CHECK)
 
 
+PULSE = {"shape": "sine", "a_p": 3.0, "T_p": 1.0}
+SHAPELESS = {"a_p": 3.0, "T_p": 1.0}
+SIZES = {"height": 3.0, "width": 0.6}
+FILELESS = {"pga": 3.0}
+GIVEN_BY_AXES = {
+    "shape": ({"block": SIZES, "motion": {"pulse": SHAPELESS}}, {"motion.pulse.shape": ["sine", "ricker"]}),
+    "pulse": ({"block": SIZES, "motion": {"pulse": SHAPELESS}}, {"motion.pulse": {"a": {"shape": "sine"}}}),
+    "file": ({"block": SIZES, "motion": {"record": FILELESS}}, {"motion.record.file": "synthetic_*.AT2"}),
+    "block": ({"motion": {"pulse": PULSE}}, {"block": {"one": SIZES, "two": {"height": 2.0, "width": 0.5}}}),
+    "sizes": ({"motion": {"pulse": PULSE}}, {"block.height": [2.0, 3.0], "block.width": [0.5, 0.6]}),
+    "case": ({"motion": {"pulse": PULSE}}, {"case": {"one": {"block": SIZES}}}),
+    "friction": (
+        {"block": SIZES | {"mu": {"kinetic": 0.3}}, "motion": {"pulse": PULSE}},
+        {"block.mu.static": [0.4, 0.5]},
+    ),
+}
+"""A case that lacks a key it needs, and an axis that gives it."""
+
+
+@pytest.mark.parametrize("kind", GIVEN_BY_AXES)
+def test_what_an_axis_gives_need_not_stand_in_the_case(kind):
+    case, vary = GIVEN_BY_AXES[kind]
+    study = {"name": "good", "case": case, "vary": vary}
+    open_study(study)
+    assert complaint(study) is None
+    for wrong in ({"name": "wrong", "case": case}, study | {"vary": {"motion.duration": [5.0, 9.0]}}):
+        with pytest.raises(StudyError, match=r"is missing|under-determined"):
+            open_study(wrong)
+        assert "is a required property" in str(complaint(wrong))
+
+
 def test_every_study_of_the_project_is_valid():
     studies = sorted((ROOT / "studies").rglob("*.yaml"))
     found = {study.name: said for study in studies if (said := complaint(plain(load_file(study))))}
