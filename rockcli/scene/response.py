@@ -54,7 +54,8 @@ class Response:
         time: output times (k,) [s], empty without histories.
         histories: by variable name, (n, k); NaN after a case's t_end.  Not the ground's: it follows from the motion.
         impacts: `t_impact`, `theta_dot_before`, `theta_dot_after`, (n, j), NaN-padded, j <= MAX_IMPACTS_STORED.
-        used: what was actually used: backend, method, tolerances, compiled or interpreted.
+        used: what was actually used: backend, method, tolerances.
+        apart: rows and what was used for them, where some were solved otherwise than others; else empty.
         shaken: of a_g and a_v: at how many of the output times the dataset tells them, (n,); None: as long as theta.
     """
 
@@ -65,6 +66,7 @@ class Response:
     impacts: dict[str, Array] = field(default_factory=dict)
     used: dict[str, str] = field(default_factory=dict)
     shaken: dict[str, NDArray[np.int64]] | None = None
+    apart: tuple[tuple[NDArray[np.int64], dict[str, str]], ...] = ()
 
 
 def merged(n: int, pieces: Sequence[tuple[NDArray[np.int64], Response]]) -> Response:
@@ -93,4 +95,5 @@ def merged(n: int, pieces: Sequence[tuple[NDArray[np.int64], Response]]) -> Resp
         time=time,
         histories={name: put([piece.histories[name] for _, piece in pieces]) for name in first.histories},
         impacts={name: put([piece.impacts[name] for _, piece in pieces]) for name in first.impacts},
+        apart=tuple((at, piece.used) for at, piece in pieces),
     )

@@ -18,7 +18,7 @@ import pytest
 from swept import CASES, STUDY, assert_same, counting, made_up, solved, study, write_study
 
 from rockcli.engine.lock import LOCK_NAME, locked
-from rockcli.engine.run import check_study, run_study
+from rockcli.engine.run import check_study, run_study, solve
 from rockcli.engine.summary import SHARE, SOLVED, UP_TO_DATE
 from rockcli.engine.sweep import chunks, parts, sweep
 from rockcli.engine.sweep.chunk_result import ChunkResult, blank, cases_of, spans_of
@@ -487,6 +487,63 @@ class TestSettings:
         assert [one["backend"] for one in whole] == ["event", "scipy", "frame"]
         assert " ... " in whole[2]["dt"]  # of three sizes
 
+    @pytest.mark.parametrize(
+        ("case", "vary", "said"),
+        [
+            (
+                {
+                    "model": 4,
+                    "geometry": "corotational",
+                    "damping": {"scheme": "hht", "alpha_d": 0.7},
+                    "base": {"law": "winkler", "kw": 1e8},
+                    "solver": {"backend": "frame", "accuracy": "draft"},
+                },
+                {"damping.alpha_d": [0.7, 0.8, 0.9]},
+                [("alpha_d", "0.7 ... 0.9")],
+            ),
+            (
+                {
+                    "model": "flexible",
+                    "column": {"E": 1e9, "rho": 2500},
+                    "solver": {"backend": "frame", "accuracy": "draft"},
+                },
+                {"column.zeta": [0.0, 0.01, 0.02]},
+                [("stiffness_damping", "0 ... ")],
+            ),
+            (
+                {
+                    "block": {"mesh": "frustum.obj", "density": 2500},
+                    "model": "rigid",
+                    "motion": {
+                        "pulse": {"shape": "half_sine", "a_p": 3, "T_p": 1},
+                        "vertical": "synthetic_rock_m65.AT2",
+                    },
+                },
+                {
+                    "block.direction": [0.0, 1.0, "90*deg"]
+                },  # along x it rolls from vertex to vertex, along y it does not
+                [("method", "vertex to vertex"), ("method", "events located")],
+            ),
+        ],
+    )
+    def test_of_chunks(
+        self, case: dict, vary: dict, said: list, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        sections = [(0.3, 0.0), (0.45, 0.1), (0.45, 2.0)]
+        corners = [(x, y, z) for a, z in sections for x, y in ((-a, -0.4), (a, -0.4), (a, 0.4), (-a, 0.4))]
+        sides = [(k + i, k + (i + 1) % 4, k + 4 + (i + 1) % 4, k + 4 + i) for k in (0, 4) for i in range(4)]
+        faces = [" ".join(str(i + 1) for i in face) for face in [(0, 3, 2, 1), (8, 9, 10, 11), *sides]]
+        lines = [*(f"v {x} {y} {z}" for x, y, z in corners), *(f"f {face}" for face in faces)]
+        (tmp_path / "frustum.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        monkeypatch.chdir(tmp_path)
+        asked = study(**{**self.STUDY, "case": {**self.STUDY["case"], **case}, "vary": vary})
+        found = []
+        for most in (1, 2, 100):
+            monkeypatch.setattr(sweep, "CHUNK", most)
+            found.append(json.loads(solve(asked).attrs["solver_settings"]))
+        assert found[0] == found[1] == found[2]
+        assert [words in one[key] for (key, words), one in zip(said, found[0], strict=True)] == [True] * len(said)
+
     def test_one_after_the_other(self) -> None:
         entries = [
             (0, {"backend": "frame", "dt": "0.001", "divided_steps": "2"}),
@@ -494,9 +551,10 @@ class TestSettings:
             (2, {"backend": "frame", "dt": "0.0005", "divided_steps": "2"}),
             (3, {"backend": "event", "dt": "T_p/50, 0.1/p", "rtol": "1e-08"}),
             (4, {"backend": "event", "dt": "T_p/50, 0.1/p", "rtol": "1e-10"}),
+            (5, {"backend": "frame", "dt": "-", "divided_steps": "0"}),
         ]
-        wanted = [(0, {"backend": "frame", "dt": "0.0005 ... 0.004", "divided_steps": "4"}), *entries[3:]]
-        for order in ([0, 1, 2, 3, 4], [4, 2, 0, 3, 1]):
+        wanted = [(0, {"backend": "frame", "dt": "0.0005 ... 0.004", "divided_steps": "4"}), *entries[3:5]]
+        for order in ([0, 1, 2, 3, 4, 5], [5, 4, 2, 0, 3, 1]):
             assert joined(entries[i] for i in order) == wanted
         assert joined(joined(entries[:2]) + joined(entries[2:])) == wanted
 

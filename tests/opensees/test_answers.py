@@ -240,7 +240,8 @@ def test_hht_on_fibres_loses_energy_at_impacts():
     # first swing back: some of the energy is gone, and not through eta
     back = solve_frame(replace(batch, numerics=Numerics(backend="frame"))).histories["theta"][0].min()
     assert -0.099 < theta.min() == pytest.approx(back, abs=2e-5)
-    assert "HHT, alpha_d 0.7" in response.used["method"]
+    assert response.used["method"].endswith("HHT")
+    assert response.used["alpha_d"] == "0.7"
 
 
 def test_the_error_estimate_is_another_step():

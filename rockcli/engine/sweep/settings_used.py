@@ -7,8 +7,8 @@ from collections.abc import Iterable
 
 Used = dict[str, str]
 
-SPANS = ("dt", "yield_rotation", "stiffness_damping")
-"""Settings that may differ from case to case, and are told as `lowest ... highest`."""
+SPANS = ("dt", "alpha_d", "yield_rotation", "stiffness_damping")
+"""Settings that may differ from case to case, told as `lowest ... highest`, and as `-` where no case has one."""
 
 COUNTS = ("divided_steps",)
 """What is counted over the cases."""
@@ -43,8 +43,10 @@ def _merged(key: str, one: str, other: str) -> str:
     return low if float(low) == float(high) else f"{low} ... {high}"
 
 
-def _ends(value: str) -> tuple[str, str] | None:
-    """The ends of a span, as written; None for words."""
+def _ends(value: str) -> tuple[str, ...] | None:
+    """The ends of a span, as written, of an empty one nothing; None for words."""
+    if value == "-":
+        return ()
     found = _SPAN.match(value)
     if found is None:
         return None

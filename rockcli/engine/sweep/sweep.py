@@ -295,7 +295,8 @@ def _gather(answer: ChunkResult, part: Index, response: Response, said: dict[str
                 by_sentence.setdefault(sentence, []).append(case)
         for sentence, where in by_sentence.items():
             said.setdefault(sentence, []).append(np.array(where, dtype=np.int64))
-    answer.used = joined([*answer.used, (int(part.min()), response.used)])
+    used = [(part[at], one) for at, one in response.apart] or [(part, response.used)]
+    answer.used = joined([*answer.used, *((int(cases.min()), one) for cases, one in used)])
 
 
 def _left_out(answer: ChunkResult) -> ChunkResult:

@@ -98,14 +98,17 @@ def _used(batch: Batch, runs: Runs) -> dict[str, str]:
         low, high = f"{par[:, column].min():.6g}", f"{par[:, column].max():.6g}"
         return low if low == high else f"{low} ... {high}"
 
+    hht = batch.damping.scheme == "hht"
     used = {
         "backend": "frame",
         "method": f"{batch.numerics.method or 'corotational'} Euler-Bernoulli elements, "
-        + ("HHT, alpha_d " + span(at.ALPHA_D) if batch.damping.scheme == "hht" else "Newmark, average acceleration"),
+        + ("HHT" if hht else "Newmark, average acceleration"),
         "dt": span(at.DT),
         "yield_rotation": span(at.YIELD_ROTATION),
         "divided_steps": f"{int(runs.out[:, at.CUTS].sum())}",
     }
-    if par[:, at.STIFF_DAMPING].any():
+    if hht:
+        used["alpha_d"] = span(at.ALPHA_D)
+    if batch.column is not None:
         used["stiffness_damping"] = span(at.STIFF_DAMPING)
     return used

@@ -80,7 +80,8 @@ def _used(batch: Batch, outcomes: list[Outcome]) -> dict[str, str]:
     return {
         "backend": "opensees",
         "method": f"{batch.numerics.method or 'corotational'} elasticBeamColumn elements, "
-        + (f"HHT, alpha_d {span('alpha_d')}" if hht else "Newmark, average acceleration"),
+        + ("HHT" if hht else "Newmark, average acceleration"),
+        **({"alpha_d": span("alpha_d")} if hht else {}),
         "dt": span("DT"),
         "yield_rotation": span("theta_y"),
         "divided_steps": str(divided),
