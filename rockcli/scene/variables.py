@@ -51,6 +51,9 @@ OF_SOURCE = ("magnitude", "r_rup", "r_jb", "vs30", "pulse_period")
 
 YEARLY = "year-1"
 
+UNIT_OF_INTENSITY, UNIT_OF_SECOND = "of the intensity", "of the second intensity"
+"""Units that a suite decides on: of what its fragility is told against."""
+
 PERCENTILES: tuple[float, ...] = (1.0, 5.0, 10.0, 16.0, 50.0, 84.0, 95.0)
 """Percentiles of a fragility curve that are told [%]."""
 
@@ -60,7 +63,7 @@ COUNTS = ("n_impacts", "n_steps", "n_rhs")
 
 @dataclass(frozen=True)
 class Variable:
-    """A row: `over` is a key of `DIMENSIONS`; unit "1" = dimensionless."""
+    """A row: `over` is a key of `DIMENSIONS`; unit "1" = dimensionless, `UNIT_OF_INTENSITY` = in a dataset that of it."""
 
     name: str
     symbol: str
@@ -149,18 +152,50 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         "limit_state", "limit state", LIMIT, "1", "theta_peak_over_alpha (or the slide named) exceeded, or overturned"
     ),
     Variable("p_exceeded", r"$P$", LIMIT, "1", "share that exceeds the limit state of those with an answer"),
-    Variable("fragility_median", r"$\hat\theta$", LIMIT, "1", "intensity exceeded with probability 1/2; NaN: no curve"),
-    Variable("fragility_median_low", r"$\hat\theta$", LIMIT, "1", "the same if all without an answer exceed it"),
-    Variable("fragility_median_high", r"$\hat\theta$", LIMIT, "1", "the same if none without an answer exceeds it"),
-    Variable("fragility_median_ci_low", r"$\hat\theta$", LIMIT, "1", "lower 95 % confidence limit of fragility_median"),
     Variable(
-        "fragility_median_ci_high", r"$\hat\theta$", LIMIT, "1", "upper 95 % confidence limit of fragility_median"
+        "fragility_median",
+        r"$\hat\theta$",
+        LIMIT,
+        UNIT_OF_INTENSITY,
+        "intensity exceeded with probability 1/2; NaN: no curve",
     ),
     Variable(
-        "fragility_intensity", r"$x$", CASE, "1", "intensity that fragility is told against, where no axis has it"
+        "fragility_median_low", r"$\hat\theta$", LIMIT, UNIT_OF_INTENSITY, "the same if all without an answer exceed it"
     ),
-    Variable("fragility_intensity_second", r"$y$", CASE, "1", "second intensity that fragility is told against"),
-    Variable("fragility_second", r"$y_r$", SUITE, "1", "second intensity y_r of which medians and percentiles are"),
+    Variable(
+        "fragility_median_high",
+        r"$\hat\theta$",
+        LIMIT,
+        UNIT_OF_INTENSITY,
+        "the same if none without an answer exceeds it",
+    ),
+    Variable(
+        "fragility_median_ci_low",
+        r"$\hat\theta$",
+        LIMIT,
+        UNIT_OF_INTENSITY,
+        "lower 95 % confidence limit of fragility_median",
+    ),
+    Variable(
+        "fragility_median_ci_high",
+        r"$\hat\theta$",
+        LIMIT,
+        UNIT_OF_INTENSITY,
+        "upper 95 % confidence limit of fragility_median",
+    ),
+    Variable(
+        "fragility_intensity",
+        r"$x$",
+        CASE,
+        UNIT_OF_INTENSITY,
+        "intensity that fragility is told against, where no axis has it",
+    ),
+    Variable(
+        "fragility_intensity_second", r"$y$", CASE, UNIT_OF_SECOND, "second intensity that fragility is told against"
+    ),
+    Variable(
+        "fragility_second", r"$y_r$", SUITE, UNIT_OF_SECOND, "second intensity y_r of which medians and percentiles are"
+    ),
     Variable(
         "fragility_exponent",
         r"$c$",
@@ -170,13 +205,29 @@ _SUITE_ROWS: tuple[Variable, ...] = (
     ),
     Variable("fragility_exponent_ci_low", r"$c$", LIMIT, "1", "lower 95 % confidence limit of fragility_exponent"),
     Variable("fragility_exponent_ci_high", r"$c$", LIMIT, "1", "upper 95 % confidence limit of fragility_exponent"),
-    Variable("fragility_begins_at", r"$x_0$", SUITE, "1", "intensity x_0 at and below which a curve is zero"),
     Variable(
-        "fragility_begins_at_last", r"$x$", SUITE, "1", "intensity from which every member can move (0: not known)"
+        "fragility_begins_at", r"$x_0$", SUITE, UNIT_OF_INTENSITY, "intensity x_0 at and below which a curve is zero"
     ),
-    Variable("fragility_lowest", r"$x$", SUITE, "1", "lowest intensity of the suite; percentiles below: extrapolated"),
     Variable(
-        "fragility_highest", r"$x$", SUITE, "1", "highest intensity of the suite; percentiles above: extrapolated"
+        "fragility_begins_at_last",
+        r"$x$",
+        SUITE,
+        UNIT_OF_INTENSITY,
+        "intensity from which every member can move (0: not known)",
+    ),
+    Variable(
+        "fragility_lowest",
+        r"$x$",
+        SUITE,
+        UNIT_OF_INTENSITY,
+        "lowest intensity of the suite; percentiles below: extrapolated",
+    ),
+    Variable(
+        "fragility_highest",
+        r"$x$",
+        SUITE,
+        UNIT_OF_INTENSITY,
+        "highest intensity of the suite; percentiles above: extrapolated",
     ),
     Variable(
         "fragility_misfit_p",
@@ -185,7 +236,13 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         "1",
         "bound on the probability that a share is as far from the curve as the farthest (binomial, Bonferroni)",
     ),
-    Variable("fragility_misfit_at", r"$x$", LIMIT, "1", "intensity of the share that is farthest from the curve"),
+    Variable(
+        "fragility_misfit_at",
+        r"$x$",
+        LIMIT,
+        UNIT_OF_INTENSITY,
+        "intensity of the share that is farthest from the curve",
+    ),
     Variable("fragility_beta", r"$\beta$", LIMIT, "1", "standard deviation of ln(x - x_0), x_0 = fragility_begins_at"),
     Variable("fragility_beta_ci_low", r"$\beta$", LIMIT, "1", "lower 95 % confidence limit of fragility_beta"),
     Variable("fragility_beta_ci_high", r"$\beta$", LIMIT, "1", "upper 95 % confidence limit of fragility_beta"),
@@ -205,7 +262,7 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         "fragility_percentile",
         r"$x_p$",
         PERCENTILE,
-        "1",
+        UNIT_OF_INTENSITY,
         "intensity exceeded with a probability, by fragility_beta_total",
     ),
     *(
@@ -213,13 +270,13 @@ _SUITE_ROWS: tuple[Variable, ...] = (
             f"fragility_percentile_ci_{end}",
             r"$x_p$",
             PERCENTILE,
-            "1",
+            UNIT_OF_INTENSITY,
             f"{word} 95 % confidence limit of fragility_percentile",
         )
         for end, word in (("low", "lower"), ("high", "upper"))
     ),
     Variable("hazard", "hazard curve", HAZARD, "1", "hazard curve that fragility is convolved with"),
-    Variable("hazard_intensity", r"$x$", HAZARD_POINT, "1", "intensity at the points of a hazard curve"),
+    Variable("hazard_intensity", r"$x$", HAZARD_POINT, UNIT_OF_INTENSITY, "intensity at the points of a hazard curve"),
     Variable("hazard_rate", r"$H$", HAZARD_POINT, YEARLY, "annual rate at which the intensity is exceeded"),
     Variable(
         "annual_rate",
@@ -248,9 +305,11 @@ _SUITE_ROWS: tuple[Variable, ...] = (
     Variable("survival", r"$S$", HAZARD, "1", "probability that the limit state is never exceeded within the age"),
     Variable("likelihood_ratio", r"$\Lambda$", HAZARD, "1", "survival over that of the hazard curve with the largest"),
     Variable("hazard_consistent", "consistent", HAZARD, "1", "1 where survival is at least 5 %"),
-    Variable("intensity_bin", r"$x$", INTENSITY_BIN, "1", "geometric mean of the ends of a bin of intensity"),
-    Variable("intensity_bin_low", r"$x$", INTENSITY_BIN, "1", "lower end of a bin of intensity"),
-    Variable("intensity_bin_high", r"$x$", INTENSITY_BIN, "1", "upper end of a bin of intensity"),
+    Variable(
+        "intensity_bin", r"$x$", INTENSITY_BIN, UNIT_OF_INTENSITY, "geometric mean of the ends of a bin of intensity"
+    ),
+    Variable("intensity_bin_low", r"$x$", INTENSITY_BIN, UNIT_OF_INTENSITY, "lower end of a bin of intensity"),
+    Variable("intensity_bin_high", r"$x$", INTENSITY_BIN, UNIT_OF_INTENSITY, "upper end of a bin of intensity"),
     Variable(
         "deaggregation",
         "share of the rate",

@@ -19,6 +19,7 @@ from rockcli.analysis.suites import words
 from rockcli.engine.run import run_study
 from rockcli.errors import StudyError
 from rockcli.scene.ground.hazard import HazardCurve
+from rockcli.scene.variables import UNIT_OF_INTENSITY, VARIABLES
 from rockcli.study.open import open_study
 from rockcli.study.study import Over
 
@@ -153,6 +154,13 @@ def test_the_dataset_has_rates_survival_and_where_they_come_from(data):
 
 
 @pytest.mark.slow
+def test_intensities_are_in_units_of_what_the_fragility_is_told_against(data):
+    those = {name for name, row in VARIABLES.items() if row.unit == UNIT_OF_INTENSITY} & set(data.variables)
+    assert {"fragility_median", "fragility_percentile", "hazard_intensity", "intensity_bin"} < those
+    assert {data[name].attrs["units"] for name in those} == {"m s-2"}
+    assert not [name for name, item in data.variables.items() if "intensity" in item.attrs.get("units", "")]
+
+
 def test_limits_of_a_rate_are_those_of_curves_drawn_from_the_estimates():
     """Rates of medians and betas drawn from their normal distribution: their scatter in logarithms."""
     data = rockcli.run(study(over={"axis": "motion.pulse.omega_p", "along": "a_p", "limits": [], "begins_at": 0}))
