@@ -206,6 +206,14 @@ def test_json_and_junit_tell_the_same(rock: Rock, tmp_path: Path, capsys: pytest
     assert "0.5536" in suite[1][0].get("message", "")
 
 
+def test_a_share_judges_nothing(rock: Rock, tmp_path: Path) -> None:
+    file = study(tmp_path, "unmet", f"{UNMET}\nvary: {{block.R: [2.0, 5.0]}}")
+    assert rock("run", file, "--part", "1/2", "--junit", "v.xml") == 0
+    suite = ET.parse(tmp_path / "v.xml").getroot()[0]
+    assert [suite.get(count) for count in ("tests", "failures", "skipped")] == ["1", "0", "1"]
+    assert "share 1/2" in suite[0][0].get("message", "")
+
+
 def test_quiet_is_quiet(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert rock("run", study(tmp_path), "--quiet", "--no-plots") == 0
     assert capsys.readouterr() == ("", "")
