@@ -12,7 +12,7 @@ from rockcli.analysis.places import units_of
 from rockcli.engine.summary import infinite, largest, outcomes_of
 from rockcli.scene.response import outcome_words
 from rockcli.scene.variables import PEAK
-from rockcli.storage.read import as_accessor, from_xarray
+from rockcli.storage.read import as_accessor, from_xarray, of_a_part
 
 if TYPE_CHECKING:
     import pandas
@@ -85,8 +85,7 @@ class Rock:
                 lines.append((words, unit.format(value) + (f" at {where}" if where and value > 0.0 else "")))
         if endless := infinite(contents, "slide_peak"):
             lines.append(("slides on", f"{endless} for ever, as no friction stops it"))
-        whole = set(str(contents.attrs["axes"]).split()) == set(contents.axes)
-        if whole:  # what a suite comes to is not that of a part of it
+        if not of_a_part(self._dataset):  # what a suite comes to is not that of a part of it
             lines += [("suite", words) for words in json.loads(contents.attrs.get("ensemble", "{}")).get("shown", ())]
             lines += [("warning", words) for words in json.loads(contents.attrs.get("warnings", "[]"))]
         return lines

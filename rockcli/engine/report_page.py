@@ -18,7 +18,7 @@ from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
 from rockcli.storage.contents import Contents
 from rockcli.storage.places import check_file
-from rockcli.storage.read import from_xarray, open_dataset, with_axes_left
+from rockcli.storage.read import from_xarray, of_a_part, open_dataset, with_axes_left
 from rockcli.storage.table import CURVE, frame_of
 from rockcli.study.reopen import clauses_of
 
@@ -37,15 +37,16 @@ def write_page(path: Path, out: Path | None = None) -> Path:
     """
     target = path.with_suffix(".html") if out is None else out
     _check(target)
-    _write(open_dataset(path), netcdf.read(path), target)
+    dataset = open_dataset(path)
+    _write(dataset, netcdf.read(path), target, whole=not of_a_part(dataset))
     return target
 
 
 def write_page_of(dataset: xarray.Dataset, out: Path) -> Path:
-    """Write the report of a dataset in memory; raises as `write_page`."""
+    """Write the report of a dataset in memory; of a part of one nothing is judged.  Raises as `write_page`."""
     _check(out)
     contents = from_xarray(dataset)
-    _write(with_axes_left(dataset), contents, out)
+    _write(with_axes_left(dataset), contents, out, whole=not of_a_part(dataset))
     return out
 
 
@@ -55,10 +56,10 @@ def _check(target: Path) -> None:
     check_file(target)
 
 
-def _write(dataset: xarray.Dataset, contents: Contents, target: Path) -> None:
+def _write(dataset: xarray.Dataset, contents: Contents, target: Path, *, whole: bool) -> None:
     from rockcli.plotting.page.page import page
 
-    judged = [(verdict.passed, _words(verdict)) for verdict in verdicts(contents)]
+    judged = [(verdict.passed, _words(verdict)) for verdict in verdicts(contents)] if whole else []
     write_text(target, page(dataset, judged, tables=[*_suite_tables(dataset), *_rules_table(contents)]))
 
 

@@ -25,6 +25,10 @@ OF_TABLES = ("given_", "note_")
 """What names begin with of columns of the table that an axis was read from: settings, and notes for readers."""
 
 
+AXES, POINTS = "axes", "points"
+"""Root attributes of a dataset: names of its axes, and how many points the study has on each."""
+
+
 @dataclass(frozen=True, eq=False)
 class Field:
     """One variable: dimension names, values of that shape, attributes; `coordinate` as xarray means it."""
@@ -58,6 +62,11 @@ class Contents:
     def shape(self) -> tuple[int, ...]:
         """Number of points on each axis."""
         return tuple(len(self.fields[name].values) for name in self.axes)
+
+    @property
+    def named_axes(self) -> dict[str, str]:
+        """The root attributes that say which axes there are."""
+        return {AXES: " ".join(self.axes), POINTS: " ".join(map(str, self.shape))}
 
     @property
     def sizes(self) -> dict[str, int]:

@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 def open_lazily(path: Path) -> xarray.Dataset:
     """Read a dataset file whole, without xarray; `StudyError` if it cannot be read."""
     contents = netcdf.read(path)
-    attrs = contents.attrs | {"axes": " ".join(contents.axes)}
-    return cast("xarray.Dataset", LazyDataset(contents.fields, attrs))
+    return cast("xarray.Dataset", LazyDataset(contents.fields, contents.attrs | contents.named_axes))
 
 
 class LazyArray(NDArrayOperatorsMixin):

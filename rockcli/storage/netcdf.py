@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rockcli.errors import OutputError, StudyError
 from rockcli.storage import checksum, on_disk
 from rockcli.storage.atomic import replacing
-from rockcli.storage.contents import Contents, Field
+from rockcli.storage.contents import AXES, POINTS, Contents, Field
 from rockcli.storage.on_disk import blocks, full, let_go, put, taken
 from rockcli.storage.places import reason, unnameable
 
@@ -28,8 +28,6 @@ _SUMMED_BESIDE = 1 << 24
 
 _SOON = 1 << 25
 """Size up to which commands that only read a dataset see whether it is intact, a tenth of a second [bytes]."""
-
-_AXES = "axes"
 
 
 def write(contents: Contents, path: Path) -> None:
@@ -56,9 +54,8 @@ def _write(contents: Contents, scratch: Path) -> None:
             file.createDimension(name, size)
         for name, item in contents.fields.items():
             _write_field(file, contents, name, item)
-        for name, value in (contents.attrs | {checksum.NAME: digest()}).items():
+        for name, value in (contents.attrs | {checksum.NAME: digest()} | contents.named_axes).items():
             file.setncattr_string(name, value)
-        file.setncattr_string(_AXES, " ".join(contents.axes))
 
 
 @contextmanager
@@ -171,7 +168,7 @@ def open_file(path: Path) -> Iterator[Any]:
             names = set(file.ncattrs())
         except Exception as error:  # long attributes are kept apart, where damage is met only now
             raise StudyError(f"is damaged: {error}", file=path) from None
-        if not {_AXES, "identity"} <= names:
+        if not {AXES, "identity"} <= names:
             raise StudyError("is not a dataset written by `rock run`", file=path)
         yield file
 
@@ -196,7 +193,8 @@ def _read(path: Path) -> Contents:
         try:
             file.set_auto_mask(False)
             attrs = {name: str(file.getncattr(name)) for name in file.ncattrs()}
-            axes = tuple(attrs.pop(_AXES).split())
+            axes = tuple(attrs.pop(AXES).split())
+            attrs.pop(POINTS, None)  # none in those of earlier builds
             listed = {c for v in file.variables.values() for c in getattr(v, "coordinates", "").split()}
             room = path.parent if os.access(path.parent, os.W_OK) else Path(tempfile.gettempdir())
             fields = {name: _read_field(each, name, listed, room) for name, each in file.variables.items()}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rockcli.errors import StudyError
 from rockcli.scene.variables import PEAK
 from rockcli.storage.checksum import NAME, checksum, note_opened
-from rockcli.storage.contents import Contents, Field
+from rockcli.storage.contents import AXES, POINTS, Contents, Field
 from rockcli.storage.netcdf import no_dataset
 
 if TYPE_CHECKING:
@@ -75,23 +75,42 @@ def _laid_out(dataset: Any) -> xarray.Dataset:
     return laid.transpose(*left, ...)
 
 
+def of_a_part(dataset: xarray.Dataset) -> set[str]:
+    """The axes of the study that are gone from a dataset, or of which it has another number of points than the study.
+
+    Datasets of earlier builds do not tell how many that were.
+    """
+    sizes = {axis: str(dataset.sizes.get(axis, "")) for axis in _points(dataset)}
+    return {axis for axis, points in _points(dataset).items() if not sizes[axis] or points not in ("", sizes[axis])}
+
+
+def _points(dataset: xarray.Dataset) -> dict[str, str]:
+    """How many points the study has on each axis; "" where that is not told."""
+    axes, points = str(dataset.attrs[AXES]).split(), str(dataset.attrs.get(POINTS, "")).split()
+    return dict(zip(axes, points if len(points) == len(axes) else [""] * len(axes), strict=True))
+
+
 def with_axes_left(dataset: xarray.Dataset) -> xarray.Dataset:
     """A dataset, or a part of one whose attributes speak of the axes that are left; raises as `from_xarray`.
 
-    What a suite comes to, and what it is compared to, goes with an axis that has gone.
+    What a suite comes to goes with any of its members and with the axis of its intensity, and what the dataset is
+    compared to with an axis.
     """
     dataset = _laid_out(dataset)
-    named = str(dataset.attrs["axes"]).split()
-    left = [axis for axis in named if axis in dataset.dims]
-    if left == named:
-        return dataset
-    gone = set(named) - set(left)
-    attrs = dataset.attrs | {"axes": " ".join(left)}
-    ensemble = json.loads(attrs.get("ensemble", "{}"))
+    points = {axis: n for axis, n in _points(dataset).items() if axis in dataset.dims}
+    fewer, gone = of_a_part(dataset), _points(dataset).keys() - points.keys()
+    ensemble = json.loads(dataset.attrs.get("ensemble", "{}"))
     over = ensemble.get("axis", [])
-    if gone & {*(over if isinstance(over, list) else [over]), ensemble.get("along")}:
+    members = {*(over if isinstance(over, list) else [over])}
+    if not gone and not fewer & members:
+        return dataset
+    attrs = dataset.attrs | {AXES: " ".join(points), POINTS: " ".join(points.values())}
+    if fewer & members or ensemble.get("along") in gone:
         del attrs["ensemble"]
-        dataset = dataset.drop_vars([name for name in ensemble["fields"] if name in dataset.variables])
+        of_suite = [name for name in ensemble["fields"] if name in dataset.variables]
+        if not gone & {*members, ensemble.get("along")}:  # what is told of each member stays
+            of_suite = [name for name in of_suite if not {*map(str, dataset[name].dims)} & members]
+        dataset = dataset.drop_vars(of_suite)
     if gone & set(json.loads(attrs.get("compare_to", "null")) or ()):
         del attrs["compare_to"]
     part = dataset.copy()
@@ -116,8 +135,7 @@ def from_xarray(dataset: xarray.Dataset) -> Contents:
 
 def to_xarray(contents: Contents) -> xarray.Dataset:
     """The Dataset that opening the written file would give."""
-    attrs = contents.attrs | {NAME: checksum(contents), "axes": " ".join(contents.axes)}
-    return assembled(contents.fields, attrs)
+    return assembled(contents.fields, contents.attrs | {NAME: checksum(contents)} | contents.named_axes)
 
 
 def assembled(fields: Mapping[str, Field], attrs: Mapping[str, Any]) -> xarray.Dataset:

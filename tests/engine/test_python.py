@@ -229,6 +229,26 @@ def test_a_part_of_a_dataset_is_a_table_a_figure_and_a_report(over, gone, tmp_pa
     assert dataset.attrs["axes"].split() == [*((axis, left) if gone == 0 else (left, axis))]
 
 
+def test_what_a_suite_comes_to_is_not_told_of_a_part(tmp_path):
+    expect = [{"quantity": "outcome", "at": {"a_p": "1.5*g"}, "is_not": "failed"}]
+    over = {"axis": "block.R", "along": "a_p"}
+    dataset = rockcli.run(PULSES | {"over": over, "expect": expect})
+    assert dataset.attrs["points"] == "2 6"
+    assert "suite" in repr(dataset.rock)
+    for part in (dataset.isel(block_R=[1]), dataset.isel(motion_pulse_a_p=slice(3))):
+        shown = repr(part.rock)
+        assert "suite" not in shown
+        assert "warning" not in shown
+        assert f"cases     {part['outcome'].size}" in shown
+    assert "is not failed" not in part.rock.report(tmp_path / "part.html").read_text(encoding="utf-8")
+    own = rockcli.table(dataset).columns
+    assert list(rockcli.table(dataset.isel(block_R=[1])).columns) == [head for head in own if "fragility" not in head]
+    with pytest.raises(rockcli.StudyError, match="has no table 'suite'"):
+        rockcli.table(dataset.isel(block_R=[1]), of="suite")
+    dataset.to_netcdf(tmp_path / "again.nc")
+    assert "suite" in repr(rockcli.open_dataset(tmp_path / "again.nc").rock)
+
+
 @pytest.mark.parametrize(
     ("how", "words"),
     [
