@@ -100,7 +100,7 @@ def _write_examples(folder: Path) -> None:
             shutil.rmtree(left, ignore_errors=True)
     with TemporaryDirectory(prefix=f".rock-new.{os.getpid()}.", dir=folder.parent) as place:
         for name in SHIPPED:
-            left_out = shutil.ignore_patterns("__pycache__", "results")
+            left_out = shutil.ignore_patterns("__pycache__", "results", "catalog.yaml")  # of records that are not there
             shutil.copytree(source / name, Path(place, "new", name), ignore=left_out, copy_function=copied)
         Path(place, "new").rename(folder)
     say(f"{folder}: cd {folder}, rock run studies/examples/first_rock.yaml")

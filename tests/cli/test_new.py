@@ -63,6 +63,7 @@ def test_examples_are_those_of_the_sources_and_run(rock, tmp_path, capsys):
         written
     )
     assert rock("run", tmp_path / "examples" / "studies" / "examples", "--no-plots", "--workers", 1) == 0
+    assert rock("check", tmp_path / "examples", "--quiet") == 0  # nothing there but studies ends in .yaml
     assert rock("new", "examples") == 2
     assert "is there already" in capsys.readouterr().err
 
