@@ -18,7 +18,7 @@ Select = Annotated[
 
 
 def chosen(select: list[str] | None) -> dict[str, list[str]]:
-    """Axis -> values, of `AXIS=VALUE,VALUE`; `StudyError` for what is not written so."""
+    """Axis -> what was typed, of `AXIS=VALUE,VALUE`; `StudyError` for what is not written so."""
     from rockcli.errors import StudyError
 
     found: dict[str, list[str]] = {}
@@ -26,5 +26,5 @@ def chosen(select: list[str] | None) -> dict[str, list[str]]:
         axis, equals, values = words.partition("=")
         if not equals or not axis.strip() or not values.strip():
             raise StudyError(f"--select {words}: expected AXIS=VALUE")
-        found.setdefault(axis.strip(), []).extend(value.strip() for value in values.split(","))
+        found.setdefault(axis.strip(), []).append(values)
     return found

@@ -124,18 +124,17 @@ def _selected(
 def _of_labels(dataset: Any, dim: str, asked: list[str]) -> Any:
     """A dataset at some labels of a dimension, as they are written there or in tables."""
     from rockcli.errors import StudyError
-    from rockcli.plotting.common.selection import hint
+    from rockcli.plotting.common.selection import apart, hint
     from rockcli.scene.limit_states import exceeded_when, in_full
     from rockcli.scene.variables import LIMIT
 
     there = [str(label) for label in dataset[dim].values]
     words = [{label, exceeded_when(label), in_full(label)} if dim == LIMIT else {label} for label in there]
-    unknown = [one for one in asked if not any(one in each for each in words)]
-    if unknown:
-        raise StudyError(
-            f"{dim}={unknown[0]}: there are {', '.join(there)}{hint(unknown[0], sorted(set().union(*words)))}"
-        )
-    return dataset.isel({dim: [i for i, each in enumerate(words) if each & set(asked)]})
+    known = set().union(*words)
+    every = {one for text in asked for one in apart(text, known)}
+    if unknown := sorted(every - known):
+        raise StudyError(f"{dim}={unknown[0]}: there are {', '.join(there)}{hint(unknown[0], sorted(known))}")
+    return dataset.isel({dim: [i for i, each in enumerate(words) if each & every]})
 
 
 def _check_labels(found: Table, of: str, wanted: Mapping[str, list[str]]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
 import re
 
@@ -115,6 +116,24 @@ def test_a_row_of_a_suite_is_selected_and_part_of_its_members_is_no_suite(rock, 
     capsys.readouterr()
     assert rock("table", dataset, "--of", "suite", "--select", "T_p=0.6") == 2
     assert "--select leaves a part of T_p: the table 'suite' is over all of it" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "labels"),
+    [
+        ("a,b", ["a,b"]),
+        ("model 3, large", ["model 3, large"]),
+        ("a , model 3, large,  b", ["model 3, large", "a", "  b"]),
+        ("a,a,b, b", ["a,b", "a", "b"]),
+    ],
+)
+def test_a_label_with_commas_is_one(rock, tmp_path, words, labels):
+    settings = {name: {"height": 3.0} for name in ("a,b", "model 3, large", "a", "b", "  b")}
+    study = {"name": "x", "case": {"block": {"width": 0.6}, "initial": {"theta": 0.1}}, "vary": {"block": settings}}
+    (tmp_path / "x.yaml").write_text(json.dumps(study), encoding="utf-8")
+    assert rock("run", "x.yaml", "--quiet", "--no-plots", "--set", "save.scalars=[outcome]") == 0
+    assert rock("table", "results/x/x.nc", "--select", f"block={words}", "--out", "t.csv") == 0
+    assert {row["block"] for row in rows_of(tmp_path / "t.csv")} == set(labels)
 
 
 @pytest.mark.parametrize(

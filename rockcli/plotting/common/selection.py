@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
@@ -40,7 +40,7 @@ def selected(
     Args:
         dataset: of `rock run`.
         chosen: {axis, by its name, its path or the end of that: a value or a list of values}; numbers in SI units, or
-            as `0.4g` and `10deg`.
+            as `0.4g` and `10deg`; text may be several with commas between.
         beside: what else may be said where it is read, for the error about an unknown axis.
 
     Raises:
@@ -50,12 +50,25 @@ def selected(
     for said, values in chosen.items():
         axis = axis_called(dataset, said, beside)
         many = np.asarray(values).tolist() if hasattr(values, "__array__") else values
-        every = many if isinstance(many, list | tuple) else [many]
+        labels = set() if is_numeric(dataset, axis) else {str(label) for label in dataset[axis].values}
+        given = many if isinstance(many, list | tuple) else [many]
+        every = [one for value in given for one in (apart(value, labels) if isinstance(value, str) else [value])]
         places = list(dict.fromkeys(place_on(dataset, axis, value) for value in every))
         if dataset.sizes[axis] > 1:
             words.append(" and ".join(coordinate_label(dataset, axis, place) for place in places))
         dataset = _at(dataset, axis, places)
     return dataset, ", ".join(words)
+
+
+def apart(text: str, labels: Collection[str]) -> list[str]:
+    """What stands between the commas of a text; a label that has some itself is one."""
+    pieces, found = text.split(","), []
+    while pieces:
+        joined = [",".join(pieces[:n]) for n in range(len(pieces), 0, -1)]
+        whole = next((each for each in joined if each in labels or each.strip() in labels), pieces[0])
+        pieces = pieces[whole.count(",") + 1 :]
+        found.append(whole if whole in labels else whole.strip())
+    return found
 
 
 def axis_called(dataset: xarray.Dataset, said: str, beside: Sequence[str] = ()) -> str:
