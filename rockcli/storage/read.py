@@ -122,10 +122,12 @@ def from_xarray(dataset: xarray.Dataset) -> Contents:
     """What a dataset holds, of a part of one the axes that are left.
 
     Raises:
-        StudyError: it is none of this program, or its cases have dimensions that are no axes.
+        StudyError: it is none of this program, its cases have dimensions that are no axes, or an axis has no values.
     """
     dataset = _laid_out(dataset)
     axes = tuple(axis for axis in str(dataset.attrs["axes"]).split() if axis in dataset.dims)
+    if bare := [axis for axis in axes if axis not in dataset.variables]:
+        raise StudyError(f"has no values of its axis {bare[0]!r}: give the dataset before the coordinate was dropped")
     fields = {
         str(name): Field(tuple(map(str, item.dims)), item.values, dict(item.attrs), coordinate=name in dataset.coords)
         for name, item in dataset.variables.items()

@@ -340,6 +340,13 @@ def test_dimensions_that_are_no_axes_are_told(change, pulses, tmp_path):
             ask()
 
 
+def test_an_axis_without_values_is_told(pulses, tmp_path):
+    bare = pulses.drop_vars("block_R")
+    for shown in (lambda: bare.rock, lambda: rockcli.report(bare, tmp_path / "bare.html")):
+        with pytest.raises(rockcli.StudyError, match="has no values of its axis 'block_R'"):
+            shown()
+
+
 @pytest.mark.parametrize("given", [None, "pulses.nc", [], 3, {"case": {}}])
 def test_what_is_no_dataset_is_told(given, tmp_path):
     asked = [lambda: rockcli.table(given), lambda: rockcli.plot(given)]
