@@ -152,6 +152,9 @@ def test_a_mapping_is_copied_and_made_plain():
     assert type(loaded["b"]) is float
     with pytest.raises(StudyError, match="not a set"):
         load_mapping({"a": {1, 2}})
+    for twice in ({1.5: "one", "1.5": "other"}, {0.1: "one", np.float32(0.1): "other"}):
+        with pytest.raises(StudyError, match=rf"vary\.block\.{next(iter(twice))}: duplicate key"):
+            load_mapping({"vary": {"block": twice}})
     loop: dict = {}
     loop["a"] = loop
     with pytest.raises(StudyError, match="nested too deeply"):

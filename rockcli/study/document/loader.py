@@ -7,6 +7,7 @@ of two equal keys win.  Here the nodes are PyYAML's and the values are not.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -229,7 +230,11 @@ def _plain(value: Any, keys: Keys, count: list[int]) -> Any:
         if isinstance(text, str) and (why := _unfit(text)):
             raise StudyError(f"{text[:100]!a}: {why}")
     if isinstance(value, dict):
-        return Map({str(key): _plain(item, (*keys, str(key)), count) for key, item in value.items()})
+        items = Map({str(key): _plain(item, (*keys, str(key)), count) for key, item in value.items()})
+        if len(items) < len(value):
+            ((twice, _),) = Counter(map(str, value)).most_common(1)
+            raise StudyError(f"{dotted((*keys, twice))}: duplicate key {twice!r}: a number and its text are one")
+        return items
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, list | tuple | range):
