@@ -34,8 +34,8 @@ TALL, SMALL = 60.0, 0.01
 LARGE_INERTIA = 10.0
 """I_O/(m R^2) above which it is doubted: with all mass at the corners of a rectangle it is 2."""
 
-ROUGH = 5.0
-"""Friction above which it is doubted."""
+ROUGH = 10.0
+"""Friction above which it is doubted; 10 is written for a body that is not to slip."""
 
 NAMED = 3
 """Motions too weak to uplift that are named one by one."""

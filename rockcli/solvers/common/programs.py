@@ -119,7 +119,7 @@ def watch(
 
 
 def asked(command: Sequence[str], limit: float) -> tuple[Ending, str]:
-    """Ask a program for a few words, as its version: how it ended, and all it printed."""
+    """Ask a program for a few words, as its version: how it ended, and all it printed; `limit`: its time [s]."""
     with tempfile.TemporaryDirectory(prefix="rock-asks-", ignore_cleanup_errors=True) as place:
         said = Path(place, "said.txt")
         ending = watch(command, Path(place), log=said, limit=limit)
