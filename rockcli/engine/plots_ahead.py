@@ -11,7 +11,7 @@ from rockcli.engine.sweep.symbols_of_cases import describe_cases
 from rockcli.errors import StudyError
 from rockcli.scene.variables import LARGE, PEAK, TIME
 from rockcli.storage.contents import Contents, Field
-from rockcli.storage.read import to_xarray
+from rockcli.storage.lazy import lazily
 from rockcli.study.study import Study
 
 _OF_CASES = {"motion": "pga", "bending": "u_top_bending", "barriers": "barrier"}
@@ -23,10 +23,13 @@ def check_plots(study: Study) -> None:
     doubtful = [(kind, look) for kind, look in study.plots or () if look.select or not _surely(kind, study)]
     if not doubtful:  # spares the libraries of figures
         return
+    from rockcli.plotting.lean import import_lean
+
+    import_lean()
     from rockcli.plotting.common.selection import selected
     from rockcli.plotting.figures import why_not
 
-    dataset = to_xarray(_ahead(study, {kind for kind, _ in doubtful}))
+    dataset = lazily(_ahead(study, {kind for kind, _ in doubtful}))
     for kind, look in doubtful:
         try:
             part, _ = selected(dataset, look.select)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import sys
 import warnings
 
-_SOLIDS = "mpl_toolkits.mplot3d"
+_COMMANDS, _SOLIDS = "rockcli.cli.main", "mpl_toolkits.mplot3d"
 
 
 def import_lean() -> None:
     """Import Matplotlib without three dimensions, and without the tables of properties in its docstrings.
 
-    For commands, of which nobody asks for either; where it has been imported, it stays as it is.
+    In commands alone, of which nobody asks for either: a process of Python has it whole, as has one that imported it.
     """
-    if "matplotlib.figure" in sys.modules or _SOLIDS in sys.modules:
+    if _COMMANDS not in sys.modules or "matplotlib.figure" in sys.modules or _SOLIDS in sys.modules:
         return
     from matplotlib import artist
 

@@ -16,7 +16,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
 from rockcli.storage import netcdf
-from rockcli.storage.contents import Field
+from rockcli.storage.contents import Contents, Field
 from rockcli.storage.read import assembled
 
 if TYPE_CHECKING:
@@ -25,7 +25,11 @@ if TYPE_CHECKING:
 
 def open_lazily(path: Path) -> xarray.Dataset:
     """Read a dataset file whole, without xarray; `StudyError` if it cannot be read."""
-    contents = netcdf.read(path)
+    return lazily(netcdf.read(path))
+
+
+def lazily(contents: Contents) -> xarray.Dataset:
+    """What a dataset holds, or will hold, without xarray."""
     return cast("xarray.Dataset", LazyDataset(contents.fields, contents.attrs | contents.named_axes))
 
 

@@ -43,11 +43,27 @@ NEEDLESS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("more", [["--no-plots"], []])
+STUDIES = Path(__file__).resolve().parents[2] / "studies" / "examples"
+
+FIRST = (STUDIES / "first_rock.yaml").read_text(encoding="utf-8")
+
+MOTION = FIRST.replace("plots: [histories, phase]", "plots: [motion, phase]")
+"""With a figure that not every case can be drawn as."""
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "figure"),
+    [
+        (FIRST, ["--no-plots"], ""),
+        (FIRST, [], "first-rock/phase.png"),
+        (MOTION, [], "first-rock/motion.png"),
+    ],
+)
 def test_a_plain_study_loads_no_xarray_no_statistics_of_suites_and_no_processes(
-    tmp_path: Path, more: list[str]
+    tmp_path: Path, text: str, more: list[str], figure: str
 ) -> None:
-    study = Path(__file__).resolve().parents[2] / "studies" / "examples" / "first_rock.yaml"
+    study = tmp_path / "study.yaml"
+    study.write_text(text, encoding="utf-8")
     words = ["run", str(study), "--quiet", "--out", str(tmp_path), *more]
     program = f"""
 import sys
@@ -62,4 +78,17 @@ print({NEEDLESS!r} & sys.modules.keys())
     done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["set()"]
     assert not done.stderr
-    assert (tmp_path / "first-rock" / "phase.png").exists() == (not more)
+    assert bool(figure) == bool([*tmp_path.glob("*/*.png")])
+    assert (tmp_path / figure).exists()
+
+
+def test_a_process_of_python_has_matplotlib_whole() -> None:
+    """A check of a study's figures, and a figure itself, leave three dimensions and docstrings as they are."""
+    program = f"""
+import rockcli, yaml
+rockcli.plot(rockcli.run(yaml.safe_load({MOTION!r})), "phase")
+import matplotlib.pyplot as plt
+print(plt.figure().add_subplot(projection="3d").name, "linewidth" in plt.Line2D.set.__doc__)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["3d", "True"]

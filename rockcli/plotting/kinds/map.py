@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
+from matplotlib.image import PcolorImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -155,9 +156,8 @@ def _panel(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str], norm: No
     values = [axis_values(dataset, axis) for axis in found]
     logs = [is_log(v) for v in values]
     edges = [_edges(v, log=log) for v, log in zip(values, logs, strict=True)]
-    if all(map(_even, edges)):  # as quadrilaterals a million cells take .4 s more
-        extent = (edges[0][0], edges[0][-1], edges[1][0], edges[1][-1])
-        axes.imshow(colours, extent=extent, origin="lower", aspect="auto", interpolation="nearest")
+    if not any(logs) and all(map(_monotonic, edges)):  # as quadrilaterals a million cells take .8 s more
+        axes.add_image(PcolorImage(axes, edges[0], edges[1], colours, in_layout=False))
     else:
         axes.pcolormesh(edges[0], edges[1], colours, shading="flat", rasterized=True)
     both = _tilts_and_slides(dataset, (y, x))
@@ -237,10 +237,9 @@ def _edges(values: Array, *, log: bool) -> Array:
     return np.asarray(np.exp(edges) if log else edges)
 
 
-def _even(edges: Array) -> bool:
-    """Whether cells are as wide as each other, to a thousandth."""
+def _monotonic(edges: Array) -> bool:
     steps = np.diff(edges)
-    return bool(np.ptp(steps) < 1e-3 * np.abs(steps).min())
+    return bool((steps > 0.0).all() or (steps < 0.0).all())
 
 
 def _legend(figure: Figure, present: set[int], bounded: set[str], *, shaded: bool, slides: bool, uplift: str) -> None:
